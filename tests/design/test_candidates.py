@@ -1,15 +1,9 @@
 """Candidate designs: free thicknesses, against grids and against each other."""
 
-import numpy as np
 import pytest
 
 from armour.analysis.impact import simulate
-from armour.analysis.searches import Least, least_ceramics_mm
-from armour.analysis.variants import Variants, variants_of
-from armour.design import candidates
-from armour.design.candidates import least_areal_densities
 from armour.design.optimise import optimise
-from armour.engine import batch
 from armour.errors import InputError
 from armour.scenario.scenario import load_scenario
 from tests.helpers.cases import CERAMICS, METALS, SCENARIOS, THREATS, catalogue, scenario
@@ -114,36 +108,3 @@ def test_lists_cannot_be_refined():
     one = {"material": "AD85", "thickness_mm": {"min": 8.0, "max": 8.0, "step": 1.0}}
     with pytest.raises(InputError, match="--refine: needs a thickness given as a range"):
         optimise(catalogue(ceramic=[CERAMICS[1], one], backing=METALS[1:]), refine=True)
-
-
-def test_least_areal_densities_are_those_of_refined_designs():
-    grid = {
-        "ceramic_thickness_mm": {"min": 4.0, "max": 14.0, "step": 1.0},
-        "backing_thickness_mm": {"min": 4.0, "max": 9.0, "step": 1.0},
-    }
-    of = scenario(backing="5083-H3", optimise=grid)
-    velocities = [750.0, 850.0, 3000.0]
-    least = least_areal_densities(variants_of(of, {"impact.velocity_m_s": np.array(velocities)}, 3))
-    for velocity, found in zip(velocities[:2], least[:2], strict=True):
-        refined = optimise(of.replaced({"impact.velocity_m_s": velocity}), refine=True).refined
-        assert refined is not None
-        assert found == pytest.approx(refined.areal_density_kg_m2, abs=1e-5)
-    assert np.isnan(least[2])
-
-
-def test_plates_heavier_alone_than_a_design_are_not_searched(monkeypatch: pytest.MonkeyPatch):
-    searched = []
-
-    def counted(variants: Variants) -> Least:
-        searched.append(batch.fields(variants.parameters).Hb.max(initial=0.0))
-        return least_ceramics_mm(variants)
-
-    monkeypatch.setattr(candidates, "least_ceramics_mm", counted)
-    grid = {"ceramic_thickness_mm": {"min": 4.0, "max": 14.0, "step": 1.0}}
-    found = []
-    for most in (14.0, 200.0):
-        plates = {"backing_thickness_mm": {"min": 4.0, "max": most, "step": 0.5}}
-        of = scenario(backing="5083-H3", optimise={**grid, **plates})
-        found.append(least_areal_densities(variants_of(of, {"impact.velocity_m_s": np.array([750.0, 850.0])}, 2)))
-    np.testing.assert_allclose(found[0], found[1], rtol=1e-7)  # other thicknesses are tried first
-    assert max(searched) * of.core_armour().rho_B < 2.0 * found[0].max()

@@ -54,15 +54,16 @@ def limit_brackets(
     low: float,
     high: float,
     tolerance: float,
-    points: int = SCAN_POINTS,
+    points: int | None = None,
 ) -> batch.Brackets:
     """Return brackets of the ballistic limit of each row that a scan from low to high, m/s, sees.
 
-    The scan has at least a number of points, and the dense number if a row is unusual.
+    The scan has a number of points, by default the usual one, and the dense one if a row is unusual.
     """
-    count, dense = len(variants.velocities), unusual(variants)
+    count = len(variants.velocities)
+    dense = unusual(variants) if points is None else np.zeros(count, dtype=bool)
     brackets = batch.Brackets(np.empty(count), np.empty(count), np.empty(count, np.int64), np.empty(count, np.bool_))
-    for rows, some in ((~dense, points), (dense, DENSE_SCAN_POINTS)):
+    for rows, some in ((~dense, points or SCAN_POINTS), (dense, DENSE_SCAN_POINTS)):
         if rows.any():
             found = _searched(variants.parameters[rows], low, high, tolerance, variants.options, some)
             for into, values in zip(brackets, found, strict=True):

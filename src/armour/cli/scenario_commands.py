@@ -182,12 +182,12 @@ def _check_of(scenario: "Scenario", best: "BestDesign", source: str, changes: Se
     return shlex.join(["armour", "check", source, *asked, *set_options(kept)])
 
 
-@question(("impact", "armour", "ballistic_limit", "optimise"), unit="designs")
+@question(("impact", "armour", "ballistic_limit"), first="computing")
 def sensitivity(scenario: "Scenario", on_progress: "OnProgress") -> Answer:
     """Rank the inputs by their effect on the answers.
 
-    The effects are elasticities: the change of ballistic limit, residual velocity and least areal density, in per cent,
-    when an input grows by 1 %.
+    The effects are elasticities: the change of ballistic limit and residual velocity, in per cent, when an input grows
+    by 1 %.
     """
     return Answer(armour.sensitivity(scenario, on_progress=on_progress))
 

@@ -6,9 +6,8 @@ from functools import partial
 
 import numpy as np
 
-from armour.analysis.results import OnProgress, ignore_progress, portions
-from armour.analysis.searches import Least, least_ceramics_mm, least_values_mm
-from armour.analysis.variants import Bools, Floats, Ints, Variants, unusual, with_thicknesses
+from armour.analysis.searches import Least, least_values_mm
+from armour.analysis.variants import Bools, Floats, Ints, unusual
 from armour.core.search import SCAN_POINTS
 from armour.design.catalogue import MARGIN, Candidates, first_backings
 from armour.design.search import Requirement, Search
@@ -18,8 +17,6 @@ from armour.scenario.schema import FreeRange, Range
 BACKING_TOLERANCE_MM = 1e-3
 # Ratio of the distances of the back plate thicknesses of one round and the next.
 CLOSER = 10
-# Searches for a ceramic thickness that are done at a time, which bounds the memory.
-SEARCHES_AT_A_TIME = 1000
 # Parts into which the margin that the thickest design has beyond the required one is divided for a Pareto front.
 MARGIN_PARTS = 10
 
@@ -156,44 +153,6 @@ def _least(
     least.mm[rest] = again.mm
     least.changes_again[rest] |= again.changes_again
     return least
-
-
-def searches_of(variants: Variants) -> int:
-    """Return the greatest number of searches for a ceramic that `least_areal_densities` takes."""
-    first, width = first_backings(variants.grid.backing_thickness_mm)
-    each = len(first)
-    while width > BACKING_TOLERANCE_MM:
-        width /= CLOSER
-        each += 2 * CLOSER + 1
-    return each * len(variants.velocities)
-
-
-def least_areal_densities(variants: Variants, on_progress: OnProgress = ignore_progress) -> Floats:
-    """Return the least areal density that stops each impact, kg/m², (n,); NaN if no design does.
-
-    Both thicknesses are free within the ranges of the grid.  `on_progress` is called with searches for a ceramic.
-    """
-    grid = variants.grid
-    count = len(variants.velocities)
-
-    def values_of(backings: Floats) -> Floats:
-        values = np.full(backings.shape, np.inf)
-        for part in portions(backings.shape[1], max(1, SEARCHES_AT_A_TIME // count)):
-            rows, places = np.indices(backings[:, part].shape).reshape(2, -1)
-            thinnest = {"backing_mm": backings[rows, part.start + places], "ceramic_mm": grid.ceramic_thickness_mm.min}
-            many = with_thicknesses(variants.at(rows), **thinnest)
-            # Thick plates, which take long where they are unusual, are heavier than a design found before.
-            lighter = many.areal_densities_kg_m2 < values.min(axis=1)[rows]
-            many, rows, places = many.at(lighter), rows[lighter], places[lighter]
-            many = with_thicknesses(many, ceramic_mm=least_ceramics_mm(many).mm)
-            values[rows, part.start + places] = np.nan_to_num(many.areal_densities_kg_m2, nan=np.inf)
-            on_progress(len(lighter), None)
-        return values
-
-    section = grid.backing_thickness_mm
-    first, width = first_backings(section)
-    least = minimise_over_backings(values_of, np.tile(first, (count, 1)), section.min, section.max, width)
-    return np.where(np.isfinite(least), least, np.nan)
 
 
 def minimise_over_backings(

@@ -12,7 +12,7 @@ from armour.analysis.estimates import Estimate
 from armour.analysis.results import FIRST_IMPACTS, OnProgress, ignore_progress, portions
 from armour.analysis.searches import limit_brackets
 from armour.analysis.variants import Bools, Floats, Ints, Variants, perforated
-from armour.core.search import DENSE_SCAN_POINTS, SCAN_POINTS
+from armour.core.search import DENSE_SCAN_POINTS
 from armour.design.catalogue import COST, MARGIN, Candidates, Catalogue, first_backings, least_of_law
 from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S
 
@@ -164,7 +164,7 @@ class Requirement:
             found[where[missed]] = lowest[missed]
         return found
 
-    def _counted(self, variants: Variants, low: float, high: float, points: int = SCAN_POINTS) -> Floats:
+    def _counted(self, variants: Variants, low: float, high: float, points: int | None = None) -> Floats:
         """Return lowest limits, m/s; -inf if the lowest velocity perforates, inf if none is seen to."""
         tolerance = variants.scenario.ballistic_limit.tolerance_m_s
         found = limit_brackets(variants, low, high, tolerance, points=points)

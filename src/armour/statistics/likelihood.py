@@ -14,8 +14,9 @@ from scipy.stats import chi2, norm, t
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.evaluate import Answers
 from armour.analysis.results import OnProgress
-from armour.analysis.searches import ballistic_limits
+from armour.analysis.searches import limit_brackets
 from armour.analysis.variants import Bools, Floats, Ints, Variants, perforated, variants_of
+from armour.core.search import SCAN_POINTS
 from armour.errors import Problem, mistake, refuse
 from armour.scenario.inputs import BACKING, CERAMIC, NAMES, VELOCITY
 from armour.scenario.library import FLOW_STRESS_LAW
@@ -184,14 +185,19 @@ class Likelihood(NamedTuple):
 
 
 def _limits(variants: Variants) -> Floats:
-    """Return ballistic limits, m/s; the end of the search's range where the limit lies beyond it."""
+    """Return ballistic limits, m/s; the end of the search's range where the limit lies beyond it.
+
+    The usual scan is enough for unusual armours too: a fit comes upon these far from its end, or has no end.
+    """
     search = variants.scenario.ballistic_limit
-    limits = ballistic_limits(variants, tolerance=LIMIT_TOLERANCE_M_S)
+    ends = search.velocity_min_m_s, search.velocity_max_m_s
+    found = limit_brackets(variants, *ends, LIMIT_TOLERANCE_M_S, SCAN_POINTS)
+    limits = np.where(found.bounded, found.perforated, np.nan)
     outside = np.flatnonzero(np.isnan(limits))
     if len(outside):
         slowest = np.full(len(outside), search.velocity_min_m_s)
         below = perforated(variants.at(outside)._replace(velocities=slowest))
-        limits[outside] = np.where(below, search.velocity_min_m_s, search.velocity_max_m_s)
+        limits[outside] = np.where(below, *ends)
     return limits
 
 

@@ -8,13 +8,12 @@ from typing import Any
 import numpy as np
 
 from armour.analysis.evaluate import Answers
-from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress, portions
+from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.analysis.searches import ballistic_limits
-from armour.analysis.variants import Floats, Variants, concatenated, grid_of, variants_of
-from armour.design.candidates import least_areal_densities, searches_of
+from armour.analysis.variants import Floats, Variants, concatenated, variants_of
 from armour.errors import NoAnswerError
 from armour.scenario.checked import checked
-from armour.scenario.inputs import BACKING, CERAMIC, VELOCITY
+from armour.scenario.inputs import VELOCITY
 from armour.scenario.scenario import Scenario
 from armour.statistics.measured import LIMIT, RESIDUAL
 
@@ -23,9 +22,8 @@ CHANGE = 0.005
 # Tolerance of the ballistic limits that are subtracted, m/s.
 LIMIT_TOLERANCE_M_S = 1e-7
 
-OPTIMUM = "least_areal_density_kg_m2"
 # Inputs that an answer does not depend on, because it is the result of a search over them.
-FREE = {LIMIT: (VELOCITY,), RESIDUAL: (), OPTIMUM: (CERAMIC, BACKING)}
+FREE = {LIMIT: (VELOCITY,), RESIDUAL: ()}
 
 
 @dataclass(frozen=True)
@@ -54,8 +52,7 @@ class SensitivityResult(TableResult):
     Attributes
     ----------
     answers : mapping of str to float or None
-        Ballistic limit, m/s, residual velocity, m/s, and, where the scenario has a grid, least areal density of designs
-        with continuous thicknesses, kg/m²; None if there is none.
+        Ballistic limit and residual velocity, m/s; None if there is none.
     inputs : tuple of Elasticity
         In descending order of the elasticity of the ballistic limit.
     warnings : tuple of str
@@ -84,7 +81,7 @@ def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
     ----------
     scenario : Scenario
     on_progress : callable, optional
-        Called with the number of limits and of least designs searched for since the last call, and that of all.
+        Called with the number of limits searched for since the last call, and that of all.
 
     Returns
     -------
@@ -93,9 +90,9 @@ def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
     Raises
     ------
     NoAnswerError
-        If there is no ballistic limit in the range of the search, no residual velocity and no design.
+        If there is no ballistic limit in the range of the search and no residual velocity.
     InputError
-        If the scenario has a grid with a ceramic thickness, but no ceramic, or a run does not end.
+        If a run does not end.
     """
     own = {name: value for name, value in scenario.inputs().items() if value != 0.0}
     # Each change makes variants of its own, as values derived from one input must not be fixed by the others.
@@ -103,11 +100,9 @@ def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         variants_of(scenario, {name: np.array([value * (1.0 + CHANGE), value * (1.0 - CHANGE)])}, 2)
         for name, value in own.items()
     ]
-    answers = _answers(scenario, concatenated([variants_of(scenario, {}, 1), *changed]), on_progress)
+    answers = _answers(concatenated([variants_of(scenario, {}, 1), *changed]), on_progress)
     if all(isnan(values[0]) for values in answers.values()):
-        raise NoAnswerError(
-            "nothing to compare: no ballistic limit in the range of its search, no residual velocity and no design"
-        )
+        raise NoAnswerError("nothing to compare: no ballistic limit in the range of its search, no residual velocity")
     step = log((1.0 + CHANGE) / (1.0 - CHANGE))
     elasticities = {answer: np.log(values[1::2] / values[2::2]) / step for answer, values in answers.items()}
     inputs = [
@@ -128,28 +123,19 @@ def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
     ).of(scenario.subject(), scenario=scenario)
 
 
-def _answers(scenario: Scenario, variants: Variants, on_progress: OnProgress) -> dict[str, Floats]:
+def _answers(variants: Variants, on_progress: OnProgress) -> dict[str, Floats]:
     """Return the answers of each variant, (n,); NaN if there is none.
 
     The first variant is the scenario itself; the ballistic limits of the others are accurate to a finer tolerance.
     """
-    impacts = Answers(variants)
-    total = count = len(variants.velocities)
-    if scenario.optimise is not None:
-        grid_of(scenario)
-        total += searches_of(variants)
-    limits = np.empty(count)
-    for part in portions(count, count):
-        limits[part] = ballistic_limits(variants.at(part), tolerance=LIMIT_TOLERANCE_M_S)
-        on_progress(part.stop - part.start, total)
+    impacts, count = Answers(variants), len(variants.velocities)
+    limits = ballistic_limits(variants, tolerance=LIMIT_TOLERANCE_M_S)
     limits[:1] = ballistic_limits(variants.at(np.arange(1)))
-    answers = {
+    on_progress(count, count)
+    return {
         LIMIT: limits,
         RESIDUAL: np.where(impacts.perforated, impacts.residual_velocities, np.nan),
     }
-    if scenario.optimise is not None:
-        answers[OPTIMUM] = least_areal_densities(variants, lambda done, _: on_progress(done, total))
-    return answers
 
 
 def _number(value: float) -> float | None:

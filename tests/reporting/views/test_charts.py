@@ -306,11 +306,11 @@ def test_a_calibration_to_many_tests_shows_the_largest_deviations():
 
 
 def test_a_sensitivity_is_ordered_by_the_ballistic_limit():
-    def item(name: str, limit: float | None, areal: float | None) -> Elasticity:
-        return Elasticity(name, 1.0, {"ballistic_limit_m_s": limit, "residual_velocity_m_s": None, LEAST: areal})
+    def item(name: str, limit: float | None, residual: float | None) -> Elasticity:
+        return Elasticity(name, 1.0, {"ballistic_limit_m_s": limit, "residual_velocity_m_s": residual})
 
     found = SensitivityResult(
-        {"ballistic_limit_m_s": 700.0, "residual_velocity_m_s": None, LEAST: 50.0},
+        {"ballistic_limit_m_s": 700.0, "residual_velocity_m_s": 50.0},
         (
             item("ceramic.flow_stress_GPa", 0.5, -0.4),
             item("impact.velocity_m_s", 0.0, 1.7),
@@ -319,15 +319,14 @@ def test_a_sensitivity_is_ordered_by_the_ballistic_limit():
         ),
     )
     chart = sensitivity_view.chart(found)
-    limit, areal = chart.panels
-    assert limit.y.categories == areal.y.categories == ("ceramic thickness", "ceramic flow stress", "impact velocity")
-    assert (limit.title, areal.title) == ("ballistic limit", "least areal density")
+    limit, residual = chart.panels
+    assert limit.y.categories == residual.y.categories == ("ceramic thickness", "ceramic flow stress", "impact velocity")
+    assert (limit.title, residual.title) == ("ballistic limit", "residual velocity")
     assert [some(panel, Points)[0].x for panel in chart.panels] == [[-0.6, 0.5, 0.0], [-0.4, 1.7]]
     assert chart.title == "The ballistic limit depends most on the ceramic thickness: -0.60 % for 1 % more"
     assert_matched(chart)
 
 
-LEAST = "least_areal_density_kg_m2"
 VELOCITIES = (700.0, 710.0, 715.0, 720.0, 725.0, 730.0)
 SHOTS = Shots(VELOCITIES, (False, False, True, False, True, True), "folder/shots.csv")
 

@@ -1,6 +1,6 @@
 """A sensitivity analysis."""
 
-from armour.analysis.quantities import QUANTITIES, label_and_unit
+from armour.analysis.quantities import label_and_unit
 from armour.reporting import charts
 from armour.reporting.table import Column, Source, Table, column_of, in_words, listing, record
 from armour.statistics.sensitivity import SensitivityResult
@@ -13,9 +13,7 @@ def sensitivity_table(result: SensitivityResult) -> Table:
     sources: list[Source] = []
     for name, value in result.answers.items():
         none = "none (stopped)" if name == "residual_velocity_m_s" else "none"
-        column = (
-            Column(label_and_unit(name)[0]) if value is None else column_of(name, "" if name in QUANTITIES else ".1f")
-        )
+        column = Column(label_and_unit(name)[0]) if value is None else column_of(name)
         sources.append((column, none if value is None else value))
     return record(result, *sources)
 
