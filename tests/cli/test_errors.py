@@ -1,5 +1,8 @@
 """Bad input ends in messages and exit code 2, whatever the command."""
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -80,3 +83,14 @@ def test_a_scenario_without_its_ending(cli, folder: Path):
     assert cli.fails(2, "check", "mine") == [
         'mine: cannot be read: no such file or directory; did you mean "mine.toml"?'
     ]
+
+
+@pytest.mark.usefixtures("folder")
+def test_a_pipe_with_a_mistake_is_not_opened_again():
+    """The message has no line, for which the program would wait for ever."""
+    os.mkfifo("a.toml")
+    command = [sys.executable, "-m", "armour", "simulate", "a.toml"]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+        Path("a.toml").write_text((SCENARIOS / "wilkins.toml").read_text().replace("800.0", "-800.0"))
+        _, said = process.communicate(timeout=60)
+    assert (process.returncode, said) == (2, "a.toml: impact.velocity_m_s: must be greater than 0, found -800.0\n")

@@ -116,7 +116,7 @@ def test_every_scenario_meets_the_schema(schema, path: Path):
         'model.shear_perimeter = "square"',
         "threat = [{ projectile = 'x' }]",
         'library.ceramic.X = { flow_stress_GPa = "hard" }',
-        "design.backing = [{ material = 'x', thickness_mm = 3.0 }]",
+        "design.backing = [{ material = 'x', thickness_mm = '3' }]",
     ],
 )
 def test_the_schema_sees_mistakes(schema, line: str):

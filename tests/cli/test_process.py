@@ -170,18 +170,29 @@ def test_an_encoding_without_the_units(tmp_path: Path, monkeypatch: pytest.Monke
 
 
 @pytest.mark.parametrize("kept", [False, True])
-def test_only_a_use_that_compiles_says_so(cli, folder: Path, monkeypatch: pytest.MonkeyPatch, kept: bool):
-    monkeypatch.setattr(cache, "is_compiled", lambda: kept)
-    result = cli("sweep", SCENARIOS / "wilkins.toml", "--over", "armour.ceramic_thickness_mm=6", "-o", folder / "a.csv")
+@pytest.mark.usefixtures("folder")
+def test_only_a_use_that_compiles_says_so(cli, monkeypatch: pytest.MonkeyPatch, kept: bool):
+    monkeypatch.setattr(cache, "is_compiled", lambda _name: kept)
+    monkeypatch.setattr(cache, "_kernels", {})
+    result = cli("sweep", "wilkins", "--over", "armour.ceramic_thickness_mm=6,7", "-o", "a.csv")
     said = [] if kept else ["compiling the numerical code, which takes about ten seconds"]
-    assert result.stderr.splitlines() == [*said, f"wrote {folder / 'a.csv'}: 1 rows"]
+    assert result.stderr.splitlines() == [*said, "wrote a.csv: 2 rows"]
 
 
-def test_where_compiled_code_cannot_be_kept_it_says_so(cli, folder: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(cache, "folder", lambda: (None, "without a user cache directory"))
-    result = cli("sweep", SCENARIOS / "wilkins.toml", "--over", "armour.ceramic_thickness_mm=6", "-o", folder / "a.csv")
-    assert result.stderr.splitlines() == [
-        "compiling the numerical code, which takes about ten seconds at every start: "
-        "compiled code cannot be kept without a user cache directory",
-        f"wrote {folder / 'a.csv'}: 1 rows",
-    ]
+def test_numbers_do_not_depend_on_the_threads_of_the_linear_algebra(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    found = set()
+    for threads in "12":
+        monkeypatch.setenv("OPENBLAS_NUM_THREADS", threads)
+        found.add(process("-m", "armour", "plan", "shots", "wilkins", "--json", cwd=tmp_path).stdout)
+    assert len(found) == 1
+    assert "".join(found)
+
+
+def test_what_computes_single_rows_does_not_say_that_it_compiles(cli, folder: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(cache, "is_compiled", lambda _name: False)
+    monkeypatch.setattr(cache, "_kernels", {})
+    case = (
+        '[[case]]\nname = "a"\nscenario = "wilkins"\nquantity = "ballistic_limit_m_s"\nexpected = 700.0\nband = 50.0\n'
+    )
+    (folder / "suite.toml").write_text(case)
+    assert cli("validate", "suite.toml").stderr == ""

@@ -93,7 +93,7 @@ def test_changes_and_standard_input(cli, folder: Path):
     assert (done.exit_code, done.stderr.splitlines()[0]) == (0, "wrote r.html")
     page = (folder / "r.html").read_text()
     assert "<span>Scenario: Changed</span>" in page
-    assert "above 99.5 %" in page.replace("\N{NO-BREAK SPACE}", " ")
+    assert "above 99 %" in page.replace("\N{NO-BREAK SPACE}", " ")
 
 
 def browse(page: Path, *options: str) -> str:

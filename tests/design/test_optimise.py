@@ -57,7 +57,7 @@ def test_a_range_whose_end_is_omitted():
     told = "ceramic_thickness_mm: the last value is 14, since 15 is not a whole number of steps away"
     beyond = {"min": 8.0, "max": 15.0, "step": 2.0}
     assert f"optimise.{told}" in optimise(case(ceramic_thickness_mm=beyond)).warnings
-    layers = {"ceramic": [{"material": "AD85", "thickness_mm": [10.0]}, {"material": "AD85", "thickness_mm": beyond}]}
+    layers = {"ceramic": [{"material": "SiC", "thickness_mm": 10.0}, {"material": "AD85", "thickness_mm": beyond}]}
     found = optimise(case().replaced({"design": layers})).warnings
     assert "design.ceramic[1].thickness_mm: " + told.partition(": ")[2] in found
 

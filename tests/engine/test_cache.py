@@ -68,11 +68,11 @@ def kept(home: Path, compiler: FakeCompiler) -> Path:
 
 
 def test_only_the_first_process_compiles_and_only_what_is_asked_for(home: Path, compiler: FakeCompiler):
-    assert not cache.is_compiled()
+    assert not cache.is_compiled("impacts")
     for name, compiled in (("impacts", 1), ("impacts", 1), ("ballistic_limits", 2)):
         in_a_new_process(name)
         assert compiler.compiled == compiled
-        assert cache.is_compiled()
+        assert cache.is_compiled("impacts")
     assert [path.stat().st_mode & 0o777 for path in (home, *home.iterdir())] == [0o700] * 2
 
 
@@ -80,7 +80,7 @@ def test_only_the_first_process_compiles_and_only_what_is_asked_for(home: Path, 
 def test_a_damaged_file_is_made_anew(kept: Path, compiler: FakeCompiler, content: str):
     kept.write_text(content)
     in_a_new_process()
-    assert not cache.is_compiled()
+    assert not cache.is_compiled("impacts")
     in_a_new_process()
     in_a_new_process()
     assert compiler.compiled == 3
@@ -89,7 +89,7 @@ def test_a_damaged_file_is_made_anew(kept: Path, compiler: FakeCompiler, content
 def assert_not_used(compiler: FakeCompiler, reason: str) -> None:
     """Every process compiles, which the command line says."""
     assert reason in cache.folder()[1]
-    assert not cache.is_compiled()
+    assert not cache.is_compiled("impacts")
     before = compiler.compiled
     in_a_new_process()
     in_a_new_process()
@@ -150,7 +150,7 @@ def test_without_numba(monkeypatch: pytest.MonkeyPatch):
     with pytest.raises(
         ArmourError, match=r"^numba is not installed; .*: type `python -m pip install --upgrade numba`$"
     ):
-        cache.is_compiled()
+        cache.is_compiled("impacts")
 
 
 def test_with_a_numba_that_cannot_be_imported(monkeypatch: pytest.MonkeyPatch):
@@ -166,7 +166,7 @@ def test_a_system_without_users(home: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.delattr(os, "geteuid")
     in_a_new_process()
     home.chmod(0o777)
-    assert cache.is_compiled()
+    assert cache.is_compiled("impacts")
 
 
 @pytest.mark.usefixtures("compiler")
@@ -178,7 +178,7 @@ def test_the_oldest_folders_are_deleted(home: Path):
     (home / "notes.txt").write_text("of the user")
     home.chmod(0o700)
     in_a_new_process()
-    assert cache.is_compiled()
+    assert cache.is_compiled("impacts")
     names = {path.name for path in home.iterdir()}
     assert names == {"notes.txt", f"kernels-{cache.digest()}", *(f"kernels-{age}" for age in range(4))}
 

@@ -33,7 +33,7 @@ def covered() -> dict[str, list[float]]:
             continue
         armour = case.scenario.core_armour()
         is_limit = case.quantity == "ballistic_limit_m_s" and case.measured is None
-        found["velocities"].append(float(case.expected) if is_limit else case.scenario.impact.velocity_m_s)
+        found["velocities"].append(float(case.expected or 0.0) if is_limit else case.scenario.impact.velocity_m_s)
         for measure in (CERAMIC_RATIO, BACKING_RATIO, SLENDERNESS):
             found[measure.key].append(measure.of(armour))
     return found

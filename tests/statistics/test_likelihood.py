@@ -6,12 +6,15 @@ import numpy as np
 import pytest
 from scipy.optimize import approx_fprime
 
+from armour.analysis.variants import Floats
+from armour.core.search import SCAN_POINTS
+from armour.engine import batch
 from armour.errors import InputError
 from armour.statistics.calibration import calibrate
 from armour.statistics.likelihood import Prior, prior_of
 from armour.statistics.measured import read_tests
 from tests.helpers.cases import TESTS, shipped_scenario
-from tests.helpers.fits import fitted
+from tests.helpers.fits import fitted, table_of
 
 C, V, LIMIT = "armour.ceramic_thickness_mm", "impact.velocity_m_s", "ballistic_limit_m_s"
 STRESS, TAU = "ceramic.flow_stress_GPa", "backing.shear_strength_MPa"
@@ -106,3 +109,21 @@ def test_the_centre_has_no_score(prior: Prior):
     centre = prior.centred(np.array([3.0, 9.0, 9.0]))
     assert prior.scores(centre) == pytest.approx([0.0, 0.0])
     assert centre[0] == 3.0
+
+
+def test_a_fit_far_from_its_end_takes_no_dense_scans(monkeypatch: pytest.MonkeyPatch):
+    """Inputs that the tests do not identify lead far from all tests, where each limit would take 1,025 velocities."""
+    scans: list[int] = []
+    searched = batch.ballistic_limits
+
+    def counted(rows: Floats, low: float, high: float, tolerance: float, options: Any, points: int) -> batch.Brackets:
+        scans.append(points)
+        return searched(rows, low, high, tolerance, options, points)
+
+    monkeypatch.setattr(batch, "ballistic_limits", counted)
+    wilkins = shipped_scenario("wilkins")
+    few = table_of(wilkins, *TESTS.read_text().splitlines()[:5])
+    names = ["ceramic.flow_stress_GPa", "ceramic.youngs_modulus_GPa", "projectile.density_kg_m3"]
+    found = calibrate(few, wilkins, names)
+    assert any(coefficient.estimate is None for coefficient in found.coefficients)
+    assert set(scans) == {SCAN_POINTS}

@@ -133,3 +133,10 @@ def test_the_file_is_found_from_another_folder(tmp_path: Path, monkeypatch: pyte
     (tmp_path / "out.csv").unlink()
     with pytest.raises(InputError, match=r"out\.csv: cannot be read: no such file"):
         found.columns  # noqa: B018
+
+
+def test_threats_that_a_sweep_does_not_use_are_told():
+    threats = scenario(threat=[{"projectile": "7.62 mm APM2", "velocity_m_s": 700.0}])
+    [told] = (warning for warning in sweep(threats, OVER).warnings if warning.startswith("threat: "))
+    assert "the 7.62 mm AP at 800 m/s of [impact]; armour check gives the probability for every threat" in told
+    assert not any("threat" in warning for warning in sweep(threats, OVER, "areal_density_kg_m2").warnings)

@@ -54,7 +54,7 @@ def test_two_per_cent_of_any_constant_is_noticed(kind: Kind, name: str, key: str
     assert concerned, f"no case of the suite uses {name}"
     case = concerned[0]
     changed = case.scenario.replaced(change)
-    lowest, highest = (float(case.expected) + sign * float(case.band or 0.0) for sign in (-1, 1))
+    lowest, highest = (float(case.expected or 0.0) + sign * float(case.band or 0.0) for sign in (-1, 1))
     # Within the band the limit would be above the lowest and below the highest.
     outcomes = [perforates(changed, changed.core_armour(), velocity) for velocity in (lowest, highest)]
     assert outcomes != [False, True]

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
 from armour.scenario.evidence import ERROR
+from armour.scenario.inputs import YIELD
 from armour.units import MM, US, words_and_unit
 
 # Outcomes, as data has them, in words.
@@ -104,7 +105,7 @@ def label_and_unit(name: str) -> tuple[str, str]:
     if name == ERROR:
         return "model error", "%"
     words, unit = words_and_unit(name)
-    words = _spelt(words)
+    words = "yield strength" if name == YIELD else _spelt(words)  # static where no dynamic one is known
     if "." in name:
         # Imported here, as they take long to load.
         from armour.scenario.inputs import ROLES

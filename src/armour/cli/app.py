@@ -1,10 +1,12 @@
 """The commands of the program, with examples; their help, and how they end."""
 
 import inspect
+import logging
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from contextvars import copy_context
 from functools import cache
+from os.path import isfile
 from typing import Annotated, Any
 
 import typer
@@ -108,7 +110,8 @@ def _located(problems: Sequence[Problem]) -> list[str]:
     @cache
     def lines(file: str) -> dict[str, int]:
         try:
-            return lines_of(read_text(file)) if file.endswith(".toml") else {}
+            # A pipe has been read, and would wait for ever.
+            return lines_of(read_text(file)) if file.endswith(".toml") and isfile(file) else {}
         except ArmourError:
             return {}
 
@@ -119,6 +122,17 @@ def _located(problems: Sequence[Problem]) -> list[str]:
     more = len(problems) - MAX_PROBLEMS
     return [*messages, f"and {more} more problems"] if more > 0 else messages
 
+
+class _Saying(logging.Handler):
+    """Says what the program logs: that it compiles, which takes a while."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Print a message."""
+        say(record.getMessage())
+
+
+logging.getLogger("armour").setLevel(logging.INFO)
+logging.getLogger("armour").addHandler(_Saying())
 
 app = typer.Typer(
     cls=Reporting,

@@ -26,7 +26,6 @@ from armour.cli.runner import (
     check_outputs,
     read_scenario,
     respond,
-    say_if_compiling,
     warnings_of,
     wrong_option,
 )
@@ -56,7 +55,7 @@ def number(text: str) -> float | str:
     found = read_number(text)
     if found is None:
         return text
-    return int(found) if text.isdigit() else found
+    return int(found) if text.lstrip("+-").isdigit() else found
 
 
 def share(text: str) -> float | str:
@@ -213,8 +212,6 @@ def question(
                 loaded = read_scenario(values["scenario"], changes, read, settings, what)
             elif changes:
                 raise wrong_option("--set", "must be given with a scenario")
-            if not first:
-                say_if_compiling()
             # An option that is not given has the default of the public function.
             given = {name for name in values if name in own or (name not in static and values[name] is not None)}
             asked = {name: values[name] for name in given} | {"scenario": loaded}

@@ -31,7 +31,6 @@ if TYPE_CHECKING:
 # Exit code of a check that failed.
 CHECK_FAILED = 3
 STANDARD_INPUT = "standard input"
-COMPILING = "compiling the numerical code, which takes about ten seconds"
 PLOT_ENDINGS = (".png", ".svg", ".pdf")
 
 
@@ -230,13 +229,3 @@ def _as_option(problem: Problem, named: Mapping[str, str]) -> Problem:
     name, space, rest = problem.key.partition(" ")
     option = named.get(name, f"--{name.replace('_', '-')}" if name.isidentifier() else "")
     return Problem("command line", option + space + rest, problem.message) if option else problem
-
-
-def say_if_compiling() -> None:
-    """Say on standard error that the engine is compiled, which takes a while."""
-    from armour.engine import cache
-
-    if not cache.is_compiled():
-        _, obstacle = cache.folder()
-        kept = f" at every start: compiled code cannot be kept {obstacle}; XDG_CACHE_HOME names another folder"
-        say(COMPILING + kept * bool(obstacle))

@@ -33,7 +33,6 @@ from armour.cli.runner import (
     check_outputs,
     read_scenario,
     respond,
-    say_if_compiling,
     set_options,
     write,
     wrong_option,
@@ -271,7 +270,6 @@ def sweep(
         raise wrong_option("--plot", "must be given with a number first in --quantities, found outcome")
     with as_options("sweep"), ExitStack() as stack:
         source = Cases(cases) if cases is not None else grid_of("--over", over or [])
-        say_if_compiling()
         count = stack.enter_context(progress("rows", source.count))
         workers = stack.enter_context(workers_of(stack.enter_context(connected(scheduler)))) if scheduler else None
         rows = write_sweep(
@@ -384,7 +382,6 @@ def _contents(source: Path, changes: list[str], confidence: Any, *, as_is: bool)
 
     reads = (*BYLINE, "armour", *(AS_IS if as_is else DESIGNS))
     loaded = read_scenario(source, changes, reads, {"--confidence": (CONFIDENCE[0], confidence)}, what="the report")
-    say_if_compiling()
     with progress("armours") as count:
         return contents_of(loaded, count, as_is=as_is)
 
@@ -396,6 +393,5 @@ def _suite_report(source: Path, changes: list[str], command: str) -> "Report":
     from armour.validation.validate import validate
 
     suite = load_suite(source, changes_of(changes))
-    say_if_compiling()
     with progress("cases", len(suite.cases)) as count:
         return suite_report(validate(suite, on_check=lambda _check, _total: count(1)), command)

@@ -12,7 +12,7 @@ import typer
 from armour.cli import completion
 from armour.cli.console import progress, say, show
 from armour.cli.question import AsJson, Changes, Force, argument, option
-from armour.cli.runner import CHECK_FAILED, check_outputs, respond, say_if_compiling, write
+from armour.cli.runner import CHECK_FAILED, check_outputs, respond, write
 from armour.errors import Problem, mistake, refuse
 from armour.files import reason, suite_file
 
@@ -62,7 +62,6 @@ def validate(
     if update and not any(case.regression for case in chosen.cases):
         message = "must be true for the suite, or a case or table without source, to be updated; other values stay"
         raise mistake(chosen.file, "regression", message)
-    say_if_compiling()
     start = perf_counter()
     result = _computed(chosen, quiet=as_json)
     seconds = perf_counter() - start
@@ -146,7 +145,6 @@ def figures(
         pass  # it is made with the first figure
     except OSError as error:
         raise mistake(folder, "", f"cannot be written to: {reason(error)}") from None
-    say_if_compiling()
     # Each figure is written as soon as it is computed: all of them take a while.
     with progress("figures", len(chosen)) as count:
         for name in chosen:

@@ -285,6 +285,12 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
         if title in titles[:i]:
             message = f'must be different for each threat, found "{title}" twice'
             problems.append(Problem(scenario.file, f"threat[{i}].name", message))
+    for role in LAYERS:
+        names = [layer.material for layer in getattr(section, role)]
+        for i, name in enumerate(names):
+            if name in names[:i]:
+                message = f'must be listed once, with all its thicknesses, found "{name}" twice'
+                problems.append(Problem(scenario.file, f"design.{role}[{i}].material", message))
     costs = COST in (section.minimise, *(section.pareto or ())) or section.cost_max_per_m2 is not None
     for key, layer in ((f"design.{role}[{i}]", of) for role in LAYERS for i, of in enumerate(getattr(section, role))):
         if bounded and uncertain and layer.free_range():

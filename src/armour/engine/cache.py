@@ -4,6 +4,7 @@ Numba itself notices changes of the kernels' file only: the folder is named afte
 is used if no other user can write to it or put another in its place.  Otherwise every process compiles.
 """
 
+import logging
 import os
 import shutil
 import sys
@@ -23,9 +24,11 @@ if TYPE_CHECKING:
     from armour.engine.kernels import Kernel
 
 PACKAGE = Path(__file__).resolve().parent.parent
+COMPILING = "compiling the numerical code, which takes about ten seconds"
 # Folders of other versions of the program that are kept.
 OTHERS_KEPT = 4
 
+log = logging.getLogger(__name__)
 _lock = Lock()
 _kernels: dict[str, "Kernel"] = {}
 
@@ -61,8 +64,8 @@ def folder() -> tuple[Path | None, str]:
     return None, f"in {path.parent}, which cannot be written"
 
 
-def is_compiled(name: str = "") -> bool:
-    """Return whether there is compiled code, or that of a kernel, without importing numba."""
+def is_compiled(name: str) -> bool:
+    """Return whether there is the compiled code of a kernel, without importing numba."""
     path, _ = folder()
     return path is not None and any(name in file.name for file in path.glob("*/*.nbi"))
 
@@ -81,12 +84,15 @@ def is_loaded(name: str) -> bool:
 
 
 def load(name: str) -> "Kernel":
-    """Load a kernel, or compile it and keep it."""
+    """Load a kernel, or compile it, which is logged, and keep it."""
     try:
         from armour.engine.kernels import compiled
     except ImportError as error:
         raise _unusable(f"numba cannot be imported: {error}") from error
-    path, _ = folder()
+    path, obstacle = folder()
+    if not is_compiled(name):
+        kept = f" at every start: compiled code cannot be kept {obstacle}; XDG_CACHE_HOME names another folder"
+        log.info(COMPILING + kept * bool(obstacle))
     if path is None:
         return compiled(name)
     try:

@@ -42,6 +42,7 @@ from armour.statistics.posterior import (
     FiringEstimate,
     FiringPrior,
     Posterior,
+    expected,
     learned,
     no_prior,
     pooled_scatter,
@@ -416,7 +417,7 @@ def _curve(prior: Posterior, posterior: Posterior, fired: Shots) -> PlanCurve:
     shown = (low, high, *fired.velocities_m_s)
     velocities = np.linspace(min(shown), max(shown), CURVE_POINTS)
     density = (each.density(velocities) for each in (prior, posterior))
-    curves = (*density, posterior.weights @ posterior.grid.response(velocities).T)
+    curves = (*density, expected(posterior.grid.response(velocities), posterior.weights))
     return PlanCurve(tuple(velocities.tolist()), *(tuple(curve.tolist()) for curve in curves))
 
 

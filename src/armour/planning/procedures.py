@@ -25,6 +25,7 @@ from armour.statistics.posterior import (
     FiringPrior,
     Grid,
     Posterior,
+    expected,
     is_above,
     posterior_of,
 )
@@ -305,7 +306,7 @@ def decisions(weights: Floats, grid: Grid, settings: ShotSettings) -> Ints:
     if demand := settings.demand():
         for_it, against = (demand.ratios(weights) * (1.0 - settings.confidence) >= 1.0).T
     else:
-        met = weights @ target(grid, settings)
+        met = expected(target(grid, settings), weights)
         for_it, against = met >= settings.confidence, met <= 1.0 - settings.confidence
     return for_it.astype(int) - against
 
@@ -325,7 +326,7 @@ def gains(weights: Floats, target: Floats, response: Floats) -> Floats:
     The weights of n distributions, (n, points), and the response at the velocities, (m, points), give (n, m).
     """
     probability = _product(weights, response).clip(1e-12, 1.0 - 1e-12)
-    mean = weights @ target
+    mean = expected(target, weights)
     covariance = _product(weights * (target - mean[:, None]), response)
     return covariance**2 / (probability * (1.0 - probability))
 
@@ -345,7 +346,7 @@ def _product(weights: Floats, response: Floats) -> Floats:
 def candidates(known: Posterior, settings: ShotSettings, count: int) -> Floats:
     """Return velocities to choose from, evenly spaced, m/s."""
     greatest = settings.scatter_m_s * settings.scatter_factor ** float(ndtri(0.5 + 0.5 * PLAUSIBLE))
-    scatter = float(known.weights @ known.grid.scatter_m_s)
+    scatter = float(expected(known.grid.scatter_m_s, known.weights))
     if settings.demand():
         low = high = settings.requirement_m_s
         reach = AROUND * min(scatter, greatest)

@@ -387,7 +387,7 @@ class Scenario(Section):
         if not self.threat:
             return ()
         against = f"the {shot(self.impact)} of [impact]"
-        unused = f"is not used: the results are against {against}; armour report gives the probability for every threat"
+        unused = f"is not used: the results are against {against}; armour check gives the probability for every threat"
         return (Note(unused, "threat"),)
 
 

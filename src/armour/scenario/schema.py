@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
     AfterValidator,
+    BeforeValidator,
     ConfigDict,
     Discriminator,
     Field,
@@ -299,12 +300,18 @@ def _kind_of_range(value: object) -> str:
     return RANGE_TAG if stepped else FREE_TAG
 
 
-Thicknesses = Annotated[
+def _listed(value: object) -> object:
+    """Return a single thickness as a list of it."""
+    return [value] if isinstance(value, int | float) else value
+
+
+_Given = Annotated[
     Annotated[Annotated[list[ThicknessOrNone], Field(min_length=1)], Tag(LIST_TAG)]
     | Annotated[Range, Tag(RANGE_TAG)]
     | Annotated[FreeRange, Tag(FREE_TAG)],
     Discriminator(_kind_of_range),
 ]
+Thicknesses = Annotated[_Given, BeforeValidator(_listed, json_schema_input_type=ThicknessOrNone | _Given)]
 
 
 class Layer(Section):
@@ -313,7 +320,7 @@ class Layer(Section):
     material: str
     """Name of the ceramic or metal."""
     thickness_mm: Thicknesses
-    """Thicknesses to choose from: a list, a range with a step, or a range without a step for any value in it."""
+    """Thicknesses to choose from: one, a list, a range with a step, or a range without a step for any value in it."""
     cost_per_kg: Amount = 0.0
     """Cost per mass of the material, in any currency."""
     cost_per_m2: Amount = 0.0
@@ -350,7 +357,7 @@ class BackingLayer(Layer):
     material: MetalName
     """Name of the metal."""
     thickness_mm: Annotated[Thicknesses, AfterValidator(_above_zero)]
-    """Thicknesses to choose from: a list, a range with a step, or a range without a step for any value in it."""
+    """Thicknesses to choose from: one, a list, a range with a step, or a range without a step for any value in it."""
 
 
 Objective = Literal["areal_density_kg_m2", "thickness_mm", "cost_per_m2"]

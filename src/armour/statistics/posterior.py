@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from math import log
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -115,6 +115,14 @@ def pooled_scatter(
     return 100.0 * float(np.exp(mean)), float(np.exp(variance**0.5))
 
 
+def expected(values: Floats, weights: Floats) -> Any:
+    """Return the means of values, (..., points), by n distributions, (n, points), or one.
+
+    Other than those of the linear algebra, the sums do not depend on the number of its threads.
+    """
+    return np.einsum("...p,...p->...", values, weights)
+
+
 class Grid(NamedTuple):
     """Points of V50 and scatter, m/s, with the scatter varying fastest."""
 
@@ -156,12 +164,12 @@ class Posterior(NamedTuple):
         logs = np.log(self.grid.scatter_m_s)
         step = max(float(logs[1] - logs[0]), 1e-12)
         some = np.linspace(logs.min() - 0.5 * step, logs.max() + 0.5 * step, 2 * self.grid.shape[1])
-        below = np.array([self.weights @ np.clip(0.5 + (one - logs) / step, 0.0, 1.0) for one in some])
+        below = np.array([expected(np.clip(0.5 + (one - logs) / step, 0.0, 1.0), self.weights) for one in some])
         return np.exp(np.interp(ndtri(probabilities), _normal(below), some)).tolist()
 
     def variance(self, target: Floats) -> float:
         """Return the variance of a quantity that has values at the points, (points,)."""
-        return float(self.weights @ (target - self.weights @ target) ** 2)
+        return float(expected((target - expected(target, self.weights)) ** 2, self.weights))
 
     def density(self, velocities_m_s: Floats) -> Floats:
         """Return the probability density of V50 at velocities, s/m; 0 beyond the grid."""
@@ -171,7 +179,7 @@ class Posterior(NamedTuple):
 
     def probability_above(self, velocity_m_s: float, fraction: float) -> float:
         """Return the probability that the velocity at which a fraction of shots perforates exceeds a velocity."""
-        return float(self.weights @ is_above(self.grid, velocity_m_s, fraction))
+        return float(expected(is_above(self.grid, velocity_m_s, fraction), self.weights))
 
 
 def is_above(grid: Grid, velocity_m_s: float, fraction: float) -> Floats:
@@ -257,10 +265,10 @@ def learned(
 
 def _contradictions(prior: Posterior, posterior: Posterior) -> Iterator[str]:
     """Give a warning for each of V50 and scatter whose posterior lies beyond what the prior holds for plausible."""
-    expected, found = prior.estimate(PLAUSIBLE), posterior.estimate(PLAUSIBLE)
+    usual, found = prior.estimate(PLAUSIBLE), posterior.estimate(PLAUSIBLE)
     for name, value, (low, high) in (
-        ("V50", found.v50_m_s, expected.v50_interval_m_s),
-        ("scatter", found.scatter_m_s, expected.scatter_interval_m_s),
+        ("V50", found.v50_m_s, usual.v50_interval_m_s),
+        ("scatter", found.scatter_m_s, usual.scatter_interval_m_s),
     ):
         if not low <= value <= high:
             yield (

@@ -195,7 +195,7 @@ def sweep(
         if source.count > MAX_ROWS:
             raise mistake("sweep", "output", f"must be given for more than {MAX_ROWS:,} rows, found {source.count:,}")
         check(scenario, source, names)
-        warnings += unanswered(scenario, names)
+        warnings += left_out(scenario, names)
         check_rows(scenario, source)
         columns, concerning = chunk_of(scenario, source.rows(np.arange(source.count)), names, threads)
         warnings += lines_of(concerning, source.count)
@@ -238,7 +238,7 @@ def write_sweep(
     rows.  ``replace`` allows the output to take the place of an older file.
     """
     check(scenario, source, quantities)
-    for line in unanswered(scenario, quantities):
+    for line in left_out(scenario, quantities):
         tell(f"warning: {line}")
     warnings: Counter[str] = Counter()
     compute = partial(chunk_of, scenario, quantities=quantities, threads=threads if workers is None else 1)
@@ -335,12 +335,15 @@ def check(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -
     check_keys(scenario, first, quantities, "sweep")
 
 
-def unanswered(scenario: Scenario, quantities: Sequence[str]) -> list[str]:
-    """Return a warning for each quantity that needs the model error, if the scenario excludes it."""
+def left_out(scenario: Scenario, quantities: Sequence[str]) -> list[str]:
+    """Return a warning if threats of the scenario are not used, and for each quantity that needs an error left out."""
     needing = [
         name for name in quantities if "uncertainty.model" in QUANTITIES[name].reads and scenario.excludes_error()
     ]
-    return [f"{name}: has no value if uncertainty.model.included is false" for name in needing]
+    return [
+        *(scenario.unused_threats() if reads_of(quantities) else ()),
+        *(f"{name}: has no value if uncertainty.model.included is false" for name in needing),
+    ]
 
 
 def check_rows(scenario: Scenario, source: Grid | Cases) -> None:

@@ -44,13 +44,13 @@ def errors_of(computed: Iterable[tuple[Case, float | str | None]]) -> tuple[Erro
 
     The predictions are those of the rivals, of this model and of simpler formulas.
     """
-    rows = [(case, value) for case, value in computed if case.rivals and abs(float(case.expected)) >= TINY]
+    rows = [(case, value) for case, value in computed if case.rivals and abs(float(case.expected or 0.0)) >= TINY]
     cases = [case for case, _ in rows]
     percents_of: dict[str, list[float]] = {}
     for case, value in rows:
         own = {"this model": value} if isinstance(value, float) else {}
         for name, predicted in {**case.rivals, **own, **_florence(case)}.items():
-            percents_of.setdefault(name, []).append(100.0 * abs(predicted / float(case.expected) - 1.0))
+            percents_of.setdefault(name, []).append(100.0 * abs(predicted / float(case.expected or 0.0) - 1.0))
     found = [
         _error(cases[0].group, name, percents, _fitted_before(cases[0]) if name == "this model" else "")
         for name, percents in percents_of.items()
@@ -147,7 +147,7 @@ def areal_densities(cases: Sequence[Case]) -> Floats:
 
 def measured_limits(cases: Sequence[Case]) -> Floats:
     """Return measured ballistic limits of cases, m/s."""
-    return np.array([float(case.expected) for case in cases])
+    return np.array([float(case.expected or 0.0) for case in cases])
 
 
 def _fitted_error(cases: Sequence[Case], predictor: str, fitted: str, predicted: Floats, left_out: Floats) -> Error:

@@ -117,14 +117,16 @@ class _Expectation(Section):
 class CaseSection(_Expectation):
     """A case."""
 
-    expected: NumberOrText
+    expected: NumberOrText | None = None
     replaced_by: dict[str, Any] | None = None
     measured: Annotated[float, Field(ge=1.0 / LARGEST, le=LARGEST)] | None = None
     file: ClassVar = ""
 
     @model_validator(mode="after")
     def _fits_the_quantity(self) -> "CaseSection":
-        if self.quantity == "outcome":
+        if self.expected is None:
+            pass  # of a regression value, which an update fills
+        elif self.quantity == "outcome":
             if self.expected not in ("perforated", "defeated"):
                 raise ValueError(f'expected must be "perforated" or "defeated", found {describe(self.expected)}')
         elif isinstance(self.expected, str) or abs(self.expected) > LARGEST:
@@ -221,7 +223,8 @@ class Case:
         The case, or the table of which it is a row, as the file gives it.
     name : str
     scenario : Scenario
-    expected : float or str
+    expected : float or str or None
+        None for a regression value that is not filled yet.
     place : tuple of str and int
         Keys and indices of the expected value in the file.
     replacement : Scenario or None
@@ -238,7 +241,7 @@ class Case:
     section: CaseSection | TableSection
     name: str
     scenario: Scenario
-    expected: float | str
+    expected: float | str | None
     place: Parts
     replacement: Scenario | None = None
     rivals: Mapping[str, float] = field(default_factory=dict)
@@ -269,7 +272,9 @@ class Case:
     def band(self) -> float | None:
         """Largest deviation allowed, in the unit of the quantity."""
         percent = self.section.band_percent
-        return self.section.band if percent is None else percent / 100.0 * abs(float(self.expected))
+        if percent is None or self.expected is None:
+            return self.section.band
+        return percent / 100.0 * abs(float(self.expected))
 
     @property
     def reason(self) -> str:
@@ -284,18 +289,25 @@ class Case:
     @property
     def not_scored(self) -> str:
         """Reason why the case is shown but not scored; empty if it is scored."""
-        return self.section.not_scored
+        return self.section.not_scored or (
+            "no expected value yet; --update fills it in" if self.expected is None else ""
+        )
 
     @property
     def regression(self) -> bool:
         """Whether the expected value is a result of this program, which an update replaces."""
-        return (self.section.regression or self.suite.regression) and not (self.source or self.cells)
+        return is_regression(self.section, self.suite) and not self.cells
 
     def compared(self, value: float | str) -> float | str:
         """Return a value of the quantity as what the expected value is: the value, or its relative difference."""
         if self.measured is None or isinstance(value, str):
             return value
         return 100.0 * abs(value / self.measured - 1.0)
+
+
+def is_regression(section: CaseSection | TableSection, suite: SuiteSection) -> bool:
+    """Return whether the expected values of a section are results of this program: not those with a source."""
+    return (section.regression or suite.regression) and not (section.source or suite.source)
 
 
 @dataclass(frozen=True, repr=False)
@@ -365,6 +377,11 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
     suite = validated(SuiteSection, read_toml(path), str(path))
     if not suite.case and not suite.table:
         raise mistake(path, "case", "is missing: a suite must have at least one case or table")
+    refuse(
+        Problem(str(path), key_name(["case", i, EXPECTED]), "is missing and must be given, but for a regression value")
+        for i, case in enumerate(suite.case)
+        if case.expected is None and not is_regression(case, suite)
+    )
     read = cache(read_toml)
     cases: list[Case] = []
     # A mistake in many rows of a table is reported for the first of them.
@@ -398,7 +415,7 @@ class _Row(NamedTuple):
 
     section: CaseSection | TableSection
     place: Parts
-    expected: float | str = 0.0
+    expected: float | str | None = 0.0
     first: bool = True  # whether it is the case of its section, or the first of them
     inputs: Mapping[str, float] = {}
     rivals: Mapping[str, float] = {}

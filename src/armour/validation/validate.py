@@ -46,7 +46,7 @@ class Check:
     @property
     def deviation(self) -> float | None:
         """Computed less expected value; None if either is not a number."""
-        if isinstance(self.computed, float) and not isinstance(self.case.expected, str):
+        if isinstance(self.computed, float) and isinstance(self.case.expected, float):
             return self.computed - self.case.expected
         return None
 
@@ -58,9 +58,15 @@ class Check:
     @property
     def deviation_percent(self) -> float | None:
         """Deviation relative to the expected value, in per cent; None for a value that is a relative difference."""
-        if self.deviation is None or self.case.measured is not None or abs(float(self.case.expected)) < TINY:
+        known = self.case.expected
+        if (
+            self.deviation is None
+            or self.case.measured is not None
+            or not isinstance(known, float)
+            or abs(known) < TINY
+        ):
             return None
-        return 100.0 * self.deviation / abs(float(self.case.expected))
+        return 100.0 * self.deviation / abs(known)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the check as plain data."""
@@ -249,7 +255,7 @@ def _judged(case: Case, computed: float | str | None, message: str = "") -> Chec
             status = "no answer"
         elif isinstance(computed, str) or isinstance(case.expected, str):
             status = "within" if computed == case.expected else "outside"
-        elif case.band is not None:
+        elif case.band is not None and case.expected is not None:
             status = "within" if abs(computed - case.expected) <= case.band else "outside"
     return Check(case, computed, status, message if computed is None else calibrated)
 
@@ -343,7 +349,7 @@ def updates_of(result: SuiteResult) -> list[Check]:
     updates = []
     for check in result.checks:
         computed = float(f"{check.computed:.{DIGITS}g}") if isinstance(check.computed, float) else check.computed
-        if check.case.regression and not check.case.not_scored and computed not in (None, check.case.expected):
+        if check.case.regression and not check.case.section.not_scored and computed not in (None, check.case.expected):
             updates.append(replace(check, computed=computed))
     return updates
 

@@ -69,7 +69,7 @@ def assert_matched(chart: Chart) -> None:
     [
         ("ballistic_limit_m_s", "ballistic limit, m/s"),
         ("ceramic.flow_stress_GPa", "ceramic flow stress, GPa"),
-        ("backing.dynamic_yield_strength_MPa", "back plate dynamic yield strength, MPa"),
+        ("backing.dynamic_yield_strength_MPa", "back plate yield strength, MPa"),
         ("armour.backing_thickness_mm", "back plate thickness, mm"),
         ("projectile.penetrator_mass_g", "penetrator mass, g"),
         ("ceramic.youngs_modulus_GPa", "ceramic Young's modulus, GPa"),
@@ -320,7 +320,9 @@ def test_a_sensitivity_is_ordered_by_the_ballistic_limit():
     )
     chart = sensitivity_view.chart(found)
     limit, residual = chart.panels
-    assert limit.y.categories == residual.y.categories == ("ceramic thickness", "ceramic flow stress", "impact velocity")
+    assert (
+        limit.y.categories == residual.y.categories == ("ceramic thickness", "ceramic flow stress", "impact velocity")
+    )
     assert (limit.title, residual.title) == ("ballistic limit", "residual velocity")
     assert [some(panel, Points)[0].x for panel in chart.panels] == [[-0.6, 0.5, 0.0], [-0.4, 1.7]]
     assert chart.title == "The ballistic limit depends most on the ceramic thickness: -0.60 % for 1 % more"

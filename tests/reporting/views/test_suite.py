@@ -64,7 +64,7 @@ def test_unchanged_is_not_usable(folder: Path):
     assert found["allowance, %"] == pytest.approx(100.0 * (1.0 - 600.0 / WILKINS_LIMIT), abs=0.01)
     assert suite_view.report(result(folder, TABLE)).lead.startswith("Changed: ")
     unscored = suite_view.report(result(folder, case("none", 700.0, 'not_scored = "a slip"')))
-    assert (unscored.lead, unscored.passed) == ("No case has a band.", None)
+    assert (unscored.lead, unscored.passed) == ("No case is scored.", None)
 
 
 def test_an_allowance_leaves_out_one_test_of_twenty(folder: Path):

@@ -45,7 +45,7 @@ def check_table(checks: Sequence[Check], title: str = "") -> Table:
 
 def _decimals(case: Case) -> int:
     """Return the decimals of a computed value: one more than those of the expected value and of its band."""
-    given = len(number(case.expected, ".10g").partition(".")[2])
+    given = len(number(case.expected or 0.0, ".10g").partition(".")[2])
     of_band = -floor(log10(case.band)) if case.band else 0
     return min(max(given, of_band) + 1, 12)
 
@@ -203,12 +203,12 @@ def tables(result: SuiteResult) -> list[Table | str]:
         found += (table for name, checks in check_groups(result).items() for table in failed_table(name, checks))
     notes = note_rows([check for check in result.checks if check.status in shown and not check.in_group])
     notes += [(each.full_name, held_to(each)) for each in result.summaries if each.status == "outside"]
+    lines = [f"{name}: {note}" for name, note in notes]
     unscored = sum(check.status == "not scored" and not check.in_group for check in result.checks)
     more = [] if not unscored or every_row else [f"not scored: {unscored} cases; --verbose shows them, and why"]
-    if not result.count("within", *FAILED):
-        return [*found, *more, "no case has a band"]
-    lines = [f"{name}: {note}" for name, note in notes]
-    return [*found, *(["", *lines] if lines else []), *more, Verdict.of(verdict(result), good=result.passed)]
+    scored = result.count("within", *FAILED) > 0
+    last = Verdict.of(verdict(result), good=result.passed) if scored else "no case is scored"
+    return [*found, *(["", *lines] if lines else []), *more, last]
 
 
 def update_table(updates: Sequence[Check]) -> Table:
@@ -327,7 +327,7 @@ def report(result: SuiteResult, command: str = "") -> Report:
     lead = f"{'Unchanged' if result.passed else 'Changed'}: {verdict(result)}."
     return Report(
         title=result.title or result.file,
-        lead=lead if scored else "No case has a band.",
+        lead=lead if scored else "No case is scored.",
         text=result.description,
         byline=(("program version", f"armour {__version__}"),),
         sections=tuple(sections),
