@@ -76,3 +76,10 @@ def test_rounds_are_found_under_the_names_of_their_users():
 def test_an_angle_is_told_what_it_leaves_out():
     [note] = load_scenario("wilkins", {"impact.obliquity_deg": 30.0}).notes
     assert "ricochet, yaw and bending of the core are not in the model" in note
+
+
+def test_threats_have_names_of_their_own():
+    """A report would show the what-ifs of one under the name of the other."""
+    threats = [{"name": "X", "projectile": "7.62 mm AP", "velocity_m_s": velocity} for velocity in (700.0, 900.0)]
+    with pytest.raises(InputError, match=r'threat\[1\]\.name: must be different for each threat, found "X" twice'):
+        scenario(threat=threats)

@@ -281,10 +281,6 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
     bounded = min(bounds) < NO_BOUND
     uncertain = scenario.uncertainty is not None and scenario.uncertainty.inputs()
     problems = _too_much(scenario.file, section, len(threats))
-    for i, title in enumerate(titles):
-        if title in titles[:i]:
-            message = f'must be different for each threat, found "{title}" twice'
-            problems.append(Problem(scenario.file, f"threat[{i}].name", message))
     for role in LAYERS:
         names = [layer.material for layer in getattr(section, role)]
         for i, name in enumerate(names):
