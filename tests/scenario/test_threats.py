@@ -82,4 +82,4 @@ def test_threats_have_names_of_their_own():
     """A report would show the what-ifs of one under the name of the other."""
     threats = [{"name": "X", "projectile": "7.62 mm AP", "velocity_m_s": velocity} for velocity in (700.0, 900.0)]
     with pytest.raises(InputError, match=r'threat\[1\]\.name: must be different for each threat, found "X" twice'):
-        scenario(threat=threats)
+        parse_scenario({**data(), "threat": threats})
