@@ -73,8 +73,8 @@ def imported(*names):
 
 found = [imported("numpy", "scipy", "pydantic"), dir(armour)]
 scenario = armour.load_scenario("wilkins")
-armour.simulate(scenario)
 found.append(imported("numpy"))
+armour.simulate(scenario)
 armour.ballistic_limit(scenario)
 found.append(imported("numba", "scipy.stats"))
 import armour.sweeps.sweep, armour.reporting.report

@@ -13,20 +13,22 @@ import csv
 import json
 from dataclasses import dataclass
 from functools import cache
-from math import ceil, floor, log
+from math import log
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import Bounds, brentq, minimize
+from scipy.optimize import Bounds, brentq, minimize, minimize_scalar
 from scipy.special import ndtr
 from scipy.stats import t
 
 from armour.analysis.evaluate import evaluate
-from armour.analysis.variants import Bools, Floats, Ints
+from armour.analysis.variants import Floats, Ints
+from armour.evidence.fit import CONSTRAINT, RODS, Fit, Quantities, matrix_of
+from armour.scenario.inputs import BACKING, OBLIQUITY
 from armour.scenario.library import shipped_library
-from armour.scenario.predictive import Conditions, Fit, matrix_of
 from armour.scenario.scenario import load_scenario
+from armour.units import GPA, MPA
 
 ROOT = Path(__file__).parents[1]
 EVIDENCE = ROOT / "configs" / "evidence.toml"
@@ -35,12 +37,16 @@ MARK = "# What follows is written by python -m tools.evidence.\n"
 FLOW_STRESS = ("flow_stress_GPa", "flow_stress_backing_exponent", "flow_stress_product_exponent")
 # The one bullet's core of which two names are in the table.
 SAME_ROUND = {".30 APM2 core": ".30 APM2"}
+# The question about a test that is not used.
+OUTLIER = "half the V50 of the plate of 11.9 mm"
 # Most oblique tests, degrees, and densest rods, kg/m3, that are used.
 MOST_OBLIQUE, DENSEST = 30.0, 15_000.0
 # Scale of the half-Cauchy prior of the standard deviation between rounds.
 ROUND_SCALE = 0.05
 # Standard deviations between alloys, between rounds and of the rest at which a fit starts.
 STARTS = (0.04, 0.03, 0.04)
+# Ends of the logarithm of the standard deviation of a trend.
+TRENDS = (log(1e-3), 0.0)
 # Tolerances of the fit.
 OPTIONS: Any = {"xatol": 1e-5, "fatol": 1e-9, "maxiter": 2000}
 
@@ -49,17 +55,17 @@ class Plates(NamedTuple):
     """n tests of bare plates; arrays, (n,)."""
 
     error: Floats  # logarithm of the measured over the computed limit
-    conditions: Conditions
-    alloy: Ints
-    round: Ints
-    report: Ints
+    quantities: Quantities
+    alloy: Any  # names
+    round: Any
+    report: Any
     obliquity_deg: Floats
     measured: Floats  # m/s
 
-    def at(self, where: Bools | Ints) -> "Plates":
+    def at(self, where: Any) -> "Plates":
         """Return some of the tests."""
-        some = Conditions(*(values[where] for values in self.conditions))
-        return Plates._make(some if column is self.conditions else column[where] for column in self)
+        some = {name: column[where] for name, column in self.quantities.items()}
+        return Plates._make(some if column is self.quantities else column[where] for column in self)
 
 
 @dataclass(frozen=True)
@@ -82,6 +88,35 @@ GROUPS = {
 }
 
 
+class Pair(NamedTuple):
+    """A plate that was tested at an angle and, within 2 % of the thickness, at normal incidence, in one report."""
+
+    plate: str
+    round: str
+    thickness_mm: float
+    obliquity_deg: float
+    limit_m_s: float
+    at_normal_m_s: float  # the greatest
+
+
+def matched_pairs() -> list[Pair]:
+    """Return the plates that were tested both at an angle and at normal incidence."""
+    with (ROOT / "scenarios" / "tests" / "plates.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    numbers = [[float(row[name]) for name in (BACKING, OBLIQUITY, "ballistic_limit_m_s")] for row in rows]
+    found = []
+    for row, (thickness, angle, limit) in zip(rows, numbers, strict=True):
+        normal = [
+            other_limit
+            for other, (other_thickness, other_angle, other_limit) in zip(rows, numbers, strict=True)
+            if other_angle == 0.0 and abs(other_thickness - thickness) < 0.02 * thickness
+            if all(other[name] == row[name] for name in ("plate", "round", "report"))
+        ]
+        if angle and normal:
+            found.append(Pair(row["plate"], row["round"], thickness, angle, limit, max(normal)))
+    return found
+
+
 @cache
 def plates_of(kind: str, metal: str) -> Plates:
     """Return the tests of a kind of round on a metal that the fits use; repeats are dropped."""
@@ -95,6 +130,7 @@ def plates_of(kind: str, metal: str) -> Plates:
         row
         for row in reversed(distinct.values())
         if float(row["impact.obliquity_deg"]) <= MOST_OBLIQUE and float(row["projectile.density_kg_m3"]) <= DENSEST
+        if row["question"] != OUTLIER
     ]
 
     def column(name: str) -> Floats:
@@ -115,28 +151,28 @@ def plates_of(kind: str, metal: str) -> Plates:
     computed = evaluate(load_scenario("bare_plate"), columns, ["ballistic_limit_m_s"])["ballistic_limit_m_s"]
     measured = column("ballistic_limit_m_s")
     alloy, rounds, report = (
-        np.unique([SAME_ROUND.get(row[name], row[name]) for row in used], return_inverse=True)[1]
-        for name in ("plate", "round", "report")
+        np.array([SAME_ROUND.get(row[name], row[name]) for row in used]) for name in ("plate", "round", "report")
     )
-    conditions = Conditions(
-        np.zeros(len(used)),
-        thickness / diameter,
-        column("backing.dynamic_yield_strength_MPa"),
-        column("ultimate_tensile_strength_MPa"),
-        mass / diameter**3,
-        path,
-    )
-    return Plates(
-        np.log(measured / computed), conditions, alloy, rounds, report, column("impact.obliquity_deg"), measured
-    )
+    strength = column("backing.dynamic_yield_strength_MPa")
+    quantities = {
+        **dict.fromkeys(RODS, np.zeros(len(used))),
+        "backing_thickness_ratio": thickness / diameter,
+        "backing_strength_GPa": strength * CONSTRAINT * MPA / GPA,
+        "tensile_MPa": column("ultimate_tensile_strength_MPa"),
+        "rod_mass_ratio": mass / diameter**3,
+        "path_ratio": path,
+        "rod_diameter_mm": diameter,
+    }
+    angles = column("impact.obliquity_deg")
+    return Plates(np.log(measured / computed), quantities, alloy, rounds, report, angles, measured)
 
 
-def fitted(group: Group, plates: Plates) -> tuple[Fit, Floats]:
+def fitted(group: Group, plates: Plates) -> Fit:
     """Fit the model of a group to tests by restricted maximum likelihood.
 
-    With it are the standard deviations between alloys, between rounds and of the rest.
+    The standard deviation of the coefficient of the thickness between alloys is fitted given the others.
     """
-    X, y = matrix_of(group.terms, group.reference, plates.conditions), plates.error
+    X, y = matrix_of(group.terms, group.reference, plates.quantities), plates.error
     terms, alloys = X.shape[1], np.unique(plates.alloy)
     effects = np.column_stack([numbers[:, None] == np.unique(numbers) for numbers in (plates.alloy, plates.round)])
     # Products of effects, terms and errors are all that the likelihood depends on.
@@ -177,7 +213,26 @@ def fitted(group: Group, plates: Plates) -> tuple[Fit, Floats]:
     _, coefficients, covariance = solved(best.x)
     deviations, freedom = np.exp(best.x), len(alloys) - terms
     variance = float((deviations**2).sum())
-    return Fit(group.terms, group.reference, coefficients, covariance, variance, freedom), deviations
+    trend = _trend(group, plates, deviations) if {"x", "h"} & {*group.terms} else 0.0
+    given = *deviations.tolist(), trend
+    return Fit("", group.terms, group.reference, coefficients, covariance, variance, freedom, given)
+
+
+def _trend(group: Group, plates: Plates, deviations: Floats) -> float:
+    """Return the standard deviation of the second coefficient between alloys, by restricted maximum likelihood."""
+    X, y = matrix_of(group.terms, group.reference, plates.quantities), plates.error
+    same_alloy, same_round = (numbers[:, None] == numbers for numbers in (plates.alloy, plates.round))
+    alloy, between_rounds, rest = deviations**2
+    known = alloy * same_alloy + between_rounds * same_round + rest * np.eye(len(y))
+
+    def loss(logarithm: float) -> float:
+        V = known + np.exp(2.0 * logarithm) * same_alloy * np.outer(X[:, 1], X[:, 1])
+        inverse = np.linalg.inv(V)
+        precision = X.T @ inverse @ X
+        residual = y - X @ np.linalg.solve(precision, X.T @ inverse @ y)
+        return float(np.linalg.slogdet(V)[1] + np.linalg.slogdet(precision)[1] + residual @ inverse @ residual)
+
+    return float(np.exp(minimize_scalar(loss, bounds=TRENDS, method="bounded", options={"xatol": 1e-4}).x))
 
 
 # Series of Wilkins' tests, by their order in the table.
@@ -186,6 +241,8 @@ SERIES = np.repeat([0, 1, 2], [4, 5, 4])
 # the rest, whose prior is log-uniform.
 BETWEEN_SERIES, FREEDOM = 0.04, 3.0
 BETWEEN, REST = np.geomspace(0.001, 0.25, 41), np.geomspace(0.008, 0.08, 31)
+# Standard deviation of the exponent of a law between lots, times the change of the limit with the flow stress.
+TREND = 0.62 * 0.10
 # Probabilities at which Student's t distribution has the quantiles of what is integrated.
 MATCHED = np.array([0.8, 0.975])
 
@@ -211,10 +268,12 @@ class Tiles(NamedTuple):
     error: Floats  # logarithm of the measured over the computed limit
     matrix: Floats  # terms of the law, (n, terms)
     series: Ints
+    quantities: Quantities
 
-    def at(self, where: Bools | Ints) -> "Tiles":
+    def at(self, where: Any) -> "Tiles":
         """Return some of the tests."""
-        return Tiles._make(column[where] for column in self)
+        some = {name: column[where] for name, column in self.quantities.items()}
+        return Tiles(self.error[where], self.matrix[where], self.series[where], some)
 
 
 @cache
@@ -225,8 +284,13 @@ def tiles_of(law: FlowStressLaw) -> Tiles:
     scenario = load_scenario("wilkins", {"armour.ceramic": law.ceramic})
     computed = evaluate(scenario, columns, ["ballistic_limit_m_s"])["ballistic_limit_m_s"]
     ratios = (table[:, :2] / scenario.inputs()["projectile.penetrator_diameter_mm"]).T
-    conditions = Conditions(*ratios, *[np.ones(len(table))] * 4)
-    return Tiles(np.log(table[:, 2] / computed), matrix_of(law.terms, (1.0, 1.0), conditions), SERIES)
+    quantities = {
+        **dict.fromkeys(RODS, np.zeros(len(table))),
+        "ceramic_thickness_ratio": ratios[0],
+        "backing_thickness_ratio": ratios[1],
+        "path_ratio": np.ones(len(table)),
+    }
+    return Tiles(np.log(table[:, 2] / computed), matrix_of(law.terms, (1.0, 1.0), quantities), SERIES, quantities)
 
 
 def fitted_law(law: FlowStressLaw, tiles: Tiles) -> tuple[Fit, float]:
@@ -260,7 +324,9 @@ def fitted_law(law: FlowStressLaw, tiles: Tiles) -> tuple[Fit, float]:
     freedom = float(brentq(lambda df: np.divide(*t.ppf(MATCHED, df)) - np.divide(*wanted), 1.0, 100.0))
     factor = float(wanted[1] / t.ppf(MATCHED[1], freedom)) ** 2
     scaled = factor * covariance, factor * variance
-    return Fit(law.terms, (1.0, 1.0), coefficients, *scaled, freedom), evidence
+    between, rest = np.sqrt(factor * (weights @ variances))
+    deviations = float(between), 0.0, float(rest), TREND * (len(law.terms) > 1)
+    return Fit("", law.terms, (1.0, 1.0), coefficients, *scaled, freedom, deviations), evidence
 
 
 def _quantiles(weights: Floats, means: Floats, deviations: Floats) -> Floats:
@@ -280,16 +346,12 @@ def tables() -> dict[str, dict[str, object]]:
         }
     for name, group in GROUPS.items():
         plates = plates_of(group.kind, group.metal)
-        fit, deviations = fitted(group, plates)
-        found[name] = _table(fit) | {"standard_deviations": _rounded(deviations)}
-        if "u" in group.terms:
-            ratio = plates.conditions.tensile / plates.conditions.strength
-            found[name]["tensile_ratio"] = [floor(100.0 * ratio.min()) / 100.0, ceil(100.0 * ratio.max()) / 100.0]
+        found[name] = _table(fitted(group, plates))
     return found
 
 
 def _table(fit: Fit) -> dict[str, object]:
-    names = "coefficients", "covariance", "variance", "degrees_of_freedom"
+    names = "coefficients", "covariance", "variance", "degrees_of_freedom", "standard_deviations"
     numbers = {name: _rounded(getattr(fit, name)) for name in names}
     return {"terms": list(fit.terms), "reference": list(fit.reference), **numbers}
 

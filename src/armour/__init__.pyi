@@ -27,6 +27,7 @@ from .errors import NoAnswerError as NoAnswerError
 from .errors import NoDesignError as NoDesignError
 from .errors import NoLimitError as NoLimitError
 from .errors import Problem as Problem
+from .evidence.model_error import ModelError as ModelError
 from .planning.firing import ShotPlan as ShotPlan
 from .planning.firing import plan_shots as plan_shots
 from .planning.plan_tests import PlannedTest as PlannedTest
@@ -35,7 +36,6 @@ from .planning.plan_tests import plan_tests as plan_tests
 from .planning.procedures import OperatingPoint as OperatingPoint
 from .reporting.show import plot as plot
 from .reporting.show import report as report
-from .scenario.evidence import ModelError as ModelError
 from .scenario.library import Library as Library
 from .scenario.library import LibraryEntry as LibraryEntry
 from .scenario.library import Value as Value

@@ -6,7 +6,7 @@ from armour.analysis.searches import ballistic_limits
 from armour.analysis.variants import variants_of
 from armour.core import search
 from armour.errors import InputError, NoLimitError
-from armour.scenario.evidence import is_unusual
+from armour.evidence.tests import is_unusual
 from tests.helpers.cases import scenario
 from tests.helpers.exotic import changing_designs
 

@@ -109,11 +109,11 @@ def test_a_design_ends_with_the_command_that_checks_it(cli):
 
 def test_calibrated_tests_are_shown_and_not_scored(cli, folder: Path):
     """A suite of the tests that an entry was calibrated to, and one that it was not."""
-    data = json.loads(cli("calibrate", TESTS, WILKINS, "--write", "lib.toml", "--json").stdout)
+    data = json.loads(cli("calibrate", TESTS, WILKINS, "--write", "lib.toml", "--lot", "7", "--json").stdout)
     assert (len(data["coefficients"]), len(data["residuals"])) == (1, 13)
     assert (data["p_value"], data["laws"], data["warnings"]) == (None, [], [])
     (folder / "case.toml").write_text(
-        WILKINS.read_text().replace('"AD85"', '"AD85, calibrated"') + '\n[library]\nfiles = ["lib.toml"]\n'
+        WILKINS.read_text().replace('"AD85"', '"AD85, 7"') + '\n[library]\nfiles = ["lib.toml"]\n'
     )
     (folder / "suite.toml").write_text(
         """
@@ -129,7 +129,7 @@ band = 50.0
     result = cli("validate", "suite.toml", "--json")
     assert result.exit_code == 0, result.output
     found = [(case["status"], case["message"]) for case in json.loads(result.stdout)["cases"]]
-    assert found[0] == ("not scored", "not scored: flow_stress_GPa of AD85, calibrated was calibrated to this test")
+    assert found[0] == ("not scored", "not scored: flow_stress_GPa of AD85, 7 was calibrated to this test")
     assert [status for status, _ in found[1:]] == ["within", "within"]
 
 

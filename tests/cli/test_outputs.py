@@ -68,7 +68,7 @@ def test_no_file_is_written_where_one_cannot_be(cli, own: Path, monkeypatch: pyt
 @pytest.mark.parametrize(
     ("command", "read"),
     [
-        ("calibrate {tests} own.toml --write lib.toml", "lib.toml"),
+        ("calibrate {tests} own.toml --lot 7 --write lib.toml", "lib.toml"),
         ("validate suite.toml --markdown own.toml", "own.toml"),
         ("validate suite.toml --junit lib.toml", "lib.toml"),
         ("validate suite.toml --update --markdown own.toml", "own.toml"),
@@ -102,7 +102,7 @@ def test_a_file_on_standard_input_is_not_written_over(own: Path):
         "optimise own.toml --csv {0} --plot {1}",
         "sensitivity own.toml --plot {1}",
         "uncertainty own.toml --plot {1}",
-        "calibrate {tests} own.toml --write {0} --write-scenario {1}",
+        "calibrate {tests} own.toml --lot 7 --write {0} --write-scenario {1}",
         "v50 {shots} own.toml --plot {1}",
         "report own.toml -o {0}",
         "validate suite.toml --markdown {0} --junit {1}",

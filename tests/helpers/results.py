@@ -6,9 +6,9 @@ from typing import Any
 from armour.analysis.estimates import Estimate
 from armour.analysis.impact import ImpactResult, simulate
 from armour.design.optimise import BestDesign, Design, DesignResult, Pair
+from armour.evidence.model_error import ModelError
 from armour.planning.plan_tests import PlannedTest, PlannedTests
 from armour.reporting.table import Table
-from armour.scenario.evidence import ModelError
 from armour.scenario.inputs import CERAMIC
 from armour.statistics.uncertainty import Influence, ProbabilityCurve, UncertaintyResult
 from tests.helpers.cases import scenario

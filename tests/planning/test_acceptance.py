@@ -6,9 +6,9 @@ from scipy.optimize import minimize
 from scipy.special import log_ndtr, ndtr, ndtri
 from scipy.stats import norm
 
+from armour.evidence.model_error import ModelError
 from armour.planning.acceptance import Demand, demand_of
 from armour.planning.procedures import ShotSettings, decisions, next_bayesian, posterior, stopped_bayesian
-from armour.scenario.evidence import ModelError
 from armour.statistics.posterior import FiringPrior
 from armour.statistics.v50 import Shots
 from tools.campaigns.shots import requirement

@@ -7,6 +7,7 @@ import pytest
 from scipy.optimize import minimize
 from scipy.stats import norm
 
+from armour.evidence.model_error import ModelError
 from armour.planning.procedures import (
     Firings,
     ShotSettings,
@@ -21,7 +22,6 @@ from armour.planning.procedures import (
     stopped_bayesian,
     stopped_up_and_down,
 )
-from armour.scenario.evidence import ModelError
 from armour.statistics.posterior import FiringPrior, Posterior, posterior_of
 from armour.statistics.v50 import Shots
 

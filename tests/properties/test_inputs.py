@@ -104,7 +104,7 @@ COMMANDS = {
         {"suite.toml": changed(SUITE), "scenario.toml": plain},
     ),
     "v50 shots.csv": (10, {"shots.csv": with_cell(SHOTS) | with_junk(SHOTS.encode())}),
-    "calibrate tests.csv scenario.toml --write out.toml": (
+    "calibrate tests.csv scenario.toml --lot 7 --write out.toml": (
         15,
         {"tests.csv": with_cell(TESTS) | with_junk(TESTS.encode()), "scenario.toml": scenarios},
     ),

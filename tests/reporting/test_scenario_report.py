@@ -11,13 +11,13 @@ from armour.analysis.impact import energy_balance
 from armour.design.check import CheckedThreat, check
 from armour.design.optimise import DesignResult, optimise
 from armour.errors import Note
+from armour.evidence.model_error import NO_TEST
 from armour.reporting.charts import Chart
 from armour.reporting.report import Report, Section, markdown_report
 from armour.reporting.scenario_report import Contents, contents_of, scenario_report
 from armour.reporting.views import design as design_view
 from armour.reporting.views.confidence import SAMPLED_ALONE, chance, from_tests
 from armour.reporting.views.design import AREAL_DENSITY, COST, frontier_table
-from armour.scenario.evidence import NO_TEST
 from armour.scenario.scenario import load_scenario
 from armour.statistics.uncertainty import uncertainty
 from tests.helpers.cases import RANGE, SCENARIOS, scenario

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.stats import lognorm, norm, t
 
-from armour.scenario.evidence import ModelError
+from armour.evidence.model_error import ModelError
 from armour.statistics.posterior import (
     SCATTER_FACTOR,
     SCATTER_PERCENT,

@@ -10,7 +10,7 @@ import pytest
 from pydantic import BaseModel
 
 from armour.errors import InputError
-from armour.scenario.library import LawEvidence
+from armour.scenario.library import IN_COMMON, MEASURED, VARIED, OwnTests
 from armour.scenario.scenario import Scenario, load_scenario, parse_scenario
 from armour.scenario.schema import ModelSection
 from armour.scenario.sections import Section
@@ -21,21 +21,12 @@ from tests.helpers.cases import CERAMICS, METALS, THREATS, csv_file, data, sweep
 RANGE = {"min": 4.0, "max": 12.0, "step": 4.0}
 QUANTITIES = ["ballistic_limit_m_s", "probability_of_defeat", "required_ceramic_thickness_mm"]
 GRID = sweep_grid("armour.ceramic_thickness_mm=5,6,7")
-EVIDENCE = {
+EVIDENCE: dict[str, Any] = {
+    "lot": "lot 7",
     "source": "1 own test in t.csv",
-    "key": "flow_stress_GPa",
-    "measured": {
-        "ceramic_thickness_ratio": [0.5, 2.0],
-        "ceramic_density_kg_m3": [3400.0, 3500.0],
-        "ceramic_modulus_GPa": [200.0, 300.0],
-        "backing_thickness_ratio": [0.5, 2.0],
-        "backing_density_kg_m3": [2700.0, 2800.0],
-        "backing_strength_GPa": [0.7, 0.9],
-        "rod_length_ratio": [3.0, 4.0],
-        "rod_density_kg_m3": [7800.0, 7900.0],
-        "rod_strength_GPa": [2.0, 3.0],
-    },
-    "law": [{"slope": 0.6, "components": [[1.0, 0.05, 5.2, 0.05]]}],
+    "calibrated": {"ceramic_strength_GPa": 5.2},
+    "tests": {key: [1.0] for key in (*VARIED, *IN_COMMON, *MEASURED)},
+    "law": [{"fit": "constant", "values": {"flow_stress_GPa": 5.2}, "level": [0.0, 0.1], "computed_m_s": [700.0]}],
 }
 LIBRARY = {
     "files": ["lib.toml"],
@@ -85,10 +76,11 @@ OTHERS: list[Any] = [
     {"N": {"based_on": "7.62 mm AP"}},
 ]
 # Keys that only go with others.
-LAW = {"exponent": "flow_stress_backing_exponent", "slope": 0.6, "components": [[1.0, 0.05, 5.2, 0.05, 0.3, 0.1, 0.0]]}
+LAW = {"fit": "backing", "computed_m_s": [710.0]}
 TABLES: dict[tuple[Any, ...], Any] = {
     ("uncertainty", "model"): {"included": False},
     ("library", "ceramic", "C", "evidence", "law"): [LAW],
+    ("library", "ceramic", "C", "evidence", "tests"): {**EVIDENCE["tests"], "velocity_m_s": [710.0]},
 }
 
 
@@ -150,7 +142,7 @@ def changes_of_every_key(folder: Path) -> Iterator[tuple[str, Scenario]]:
                     break
     for parts, other in TABLES.items():
         yield str(parts), parse_scenario(put(WHOLE, parts, other), folder=folder)
-        seen |= {(name_of(ModelSection), "included"), (name_of(LawEvidence), "exponent")}
+        seen |= {(name_of(ModelSection), "included"), (name_of(OwnTests), "tests")}
     missing = {(name_of(each), key) for each in classes_in(Scenario) for key in each.model_fields} - seen
     assert not missing, missing
 

@@ -17,9 +17,8 @@ from armour.analysis.estimates import Estimate
 from armour.analysis.results import portions
 from armour.analysis.samples import own_errors, own_values, sampled, section_of
 from armour.analysis.variants import Floats, Ints, perforated
-from armour.scenario.evidence import ERROR
-from armour.scenario.inputs import VELOCITY
-from armour.scenario.sampling import columns_of, points_of
+from armour.evidence.sampling import columns_of, points_of
+from armour.scenario.inputs import ERROR, VELOCITY
 from armour.scenario.scenario import Scenario, load_scenario
 from armour.statistics.uncertainty import QUANTILES, SAMPLES_AT_A_TIME, TAIL, sample_limits, uncertainty
 from tools.campaigns.verdict import standard_error, verdict
@@ -55,7 +54,7 @@ def truths(scenario: Scenario) -> dict[str, float]:
     found |= {name: float(np.quantile(limits, chance)) for name, chance in QUANTILES.items()}
     columns = columns_of(section, own, points)
     found |= {name: explained(values, limits) for name, values in columns.items() if name not in (VELOCITY, ERROR)}
-    laws = np.searchsorted(own_errors(scenario).weights.ravel().cumsum(), columns[ERROR])
+    laws = np.searchsorted(own_errors(scenario).ratio.weights.ravel().cumsum(), columns[ERROR])
     return found | {ERROR: explained_by_error(factors, laws, limits)}
 
 

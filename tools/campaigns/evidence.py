@@ -16,12 +16,25 @@ import numpy as np
 from scipy.stats import t
 
 from armour.analysis.variants import Bools, Floats
+from armour.evidence.fit import CONSTRAINT, CORE
+from armour.evidence.mixture import Mixture
+from armour.evidence.model_error import DOUBTED
 from armour.reporting.charts import Axis, Band, Chart, Line, Panel, Points, Rule
 from armour.reporting.draw import rendered
-from armour.scenario.mixture import Mixture
-from armour.scenario.predictive import CORE, Conditions
 from tools.campaigns.verdict import verdict
-from tools.evidence import GROUPS, LAWS, ROOT, SERIES, Group, Plates, fitted, fitted_law, plates_of, tiles_of
+from tools.evidence import (
+    GROUPS,
+    LAWS,
+    ROOT,
+    SERIES,
+    Group,
+    Plates,
+    fitted,
+    fitted_law,
+    matched_pairs,
+    plates_of,
+    tiles_of,
+)
 
 PAGE, PICTURE = ROOT / "docs" / "left-out.md", ROOT / "docs" / "images" / "evidence.png"
 NAMES = {
@@ -40,7 +53,7 @@ LEAST = 25
 # Least share of the tests of a group that must lie within their 95 % intervals.
 LEAST_PERCENT = 93.0
 EDGES: dict[str, tuple[str, Sequence[float]]] = {
-    "thickness over diameter": ("backing", (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0)),
+    "thickness over diameter": ("backing_thickness_ratio", (1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 7.0)),
     "yield strength, MPa": ("strength", (260.0, 300.0, 400.0, 1000.0, 1300.0, 1600.0)),
     "obliquity, degrees": ("obliquity", (10.0,)),
 }
@@ -78,15 +91,18 @@ class Predicted(NamedTuple):
         ]
 
 
+def ranges_of(plates: Plates) -> dict[str, tuple[float, float]]:
+    """Return the ranges of tests beyond which the trend is doubted."""
+    return {name: (plates.quantities[name].min(), plates.quantities[name].max()) for name in DOUBTED}
+
+
 def left_out(group: Group, plates: Plates, parts: Sequence[Bools]) -> Predicted:
     """Predict each of some parts of the tests by a fit to the others."""
     found = []
     for out in parts:
         rest = plates.at(~out)
-        fit, _ = fitted(group, rest)
-        of = rest.conditions
-        ranges = {name: (getattr(of, name).min(), getattr(of, name).max()) for name in ("backing", "strength", "core")}
-        location, scale = fit.predicted(plates.at(out).conditions, ranges)
+        fit = fitted(group, rest)
+        location, scale = fit.predicted(plates.at(out).quantities, ranges_of(rest))
         found.append(Predicted(plates.error[out], location, scale, np.full(len(scale), float(fit.degrees_of_freedom))))
     return _joined(found)
 
@@ -119,9 +135,10 @@ def in_order(plates: Plates) -> Plates:
 
 def by_rule(group: Group, plates: Plates, *, covariates: bool) -> tuple[Group, Plates]:
     """Return tests whose computed limit is k sqrt(Y t D^2/m), and the group without covariates or with them."""
-    of = plates.conditions
+    of = plates.quantities
     # Y t D^2/m, with lengths over the diameter: the strength times the thickness over the mass, per cube of D.
-    error = np.log(plates.measured) - 0.5 * np.log(of.strength * of.backing / of.core)
+    strength = of["backing_strength_GPa"] * 1e3 / CONSTRAINT
+    error = np.log(plates.measured) - 0.5 * np.log(strength * of["backing_thickness_ratio"] / of["rod_mass_ratio"])
     prior = group.prior if covariates else None
     terms = group.terms if covariates else ("1",)
     return replace(group, terms=terms, prior=prior), plates._replace(error=error)
@@ -149,27 +166,31 @@ def study(name: str) -> tuple[Plates, Predicted, list[list[str]]]:
 
 def bands(name: str, plates: Plates, found: Predicted) -> Iterator[list[str]]:
     """Give the coverage in each band of thickness, strength and angle with enough tests."""
-    columns: Mapping[str, Floats] = {**plates.conditions._asdict(), "obliquity": plates.obliquity_deg}
+    strength = plates.quantities["backing_strength_GPa"] * 1e3 / CONSTRAINT
+    columns: Mapping[str, Floats] = {**plates.quantities, "strength": strength, "obliquity": plates.obliquity_deg}
+    parts = []
     for words, (column, edges) in EDGES.items():
         which = np.digitize(columns[column], edges)
         for band in np.unique(which):
-            where = which == band
-            if where.sum() >= LEAST and not where.all():
-                low, high = (f"{edge:g}" for edge in (edges[max(band - 1, 0)], edges[min(band, len(edges) - 1)]))
-                ends = f"below {high}" if band == 0 else f"{low} up" if band == len(edges) else f"{low} to {high}"
-                some = found.at(where)
-                at_limit = np.mean(t.sf(-some.location / some.scale, some.degrees_of_freedom))
-                stated, observed = 100.0 * at_limit, 100.0 * np.mean(some.error > 0.0)
-                shares = [some.within(0.95), some.above(0.95), stated, observed]
-                yield [NAMES[name], words, ends, f"{where.sum()}", *(f"{share:.0f}" for share in shares)]
+            low, high = (f"{edge:g}" for edge in (edges[max(band - 1, 0)], edges[min(band, len(edges) - 1)]))
+            ends = f"below {high}" if band == 0 else f"{low} up" if band == len(edges) else f"{low} to {high}"
+            parts.append((words, ends, which == band))
+    parts += [("round", fired, plates.round == fired) for fired in np.unique(plates.round)]
+    for words, ends, where in parts:
+        if where.sum() >= LEAST and not where.all():
+            some = found.at(where)
+            at_limit = np.mean(t.sf(-some.location / some.scale, some.degrees_of_freedom))
+            stated, observed = 100.0 * at_limit, 100.0 * np.mean(some.error > 0.0)
+            shares = [some.within(0.95), some.above(0.95), stated, observed]
+            yield [NAMES[name], words, ends, f"{where.sum()}", *(f"{share:.0f}" for share in shares)]
 
 
 def ends(name: str) -> Iterator[list[str]]:
     """Give the coverage of the tests at the ends of a range that are left out."""
     group = GROUPS[name]
     plates = plates_of(group.kind, group.metal)
-    for column, words in (("backing", "thickness"), ("strength", "strength")):
-        values = getattr(plates.conditions, column)
+    for column, words in (("backing_thickness_ratio", "thickness"), ("backing_strength_GPa", "strength")):
+        values = plates.quantities[column]
         for end, out in (
             ("least", values <= np.quantile(values, END)),
             ("greatest", values >= np.quantile(values, 1.0 - END)),
@@ -222,17 +243,17 @@ def picture() -> Chart:
     """Describe the tests of cores on aluminium over the thickness, with the median and the interval of the model."""
     group = GROUPS["cores_aluminium"]
     plates = plates_of(group.kind, group.metal)
-    of, (fit, _) = plates.conditions, fitted(group, plates)
-    x = np.linspace(of.backing.min(), of.backing.max(), 121)
-    usual = [np.full(len(x), value) for value in (300.0, np.nan, CORE, 1.0)]
-    location, scale = fit.predicted(Conditions(x, x, *usual), {})
+    of, fit = plates.quantities, fitted(group, plates)
+    x = np.linspace(of["backing_thickness_ratio"].min(), of["backing_thickness_ratio"].max(), 121)
+    usual = {"backing_strength_GPa": 0.3 * CONSTRAINT, "rod_mass_ratio": CORE, "path_ratio": 1.0}
+    q = {name: np.full(len(x), value) for name, value in usual.items()} | {"backing_thickness_ratio": x}
+    location, scale = fit.predicted(q, {})
     half = t.ppf(0.975, fit.degrees_of_freedom) * scale
+    measured = (100.0 * np.expm1(plates.error)).tolist()
     low, middle, high = (100.0 * np.expm1(location + side * half) for side in (-1.0, 0.0, 1.0))
     series = (
         Band(x.tolist(), low.tolist(), high.tolist(), label="95 % interval, a new alloy and round, 300 MPa"),
-        Points(
-            of.backing.tolist(), (100.0 * np.expm1(plates.error)).tolist(), size=2.5, filled=False, label="516 tests"
-        ),
+        Points(of["backing_thickness_ratio"].tolist(), measured, size=2.5, filled=False, label="516 tests"),
         Line(x.tolist(), middle.tolist(), label="median, 300 MPa", colour="vermilion"),
         Rule(0.0, ":", vertical=False, colour="ink"),
     )
@@ -261,10 +282,15 @@ group predicts by the mean and standard deviation of the other tests alone.
 
 ## Bands
 
-Predictions with their alloy left out, in bands with {least} tests or more. "Stated" and "observed" are the mean
-probability and the share of tests above the limit that the model computes.
+Predictions with their alloy left out, in bands with {least} tests or more, and by round. "Stated" and "observed" are
+the mean probability and the share of tests above the limit that the model computes.
 
 {bands}
+
+**On steel, what is stated of a band or a round may be off by 40 points**, though the intervals hold: rounds differ, and
+the distribution is that of a new alloy and a new round, whichever the round is. A term in the diameter of the core does
+not help; one own test of the lot does ([own-tests.md](own-tests.md)). Of .30 APM2 on aluminium 5 to 6 diameters thick,
+79 % of 38 tests lie within their intervals, and the others above: plates of AA6061-T651 in one report.
 
 ## An end of the range left out
 
@@ -272,6 +298,14 @@ The {end:.0f} % of tests with the least, or the greatest, thickness over the dia
 predicted by the others; the tests beyond a factor of 1.65, which the program calls unknown, are among them.
 
 {ends}
+
+## Angles
+
+Plates that were tested at an angle and, in the same report against the same round, at normal incidence: none of {pairs}
+limits at an angle is below the greatest one at normal incidence of plates within 2 % of the thickness. So, from 30 to
+45 degrees, an aluminium plate is stated to stop a core with at least the probability at normal incidence.
+
+{angles}
 
 ## AD85, one series at a time
 
@@ -297,12 +331,20 @@ def main() -> int:
             of_bands += bands(name, plates, found)
             of_ends += ends(name)
     numbers = "tests", "RMS, %", "score", "within 90", "within 95", "95 true"
+    angles = [
+        [pair.plate, pair.round, *(f"{number:g}" for number in pair[2:]), f"{100.0 * (pair[4] / pair[5] - 1.0):+.0f}"]
+        for pair in sorted(matched_pairs(), key=lambda pair: (pair.obliquity_deg, pair.plate))
+    ]
     page = TEXT.format(
         alloys=table(("tests of", "method", *numbers), methods),
         least=LEAST,
         bands=table(("tests of", "property", "band", "tests", "within 95", "95 true", "stated", "observed"), of_bands),
         end=100.0 * END,
         ends=table(("tests of", "left out", *numbers), of_ends),
+        pairs=len(matched_pairs()),
+        angles=table(
+            ("plate", "round", "thickness, mm", "angle, degrees", "limit, m/s", "at 0 degrees, m/s", "more, %"), angles
+        ),
         series=table(("method", "series", "tests", "RMS, %", "half-width, %", "within 90", "within 95"), [*series()]),
     )
     PAGE.write_text(page, encoding="utf-8")

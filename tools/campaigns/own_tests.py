@@ -1,188 +1,366 @@
-"""Count how often the distributions that `armour calibrate` gives from own tests hold the limits of other armours.
+"""Predict real and simulated armours from own tests of their lots, and write docs/own-tests.md.
 
     python -m tools.campaigns.own_tests
 
-Armour of AD85 on 6061-T6 follows one of three laws of the flow stress, each as often, with the exponents of the library
-or, in the cases of "other exponents", normal about them with a standard deviation of 0.1.  A series has an error of 5 %
-in all of its limits, and each test one of the scatter.  The limits of armours of the series inside the tests, thinner
-and thicker are then predicted.  Columns: the part of 95 % intervals that hold the limit; the part of limits above the
-velocity that is stopped with a stated probability of 95 %; the root mean square error of the median, per cent.  Limits
-are interpolated between those of a table.
-
-Then some of the tests of each series of Wilkins' are the own ones and the others of it are predicted, with a prior of
-the exponents, 0.20 with a standard deviation of 0.25, that does not rest on them.
+Of bare plates, an alloy is left out of the fit, and a few of its tests against a round are the own ones of a lot; the
+others of the lot are predicted.  Of AD85, a series of Wilkins' tests is left out, some of its tests are the own ones,
+and the others of it are predicted.  Simulated lots of armour with a ceramic follow one of three laws of the flow
+stress, each as often.
 """
 
-import argparse
 import sys
-from collections.abc import Callable
-from functools import cache
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from functools import cache, partial
 from itertools import combinations
-from math import log, sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
+from armour.analysis.searches import ballistic_limits, limits_by_law
 from armour.analysis.variants import Floats, variants_of
+from armour.evidence.fit import Fit, LotTests, fits, shipped_data
+from armour.evidence.mixture import Mixture
+from armour.evidence.tests import STRANGE, STRANGE_METAL, Materials
 from armour.scenario.inputs import BACKING, CERAMIC
-from armour.scenario.library import FLOW_STRESS_LAW
-from armour.scenario.mixture import Mixture
 from armour.scenario.scenario import load_scenario
-from armour.statistics.calibration import FLOW_STRESS
-from armour.statistics.likelihood import MODELS
+from armour.statistics.calibration import FLOW_STRESS, with_ceramic
 from armour.statistics.measured import LIMIT, read_tests
-from armour.statistics.own_tests import EXPONENTS, TESTED, TESTED_GPA, LawPosterior, Measured, covariate, evidence_of
-from armour.units import MM
-from tools.campaigns import verdict
+from armour.statistics.own_tests import SHOT_SCATTER, UNTESTED, own_tests
+from tools.campaigns.evidence import NAMES, ranges_of, table
+from tools.campaigns.verdict import verdict
+from tools.evidence import GROUPS, LAWS, ROOT, SERIES, fitted, fitted_law, plates_of, tiles_of
 
-STRESSES_GPA = np.geomspace(0.8, 30.0, 60)
-# Least share of intervals, and of stated 95 %, that must contain the truth, per cent.
-LEAST = 95.0
-# Entries of the library that have the laws.
-ENTRIES = ("AD85", "AD85 backing law", "AD85 product law")
-SERIES, OTHER_EXPONENTS = 0.05, 0.1
-DESIGNS = {"inside": (8.0, 6.0), "thin": (4.5, 3.0), "thick": (13.0, 9.0)}
-ARMOURS = ((7.0, 5.0), (9.0, 7.0), (9.0, 5.0), (7.0, 7.0), (8.0, 6.5), (7.5, 5.5))
-
-
+PAGE = ROOT / "docs" / "own-tests.md"
+PLATES = ("cores_steel", "cores_aluminium_tensile", "cores_aluminium", "fragments_aluminium")
+DRAWS, SAMPLES = 200, 400
 # Ends of the interval, the velocity that is stopped with 95 %, and the median.
-CHANCES = (0.025, 0.05, 0.5, 0.975)
-
-
-class Case(NamedTuple):
-    """Tests of armours, each a ceramic on a back plate, mm, with a scatter."""
-
-    name: str
-    armours: tuple[tuple[float, float], ...]
-    scatter: float
-    other_exponents: bool = False
-
-
-CASES = [
-    *(Case(f"{n} tests", ARMOURS[:n], scatter) for scatter in (0.02, 0.035, 0.05) for n in (1, 2, 4, 6)),
-    Case("two armours twice", ARMOURS[:2] * 2, 0.025),
-    Case("one back plate", ((7.0, 6.0), (8.0, 6.0), (9.0, 6.0)), 0.025),
-    Case("one armour three times", ((8.0, 6.0),) * 3, 0.025),
-    Case("2 tests, other exponents", ARMOURS[:2], 0.025, other_exponents=True),
-    Case("6 tests, other exponents", ARMOURS, 0.025, other_exponents=True),
-]
-
-
-@cache
-def library() -> tuple[float, list[tuple[float, float]]]:
-    """Return the diameter of the penetrator, mm, and flow stress and exponent of each law."""
-    scenarios = [load_scenario("wilkins").replaced({"armour.ceramic": name}) for name in ENTRIES]
-    entries = [scenario.entry_of("ceramic") for scenario in scenarios]
-    found = [
-        (entry["flow_stress_GPa"], max(entry[key] if key in entry.values else 0.0 for key in FLOW_STRESS_LAW))
-        for entry in entries
-        if entry is not None
-    ]
-    return scenarios[0].core_armour().D0 / MM, found
-
-
-@cache
-def curve(armour: tuple[float, float]) -> Callable[[Floats], Floats]:
-    """Return the logarithm of the limit of an armour over that of the flow stress, GPa."""
-    scenario, count = load_scenario("wilkins"), len(STRESSES_GPA)
-    columns = {CERAMIC: np.full(count, armour[0]), BACKING: np.full(count, armour[1]), FLOW_STRESS: STRESSES_GPA}
-    return CubicSpline(np.log(STRESSES_GPA), np.log(MODELS[LIMIT](variants_of(scenario, columns, count))))
-
-
-def covariates(armours: tuple[tuple[float, float], ...]) -> list[Floats | None]:
-    """Return what the exponent of each law multiplies for armours, (n,)."""
-    ceramic, backing = np.array(armours).T / library()[0]
-    return [covariate(exponent, ceramic, backing) for exponent in EXPONENTS]
-
-
-def predicted(found: list[LawPosterior], armour: tuple[float, float]) -> Mixture:
-    """Return the distribution of the limit of an armour, given what tests tell of the laws."""
-    parts: list[Floats] = []
-    for values, evidence in zip(covariates((armour,)), found, strict=True):
-        terms = np.array([1.0] if values is None else [1.0, values[0]])
-        parts.append(evidence.predicted(terms, curve(armour)))
-    return Mixture(*np.concatenate(parts, axis=1))
+CHANCES = np.array([0.025, 0.05, 0.5, 0.975])
+# Least tests of a lot that is listed, and least share of them within 95 % intervals that is not.
+LEAST_TESTS, LEAST_SHARE = 8, 88.0
+# Least share of "95 true" and, of simulated lots, of both, per cent; greatest loss of a lot, points.
+LEAST_TRUE, LEAST_SIMULATED, MOST_LOST = 95.0, 92.0, 5.0
 
 
 class Outcome(NamedTuple):
-    """Of the limits of a design: whether intervals hold them, whether they are above, and errors of the median."""
+    """Of limits that were predicted: errors of the median, and whether they lie in the interval and above 95 %."""
 
-    held: Floats
+    error: Floats
+    within: Floats
     above: Floats
-    errors: Floats
+    half_width: Floats
+    stated: Floats  # probabilities of more than the computed limit
+    observed: Floats
+
+    @classmethod
+    def of(cls, errors: Floats, mixture: Mixture) -> "Outcome":
+        """Return the outcome, given logarithms of ratios, (n,), and their distributions."""
+        low, stopped, middle, high = (np.log(mixture.quantile(np.full(len(errors), p))) for p in CHANCES)
+        within = (low <= errors) & (errors <= high)
+        shares = within.astype(float), (errors > stopped).astype(float)
+        stated = mixture.probability_above(np.ones(len(errors)))
+        return cls(errors - middle, *shares, 0.5 * (high - low), stated, (errors > 0.0).astype(float))
+
+    def means(self) -> Floats:
+        """Return mean square, mean shares and half-width, and how far what is stated is from what is observed."""
+        off = abs(self.stated.mean() - self.observed.mean())
+        return np.array([np.mean(self.error**2), self.within.mean(), self.above.mean(), self.half_width.mean(), off])
 
 
-def simulate(case: Case, samples: int, seed: int) -> dict[str, Outcome]:
-    """Simulate tests and predictions of a case."""
-    dice = np.random.default_rng([seed, len(case.armours), round(1000.0 * case.scatter)])
-    of_tests = covariates(case.armours)
-    curves = [curve(armour) for armour in case.armours]
-    nothing = np.zeros(len(curves))
-    results: dict[str, list[tuple[bool, bool, float]]] = {name: [] for name in DESIGNS}
-    for _ in range(samples):
-        true = int(dice.integers(len(of_tests)))
-        stress, exponent = library()[1][true]
-        if case.other_exponents:
-            exponent += dice.normal(0.0, OTHER_EXPONENTS) if true else 0.0
-        series = dice.normal(0.0, SERIES)
-
-        def limit(armour: tuple[float, float], law: int = true, stress: float = stress, n: float = exponent) -> float:
-            values = covariates((armour,))[law]
-            return float(curve(armour)(np.array([log(stress) + (0.0 if values is None else n * values[0])]))[0])
-
-        values = np.array([limit(armour) for armour in case.armours])
-        values += series + case.scatter * dice.normal(size=len(values))
-        found = evidence_of(Measured(values, nothing, nothing, curves), of_tests, log(TESTED_GPA), TESTED)
-        for name, design in DESIGNS.items():
-            truth, mixture = np.exp(limit(design) + series), predicted(found, design)
-            low, stopped, middle, high = mixture.quantile(np.array(CHANCES))
-            results[name].append((low <= truth <= high, truth > stopped, log(truth / middle)))
-    return {name: Outcome(*np.array(rows, dtype=float).T) for name, rows in results.items()}
+def joined(parts: Sequence[Outcome]) -> Outcome:
+    """Return outcomes as one."""
+    return Outcome(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 
 
-# Rows of Wilkins' tests that are a series each.
-WILKINS = (range(4), range(4, 9), range(9, 13))
+def numbers(means: Floats) -> list[str]:
+    """Return RMS, shares and half-width of a row, per cent."""
+    square, *shares, _ = means
+    return [f"{100.0 * square**0.5:.1f}", *(f"{100.0 * share:.0f}" for share in shares[:2]), f"{100.0 * shares[2]:.1f}"]
+
+
+def mixture_of(found: Sequence[Fit], q: Any, shifts: Sequence[Floats], ranges: Any) -> Mixture:
+    """Return distributions of the ratio of limits, given those by each law over that they are relative to."""
+    weights = np.exp([fit.weight - max(one.weight for one in found) for fit in found])
+    parts = [fit.predicted(q, ranges) for fit in found]
+    locations = np.array([location + shift for (location, _), shift in zip(parts, shifts, strict=True)])
+    scales, freedom = np.array([scale for _, scale in parts]), np.array([fit.degrees_of_freedom for fit in found])
+    like = np.ones_like(locations)
+    return Mixture(like * (weights / weights.sum())[:, None], locations, scales, like * freedom[:, None])
+
+
+class Lot(NamedTuple):
+    """Tests of an alloy against a round, predicted with a number of own tests, and shares of each prediction."""
+
+    name: str
+    tests: int
+    means: Floats
+
+
+def lots_of(group_name: str, own: int, draws: int = DRAWS) -> Iterator[Lot]:
+    """Predict each lot, its alloy left out of the fit, from random draws of own tests."""
+    group, dice = GROUPS[group_name], np.random.default_rng(1)
+    plates = plates_of(group.kind, group.metal)
+    for alloy in np.unique(plates.alloy):
+        fit, ranges = _left_out(group_name, alloy)
+        of_alloy = plates.at(plates.alloy == alloy)
+        for fired in np.unique(of_alloy.round):
+            lot = of_alloy.at(of_alloy.round == fired)
+            count, found = len(lot.error), []
+            for _ in range(draws if own else 1):
+                some = dice.choice(count, min(own, count), replace=False)
+                rest = np.setdiff1d(np.arange(count), some)
+                updated, nothing = fit, np.zeros(own)
+                if len(rest) and own:
+                    tests = lot.at(some)
+                    updated = fit.updated(LotTests(tests.quantities, tests.error, nothing, nothing, np.arange(own)))
+                if len(rest):
+                    q = lot.at(rest).quantities
+                    found.append(Outcome.of(lot.error[rest], mixture_of([updated], q, [np.zeros(len(rest))], ranges)))
+            if found:
+                yield Lot(f"{fired} on {alloy}", count, np.mean([one.means() for one in found], axis=0))
+
+
+@cache
+def _left_out(group_name: str, alloy: str) -> tuple[Fit, dict[str, tuple[float, float]]]:
+    """Return the fit without an alloy, and the ranges of its tests."""
+    group = GROUPS[group_name]
+    plates = plates_of(group.kind, group.metal)
+    rest = plates.at(plates.alloy != alloy)
+    return fitted(group, rest), ranges_of(rest)
 
 
 def wilkins(own: int) -> Outcome:
-    """Predict the tests of each of Wilkins' series from a number of them, all combinations of it."""
-    tests = read_tests("wilkins.csv", load_scenario("wilkins"))
-    columns, values = tests.groups[0].columns, np.array([measurement.value for measurement in tests.measurements])
-    armours = list(zip(columns[CERAMIC].tolist(), columns[BACKING].tolist(), strict=True))
-    rows, nothing = [], np.zeros(own)
-    for series in WILKINS:
-        for some in combinations(series, own):
-            tested = tuple(armours[i] for i in some)
-            measured = Measured(np.log(values[list(some)]), nothing, nothing, [curve(armour) for armour in tested])
-            found = evidence_of(measured, covariates(tested), log(TESTED_GPA), TESTED, (0.2, 0.25))
-            for i in {*series} - {*some}:
-                low, stopped, middle, high = predicted(found, armours[i]).quantile(np.array(CHANCES))
-                rows.append((low <= values[i] <= high, values[i] > stopped, log(values[i] / middle)))
-    return Outcome(*np.array(rows, dtype=float).T)
+    """Predict the tests of each of Wilkins' series from all choices of some of them, the series left out of the fit."""
+    tiles, found = {name: tiles_of(law) for name, law in LAWS.items()}, []
+    first = tiles["constant"]
+    for series in range(3):
+        left = [fitted_law(law, tiles[name].at(series != SERIES))[0] for name, law in LAWS.items()]
+        places = np.flatnonzero(series == SERIES)
+        for some in map(np.array, combinations(places, own)):
+            rest, nothing = np.setdiff1d(places, some), np.zeros(own)
+            fits_of = left
+            if own:
+                fits_of = [
+                    fit.updated(
+                        LotTests(of.at(some).quantities, of.error[some], nothing, nothing, np.arange(own)),
+                        STRANGE,
+                    )
+                    for fit, of in zip(left, tiles.values(), strict=True)
+                ]
+            shifts = [first.error[rest] - of.error[rest] for of in tiles.values()]
+            found.append(Outcome.of(first.error[rest], mixture_of(fits_of, first.at(rest).quantities, shifts, {})))
+    return joined(found)
+
+
+# Armours of simulated own tests, and of what is predicted, mm.
+ARMOURS = ((7.0, 5.0), (9.0, 7.0), (9.0, 5.0), (7.0, 7.0), (8.0, 6.5), (7.5, 5.5))
+DESIGNS = {"inside": (8.0, 6.0), "thin": (4.5, 3.0), "thick": (13.0, 9.0)}
+EXPONENTS = {"constant": (0.0, 0.0), "backing": (1.0, 0.0), "product": (1.0, 1.0)}
+
+
+@cache
+def limits() -> tuple[dict[str, Floats], Any]:
+    """Return logarithms of limits of all armours by each law, and their quantities."""
+    armours = np.array([*ARMOURS, *DESIGNS.values()])
+    found, q = {}, None
+    for name, law in LAWS.items():
+        scenario = load_scenario("wilkins", {"armour.ceramic": law.ceramic})
+        rows = variants_of(scenario, {CERAMIC: armours[:, 0], BACKING: armours[:, 1]}, len(armours))
+        found[name], q = np.log(ballistic_limits(rows)), rows.armours.quantities()
+    return found, q
+
+
+class Case(NamedTuple):
+    """A kind of simulated lots: standard deviations of effects, and what is done with the tests."""
+
+    name: str
+    lot: float = 0.05
+    exponents: float = 0.0  # standard deviation of the exponents about the library's, times the slope of the limit
+    more: float = STRANGE
+    mixed: bool = False  # own tests are of two lots, and armours of one are predicted
+    shots: str = ""  # "outcomes" near the computed limit, or "stopped" ones only
+
+
+CASES = (
+    Case("a lot like the others"),
+    Case("a strange lot", lot=0.10),
+    Case("another metal", lot=0.15, more=STRANGE_METAL),
+    Case("two lots, mixed", mixed=True),
+    Case("other exponents", exponents=0.062),
+    Case("outcomes", shots="outcomes"),
+    Case("stopped shots only", shots="stopped"),
+)
+SCATTERS = (0.02, 0.035, 0.05)
+
+
+def simulated(case: Case, own: int, scatter: float, dice: Any, samples: int = SAMPLES) -> dict[str, Outcome]:
+    """Simulate lots, own tests and predictions."""
+    (by_law, q), count = limits(), len(ARMOURS)
+    parts: dict[str, list[Outcome]] = {name: [] for name in DESIGNS}
+    ratios = np.log(np.stack([q["backing_thickness_ratio"], q["ceramic_thickness_ratio"]]))
+    for _ in range(samples):
+        name = list(LAWS)[int(dice.integers(len(LAWS)))]
+        effect, other = dice.normal(0.0, case.lot, 2)
+        true = by_law[name] + dice.normal(0.0, case.exponents) * (np.array(EXPONENTS[name]) @ ratios)
+        some = dice.choice(count, own, replace=False)
+        tested = true[some] + scatter * dice.normal(size=own)
+        tested += np.where(case.mixed & (np.arange(own) < own // 2), other, effect)
+        sides = uncertainties = np.zeros(own)
+        if case.shots:
+            limit, away = tested + SHOT_SCATTER * dice.normal(size=own), 0.08 * dice.normal(size=own)
+            tested = by_law["constant"][some] + (-abs(away) if case.shots == "stopped" else away)
+            sides, uncertainties = np.where(limit > tested, 1.0, -1.0), np.full(own, SHOT_SCATTER)
+            if case.shots == "stopped" and (sides < 0.0).any():
+                continue
+        of_tests, updated = {key: values[some] for key, values in q.items()}, []
+        for law in LAWS:
+            tests = LotTests(of_tests, tested - by_law[law][some], sides, uncertainties, np.arange(own))
+            updated.append(fits()[law].updated(tests, case.more))
+        for place, design in enumerate(DESIGNS, start=count):
+            of_design, first = {key: values[[place]] for key, values in q.items()}, by_law["constant"][[place]]
+            found = mixture_of(updated, of_design, [by_law[law][[place]] - first for law in LAWS], {})
+            parts[design].append(Outcome.of(true[[place]] + effect - first, found))
+    return {design: joined(found) for design, found in parts.items()}
+
+
+def untested(own: int, scatter: float, dice: Any) -> dict[str, Outcome]:
+    """Simulate lots of SiC, whose flow stress is as uncertain as the program takes it to be, and predictions."""
+    parts: dict[str, list[Outcome]] = {name: [] for name in DESIGNS}
+    armours = np.array([*ARMOURS[:own], *DESIGNS.values()])
+    columns = {CERAMIC: armours[:, 0], BACKING: armours[:, 1]}
+    scenario = load_scenario("wilkins", {"armour.ceramic": "SiC"})
+    nominal = scenario.inputs()[FLOW_STRESS]
+    for _ in range(SAMPLES // 8):
+        law = shipped_data()["fit"][list(LAWS)[int(dice.integers(len(LAWS)))]]["flow_stress"]
+        values = {key: value for key, value in law.items() if value}
+        values["flow_stress_GPa"] *= nominal / 5.2 * np.exp(dice.normal(0.0, UNTESTED))
+        true = ballistic_limits(variants_of(with_ceramic(scenario, values), columns, len(armours)))
+        tested = true[:own] * np.exp(scatter * dice.normal(size=own))
+        rows = [
+            dict(zip((CERAMIC, BACKING, LIMIT), row, strict=True)) for row in np.column_stack([armours[:own], tested])
+        ]
+        kept = own_tests(read_tests(rows, scenario), {FLOW_STRESS: nominal})
+        entry = scenario.entry_of("ceramic")
+        assert kept is not None
+        assert entry is not None
+        made = variants_of(scenario, columns, len(armours))
+        made = made._replace(materials=(Materials(replace(entry, evidence=kept), made.materials[0].backing),))
+        by_own = ballistic_limits(made)
+        found = made.errors.ratio.times(limits_by_law(made, by_own) / by_own)
+        for place, design in enumerate(DESIGNS, start=own):
+            error = np.log(true[[place]] / by_own[[place]])
+            parts[design].append(Outcome.of(error, found.mapped(partial(_column, place))))
+    return {design: joined(found) for design, found in parts.items()}
+
+
+def _column(place: int, array: Floats) -> Floats:
+    return array[:, [place]]
+
+
+TEXT = """# Own tests, left out
+
+This page is written by `python -m tools.campaigns.own_tests`. It shows how well the own tests that `armour calibrate`
+gives to an entry predict the other armours of their lot: real ones, with the lot left out of the shipped fits, and
+simulated ones. RMS is that of the logarithm of the measured over the predicted ballistic limit; "within 95" is the
+share of limits within their intervals, and "95 true" that of limits above the one that they are stated to exceed with
+a probability of 95 %; all in per cent, as is the half-width of the interval.
+
+## Plates
+
+A lot is an alloy against a round. The alloy is left out of the fit; own tests are drawn from the lot, {draws} times,
+and the rest of it is predicted. Lots count alike. With no own test, the shipped fit predicts. "Off" is the mean
+difference, of a lot, of the stated probability and the observed share of limits above the computed ones.
+
+{plates}
+
+Lots of {least_tests} tests or more, of which less than {least_share:g} % lie within the intervals:
+
+{lots}
+
+{peculiar}
+
+Lots differ in their scatter, and in how the limit rises with the thickness. So the standard deviation of a test of a
+lot is taken as at least 4 %, and the rise of the limit as that of the fit with the standard deviation that alloys show.
+Neither is needed for the means of the groups; without them, .30 APM2 on MARS600 would lose 16 points to the shipped
+fit, and three lots on aluminium 5 to 14. The 4 % were chosen on the lots on aluminium, where 3.5 % let two lose 6 to 7;
+on steel and of fragments, tests scatter by more. No alloy is recognised by its name: of 17 of the 20
+steels there is one report, so that the effect of an alloy is that of its lot.
+
+## AD85, one series at a time
+
+A series of Wilkins' tests is left out of the fits of all three laws; all choices of its tests are own ones, and the
+rest of it is predicted.
+
+{wilkins}
+
+## Simulated lots with a ceramic
+
+Armour of AD85 on 6061-T6 follows one of three laws, each as often; its lot has an effect with a standard deviation of
+5 %, of a strange lot 10 %, on another metal 15 %, and each test a scatter of 2, 3.5 or 5 %. Own tests are of armours of
+7 to 9 mm on 5 to 7 mm; inside them, thinner and thicker armours are predicted. "Two lots, mixed" takes half of the
+tests from another lot. Outcomes are those of shots near the computed limit; of "stopped shots only", those lots count
+whose shots, below it, are all stopped. SiC has a flow stress that is uncertain by 40 %.
+
+{simulated}
+"""
+NOTES = {
+    "MARS600": "its two thinnest plates, 0.6 diameters, have limits 20 % lower than the trend of the others says",
+    "AA6082-T6": "8 tests of two reports, of which those at 30 degrees lie 7 to 10 % above, and the thickest 8 % below",
+}
 
 
 def main() -> int:
-    """Print the shares, per cent."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--samples", type=int, default=400)
-    parser.add_argument("--seed", type=int, default=1)
-    given = parser.parse_args()
-    print("tests | scatter, % | design | in 95 % | stated 95 % | RMS, %")
-    shares: list[float] = []
+    """Write the page."""
+    of_plates, of_lots, trues, lost = [], [], [], []
+    shipped: dict[tuple[str, str], float] = {}
+    for name in PLATES:
+        for own in (0, 1, 2, 3):
+            lots = list(lots_of(name, own))
+            means = np.mean([lot.means for lot in lots], axis=0)
+            of_plates.append([NAMES[name], f"{own}", f"{len(lots)}", *numbers(means), f"{100.0 * means[-1]:.0f}"])
+            trues += [100.0 * means[2]] if own else []
+            for lot in lots:
+                share = 100.0 * lot.means[1]
+                before = shipped.setdefault((name, lot.name), share)
+                if own and lot.tests >= LEAST_TESTS:
+                    lost.append(before - share)
+                    if share < LEAST_SHARE:
+                        row = [NAMES[name], lot.name, f"{lot.tests}", f"{own}", f"{share:.0f}", f"{before:.0f}"]
+                        of_lots.append([*row, f"{100.0 * lot.means[0] ** 0.5:.1f}"])
+    of_wilkins = [[f"{own}", *numbers(wilkins(own).means())] for own in (0, 1, 2, 3)]
+    rows, shares = [], []
     for case in CASES:
-        for name, found in simulate(case, given.samples, given.seed).items():
-            shares += shown(f"{case.name} | {100.0 * case.scatter:g} | {name}", found)
-    for own in (1, 2, 3):
-        shown(f"{own} tests of a series of Wilkins' | | the others of it", wilkins(own))
-    return verdict.coverage(shares, given.samples, LEAST)
-
-
-def shown(case: str, found: Outcome) -> tuple[float, float]:
-    """Print a row and return its shares."""
-    shares = 100.0 * float(found.held.mean()), 100.0 * float(found.above.mean())
-    print(f"{case} | {shares[0]:.1f} | {shares[1]:.1f} | {100.0 * sqrt(np.mean(found.errors**2)):.1f}", flush=True)
-    return shares
+        for own in (2, 4) if case.mixed or case.shots else (1, 2, 4):
+            parts = [
+                simulated(case, own, scatter, np.random.default_rng([own, i])) for i, scatter in enumerate(SCATTERS)
+            ]
+            for design in DESIGNS:
+                means = joined([part[design] for part in parts]).means()
+                rows.append([case.name, f"{own}", design, *numbers(means)])
+                shares += (100.0 * means[1:3]).tolist()
+    for own in (1, 2, 4):
+        for design, found in untested(own, 0.035, np.random.default_rng(own)).items():
+            rows.append(["SiC, not tested before", f"{own}", design, *numbers(found.means())])
+            shares += (100.0 * found.means()[1:3]).tolist()
+    head = "RMS", "within 95", "95 true", "half-width"
+    PAGE.write_text(
+        TEXT.format(
+            draws=DRAWS,
+            plates=table(("tests of", "own tests", "lots", *head, "off"), of_plates),
+            least_tests=LEAST_TESTS,
+            least_share=LEAST_SHARE,
+            lots=table(("tests of", "lot", "tests", "own tests", "within 95", "by the shipped fit", "RMS"), of_lots),
+            peculiar="\n".join(f"* {lot}: {words}." for lot, words in NOTES.items()),
+            wilkins=table(("own tests", *head), of_wilkins),
+            simulated=table(("lots", "own tests", "armour", *head), rows),
+        ),
+        encoding="utf-8",
+    )
+    text = (
+        f"limits stated to be exceeded with 95 %: {min(trues):.1f} % or more are, by group; lots lose at most "
+        f"{max(lost):.1f} points; of simulated lots at least {min(shares):.1f} %"
+    )
+    return verdict(text, right=min(trues) >= LEAST_TRUE and max(lost) <= MOST_LOST and min(shares) >= LEAST_SIMULATED)
 
 
 if __name__ == "__main__":

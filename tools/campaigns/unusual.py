@@ -19,7 +19,8 @@ from armour.core.search import DENSE_SCAN_POINTS, SCAN_POINTS, scan
 from armour.core.state import Outcome, Parameters
 from armour.engine import batch
 from armour.errors import InputError
-from armour.scenario.evidence import FAR, covered, is_unusual
+from armour.evidence.tests import FAR, armour_of, is_unusual, shipped_evidence
+from armour.scenario.scenario import Scenario
 from tests.helpers.exotic import WIDE, random_wide_designs
 from tools.campaigns.verdict import verdict
 
@@ -38,38 +39,54 @@ def unusual_designs(count: int, seed: int) -> Variants:
     rng = np.random.default_rng(seed)
     grid = {"optimise": {"ceramic_thickness_mm": THICKNESSES, "backing_thickness_mm": THICKNESSES}}
     found = [design.replaced(grid) for design in random_wide_designs(2 * count, seed)]
-    armours = [armour for armour in (design.core_armour() for design in found) if is_unusual(armour)][:count]
+    rows = batch.packed([design.core_armour() for design in found])
+    rows = rows[is_unusual(batch.fields(rows))][:count]
     velocities = np.exp(rng.uniform(np.log(100.0), np.log(3000.0), count))
-    ones = np.ones(count)
-    return Variants(batch.packed(armours), velocities, ones, ones, found[0])
+    return variants(rows, velocities, found[0])
+
+
+def variants(rows: Floats, velocities: Floats, scenario: Scenario) -> Variants:
+    """Return armours at normal incidence as variants of a scenario."""
+    count, materials = len(rows), tuple(armour_of(scenario).materials)
+    return Variants(rows, velocities, np.ones(count), np.zeros(count, dtype=np.int64), scenario, materials)
+
+
+def covered() -> dict[str, tuple[float, float]]:
+    """Return the ranges over all armours with a ceramic that the model was compared with, by quantity."""
+    found: dict[str, tuple[float, float]] = {}
+    for evidence in shipped_evidence():
+        for limits in evidence.compared if evidence.ceramic else ():
+            low, high = found.get(limits.name, (np.inf, -np.inf))
+            found[limits.name] = min(low, limits.low), max(high, limits.high)
+    return found
 
 
 def designs_within(factor: float, count: int, like: Variants) -> Variants:
     """Return designs with every quantity up to a factor outside of what the model was compared with."""
     rng = np.random.default_rng(11)
     of = {
-        limits.measure.key: np.exp(rng.uniform(np.log(limits.low / factor), np.log(limits.high * factor), count))
-        for limits in covered(bare=False)
+        name: np.exp(rng.uniform(np.log(low / factor), np.log(high * factor), count))
+        for name, (low, high) in covered().items()
     }
-    D0, strength = 6.5e-3, of["backing.flow_stress_GPa"] * 1e9
+    D0, strength = 6.5e-3, of["backing_strength_GPa"] * 1e9
     zero = np.zeros(count)
     columns = {
-        "L0": of["impact.projectile"] * D0,
+        "L0": of["rod_length_ratio"] * D0,
         "D0": zero + D0,
-        "rho_p": of["projectile.density_kg_m3"],
-        "Yp": of["projectile.flow_stress_GPa"] * 1e9,
-        "Hc0": of["armour.ceramic_thickness_mm"] * D0,
-        "rho_c": of["ceramic.density_kg_m3"],
-        "Ec": rng.uniform(150e9, 500e9, count),
-        "Yc0": of["ceramic.flow_stress_GPa"] * 1e9,
-        "Hb": of["armour.backing_thickness_mm"] * D0,
-        "rho_B": of["backing.density_kg_m3"],
+        "rho_p": of["rod_density_kg_m3"],
+        "Yp": of["rod_strength_GPa"] * 1e9,
+        "Hc0": of["ceramic_thickness_ratio"] * D0,
+        "rho_c": of["ceramic_density_kg_m3"],
+        "Ec": of["ceramic_modulus_GPa"] * 1e9,
+        "Yc0": of["ceramic_strength_GPa"] * 1e9,
+        "Hb": of["backing_thickness_ratio"] * D0,
+        "rho_B": of["backing_density_kg_m3"],
         "YB": strength,
-        "tau": strength * rng.uniform(0.1, 0.4, count),
+        "tau": strength * of["backing_shear_ratio"],
         "shear_law": rng.integers(0, 2, count),
     }
     parameters = np.column_stack([columns.get(name, zero) for name in Parameters._fields])
-    return Variants(parameters, zero, np.ones(count), np.ones(count), like.scenario)
+    return variants(parameters, zero, like.scenario)
 
 
 def outcomes(designs: Variants, velocities: Floats) -> Bools:

@@ -15,12 +15,11 @@ from armour.analysis.results import OnProgress, Result, ignore_progress
 from armour.analysis.searches import limit_brackets, limits_by_law
 from armour.analysis.variants import variants_of
 from armour.core import search
-from armour.core.state import Parameters
 from armour.errors import InputError, NoLimitError
+from armour.evidence.model_error import ModelError, error_of, why_unknown
+from armour.evidence.tests import armour_of, is_unusual, scenario_warnings
 from armour.scenario.checked import checked
-from armour.scenario.evidence import ModelError, is_unusual
-from armour.scenario.mixture import Mixture
-from armour.scenario.own_evidence import error_of_armour, own_tests, why_no_error
+from armour.scenario.inputs import OBLIQUITY, VELOCITY
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 
 # Number of intervals above the limit in a plotted curve.
@@ -125,7 +124,7 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
     """
     section = scenario.ballistic_limit
     low, high = section.velocity_min_m_s, section.velocity_max_m_s
-    points = search.DENSE_SCAN_POINTS if is_unusual(scenario.core_armour()) else search.SCAN_POINTS
+    points = search.DENSE_SCAN_POINTS if is_unusual(armour_of(scenario).parameters).all() else search.SCAN_POINTS
     crossings, runs, lowest_perforates = find_crossings(scenario, points, on_progress)
     if lowest_perforates or not crossings:
         message = _no_limit(crossings, lowest_perforates, points, low, high)
@@ -141,7 +140,7 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
         crossings=crossings,
         scanned_velocities=points,
         scanned_range_m_s=(low, high),
-        warnings=(*scenario.warnings(limit, "ballistic_limit"), *scenario.unused_distributions()),
+        warnings=(*scenario_warnings(scenario, limit, "ballistic_limit"), *scenario.unused_distributions()),
         model_error=error,
         interval_m_s=None if error is None else error.interval(limit),
         median_m_s=None if error is None else error.median(limit),
@@ -156,17 +155,8 @@ def model_error(scenario: Scenario, limit_m_s: float) -> ModelError | None:
     """
     variants = variants_of(scenario, {}, 1)
     limits = limits_by_law(variants, np.array([limit_m_s]))
-    return error_of(scenario, variants.errors.of_limits(limits / limit_m_s).one(), scenario.core_armour())
-
-
-def error_of(scenario: Scenario, ratio: Mixture, armour: Parameters) -> ModelError | None:
-    """Return the model error with its source, given the distribution of the armour's limit over that by the model."""
-    if np.isnan(ratio.weights).any():
-        return None
-    given = scenario.given_error()
-    if given is not None:
-        return ModelError.of_ratio(ratio, given.source)
-    return error_of_armour(ratio, own_tests(scenario.entries), armour)
+    ratio = variants.errors.ratio.times(limits / limit_m_s).one()
+    return error_of(scenario, ratio, variants.armours)
 
 
 def not_monotonic(limit: LimitResult) -> tuple[str, ...]:
@@ -286,6 +276,8 @@ class ConfidenceResult(Result):
         Ballistic limit that the armour exceeds with a probability of 50 %, given this error, m/s.
     interval_m_s : tuple of float or None
         Interval in which it lies with a probability of 95 %, m/s.
+    probability_at_normal_incidence : float or None
+        Where the probability at an angle is not known, that of an armour with a ceramic at 0 degrees.
     """
 
     probability_of_defeat: float | None
@@ -295,6 +287,7 @@ class ConfidenceResult(Result):
     warnings: tuple[str, ...] = ()
     median_m_s: float | None = None
     interval_m_s: tuple[float, float] | None = None
+    probability_at_normal_incidence: float | None = None
 
     def _words(self) -> str:
         if self.probability_of_defeat is None:
@@ -342,7 +335,7 @@ def _limit(scenario: Scenario, on_progress: OnProgress) -> float:
 def without_limit(scenario: Scenario, reason: str, *, above: bool) -> ConfidenceResult:
     """Return the confidence in an armour whose limit is not in the range searched, for a reason, or is above it."""
     velocity = scenario.impact.velocity_m_s
-    warnings = (*scenario.warnings(velocity), *scenario.unused_distributions())
+    warnings = (*scenario_warnings(scenario, velocity), *scenario.unused_distributions())
     error = model_error(scenario, scenario.ballistic_limit.velocity_max_m_s) if above else None
     if error is not None:
         least = float(error.probability_of_defeat(scenario.ballistic_limit.velocity_max_m_s, velocity))
@@ -354,9 +347,13 @@ def without_limit(scenario: Scenario, reason: str, *, above: bool) -> Confidence
 def of_limit(scenario: Scenario, limit_m_s: float, velocity_m_s: float) -> ConfidenceResult:
     """Return the confidence that a scenario's armour stops a velocity, given its ballistic limit by the model."""
     error = model_error(scenario, limit_m_s)
-    warnings = (*scenario.warnings(velocity_m_s), *scenario.unused_distributions())
+    warnings = (*scenario_warnings(scenario, velocity_m_s), *scenario.unused_distributions())
     if error is None:
-        return ConfidenceResult(None, limit_m_s, None, no_error(scenario), warnings)
+        at_normal = None
+        if scenario.impact.obliquity_deg and scenario.armour.ceramic_thickness_mm:
+            at_normal = confidence(scenario.replaced({OBLIQUITY: 0.0, VELOCITY: velocity_m_s})).probability_of_defeat
+        reason = no_error(scenario)
+        return ConfidenceResult(None, limit_m_s, None, reason, warnings, probability_at_normal_incidence=at_normal)
     probability = float(error.probability_of_defeat(limit_m_s, velocity_m_s))
     ends = error.interval(limit_m_s)
     return ConfidenceResult(probability, limit_m_s, error, "", warnings, error.median(limit_m_s), ends)
@@ -366,4 +363,4 @@ def no_error(scenario: Scenario) -> str:
     """Return why the model error is not known, or not included, for a scenario that has none."""
     if scenario.excludes_error():
         return EXCLUDED
-    return why_no_error(own_tests(scenario.entries), scenario.core_armour(), scenario.cosine())
+    return why_unknown(scenario, armour_of(scenario))

@@ -236,7 +236,7 @@ class Answers:
     def probabilities_of_defeat(self) -> Floats:
         """Probabilities of stopping the projectile, given the model error."""
         limits = searches.limits_by_law(self.variants, self.ballistic_limits)
-        return self.variants.errors.of_limits(limits).probability_above(self.variants.velocities)
+        return self.variants.errors.ratio.times(limits).probability_above(self.variants.velocities)
 
     def changes(self, quantities: Sequence[str]) -> dict[str, int]:
         """Return ways in which quantities are not all of the answer, in words, each with its number of rows."""

@@ -13,6 +13,7 @@ from armour.core.rk4 import state_within
 from armour.core.run import Instant, Run, run
 from armour.core.state import Outcome, Parameters, State
 from armour.errors import InputError, mistake
+from armour.evidence.tests import scenario_warnings
 from armour.scenario.checked import checked
 from armour.scenario.scenario import Scenario
 from armour.units import MM, US, G
@@ -160,7 +161,7 @@ def impact_at(scenario: Scenario, velocity: float, *, history: bool = False) -> 
         areal_density_kg_m2=scenario.areal_density_kg_m2(),
         time_step_us=time_step(scenario, armour, velocity) / US,
         stages=stage_records(trace, armour),
-        warnings=scenario.warnings(velocity),
+        warnings=scenario_warnings(scenario, velocity),
         history=recorded,
     )
 

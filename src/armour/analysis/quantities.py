@@ -7,8 +7,7 @@ computes what they are made of.
 from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
-from armour.scenario.evidence import ERROR
-from armour.scenario.inputs import YIELD
+from armour.scenario.inputs import ERROR, OF_ERROR, YIELD
 from armour.units import MM, US, words_and_unit
 
 # Outcomes, as data has them, in words.
@@ -20,7 +19,7 @@ REQUIRED = (
 )
 # What a quantity depends on besides projectile, armour, model and solver, see `armour.scenario.reach`.
 OF_IMPACT, OF_LIMIT, OF_GRID = ("impact",), ("ballistic_limit",), ("impact", "optimise")
-DEFEAT = ("impact", "ballistic_limit", "uncertainty.model")
+DEFEAT = ("impact", "ballistic_limit", *OF_ERROR)
 DESIGNS = (
     "impact",
     "threat",

@@ -8,9 +8,8 @@ import numpy as np
 from armour.analysis.variants import Floats, Ints, Variants, variants_of
 from armour.engine import batch
 from armour.errors import Problem, mistake, refuse
-from armour.scenario.evidence import ERROR
-from armour.scenario.predictive import LAW_FIELDS, Errors
-from armour.scenario.sampling import truncation_problem
+from armour.evidence.model_error import LAW_FIELDS, Errors
+from armour.scenario.inputs import ERROR
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Uncertainty
 
@@ -47,7 +46,7 @@ def section_at(scenario: Scenario, own: Mapping[str, float], *, with_error: bool
     problems = [
         Problem(scenario.file, f"uncertainty.{name}", lacking)
         for name, distribution in section.inputs().items()
-        if (lacking := distribution.mean_problem(own[name]) or truncation_problem(distribution, own[name]))
+        if (lacking := distribution.mean_problem(own[name]))
     ]
     refuse(problems)
     return section.with_error() if with_error else section
@@ -75,22 +74,22 @@ def sampled(scenario: Scenario, columns: Mapping[str, Floats], count: int, error
     if ERROR not in columns:
         return Samples(variants, 1.0)
     errors = own_errors(scenario) if errors is None else errors
-    component, factor = errors.of_limits(np.ones((len(errors.weights), 1))).one().drawn(columns[ERROR])
+    law, factor = errors.ratio.one().drawn(columns[ERROR])
     factor = factor.clip(min=LEAST_RATIO)
-    variants = by_laws(variants, errors, component // errors.weights.shape[1])
+    variants = by_laws(variants, errors, law)
     return Samples(variants._replace(velocities=variants.velocities / factor), factor)
 
 
 def by_laws(variants: Variants, errors: Errors, laws: Ints) -> Variants:
     """Return samples, each with one of the laws of the error of their armour, of which one row is given.
 
-    The flow stress by another law than the first, which is their own, is in proportion to theirs.
+    Parameters by another law than the first, which is their own, are in proportion to theirs.
     """
     parameters = variants.parameters.copy()
     fields = batch.fields(parameters)
     for law in np.unique(laws[laws > 0]):
         rows = laws == law
-        for name, (value,), (own,) in zip(LAW_FIELDS, errors.flow_stress[law], errors.flow_stress[0], strict=True):
+        for name, (value,), (own,) in zip(LAW_FIELDS, errors.parameters[law], errors.parameters[0], strict=True):
             column = getattr(fields, name)
-            column[rows] = column[rows] * value / own if name == "Yc0" else value
+            column[rows] = column[rows] * value / own if own else value
     return variants._replace(parameters=parameters)

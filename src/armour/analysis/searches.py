@@ -91,9 +91,9 @@ def limits_by_law(variants: Variants, own: Floats) -> Floats:
     They are searched for beyond the range of the section ``ballistic_limit`` too.  A row without a limit has none.
     """
     errors, section = variants.errors, variants.scenario.ballistic_limit
-    limits = np.tile(own, (len(errors.weights), 1))
+    limits = np.tile(own, (len(errors.ratio.weights), 1))
     for law in range(1, len(limits)):
-        where = np.flatnonzero(errors.used(law) & ~np.isnan(own))
+        where = np.flatnonzero((errors.ratio.weights[law] > 0.0) & ~np.isnan(own))
         rows = variants.by_law(law, errors)
         for ends in ((section.velocity_min_m_s, section.velocity_max_m_s), (SLOWEST_M_S, FASTEST_M_S)):
             if len(where):

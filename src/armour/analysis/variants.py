@@ -10,11 +10,10 @@ from armour.analysis.impact import unresolved_error
 from armour.core.state import Outcome
 from armour.engine import batch
 from armour.errors import mistake
-from armour.scenario.evidence import is_unusual, row_limits
+from armour.evidence.model_error import LAW_FIELDS, Errors, errors_of
+from armour.evidence.tests import Armours, Materials, armour_of, is_unusual, limits_outside
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, LAYERS, OBLIQUITY, VELOCITY, YIELD, cosine_of
 from armour.scenario.library import DEFAULTS, ROD, length_mm, strength_notes
-from armour.scenario.own_evidence import errors_of, own_tests
-from armour.scenario.predictive import LAW_FIELDS, Errors
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Optimise
 from armour.units import MM
@@ -30,8 +29,9 @@ class Variants(NamedTuple):
     parameters: Floats  # (n, fields), see `armour.engine.batch.packed`; thicknesses along the line of fire
     velocities: Floats  # impact velocities, m/s, (n,)
     cosines: Floats  # of the obliquities, (n,)
-    tensile_MPa: Floats  # tensile strengths of the back plates, (n,); NaN if not given
+    which: Ints  # index of the materials of each row, (n,)
     scenario: Scenario  # which has the settings, and whose other values the rows may replace
+    materials: tuple[Materials, ...]
     own_strength: bool = True  # whether the back plates have the strength of the library
     threads: int | None = None  # on which the engine computes; None for one per core
 
@@ -54,20 +54,17 @@ class Variants(NamedTuple):
     @property
     def errors(self) -> Errors:
         """Errors of the model."""
-        count = len(self.velocities)
-        if self.scenario.excludes_error():
-            return Errors.unknown(count)
-        given = self.scenario.given_error()
-        if given is not None:
-            return Errors.of(given.ratio, count)
-        return errors_of(
-            batch.fields(self.parameters), self.tensile_MPa, self.cosines, own_tests(self.scenario.entries)
-        )
+        return errors_of(self.scenario, self.armours)
+
+    @property
+    def armours(self) -> Armours:
+        """The armours of the rows."""
+        return Armours(batch.fields(self.parameters), self.cosines, self.which, self.materials)
 
     def by_law(self, law: int, errors: Errors) -> "Variants":
-        """Return the variants with the flow stress by a law of their errors."""
+        """Return the variants with the parameters of a law of their errors."""
         parameters = self.parameters.copy()
-        for name, values in zip(LAW_FIELDS, errors.flow_stress[law], strict=True):
+        for name, values in zip(LAW_FIELDS, errors.parameters[law], strict=True):
             getattr(batch.fields(parameters), name)[:] = values
         return self._replace(parameters=parameters)
 
@@ -115,7 +112,8 @@ def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -
                 getattr(field, target.field)[:] = DEFAULTS[key][0] * columns[YIELD] * target.factor
     velocities = np.array(np.broadcast_to(columns.get(VELOCITY, scenario.impact.velocity_m_s), count), dtype=np.float64)
     own_strength = columns.keys().isdisjoint((YIELD, "backing.flow_stress_GPa"))
-    return Variants(rows, velocities, cosines, np.full(count, scenario.tensile_strength()), scenario, own_strength)
+    which = np.zeros(count, dtype=np.int64)
+    return Variants(rows, velocities, cosines, which, scenario, tuple(armour_of(scenario).materials), own_strength)
 
 
 def _set_inputs(parameters: Floats, columns: Mapping[str, Floats | float], cosines: Floats) -> None:
@@ -134,8 +132,10 @@ def concatenated(parts: Sequence[Variants]) -> Variants:
 
 def outside_limits(variants: Variants, *, velocities: bool = True) -> Iterator[tuple[str, int]]:
     """Yield the limits of what the model was compared with that some rows lie outside of, and how many do."""
+    speeds = variants.velocities if velocities else np.full_like(variants.velocities, np.nan)
+    for key, words, count, _ in limits_outside(variants.armours, speeds):
+        yield f"{key}: {words}", count
     armour = batch.fields(variants.parameters)
-    yield from row_limits(armour, variants.velocities if velocities else None, variants.cosines)
     for bare in (False, True):
         if count := int(np.count_nonzero((armour.Hc0 == 0.0) == bare)):
             metals = [variants.scenario.entry("metal", variants.scenario.armour.backing)] * variants.own_strength

@@ -199,8 +199,8 @@ COMMANDS: dict[str, dict[Callable[..., None], tuple[str, ...]]] = {
     "Use test data": {
         v50: (f"v50 shots.csv {W} --plot v50.svg",),
         calibrate: (
-            f"calibrate wilkins.csv {W} --write calibrated.toml --plot fit.svg",
-            f"calibrate wilkins.csv {W} --law backing --write-scenario fitted.toml",
+            f"calibrate wilkins.csv {W} --write calibrated.toml --lot 7 --plot fit.svg",
+            f"calibrate wilkins.csv {W} --law backing --write-scenario fitted.toml --lot 7",
         ),
         plan_shots: (
             f"plan shots {W}",

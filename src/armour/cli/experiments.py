@@ -76,16 +76,22 @@ def calibrate(
         ),
         Output.FILE,
     ] = None,
+    lot: Annotated[
+        str | None, option("Name of the lot that the tests are of, which the fitted entries get.", metavar="NAME")
+    ] = None,
     **options: Any,
 ) -> Answer:
     """Fit model inputs to tests."""
     from armour.statistics.fitted_library import library_text, scenario_text
 
+    if (lot is None) != (library is None and fitted is None):
+        raise wrong_option("--lot", "must be given with --write or --write-scenario, and only then: the lot tested")
+
     read = armour.read_tests(table_file(tests), scenario)
     result = armour.calibrate(read, scenario, on_progress=on_progress, **options)
     contents = {
-        library: lambda: library_text(result, read, scenario),
-        fitted: lambda: None if fitted is None else scenario_text(result, read, scenario, fitted),
+        library: lambda: library_text(result, read, scenario, lot or ""),
+        fitted: lambda: None if fitted is None else scenario_text(result, read, scenario, lot or "", fitted),
     }
     return Answer(result, contents=contents, file=str(tests))
 

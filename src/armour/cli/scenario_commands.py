@@ -39,7 +39,7 @@ from armour.cli.runner import (
 )
 from armour.errors import NoDesignError, mistake, refuse
 from armour.files import read_toml, shipped_suites, wrong_ending
-from armour.scenario.inputs import SHOT
+from armour.scenario.inputs import OF_ERROR, SHOT
 from armour.scenario.keys import describe
 
 if TYPE_CHECKING:
@@ -56,8 +56,8 @@ CONFIDENCE = ("design.confidence", "Required probability of stopping each threat
 # Keys of a design that a check reads.
 CHECK = ("design.confidence", "design.thickness_tolerance_mm")
 # What a ballistic limit depends on, see `armour.scenario.reach`.
-LIMIT_READS = (*SHOT, "ballistic_limit", "uncertainty.model")
-IMPACT_READS = ("impact", "armour", "ballistic_limit", "uncertainty.model")
+LIMIT_READS = (*SHOT, "ballistic_limit", *OF_ERROR)
+IMPACT_READS = ("impact", "armour", "ballistic_limit", *OF_ERROR)
 CHECK_READS = (*SHOT, *IMPACT_READS, "threat", *CHECK)
 
 
@@ -74,11 +74,14 @@ def simulate(
     plot: PlotFile = None,
 ) -> Answer:
     """Simulate one impact."""
+    # Imported here because other commands do not need numpy.
+    from armour.evidence.tests import scenario_warnings
+
     result = armour.simulate(scenario, history=history is not None or plot is not None)
     on_progress(1, None)
     sure = armour.confidence(scenario, on_progress=on_progress)
     limit = sure.ballistic_limit_m_s
-    of_limit = () if limit is None else scenario.warnings(limit, "ballistic_limit")
+    of_limit = () if limit is None else scenario_warnings(scenario, limit, "ballistic_limit")
     warnings = tuple(dict.fromkeys((*result.warnings, *of_limit, *sure.warnings)))
     more = {"warnings": list(warnings), "confidence": sure.to_dict()}
     return Answer(result.of(confidence=sure), warnings, more)
@@ -192,7 +195,7 @@ def sensitivity(scenario: "Scenario", on_progress: "OnProgress") -> Answer:
 
 
 @question(
-    ("impact", "armour", "ballistic_limit", "uncertainty"),
+    ("impact", "armour", "ballistic_limit", "uncertainty", *OF_ERROR),
     unit="samples",
     samples=("uncertainty.samples", "Number of samples, at least 128; by default the scenario's."),
 )
@@ -325,7 +328,7 @@ def _approve(effort: "Effort", yes: bool) -> None:
 
 # What a report reads: keys that it shows, and what the results for the scenario's own armour depend on.
 BYLINE = ("author", "project", "date")
-AS_IS = ("impact", "threat", *CHECK, "ballistic_limit", "uncertainty", "optimise")
+AS_IS = ("impact", "threat", *CHECK, "ballistic_limit", "uncertainty", *OF_ERROR, "optimise")
 
 
 def report(

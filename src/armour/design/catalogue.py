@@ -13,6 +13,9 @@ from armour.analysis.variants import Bools, Floats, Ints, Variants, grid_of, wit
 from armour.core.state import Parameters
 from armour.engine import batch
 from armour.errors import Problem, refuse
+from armour.evidence.mixture import Mixture
+from armour.evidence.model_error import Errors
+from armour.evidence.tests import Materials
 from armour.scenario.inputs import (
     BACKING,
     CERAMIC,
@@ -24,9 +27,7 @@ from armour.scenario.inputs import (
     fields_of,
     inputs_of_entry,
 )
-from armour.scenario.library import penetrator_length_mm, tensile_strength
-from armour.scenario.mixture import Mixture
-from armour.scenario.predictive import Errors
+from armour.scenario.library import penetrator_length_mm
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import (
     MAX_DESIGNS,
@@ -106,7 +107,7 @@ class Catalogue:
     sampled: bool  # whether the bounds hold for uncertain inputs too, which are sampled
     offers: tuple[Offer, ...]
     layers: Floats  # parameters of the engine that a pair sets, 0 elsewhere, (pairs, fields)
-    tensile_MPa: Floats  # tensile strengths of the back plates, (pairs,); NaN if not given
+    materials: tuple[Materials, ...]  # by pair
     projectiles: Floats  # parameters that a threat sets, 0 elsewhere, (threats, fields)
     varying: frozenset[str]  # inputs that differ from design to design or from threat to threat
     more_margin_m_s: float = 0.0  # required of every threat
@@ -153,8 +154,8 @@ class Catalogue:
         bounds = np.where((self.bounds < NO_BOUND) & (not self.sampled), self.bounds, 1.0)
         some = candidates.at(designs)
         parameters = self.layers[some.pair] + self.projectiles[which]
-        tensile = self.tensile_MPa[some.pair]
-        rows = Variants(parameters, self.velocities_m_s[which], self.cosines[which], tensile, self.scenario)
+        shot = self.velocities_m_s[which], self.cosines[which]
+        rows = Variants(parameters, *shot, some.pair, self.scenario, self.materials)
         rows = with_thicknesses(rows, ceramic_mm=some.ceramic_mm, backing_mm=some.backing_mm)
         return rows, required[which], bounds[which]
 
@@ -179,7 +180,7 @@ class Catalogue:
     def distributions(self, candidates: Candidates, limits: Floats) -> Mixture:
         """Return the distributions of the ballistic limits, m/s, of which (designs, threats) are those of the model."""
         rows, *_ = self.against_each(candidates, range(len(self.threats)))
-        return rows.errors.of_limits(limits_by_law(rows, limits.ravel()))
+        return rows.errors.ratio.times(limits_by_law(rows, limits.ravel()))
 
     def combinations(
         self, pair: int, ceramic_mm: Sequence[float] | Floats, backing_mm: Sequence[float] | Floats
@@ -258,11 +259,12 @@ def required_by_law(rows: Variants, errors: Errors, bounds: Floats, limits: Floa
     """
     left = bounds.copy()
     for law in range(1, len(limits)):
-        where = np.flatnonzero(errors.used(law))
+        where = np.flatnonzero(errors.ratio.weights[law] > 0.0)
         some = errors.at(where)
         above = some.of_law(law).times(limits[law, where]).probability_above(rows.velocities[where])
-        left[where] -= some.weights[law].sum(axis=0) * (1.0 - above)
-    return least_of_law(rows.velocities, errors, 0, left / errors.weights[0].sum(axis=0))
+        left[where] -= some.ratio.weights[law] * (1.0 - above)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return least_of_law(rows.velocities, errors, 0, left / errors.ratio.weights[0])
 
 
 def least_of_law(velocities: Floats, errors: Errors, law: int, bounds: Floats) -> Floats:
@@ -328,7 +330,13 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
         bool(bounded and uncertain),
         tuple(offers),
         layers,
-        np.array([tensile_strength(scenario.entry("metal", offer.backing.material)) for offer in offers]),
+        tuple(
+            Materials(
+                scenario.entry("ceramic", offer.ceramic.material) if offer.ceramic.material else None,
+                scenario.entry("metal", offer.backing.material),
+            )
+            for offer in offers
+        ),
         rows["projectile"],
         frozenset({VELOCITY, CERAMIC, BACKING} | varying),
     )

@@ -7,8 +7,9 @@ from armour.analysis.ballistic_limit import ConfidenceResult, confidence
 from armour.analysis.impact import simulate
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.errors import Note
+from armour.evidence.model_error import ModelError
+from armour.evidence.tests import scenario_warnings
 from armour.scenario.checked import checked
-from armour.scenario.evidence import ModelError
 from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, VELOCITY
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import DesignSection, Threat
@@ -61,6 +62,8 @@ class CheckedThreat:
         Probability that the armour stops the projectile, None if unknown, and the required one, None if there is none.
     reason : str
         Reason why the probability is not known.
+    probability_at_normal_incidence : float or None
+        That at 0 degrees of an armour with a ceramic, where the probability at an angle is not known.
     model_error : ModelError or None
         What the probability rests on; None if it is not known.
     passed : bool
@@ -79,6 +82,7 @@ class CheckedThreat:
     probability_of_defeat: float | None
     required_probability: float | None
     reason: str
+    probability_at_normal_incidence: float | None
     model_error: ModelError | None
     passed: bool
     what_ifs: tuple[WhatIf, ...]
@@ -147,7 +151,9 @@ def check(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> C
         result = confidence(own, on_progress=on_progress)
         found.append(_checked(own, threat, result, section, on_progress))
         key = f"threat[{place}]" if scenario.threat else "impact"
-        warnings += [Note(note.text, note.key.replace("impact", key)) for note in own.warnings(threat.velocity_m_s)]
+        warnings += [
+            Note(note.text, note.key.replace("impact", key)) for note in scenario_warnings(own, threat.velocity_m_s)
+        ]
     warnings += scenario.unused_distributions()
     passed = all(threat.passed for threat in found)
     return CheckResult(tuple(found), passed, tuple(dict.fromkeys(warnings))).of(
@@ -186,6 +192,7 @@ def _checked(
         probability_of_defeat=probability,
         required_probability=required,
         reason=result.reason,
+        probability_at_normal_incidence=result.probability_at_normal_incidence,
         model_error=result.model_error,
         passed=passed,
         what_ifs=tuple(what_ifs),

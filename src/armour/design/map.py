@@ -8,12 +8,10 @@ from scipy.ndimage import map_coordinates
 
 from armour.analysis.results import OnProgress, ignore_progress, portions
 from armour.analysis.variants import Floats
-from armour.core.state import Parameters
 from armour.design.catalogue import Candidates, Catalogue
 from armour.design.optimise import Design
 from armour.design.search import Requirement
-from armour.scenario.evidence import MEASURES, closest
-from armour.units import MM
+from armour.evidence.model_error import given_error
 
 # Interpolation between the nodes of a map of 25 by 25 designs is right to within this, m/s.
 NEAR_M_S = 25.0
@@ -111,13 +109,9 @@ def thicknesses_tested(catalogue: Catalogue, pair: int, threat: int) -> dict[str
     offer = catalogue.offers[pair]
     middle = [np.array([np.mean(layer.thicknesses())]) for layer in offer[:2]]
     rows, *_ = catalogue.against_each(catalogue.candidates(pair, *middle), [threat])
-    armour, cosine = Parameters(*rows.parameters[0].tolist()), float(catalogue.cosines[threat])
-    evidence = closest(armour)
-    if catalogue.scenario.given_error() or evidence.differences(armour) or evidence.fails_angle(cosine):
+    [(evidence, _)] = rows.armours.by_evidence()
+    if given_error(catalogue.scenario) or not rows.errors.known.all():
         return {}
-    of = {
-        limits.measure: (limits.low * armour.D0 / MM * cosine, limits.high * armour.D0 / MM * cosine)
-        for limits in evidence.measured
-    }
-    names = {"ceramic": "ceramic_thickness_ratio", "backing": "backing_thickness_ratio"}
-    return {layer: of[MEASURES[name]] for layer, name in names.items() if MEASURES[name] in of}
+    of = float(rows.armours.quantities()["rod_diameter_mm"][0] * rows.cosines[0])
+    names = {"ceramic_thickness_ratio": "ceramic", "backing_thickness_ratio": "backing"}
+    return {names[x.name]: (x.low * of, x.high * of) for x in evidence.measured if x.name in names}

@@ -7,21 +7,19 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from armour.analysis.ballistic_limit import error_of
 from armour.analysis.estimates import Estimate
 from armour.analysis.results import OnProgress, TableResult, data_frame, ignore_progress
 from armour.analysis.variants import Bools, Ints
-from armour.core.state import Parameters
 from armour.design.candidates import candidates_of
 from armour.design.catalogue import MARGIN, Candidates, Catalogue, catalogue_of
 from armour.design.search import Requirement, Search
 from armour.errors import NoDesignError, Note, Problem, listed, refuse
+from armour.evidence.mixture import Mixture
+from armour.evidence.model_error import REMEDY, ModelError, error_of, why_unknown
+from armour.evidence.tests import Armours, limits_outside
 from armour.scenario.checked import checked
-from armour.scenario.evidence import MEASURES, REMEDY, ModelError, armour_warnings
-from armour.scenario.inputs import BACKING, CERAMIC, NAMES, OBLIQUITY, VELOCITY
+from armour.scenario.inputs import BACKING, CERAMIC, NAMES
 from armour.scenario.library import strength_notes
-from armour.scenario.mixture import Mixture
-from armour.scenario.own_evidence import own_tests, why_no_error
 from armour.scenario.scenario import Scenario, Varied
 from armour.scenario.schema import DesignSection, shot
 
@@ -333,14 +331,12 @@ def _without(search: Search, best: int, frontier: Ints) -> tuple[float, ...]:
 def _outside(search: Search, place: int) -> list[str]:
     """Return the ways in which a design and its threats are unlike what the model was compared with."""
     catalogue = search.catalogue
-    ceramic = catalogue.offers[search.candidates.pair[place]].ceramic.material or None
     found: list[str] = []
     for i, threat in enumerate(catalogue.threats):
-        keys = {of.key: f"threat[{i}].projectile" for name, of in MEASURES.items() if name.startswith("rod_")}
-        own = {name: f"threat[{i}].{name.partition('.')[2]}" for name in (VELOCITY, OBLIQUITY)}
-        keys = {**own, **keys} if catalogue.scenario.threat else {}
-        cosine = float(catalogue.cosines[i])
-        found += armour_warnings(_armour(search, place, i), ceramic, threat.velocity_m_s, cosine, keys)
+        for key, words, _, value in limits_outside(_armour(search, place, i), np.array([threat.velocity_m_s])):
+            if catalogue.scenario.threat and key.partition(".")[0] in ("impact", "projectile"):
+                key = f"threat[{i}].{key.partition('.')[2] if key.startswith('impact') else 'projectile'}"
+            found.append(Note(words + value, key))
     metals = (catalogue.scenario.entry("metal", layer.material) for layer in catalogue.section.backing)
     found += strength_notes(metals, bare=not search.candidates.ceramic_mm[place])
     return list(dict.fromkeys(found))
@@ -452,10 +448,10 @@ def _of_defeat(catalogue: Catalogue, distributions: Mixture, sampled: dict[str, 
     return own | {title: 1.0 - estimate.value for title, estimate in sampled.items()}
 
 
-def _armour(search: Search, place: int, threat: int) -> Parameters:
-    """Return a design and the projectile of a threat as parameters of the core."""
+def _armour(search: Search, place: int, threat: int) -> Armours:
+    """Return a design against a threat."""
     rows, *_ = search.catalogue.against_each(search.candidates.at(np.array([place])), [threat])
-    return Parameters(*rows.parameters[0].tolist())
+    return rows.armours
 
 
 def _pairs(search: Search, best: int, tested: Bools) -> tuple[Pair, ...]:
@@ -535,9 +531,7 @@ def _why_none(search: Search, unconstrained: Search, pairs: Sequence[int]) -> st
         design = int(known.sum(axis=1).argmax())
         threat = int(known[design].argmin())
         against = f" against {catalogue.titles[threat]}" if known[design].any() else ""
-        row = rows.parameters[design * len(catalogue.threats) + threat]
-        armour, cosine = Parameters(*row.tolist()), float(catalogue.cosines[threat])
-        why = why_no_error(own_tests(catalogue.scenario.entries), armour, cosine)
+        why = why_unknown(catalogue.scenario, rows.armours.at([design * len(catalogue.threats) + threat]))
         # In the table of pairs, what can give the error need not stand in each row.
         return f"the model error is not known{against}: {why if whole else why.removesuffix(f'; {REMEDY}')}"
     hint = f"; if the model error is not known, {REMEDY}" if unknown.any() else ""

@@ -12,8 +12,8 @@ from armour.analysis.samples import own_errors, own_values, sampled, section_at,
 from armour.analysis.variants import perforated
 from armour.design.catalogue import NO_BOUND, Candidates, Catalogue
 from armour.errors import Problem, refuse
+from armour.evidence.sampling import columns_of, points_of
 from armour.scenario.inputs import BACKING, CERAMIC
-from armour.scenario.sampling import columns_of, points_of
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import MAX_SAMPLES, Uncertainty
 

@@ -85,25 +85,25 @@ class Requirement:
         kept if it is by every law, and exceeded if one law alone exceeds it, whatever the others do.
         """
         errors, kept = rows.errors, rows.errors.known
-        several = (errors.weights[1:] > 0.0).any(axis=(0, 1))
+        several = (errors.ratio.weights[1:] > 0.0).any(axis=0)
 
         def keeping(among: Bools, laws: range, *, alone: bool) -> Bools:
             """Return which of some rows keep to their bounds by each law, if the others do not perforate or do too."""
             among = among.copy()
             for law in laws:
-                where = np.flatnonzero(among & errors.used(law))
+                where = np.flatnonzero(among & (errors.ratio.weights[law] > 0.0))
                 if not len(where):
                     continue
                 some = errors.at(where)
-                parts = some.weights[law].sum(axis=0) if alone else 1.0
+                parts = some.ratio.weights[law] if alone else 1.0
                 least = least_of_law(rows.velocities[where], some, law, bounds[where] / parts)
                 made = rows.by_law(law, errors) if law else rows
                 margin = 0.0 if law else self.catalogue.more_margin_m_s
                 among[where] = self._stopped(made.at(where)._replace(velocities=least + margin))
             return among
 
-        kept = keeping(kept, range(len(errors.weights)), alone=True)
-        certain = keeping(kept & several, range(len(errors.weights)), alone=False)
+        kept = keeping(kept, range(len(errors.ratio.weights)), alone=True)
+        certain = keeping(kept & several, range(len(errors.ratio.weights)), alone=False)
         rest = np.flatnonzero(kept & several & ~certain)
         if len(rest):
             required = self.catalogue.bounded_m_s(rows.at(rest), bounds[rest])

@@ -18,6 +18,7 @@ from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.results import OnProgress, Result, ignore_progress
 from armour.csv_files import read_csv
 from armour.errors import Problem, mistake, refuse
+from armour.evidence.model_error import ModelError
 from armour.files import reason
 from armour.planning.procedures import (
     PROCEDURES,
@@ -33,7 +34,6 @@ from armour.planning.procedures import (
     recommended_fit,
 )
 from armour.scenario.checked import checked, instance
-from armour.scenario.evidence import ModelError
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.statistics.curves import FittedCurve
 from armour.statistics.posterior import (

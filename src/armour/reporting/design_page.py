@@ -16,8 +16,8 @@ from armour.core.state import Parameters
 from armour.design.catalogue import COST, NO_BOUND, Catalogue, catalogue_of
 from armour.design.map import DesignMap, design_map, thicknesses_tested
 from armour.errors import InputError, Problem
+from armour.evidence.model_error import given_error
 from armour.reporting.html import TEMPLATES, rendered
-from armour.scenario.evidence import closest
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Layer
 from armour.units import MM
@@ -199,10 +199,10 @@ def _source(catalogue: Catalogue, found: DesignMap) -> str:
     known = np.flatnonzero(~np.isnan(found.stopped_m_s[..., 0, 0]))
     if not len(known):
         return ""
-    if (given := catalogue.scenario.given_error()) is not None:
+    if (given := given_error(catalogue.scenario)) is not None:
         return given.source
     rows, *_ = catalogue.against_each(found.candidates.at(known[:1]), [0])
-    return closest(Parameters(*rows.parameters[0].tolist())).title
+    return next(evidence.title for evidence, _ in rows.armours.by_evidence())
 
 
 def _numbers(found: DesignMap) -> Mapping[str, Any]:

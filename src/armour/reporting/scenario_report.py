@@ -19,6 +19,8 @@ from armour.analysis.samples import own_errors
 from armour.design.check import CheckedThreat, CheckResult, check
 from armour.design.optimise import OBJECTIVES, DesignResult, optimise
 from armour.errors import NoLimitError, Note
+from armour.evidence.model_error import given_error
+from armour.evidence.tests import armour_of
 from armour.reporting.charts import Chart
 from armour.reporting.report import Card, Report, Section, origin_section, reference_notes
 from armour.reporting.table import Column, Table, column_of, in_words, listing
@@ -31,7 +33,6 @@ from armour.reporting.views import uncertainty as uncertainty_view
 from armour.reporting.views.confidence import DEFEAT, SAMPLED_ALONE, chance, extrapolation, from_tests
 from armour.reporting.views.design import AREAL_DENSITY, COST
 from armour.reporting.views.library import entry_table
-from armour.scenario.evidence import closest
 from armour.scenario.inputs import INPUTS, NAMES, ROLES
 from armour.scenario.scenario import Scenario, title_beside
 from armour.scenario.schema import DesignSection
@@ -39,7 +40,7 @@ from armour.statistics.sensitivity import SensitivityResult, sensitivity
 from armour.statistics.uncertainty import UncertaintyResult, probability_of_perforation, uncertainty
 
 # Keys of [design] that ask something of any armour, not for a design.
-OF_ANY_ARMOUR = {"confidence", "thickness_tolerance_mm"}
+OF_ANY_ARMOUR = {"confidence", "thickness_tolerance_mm", "angles_as_at_normal_incidence"}
 # What the model leaves out, see docs/limits.md.
 ASSUMPTIONS = (
     ("Penetrator", "a flat-ended cylinder of one material; jacket, tip, sabot and fracture of the core are left out"),
@@ -223,7 +224,7 @@ def _verdict(contents: Contents) -> tuple[bool | None, str]:
 
 def _cards(contents: Contents) -> Iterator[Card]:
     """Give the probability, the armour and what was asked for."""
-    found = chance(contents.threat.probability_of_defeat)
+    found = chance(contents.threat.probability_of_defeat, contents.threat.model_error)
     value, against = found, ""
     others = [of for of in contents.threats if of is not contents.threat]
     unknown = [of.threat for of in others if of.probability_of_defeat is None]
@@ -317,9 +318,9 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Se
         yield Section("Map of the designs", hint, map_command, "console", charts=(chart,))
     yield Section("Assumptions and limits", notes=ASSUMPTIONS)
     entries = list(filter(None, map(answer.entry_of, ROLES)))
-    evidence = closest(answer.core_armour())
+    [(evidence, _)] = armour_of(answer).by_evidence()
     error = contents.confidence.model_error
-    used = evidence.source if error is not None and error.source == evidence.title else ""
+    used = evidence.source if error is not None and given_error(answer) is None else ""
     cited = [value.source for entry in entries for value in entry.values.values()]
     yield Section("References", notes=reference_notes(("[Paper]", used, *cited)))
     if what_ifs:

@@ -52,6 +52,9 @@ class Input(NamedTuple):
 VELOCITY, OBLIQUITY = "impact.velocity_m_s", "impact.obliquity_deg"
 CERAMIC, BACKING = LAYERS = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm"
 YIELD = "backing.dynamic_yield_strength_MPa"
+# The model error as an input, and the keys that it depends on besides projectile, armour, model and solver.
+ERROR = "model.limit_error_percent"
+OF_ERROR = ("uncertainty.model", "design.angles_as_at_normal_incidence")
 
 _ALL = (
     Input(VELOCITY),

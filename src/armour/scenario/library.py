@@ -6,13 +6,12 @@ Every value has a status (measured, nominal, fitted or assumed) and a source.
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import cache, cached_property
+from functools import cache
 from math import nan, pi
 from os import PathLike
 from typing import Annotated, Any, Generic, Literal, TypeVar
 
 from pydantic import (
-    AfterValidator,
     BeforeValidator,
     Field,
     SerializerFunctionWrapHandler,
@@ -84,70 +83,70 @@ Coefficient = Annotated[Value[Annotated[float, Field(ge=-3.0, le=3.0)]], _Number
 Strain = Annotated[Value[Annotated[float, Field(gt=0.0, le=10.0), NOT_TINY]], _NumberOrTable]
 
 
-class LawEvidence(Section):
-    """What own tests imply for a law: a mixture of normal distributions, one for each deviation of the error."""
+class LawTests(Section):
+    """Ballistic limits of own tests by a law, from which a fit of the shipped tests is updated."""
 
-    exponent: str = ""
-    """Key of the exponent of the law; empty for a value that is constant."""
-    slope: float
-    """Relative change of the ballistic limit per relative change of the value, at the tests."""
-    components: Items[Items[float]]
-    """A row for each: probability, standard deviation of the error of a limit, value and its relative standard
-    deviation; if the law has an exponent, also the exponent, its standard deviation, and the correlation of both."""
+    fit: str
+    """Name of the fit."""
+    values: dict[str, float] = {}
+    """Values of the entry, by key, that the limits are computed with."""
+    level: Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=2)] | None = None
+    """Mean and standard deviation of the logarithm of measured over computed limits before the tests, if not the
+    fit's."""
+    computed_m_s: Items[Annotated[float, Field(gt=0.0)]]
+    """Ballistic limits computed."""
+
+
+# What an entry keeps of the armours of own tests, see `armour.evidence.fit.quantities`: what varies freely, and what
+# further armours of a ceramic without shipped tests must have in common with them.
+VARIED = (
+    "ceramic_thickness_ratio",
+    "backing_thickness_ratio",
+    "rod_diameter_mm",
+    "rod_length_ratio",
+    "rod_mass_ratio",
+    "rod_density_kg_m3",
+    "rod_strength_GPa",
+    "path_ratio",
+)
+IN_COMMON = (
+    "ceramic_density_kg_m3",
+    "ceramic_modulus_GPa",
+    "backing_density_kg_m3",
+    "backing_strength_GPa",
+    "backing_shear_ratio",
+)
+# And of what was measured: a side is 1 where the limit is above the velocity of a shot, -1 below, and 0 of a limit.
+MEASURED = ("velocity_m_s", "uncertainty_m_s", "side")
+
+
+class OwnTests(Section):
+    """Own tests of one lot, to which a value of the entry was calibrated; `armour calibrate` writes them."""
+
+    lot: str = ""
+    """Name of the lot."""
+    source: str = ""
+    """Source of the tests."""
+    calibrated: dict[str, float] = {}
+    """Calibrated values by quantity."""
+    tests: dict[str, Items[float]] = {}
+    """Quantities of the armours tested, with thicknesses along the line of fire over the penetrator's diameter, and
+    what was measured; a side is 1 where the limit is above the velocity of a shot, -1 below, and 0 of a limit."""
+    law: Items[LawTests] = ()
+    """Laws that the limits were computed with; none if the tests must be given again."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _without_version_1(cls, data: Any) -> Any:
+        """Drop what version 1 wrote, which holds no tests."""
+        return {"source": data.get("source")} if isinstance(data, dict) and "measured" in data else data
 
     @model_validator(mode="after")
-    def _complete(self) -> "LawEvidence":
-        columns = 7 if self.exponent else 4
-        if any(len(row) != columns for row in self.components):
-            raise ValueError(f"must have {columns} numbers for each of its components")
+    def _complete(self) -> "OwnTests":
+        counts = {len(column) for column in (*self.tests.values(), *(law.computed_m_s for law in self.law))}
+        if self.law and ({*self.tests} != {*VARIED, *IN_COMMON, *MEASURED} or len(counts) != 1):
+            raise ValueError("must be as armour calibrate writes it: a number for each test in each of its lists")
         return self
-
-
-def _rises(ends: tuple[float, ...]) -> tuple[float, ...]:
-    if not 0.0 <= ends[0] <= ends[1]:
-        raise ValueError(f"must be two numbers of at least 0 that do not fall, found {ends[0]:g} and {ends[1]:g}")
-    return ends
-
-
-TestedRange = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=2), AfterValidator(_rises)]
-
-
-class TestedRanges(Section):
-    """Ranges of own tests: thicknesses along the line of fire and lengths over the diameter of the penetrator."""
-
-    ceramic_thickness_ratio: TestedRange
-    """Ceramic thicknesses."""
-    ceramic_density_kg_m3: TestedRange
-    """Densities of the ceramic."""
-    ceramic_modulus_GPa: TestedRange
-    """Young's moduli of the ceramic."""
-    backing_thickness_ratio: TestedRange
-    """Back plate thicknesses."""
-    backing_density_kg_m3: TestedRange
-    """Densities of the back plate."""
-    backing_strength_GPa: TestedRange
-    """Flow stresses of the back plate."""
-    rod_length_ratio: TestedRange
-    """Lengths of the penetrator."""
-    rod_density_kg_m3: TestedRange
-    """Densities of the penetrator."""
-    rod_strength_GPa: TestedRange
-    """Flow stresses of the penetrator."""
-
-
-class OwnEvidence(Section):
-    """Own tests to which a value of the entry was calibrated, and what they imply for the limits of such armours."""
-
-    source: str
-    """Source of the tests."""
-    key: str
-    """Key of the value."""
-    measured: TestedRanges
-    """Ranges of the tests."""
-    steepest_deg: Annotated[float, Field(ge=0.0, lt=90.0)] = 0.0
-    """Greatest obliquity of the tests."""
-    law: Items[LawEvidence]
-    """Laws of the value; the probabilities of all their components add up to 1."""
 
 
 class Entry(Section):
@@ -159,7 +158,7 @@ class Entry(Section):
     """Name of the entry that supplies every value not given."""
     aliases: Items[str] = ()
     """Other names of the entry."""
-    evidence: OwnEvidence | None = None
+    evidence: OwnTests | None = None
     """Own tests to which the entry was calibrated; written by `armour calibrate`."""
 
     def values(self) -> dict[str, Value[float]]:
@@ -282,8 +281,10 @@ class LibraryEntry:
         File that defines it; empty for the shipped library.
     aliases : tuple of str
         Other names of it.
-    evidence : OwnEvidence or None
-        Own tests that a value was calibrated to; of an entry that is based on such a one, only if it changes no value.
+    evidence : OwnTests or None
+        Own tests that a value was calibrated to; by default those of the entry that it is based on.
+    origin : str
+        Name of the entry that it is based on, directly or not; its own if none.
     """
 
     kind: Kind
@@ -293,7 +294,8 @@ class LibraryEntry:
     derived: frozenset[str] = frozenset()
     file: str = field(default="", compare=False, repr=False)
     aliases: tuple[str, ...] = ()
-    evidence: OwnEvidence | None = None
+    evidence: OwnTests | None = None
+    origin: str = ""
 
     def __getitem__(self, key: str) -> float:
         """Return the number of a key."""
@@ -427,12 +429,6 @@ class Library:
         own = {name: name for name in self.names(kind)}
         return {other: name for name in own for other in self.entries[kind][name].aliases} | own
 
-    @cached_property
-    def own_tests(self) -> tuple[LibraryEntry, ...]:
-        """Entries that were calibrated to own tests, ceramics first."""
-        kinds: tuple[Kind, ...] = ("ceramic", "metal", "projectile")
-        return tuple(entry for kind in kinds for entry in self.entries[kind].values() if entry.evidence is not None)
-
     @checked
     def find(self, name: str) -> list[LibraryEntry]:
         """Return the entries of a name, of any kind; if there is none, a KeyError suggests the closest name."""
@@ -531,8 +527,9 @@ def _completed(kind: Kind, name: str, entry: Entry, base: LibraryEntry | None, f
             values[key] = Value[float](value=factor * strength.value, source=source)
     ordered = {key: values[key] for key in _keys(kind) if key in values}
     description = entry.description or (base.description if base else "")
-    evidence = entry.evidence or (base.evidence if base and not entry.values() else None)
-    return LibraryEntry(kind, name, description, ordered, frozenset(derived), file, entry.aliases, evidence)
+    evidence = entry.evidence or (base.evidence if base else None)
+    origin = base.origin if base else name
+    return LibraryEntry(kind, name, description, ordered, frozenset(derived), file, entry.aliases, evidence, origin)
 
 
 def _keys(kind: Kind) -> list[str]:

@@ -19,7 +19,6 @@ from armour.errors import InputError, Note, Problem, choices, refuse, suggestion
 from armour.files import located, read_toml, shipped_files, shipped_suites, shipped_tests, write_files
 from armour.scenario.changes import changed
 from armour.scenario.checked import checked
-from armour.scenario.evidence import ModelError, armour_warnings
 from armour.scenario.inputs import (
     BACKING,
     CERAMIC,
@@ -44,8 +43,6 @@ from armour.scenario.library import (
     penetrator_length_mm,
     read_library,
     shipped_library,
-    strength_notes,
-    tensile_strength,
 )
 from armour.scenario.schema import (
     SHEAR_LAWS,
@@ -68,7 +65,8 @@ from armour.scenario.threats import GIVEN
 from armour.units import MM, missing_unit
 
 if TYPE_CHECKING:
-    from armour.scenario.sampling import Floats
+    import numpy as np
+    from numpy.typing import NDArray
 
 # Completes a problem in the row of an index.
 Place = Callable[[int, Problem], Problem]
@@ -80,8 +78,6 @@ ANY_VELOCITY: Varied = {VELOCITY: ()}
 MAX_LISTED = 3
 LEFT_OUT_AT_ANGLES = "ricochet, yaw and bending of the core are not in the model"
 EXACT_INPUTS = "its distributions are not in the probability and the interval; `armour uncertainty` includes them"
-# Degrees of freedom from which Student's t distribution is as good as normal.
-NORMAL = 1e6
 
 
 def in_row(row: int, problem: Problem) -> Problem:
@@ -307,7 +303,7 @@ class Scenario(Section):
             data["library"] = {**data["library"], "files": files}
         return tomli_w.dumps(data)
 
-    def check_rows(self, columns: Mapping[str, "Floats"], place: Place = in_row) -> None:
+    def check_rows(self, columns: Mapping[str, "NDArray[np.float64]"], place: Place = in_row) -> None:
         """Check that the scenario allows every row of values of inputs, (n,) each.
 
         `place` completes the problem that `with_inputs` finds in a row, given the index of the row.
@@ -318,7 +314,7 @@ class Scenario(Section):
                 found.setdefault(problem.key, place(row, problem))
         refuse(found.values())
 
-    def wrong_rows(self, columns: Mapping[str, "Floats"]) -> Iterator[tuple[str, int, Sequence[Problem]]]:
+    def wrong_rows(self, columns: Mapping[str, "NDArray[np.float64]"]) -> Iterator[tuple[str, int, Sequence[Problem]]]:
         """Yield the first row that breaks each condition on inputs: one of their names, and the row with its problems.
 
         The rows that are left are those that `with_inputs` accepts, but for other projectiles of the scenario's library
@@ -346,27 +342,6 @@ class Scenario(Section):
         """Return whether the scenario says not to include the model error."""
         section = None if self.uncertainty is None else self.uncertainty.model
         return section is not None and not section.included
-
-    def given_error(self) -> ModelError | None:
-        """Return the error that [uncertainty.model] gives; None if it gives none."""
-        section = None if self.uncertainty is None else self.uncertainty.model
-        if section is None or section.scale_percent is None:
-            return None
-        source = section.source or f"uncertainty.model of {self.file}"
-        return ModelError(section.mean_percent, section.scale_percent, section.degrees_of_freedom or NORMAL, source)
-
-    def tensile_strength(self) -> float:
-        """Return the tensile strength of the back plate, MPa; NaN if the library does not have it."""
-        return tensile_strength(self.entry("metal", self.armour.backing))
-
-    def warnings(self, velocity: float, key: str = VELOCITY) -> tuple[Note, ...]:
-        """Return the ways in which the scenario is unlike what the model was compared with: "key: what, value found".
-
-        `velocity` is the impact velocity, m/s, or the ballistic limit, whose key is then given.
-        """
-        found = armour_warnings(self.core_armour(), self.armour.ceramic, velocity, self.cosine(), {VELOCITY: key})
-        metal = self.entry("metal", self.armour.backing)
-        return (*found, *strength_notes([metal], bare=not self.armour.ceramic_thickness_mm))
 
     def threats(self) -> tuple[Threat, ...]:
         """Return the threats; without any, the impact."""

@@ -21,8 +21,7 @@ from pydantic import (
 
 from armour.core import equations
 from armour.errors import choices
-from armour.scenario.evidence import ERROR
-from armour.scenario.inputs import INPUTS, THREAT
+from armour.scenario.inputs import ERROR, INPUTS, THREAT
 from armour.scenario.library import Kind, LibraryTables, hint
 from armour.scenario.sections import FREE_TAG, LIST_TAG, NOT_TINY, RANGE_TAG, Items, Section, above
 from armour.scenario.threats import GIVEN, named_threats
@@ -377,6 +376,9 @@ class DesignSection(Section):
     """Quantity to minimise."""
     confidence: Annotated[float, Field(gt=0.5, lt=1.0)] | None = None
     """Least probability of stopping each threat."""
+    angles_as_at_normal_incidence: bool = False
+    """Whether an armour with a ceramic is taken to stop a projectile at an angle as it does at normal incidence, for no
+    test of that is known."""
     thickness_tolerance_mm: ThicknessOrNone = 1.0
     """Amount by which armour check makes each layer thinner."""
     pareto: Annotated[list[Criterion], Field(min_length=2, max_length=3), AfterValidator(_different)] | None = None

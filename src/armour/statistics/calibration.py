@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from itertools import chain
 from typing import Any, Literal
 
 import numpy as np
@@ -12,13 +13,15 @@ from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.analysis.variants import Bools, Floats, outside_limits, variants_of
 from armour.errors import InputError, mistake
+from armour.evidence.fit import LEAST_REST
 from armour.scenario.checked import Names, checked
+from armour.scenario.inputs import ROLES
 from armour.scenario.keys import key_name
 from armour.scenario.library import FLOW_STRESS_LAW
 from armour.scenario.scenario import Scenario
 from armour.statistics.likelihood import MIN_P_VALUE, Coefficient, Fit, fit_inputs, intervals, usable, without
 from armour.statistics.measured import Tests, common_of, subject_of
-from armour.statistics.own_tests import MEDIAN, own_evidence
+from armour.statistics.own_tests import own_tests
 
 FLOW_STRESS = "ceramic.flow_stress_GPa"
 
@@ -61,9 +64,10 @@ def _value(scenario: Scenario, key: str) -> float:
 
 
 ASSUMED = (
-    f"the tests are too few to estimate their scatter: {100.0 * MEDIAN:g} % of each measured value is assumed, and "
+    f"the tests are too few to estimate their scatter: {100.0 * LEAST_REST:g} % of each measured value is assumed, and "
     "the intervals depend on it"
 )
+ONE_SIDED = "all shots have the same outcome: if others were left out, the limits that follow are wrong"
 # Greatest number of folds of the leave-one-out error.
 MAX_FOLDS = 100
 # Part of the tables of sound tests for which a test is called out of line.
@@ -164,8 +168,6 @@ class CalibrationResult(TableResult):
         Distribution of the ballistic limits of such armours given the tests: the key ``evidence`` of the fitted entry
         in a library file.  None if no ballistic limit was measured or shot at, and for several inputs, or an input
         that is not identified.
-    limit_error_percent : tuple of float or None
-        95 % interval of the ballistic limit of an armour like the tests over that of the fitted model, minus 1, %.
     warnings : tuple of str
         A bad fit, tests that do not follow the others, and ways in which tests are unlike what the model was
         compared with before.
@@ -189,7 +191,6 @@ class CalibrationResult(TableResult):
     aicc: float | None = None
     laws: tuple[LawFit, ...] = ()
     evidence: Mapping[str, Any] | None = None
-    limit_error_percent: tuple[float, float] | None = None
     warnings: tuple[str, ...] = ()
 
     def _words(self) -> str:
@@ -256,6 +257,11 @@ def calibrate(
     if other := [name for name, own in common_of(tests.scenario).items() if common_of(scenario)[name] != own]:
         message = f"must be the one that the tests were read with, found other {' and '.join(other)}"
         raise mistake("calibrate", "scenario", f"{message}; read_tests reads them with this one")
+    for role in {name.partition(".")[0] for name in fit} & {*ROLES}:
+        entry = tests.groups[0].scenario.entry_of(role)
+        if entry is not None and entry.evidence is not None:
+            message = f"must not be of a material with own tests, found {entry.name}; give all tests of the lot at once"
+            raise mistake(tests.file, "", message)
     check_fitted(fit, law, "calibrate")
     fits: list[tuple[Fit, CalibrationResult]] = []
     for each in LAWS if law == "all" else (law,):
@@ -270,19 +276,19 @@ def calibrate(
         for done, found in fits
         if law == "all"
     )
-    first = None
     # The least leave-one-out error first, and a law without one last.
-    for done, found in sorted(fits, key=lambda fit: np.inf if (e := fit[1].left_out_error_percent) is None else e):
-        found = replace(found, coefficients=intervals(done), laws=laws)
-        first = first or found
-        estimates = {c.name: c.estimate for c in found.coefficients if c.estimate is not None}
-        if len(estimates) == len(found.coefficients):
-            if own := own_evidence(tests, estimates):
-                found = replace(found, evidence=own[0].model_dump(), limit_error_percent=own[1])
-            break
-    else:
-        assert first is not None
-        found = first
+    fits.sort(key=lambda each: np.inf if (error := each[1].left_out_error_percent) is None else error)
+    made = ((done, replace(found, coefficients=intervals(done), laws=laws)) for done, found in fits)
+    first = next(made)
+    identified = (each for each in chain([first], made) if all(c.estimate is not None for c in each[1].coefficients))
+    done, found = next(identified, first)
+    by_law = tests._replace(groups=done.likelihood.tests.groups)
+    values = {c.name: c.estimate for c in found.coefficients if c.estimate is not None}
+    # A single value that the tests do not identify stays as it is, and they still tell of the limits.
+    if len(found.coefficients) == 1:
+        values = {name: by_law.groups[0].scenario.inputs()[name] for name in fit} | values
+    if len(values) == len(found.coefficients) and (evidence := own_tests(by_law, values)):
+        found = replace(found, evidence=evidence.model_dump(exclude_none=True))
     return found.of(subject_of(tests), scenario=scenario, tests=tests)
 
 
@@ -320,7 +326,7 @@ def fit_by_law(
     everything = np.ones(len(tests.measurements), dtype=bool)
     too_few = assumes and not tests.weighted and usable(tests, everything) <= len(inputs)
     if too_few:
-        guessed = tuple(m._replace(uncertainty=MEDIAN * m.value) for m in tests.measurements)
+        guessed = tuple(m._replace(uncertainty=LEAST_REST * m.value) for m in tests.measurements)
         tests = tests._replace(measurements=guessed, weighted=True)
     done = fit_inputs(tests, inputs, on_progress, prior=prior)
     computed, left_out = done.likelihood.predicted(done.best.x), _left_out(done)
@@ -361,6 +367,7 @@ def fit_by_law(
             *([ASSUMED] if too_few else []),
             *_bad_fit(done),
             *_strange(tests, residuals, len(inputs)),
+            *([ONE_SIDED] if len({m.side for m in tests.measurements}) == 1 and tests.measurements[0].side else []),
             *_unlike(tests),
         ),
     )

@@ -18,7 +18,6 @@ from armour.scenario.schema import DesignSection
 from armour.statistics.calibration import FLOW_STRESS, LAWS, CalibrationResult
 from armour.statistics.measured import LIMIT, MEASURED, OUTCOME, Tests
 
-SUFFIX = ", calibrated"
 # A list of numbers, each on a line of its own.
 NUMBERS = re.compile(r"\[\n((?:\s+[-+.\deE]+,\n)+)\s*\]")
 
@@ -29,6 +28,7 @@ def save_fit(
     tests: Tests,
     scenario: Scenario,
     *,
+    lot: str,
     library: str | PathLike[str] | None = None,
     fitted: str | PathLike[str] | None = None,
 ) -> None:
@@ -40,6 +40,8 @@ def save_fit(
     tests : Tests
     scenario : Scenario
         The tests and the scenario that were given to `calibrate`.
+    lot : str
+        Name of the lot that the tests are of, by which the calibrated entries are called: ``"AD85, lot 7"``.
     library : path-like, optional
         Library file to write, with the calibrated entries and the tests that they were calibrated to.
     fitted : path-like, optional
@@ -54,25 +56,25 @@ def save_fit(
     """
     contents: dict[Path, bytes] = {}
     if library is not None:
-        contents[Path(library)] = library_text(result, tests, scenario).encode()
+        contents[Path(library)] = library_text(result, tests, scenario, lot).encode()
     if fitted is not None:
-        contents[Path(fitted)] = scenario_text(result, tests, scenario, Path(fitted)).encode()
+        contents[Path(fitted)] = scenario_text(result, tests, scenario, lot, Path(fitted)).encode()
     if not contents:
         raise mistake("save_fit", "library", "must be given, or fitted: the file to write")
     write_files(contents)
 
 
-def library_text(result: CalibrationResult, tests: Tests, scenario: Scenario) -> str:
+def library_text(result: CalibrationResult, tests: Tests, scenario: Scenario, lot: str) -> str:
     """Return a library file with the calibrated entries and the tests that they were calibrated to.
 
     The file needs the shipped library alone, and the scenario must allow its entries.
     """
-    tables, used = _entries(result, tests)
+    tables, used = _entries(result, tests, lot)
     _usable(lambda: scenario.replaced({"library": tables, **used}))
     return _compact(tomli_w.dumps(tables))
 
 
-def scenario_text(result: CalibrationResult, tests: Tests, scenario: Scenario, path: Path) -> str:
+def scenario_text(result: CalibrationResult, tests: Tests, scenario: Scenario, lot: str, path: Path) -> str:
     """Return a scenario file, for a path, with the calibrated entries.
 
     These hold the tests; without them, it has the distributions of the fitted inputs.
@@ -80,7 +82,7 @@ def scenario_text(result: CalibrationResult, tests: Tests, scenario: Scenario, p
     for coefficient in result.coefficients:
         if result.evidence is None and coefficient.interval and None in coefficient.interval:
             raise NoAnswerError(f"nothing to write: the tests bound {coefficient.name} on one side only")
-    tables, used = _entries(result, tests)
+    tables, used = _entries(result, tests, lot)
     with_entries = _usable(lambda: scenario.replaced({"library": tables, **used}))
     data = parse_toml(with_entries.to_toml(path.parent), scenario.file)
     tested = tests.groups[0].scenario
@@ -140,12 +142,12 @@ def _usable(made: Callable[[], Scenario]) -> Scenario:
         raise NoAnswerError(f"nothing to write: no scenario could use the fit: {reasons}") from None
 
 
-def _entries(result: CalibrationResult, tests: Tests) -> tuple[dict[str, Any], dict[str, str]]:
+def _entries(result: CalibrationResult, tests: Tests, lot: str) -> tuple[dict[str, Any], dict[str, str]]:
     """Return the calibrated entries as tables of a library file, and their names by key of the scenario."""
     tables: dict[str, Any] = {}
     used: dict[str, str] = {}
     for coefficient in result.coefficients:
-        if coefficient.estimate is None:
+        if coefficient.estimate is None and result.evidence is None:
             raise NoAnswerError(f"nothing to write: {coefficient.name} is not identified: {coefficient.reason}")
         role, key = coefficient.name.split(".")
         entry = tests.groups[0].scenario.entry_of(role)
@@ -156,13 +158,15 @@ def _entries(result: CalibrationResult, tests: Tests) -> tuple[dict[str, Any], d
         low, high = coefficient.interval or (None, None)
         if low is not None and high is not None:
             source += f", {100.0 * result.confidence:g} % interval {low:.4g} to {high:.4g}"
-        used[NAMES[role]] = name = entry.name.removesuffix(SUFFIX) + SUFFIX
+        used[NAMES[role]] = name = f"{entry.name}, {lot}"
         entries = tables.setdefault(entry.kind, {})
-        value: dict[str, Any] = {"value": float(f"{coefficient.estimate:.6g}"), "status": "fitted", "source": source}
+        value = entry.values[key].model_dump() if key in entry.values else {}
+        if coefficient.estimate is not None:
+            value = {"value": float(f"{coefficient.estimate:.6g}"), "status": "fitted", "source": source}
         if name not in entries:
             entries[name] = _base_of(entry, result.law)
             if result.evidence is not None:
-                entries[name]["evidence"] = result.evidence
+                entries[name]["evidence"] = {**result.evidence, "lot": lot}
             value["tests"] = [_test_table(tests, i, role) for i in range(len(tests.names))]
         entries[name][key] = value
     return tables, used

@@ -18,9 +18,9 @@ from armour.analysis.searches import limit_brackets
 from armour.analysis.variants import Bools, Floats, Ints, Variants, perforated, variants_of
 from armour.core.search import SCAN_POINTS
 from armour.errors import Problem, mistake, refuse
+from armour.evidence.sampling import centre_and_width
 from armour.scenario.inputs import BACKING, CERAMIC, NAMES, VELOCITY
 from armour.scenario.library import FLOW_STRESS_LAW
-from armour.scenario.sampling import centre_and_width
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Uncertainty, correlation_matrix
 from armour.statistics.measured import LIMIT, MASS, RESIDUAL, Tests

@@ -19,7 +19,7 @@ from scipy.special import log_ndtr, ndtr, ndtri
 from armour.analysis.ballistic_limit import no_error
 from armour.analysis.variants import Floats
 from armour.errors import InputError, mistake
-from armour.scenario.evidence import ModelError
+from armour.evidence.model_error import ModelError
 from armour.scenario.scenario import Scenario
 
 # Median of the prior of the scatter, per cent of V50, and the factor of one standard deviation of its logarithm.

@@ -12,6 +12,7 @@ from armour.analysis.results import OnProgress, TableResult, by_column, ignore_p
 from armour.analysis.searches import ballistic_limits
 from armour.analysis.variants import Floats, Variants, concatenated, variants_of
 from armour.errors import NoAnswerError
+from armour.evidence.tests import scenario_warnings
 from armour.scenario.checked import checked
 from armour.scenario.inputs import VELOCITY
 from armour.scenario.scenario import Scenario
@@ -119,7 +120,7 @@ def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
     return SensitivityResult(
         answers={answer: _number(values[0]) for answer, values in answers.items()},
         inputs=tuple(sorted(inputs, key=lambda item: -abs(item.elasticities[LIMIT] or 0.0))),
-        warnings=scenario.warnings(scenario.impact.velocity_m_s),
+        warnings=scenario_warnings(scenario, scenario.impact.velocity_m_s),
     ).of(scenario.subject(), scenario=scenario)
 
 

@@ -18,11 +18,8 @@ from armour.analysis.samples import Samples, by_laws, own_errors, own_values, sa
 from armour.analysis.searches import ballistic_limits
 from armour.analysis.variants import Bools, Floats, perforated
 from armour.errors import NoLimitError, Note
-from armour.scenario.checked import checked
-from armour.scenario.evidence import ERROR, ModelError
-from armour.scenario.inputs import VELOCITY
-from armour.scenario.predictive import Errors
-from armour.scenario.sampling import (
+from armour.evidence.model_error import Errors, ModelError
+from armour.evidence.sampling import (
     REPLICATES,
     columns_of,
     correlated,
@@ -31,6 +28,9 @@ from armour.scenario.sampling import (
     quantiles,
     replicated_points,
 )
+from armour.evidence.tests import scenario_warnings
+from armour.scenario.checked import checked
+from armour.scenario.inputs import ERROR, VELOCITY
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Uncertainty
 
@@ -277,7 +277,7 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
             *_misplaced(section, scenario.inputs()),
             *([] if error or scenario.excludes_error() else [UNKNOWN]),
             *scenario.unused_threats(),
-            *scenario.warnings(deterministic, "ballistic_limit"),
+            *scenario_warnings(scenario, deterministic, "ballistic_limit"),
         ),
         model_error=error,
     ).of(scenario.subject(), scenario=scenario)
@@ -426,7 +426,7 @@ def _at_least(first: Estimate, total: Estimate) -> Estimate:
 
 def _laws(errors: Errors) -> list[int]:
     """Return the laws of the flow stress of which the error of an armour is a mixture."""
-    return [law for law in range(len(errors.weights)) if errors.used(law).all()]
+    return np.flatnonzero((errors.ratio.weights > 0.0).all(axis=1)).tolist()
 
 
 def error_indices(
@@ -440,11 +440,11 @@ def error_indices(
     """
     errors = own_errors(scenario)
     points = replicated_points("sobol", len(section.inputs()), _index_size(section), section.seed)
-    limits, moments = np.zeros((len(errors.weights), len(points))), np.zeros((2, len(errors.weights)))
+    limits, moments = np.zeros((len(errors.ratio.weights), len(points))), np.zeros((2, len(errors.ratio.weights)))
     for law in _laws(errors):
         one = errors.of_law(law).one()
         ratios = np.array([one.quantile(CHANCES)]) ** np.array([[1.0], [2.0]])
-        moments[:, law] = errors.weights[law].sum() * ratios.mean(axis=1)
+        moments[:, law] = errors.ratio.weights[law].sum() * ratios.mean(axis=1)
         for part in portions(len(points), SAMPLES_AT_A_TIME):
             columns = columns_of(section, own, points[part])
             count = len(columns.pop(ERROR))

@@ -37,7 +37,6 @@ def calibration_table(result: CalibrationResult) -> Table:
         (Column("chi-squared", spec=".2f"), result.chi_squared if weighted else None),
         (Column("p value", spec=".2g"), result.p_value if weighted else None),
         (Column("intervals widened by", spec=".2f"), result.widened_by if result.widened_by > 1.0 else None),
-        (Column("95 % interval of limits like those of the tests", "%"), interval(result.limit_error_percent, "+.1f")),
         (Column("starting points that reach this solution"), f"{result.starts_agreeing} of {result.starts}"),
     )
 

@@ -5,7 +5,7 @@ from armour.reporting import charts
 from armour.reporting.junit import junit_xml
 from armour.reporting.table import Column, Table, column_of, listing
 from armour.reporting.text import Verdict, interval, percent
-from armour.reporting.views.confidence import DEFEAT, chance, error_note
+from armour.reporting.views.confidence import DEFEAT, chance, error_note, why_unknown
 
 PROBABILITY = Column("probability", prose=True)
 INTERVAL = Column("95 % interval", "m/s", prose=True)
@@ -28,7 +28,8 @@ def required(threat: CheckedThreat) -> str:
 def finding(threat: CheckedThreat) -> str:
     """Return what was found of an armour against a threat, beside what is required."""
     if threat.required_probability is not None:
-        return f"{DEFEAT.label} {chance(threat.probability_of_defeat)}, {required(threat)} required"
+        found = chance(threat.probability_of_defeat, threat.model_error)
+        return f"{DEFEAT.label} {found}, {required(threat)} required"
     limit = threat.ballistic_limit_m_s
     found = "no ballistic limit found" if limit is None else f"limit {limit:.0f} m/s"
     return f"{found}, required {required(threat)}"
@@ -69,7 +70,9 @@ def tables(result: CheckResult) -> list[Table | str]:
 def _rests_on(result: CheckResult, threat: CheckedThreat) -> str:
     """Return what the probability against a threat rests on, or why it is not known."""
     error = threat.model_error
-    return f"{DEFEAT.label}: unknown, {threat.reason}" if error is None else error_note(result, error)
+    if error is None:
+        return why_unknown(threat.reason, threat.probability_at_normal_incidence)
+    return error_note(result, error)
 
 
 def chart(result: CheckResult) -> charts.Chart:
@@ -102,6 +105,6 @@ def junit(result: CheckResult) -> bytes:
     cases = []
     for threat in result.threats:
         limit = "" if threat.ballistic_limit_m_s is None else f", limit {threat.ballistic_limit_m_s:.1f} m/s"
-        found = f"required {required(threat)}, found {chance(threat.probability_of_defeat)}{limit}"
+        found = f"required {required(threat)}, found {chance(threat.probability_of_defeat, threat.model_error)}{limit}"
         cases.append(("threat", threat.threat, "" if threat.passed else "failure", found))
     return junit_xml(" ".join(result.heading()[:1]), cases)

@@ -4,9 +4,9 @@ from math import floor
 
 from armour.analysis.ballistic_limit import ConfidenceResult, no_error
 from armour.analysis.results import Result
+from armour.evidence.model_error import ModelError
 from armour.reporting.table import Column, Source, Table, column_of, record
 from armour.reporting.text import interval, number
-from armour.scenario.evidence import ModelError
 from armour.scenario.scenario import Scenario
 
 DEFEAT = Column("probability of stopping the projectile", prose=True)
@@ -19,10 +19,12 @@ EXCLUDED = "model error: excluded by uncertainty.model"
 SAMPLED_ALONE = "a probability from the given distributions alone takes the model as exact"
 
 
-def chance(probability: float | None) -> str:
+def chance(probability: float | None, error: ModelError | None = None) -> str:
     """Format a probability of stopping, such as "73 %": rounded down, so that none is shown that is not reached."""
     if probability is None:
         return "unknown"
+    if error is not None and error.at_least and probability <= 0.99:
+        return f"at least {rounded_down(100.0 * probability):.0f} %"
     if probability < 0.01:
         return "below 1 %"
     return "above 99 %" if probability > 0.99 else f"{rounded_down(100.0 * probability):.0f} %"
@@ -54,7 +56,8 @@ def from_tests(error: ModelError) -> str:
     """Return what the model error is, and what it is estimated from."""
     if error.ratio.logarithmic:
         low, middle, high = (error.quantiles_percent[p] for p in ("0.025", "0.5", "0.975"))
-        return f"model error: {number(middle, '+.0f')} % ({interval((low, high), '+.0f')} %), from {error.source}"
+        words = f"model error: {number(middle, '+.0f')} % ({interval((low, high), '+.0f')} %), from {error.source}"
+        return words if not error.at_least else f"{words}; at least that, as {error.at_least}"
     mean = f"{error.mean_percent:+.1f} % " if error.mean_percent else ""
     return f"model error: {mean}± {error.scale_percent:.1f} %, from {error.source}"
 
@@ -67,8 +70,16 @@ def extrapolation(error: ModelError) -> list[str]:
 def confidence_note(result: ConfidenceResult) -> str:
     """Return what the probability rests on, or why it is not known."""
     if result.model_error is None or result.probability_of_defeat is None:
-        return f"{DEFEAT.label}: unknown, {result.reason}"
+        return why_unknown(result.reason, result.probability_at_normal_incidence)
     return error_note(result, result.model_error)
+
+
+def why_unknown(reason: str, probability_at_normal_incidence: float | None) -> str:
+    """Return why a probability is not known, and that at 0 degrees where this is."""
+    found = f"{DEFEAT.label}: unknown, {reason}"
+    if probability_at_normal_incidence is None:
+        return found
+    return f"{found}; at 0°: {chance(probability_at_normal_incidence)}, and bare plates stop cores at least as well"
 
 
 BALLISTIC_LIMIT = column_of("ballistic_limit_m_s")
@@ -82,11 +93,12 @@ def with_error(median_m_s: float | None, interval_m_s: tuple[float, float] | Non
 
 def confidence_table(result: ConfidenceResult) -> Table:
     """Return the ballistic limit and the probability that it exceeds the impact velocity."""
+    sure = result.probability_of_defeat
     return record(
         result,
         BALLISTIC_LIMIT,
         with_error(result.median_m_s, result.interval_m_s),
-        (DEFEAT, None if result.probability_of_defeat is None else chance(result.probability_of_defeat)),
+        (DEFEAT, None if sure is None else chance(sure, result.model_error)),
     )
 
 

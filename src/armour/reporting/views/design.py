@@ -47,7 +47,7 @@ def best_table(design: BestDesign, required: Mapping[str, float], title: str = "
     elif (error := design.model_error) is not None:
         of = design.ballistic_limit_m_s
         limit.append(with_error(error.median(of), error.interval(of)))
-    sure = chance(design.probabilities_of_defeat[design.governing])
+    sure = chance(design.probabilities_of_defeat[design.governing], design.model_error)
     against: list[Source] = [(DEFEAT, sure), MARGIN, (REQUIRED, required.get(design.governing))]
     if len(design.margins_m_s) > 1:  # the table of the threats has these of each
         limit, against = [(GOVERNED_BY, design.governing), *limit], []

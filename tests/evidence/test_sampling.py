@@ -5,13 +5,12 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from armour.scenario.sampling import (
+from armour.evidence.sampling import (
     REPLICATES,
     columns_of,
     moved_mean,
     points_of,
     quantiles,
-    truncation_problem,
 )
 from armour.scenario.schema import Distribution, Uncertainty
 
@@ -89,17 +88,9 @@ def test_a_truncation_far_out_in_a_tail(end: str):
     """Quantiles of the exponential distribution to which the tail tends, beyond the digits of the other tail's."""
     at = 10.0 + 2.0 * (9.0 if end == "min" else -9.0)
     far = made(distribution="normal", standard_deviation=2.0, **{end: at})
-    assert not truncation_problem(far, 10.0)
     found = quantiles(far, PARTS, 10.0)
     parts = PARTS if end == "min" else 1.0 - PARTS
     assert np.abs(found - at) == pytest.approx(-np.log1p(-parts) * 2.0 / 9.0, rel=0.1)
-
-
-@pytest.mark.parametrize("ends", [{"min": 100.0}, {"max": -100.0}, {"min": 100.0, "max": 101.0}])
-def test_a_truncation_that_leaves_nothing(ends: dict[str, float]):
-    problem = truncation_problem(made(distribution="normal", standard_deviation=2.0, **ends), 10.0)
-    found = " and ".join(f"{end} {value:g}" for end, value in ends.items())
-    assert problem.endswith(f"nearer to its mean, 10 with a standard deviation of 2, found {found}")
 
 
 def test_a_mean_that_truncation_moves():

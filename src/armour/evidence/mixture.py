@@ -1,21 +1,19 @@
 """Mixtures of Student's t distributions: where the evidence puts the ballistic limit of an armour."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import gammaln, ndtri, stdtr, stdtrit
+from scipy.special import gammaln, stdtr, stdtrit
 
 Floats = NDArray[np.float64]
 
-# Of a quantile, or its logarithm, and the most steps to it; five are usual.
+# Of a quantile, or its logarithm, and the most steps to it; ten are usual.
 TOLERANCE, MOST_STEPS = 1e-12, 200
 
 
-@dataclass(frozen=True, eq=False)
-class Mixture:
+class Mixture(NamedTuple):
     """Distribution of a ballistic limit, or of its ratio to that of the model; of one armour or of each of n.
 
     Of each component, the logarithm has Student's t distribution, or the number itself where `logarithmic` is false.
@@ -38,17 +36,12 @@ class Mixture:
     degrees_of_freedom: Floats
     logarithmic: bool = True
 
-    @property
-    def arrays(self) -> tuple[Floats, Floats, Floats, Floats]:
-        """Weights, locations, scales and degrees of freedom."""
-        return self.weights, self.locations, self.scales, self.degrees_of_freedom
-
     def times(self, limits: ArrayLike) -> "Mixture":
         """Return the distribution of a ratio times numbers: limits by the model, m/s, (k, ...) or one for all."""
         factors = np.asarray(limits, dtype=np.float64)
         if self.logarithmic:
-            return replace(self, locations=self.locations + np.log(factors))
-        return replace(self, locations=self.locations * factors, scales=self.scales * factors)
+            return self._replace(locations=self.locations + np.log(factors))
+        return self._replace(locations=self.locations * factors, scales=self.scales * factors)
 
     def one(self, place: int = 0) -> "Mixture":
         """Return the distribution of one of n armours, (k, n) -> (k,)."""
@@ -56,68 +49,45 @@ class Mixture:
 
     def mapped(self, of: Callable[[Floats], Floats]) -> "Mixture":
         """Return the mixture whose arrays are a function of these."""
-        weights, locations, scales, freedom = map(of, self.arrays)
+        weights, locations, scales, freedom = map(of, self[:4])
         return Mixture(weights, locations, scales, freedom, self.logarithmic)
 
     def probability_above(self, values: ArrayLike) -> Any:
         """Return the probability of more than each of some values, such as velocities in m/s."""
-        places = self._places(values)
-        weights, locations, scales, freedom = self._parts(places)
+        weights, locations, scales, freedom, places = self._at(values)
         return (weights * stdtr(freedom, (locations - places) / scales)).sum(axis=0)
 
     def quantile(self, probabilities: ArrayLike) -> Any:
         """Return the values that are not exceeded with each of some probabilities, 0 to 1."""
         wanted = np.asarray(probabilities, dtype=np.float64)
         weights, locations, scales, freedom = self._parts(wanted)
-        known = np.where(weights > 0.0, 0.0, np.nan)
-        of_each = known + _quantiles(locations, scales, freedom, wanted)
-        if len(of_each) > 1:
-            with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-                found = self._solved(np.fmin.reduce(of_each), np.fmax.reduce(of_each), wanted)
-        else:
-            [found] = of_each
-        return np.exp(found) if self.logarithmic else found
-
-    def _solved(self, low: Floats, high: Floats, wanted: Floats) -> Floats:
-        """Return what lies between ends, below which the mixture has a probability of at most, and at least, one.
-
-        By Newton's method on the normal score, and halves of the interval where a step is not half of the last one.
-        """
-        weights, locations, scales, freedom = self._parts(wanted)
-        score, last, found = ndtri(wanted), high - low, np.where(low == high, low, 0.5 * (low + high))
-        for _ in range(MOST_STEPS):
+        of_each = np.where(weights > 0.0, 0.0, np.nan) + _quantiles(locations, scales, freedom, wanted)
+        low, high = np.fmin.reduce(of_each), np.fmax.reduce(of_each)
+        found = np.where(low == high, low, 0.5 * (low + high))
+        # Newton's method, within an interval that it narrows.
+        for _ in range(MOST_STEPS if len(of_each) > 1 else 0):
             below = (weights * stdtr(freedom, (found - locations) / scales)).sum(axis=0)
             low, high = np.where(below < wanted, found, low), np.where(below < wanted, high, found)
-            here = ndtri(below)
-            step = (score - here) * np.exp(-0.5 * here**2 - self._log_density(found)) / np.sqrt(2.0 * np.pi)
-            least = TOLERANCE * np.maximum(1.0, np.abs(found))
-            near = (np.abs(step) <= 0.5 * last) & (found + step >= low) & (found + step <= high)
-            step = np.where(
-                near | (np.abs(step) <= least), step, np.where(low == high, 0.0, 0.5 * (low + high) - found)
-            )
-            found, last = found + step, np.abs(step)
-            if not (last > least).any():
-                break
-        return found
+            with np.errstate(all="ignore"):
+                last, found = found, found + (wanted - below) * np.exp(-self._log_density(found))
+                found = np.where((found >= low) & (found <= high), found, 0.5 * (low + high))
+                found = np.where(low == high, low, found)
+                if not (np.abs(found - last) > TOLERANCE * np.maximum(1.0, np.abs(found))).any():
+                    break
+        return np.exp(found) if self.logarithmic else found
 
     def log_density(self, values: ArrayLike) -> Any:
         """Return the logarithm of the density at values above 0, per their unit."""
-        places = self._places(values)
+        *_, places = self._at(values)
         return self._log_density(places) - (places if self.logarithmic else 0.0)
 
     def _log_density(self, places: Floats) -> Any:
         """Return the logarithm of the density at values, or per unit of their logarithms at these."""
         weights, locations, scales, freedom = self._parts(places)
-        deviations = (places - locations) / scales
         constant = gammaln(0.5 * (freedom + 1.0)) - gammaln(0.5 * freedom) - 0.5 * np.log(freedom * np.pi)
-        logarithms = constant - np.log(scales) - 0.5 * (freedom + 1.0) * np.log1p(deviations**2 / freedom)
+        kernel = 0.5 * (freedom + 1.0) * np.log1p(((places - locations) / scales) ** 2 / freedom)
         with np.errstate(divide="ignore"):
-            return np.logaddexp.reduce(np.log(weights) + logarithms)
-
-    def _places(self, values: ArrayLike) -> Floats:
-        """Return where components are evaluated at values: their logarithms, or themselves."""
-        with np.errstate(divide="ignore"):
-            return np.log(values) if self.logarithmic else np.asarray(values, dtype=np.float64)
+            return np.logaddexp.reduce(np.log(weights) + constant - np.log(scales) - kernel)
 
     def drawn(self, chances: Floats) -> tuple[Any, Floats]:
         """Return components and values at chances, (n,), between 0 and 1, one for each draw.
@@ -132,7 +102,13 @@ class Mixture:
 
     def _parts(self, values: Floats) -> list[Floats]:
         """Return weights, locations, scales and degrees of freedom with axes after the first one to broadcast."""
-        return [array.reshape(array.shape + (1,) * (values.ndim + 1 - array.ndim)) for array in self.arrays]
+        return [array.reshape(array.shape + (1,) * (values.ndim + 1 - array.ndim)) for array in self[:4]]
+
+    def _at(self, values: ArrayLike) -> list[Floats]:
+        """Return these for values, and the values or their logarithms, at which the components are evaluated."""
+        with np.errstate(divide="ignore"):
+            places = np.log(values) if self.logarithmic else np.asarray(values, dtype=np.float64)
+        return [*self._parts(places), places]
 
 
 def _quantiles(locations: Floats, scales: Floats, freedom: Floats, probabilities: Floats) -> Floats:

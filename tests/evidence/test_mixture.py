@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from armour.scenario.mixture import Mixture
+from armour.evidence.mixture import Mixture
 
 WEIGHTS, LOCATIONS = np.array([0.5, 0.2, 0.3]), np.array([6.4, 6.6, 6.7])
 SCALES, FREEDOM = np.array([0.05, 0.1, 0.03]), np.array([5.0, 1e6, 12.0])

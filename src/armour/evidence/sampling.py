@@ -1,9 +1,7 @@
 """Samples of uncertain inputs: points of the unit cube, quantiles of the distributions and a Gaussian copula."""
 
-from collections.abc import Callable, Mapping
-from functools import lru_cache
-from math import exp, hypot, log, log1p, sqrt
-from typing import Any
+from collections.abc import Mapping
+from math import hypot, log, log1p, sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,8 +16,6 @@ Floats = NDArray[np.float64]
 # Independent replicates into which samples are divided; their differences give the intervals.  `np.array_split` into as
 # many parts finds them again.  More of them would be smaller, and converge slower as a whole.
 REPLICATES = 16
-# Probability that truncation must leave: less has lost its digits.
-LEAST_PROBABILITY = 1e-300
 # Part of the standard deviation by which truncation may move the mean unsaid, and probabilities that give the mean.
 MOVED = 0.1
 MIDDLES = (np.arange(1000) + 0.5) / 1000
@@ -53,11 +49,8 @@ def columns_of(uncertainty: Uncertainty, own: Mapping[str, float], points: Float
 
     They are correlated.  `own` are the scenario's own values by name of input.
     """
-    chances = correlated(uncertainty, points).T
-    return {
-        name: quantiles(distribution, chances[i], own[name])
-        for i, (name, distribution) in enumerate(uncertainty.inputs().items())
-    }
+    parts = zip(uncertainty.inputs().items(), correlated(uncertainty, points).T, strict=True)
+    return {name: quantiles(distribution, chances, own[name]) for (name, distribution), chances in parts}
 
 
 def quantiles(distribution: Distribution, probabilities: ArrayLike, own: float) -> Floats:
@@ -68,56 +61,25 @@ def quantiles(distribution: Distribution, probabilities: ArrayLike, own: float) 
     """
     if distribution.mean_problem(own):
         return np.full(np.shape(probabilities), own)
-    value, start, end = _truncated(distribution, own)
-    parts = np.asarray(probabilities)
-    return np.clip(value((1.0 - parts) * start + parts * end), *distribution.ends)
-
-
-@lru_cache(maxsize=64)
-def truncation_problem(distribution: Distribution, own: float) -> str:
-    """Return why a distribution has no values between its min and max; "" if it has."""
-    whole = _untruncated(distribution, own)
-    low, high = distribution.ends
-    if max(whole.cdf(high) - whole.cdf(low), whole.sf(low) - whole.sf(high)) > LEAST_PROBABILITY:
-        return ""
-    ends = " and ".join(f"{key} {end:g}" for key, end in (("min", low), ("max", high)) if np.isfinite(end))
-    return (
-        f"must leave values between min and max: nearer to its mean, {whole.mean():g} with a standard deviation of "
-        f"{whole.std():g}, found {ends}"
-    )
+    parts, ends = np.asarray(probabilities), np.array(distribution.ends)
+    if distribution.distribution == "uniform":
+        return ends[0] + (ends[1] - ends[0]) * parts
+    centre, width = centre_and_width(distribution, own)
+    if distribution.distribution == "lognormal":
+        with np.errstate(divide="ignore"):
+            ends = np.log(ends.clip(min=0.0))
+    scores = ndtri(parts) if np.isinf(ends).all() else stats.truncnorm.ppf(parts, *(ends - centre) / width)
+    values = centre + width * scores
+    return np.clip(np.exp(values) if distribution.distribution == "lognormal" else values, *distribution.ends)
 
 
 def moved_mean(distribution: Distribution, own: float) -> tuple[float, float] | None:
     """Return the mean before and after truncation; None if they differ by less than a tenth of the deviation."""
-    if np.isinf(distribution.ends).all():
+    if distribution.distribution == "uniform" or np.isinf(distribution.ends).all():
         return None
-    whole = _untruncated(distribution, own)
-    before, after = float(whole.mean()), float(quantiles(distribution, MIDDLES, own).mean())
-    return (before, after) if abs(after - before) > MOVED * whole.std() else None
-
-
-# Designs are sampled one after the other, and scipy takes long to make a distribution and to ask it.
-@lru_cache(maxsize=64)
-def _truncated(distribution: Distribution, own: float) -> tuple[Callable[[Floats], Any], float, float]:
-    """Return the inverse of a distribution function or, for an upper tail, of its complement, and both their ends."""
-    whole = _untruncated(distribution, own)
-    low, high = distribution.ends
-    # A distribution function that is near 1 has no digits left for the upper tail.
-    upper = whole.cdf(low) > 0.5
-    chance, value = (whole.sf, whole.isf) if upper else (whole.cdf, whole.ppf)
-    return value, chance(low), chance(high)
-
-
-@lru_cache(maxsize=64)
-def _untruncated(distribution: Distribution, own: float) -> Any:
-    """Return the distribution of scipy, without truncation."""
-    if distribution.distribution == "uniform":
-        low, high = distribution.ends
-        return stats.uniform(low, high - low)
-    centre, width = centre_and_width(distribution, own)
-    if distribution.distribution == "normal":
-        return stats.norm(centre, width)
-    return stats.lognorm(width, scale=exp(centre))
+    before, deviation = distribution.moments(own)
+    after = float(quantiles(distribution, MIDDLES, own).mean())
+    return (before, after) if abs(after - before) > MOVED * deviation else None
 
 
 def centre_and_width(distribution: Distribution, own: float) -> tuple[float, float]:

@@ -1,0 +1,203 @@
+"""Fits of the ballistic limits of tests over those by the model: shipped, for a new lot, or updated by own tests.
+
+The logarithm of their ratio is linear in terms of armour and round, with normal effects of the lot (an alloy as it was
+made, or a series of tests), of the round and of the test.  docs/methods.md describes it.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.special import gammaln, log_ndtr
+
+from armour.core.state import Parameters
+from armour.evidence.mixture import Floats
+from armour.files import read_toml, shipped
+from armour.scenario.inputs import INPUTS
+from armour.scenario.library import DEFAULTS
+from armour.units import GPA, MM, MPA
+
+# Flow stress over yield strength of a plate.
+CONSTRAINT = DEFAULTS["flow_stress_GPa"][0] * GPA / MPA
+# m/D^3 of a usual core, g/mm3.
+CORE = 0.0215
+# Part of the trend beyond the tests that is added to the scale there.
+TREND_DOUBT = 0.5
+# Least standard deviation of a test that own tests are taken to have: lots differ in it.
+LEAST_REST = 0.04
+# Quantities that tell rounds from each other.
+RODS = ("rod_diameter_mm", "rod_length_ratio", "rod_density_kg_m3", "rod_strength_GPa")
+# Values of n armours by name, (n,).
+Quantities = Mapping[str, Any]
+
+
+def quantities(armour: Parameters, tensile_MPa: Any, cosines: Any) -> dict[str, Any]:
+    """Return what the evidence depends on, of n armours with their parameters as arrays, (n,)."""
+    return {
+        "ceramic_thickness_ratio": armour.Hc0 / armour.D0,
+        "ceramic_density_kg_m3": armour.rho_c,
+        "ceramic_modulus_GPa": armour.Ec / GPA,
+        "ceramic_strength_GPa": armour.Yc0 / GPA,
+        "backing_exponent": armour.n_B,
+        "product_exponent": armour.n_cB,
+        "slopes": abs(armour.a_c) + abs(armour.a_B),
+        "backing_thickness_ratio": armour.Hb / armour.D0,
+        "backing_density_kg_m3": armour.rho_B,
+        "backing_strength_GPa": armour.YB / GPA,
+        "backing_shear_ratio": armour.tau / armour.YB,
+        "tensile_MPa": tensile_MPa,
+        "tensile_ratio": tensile_MPa / (armour.YB / MPA / CONSTRAINT),
+        "rod_length_ratio": armour.L0 / armour.D0,
+        "rod_mass_ratio": 0.25e-6 * np.pi * armour.rho_p * armour.L0 / armour.D0,
+        "rod_density_kg_m3": armour.rho_p,
+        "rod_strength_GPa": armour.Yp / GPA,
+        "rod_diameter_mm": armour.D0 / MM,
+        "path_ratio": 1.0 / cosines,
+    }
+
+
+def _thickness(q: Quantities, reference: Sequence[float]) -> Any:
+    return np.log(q["backing_thickness_ratio"] / reference[0])
+
+
+# Terms of the fits by name, of quantities, and of a thickness over the diameter and a strength, MPa, of reference.
+TERMS: dict[str, Callable[[Quantities, Sequence[float]], Any]] = {
+    "1": lambda q, _: np.ones(len(q["path_ratio"])),
+    "x": _thickness,
+    "x2": lambda q, reference: _thickness(q, reference) ** 2,
+    "h": lambda q, reference: _thickness(q, reference).clip(min=0.0),
+    "Y": lambda q, reference: np.log(q["backing_strength_GPa"] * GPA / MPA / CONSTRAINT / reference[1]),
+    "u": lambda q, _: np.log(q["tensile_MPa"] / (q["backing_strength_GPa"] * GPA / MPA / CONSTRAINT)),
+    "s": lambda q, _: np.log(q["rod_mass_ratio"] / CORE),
+    "o": lambda q, _: q["path_ratio"] - 1.0,
+    "cb": lambda q, _: np.log(q["ceramic_thickness_ratio"] * q["backing_thickness_ratio"]),
+}
+
+
+def matrix_of(terms: Sequence[str], reference: Sequence[float], q: Quantities) -> Floats:
+    """Return the terms of n armours, (n, terms)."""
+    return np.column_stack([TERMS[term](q, reference) for term in terms])
+
+
+class LotTests(NamedTuple):
+    """n own tests of a lot, with the ballistic limits by the law of a fit; arrays, (n,)."""
+
+    quantities: Quantities
+    errors: Floats  # logarithms of measured limits, or of velocities of shots, over the computed limits
+    sides: Floats  # 0, or 1 where the limit is above the velocity of a shot and -1 where it is below
+    uncertainties: Floats  # relative standard deviations of the measurements
+    armours: Any  # numbers of the armours: shots at one have one limit
+
+
+class Fit(NamedTuple):
+    """A fit of the logarithm of the armour's ballistic limit over the model's."""
+
+    name: str
+    terms: tuple[str, ...]
+    reference: tuple[float, float]  # thickness over the diameter, and strength, MPa
+    coefficients: Floats  # (terms,); of an updated fit with the effects of k rounds, (terms + k,)
+    covariance: Floats
+    variance: float  # of a new lot, round and test; of an updated fit, of a test alone
+    degrees_of_freedom: float
+    standard_deviations: tuple[float, ...]  # between lots, between rounds, of a test, and of the second coefficient
+    law: Mapping[str, float] = {}  # parameters of the core that the limits are computed with in place of the armour's
+    rods: Floats | None = None  # of the rounds of an updated fit, (k, 4)
+    weight: float = 1.0  # probability of the law
+
+    def predicted(self, q: Quantities, ranges: Mapping[str, tuple[float, float]]) -> tuple[Floats, Floats]:
+        """Return locations and scales of the distributions of n armours, (n,) each.
+
+        Beyond ranges of the tests, by quantity, the trend goes on, and a part of it is added to the scale.
+        """
+        matrix = self._matrix(q)
+        variance = self.variance + np.einsum("ni,ij,nj->n", matrix, self.covariance, matrix)
+        if self.rods is not None:
+            variance += ~matrix[:, len(self.terms) :].any(axis=1) * self.standard_deviations[1] ** 2
+        for name, ends in ranges.items():
+            inside = self._matrix({**q, name: q[name].clip(*ends)})
+            variance += (TREND_DOUBT * ((matrix - inside) @ self.coefficients)) ** 2
+        return matrix @ self.coefficients, np.sqrt(variance)
+
+    def _matrix(self, q: Quantities) -> Floats:
+        """Return the terms of n armours and, of an updated fit, which of its rounds they are of."""
+        of_round = np.empty((len(q["path_ratio"]), 0)) if self.rods is None else _same(rods_of(q), self.rods)
+        return np.column_stack([matrix_of(self.terms, self.reference, q), of_round])
+
+    def updated(self, tests: LotTests, more: float = 0.0, level: Sequence[float] | None = None) -> "Fit":
+        """Return the fit for the lot of own tests, with the logarithm of the density of these as its weight.
+
+        Parameters
+        ----------
+        tests : LotTests
+        more : float
+            Standard deviation between lots in addition to that of the fit.
+        level : sequence of float, optional
+            Mean and standard deviation of the first coefficient, of a lot that the fit tells nothing of.
+        """
+        between_lots, between_rounds, rest, trend = self.standard_deviations
+        rest, count, nu = max(rest, LEAST_REST), len(self.terms), self.degrees_of_freedom
+        rods, armours = np.unique(rods_of(tests.quantities), axis=0), np.unique(tests.armours)
+        terms = self._replace(rods=rods)._matrix(tests.quantities)
+        Z = np.column_stack([terms, tests.armours[:, None] == armours])
+        b = np.append(self.coefficients, np.zeros(len(rods) + len(armours)))
+        C = np.diag([0.0] * count + [between_rounds**2] * len(rods) + [rest**2] * len(armours))
+        C[:count, :count] = self.covariance
+        C[0, 0] += between_lots**2 + more**2
+        if level is not None:
+            C[0], C[:, 0] = 0.0, 0.0
+            b[0], C[0, 0] = level[0], level[1] ** 2
+        C[1, 1] += trend**2
+        squares = log_density = 0.0
+        # Measured limits come first: given these, outcomes are updated by moments.
+        for i in np.argsort(tests.sides != 0.0, kind="stable"):
+            side, Cz = tests.sides[i], C @ Z[i]
+            variance, away = Z[i] @ Cz + tests.uncertainties[i] ** 2, tests.errors[i] - Z[i] @ b
+            shift, shrink = away / variance, 1.0 / variance
+            if side:
+                score = -side * away / np.sqrt(variance)
+                slope = np.exp(-0.5 * score**2 - log_ndtr(score)) / np.sqrt(2.0 * np.pi)
+                shift, shrink = side * slope / np.sqrt(variance), slope * (slope + score) / variance
+                log_density += log_ndtr(score)
+            else:
+                squares += away**2 / variance
+                log_density -= 0.5 * np.log(variance)
+            b, C = b + shift * Cz, C - shrink * np.outer(Cz, Cz)
+        n = np.count_nonzero(tests.sides == 0.0)
+        log_density += gammaln(0.5 * (nu + n)) - gammaln(0.5 * nu) - 0.5 * n * np.log(nu)
+        log_density -= 0.5 * (nu + n) * np.log1p(squares / nu)
+        kept = count + len(rods)
+        found = b[:kept], C[:kept, :kept], rest**2, nu + len(Z), self.standard_deviations, self.law, rods
+        return Fit(self.name, self.terms, self.reference, *found, float(log_density))
+
+
+def rods_of(q: Quantities) -> Floats:
+    """Return what tells the rounds of n armours from each other, (n, 4)."""
+    return np.column_stack([q[name] for name in RODS])
+
+
+def _same(rods: Floats, others: Floats) -> Any:
+    """Return which of k penetrators each of n is, (n, k), but for rounding."""
+    return np.isclose(rods[:, None], others, rtol=1e-6, atol=0.0).all(axis=2)
+
+
+def law_parameters(role: str, values: Mapping[str, float]) -> dict[str, float]:
+    """Return values of a library entry, by key, as parameters of the core, SI units."""
+    return {(one := INPUTS[f"{role}.{key}"]).field: value * one.factor for key, value in values.items()}
+
+
+@cache
+def shipped_data() -> dict[str, Any]:
+    """Return configs/evidence.toml."""
+    return read_toml(shipped("configs") / "evidence.toml")
+
+
+@cache
+def fits() -> dict[str, Fit]:
+    """Return the shipped fits by name."""
+    found = {}
+    for name, data in shipped_data()["fit"].items():
+        arrays = {key: np.array(data[key]) for key in ("coefficients", "covariance")}
+        law = law_parameters("ceramic", data.get("flow_stress", {}))
+        found[name] = Fit(name, law=law, **{key: data[key] for key in data if key in Fit._fields} | arrays)
+    return found

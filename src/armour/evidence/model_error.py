@@ -1,0 +1,243 @@
+"""The model error of a scenario, and of many variants of one: which tests it is from, and where it is not known."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from math import expm1
+from typing import Any, NamedTuple, Self
+
+import numpy as np
+
+from armour.core.state import Parameters
+from armour.errors import InputError, Problem
+from armour.evidence.mixture import Floats, Mixture
+from armour.evidence.tests import Armours, Evidence, is_outside, outside
+from armour.scenario.inputs import cosine_of
+from armour.scenario.scenario import Scenario
+from armour.scenario.schema import Model, Solver
+
+# Degrees of freedom from which Student's t distribution is as good as normal.
+NORMAL = 1e6
+# Probabilities of the quantiles that results give.
+QUANTILES = (0.025, 0.05, 0.5, 0.95, 0.975)
+# Parameters of the core that a law of the limits may replace.
+LAW_FIELDS = ("Yc0", "n_B", "n_cB", "a_c", "a_B", "YB", "tau", "Hc0", "Hb")
+# Quantities of bare plates of which the trend beyond the tests is doubted.
+DOUBTED = ("backing_thickness_ratio", "backing_strength_GPa", "rod_mass_ratio")
+AT_NORMAL = ", at normal incidence"
+NO_TEST = "no test of such an armour is known"
+REMEDY = "own tests (armour calibrate) or [uncertainty.model] can give it"
+
+
+@dataclass(frozen=True)
+class ModelError:
+    """Relative error of the ballistic limit: actual limit divided by computed limit, minus 1, per cent.
+
+    Attributes
+    ----------
+    mean_percent, scale_percent : float or None
+        Location and scale of Student's t distribution, %; None if the distribution is a mixture of several.
+    degrees_of_freedom : float or None
+        Of this distribution.
+    source : str
+        Tests, or other source, from which the error is estimated.
+    extrapolated : tuple of str
+        Quantities in which the armour lies outside the tests from which the error is estimated.
+    quantiles_percent : dict of str to float
+        Quantiles of the error, %, by probability: "0.025", "0.05", "0.5", "0.95" and "0.975"; of an armour.
+    at_least : str
+        Why the limit of the armour, at an angle, is at least the one with this error; empty where that is not said.
+    """
+
+    mean_percent: float | None
+    scale_percent: float | None
+    degrees_of_freedom: float | None
+    source: str = ""
+    extrapolated: tuple[str, ...] = ()
+    quantiles_percent: dict[str, float] = field(default_factory=dict, hash=False)
+    at_least: str = ""
+
+    @classmethod
+    def of_ratio(cls, ratio: Mixture, source: str, outside: tuple[str, ...] = (), at_least: str = "") -> Self:
+        """Return the error, given the distribution of the ratio of both limits, (k,)."""
+        mean = scale = freedom = None
+        used = ratio.weights > 0.0
+        if used.sum() == 1:
+            [mean], [scale], [freedom] = (array[used].tolist() for array in ratio[1:4])
+            mean, scale = 100.0 * (expm1(mean) if ratio.logarithmic else mean - 1.0), 100.0 * scale
+        quantiles = {str(p): 100.0 * (float(ratio.quantile(p)) - 1.0) for p in QUANTILES}
+        found = cls(mean, scale, freedom, source, outside, quantiles, at_least)
+        vars(found)["ratio"] = ratio
+        return found
+
+    @cached_property
+    def ratio(self) -> Mixture:
+        """Distribution of the ratio of the armour's ballistic limit to that of the model."""
+        given = (self.mean_percent, self.scale_percent, self.degrees_of_freedom)
+        mean, scale, freedom = (np.array([number], dtype=np.float64) for number in given)
+        return Mixture(np.ones(1), 1.0 + mean / 100.0, scale / 100.0, freedom, logarithmic=False)
+
+    def quantile(self, probability: Any) -> Any:
+        """Return a quantile, as a fraction, at least -0.99, for a probability of 0 to 1; float or array."""
+        wanted = np.asarray(probability)
+        if not ((wanted >= 0.0) & (wanted <= 1.0)).all():
+            raise InputError([Problem("quantile", "probability", f"must be 0 to 1, found {probability}")])
+        return (self.ratio.quantile(wanted) - 1.0).clip(min=-0.99)
+
+    def interval(self, limit_m_s: float, tail: float = 0.025) -> tuple[float, float]:
+        """Return the interval of the armour's ballistic limit, given that of the model, m/s.
+
+        The probability beyond each end is `tail`, so that by default it has a probability of 95 %.
+        """
+        low, high = (float(limit_m_s * (1.0 + self.quantile(end))) for end in (tail, 1.0 - tail))
+        return low, high
+
+    def median(self, limit_m_s: float) -> float:
+        """Return the median of the armour's ballistic limit, given that of the model, m/s."""
+        return float(limit_m_s * (1.0 + self.quantile(0.5)))
+
+    def probability_of_defeat(self, limit_m_s: Any, velocity_m_s: Any) -> Any:
+        """Return the probability that the ballistic limit of the armour exceeds a velocity, given that of the model.
+
+        The limit must be above 0; numbers or arrays, m/s.
+        """
+        return self.ratio.probability_above(np.asarray(velocity_m_s) / limit_m_s)
+
+
+class Errors(NamedTuple):
+    """Distributions of the model error for n armours: mixtures over laws that ballistic limits are computed with.
+
+    The first law is the armour's own; it may have a probability of 0.
+    """
+
+    ratio: Mixture  # of the limits, (laws, n); weights are 0 if not used, and NaN if the error is not known
+    parameters: Floats  # of the core, by law, see `LAW_FIELDS`, (laws, fields, n)
+
+    @classmethod
+    def unknown(cls, count: int, laws: int = 1) -> "Errors":
+        """Return n errors that are not known."""
+        shape = (laws, count)
+        ratio = Mixture(np.full(shape, np.nan), np.zeros(shape), np.ones(shape), np.ones(shape))
+        return cls(ratio, np.zeros((laws, len(LAW_FIELDS), count)))
+
+    def at(self, where: Any) -> "Errors":
+        """Return the errors of some armours."""
+        return Errors(self.ratio.mapped(lambda array: array[..., where]), self.parameters[..., where])
+
+    @property
+    def known(self) -> Any:
+        """Whether the error is known, (n,)."""
+        return ~np.isnan(self.ratio.weights[0])
+
+    def of_law(self, law: int) -> Mixture:
+        """Return the distributions of the ratio by a law alone, (1, n)."""
+        alone = self.ratio.mapped(lambda array: array[law : law + 1])
+        return alone._replace(weights=np.ones_like(alone.weights))
+
+
+def given_error(scenario: Scenario) -> ModelError | None:
+    """Return the error that the section ``uncertainty.model`` of a scenario gives; None if it gives none."""
+    section = None if scenario.uncertainty is None else scenario.uncertainty.model
+    if section is None or section.scale_percent is None:
+        return None
+    source = section.source or f"uncertainty.model of {scenario.file}"
+    return ModelError(section.mean_percent, section.scale_percent, section.degrees_of_freedom or NORMAL, source)
+
+
+def other_settings(scenario: Scenario) -> str:
+    """Return the settings of the model that tests were not computed with, in words; "" for none."""
+    sections = (("model", scenario.model, Model()), ("solver", scenario.solver, Solver()))
+    values = ((name, key, value, getattr(usual, key)) for name, given, usual in sections for key, value in given)
+    return ", ".join(f"{name}.{key} = {value}" for name, key, value, usual in values if value != usual)
+
+
+def errors_of(scenario: Scenario, armours: Armours) -> Errors:
+    """Return the errors of the model for n armours under the settings of a scenario.
+
+    They are those on own tests of their entries, or else on the shipped ones.
+    """
+    count, given = len(armours.which), given_error(scenario)
+    if scenario.excludes_error() or (given is None and other_settings(scenario)):
+        return Errors.unknown(count)
+    if given is not None:
+        repeated = given.ratio.mapped(lambda array: np.repeat(array[:, None], count, axis=1))
+        return Errors(repeated, np.zeros((1, len(LAW_FIELDS), count)))
+    parts = []
+    for evidence, of in armours.by_evidence():
+        oblique = evidence.fails_angle(armours.cosines)
+        lesser = oblique & (armours.cosines >= cosine_of(_at_least_deg(scenario, evidence)))
+        for rows, at_normal in ((of & ~oblique, False), (of & lesser, True)):
+            if evidence.fits and rows.any():
+                parts.append((int(at_normal or evidence.lot != ""), evidence, np.flatnonzero(rows), at_normal))
+    found = Errors.unknown(count, max([1, *(first + len(evidence.fits) for first, evidence, *_ in parts)]))
+    for first, evidence, where, at_normal in parts:
+        some = armours.at(where)
+        found.parameters[0][:, where] = law_of(some.parameters)
+        _put(found, first, evidence, where, some.at_normal_incidence() if at_normal else some)
+    return found
+
+
+def _at_least_deg(scenario: Scenario, evidence: Evidence) -> float:
+    """Return the greatest angle at which an armour is taken to have at least its limit at normal incidence."""
+    as_normal = scenario.design is not None and scenario.design.angles_as_at_normal_incidence
+    return 90.0 if evidence.ceramic and as_normal else evidence.at_least_deg
+
+
+def _put(errors: Errors, first: int, evidence: Evidence, where: Any, armours: Armours) -> None:
+    """Set the errors, from the first law on, of those of n armours that some evidence holds for.
+
+    With a ceramic, the law of an armour comes first, and the others have the flow stress in proportion to it.
+    """
+    q = armours.quantities()
+    holds = evidence.holds(q)
+    errors.ratio.weights[:, where[holds]] = 0.0
+    doubted = {of.name: (of.low, of.high) for of in evidence.measured if of.name in DOUBTED and not evidence.ceramic}
+    for number, law in enumerate(evidence.laws or [()]):
+        rows = np.flatnonzero(holds & ~is_outside(law, q))
+        own, some = evidence.fits[number], armours.at(rows)
+        for place, fit in enumerate([own, *(fit for fit in evidence.fits if fit is not own)], start=first):
+            by_law: dict[str, Any] = {name: np.full(len(rows), value) for name, value in fit.law.items()}
+            if evidence.laws:
+                by_law["Yc0"] = some.parameters.Yc0 * (fit.law["Yc0"] / own.law["Yc0"])
+            if fit is own and not evidence.lot:
+                by_law = {}
+            made = some._replace(parameters=some.parameters._replace(**by_law))
+            values = (fit.weight, *fit.predicted(made.quantities(), doubted), fit.degrees_of_freedom)
+            for array, numbers in zip(errors.ratio[:4], values, strict=True):
+                array[place][where[rows]] = numbers
+            errors.parameters[place][:, where[rows]] = law_of(made.parameters)
+
+
+def law_of(parameters: Parameters) -> Floats:
+    """Return the parameters of n armours that a law may replace, (fields, n)."""
+    return np.array([getattr(parameters, name) for name in LAW_FIELDS])
+
+
+def error_of(scenario: Scenario, ratio: Mixture, armour: Armours) -> ModelError | None:
+    """Return the model error of an armour, n = 1, given the distribution of its limit over that by the model."""
+    if np.isnan(ratio.weights).any():
+        return None
+    if (given := given_error(scenario)) is not None:
+        return ModelError.of_ratio(ratio, given.source)
+    [(evidence, _)] = armour.by_evidence()
+    oblique = evidence.fails_angle(armour.cosines).all()
+    q = (armour.at_normal_incidence() if oblique else armour).quantities()
+    title = evidence.title + AT_NORMAL if oblique else evidence.title
+    return ModelError.of_ratio(ratio, title, outside(evidence.measured, q), evidence.at_least if oblique else "")
+
+
+def why_unknown(scenario: Scenario, armour: Armours) -> str:
+    """Return why the model error is not known for an armour, n = 1, and what can give it."""
+    if settings := other_settings(scenario):
+        return f"the tests were computed with other settings than {settings}; [uncertainty.model] can give it"
+    [(evidence, _)] = armour.by_evidence()
+    if evidence.lot and not evidence.fits:
+        return f"{evidence.lot} was calibrated by armour 1: give armour calibrate its tests again"
+    q, reason = armour.quantities(), NO_TEST
+    if evidence.holds(q).all():
+        reason = f"the model was compared with {evidence.angles()}"
+    elif not evidence.differences(q).any() and evidence.fits:
+        far = ", ".join(outside(evidence.measured, q))
+        reason = f"the armour is too far outside the tests, which are of {far}"
+    elif evidence.lot:
+        reason = f"the armour differs from the own tests of {evidence.lot}: {', '.join(outside(evidence.kind, q))}"
+    return f"{reason}; {REMEDY}"

@@ -1,0 +1,310 @@
+"""The tests that the model was compared with, shipped and own: their ranges, and where an armour is unlike them."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.special import softmax
+
+from armour.core.state import Parameters
+from armour.errors import Note
+from armour.evidence.fit import Fit, LotTests, Quantities, fits, law_parameters, quantities, shipped_data
+from armour.scenario.inputs import OBLIQUITY, VELOCITY, cosine_of
+from armour.scenario.library import IN_COMMON, VARIED, LibraryEntry, OwnTests, strength_notes, tensile_strength
+from armour.scenario.scenario import Scenario
+
+# Factor by which a quantity of an unusual armour lies outside of all that the model was compared with.
+FAR = 2.0
+# Factors outside the ranges of the tests beyond which the error is not known, of bare plates and with a ceramic.
+FARTHEST_BARE, FARTHEST_CERAMIC = float(np.exp(0.5)), 2.0
+# The same for what own tests of a ceramic without shipped tests have in common.
+ALIKE = 1.1
+# Standard deviations between lots of a ceramic beyond those of the shipped tests, also on another metal than theirs.
+STRANGE, STRANGE_METAL = 0.10, 0.15
+# Properties that make a ceramic.
+OF_CERAMIC = ("ceramic_density_kg_m3", "ceramic_modulus_GPa", "ceramic_strength_GPa")
+# More respects than any kind of armour has, and the part of a number that is rounding.
+MOST, ROUNDING = 1000, 1e-6
+
+
+class DataRange(NamedTuple):
+    """Range of a quantity within which the model was tested."""
+
+    name: str
+    low: float
+    high: float
+
+    def fails(self, q: Quantities) -> Any:
+        """Return whether each of n armours lies outside the range."""
+        return ~((q[self.name] >= self.low) & (q[self.name] <= self.high))
+
+    def factor(self, q: Quantities) -> Any:
+        """Return the factor by which n armours are outside the range, at least 1; infinite for none against some."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.fmax(np.fmax(q[self.name] / self.high, self.low / q[self.name]), 1.0)
+
+    def containing(self, values: Any) -> "DataRange":
+        """Return the range that contains further values, but for rounding."""
+        low, high = values.min() * (1.0 - ROUNDING), values.max() * (1.0 + ROUNDING)
+        return DataRange(self.name, min(self.low, float(low)), max(self.high, float(high)))
+
+    @property
+    def key(self) -> str:
+        """Key of the scenario that the quantity depends on."""
+        return str(shipped_data()["quantity"][self.name]["key"])
+
+    def __str__(self) -> str:
+        values = " to ".join(dict.fromkeys(f"{end:.4g}" for end in (self.low, self.high)))
+        return str(shipped_data()["quantity"][self.name]["words"]).format(values)
+
+
+class Evidence(NamedTuple):
+    """Tests of a kind of armour against a kind of penetrator, and the error of the ballistic limit on them.
+
+    The error applies to armours of the kind, and is extrapolated outside the ranges of the tests.
+    """
+
+    title: str
+    source: str  # its key of the bibliography is in brackets
+    laws: tuple[tuple[DataRange, ...], ...]  # of the ceramic's flow stress, one of which an armour has
+    kind: tuple[DataRange, ...]  # of armour and penetrator
+    measured: tuple[DataRange, ...]  # ranges of the tests
+    compared: tuple[DataRange, ...]  # outside them, an armour is like none that was compared
+    velocities_m_s: tuple[float, float]
+    fits: tuple[Fit, ...]  # of the error, one for each law; none of results of the paper's program
+    ceramic: str = ""  # empty of bare plates
+    obliquity_max_deg: float = 0.0  # greatest angle of the tests
+    at_least_deg: float = 0.0  # greatest angle at which plates are known to have at least the limit at normal incidence
+    at_least: str = ""  # the tests that say so
+    lot: str = ""  # of own tests
+
+    def differences(self, q: Quantities) -> Any:
+        """Return in how many respects n armours differ; with and without ceramic in most."""
+        found = MOST * (bool(self.ceramic) == (q["ceramic_thickness_ratio"] == 0.0))
+        return sum((limits.fails(q) for limits in self.kind), start=found) + self.of_other_law(q)
+
+    def of_other_law(self, q: Quantities) -> Any:
+        """Return whether the flow stress of the ceramic of n armours has none of the laws."""
+        return np.all([is_outside(law, q) for law in self.laws], axis=0) if self.laws else q["path_ratio"] < 0.0
+
+    def holds(self, q: Quantities) -> Any:
+        """Return whether the error is known for n armours: they are of the kind, and near enough to the tests."""
+        farthest = FARTHEST_CERAMIC if self.ceramic else FARTHEST_BARE
+        factor = np.maximum.reduce([limits.factor(q) for limits in self.measured])
+        return (self.differences(q) == 0) & (factor <= farthest) & bool(self.fits)
+
+    def fails_angle(self, cosines: Any) -> Any:
+        """Return whether there are no tests at angles, of which the cosines are given."""
+        return cosines < cosine_of(self.obliquity_max_deg)
+
+    def angles(self) -> str:
+        """Return the angles of the tests, in words."""
+        if self.obliquity_max_deg:
+            return f"tests of such plates at up to {self.obliquity_max_deg:g}° only"
+        return f"no test of {'an armour with a ceramic' if self.ceramic else 'such a plate'} at an angle"
+
+
+def is_outside(ranges: Iterable[DataRange], q: Quantities) -> Any:
+    """Return whether each of n armours lies outside any of some ranges."""
+    return np.any([limits.fails(q) for limits in ranges], axis=0)
+
+
+def outside(ranges: Iterable[DataRange], q: Quantities) -> tuple[str, ...]:
+    """Return the ranges, in words, that one armour lies outside of."""
+    return tuple(str(limits) for limits in ranges if limits.fails(q).any())
+
+
+PLAIN = ("title", "source", "ceramic", "obliquity_max_deg", "at_least_deg", "at_least")
+
+
+def _ranges(data: Mapping[str, Sequence[float]]) -> tuple[DataRange, ...]:
+    return tuple(DataRange(name, *ends) for name, ends in data.items())
+
+
+@cache
+def shipped_evidence() -> tuple[Evidence, ...]:
+    """Return the tests that the model was compared with; the first of those that an armour is closest to counts."""
+    found = []
+    for data in shipped_data()["tests"]:
+        kind, laws = data["kind"], shipped_data()["law"]
+        # A mass ratio follows from slenderness and density, of which there are ranges.
+        compared = kind | {k: v for k, v in data.get("computed", data["measured"]).items() if k != "rod_mass_ratio"}
+        whole = Evidence(
+            laws=tuple(_ranges(laws[fit]) for fit in data["fits"] if fit in laws),
+            kind=_ranges(kind),
+            measured=_ranges(data["measured"]),
+            compared=_ranges(compared),
+            velocities_m_s=tuple(data["velocities_m_s"]),
+            fits=tuple(fits()[name]._replace(weight=1.0 / len(data["fits"])) for name in data["fits"]),
+            **{key: data[key] for key in PLAIN if key in data},
+        )
+        if "tensile_fit" in data:
+            ratio = DataRange("tensile_ratio", *data["tensile_ratio"])
+            found.append(whole._replace(kind=(*whole.kind, ratio), fits=(fits()[data["tensile_fit"]],)))
+        found.append(whole)
+    return tuple(found)
+
+
+class Materials(NamedTuple):
+    """Entries of the library in an armour."""
+
+    ceramic: LibraryEntry | None
+    backing: LibraryEntry
+
+
+class Armours(NamedTuple):
+    """n armours with their projectiles."""
+
+    parameters: Parameters  # of the core, arrays, (n,)
+    cosines: Any  # of the obliquities, (n,)
+    which: Any  # index of the materials of each, (n,)
+    materials: Sequence[Materials]
+
+    def at(self, where: Any) -> "Armours":
+        """Return some of the armours."""
+        parameters = Parameters._make(np.asarray(values)[where] for values in self.parameters)
+        return Armours(parameters, self.cosines[where], self.which[where], self.materials)
+
+    def at_normal_incidence(self) -> "Armours":
+        """Return the armours with the thicknesses of their layers in place of those along the line of fire."""
+        of, cosines = self.parameters, self.cosines
+        of = of._replace(Hc0=of.Hc0 * cosines, Hb=of.Hb * cosines)
+        return self._replace(parameters=of, cosines=np.ones_like(cosines))
+
+    def quantities(self) -> dict[str, Any]:
+        """Return what the evidence depends on."""
+        tensile = np.array([tensile_strength(some.backing) for some in self.materials])
+        return quantities(self.parameters, tensile[self.which], self.cosines)
+
+    def by_evidence(self) -> Iterator[tuple[Evidence, Any]]:
+        """Give each evidence that some of the armours may have, and which these are, (n,).
+
+        It is that of the own tests of an entry, or else the closest shipped one.
+        """
+        is_bare, rest = self.parameters.Hc0 == 0.0, np.ones(len(self.which), dtype=bool)
+        for place, some in enumerate(self.materials):
+            for entry, of_kind in ((some.ceramic, ~is_bare), (some.backing, is_bare)):
+                of = (self.which == place) & of_kind
+                if entry is not None and entry.evidence is not None and of.any():
+                    rest = rest & ~of
+                    yield own_evidence(entry, entry.evidence), of
+        q = self.quantities()
+        nearest = np.argmin([evidence.differences(q) for evidence in shipped_evidence()], axis=0)
+        for place, evidence in enumerate(shipped_evidence()):
+            if (of := rest & (nearest == place)).any():
+                yield evidence, of
+
+
+def armour_of(scenario: Scenario) -> Armours:
+    """Return the armour of a scenario, n = 1."""
+    materials = Materials(scenario.entry_of("ceramic"), scenario.entry("metal", scenario.armour.backing))
+    parameters = Parameters._make(np.array([value]) for value in scenario.core_armour())
+    return Armours(parameters, np.array([scenario.cosine()]), np.zeros(1, dtype=np.int64), [materials])
+
+
+def own_evidence(entry: LibraryEntry, own: OwnTests) -> Evidence:
+    """Return the evidence of an entry with own tests: that of the shipped tests that they update.
+
+    Armours must have the calibrated values, and of a ceramic without shipped tests be like those of the own tests.
+    There is no fit if the tests must be given again.
+    """
+    if not own.law or not {law.fit for law in own.law} <= {*fits()}:
+        return Evidence("", "", (), (), (), (), (0.0, np.inf), (), lot=entry.name)
+    first, tested = own.law[0], {name: np.array(values) for name, values in own.tests.items()}
+    shipped = next(one for one in shipped_evidence() if first.fit in [fit.name for fit in one.fits])
+    tested["tensile_MPa"] = np.full(len(tested["side"]), tensile_strength(entry))
+    values = tuple(DataRange(name, v - ROUNDING * abs(v), v + ROUNDING * abs(v)) for name, v in own.calibrated.items())
+    kind = tuple(limits for limits in shipped.kind if limits.name not in ("tensile_ratio", *own.calibrated))
+    more = STRANGE * bool(shipped.ceramic) if not is_outside(kind, tested).any() else STRANGE_METAL
+    velocities, sides = tested["velocity_m_s"], tested["side"]
+    rows = np.column_stack([tested[name] for name in (*VARIED, *IN_COMMON)])
+    # Shots at like armours are shots at one, and measured limits are of one each.
+    armours = np.where(sides == 0.0, -1.0 - np.arange(len(rows)), np.unique(rows, axis=0, return_inverse=True)[1])
+    updated = []
+    for law in own.law:
+        fit = fits()[law.fit]._replace(law=law_parameters("ceramic" if shipped.ceramic else "backing", law.values))
+        errors = np.log(velocities / np.array(law.computed_m_s))
+        tests = LotTests(tested, errors, sides, tested["uncertainty_m_s"] / velocities, armours)
+        updated.append(fit.updated(tests, more, law.level))
+    weights = softmax([fit.weight for fit in updated])
+    words = f"{len(velocities)} own test{'s' * (len(velocities) > 1)} of this lot"
+    title = f"{shipped.title} and {words}"
+    seen = {name: np.append(column, own.calibrated.get(name, [])) for name, column in tested.items()}
+    kind, measured = (tuple(of.containing(seen[of.name]) for of in ranges) for ranges in (kind, shipped.measured))
+    if first.level is not None:
+        title = f"{words}, which are taken to scatter like {shipped.title}"
+        around = [DataRange(name, np.inf, -np.inf).containing(tested[name]) for name in (*VARIED[:2], *IN_COMMON)]
+        alike = (DataRange(x.name, x.low / ALIKE, x.high * ALIKE) for x in around[2:])
+        kind = (*alike, *(limits for limits in kind if limits.name.startswith("rod_")))
+        measured = (*around[:2], *(limits for limits in measured if limits.name.startswith("rod_")))
+    return shipped._replace(
+        title=title,
+        laws=(),
+        kind=(*kind, *values),
+        measured=measured,
+        compared=(*kind, *values, *measured),
+        velocities_m_s=(min(shipped.velocities_m_s[0], *velocities), max(shipped.velocities_m_s[1], *velocities)),
+        fits=tuple(fit._replace(weight=w) for fit, w in zip(updated, weights, strict=True)),
+        obliquity_max_deg=max(shipped.obliquity_max_deg, *np.degrees(np.arccos(1.0 / tested["path_ratio"]))),
+        lot=own.lot or entry.name,
+    )
+
+
+def is_unusual(armour: Parameters) -> Any:
+    """Return whether each of n armours is far from all of its kind that the model was compared with.
+
+    A strength, a density, the slenderness or a thickness over the diameter is then outside by more than a factor of
+    two, and the outcome may change more than once with the velocity or a thickness.  A NaN is not outside.
+    """
+    q = quantities(armour, np.nan, np.ones(np.shape(armour.D0)))
+    far: dict[tuple[bool, str], Any] = {}
+    for evidence in shipped_evidence():
+        for limits in evidence.compared:
+            key = bool(evidence.ceramic), limits.name
+            far[key] = far.get(key, True) & (limits.factor(q) > FAR)
+    return np.any([of & (has == (armour.Hc0 > 0.0)) for (has, _), of in far.items()], axis=0)
+
+
+def limits_outside(armours: Armours, velocities: Any) -> Iterator[tuple[str, str, int, str]]:
+    """Give the limits of what the model was compared with that some of n armours, or velocities, m/s, lie outside of.
+
+    Each has the key that it depends on, words, the number of armours, and what was found of the first one.  A NaN is
+    not outside.
+    """
+    others = ", ".join(dict.fromkeys(evidence.ceramic for evidence in shipped_evidence() if evidence.ceramic))
+    for evidence, of in armours.by_evidence():
+        some, speeds, (low, high) = armours.at(of), velocities[of], evidence.velocities_m_s
+        q, ceramic = some.quantities(), some.materials[some.which[0]].ceramic
+        name, shipped = f', found "{ceramic.name}"' if ceramic else "", not evidence.lot
+        is_other = is_outside(evidence.kind[:2], q) & shipped & bool(evidence.ceramic)
+        checks = [
+            (OBLIQUITY, evidence.angles(), evidence.fails_angle(some.cosines), ""),
+            _check(VELOCITY, f"results at {low:g} to {high:g} m/s", (speeds < low) | (speeds > high), speeds),
+            ("armour.ceramic", "no test by such a law of the flow stress", evidence.of_other_law(q), name),
+            ("armour.ceramic", f"results of {others} only", is_other, name),
+            ("armour.ceramic", evidence.title, ~is_other & (not evidence.fits) & shipped, name),
+        ]
+        for limits in evidence.compared:
+            fails = limits.fails(q) & ~(is_other & (limits.name in OF_CERAMIC))
+            checks.append(_check(limits.key, f"results for {limits}", fails, q[limits.name]))
+        for key, words, fails, found in checks:
+            if fails.any():
+                yield key, f"the model was compared with {words}", int(fails.sum()), found
+
+
+def _check(key: str, words: str, fails: Any, values: Any) -> tuple[str, str, Any, str]:
+    """Return a check with the first number that fails, in words."""
+    found = next(iter(values[fails].tolist()), 0.0)
+    return key, words, fails, f", found {found:{'.0f' if found >= 100.0 else '.3g'}}"
+
+
+def scenario_warnings(scenario: Scenario, velocity: float, key: str = VELOCITY) -> tuple[Note, ...]:
+    """Return the ways in which a scenario is unlike what the model was compared with: "key: what, value found".
+
+    `velocity` is the impact velocity, m/s, or the ballistic limit, whose key is then given.
+    """
+    outside = limits_outside(armour_of(scenario), np.array([velocity]))
+    notes = (Note(words + found, key if of == VELOCITY else of) for of, words, _, found in outside)
+    metals = [scenario.entry("metal", scenario.armour.backing)]
+    return (*notes, *strength_notes(metals, bare=not scenario.armour.ceramic_thickness_mm))

@@ -1,0 +1,98 @@
+"""Fits of tests, and their update by own tests, against the formulas by hand."""
+
+import numpy as np
+import pytest
+from scipy.stats import multivariate_t, norm
+
+from armour.evidence.fit import LEAST_REST, LotTests, fits, matrix_of
+from tools.evidence import GROUPS, plates_of
+
+GROUP = GROUPS["fragments_aluminium"]
+PLATES = plates_of(GROUP.kind, GROUP.metal)
+FIT = fits()["fragments_aluminium"]
+LOTS, ROUNDS, REST, TREND = FIT.standard_deviations
+NOTHING = np.zeros(3)
+
+
+def lot(errors: list[float], sides: list[float] | None = None, armours: list[int] | None = None) -> LotTests:
+    """Own tests of the first plates of the table, which are against one round."""
+    n = len(errors)
+    q = PLATES.at(np.arange(n)).quantities
+    numbers = np.arange(n) if armours is None else np.array(armours)
+    return LotTests(q, np.array(errors), np.zeros(n) if sides is None else np.array(sides), np.zeros(n), numbers)
+
+
+def prior() -> np.ndarray:
+    """Covariance of the coefficients for a lot and a round."""
+    found = FIT.covariance.copy()
+    found[0, 0] += LOTS**2 + ROUNDS**2
+    found[1, 1] += TREND**2
+    return found
+
+
+def test_measured_limits_update_the_population():
+    """B = b0 + P Z' S^-1 (e - Z b0), with the scatter of a test in S and in the variance."""
+    tests = lot([0.10, 0.14, -0.02])
+    Z = matrix_of(FIT.terms, FIT.reference, tests.quantities)
+    S = Z @ prior() @ Z.T + REST**2 * np.eye(3)
+    gain = prior() @ Z.T @ np.linalg.inv(S)
+    updated = FIT.updated(tests)
+    location, scale = updated.predicted(tests.quantities, {})
+    coefficients = FIT.coefficients + gain @ (tests.errors - Z @ FIT.coefficients)
+    assert location == pytest.approx(Z @ coefficients)
+    left = prior() - gain @ Z @ prior()
+    assert scale**2 == pytest.approx(REST**2 + np.einsum("ni,ij,nj->n", Z, left, Z))
+    assert updated.degrees_of_freedom == FIT.degrees_of_freedom + 3
+    density = multivariate_t(Z @ FIT.coefficients, S, int(FIT.degrees_of_freedom)).logpdf(tests.errors)
+    assert updated.weight == pytest.approx(density + 1.5 * np.log(np.pi))
+
+
+def test_against_another_round_only_the_alloys_part_is_shared():
+    tests = lot([0.20])
+    updated, other = FIT.updated(tests), {**tests.quantities, "rod_diameter_mm": np.array([12.6])}
+    (same, narrow), (shifted, wide) = updated.predicted(tests.quantities, {}), updated.predicted(other, {})
+    [before], _ = FIT.predicted(tests.quantities, {})
+    assert before < shifted[0] < same[0]
+    assert wide[0] > narrow[0]
+    assert wide[0] < FIT.predicted(other, {})[1][0] * 1.02
+
+
+def test_a_lot_is_not_taken_to_scatter_less_than_lots_do():
+    of = fits()["cores_aluminium"]
+    assert of.standard_deviations[2] < LEAST_REST
+    group = GROUPS["cores_aluminium"]
+    q = plates_of(group.kind, group.metal).at([0]).quantities
+    one = LotTests(q, np.zeros(1), np.zeros(1), np.zeros(1), np.zeros(1))
+    assert of.updated(one).variance == pytest.approx(LEAST_REST**2)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_an_outcome_has_the_moments_of_the_truncated_distribution(side: float):
+    tests = lot([0.05], [side])
+    [mean], [scale] = FIT.predicted(tests.quantities, {})
+    Z = matrix_of(FIT.terms, FIT.reference, tests.quantities)
+    deviation = float(np.sqrt(Z @ prior() @ Z.T + REST**2)[0, 0])
+    score = side * (mean - 0.05) / deviation
+    shift = side * norm.pdf(score) / norm.cdf(score) * (Z @ prior() @ Z.T)[0, 0] / deviation
+    assert FIT.updated(tests).predicted(tests.quantities, {})[0][0] == pytest.approx(mean + shift)
+    assert FIT.updated(tests).weight == pytest.approx(norm.logcdf(score))
+    assert scale > 0.0
+
+
+def test_shots_at_one_armour_are_of_one_limit():
+    """Stopped just below and perforated just above, they tell as much as the limit that they bracket."""
+    shots = FIT.updated(lot([0.099, 0.101], [1.0, -1.0], [0, 0])._replace(quantities=PLATES.at([0, 0]).quantities))
+    limit = FIT.updated(lot([0.100]))
+    q = PLATES.at([0]).quantities
+    for ours, theirs in zip(shots.predicted(q, {}), limit.predicted(q, {}), strict=True):
+        assert ours == pytest.approx(theirs, abs=0.01)
+
+
+def test_a_level_replaces_that_of_the_fit():
+    tests = lot([0.5])._replace(uncertainties=np.array([1e3]))
+    q = tests.quantities
+    updated = FIT.updated(tests, level=(0.3, 0.2))
+    Z = matrix_of(FIT.terms, FIT.reference, q)
+    rest = FIT.coefficients.copy()
+    rest[0] = 0.3
+    assert updated.predicted(q, {})[0] == pytest.approx(Z @ rest, abs=1e-3)
