@@ -192,8 +192,8 @@ def limits() -> str:
     limit: Any = armour.ballistic_limit(SCENARIO)
     velocities = np.arange(580.0, 881.0, 10.0)
     stopped = armour.sweep(
-        SCENARIO, {"impact.velocity_m_s": velocities.tolist()}, quantities=["probability_of_defeat"]
-    )["probability_of_defeat"]
+        SCENARIO, {"impact.velocity_m_s": velocities.tolist()}, quantities=["probability_of_stopping"]
+    )["probability_of_stopping"]
     fit: Any = armour.v50(armour.read_shots("shots.csv")).recommended
     scatter = NormalDist(fit.v50_m_s, fit.scale_m_s)
     titles = ("1. The model: one limit", "2. Its error: where the limit may lie", "3. One armour: shots scatter")

@@ -17,6 +17,19 @@ from armour.units import missing_unit
 MAX_ROWS = 100_000
 # Longer than any line of numbers; a device such as /dev/zero has no end of line.
 MAX_LINE = 100_000
+# Pairs of words of people for what a shot did, in lower case: the armour stopped it, or was perforated.
+OUTCOMES = (
+    ("stopped", "perforated"),
+    ("partial", "complete"),
+    ("p", "c"),
+    ("pp", "cp"),
+    ("no", "yes"),
+    ("stop", "perforate"),
+    ("defeated", "perforated"),
+)
+# Whether the armour was perforated, by word.
+PERFORATED = {word: word == perforated for stopped, perforated in OUTCOMES for word in (stopped, perforated)}
+MUST_SAY = 'must be "stopped" or "perforated" (or partial or complete, P or C, PP or CP, no or yes)'
 # Bytes that are not UTF-8 text, as they are read.
 _UNDECODED = re.compile("[\udc80-\udcff]")
 

@@ -20,8 +20,8 @@ def test_bisection_narrows_to_the_tolerance():
 
 
 CHANGES = {
-    "defeated again": [730.78, 1709.42],
-    "defeated in between": [524.03, 670.95, 2156.25],
+    "stopped again": [730.78, 1709.42],
+    "stopped in between": [524.03, 670.95, 2156.25],
     "perforated between scanned velocities": [1488.70, 1735.91, 6038.31],
     "perforated at a maximum of depth": [48.02, 52.43, 143.89],
     "perforated in narrow ranges": [252.67, 292.35, 322.58, 329.08, 380.98],
@@ -33,7 +33,7 @@ def test_all_changes_of_the_outcome_are_found(name: str):
     of = changing_designs()[name]
     result = ballistic_limit(of)
     assert [c.bracket_m_s[1] for c in result.crossings] == pytest.approx(CHANGES[name], abs=0.01)
-    assert [c.above for c in result.crossings] == (["perforated", "defeated"] * 3)[: len(result.crossings)]
+    assert [c.above for c in result.crossings] == (["perforated", "stopped"] * 3)[: len(result.crossings)]
     assert [result.ballistic_limit_m_s] == ballistic_limits(variants_of(of, {}, 1)).tolist()
     assert result.ballistic_limit_m_s == result.crossings[0].bracket_m_s[1]
     assert not result.monotonic
@@ -75,7 +75,7 @@ def test_a_range_without_a_limit(low: float, high: float, message: str):
 
 def test_a_lowest_velocity_that_perforates_is_no_limit(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(search, "DENSE_SCAN_POINTS", search.SCAN_POINTS)
-    of = changing_designs()["defeated in between"].replaced({"ballistic_limit": {"velocity_min_m_s": 600.0}})
+    of = changing_designs()["stopped in between"].replaced({"ballistic_limit": {"velocity_min_m_s": 600.0}})
     with pytest.raises(NoLimitError, match=r"perforates, but some higher velocities do not .*stopped above 670\.9"):
         ballistic_limit(of)
 
@@ -99,7 +99,7 @@ def test_the_engine_finds_the_same_to_the_last_bit(
         monkeypatch.setattr("armour.engine.cache.is_loaded", lambda _name, answer=loaded: answer)
         monkeypatch.setattr("armour.engine.cache.is_compiled", lambda _name, answer=compiled: answer)
         found.append(confidence(case))
-    assert found[0].probability_of_defeat is not None or points == 1025
+    assert found[0].probability_of_stopping is not None or points == 1025
     assert found[0] == found[1] == found[2]
 
 
@@ -117,15 +117,15 @@ def test_the_residual_velocity_rises_as_a_square_root():
 
 def test_an_armour_that_the_slowest_impact_perforates_has_no_probability():
     found = confidence(scenario(ballistic_limit={"velocity_min_m_s": 790.0}))
-    assert (found.probability_of_defeat, found.ballistic_limit_m_s) == (None, None)
+    assert (found.probability_of_stopping, found.ballistic_limit_m_s) == (None, None)
     assert "790" in found.reason
     assert repr(found).endswith(": probability of stopping the projectile not known>")
 
 
 def test_an_armour_that_the_fastest_impact_does_not_perforate_is_at_least_as_good():
     velocities = {"velocity_max_m_s": 700.0}
-    assert confidence(scenario(velocity=690.0, ballistic_limit=velocities)).probability_of_defeat is None
+    assert confidence(scenario(velocity=690.0, ballistic_limit=velocities)).probability_of_stopping is None
     found = confidence(scenario(velocity=450.0, ballistic_limit=velocities))
-    assert found.probability_of_defeat is not None
-    assert found.probability_of_defeat > 0.995
+    assert found.probability_of_stopping is not None
+    assert found.probability_of_stopping > 0.995
     assert found.ballistic_limit_m_s is None

@@ -56,11 +56,11 @@ def test_losses():
 
 
 @pytest.mark.parametrize("layer", ["ceramic", "backing"])
-def test_the_required_thickness_just_defeats_the_impact(layer: str):
+def test_the_required_thickness_just_stops_the_impact(layer: str):
     of = scenario(optimise=GRID)
     key = f"armour.{layer}_thickness_mm"
     required = number(f"required_{layer}_thickness_mm", of)
-    assert simulate(of.replaced({key: required})).outcome == "defeated"
+    assert simulate(of.replaced({key: required})).outcome == "stopped"
     assert simulate(of.replaced({key: required - 2e-6})).outcome == "perforated"
 
 
@@ -73,7 +73,7 @@ def test_the_required_areal_density_is_that_of_the_required_ceramic():
 def test_the_required_total_thickness_keeps_the_proportions():
     of = scenario(optimise=GRID)
     total = number("required_total_thickness_mm", of)
-    for thickness, outcome in ((total, "defeated"), (total - 2e-6, "perforated")):
+    for thickness, outcome in ((total, "stopped"), (total - 2e-6, "perforated")):
         layers = {f"armour.{layer}_thickness_mm": 0.5 * thickness for layer in ("ceramic", "backing")}
         assert simulate(of.replaced(layers)).outcome == outcome
 

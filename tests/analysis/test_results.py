@@ -99,8 +99,8 @@ def test_the_question_of_a_result_is_no_part_of_it():
 
 
 def test_numbers_and_texts_in_a_column(library: str):
-    found = data_frame({"a": [1.5, "defeated", None], "b": [1.5, 2.5, None]})
-    mixed = [1.5, "defeated", None] if library == "pandas" else ["1.5", "defeated", None]
+    found = data_frame({"a": [1.5, "stopped", None], "b": [1.5, 2.5, None]})
+    mixed = [1.5, "stopped", None] if library == "pandas" else ["1.5", "stopped", None]
     assert found == {"a": mixed, "b": [1.5, 2.5, None]}
 
 

@@ -82,7 +82,7 @@ def test_the_limit_of_a_row_is_that_of_a_single_search(of: Scenario):
 def test_brackets_outside_the_range():
     variants = rows_of(case(), [6.0, 6.0], [6.0, 12.0])
     assert limit_brackets(variants, 20.0, 100.0, 0.01).perforated.tolist() == [np.inf, np.inf]
-    assert limit_brackets(variants, 1500.0, 4000.0, 0.01).defeated.tolist() == [-np.inf, -np.inf]
+    assert limit_brackets(variants, 1500.0, 4000.0, 0.01).stopped.tolist() == [-np.inf, -np.inf]
     assert np.isnan(ballistic_limits(alone(case().replaced({"ballistic_limit": {"velocity_min_m_s": 1500.0}})))).all()
 
 

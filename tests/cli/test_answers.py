@@ -71,7 +71,7 @@ def test_the_history_of_an_impact(cli, folder: Path):
 
 
 def test_all_crossings_are_shown(cli, folder: Path):
-    (folder / "changing.toml").write_text(changing_designs()["defeated again"].to_toml())
+    (folder / "changing.toml").write_text(changing_designs()["stopped again"].to_toml())
     result = cli("ballistic-limit", "changing.toml")
     assert "not monotonic" in result.stderr
     assert [line.split()[-1] for line in result.stdout.splitlines()[-2:]] == ["perforated", "stopped"]
@@ -87,7 +87,7 @@ def test_a_frontier_and_a_front_as_csv(cli, folder: Path):
 def test_a_confidence_is_designed_for(cli):
     args = ("optimise", "paper/optimum_7.62mm_AP")
     best = json.loads(cli(*args, "--confidence", 0.95, "--json").stdout)["best"]
-    [probability] = best["probabilities_of_defeat"].values()
+    [probability] = best["probabilities_of_stopping"].values()
     assert 0.95 <= probability < 0.96
     assert best["areal_density_kg_m2"] > json.loads(cli(*args, "--json").stdout)["best"]["areal_density_kg_m2"]
 
@@ -103,7 +103,7 @@ def test_a_design_ends_with_the_command_that_checks_it(cli):
     assert (words[:3], threat in words, plate in words) == (["next:", "armour", "check"], True, False)
     checked = json.loads(cli(*words[2:], "--json").stdout)
     [found] = checked["threats"]
-    assert found["probability_of_defeat"] == pytest.approx(best["probabilities_of_defeat"]["slow"], abs=1e-6)
+    assert found["probability_of_stopping"] == pytest.approx(best["probabilities_of_stopping"]["slow"], abs=1e-6)
     assert checked["passed"]
 
 

@@ -156,7 +156,7 @@ def test_streams_and_pipes_are_no_files_to_keep(cli, own: Path):
 
 
 def test_an_update_keeps_the_mode_of_the_suite(cli, own: Path):
-    (own / "suite.toml").write_text(SUITE.replace("perforated", "defeated"))
+    (own / "suite.toml").write_text(SUITE.replace("perforated", "stopped"))
     (own / "suite.toml").chmod(0o600)
     assert cli("validate", "suite.toml", "--update").exit_code == 0
     assert (own / "suite.toml").read_text() == SUITE

@@ -53,8 +53,8 @@ def test_ends_of_a_run():
     y, p = struck(1.0), armour()
     plate = Stage(Medium.PLATE, False, True, False, 700.0, 0.0)
     assert after_event(Event.MEDIUM, y, plate, p)[2] == Outcome.PERFORATED
-    assert after_event(Event.ARREST, y, plate, p)[2] == Outcome.DEFEATED
-    assert after_event(Event.ERODED, y, plate, p)[2] == Outcome.DEFEATED
+    assert after_event(Event.ARREST, y, plate, p)[2] == Outcome.STOPPED
+    assert after_event(Event.ERODED, y, plate, p)[2] == Outcome.STOPPED
 
 
 def test_material_that_comes_to_rest_is_held():

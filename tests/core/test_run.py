@@ -56,9 +56,9 @@ def test_a_stop_shortly_after_the_start_of_motion_is_found():
     assert path(trace) == path(fine)
 
 
-def test_a_velocity_below_the_arrest_velocity_is_defeated_at_once():
+def test_a_velocity_below_the_arrest_velocity_is_stopped_at_once():
     end = run(armour(), 0.5, 1e-7, 1.0, 1000)
-    assert (end.outcome, end.t, end.steps) == (Outcome.DEFEATED, 0.0, 0)
+    assert (end.outcome, end.t, end.steps) == (Outcome.STOPPED, 0.0, 0)
 
 
 def test_a_step_that_would_only_add_rounding_is_lengthened():
@@ -72,7 +72,7 @@ def test_a_projectile_can_erode_away():
     """A soft projectile dwells on a hard plate."""
     p = armour(ceramic=None, ceramic_mm=0.0)._replace(Yp=1e7, YB=50e9, tau=1e12)
     end, trace = traced(p, 1500.0)
-    assert end.outcome == Outcome.DEFEATED
+    assert end.outcome == Outcome.STOPPED
     assert pytest.approx(1e-3 * p.L0, rel=1e-6) == end.y.L
     assert path(trace) == ["Pech"]
 

@@ -364,7 +364,7 @@ def linear(V: float, sign: float, limit: float = 700.0, left: float = 0.8, jump:
     return Impact(V, False, False, True, 0.0, -inf if jump else f)
 
 
-def test_a_change_to_defeat_is_narrowed(monkeypatch: pytest.MonkeyPatch):
+def test_a_change_to_stop_is_narrowed(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(search, "rough_impact", lambda _, V, __: linear(V, -1.0))
     monkeypatch.setattr(search, "impact", lambda _, V, __: linear(V, -1.0))
     change = Change(linear(620.0, -1.0), linear(790.0, -1.0), 0)

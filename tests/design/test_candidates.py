@@ -78,7 +78,7 @@ def test_free_thicknesses_against_several_threats_are_the_least():
     }
     of = catalogue(**layers)
     for design in optimise(of).frontier:
-        for less, outcomes in ((0.0, {"defeated"}), (2e-6, {"defeated", "perforated"})):
+        for less, outcomes in ((0.0, {"stopped"}), (2e-6, {"stopped", "perforated"})):
             against = [
                 of.replaced(
                     {

@@ -11,7 +11,7 @@ from armour.design.optimise import optimise
 from armour.engine import batch
 from armour.errors import InputError, NoDesignError
 from tests.helpers.cases import CERAMICS, GIVEN, METALS, RANGE, THREATS, catalogue, scenario
-from tests.helpers.plain_designs import defeats, designs, posed
+from tests.helpers.plain_designs import designs, posed, stops
 
 GRID = {"ceramic_thickness_mm": {"min": 0.0, "max": 0.0, "step": 1.0}, "backing_thickness_mm": RANGE}
 UNCERTAIN = {
@@ -24,9 +24,9 @@ def test_constraints_are_met_and_what_is_added_counts():
     added = {"added_areal_density_kg_m2": 1.5, "added_thickness_mm": 0.5, "added_cost_per_m2": 20.0}
     limits = {"thickness_max_mm": 16.5, "cost_max_per_m2": 1500.0}
     best = optimise(catalogue(**added, **limits)).best
-    defeating = [values for _, values in designs(catalogue(), defeats)]
-    kept = [v for v in defeating if v["thickness_mm"] + 0.5 <= 16.5 and v["cost_per_m2"] + 20.0 <= 1500.0]
-    assert 0 < len(kept) < len(defeating)
+    stopping = [values for _, values in designs(catalogue(), stops)]
+    kept = [v for v in stopping if v["thickness_mm"] + 0.5 <= 16.5 and v["cost_per_m2"] + 20.0 <= 1500.0]
+    assert 0 < len(kept) < len(stopping)
     lightest = min(kept, key=lambda values: values["areal_density_kg_m2"])
     assert best.areal_density_kg_m2 == pytest.approx(lightest["areal_density_kg_m2"] + 1.5)
     assert best.thickness_mm == pytest.approx(lightest["thickness_mm"] + 0.5)
@@ -43,7 +43,7 @@ def test_a_law_of_the_flow_stress_against_penetrators_of_other_diameters():
     sections = {"library": tables, "uncertainty": {"model": GIVEN}}
     case = scenario(threat=threats, design={"ceramic": ceramics, "backing": backings}, **sections)
     assert case.design is not None
-    found = {name: values["areal_density_kg_m2"] for name, values in designs(case, defeats)}
+    found = {name: values["areal_density_kg_m2"] for name, values in designs(case, stops)}
     least = min(found, key=lambda name: found[name])
     assert least[0] == "Mine"
     assert 1 < len(found) < 24
@@ -56,7 +56,7 @@ def test_a_law_of_the_flow_stress_against_penetrators_of_other_diameters():
 
     def holds(ceramic_mm: float) -> bool:
         thick = ceramic_mm, best.backing_thickness_mm
-        return all(defeats(posed(case, *layers, *thick, threat), threat.required_m_s) for threat in case.threat)
+        return all(stops(posed(case, *layers, *thick, threat), threat.required_m_s) for threat in case.threat)
 
     assert holds(best.ceramic_thickness_mm)
     assert not holds(best.ceramic_thickness_mm - 2e-6)
@@ -98,7 +98,7 @@ def test_a_pair_without_a_design_says_which_constraint_keeps_it_out(free: dict[s
     }
 
 
-def test_a_pair_of_which_no_free_thickness_defeats_the_threats():
+def test_a_pair_of_which_no_free_thickness_stops_the_threats():
     metals = [{"material": "6061-T6", "thickness_mm": [10.0]}, {"material": "7075-T6", "thickness_mm": [0.5]}]
     ceramics = [{"material": "AD85", "thickness_mm": {"min": 1.0, "max": 12.0}}]
     for constraint in ({}, {"areal_density_max_kg_m2": 500.0}):

@@ -18,7 +18,7 @@ def test_the_impact_is_checked_where_there_is_no_threat():
     own = scenario(velocity=700.0)
     assert found.ballistic_limit_m_s == ballistic_limit(own).ballistic_limit_m_s
     assert found.margin_m_s == found.ballistic_limit_m_s - 700.0
-    assert found.probability_of_defeat == confidence(own).probability_of_defeat
+    assert found.probability_of_stopping == confidence(own).probability_of_stopping
     assert found.passed
     assert found.required_probability is None
 
@@ -43,7 +43,7 @@ def test_every_threat_and_change_is_what_the_scenario_says_when_changed():
     for what_if, values in zip(fast.what_ifs, changes, strict=True):
         other = confidence(scenario(velocity=700.0).replaced(values))
         assert what_if.ballistic_limit_m_s == other.ballistic_limit_m_s
-        assert what_if.probability_of_defeat == other.probability_of_defeat
+        assert what_if.probability_of_stopping == other.probability_of_stopping
         assert what_if.interval_m_s == other.interval_m_s
 
 

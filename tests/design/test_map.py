@@ -55,7 +55,7 @@ def test_limits_are_those_of_each_armour_alone():
 def test_a_velocity_that_is_stopped_with_a_probability_has_that_probability():
     for probability in PROBABILITIES:
         velocity = float(found().stopped_with(probability)[1, 1, 1])
-        alone = confidence(armour_of(1, 1, 1).replaced({"impact.velocity_m_s": velocity})).probability_of_defeat
+        alone = confidence(armour_of(1, 1, 1).replaced({"impact.velocity_m_s": velocity})).probability_of_stopping
         assert alone == pytest.approx(probability, abs=1e-4)
 
 

@@ -21,7 +21,7 @@ GRID = {
     "backing_thickness_mm": {"min": 4.0, "max": 9.0, "step": 1.0},
 }
 ONE = {"min": 6.0, "max": 6.0, "step": 1.0}
-# Up to 5.7 mm of ceramic on 2.3 mm defeats the projectile at 532.67 m/s, though lower velocities perforate.
+# Up to 5.7 mm of ceramic on 2.3 mm stops the projectile at 532.67 m/s, though lower velocities perforate.
 LOWER_LIMIT = library(
     (6.5, 18.23505911750531, 11000.0, 1.3743377021448488),
     (4005.9656263700754, 398.6927467929853, 6.3598050199703575),
@@ -48,9 +48,9 @@ def of_design(of: Scenario, design: Any) -> Scenario:
     return of.replaced({f"armour.{name}": getattr(design, name) for name in names})
 
 
-def defeats(of: Scenario, ceramic: float, backing: float) -> bool:
+def stops(of: Scenario, ceramic: float, backing: float) -> bool:
     thicknesses = {"armour.ceramic_thickness_mm": ceramic, "armour.backing_thickness_mm": backing}
-    return simulate(of.replaced(thicknesses)).outcome == "defeated"
+    return simulate(of.replaced(thicknesses)).outcome == "stopped"
 
 
 def test_a_range_whose_end_is_omitted():
@@ -66,8 +66,8 @@ def test_every_design_of_the_frontier_is_the_thinnest():
     result = optimise(case())
     for design in result.frontier:
         ceramic, backing = design.ceramic_thickness_mm, design.backing_thickness_mm
-        assert defeats(case(), ceramic, backing)
-        assert not defeats(case(), ceramic - 0.5, backing)
+        assert stops(case(), ceramic, backing)
+        assert not stops(case(), ceramic - 0.5, backing)
         assert design.areal_density_kg_m2 == pytest.approx(3.43 * ceramic + 2.75 * backing)
         assert design.thickness_mm == ceramic + backing
         assert (design.ceramic, design.backing) == ("AD85", "5083-H3")
@@ -183,7 +183,7 @@ def test_the_lightest_bare_plate():
     assert result.refined is not None
     assert result.best.backing_thickness_mm - 5.0 < result.refined.backing_thickness_mm
     assert result.refined.areal_density_kg_m2 < result.best.areal_density_kg_m2
-    assert not defeats(bare, 0.0, result.refined.backing_thickness_mm - 2e-6)
+    assert not stops(bare, 0.0, result.refined.backing_thickness_mm - 2e-6)
 
 
 def test_only_a_refined_design_is_among_the_data():
@@ -202,7 +202,7 @@ def test_the_refined_optimum_of_the_paper():
 
 def test_a_design_with_a_ballistic_limit_below_the_threat_does_not_count():
     result = optimise(lower_limit())
-    assert defeats(lower_limit(), 3.3, 2.3)
+    assert stops(lower_limit(), 3.3, 2.3)
     assert (result.best.ceramic_thickness_mm, result.best.backing_thickness_mm) == (5.8, 2.3)
     limit = ballistic_limit(of_design(lower_limit(), result.best)).ballistic_limit_m_s
     assert result.best.ballistic_limit_m_s == limit

@@ -11,7 +11,7 @@ from armour.design.optimise import optimise
 from armour.design.reliability import Reliability
 from armour.errors import InputError, NoDesignError
 from tests.helpers.cases import CERAMICS, METALS, THREATS, catalogue, scenario
-from tests.helpers.plain_designs import defeats, designs
+from tests.helpers.plain_designs import designs, stops
 
 pytestmark = pytest.mark.slow
 
@@ -33,11 +33,11 @@ def test_a_bound_on_the_probability_of_perforation():
     assert estimate.high <= 0.02
     plain = optimise(catalogue([{k: threat[k] for k in ("projectile", "velocity_m_s")}])).best
     assert best.areal_density_kg_m2 > plain.areal_density_kg_m2
-    # Every lighter design that defeats the threat as it stands is perforated too often.
+    # Every lighter design that stops the threat as it stands is perforated too often.
     offered = catalogue_of(case)
     reliability = Reliability(offered)
     lighter = 0
-    for (ceramic, backing, hc, hb), values in designs(case, defeats):
+    for (ceramic, backing, hc, hb), values in designs(case, stops):
         if values["areal_density_kg_m2"] < best.areal_density_kg_m2 - 1e-9:
             [scenario] = [
                 offered.against(pair, 0)
@@ -71,7 +71,7 @@ def test_the_error_of_the_model_needs_more_armour():
     assert real.ballistic_limit_m_s is not None
     # The inputs add little to the model error alone.
     assert real.model_error is not None
-    alone = 1.0 - real.model_error.probability_of_defeat(real.ballistic_limit_m_s, 700.0)
+    alone = 1.0 - real.model_error.probability_of_stopping(real.ballistic_limit_m_s, 700.0)
     assert 0.5 * estimate.value < alone < estimate.value
 
 
@@ -97,7 +97,7 @@ def test_without_uncertain_inputs_the_bound_is_that_of_the_models_error():
             }
         )
         lighter += 1
-        probability = confidence(case).probability_of_defeat
+        probability = confidence(case).probability_of_stopping
         if probability is not None and probability >= 0.9:
             passing.append((ceramic, backing, hc, hb))
     assert passing == [(best.ceramic, best.backing, best.ceramic_thickness_mm, best.backing_thickness_mm)]
@@ -111,7 +111,7 @@ def test_free_thicknesses_reach_a_confidence():
         "backing": [{"material": "6061-T6", "thickness_mm": {"min": 4.0, "max": 12.0}}],
     }
     best = optimise(catalogue([threat], confidence=0.9, **free)).best
-    [probability] = best.probabilities_of_defeat.values()
+    [probability] = best.probabilities_of_stopping.values()
     assert probability == pytest.approx(0.9, abs=1e-4)
 
 
@@ -162,13 +162,13 @@ def test_a_confidence_is_kept_by_the_error_of_tests():
         for hc in np.arange(5.0, 12.5, 0.5).tolist():
             armour = {"armour.ceramic_thickness_mm": hc, "armour.backing_thickness_mm": hb}
             design = scenario(ceramic="AD85 backing law", velocity=750.0).replaced(armour)
-            probabilities[hc, hb] = confidence(design).probability_of_defeat or 0.0
+            probabilities[hc, hb] = confidence(design).probability_of_stopping or 0.0
     enough = [(hc, hb) for (hc, hb), probability in probabilities.items() if probability >= 0.9]
     found = [(design.ceramic_thickness_mm, design.backing_thickness_mm) for design in result.frontier]
     assert found == [min(layer for layer in enough if layer[1] == hb) for hb in sorted({hb for _, hb in enough})]
     best = result.best
     assert best.areal_density_kg_m2 == pytest.approx(min(3.43 * hc + 2.75 * hb for hc, hb in enough))
-    [probability] = best.probabilities_of_defeat.values()
+    [probability] = best.probabilities_of_stopping.values()
     expected = probabilities[best.ceramic_thickness_mm, best.backing_thickness_mm]
     assert probability == pytest.approx(expected, abs=1e-4)
 

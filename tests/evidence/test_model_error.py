@@ -76,7 +76,7 @@ def test_no_error_where_nothing_was_tested(changes: dict[str, Any]):
     case = scenario(**changes)
     assert model_error(case, 700.0) is None
     found = confidence(case)
-    assert found.probability_of_defeat is None
+    assert found.probability_of_stopping is None
     assert "own tests (armour calibrate)" in found.reason
 
 
@@ -92,7 +92,7 @@ def test_the_scenario_gives_the_error_or_excludes_it():
 def test_one_probability_whichever_law_the_scenario_names():
     for velocity, expected in ((650.0, 0.92), (724.0, 0.43), (800.0, 0.07)):
         found = [confidence(scenario(ceramic=law, velocity=velocity)) for law in LAWS]
-        probabilities = [result.probability_of_defeat for result in found]
+        probabilities = [result.probability_of_stopping for result in found]
         assert max(filter(None, probabilities)) - min(filter(None, probabilities)) < 0.001
         assert probabilities[0] == pytest.approx(expected, abs=0.01)
         assert len({round(result.ballistic_limit_m_s or 0.0) for result in found}) == 3
@@ -103,21 +103,21 @@ def test_one_probability_in_every_command(law: str):
     only = {"thickness_mm": [6.35]}
     case = scenario(ceramic=law, velocity=700.0)
     expected = confidence(case)
-    assert expected.probability_of_defeat is not None
+    assert expected.probability_of_stopping is not None
     catalogue = {"ceramic": [{"material": law, **only}], "backing": [{"material": "6061-T6", **only}]}
-    [of_design] = optimise(case.replaced({"design": catalogue})).best.probabilities_of_defeat.values()
-    [of_row] = evaluate(case, {}, ["probability_of_defeat"])["probability_of_defeat"]
-    found = [check(case).threats[0].probability_of_defeat, of_design, of_row]
-    assert found == pytest.approx([expected.probability_of_defeat] * 3, abs=1e-9)
+    [of_design] = optimise(case.replaced({"design": catalogue})).best.probabilities_of_stopping.values()
+    [of_row] = evaluate(case, {}, ["probability_of_stopping"])["probability_of_stopping"]
+    found = [check(case).threats[0].probability_of_stopping, of_design, of_row]
+    assert found == pytest.approx([expected.probability_of_stopping] * 3, abs=1e-9)
     sampled = uncertainty(case.replaced({"uncertainty": {"samples": 4096}})).probability_of_perforation
-    assert 1.0 - sampled.value == pytest.approx(expected.probability_of_defeat, abs=0.005)
+    assert 1.0 - sampled.value == pytest.approx(expected.probability_of_stopping, abs=0.005)
     limit = ballistic_limit(case)
     assert (limit.interval_m_s, limit.median_m_s) == (expected.interval_m_s, expected.median_m_s)
 
 
 def test_a_flow_stress_of_the_users_counts_in_every_law():
     weak, strong = (
-        confidence(scenario(ceramic=law).replaced({"ceramic.flow_stress_GPa": stress})).probability_of_defeat
+        confidence(scenario(ceramic=law).replaced({"ceramic.flow_stress_GPa": stress})).probability_of_stopping
         for law, stress in (("AD85", 4.9), ("AD85", 5.5))
     )
     assert weak is not None
@@ -178,7 +178,7 @@ def test_quantiles_are_given():
     error = error_of(scenario(), 723.77)
     assert (error.mean_percent, error.scale_percent, error.degrees_of_freedom) == (None, None, None)
     for probability, percent in error.quantiles_percent.items():
-        assert error.probability_of_defeat(1.0, 1.0 + percent / 100.0) == pytest.approx(1.0 - float(probability))
+        assert error.probability_of_stopping(1.0, 1.0 + percent / 100.0) == pytest.approx(1.0 - float(probability))
     with pytest.raises(InputError):
         error.quantile(1.5)
 
@@ -188,7 +188,7 @@ def test_the_error_is_that_of_the_settings_of_the_tests(settings: dict[str, Any]
     """With others, 13 and 3 of Wilkins' 13 limits were outside the intervals stated (A2)."""
     found = confidence(scenario(velocity=700.0).replaced(settings))
     [(key, value)] = settings.items()
-    assert found.probability_of_defeat is None
+    assert found.probability_of_stopping is None
     assert f"other settings than {key} = {value}" in found.reason
     given = scenario(uncertainty={"model": {"scale_percent": 9.0}}).replaced(settings)
     assert model_error(given, 700.0) is not None
@@ -201,11 +201,11 @@ def test_the_row_that_is_half_of_its_neighbour_is_not_in_the_fit_of_steel():
 def test_beyond_30_degrees_a_plate_stops_at_least_as_surely_as_at_0():
     plate = scenario(backing="AA6082-T651", backing_mm=20.0, velocity=480.0, **BARE)
     at_normal, oblique = confidence(plate), confidence(plate.replaced({OBLIQUITY: 45.0}))
-    assert oblique.probability_of_defeat == pytest.approx(at_normal.probability_of_defeat)
+    assert oblique.probability_of_stopping == pytest.approx(at_normal.probability_of_stopping)
     assert oblique.interval_m_s == pytest.approx(at_normal.interval_m_s)
     assert oblique.model_error is not None
     assert "2 tests at 45°" in oblique.model_error.at_least
-    assert 0.2 < (oblique.probability_of_defeat or 0.0) < 0.95
+    assert 0.2 < (oblique.probability_of_stopping or 0.0) < 0.95
     assert "at least 92 %" in str(tables(oblique))
     for beyond in (plate.replaced({OBLIQUITY: 46.0}), scenario("20 mm FSP", None, "6061-T6", 0.0, 20.0)):
         assert model_error(beyond.replaced({OBLIQUITY: max(31.0, beyond.impact.obliquity_deg)}), 700.0) is None
@@ -224,12 +224,12 @@ def test_no_limit_at_an_angle_is_below_that_at_normal_incidence():
 def test_with_a_ceramic_the_probability_at_0_degrees_is_beside_and_used_if_the_design_says_so():
     case = scenario(velocity=700.0)
     at_normal, oblique = confidence(case), confidence(case.replaced({OBLIQUITY: 20.0}))
-    assert oblique.probability_of_defeat is None
-    assert oblique.probability_at_normal_incidence == at_normal.probability_of_defeat
+    assert oblique.probability_of_stopping is None
+    assert oblique.probability_at_normal_incidence == at_normal.probability_of_stopping
     assert "at 0°: 62 %" in str(tables(oblique))
     used = case.replaced({OBLIQUITY: 20.0, "design.angles_as_at_normal_incidence": True})
-    assert confidence(used).probability_of_defeat == pytest.approx(at_normal.probability_of_defeat)
-    [of_row] = evaluate(used, {}, ["probability_of_defeat"])["probability_of_defeat"]
-    assert of_row == pytest.approx(at_normal.probability_of_defeat)
+    assert confidence(used).probability_of_stopping == pytest.approx(at_normal.probability_of_stopping)
+    [of_row] = evaluate(used, {}, ["probability_of_stopping"])["probability_of_stopping"]
+    assert of_row == pytest.approx(at_normal.probability_of_stopping)
     sampled = uncertainty(used.replaced({"uncertainty": {"samples": 4096}})).probability_of_perforation
-    assert 1.0 - sampled.value == pytest.approx(at_normal.probability_of_defeat, abs=0.005)
+    assert 1.0 - sampled.value == pytest.approx(at_normal.probability_of_stopping, abs=0.005)

@@ -149,7 +149,7 @@ def test_a_given_error_is_that_of_samples():
     error = ModelError(2.0, 7.0, 12.0)
     samples = 0.02 + 0.07 * np.random.default_rng(1).standard_t(12.0, 400_000)
     simulated = float(np.mean(889.0 * (1.0 + samples) > 850.0))
-    assert error.probability_of_defeat(889.0, 850.0) == pytest.approx(simulated, abs=0.002)
+    assert error.probability_of_stopping(889.0, 850.0) == pytest.approx(simulated, abs=0.002)
     low, high = error.interval(889.0)
     assert np.mean((889.0 * (1.0 + samples) > low) & (889.0 * (1.0 + samples) < high)) == pytest.approx(0.95, abs=0.002)
     assert error.median(889.0) == pytest.approx(1.02 * 889.0)
@@ -158,7 +158,7 @@ def test_a_given_error_is_that_of_samples():
 def test_an_error_at_the_ends_and_beyond():
     error = ModelError(0.0, 7.0, 12.0)
     assert error.quantile([0.0, 0.5, 1.0]) == pytest.approx([-0.99, 0.0, np.inf], abs=1e-12)
-    assert error.probability_of_defeat(700.0, [600.0, 700.0])[1] == 0.5
+    assert error.probability_of_stopping(700.0, [600.0, 700.0])[1] == 0.5
     with pytest.raises(InputError, match=r"quantile: probability: must be 0 to 1, found 1\.5"):
         error.quantile(1.5)
 

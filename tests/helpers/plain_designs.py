@@ -37,8 +37,8 @@ def perforates(armour: Parameters, *velocities: float) -> bool:
     return bool((batch.impacts(rows, np.array(velocities)).outcome == Outcome.PERFORATED).any())
 
 
-def defeats(own: Scenario, required: float) -> bool:
-    """Whether an armour defeats an impact."""
+def stops(own: Scenario, required: float) -> bool:
+    """Whether an armour stops an impact."""
     return not perforates(own.core_armour(), required)
 
 

@@ -38,7 +38,7 @@ def best_design(*args: Any, **changes: Any) -> BestDesign:
         "margins_m_s": {THREAT: 20.0},
         "governing": THREAT,
         "probabilities": {},
-        "probabilities_of_defeat": {THREAT: 0.64, OTHER: None},
+        "probabilities_of_stopping": {THREAT: 0.64, OTHER: None},
         "model_error": ModelError(0.0, 7.0, 12.0, "13 tests"),
     }
     return BestDesign(**{**values, **changes})

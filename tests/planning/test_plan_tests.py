@@ -182,8 +182,8 @@ def test_an_outcome_tells_most_near_the_limit(wilkins: Scenario):
 def test_an_outcome_away_from_the_limit_tells_what_a_calibration_assumes(wilkins: Scenario, ratio: float):
     velocity, own, step = round(ratio * limit(wilkins)), 5.2, 1e-3
     found = plan_tests(wilkins, {VELOCITY: [velocity]}, number=1, scatter_percent=10.0, measure="outcome")
-    defeats = [norm.cdf((limit(wilkins, y=y) / velocity - 1.0) / 0.1) for y in (own - step, own, own + step)]
-    information = ((defeats[2] - defeats[0]) / (2.0 * step)) ** 2 / (defeats[1] * (1.0 - defeats[1]))
+    stops = [norm.cdf((limit(wilkins, y=y) / velocity - 1.0) / 0.1) for y in (own - step, own, own + step)]
+    information = ((stops[2] - stops[0]) / (2.0 * step)) ** 2 / (stops[1] * (1.0 - stops[1]))
     assert found.planned[1].half_widths[FLOW_STRESS] == pytest.approx(norm.ppf(0.975) / np.sqrt(information), rel=2e-3)
 
 

@@ -14,11 +14,11 @@ from armour.errors import NoDesignError
 from armour.scenario.scenario import Scenario
 from tests.helpers.cases import scenario
 from tests.helpers.examples import examples
-from tests.helpers.plain_designs import CRITERIA, defeats, designs, passes, posed, withstands_below
+from tests.helpers.plain_designs import CRITERIA, designs, passes, posed, stops, withstands_below
 
 pytestmark = pytest.mark.slow
 
-# Exotic catalogues in which the lightest design that defeats the threats at their own velocities has a lower limit.
+# Exotic catalogues in which the lightest design that stops the threats at their own velocities has a lower limit.
 LOWER_LIMITS = [52, 705, 756, 925, 1048, 1058]
 
 
@@ -156,14 +156,14 @@ def test_designs_of_exotic_materials_are_those_of_a_plain_loop(seed: int):
 
 
 @pytest.mark.parametrize("seed", LOWER_LIMITS)
-def test_a_design_that_defeats_the_threats_may_have_a_lower_limit(seed: int):
-    """The lightest design that defeats the threats at the velocities required is not the best."""
+def test_a_design_that_stops_the_threats_may_have_a_lower_limit(seed: int):
+    """The lightest design that stops the threats at the velocities required is not the best."""
     case = exotic(seed)
     assert case.design is not None
-    defeating = dict(designs(case, defeats))
-    lightest = min(defeating, key=lambda design: defeating[design]["areal_density_kg_m2"])
+    stopping = dict(designs(case, stops))
+    lightest = min(stopping, key=lambda design: stopping[design]["areal_density_kg_m2"])
     best = optimise(case).best
-    assert defeating[lightest]["areal_density_kg_m2"] < best.areal_density_kg_m2
+    assert stopping[lightest]["areal_density_kg_m2"] < best.areal_density_kg_m2
     [ceramic], [backing] = case.design.ceramic, case.design.backing
     own = [posed(case, ceramic, backing, *lightest[2:], threat) for threat in case.threat]
     assert not all(passes(each, threat.required_m_s) for each, threat in zip(own, case.threat, strict=True))

@@ -53,7 +53,7 @@ def scenarios(draw: st.DrawFn) -> dict[str, Any]:
 def test_every_impact_ends_with_an_outcome_and_sensible_numbers(data: dict[str, Any]):
     scenario = parse_scenario(data)
     result = simulate(scenario, history=True)
-    assert result.outcome in ("perforated", "defeated")
+    assert result.outcome in ("perforated", "stopped")
     numbers = [value for value in result.to_dict().values() if isinstance(value, float)]
     numbers += [value for stage in result.stages for value in (stage.start_us, stage.end_us, stage.energy_lost_J)]
     assert all(isfinite(value) for value in numbers)
@@ -63,7 +63,7 @@ def test_every_impact_ends_with_an_outcome_and_sensible_numbers(data: dict[str, 
     mass = scenario.entry("projectile", scenario.impact.projectile)["penetrator_mass_g"]
     assert 0.0 < result.residual_mass_g <= mass * (1 + 1e-12)
     assert result.bulge_height_mm >= 0.0
-    assert (result.residual_velocity_m_s == 0.0) == (result.outcome == "defeated")
+    assert (result.residual_velocity_m_s == 0.0) == (result.outcome == "stopped")
     history = result.history
     assert history is not None
     for name in ("length_mm", "velocity_m_s", "target_velocity_m_s", "bulge_height_mm", "interface_force_kN"):
@@ -123,7 +123,7 @@ def test_impacts_of_any_materials_end_with_an_outcome(
         size * thicknesses[1], rho_B, YB, tau, shear_law,
     )  # fmt: skip
     end = run(a, velocity, default_time_step(a, velocity), 1.0, 500_000)
-    assert end.outcome in (Outcome.PERFORATED, Outcome.DEFEATED)
+    assert end.outcome in (Outcome.PERFORATED, Outcome.STOPPED)
     assert all(isfinite(value) for value in end.y)
     assert velocity >= end.y.V
     assert 0.0 < end.y.L <= a.L0

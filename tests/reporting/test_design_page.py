@@ -82,7 +82,7 @@ def test_a_node_has_the_limit_and_the_probabilities_of_its_design():
         assert limits[i, j, t] == pytest.approx(ballistic_limit(armour).ballistic_limit_m_s, abs=0.02)
         for q in (0, 8, 16):
             sure = confidence(armour.replaced({"impact.velocity_m_s": float(stopped[i, j, t, q])}))
-            assert sure.probability_of_defeat == pytest.approx(module.PROBABILITIES[q], abs=2e-4)
+            assert sure.probability_of_stopping == pytest.approx(module.PROBABILITIES[q], abs=2e-4)
 
 
 def test_a_page_is_the_same_each_time():

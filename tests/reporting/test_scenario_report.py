@@ -40,12 +40,12 @@ def test_the_armour_is_the_best_design_against_the_threat_that_most_likely_perfo
     assert answer.armour.backing == best.backing
     assert answer.armour.ceramic_thickness_mm == best.ceramic_thickness_mm
     assert answer.armour.backing_thickness_mm == best.backing_thickness_mm
-    least = min(best.probabilities_of_defeat, key=lambda threat: best.probabilities_of_defeat[threat] or 0.0)
+    least = min(best.probabilities_of_stopping, key=lambda threat: best.probabilities_of_stopping[threat] or 0.0)
     assert found.threat.threat == f"{answer.impact.projectile} at {answer.impact.velocity_m_s:g} m/s" == least
     assert found.threat.ballistic_limit_m_s == ballistic_limit(answer).ballistic_limit_m_s
     for threat in found.threats:
         assert threat.margin_m_s == pytest.approx(best.margins_m_s[threat.threat], abs=0.03)
-        assert threat.probability_of_defeat == pytest.approx(best.probabilities_of_defeat[threat.threat], abs=1e-3)
+        assert threat.probability_of_stopping == pytest.approx(best.probabilities_of_stopping[threat.threat], abs=1e-3)
 
 
 def test_the_answer_of_a_bare_plate_has_no_ceramic():
@@ -118,9 +118,9 @@ def test_distributions_count_for_every_threat():
     assert found.uncertainty is not None
     slow, fast = found.threats
     assert found.threat == fast
-    assert fast.probability_of_defeat == 1.0 - found.uncertainty.probability_of_perforation.value
+    assert fast.probability_of_stopping == 1.0 - found.uncertainty.probability_of_perforation.value
     alone = uncertainty(found.scenario.replaced({"impact.velocity_m_s": 680.0})).probability_of_perforation
-    assert slow.probability_of_defeat == 1.0 - alone.value
+    assert slow.probability_of_stopping == 1.0 - alone.value
     assert found.sampled == (slow.threat, fast.threat)
     assert not any("taken as exact" in warning for warning in found.warnings)
 
@@ -157,7 +157,7 @@ def asked(*given: tuple[float | None, float | None]) -> Contents:
     threats: list[CheckedThreat] = []
     for name, (found, required) in zip((THREAT, OTHER), given, strict=False):
         passed = required is None or (found is not None and found >= required)
-        of = replace(own, threat=name, probability_of_defeat=found)
+        of = replace(own, threat=name, probability_of_stopping=found)
         threats.append(replace(of, required_probability=required, passed=passed))
     result = replace(wilkins().check, threats=tuple(threats))
     faced = [{"projectile": "7.62 mm AP", "velocity_m_s": 800.0}, {**OTHER_THREAT}][: len(threats)]
@@ -252,7 +252,7 @@ def test_a_threat_of_an_unknown_probability():
     at_angle = {**known, "obliquity_deg": 30.0, "name": OTHER}
     found = contents_of(scenario(threat=[at_angle, {**known, "name": THREAT}]))
     assert found.threat.threat == THREAT
-    p = chance(found.threat.probability_of_defeat)
+    p = chance(found.threat.probability_of_stopping)
     value, detail = statements(found)["Probability of stopping the projectile"]
     assert value == f"{p} or unknown"
     assert detail.startswith(f"unknown against {OTHER}; {p} against {THREAT}; ")

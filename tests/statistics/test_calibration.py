@@ -137,7 +137,7 @@ def test_limits_velocities_masses_and_bounds_together(wilkins: Scenario):
         f"b,9,4,,{limit(truth, c=9.0, b=4.0):.5f},,,,2,,",
         f"c,6.35,6.35,850,,{shot.residual_velocity_m_s:.6f},{shot.residual_mass_g:.7f},,,2,0.01",
         f"d,6.35,6.35,{limit(truth) + 20.0:.2f},,,,perforated,2,,",
-        f"e,6.35,6.35,{limit(truth) - 20.0:.2f},,,,defeated,2,,",
+        f"e,6.35,6.35,{limit(truth) - 20.0:.2f},,,,stopped,2,,",
     ]
     header = f"test,{C},{B},{V},ballistic_limit_m_s,residual_velocity_m_s,residual_mass_g,outcome"
     header += ",ballistic_limit_uncertainty_m_s,residual_velocity_uncertainty_m_s,residual_mass_uncertainty_g"
@@ -210,7 +210,7 @@ def test_a_prior_that_the_test_contradicts_is_a_warning(wilkins: Scenario):
 def test_outcomes_count_by_their_likelihood(wilkins: Scenario):
     """A limit and an outcome with uncertainties: the estimate solves r + hazard = 0, on the side of the outcome."""
     header = f"{V},outcome,ballistic_limit_m_s,ballistic_limit_uncertainty_m_s"
-    rows = [",,720,10", "715,defeated,,10"]
+    rows = [",,720,10", "715,stopped,,10"]
     result = fitted(wilkins, header, *rows)
     limit, z = result.residuals[0].computed, (result.residuals[0].computed - 715.0) / 10.0
     assert (limit - 720.0) / 10.0 == pytest.approx(stats.norm.pdf(z) / stats.norm.cdf(z), abs=1e-4)
@@ -225,7 +225,7 @@ def test_outcomes_count_by_their_likelihood(wilkins: Scenario):
 
 def test_outcomes_alone_bound_where_their_uncertainty_is_given(wilkins: Scenario):
     header = f"{V},outcome,ballistic_limit_uncertainty_m_s"
-    rows = ["700,defeated,10", "725,defeated,10", "715,perforated,10", "740,perforated,10"]
+    rows = ["700,stopped,10", "725,stopped,10", "715,perforated,10", "740,perforated,10"]
     both = fitted(wilkins, header, *rows)
     assert both.residuals[0].computed == pytest.approx(720.0, abs=0.1)
     assert (both.p_value, both.mean_error_percent) == (None, None)
@@ -271,7 +271,7 @@ def test_coefficients_that_are_not_identified(wilkins: Scenario):
 
 def test_tests_that_identify_no_law(wilkins: Scenario):
     header = "impact.velocity_m_s,outcome,ballistic_limit_uncertainty_m_s"
-    result = fitted(wilkins, header, "30,defeated,1", law="all")
+    result = fitted(wilkins, header, "30,stopped,1", law="all")
     assert result.law == "constant"
     assert [c.estimate for c in result.coefficients] == [None]
     assert [row.law for row in result.laws] == ["constant"]

@@ -167,7 +167,7 @@ OUTCOMES = "impact.velocity_m_s,outcome,ballistic_limit_uncertainty_m_s"
 
 def test_a_library_of_outcomes_has_their_velocities_and_no_interval_that_is_open():
     wilkins = shipped_scenario("wilkins")
-    tests = table_of(wilkins, OUTCOMES, "700,defeated,10", "750,perforated,10")
+    tests = table_of(wilkins, OUTCOMES, "700,stopped,10", "750,perforated,10")
     result = calibrate(tests, wilkins)
     [stress] = result.coefficients
     opened = replace(result, coefficients=(replace(stress, interval=(None, 6.0)),))
@@ -193,7 +193,7 @@ def test_one_test_is_enough(tmp_path: Path):
     ("table", "settings", "message"),
     [
         (
-            [OUTCOMES, "700,defeated,10", "690,defeated,10"],
+            [OUTCOMES, "700,stopped,10", "690,stopped,10"],
             {"fit": ["ceramic.flow_stress_GPa", "backing.shear_strength_MPa"]},
             "on one side only|not identified",
         ),

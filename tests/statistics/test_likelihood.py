@@ -19,7 +19,7 @@ from tests.helpers.fits import fitted, table_of
 C, V, LIMIT = "armour.ceramic_thickness_mm", "impact.velocity_m_s", "ballistic_limit_m_s"
 STRESS, TAU = "ceramic.flow_stress_GPa", "backing.shear_strength_MPa"
 TWO = [f"{C},{LIMIT}", "6,700", "7,720"]
-WEIGHTED = [f"{C},{V},outcome,ballistic_limit_uncertainty_m_s", "6,700,defeated,10", "7,720,perforated,10"]
+WEIGHTED = [f"{C},{V},outcome,ballistic_limit_uncertainty_m_s", "6,700,stopped,10", "7,720,perforated,10"]
 CERAMICS = [f"armour.ceramic,{C},{LIMIT}", "AD85,6,700", "AD99.5,7,720"]
 
 

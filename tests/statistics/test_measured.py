@@ -12,7 +12,7 @@ C, B, V = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm", "impact.
 
 
 def test_measurements_and_bounds(tmp_path: Path):
-    rows = ["a,6,,700,,", "b,7,800,,250,perforated", "c,9,810,,,defeated"]
+    rows = ["a,6,,700,,", "b,7,800,,250,perforated", "c,9,810,,,stopped"]
     path = csv_file(tmp_path / "t.csv", f"test,{C},{V},ballistic_limit_m_s,residual_velocity_m_s,outcome", *rows)
     tests = read_tests(str(path), shipped_scenario("wilkins"))
     assert tests.names == ("a", "b", "c")
@@ -28,7 +28,7 @@ def test_measurements_and_bounds(tmp_path: Path):
 
 
 def test_the_words_of_firing_results_are_outcomes(tmp_path: Path):
-    outcomes = ("partial", "complete", "P", "c", "PP", "cp", "Defeated", "PERFORATED")
+    outcomes = ("partial", "complete", "P", "c", "PP", "cp", "Stopped", "PERFORATED")
     rows = (f"{700 + place},{outcome}" for place, outcome in enumerate(outcomes))
     path = csv_file(tmp_path / "t.csv", f"{V},outcome", *rows)
     assert [m.side for m in read_tests(path, shipped_scenario("wilkins")).measurements] == [1, -1] * 4
@@ -56,15 +56,15 @@ EVERY = "uncertainties must be given for every measurement and outcome, or for n
         (f"{C},ballistic_limit", "6,700", "ballistic_limit: unknown column; its unit is missing: ballistic_limit_m_s"),
         ("shot,velocity_m_s,result", "1,700,partial", "rows: must be a table of tests, found shots (velocity_m_s and"),
         (f"{C},{B}", "6,6", "row 1: must have one of ballistic_limit_m_s, residual_velocity_m_s"),
-        (OUTCOME, "6,700,stopped", 'row 1: outcome: must be "defeated" or "perforated", "partial" or "complete", P or'),
-        (f"{C},outcome", "6,defeated", "row 1: impact.velocity_m_s: is missing and must be given with an outcome"),
-        (f"{OUTCOME},residual_velocity_m_s", "6,700,defeated,50", "must not be defeated if there is a residual"),
+        (OUTCOME, "6,700,maybe", 'row 1: outcome: must be "stopped" or "perforated" (or partial or complete, P or C'),
+        (f"{C},outcome", "6,stopped", "row 1: impact.velocity_m_s: is missing and must be given with an outcome"),
+        (f"{OUTCOME},residual_velocity_m_s", "6,700,stopped,50", "must not be stopped if there is a residual"),
         (f"{C},{V},residual_velocity_m_s", "6,700,0", "a projectile that is stopped is an outcome"),
         (f"test,{C},{LIMIT}", "a,6,700 a,6,710", 'row 1: test: must name one test, found "a"'),
         (f"{C},{LIMIT}", "6,700 -1,710", "rows: row 2: armour.ceramic_thickness_mm: must be at least 0, found -1"),
         (f"{C},{LIMIT}", "6,700 6,700", "row 2: repeats row 1"),
         (f"{C},{LIMIT},{UNCERTAINTY}", "6,700,5 7,710,", EVERY),
-        (f"{OUTCOME},{LIMIT},{UNCERTAINTY}", "6,,,700,5 6,750,defeated,,", EVERY),
+        (f"{OUTCOME},{LIMIT},{UNCERTAINTY}", "6,,,700,5 6,750,stopped,,", EVERY),
         (f"{C},{LIMIT}", "6,1e-300 7,700", "row 1: ballistic_limit_m_s: must be at least 0.001"),
         (f"impact.projectile,{LIMIT}", "xx,7 yy,8", "row 2: impact.projectile: must name a projectile of the library"),
     ],
@@ -93,7 +93,7 @@ def test_all_mistakes_at_once(tmp_path: Path):
 
 ROWS: list[dict[str, Any]] = [
     {"test": "a", "armour.ceramic_thickness_mm": 4.06, "ballistic_limit_m_s": 619, "armour.ceramic": "AD85"},
-    {"test": "b", "armour.ceramic_thickness_mm": 6.35, "ballistic_limit_m_s": float("nan"), "outcome": "defeated"}
+    {"test": "b", "armour.ceramic_thickness_mm": 6.35, "ballistic_limit_m_s": float("nan"), "outcome": "stopped"}
     | {"impact.velocity_m_s": 600.0, "armour.ceramic": None},
 ]
 

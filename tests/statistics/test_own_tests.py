@@ -49,8 +49,8 @@ def plate(projectile: str, strength_MPa: float, thickness: float) -> Scenario:
 
 
 def probability(found: ConfidenceResult) -> float:
-    assert found.probability_of_defeat is not None, found.reason
-    return found.probability_of_defeat
+    assert found.probability_of_stopping is not None, found.reason
+    return found.probability_of_stopping
 
 
 FRAGMENT = plate("20 mm FSP", 402.0, 30.0)
@@ -78,7 +78,7 @@ def test_own_tests_hold_for_the_named_entry_with_its_calibrated_value():
     assert shipped.model_error is not None
     assert "own tests" not in shipped.model_error.source
     changed = confidence(case.replaced({STRENGTH: 1.2}))
-    assert changed.probability_of_defeat is None
+    assert changed.probability_of_stopping is None
     assert "differs from the own tests of lot 7: back plates with a flow stress of 1.277 GPa" in changed.reason
     # Another entry of the same values has its own tests, whichever comes first (A14).
     tests = table_of(FRAGMENT, f"{BACKING},ballistic_limit_m_s", "30,600")
@@ -97,7 +97,7 @@ def test_an_entry_calibrated_by_version_1_is_recognised():
     old = {"source": "3 own tests in a.csv", "key": "flow_stress_GPa", "measured": {}, "law": [{"slope": 0.6}]}
     case = FRAGMENT.replaced({"library.metal.old": {"based_on": "M", "evidence": old}, "armour.backing": "old"})
     found = confidence(case)
-    assert found.probability_of_defeat is None
+    assert found.probability_of_stopping is None
     assert found.reason == "old was calibrated by armour 1: give armour calibrate its tests again"
     assert scenario_warnings(case, 600.0) == ()
 
@@ -126,7 +126,7 @@ def test_the_probability_is_the_same_whichever_law_was_fitted(law: Law):
     assert 0.3 < expected < 0.7
     assert probability(confidence(case)) == pytest.approx(expected, abs=1e-4)
     # Rows and designs are single answers.
-    [of_row] = evaluate(case, {}, ["probability_of_defeat"])["probability_of_defeat"]
+    [of_row] = evaluate(case, {}, ["probability_of_stopping"])["probability_of_stopping"]
     only = {"thickness_mm": [6.35]}
     catalogue = {
         "ceramic": [{"material": "AD85, lot 7", **only}, {"material": "AD85", **only}],
@@ -139,7 +139,7 @@ def test_the_probability_is_the_same_whichever_law_was_fitted(law: Law):
     assert best.model_error is not None
     assert best.model_error.source.endswith("and 13 own tests of this lot")
     single = probability(confidence(case.replaced({VELOCITY: 660.0})))
-    assert [*best.probabilities_of_defeat.values()] == pytest.approx([single], abs=1e-9)
+    assert [*best.probabilities_of_stopping.values()] == pytest.approx([single], abs=1e-9)
     assert of_row == pytest.approx(probability(confidence(case)), abs=1e-9)
 
 
@@ -161,7 +161,7 @@ def test_unlike_the_tests_the_probability_is_unknown_and_says_why():
         ({OBLIQUITY: 10.0}, "no test of an armour with a ceramic at an angle"),
     ):
         found = confidence(case.replaced(changes))
-        assert found.probability_of_defeat is None
+        assert found.probability_of_stopping is None
         assert words in found.reason
     far = case.replaced({CERAMIC: 40.0, BACKING: 2.0})
     ranges = {"ceramic_thickness_mm": {"min": 40.0, "max": 50.0, "step": 10.0}}
@@ -174,7 +174,7 @@ CARBIDE = shipped_scenario("wilkins").replaced({"armour.ceramic": "SiC"})
 
 
 def test_own_tests_of_a_ceramic_without_shipped_tests():
-    assert confidence(CARBIDE).probability_of_defeat is None
+    assert confidence(CARBIDE).probability_of_stopping is None
     tests = table_of(CARBIDE, f"{CERAMIC},{BACKING},ballistic_limit_m_s", "6,6,900", "7,6,970")
     found = confidence(made(tests, CARBIDE, FLOW_STRESS).replaced({CERAMIC: 6.5, BACKING: 6.0, VELOCITY: 900.0}))
     low, high = found.interval_m_s or (0.0, 0.0)

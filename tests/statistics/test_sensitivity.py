@@ -65,12 +65,12 @@ def test_an_exponent_acts_through_the_flow_stress():
 
 
 def test_missing_answers():
-    defeated = sensitivity(scenario(velocity=500.0))
-    assert defeated.answers[RESIDUAL] is None
-    assert all(item.elasticities[RESIDUAL] is None for item in defeated.inputs)
-    order = [abs(item.elasticities[LIMIT] or 0.0) for item in defeated.inputs]
+    stopped = sensitivity(scenario(velocity=500.0))
+    assert stopped.answers[RESIDUAL] is None
+    assert all(item.elasticities[RESIDUAL] is None for item in stopped.inputs)
+    order = [abs(item.elasticities[LIMIT] or 0.0) for item in stopped.inputs]
     assert order == sorted(order, reverse=True)
-    velocity = next(item for item in defeated.inputs if item.input == "impact.velocity_m_s")
+    velocity = next(item for item in stopped.inputs if item.input == "impact.velocity_m_s")
     assert velocity.elasticities[LIMIT] is None
 
 

@@ -101,7 +101,7 @@ def test_the_error_of_the_model_is_an_input():
     error = result.model_error
     assert error is not None
     assert result.deterministic_m_s == pytest.approx(723.77, abs=0.01)
-    exact = 1.0 - error.probability_of_defeat(result.deterministic_m_s, 700.0)
+    exact = 1.0 - error.probability_of_stopping(result.deterministic_m_s, 700.0)
     assert result.probability_of_perforation.value == pytest.approx(exact, abs=0.002)
     for name, part in (("V05", 0.05), ("V50", 0.5), ("V95", 0.95)):
         limit, estimate = result.deterministic_m_s * (1.0 + error.quantile(part)), result.ballistic_limit_m_s[name]
@@ -160,7 +160,7 @@ def test_samples_by_several_laws_are_the_mixture():
     normal = {"distribution": "normal", "standard_deviation_percent": 2.5}
     case = scenario(velocity=724.0, uncertainty={"samples": 4096, "ceramic": {"flow_stress_GPa": normal}})
     values = stats.norm(5.2, 0.13).ppf((np.arange(400) + 0.5) / 400)
-    [exact] = evaluate(case, {"ceramic.flow_stress_GPa": values}, ["probability_of_defeat"]).values()
+    [exact] = evaluate(case, {"ceramic.flow_stress_GPa": values}, ["probability_of_stopping"]).values()
     assert 1.0 - exact.mean() == pytest.approx(uncertainty(case).probability_of_perforation.value, abs=0.004)
 
 

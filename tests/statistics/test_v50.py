@@ -101,9 +101,9 @@ def test_the_recommended_curve_is_the_penalised_probit_if_it_rises():
             ["shots.csv: must have at least one partial and one complete penetration, found only partial"],
         ),
         (
-            ["700,part", "fast,complete", ",partial", "-5,no"],
+            ["700,part", "fast,complete", ",partial", "-5,none"],
             [
-                'line 2: result: must be "partial" or "complete", or P or C, or PP or CP, found "part"',
+                'line 2: result: must be "stopped" or "perforated" (or partial',
                 'line 3: velocity_m_s: must be a number, found "fast"',
                 "line 4: velocity_m_s: is missing and must be given",
                 "line 5: velocity_m_s: must be at least 1 and at most 10000, found -5; is it in m/s?",

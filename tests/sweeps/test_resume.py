@@ -19,7 +19,7 @@ from armour.sweeps.sweep import sweep, write_sweep
 from tests.helpers.cases import CERAMICS, METALS, THREATS, csv_file, data, sweep_grid
 
 RANGE = {"min": 4.0, "max": 12.0, "step": 4.0}
-QUANTITIES = ["ballistic_limit_m_s", "probability_of_defeat", "required_ceramic_thickness_mm"]
+QUANTITIES = ["ballistic_limit_m_s", "probability_of_stopping", "required_ceramic_thickness_mm"]
 GRID = sweep_grid("armour.ceramic_thickness_mm=5,6,7")
 EVIDENCE: dict[str, Any] = {
     "lot": "lot 7",

@@ -25,7 +25,7 @@ def values(index: int, rows: int = 3) -> dict[str, np.ndarray]:
 
 RESULTS = {
     "limit_m_s": np.array([1 / 3, np.nan, 1e300]),
-    "outcome": np.array(["perforated", "", "defeated"]),
+    "outcome": np.array(["perforated", "", "stopped"]),
 }
 
 
@@ -75,7 +75,7 @@ def test_chunks_in_any_order_make_the_table(output: Path):
     table = read_table(output)
     assert table["armour.x_mm"].tolist() == [i / 10 for i in range(9)]
     np.testing.assert_array_equal(table["limit_m_s"], [1 / 3, np.nan, 1e300] * 3)
-    assert [text or "" for text in table["outcome"]] == ["perforated", "", "defeated"] * 3
+    assert [text or "" for text in table["outcome"]] == ["perforated", "", "stopped"] * 3
     assert list(output.parent.iterdir()) == [output]
 
 

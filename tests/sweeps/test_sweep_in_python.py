@@ -63,8 +63,8 @@ def test_names_of_materials(tmp_path: Path, output: str | None):
 def test_a_probability_without_the_error_of_the_model(output: str | None, tmp_path: Path):
     case = scenario().replaced({"uncertainty.model.included": False})
     path = None if output is None else tmp_path / output
-    told = sweep(case, {CERAMIC: [4.0, 6.0]}, ["ballistic_limit_m_s", "probability_of_defeat"], path).warnings
-    assert "probability_of_defeat: has no value if uncertainty.model.included is false" in told
+    told = sweep(case, {CERAMIC: [4.0, 6.0]}, ["ballistic_limit_m_s", "probability_of_stopping"], path).warnings
+    assert "probability_of_stopping: has no value if uncertainty.model.included is false" in told
 
 
 def test_rows_outside_what_the_model_was_compared_with():

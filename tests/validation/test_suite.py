@@ -10,7 +10,7 @@ from tests.helpers.cases import SCENARIOS
 from tests.helpers.suites import HEAD, TABLE, case, load
 
 CASE = case("a", 724.0, "band = 1.0")
-OUTCOME = '[[case]]\nname = "a"\nscenario = "wilkins.toml"\nquantity = "outcome"\nexpected = "defeated"\n'
+OUTCOME = '[[case]]\nname = "a"\nscenario = "wilkins.toml"\nquantity = "outcome"\nexpected = "stopped"\n'
 FILE = f"""
 notes = ["lot", "kept"]
 [[table]]
@@ -160,8 +160,13 @@ IN_ROW = "table[0].rows[0]: must be a valid scenario: wilkins.toml: "
         ),
         (CASE, "band = 1.0", "band = 1.0\nreplaced_by = {}", "case[0]: replaced_by belongs to thickness_saved_percent"),
         (CASE, "ballistic_limit_m_s", "outcome", "case[0]: an outcome has no band, found band"),
-        (OUTCOME, "defeated", "stopped", 'case[0]: expected must be "perforated" or "defeated", found the text "stop'),
-        (OUTCOME, '"defeated"', '"defeated"\nmeasured = 1.0', "case[0]: an outcome has no difference from a measured"),
+        (
+            OUTCOME,
+            "stopped",
+            "undecided",
+            'case[0]: expected must be "stopped" or "perforated" (or partial or complete',
+        ),
+        (OUTCOME, '"stopped"', '"stopped"\nmeasured = 1.0', "case[0]: an outcome has no difference from a measured"),
         (CASE, "wilkins", "no", "case[0].scenario: must be a valid scenario: no.toml: cannot be read: no such file"),
         (CASE, "band = 1.0", 'band = 1.0\nset.armour.ceramic = "AD86"', f"{IN_SCENARIO}armour.ceramic: must name a"),
         (CASE, "ballistic_limit_m_s", "optimum_areal_density_kg_m2", f"{IN_SCENARIO}optimise: is missing"),

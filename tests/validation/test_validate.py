@@ -71,7 +71,7 @@ def test_a_table_of_differences(folder: Path):
         (1.0, "ballistic_limit_m_s", 'not_scored = "a slip of the print"', "not scored"),
         (724.0, "ballistic_limit_m_s", "band = 1.0\nset.ballistic_limit.velocity_min_m_s = 1000.0", "no answer"),
         ('"perforated"', "outcome", "", "within"),
-        ('"defeated"', "outcome", "", "outside"),
+        ('"stopped"', "outcome", "", "outside"),
     ],
 )
 def test_a_status(folder: Path, expected: float | str, quantity: str, rest: str, status: str):
@@ -210,7 +210,7 @@ def test_an_update_writes_what_is_computed_and_nothing_else(folder: Path):
         "# kept\nregression = true\n"
         + case("a", 725.0, "band = 1.0  # kept too")
         + case("b", 1.0, 'not_scored = "no"')
-        + case("c", '"defeated"', "").replace("ballistic_limit_m_s", "outcome")
+        + case("c", '"stopped"', "").replace("ballistic_limit_m_s", "outcome")
         + TABLE
     )
     found = result(folder, text)
@@ -218,12 +218,12 @@ def test_an_update_writes_what_is_computed_and_nothing_else(folder: Path):
         ("t: ceramic thickness 6.35 mm", 720.0, float(AS_WRITTEN)),
         ("t: ceramic thickness 6.35 mm", 730.0, float(AS_WRITTEN)),
         ("a", 725.0, float(AS_WRITTEN)),
-        ("c", "defeated", "perforated"),
+        ("c", "stopped", "perforated"),
     ]
     changed = updated_file(text.encode(), updates_of(found)).decode()
     for old, new in (("725.0", AS_WRITTEN), ("720.0", AS_WRITTEN), ("6.35, 730.0", f"6.35, {AS_WRITTEN}")):
         text = text.replace(old, new)
-    assert changed == text.replace("defeated", "perforated")
+    assert changed == text.replace("stopped", "perforated")
     again = result(folder, changed)
     assert updates_of(again) == []
     assert again.passed

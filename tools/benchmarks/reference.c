@@ -8,7 +8,7 @@
 #include <stdbool.h>
 
 enum Medium { INTACT, FRAGMENTED, PLATE };
-enum Outcome { RUNNING, PERFORATED, DEFEATED, UNRESOLVED };
+enum Outcome { RUNNING, PERFORATED, STOPPED, UNRESOLVED };
 enum Event { MEDIUM, PROJECTILE, TARGET, MOTION, TOGETHER, ARREST, ERODED, EVENTS, NONE = -1 };
 
 /* A row of the engine's table. */
@@ -430,7 +430,7 @@ static int step_to_event(double t, State *y, State *k, double *g, const Stage *s
 static enum Outcome after_event(int event, State *y, Stage *s, const Parameters *p)
 {
     if (event == ARREST || event == ERODED)
-        return DEFEATED;
+        return STOPPED;
     if (event == MEDIUM && s->medium == PLATE)
         return PERFORATED;
     if (event == MEDIUM && s->medium == INTACT)
@@ -450,7 +450,7 @@ static enum Outcome after_event(int event, State *y, Stage *s, const Parameters 
 /* An impact at Vi, with steps of at most dt. */
 static Run run(const Parameters *p, double Vi, double dt, double V_arrest, long max_steps, bool rough)
 {
-    Run r = {Vi >= V_arrest ? RUNNING : DEFEATED, 0.0, {0.0, p->L0, Vi, 0.0, 0.0}, 0, 0.0};
+    Run r = {Vi >= V_arrest ? RUNNING : STOPPED, 0.0, {0.0, p->L0, Vi, 0.0, 0.0}, 0, 0.0};
     Stage s = select_stage(p->Hc0 > 0.0 ? INTACT : PLATE, &r.y, p, Vi, 0.0);
     State k = rates(&r.y, &s, p);
     double g[EVENTS], rest = 0.0, taken;
@@ -783,7 +783,7 @@ static void after_usual(Zero *zero, const Root *rough, double x, double f, bool 
 
 /* Narrow a change of the outcome to the bracket that bisection finds. Usual runs at ends of its intervals estimate
    where the residual energy is zero; an end further away than the error is known without a run, unless the change is
-   between near velocities. Velocities are negative where the outcome above the change is defeat. */
+   between near velocities. Velocities are negative where the outcome above the change is stop. */
 static Found narrowed(const Parameters *p, const Change *change, double tolerance, const Solver *solver)
 {
     double sign = change->above.perforated ? 1.0 : -1.0;

@@ -2,7 +2,7 @@
 
 The armours are of the paper's materials, bare plates, and of values over a decade. The reference has steps 100 times
 shorter, everywhere. A limit is within a distance of it if, by these steps, an impact faster than the limit by the
-distance perforates and one slower by it is defeated.
+distance perforates and one slower by it is stopped.
 
     python -m tools.campaigns.accuracy
 """

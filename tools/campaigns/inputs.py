@@ -82,7 +82,7 @@ TEXTS = [
     *(SCRIPT, "<!--<script>", "]]>", "a|b\n# c", "\x1b[31mred", "\x00", "\ufffe", "é µ ²", "[bold]"),
     *("../../etc/passwd", "/dev/zero", "/dev/full", ".", "a" * 300, "\u202e", "\U0001f4a5", "{{ 7 * 7 }}", "%s%n"),
 ]
-QUANTITIES = ("ballistic_limit_m_s", "outcome", "residual_velocity_m_s", "probability_of_defeat", "mass_lost_percent",
+QUANTITIES = ("ballistic_limit_m_s", "outcome", "residual_velocity_m_s", "probability_of_stopping", "mass_lost_percent",
               "required_areal_density_kg_m2")  # fmt: skip
 ASSIGNMENTS = [
     *("impact.velocity_m_s={}", "armour.ceramic_thickness_mm={}", "armour.backing_thickness_mm={}"),

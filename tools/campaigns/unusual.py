@@ -124,10 +124,10 @@ def compare_limits(name: str, designs: Variants) -> tuple[int, str]:
     coarse = batch.ballistic_limits(designs.parameters, LOW, HIGH, TOLERANCE, points=SCAN_POINTS)
     for by, brackets in ((f"{SCAN_POINTS} velocities everywhere", coarse), ("the program", found)):
         # A bracket may contain the perforated end of the scan's.
-        overlap = (brackets.perforated >= low) & (brackets.defeated < high)
-        same = overlap | beyond[:, 0] & ~np.isfinite(brackets.defeated)
+        overlap = (brackets.perforated >= low) & (brackets.stopped < high)
+        same = overlap | beyond[:, 0] & ~np.isfinite(brackets.stopped)
         lower = np.flatnonzero(~same & (brackets.perforated < low))
-        ends = [designs.at(lower)._replace(velocities=end[lower]) for end in (brackets.defeated, brackets.perforated)]
+        ends = [designs.at(lower)._replace(velocities=end[lower]) for end in (brackets.stopped, brackets.perforated)]
         confirmed = int((~perforated(ends[0]) & perforated(ends[1])).sum()) if len(lower) else 0
         print(f"  by {by}: {same.sum()} the same, {confirmed} of {len(lower)} lower ones confirmed, "
               f"{(~same).sum() - len(lower)} too high")  # fmt: skip

@@ -10,7 +10,6 @@ from typing import Literal
 import numpy as np
 
 from armour.analysis.impact import ImpactResult, impact_at, unresolved_error
-from armour.analysis.quantities import OUTCOMES
 from armour.analysis.results import OnProgress, Result, ignore_progress
 from armour.analysis.searches import limit_brackets, limits_by_law
 from armour.analysis.variants import variants_of
@@ -34,12 +33,12 @@ class Crossing:
     ----------
     bracket_m_s : tuple of float
         Velocities just below and just above the change, m/s.
-    above : {"perforated", "defeated"}
+    above : {"perforated", "stopped"}
         Outcome above the change.
     """
 
     bracket_m_s: tuple[float, float]
-    above: Literal["perforated", "defeated"]
+    above: Literal["perforated", "stopped"]
 
 
 @dataclass(frozen=True, repr=False)
@@ -189,7 +188,7 @@ def find_crossings(scenario: Scenario, points: int, on_progress: OnProgress) -> 
             return tuple(crossings), runs, lowest_perforates
         found = search.narrowed(armour, change, section.tolerance_m_s, solver)
         count(found.runs, found, found.high)
-        crossings.append(Crossing((found.low, found.high), "perforated" if change.above.perforated else "defeated"))
+        crossings.append(Crossing((found.low, found.high), "perforated" if change.above.perforated else "stopped"))
         before = start = search.impact(armour, found.high, solver)
         count(1, start, start.V)
 
@@ -247,7 +246,7 @@ def _no_limit(crossings: tuple[Crossing, ...], lowest_perforates: bool, points: 
 
 
 def _listed(crossings: tuple[Crossing, ...]) -> str:
-    return ", ".join(f"{OUTCOMES[crossing.above]} above {crossing.bracket_m_s[1]:.2f} m/s" for crossing in crossings)
+    return ", ".join(f"{crossing.above} above {crossing.bracket_m_s[1]:.2f} m/s" for crossing in crossings)
 
 
 # Probability above which a lower bound is given as the probability.
@@ -261,7 +260,7 @@ class ConfidenceResult(Result):
 
     Attributes
     ----------
-    probability_of_defeat : float or None
+    probability_of_stopping : float or None
         Probability that the ballistic limit of the armour exceeds the impact velocity; None if it is not known.
         Where no velocity of the search perforates, it is a lower bound, given if it exceeds 0.995.
     ballistic_limit_m_s : float or None
@@ -280,7 +279,7 @@ class ConfidenceResult(Result):
         Where the probability at an angle is not known, that of an armour with a ceramic at 0 degrees.
     """
 
-    probability_of_defeat: float | None
+    probability_of_stopping: float | None
     ballistic_limit_m_s: float | None
     model_error: ModelError | None
     reason: str = ""
@@ -290,9 +289,9 @@ class ConfidenceResult(Result):
     probability_at_normal_incidence: float | None = None
 
     def _words(self) -> str:
-        if self.probability_of_defeat is None:
+        if self.probability_of_stopping is None:
             return "probability of stopping the projectile not known"
-        return f"probability of stopping the projectile {self.probability_of_defeat:.3f}"
+        return f"probability of stopping the projectile {self.probability_of_stopping:.3f}"
 
 
 @checked
@@ -338,7 +337,7 @@ def without_limit(scenario: Scenario, reason: str, *, above: bool) -> Confidence
     warnings = (*scenario_warnings(scenario, velocity), *scenario.unused_distributions())
     error = model_error(scenario, scenario.ballistic_limit.velocity_max_m_s) if above else None
     if error is not None:
-        least = float(error.probability_of_defeat(scenario.ballistic_limit.velocity_max_m_s, velocity))
+        least = float(error.probability_of_stopping(scenario.ballistic_limit.velocity_max_m_s, velocity))
         if least > SURE:
             return ConfidenceResult(least, None, error, warnings=warnings)
     return ConfidenceResult(None, None, error, reason, warnings)
@@ -351,10 +350,10 @@ def of_limit(scenario: Scenario, limit_m_s: float, velocity_m_s: float) -> Confi
     if error is None:
         at_normal = None
         if scenario.impact.obliquity_deg and scenario.armour.ceramic_thickness_mm:
-            at_normal = confidence(scenario.replaced({OBLIQUITY: 0.0, VELOCITY: velocity_m_s})).probability_of_defeat
+            at_normal = confidence(scenario.replaced({OBLIQUITY: 0.0, VELOCITY: velocity_m_s})).probability_of_stopping
         reason = no_error(scenario)
         return ConfidenceResult(None, limit_m_s, None, reason, warnings, probability_at_normal_incidence=at_normal)
-    probability = float(error.probability_of_defeat(limit_m_s, velocity_m_s))
+    probability = float(error.probability_of_stopping(limit_m_s, velocity_m_s))
     ends = error.interval(limit_m_s)
     return ConfidenceResult(probability, limit_m_s, error, "", warnings, error.median(limit_m_s), ends)
 

@@ -215,7 +215,7 @@ class Answers:
     @property
     def outcomes(self) -> Any:
         """Outcomes of the impacts, in words."""
-        return np.where(self.perforated, "perforated", "defeated")
+        return np.where(self.perforated, "perforated", "stopped")
 
     @property
     def velocities_lost(self) -> Floats:
@@ -233,7 +233,7 @@ class Answers:
         return np.where(self.perforated, self.impacts.W, 0.0)
 
     @property
-    def probabilities_of_defeat(self) -> Floats:
+    def probabilities_of_stopping(self) -> Floats:
         """Probabilities of stopping the projectile, given the model error."""
         limits = searches.limits_by_law(self.variants, self.ballistic_limits)
         return self.variants.errors.ratio.times(limits).probability_above(self.variants.velocities)

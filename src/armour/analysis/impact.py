@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Literal
 
-from armour.analysis.quantities import OUTCOMES
 from armour.analysis.results import TableResult, by_column
 from armour.core import stages, stepping
 from armour.core.equations import cross_section
@@ -55,7 +54,7 @@ class ImpactResult(TableResult):
 
     Attributes
     ----------
-    outcome : {"perforated", "defeated"}
+    outcome : {"perforated", "stopped"}
     impact_velocity_m_s : float
         Impact velocity, m/s.
     residual_velocity_m_s : float
@@ -84,7 +83,7 @@ class ImpactResult(TableResult):
         Quantities over time, if requested.
     """
 
-    outcome: Literal["perforated", "defeated"]
+    outcome: Literal["perforated", "stopped"]
     impact_velocity_m_s: float
     residual_velocity_m_s: float
     residual_mass_g: float
@@ -107,7 +106,7 @@ class ImpactResult(TableResult):
 
     def _words(self) -> str:
         residual = f", residual velocity {self.residual_velocity_m_s:.1f} m/s" if self.residual_velocity_m_s else ""
-        return f"{OUTCOMES[self.outcome]} at {self.impact_velocity_m_s:g} m/s{residual}"
+        return f"{self.outcome} at {self.impact_velocity_m_s:g} m/s{residual}"
 
     def _columns(self) -> dict[str, Any]:
         return by_column(vars(stage) for stage in self.stages)
@@ -149,7 +148,7 @@ def impact_at(scenario: Scenario, velocity: float, *, history: bool = False) -> 
         recorded = history_of(trace, armour, min(scenario.solver.time_step or usual, usual))
     perforated = end.outcome == Outcome.PERFORATED
     return ImpactResult(
-        outcome="perforated" if perforated else "defeated",
+        outcome="perforated" if perforated else "stopped",
         impact_velocity_m_s=velocity,
         residual_velocity_m_s=end.y.V if perforated else 0.0,
         residual_mass_g=armour.rho_p * cross_section(armour.D0) * end.y.L / G,

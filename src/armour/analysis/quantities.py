@@ -10,8 +10,6 @@ from typing import Any, NamedTuple
 from armour.scenario.inputs import ERROR, OF_ERROR, YIELD
 from armour.units import MM, US, words_and_unit
 
-# Outcomes, as data has them, in words.
-OUTCOMES = {"defeated": "stopped", "perforated": "perforated"}
 # What the quantities on the grid are.
 REQUIRED = (
     "the least thickness in its range of [optimise] that stops the projectile with the scenario's other layer (total: "
@@ -19,7 +17,7 @@ REQUIRED = (
 )
 # What a quantity depends on besides projectile, armour, model and solver, see `armour.scenario.reach`.
 OF_IMPACT, OF_LIMIT, OF_GRID = ("impact",), ("ballistic_limit",), ("impact", "optimise")
-DEFEAT = ("impact", "ballistic_limit", *OF_ERROR)
+STOPPING = ("impact", "ballistic_limit", *OF_ERROR)
 DESIGNS = (
     "impact",
     "threat",
@@ -61,8 +59,8 @@ QUANTITIES: dict[str, Quantity] = {
     "duration_us": Quantity("duration", "µs", ".0f", OF_IMPACT, lambda a: a.impacts.t / US),
     "areal_density_kg_m2": Quantity("areal density", "kg/m²", ".1f", (), lambda a: a.variants.areal_densities_kg_m2),
     "ballistic_limit_m_s": Quantity("ballistic limit", "m/s", ".0f", OF_LIMIT, lambda a: a.ballistic_limits),
-    "probability_of_defeat": Quantity(
-        "probability of stopping the projectile", "", ".2f", DEFEAT, lambda a: a.probabilities_of_defeat
+    "probability_of_stopping": Quantity(
+        "probability of stopping the projectile", "", ".2f", STOPPING, lambda a: a.probabilities_of_stopping
     ),
     "required_ceramic_thickness_mm": Quantity(
         "required ceramic thickness", "mm", ".3f", OF_GRID, lambda a: a.with_least_ceramic.ceramics_mm, "ceramic"

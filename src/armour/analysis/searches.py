@@ -152,7 +152,7 @@ def least_ceramics_mm(variants: Variants) -> Least:
         )
         check_resolved(found.resolved, some)
         # The perforated end of a bracket of thicknesses is the lower one.
-        below[rows], above[rows] = found.perforated / MM * cosine, found.defeated / MM * cosine
+        below[rows], above[rows] = found.perforated / MM * cosine, found.stopped / MM * cosine
     least = np.where(np.isfinite(above) & ~np.isfinite(below), low, np.nan)
     where = np.flatnonzero(np.isfinite(above) & np.isfinite(below))
     stops, is_unusual = _conditions(lambda values, rows: with_thicknesses(variants.at(rows), ceramic_mm=values))

@@ -3,13 +3,14 @@
 from contextlib import ExitStack
 from os.path import exists
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any
 
 import armour
 from armour.cli import completion
 from armour.cli.question import Answer, Force, Output, PlotFile, argument, number, option, question
 from armour.cli.runner import check_outputs, read_scenario, wrong_option
 from armour.cli.scenario_commands import LIMIT_READS, grid_of
+from armour.csv_files import MUST_SAY, PERFORATED
 from armour.errors import mistake
 from armour.files import table_file
 from armour.scenario.keys import describe
@@ -33,7 +34,7 @@ def v50(
         Path,
         argument(
             "SHOTS",
-            'CSV file with the columns velocity_m_s and result ("partial" or "complete"). '
+            'CSV file with the columns velocity_m_s and result ("stopped" or "perforated", or partial and complete). '
             "`armour init FILE.csv --from shots.csv` writes an example.",
             autocompletion=completion.tables,
         ),
@@ -104,7 +105,7 @@ def plan_shots(
         Path | None,
         argument(
             "SHOTS",
-            'CSV file of the shots so far, with the columns velocity_m_s and result ("partial" or "complete").',
+            "CSV file of the shots so far, with the columns velocity_m_s and result (stopped or perforated).",
             autocompletion=completion.tables,
         ),
     ] = None,
@@ -123,11 +124,11 @@ def plan_shots(
         ),
     ] = None,
     result: Annotated[
-        Literal["partial", "complete", "P", "C", "PP", "CP"] | None,
+        str | None,
         option(
-            "Result of the shot just fired, partial (or P, PP) or complete (or C, CP); it is appended to SHOTS.",
+            "Result of the shot just fired: stopped (or partial, P, PP, no) or perforated (or complete, C, CP, yes); "
+            "it is appended to SHOTS.",
             metavar="RESULT",
-            case_sensitive=False,
         ),
     ] = None,
     velocity_m_s: Annotated[
@@ -172,7 +173,11 @@ def _with_result(
 ) -> Answer:
     """Plan the next shot after one that is added to the table, which stays locked until it is written."""
     from armour.planning.firing import added, content_of, far_from, locked, with_shot
-    from armour.statistics.v50 import RESULTS, Shots
+    from armour.statistics.v50 import Shots
+
+    perforated = PERFORATED.get(result.lower())
+    if perforated is None:
+        raise wrong_option("--result", f"{MUST_SAY}, found {describe(result)}")
 
     with ExitStack() as stack:
         stack.enter_context(locked(table))
@@ -188,9 +193,8 @@ def _with_result(
         far = []
         if planned is not None and abs(velocity - planned) > FAR_FROM_PLAN * planned:
             far.append(f"the shot, at {velocity:g} m/s, is far from the planned velocity, {planned:g} m/s")
-        word = RESULTS[result.lower()]
-        content = with_shot(table, velocity, word)
-        fired = added(fired, velocity, word == "complete")
+        content = with_shot(table, velocity, result)
+        fired = added(fired, velocity, perforated)
         plan = armour.plan_shots(scenario, fired, on_progress=on_progress, **options)
 
         def longer() -> bytes:

@@ -214,7 +214,7 @@ def confirm_event(j: int, whole: Step, x: float, slope: float, high: float, y_hi
 def after_event(event: int, y: State, s: Stage, p: Parameters) -> tuple[State, Stage, Outcome]:
     """Return the state, stage and outcome after an event, from the state at the event."""
     if event == Event.ARREST or event == Event.ERODED:
-        return y, s, Outcome.DEFEATED
+        return y, s, Outcome.STOPPED
     if event == Event.MEDIUM:
         if s.medium == Medium.PLATE:
             return y, s, Outcome.PERFORATED

@@ -50,7 +50,7 @@ def run(
     k, g = rates(y, s, p), event_functions(t, y, s, p, V_arrest)
     steps = 0
     rest = 0.0  # remainder of a step of dt that an event has divided, s
-    outcome = Outcome.RUNNING if Vi >= V_arrest else Outcome.DEFEATED
+    outcome = Outcome.RUNNING if Vi >= V_arrest else Outcome.STOPPED
     if trace is not None:
         trace.append(Instant(t, y, s))
     while outcome == Outcome.RUNNING:

@@ -1,8 +1,8 @@
 """Searches for the ballistic limit and the least ceramic thickness.
 
 The outcome may change more than once with the impact velocity.  The ballistic limit is the lowest change that a scan of
-velocities sees.  Perforation, or defeat, between two scanned velocities is searched for where their neighbours hint at
-it: at a maximum of the penetration depth, at a minimum of the residual velocity, and where defeated projectiles stop at
+velocities sees.  Perforation, or stop, between two scanned velocities is searched for where their neighbours hint at
+it: at a maximum of the penetration depth, at a minimum of the residual velocity, and where stopped projectiles stop at
 one velocity and are used up at the next.
 
 The scan starts at the highest velocity below which no projectile has the energy to perforate, and passes over the next
@@ -48,7 +48,7 @@ PARABOLA_ERROR = 0.1
 # Parts of the tolerance: how near to the estimate a perforated end is for a last run, how far below this end that run
 # is, and how far above the estimate another run is at least.
 ENDING, WITHIN, LEAST_MARGIN = 0.7, 0.9, 1.0 / 3.0
-# How far above a defeated end the next run is, times the error that the estimate has shown there.
+# How far above a stopped end the next run is, times the error that the estimate has shown there.
 MISSED = 4.0
 # How near to the other outcome a rough impact is repeated: parts of the thickness and of the square of the velocity.
 # Of an unusual armour, rough runs stop at 99.3 % of the thickness where usual ones perforate.
@@ -111,7 +111,7 @@ class Root(NamedTuple):
 class Bracket(NamedTuple):
     """Interval that contains the root, and the points of the interpolation.
 
-    A run at ``high`` perforates, and one at ``low`` is defeated if ``low_known``.  The function ``f`` is the residual
+    A run at ``high`` perforates, and one at ``low`` is stopped if ``low_known``.  The function ``f`` is the residual
     energy of `residual_energy`, m^2/s^2.
     """
 
@@ -142,7 +142,7 @@ class Zero(NamedTuple):
 class SearchResult(NamedTuple):
     """Result of a search."""
 
-    low: float  # highest point known to be defeated, by a run or by the estimate; -inf if none
+    low: float  # highest point known to be stopped, by a run or by the estimate; -inf if none
     high: float  # lowest point known to perforate, by the same; inf if none
     runs: int
     resolved: bool  # every run ended within the maximum number of steps
@@ -406,7 +406,7 @@ def narrowed(p: Parameters, change: Change, tolerance: float, solver: Solver) ->
     that is further from the estimate than its error needs no run, unless the change is between near velocities.  The
     bracket is in ascending order of velocity.
     """
-    # The upper end of a bracket perforates: velocities are negative where the outcome above the change is defeat.
+    # The upper end of a bracket perforates: velocities are negative where the outcome above the change is stop.
     sign = 1.0 if change.above.perforated else -1.0
     first, other = (change.above, change.below) if change.above.perforated else (change.below, change.above)
     low, high = sign * other.V, sign * first.V
@@ -511,7 +511,7 @@ def bisected(x: float, low: float, high: float, tolerance: float) -> tuple[float
 def find_least_ceramic_thickness(
     p: Parameters, Vi: float, thin: float, thick: float, tolerance: float, V_arrest: float, given: float, max_steps: int
 ) -> SearchResult:
-    """Find the least ceramic thickness between two, m, that defeats an impact; the outcome changes once between them.
+    """Find the least ceramic thickness between two, m, that stops an impact; the outcome changes once between them.
 
     The result brackets the negative thickness, -Hc0, m, so that its upper end perforates.  ``p.Hc0`` is not used;
     ``tolerance`` is the width of the final bracket, m, and ``given`` the time step, s, as in `find_ballistic_limit`.

@@ -17,7 +17,7 @@ class Outcome(IntEnum):
 
     RUNNING = 0
     PERFORATED = 1
-    DEFEATED = 2
+    STOPPED = 2
     UNRESOLVED = 3  # the maximum number of steps was reached
 
 

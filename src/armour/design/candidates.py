@@ -124,8 +124,8 @@ def _least(
     Searches by the outcome at the velocities required and, to verify, by the limit if one lies below them.
     """
 
-    def defeats(values: Floats, rows: Ints) -> Bools:
-        return requirement.defeats(designs(values, other[rows]))
+    def stops(values: Floats, rows: Ints) -> Bools:
+        return requirement.stops(designs(values, other[rows]))
 
     def passes(values: Floats, rows: Ints) -> Bools:
         return Search(requirement, designs(values, other[rows])).passes(np.arange(len(rows)))
@@ -139,7 +139,7 @@ def _least(
         )
 
     low, high = np.full(len(other), free.min), np.full(len(other), free.max)
-    least = least_values_mm(defeats, scanned, low, high)
+    least = least_values_mm(stops, scanned, low, high)
     if not verify:
         return least
     found = np.flatnonzero(~np.isnan(least.mm))

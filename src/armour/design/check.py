@@ -31,7 +31,7 @@ class WhatIf:
         By the model, m/s; None if there is none in the range of the search.
     interval_m_s : tuple of float or None
         95 % interval of the ballistic limit with the model error, m/s; None if that is not known.
-    probability_of_defeat : float or None
+    probability_of_stopping : float or None
         Probability that the armour stops the projectile; None if it is not known.
     """
 
@@ -39,7 +39,7 @@ class WhatIf:
     velocity_m_s: float
     ballistic_limit_m_s: float | None
     interval_m_s: tuple[float, float] | None
-    probability_of_defeat: float | None
+    probability_of_stopping: float | None
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class CheckedThreat:
         95 % interval of the ballistic limit with the model error, m/s; None if that is not known.
     margin_m_s, required_margin_m_s : float
         Excess of the ballistic limit over the velocity, m/s, which may be None, and the required excess.
-    probability_of_defeat, required_probability : float or None
+    probability_of_stopping, required_probability : float or None
         Probability that the armour stops the projectile, None if unknown, and the required one, None if there is none.
     reason : str
         Reason why the probability is not known.
@@ -79,7 +79,7 @@ class CheckedThreat:
     interval_m_s: tuple[float, float] | None
     margin_m_s: float | None
     required_margin_m_s: float
-    probability_of_defeat: float | None
+    probability_of_stopping: float | None
     required_probability: float | None
     reason: str
     probability_at_normal_incidence: float | None
@@ -89,7 +89,7 @@ class CheckedThreat:
 
     def as_given(self) -> WhatIf:
         """Return the armour without a change."""
-        own = (self.velocity_m_s, self.ballistic_limit_m_s, self.interval_m_s, self.probability_of_defeat)
+        own = (self.velocity_m_s, self.ballistic_limit_m_s, self.interval_m_s, self.probability_of_stopping)
         return WhatIf("as given", *own)
 
 
@@ -167,18 +167,18 @@ def _checked(
     """Return the armour of a scenario against a threat, which is its impact."""
     limit, bound = result.ballistic_limit_m_s, threat.probability_of_perforation
     required = section.confidence if bound is None else 1.0 - bound
-    probability = result.probability_of_defeat
+    probability = result.probability_of_stopping
     if required is not None:
         passed = probability is not None and probability >= required
     elif limit is not None:
         passed = limit >= threat.required_m_s
     else:  # the whole range of the search is stopped, or perforates
-        passed = simulate(own.replaced({VELOCITY: threat.required_m_s})).outcome == "defeated"
+        passed = simulate(own.replaced({VELOCITY: threat.required_m_s})).outcome == "stopped"
     what_ifs = []
     for change, values in _changes(own, section.thickness_tolerance_mm):
         other = own.replaced(values)
         of = confidence(other, on_progress=on_progress)
-        known = (of.ballistic_limit_m_s, of.interval_m_s, of.probability_of_defeat)
+        known = (of.ballistic_limit_m_s, of.interval_m_s, of.probability_of_stopping)
         what_ifs.append(WhatIf(change, other.impact.velocity_m_s, *known))
     return CheckedThreat(
         threat=threat.title,
@@ -189,7 +189,7 @@ def _checked(
         interval_m_s=result.interval_m_s,
         margin_m_s=None if limit is None else limit - threat.velocity_m_s,
         required_margin_m_s=threat.margin_m_s,
-        probability_of_defeat=probability,
+        probability_of_stopping=probability,
         required_probability=required,
         reason=result.reason,
         probability_at_normal_incidence=result.probability_at_normal_incidence,

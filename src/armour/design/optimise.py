@@ -88,7 +88,7 @@ class BestDesign(Design):
         Threat whose required velocity the ballistic limit exceeds by the smallest amount.
     probabilities : dict of str to Estimate
         Probabilities of perforation by threat, for threats that bound it, if uncertain inputs are sampled.
-    probabilities_of_defeat : dict of str to float or None
+    probabilities_of_stopping : dict of str to float or None
         By threat; None if the model error is not known.
     model_error : ModelError or None
         Relative error of the ballistic limit against the governing threat.
@@ -100,7 +100,7 @@ class BestDesign(Design):
     margins_m_s: dict[str, float]
     governing: str
     probabilities: dict[str, Estimate]
-    probabilities_of_defeat: dict[str, float | None]
+    probabilities_of_stopping: dict[str, float | None]
     model_error: ModelError | None
 
     def changes_to(self, scenario: Scenario) -> dict[str, str | float]:
@@ -436,12 +436,12 @@ def _best(search: Search, place: int) -> BestDesign:
         margins_m_s=dict(zip(catalogue.titles, search.margins(limits).tolist(), strict=True)),
         governing=catalogue.titles[governing],
         probabilities=sampled,
-        probabilities_of_defeat=_of_defeat(catalogue, distributions, sampled),
+        probabilities_of_stopping=_of_stopping(catalogue, distributions, sampled),
         model_error=error_of(catalogue.scenario, ratio, _armour(search, place, governing)),
     )
 
 
-def _of_defeat(catalogue: Catalogue, distributions: Mixture, sampled: dict[str, Estimate]) -> dict[str, float | None]:
+def _of_stopping(catalogue: Catalogue, distributions: Mixture, sampled: dict[str, Estimate]) -> dict[str, float | None]:
     """Return the probabilities that a design stops each threat: of the samples, else by the model error."""
     found = distributions.probability_above(catalogue.velocities_m_s).tolist()
     own = {title: None if isnan(p) else p for title, p in zip(catalogue.titles, found, strict=True)}
@@ -459,7 +459,7 @@ def _pairs(search: Search, best: int, tested: Bools) -> tuple[Pair, ...]:
     least = float(search.values[best])
     most = least * (1.0 + search.catalogue.section.runners_up_percent / 100.0)
     offers = search.catalogue.offers
-    possible = [own[search.defeating[own]] for own in map(search.of_pair, range(len(offers)))]
+    possible = [own[search.stopping[own]] for own in map(search.of_pair, range(len(offers)))]
     if search.catalogue.sampled:
         # Only possible runners-up are sampled, as each design takes thousands of impacts.
         possible = [own[search.values[own] <= most] for own in possible]

@@ -44,12 +44,12 @@ class Requirement:
     # that a thinner one stops.
     changing: defaultdict[tuple[int, str], set[float]] = field(default_factory=lambda: defaultdict(set))
 
-    def defeats(self, candidates: Candidates) -> Bools:
+    def stops(self, candidates: Candidates) -> Bools:
         """Return whether designs stop all threats at the velocities required."""
-        defeated = np.ones(len(candidates.pair), dtype=bool)
+        every = np.ones(len(candidates.pair), dtype=bool)
         threats = range(len(self.catalogue.threats))
-        passes = [threats] if len(defeated) <= FEW_DESIGNS else [threats[i : i + 1] for i in threats]
-        for part in portions(len(defeated), IMPACTS_AT_A_TIME, FIRST_IMPACTS):
+        passes = [threats] if len(every) <= FEW_DESIGNS else [threats[i : i + 1] for i in threats]
+        for part in portions(len(every), IMPACTS_AT_A_TIME, FIRST_IMPACTS):
             left = np.arange(part.start, part.stop)
             for some in passes:
                 rows, required, bounds = self.catalogue.against_each(candidates.at(left), some)
@@ -57,9 +57,9 @@ class Requirement:
                 bounded = np.flatnonzero(stopped & (bounds < 1.0))
                 if len(bounded):
                     stopped[bounded] = self._within_bounds(rows.at(bounded), bounds[bounded])
-                defeated[left] = stopped.reshape(-1, len(some)).all(axis=1)
-                left = left[defeated[left]]
-        return defeated
+                every[left] = stopped.reshape(-1, len(some)).all(axis=1)
+                left = left[every[left]]
+        return every
 
     def tested(self, candidates: Candidates) -> Bools:
         """Return whether the model error is known, or left out, for designs against every threat, (designs,)."""
@@ -169,7 +169,7 @@ class Requirement:
         tolerance = variants.scenario.ballistic_limit.tolerance_m_s
         found = limit_brackets(variants, low, high, tolerance, points=points)
         self._count(int(found.runs.sum()))
-        return np.where(np.isneginf(found.defeated), -np.inf, found.perforated)
+        return np.where(np.isneginf(found.stopped), -np.inf, found.perforated)
 
 
 class Search:
@@ -184,7 +184,7 @@ class Search:
         self.requirement, self.candidates, self.reliability = requirement, candidates, reliability
         self.catalogue = requirement.catalogue
         self.values = self.catalogue.objective(candidates)
-        self.defeating = requirement.defeats(candidates)
+        self.stopping = requirement.stops(candidates)
         self._limits = np.full((len(self.values), len(self.catalogue.threats)), np.nan)
         self._probabilities: dict[int, dict[str, Estimate] | None] = {}
         self._by_pair = candidates.pair.argsort(kind="stable")
@@ -206,7 +206,7 @@ class Search:
 
     def passes(self, where: Ints) -> Bools:
         """Return whether designs stop every threat at the velocity required and have no ballistic limit below it."""
-        passed = self.defeating[where]
+        passed = self.stopping[where]
         passed[passed] = (self.excess_m_s(where[passed]) >= 0.0).all(axis=1)
         return passed
 
@@ -224,7 +224,7 @@ class Search:
 
     def first(self, where: Ints) -> int | None:
         """Return the first of some designs that passes, bounds on probabilities included."""
-        left = where[self.defeating[where]]
+        left = where[self.stopping[where]]
         size = 1
         while len(left):
             batch, left, size = left[:size], left[size:], min(2 * size, FIRST_AT_A_TIME)
@@ -254,7 +254,7 @@ class Search:
         """
         ceramics, backings = self.candidates.ceramic_mm, self.candidates.backing_mm
         own = self.of_pair(int(self.candidates.pair[best]))
-        left = own[self.defeating[own] & np.isin(backings[own], self.frontier_backings(best))]
+        left = own[self.stopping[own] & np.isin(backings[own], self.frontier_backings(best))]
         left = left[np.lexsort((ceramics[left], backings[left]))]
         columns = left
         found = left[:0]
@@ -288,7 +288,7 @@ class Search:
             order = np.lexsort((layer, other, pairs))
             thin, thick = order[:-1], order[1:]
             where = (pairs[thin] == pairs[thick]) & (other[thin] == other[thick])
-            where &= self.defeating[thin] & ~self.defeating[thick]
+            where &= self.stopping[thin] & ~self.stopping[thick]
             needed = (self.catalogue.required_m_s(self.candidates.at(some[where])) for some in (thin, thick))
             for place in thin[where][np.greater_equal(*needed).all(axis=1)]:
                 yield int(pairs[place]), name, float(other[place])
@@ -297,9 +297,9 @@ class Search:
         """Return the back plate thicknesses of a frontier at which a thicker ceramic is known not to pass, mm."""
         ceramics, backings = self.candidates.ceramic_mm, self.candidates.backing_mm
         own = self.of_pair(int(self.candidates.pair[frontier[0]]))
-        known = own[self.defeating[own] & ~np.isnan(self._limits[own]).any(axis=1)]
+        known = own[self.stopping[own] & ~np.isnan(self._limits[own]).any(axis=1)]
         required = self.catalogue.required_m_s(self.candidates.at(known))
-        failing = own[~self.defeating[own]]
+        failing = own[~self.stopping[own]]
         if self.catalogue.bounded:
             failing = failing[self.requirement.tested(self.candidates.at(failing))]
         failing = np.union1d(failing, known[(self._limits[known] < required).any(axis=1)])
@@ -316,7 +316,7 @@ class Search:
         Of designs that do not differ by the resolution of a criterion, one stands.
         Only the members of the front are verified, by scan; margins of the others come from the quick search.
         """
-        left = np.flatnonzero(self.defeating)
+        left = np.flatnonzero(self.stopping)
         limits = self._quick_limits(left) if MARGIN in criteria else self._limits.copy()
         while True:
             columns = {**self.candidates._asdict(), MARGIN: -self.margins(limits).min(axis=1)}

@@ -38,10 +38,10 @@ class Impacts(NamedTuple):
 class Brackets(NamedTuple):
     """Results of n searches for a ballistic limit, m/s, or a ceramic thickness, m; an array of shape (n,) each.
 
-    If nothing in the range is defeated, or perforated, that end of the bracket is infinite.
+    If nothing in the range is stopped, or perforated, that end of the bracket is infinite.
     """
 
-    defeated: Floats  # the end of the bracket that is defeated
+    stopped: Floats  # the end of the bracket that is stopped
     perforated: Floats  # the end of the bracket that perforates
     runs: Ints
     resolved: NDArray[np.bool_]  # every run ended within the maximum number of steps
@@ -49,7 +49,7 @@ class Brackets(NamedTuple):
     @property
     def bounded(self) -> NDArray[np.bool_]:
         """Whether the outcome changes within the range, shape (n,)."""
-        return np.isfinite(self.defeated) & np.isfinite(self.perforated)
+        return np.isfinite(self.stopped) & np.isfinite(self.perforated)
 
 
 class SolverOptions(NamedTuple):

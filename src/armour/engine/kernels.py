@@ -102,7 +102,7 @@ def ballistic_limits(rows: Any, settings: Any, counts: Any, ends: Any) -> None:
 
 
 def least_thicknesses(rows: Any, velocities: Any, settings: Any, counts: Any, ends: Any) -> None:
-    """Do the same for the least ceramic thickness that defeats each impact."""
+    """Do the same for the least ceramic thickness that stops each impact."""
     for i in range(len(rows)):
         found = search.find_least_ceramic_thickness(parameters_at(rows, i), velocities[i], *settings)
         counts[i, 0], counts[i, 1] = found.runs, found.resolved

@@ -95,7 +95,7 @@ class ModelError:
         """Return the median of the armour's ballistic limit, given that of the model, m/s."""
         return float(limit_m_s * (1.0 + self.quantile(0.5)))
 
-    def probability_of_defeat(self, limit_m_s: Any, velocity_m_s: Any) -> Any:
+    def probability_of_stopping(self, limit_m_s: Any, velocity_m_s: Any) -> Any:
         """Return the probability that the ballistic limit of the armour exceeds a velocity, given that of the model.
 
         The limit must be above 0; numbers or arrays, m/s.

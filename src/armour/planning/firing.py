@@ -16,7 +16,7 @@ from pydantic import Field
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.results import OnProgress, Result, ignore_progress
-from armour.csv_files import read_csv
+from armour.csv_files import OUTCOMES, PERFORATED, read_csv
 from armour.errors import Problem, mistake, refuse
 from armour.evidence.model_error import ModelError
 from armour.files import reason
@@ -468,7 +468,7 @@ def content_of(path: Path) -> bytes | None:
     return path.read_bytes() if path.exists() else None
 
 
-def with_shot(path: Path, velocity_m_s: float, result: str) -> bytes:
+def with_shot(path: Path, velocity_m_s: float, word: str) -> bytes:
     """Return the content of a file of shots, which need not exist, with one more; what `read_shots` read of it stays.
 
     The row has the columns of the file, and its result is spelt as the one before.  A shot that repeats another is
@@ -479,11 +479,11 @@ def with_shot(path: Path, velocity_m_s: float, result: str) -> bytes:
     content = f"{','.join(HEADER)}\n".encode() if content is None else content
     (_, header), *shots = lines
     names = [cells[header.index("shot")] for _, cells in shots] if "shot" in header else []
-    known = shots[-1][1][header.index("result")] if shots else result
+    known = shots[-1][1][header.index("result")] if shots else word
     texts = {
         "shot": next_name(names, len(shots)),
         "velocity_m_s": f"{velocity_m_s:g}" if float(f"{velocity_m_s:g}") == velocity_m_s else repr(velocity_m_s),
-        "result": _spelt(result, known),
+        "result": _spelt(word, known),
     }
     row = [texts.get(name, "") for name in header]
     if any(cells == row for _, cells in shots):
@@ -501,9 +501,10 @@ def _named(content: bytes, places: Sequence[int]) -> bytes:
     return (BOM_UTF8 if content.startswith(BOM_UTF8) else b"") + b"".join(lines)
 
 
-def _spelt(result: str, known: str) -> str:
-    """Return a result as a word, P or C, or PP or CP, in the case of a known one."""
-    word = {1: result[0], 2: f"{result[0]}p"}.get(len(known), result)
+def _spelt(word: str, known: str) -> str:
+    """Return a word for a result by one of the pair, and in the case, of a known one."""
+    pair = next(pair for pair in OUTCOMES if known.lower() in pair)
+    word = pair[PERFORATED[word.lower()]]
     return word.upper() if known.isupper() else word.capitalize() if known.istitle() else word
 
 

@@ -30,7 +30,7 @@ from armour.reporting.views import design as design_view
 from armour.reporting.views import impact as impact_view
 from armour.reporting.views import sensitivity as sensitivity_view
 from armour.reporting.views import uncertainty as uncertainty_view
-from armour.reporting.views.confidence import DEFEAT, SAMPLED_ALONE, chance, extrapolation, from_tests
+from armour.reporting.views.confidence import SAMPLED_ALONE, STOPPING, chance, extrapolation, from_tests
 from armour.reporting.views.design import AREAL_DENSITY, COST
 from armour.reporting.views.library import entry_table
 from armour.scenario.inputs import INPUTS, NAMES, ROLES
@@ -101,8 +101,8 @@ def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *
     worst = min(range(len(threats)), key=lambda place: _standing(threats[place]))
     answer = faced[worst]
     if design is not None:
-        probabilities = {found.threat: found.probability_of_defeat for found in threats}
-        best = replace(design.best, probabilities_of_defeat=probabilities)
+        probabilities = {found.threat: found.probability_of_stopping for found in threats}
+        best = replace(design.best, probabilities_of_stopping=probabilities)
         design = replace(design, best=best).of(**design.question)
     sure, not_alone = _confidence(answer)
     unused = scenario.unused_distributions() if distributed else ()
@@ -141,8 +141,8 @@ def _standing(found: CheckedThreat) -> tuple[int, float]:
 
     A threat of an unknown probability comes first if it perforates by the model, and last otherwise.
     """
-    if found.probability_of_defeat is not None:
-        return 1, found.probability_of_defeat
+    if found.probability_of_stopping is not None:
+        return 1, found.probability_of_stopping
     stopped = inf if found.passed else -inf
     margin = stopped if found.margin_m_s is None else found.margin_m_s - found.required_margin_m_s
     return (0 if margin < 0.0 else 2), margin
@@ -153,7 +153,7 @@ def _sampled(found: CheckedThreat, scenario: Scenario, on_part: OnProgress) -> C
     probability = 1.0 - probability_of_perforation(scenario, on_progress=on_part).value
     required = found.required_probability
     passed = found.passed if required is None else probability >= required
-    return replace(found, probability_of_defeat=probability, passed=passed)
+    return replace(found, probability_of_stopping=probability, passed=passed)
 
 
 def _misplaced(scenario: Scenario, answer: Scenario) -> tuple[Note, ...]:
@@ -207,7 +207,7 @@ def _is_asked(contents: Contents) -> bool:
 
 def _unknown(found: CheckedThreat) -> bool:
     """Return whether it is not known if a threat is stopped with the probability asked for."""
-    return found.required_probability is not None and found.probability_of_defeat is None
+    return found.required_probability is not None and found.probability_of_stopping is None
 
 
 def _verdict(contents: Contents) -> tuple[bool | None, str]:
@@ -224,18 +224,18 @@ def _verdict(contents: Contents) -> tuple[bool | None, str]:
 
 def _cards(contents: Contents) -> Iterator[Card]:
     """Give the probability, the armour and what was asked for."""
-    found = chance(contents.threat.probability_of_defeat, contents.threat.model_error)
+    found = chance(contents.threat.probability_of_stopping, contents.threat.model_error)
     value, against = found, ""
     others = [of for of in contents.threats if of is not contents.threat]
-    unknown = [of.threat for of in others if of.probability_of_defeat is None]
+    unknown = [of.threat for of in others if of.probability_of_stopping is None]
     if others:
         against = f"against {contents.threat.threat}; "
-    if contents.threat.probability_of_defeat is not None and unknown:
+    if contents.threat.probability_of_stopping is not None and unknown:
         value = f"{found} or unknown"
         against = f"unknown against {' and '.join(unknown)}; {found} {against}"
-    elif contents.threat.probability_of_defeat is not None and others:
+    elif contents.threat.probability_of_stopping is not None and others:
         against = f"against {contents.threat.threat}, the most likely of {len(contents.threats)} threats to perforate; "
-    yield Card(DEFEAT.label.capitalize(), value, against + _basis(contents))
+    yield Card(STOPPING.label.capitalize(), value, against + _basis(contents))
     yield _armour(contents)
     yield _asked(contents)
 
@@ -245,7 +245,7 @@ def _basis(contents: Contents) -> str:
     sure, sampled = contents.confidence, contents.uncertainty
     error = from_tests(sure.model_error) if sure.model_error else ""
     if sampled is None or contents.threat.threat not in contents.sampled:
-        alone = f"; {SAMPLED_ALONE}" if sampled is not None and sure.probability_of_defeat is None else ""
+        alone = f"; {SAMPLED_ALONE}" if sampled is not None and sure.probability_of_stopping is None else ""
         return f"{sure.reason or error}{alone}"
     p = sampled.probability_of_perforation
     given = f" and the {error}" if sampled.model_error is not None else ", without the model error"
@@ -357,7 +357,7 @@ def _threats(contents: Contents) -> Table:
         column_of("projectile", prose=True),
         column_of("velocity_m_s", "g", "velocity"),
         column_of("obliquity_deg", "g", "obliquity"),
-        (check_view.PROBABILITY, lambda of: chance(of.probability_of_defeat)),
+        (check_view.PROBABILITY, lambda of: chance(of.probability_of_stopping)),
         (Column("inputs"), lambda of: inputs[of.threat] if mixed else ""),
         (Column("required", prose=True), lambda of: _required(of) if asked else ""),
         (Column("result"), lambda of: ("unknown" if _unknown(of) else check_view.verdict(of)) if asked else ""),

@@ -202,12 +202,12 @@ def _limits(variants: Variants) -> Floats:
 
 
 def _residual_velocities(variants: Variants) -> Floats:
-    """Return residual velocities, m/s; of a defeated test, the impact velocity less the ballistic limit."""
+    """Return residual velocities, m/s; of a stopped test, the impact velocity less the ballistic limit."""
     answers = Answers(variants)
     found = answers.impacts.V.copy()
-    defeated = np.flatnonzero(~answers.perforated)
-    if len(defeated):
-        found[defeated] = np.minimum(variants.velocities[defeated] - _limits(variants.at(defeated)), found[defeated])
+    stopped = np.flatnonzero(~answers.perforated)
+    if len(stopped):
+        found[stopped] = np.minimum(variants.velocities[stopped] - _limits(variants.at(stopped)), found[stopped])
     return found
 
 

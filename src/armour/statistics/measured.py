@@ -10,12 +10,11 @@ import numpy as np
 from pydantic import PlainValidator
 
 from armour.analysis.variants import Floats, Ints
-from armour.csv_files import CsvRow, Rows, in_line_order, lines_of, read_rows
+from armour.csv_files import MUST_SAY, PERFORATED, CsvRow, Rows, in_line_order, lines_of, read_rows
 from armour.errors import InputError, Problem
 from armour.scenario.checked import Names, checked
 from armour.scenario.inputs import INPUTS, NAMES, ROLES, VELOCITY
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
-from armour.statistics.v50 import RESULTS
 
 LIMIT, RESIDUAL, MASS, OUTCOME = "ballistic_limit_m_s", "residual_velocity_m_s", "residual_mass_g", "outcome"
 # Quantities that a test can measure, and the columns of their uncertainties (one standard deviation).
@@ -26,8 +25,6 @@ MEASURED = {
 }
 # Range of measurements and uncertainties, in any unit.
 MIN_MEASURED, MAX_MEASURED = 1e-3, 1e6
-# Side of the impact velocity on which the ballistic limit lies, by outcome.
-SIDES = {"defeated": 1, "perforated": -1} | {word: 1 if word[0] == "p" else -1 for word in RESULTS}
 # A table, which is checked when it is read.
 Table = Annotated[str | PathLike[str] | Rows, PlainValidator(lambda table: table)]
 
@@ -165,22 +162,21 @@ def _mistakes(row: CsvRow, repeated: Container[str]) -> list[tuple[str, str]]:
     """Return the mistakes in a row, column and message, given the names that several tests have."""
     found = []
     name, outcome = row.texts.get("test"), row.texts.get(OUTCOME)
-    side = None if outcome is None else SIDES.get(outcome.lower())
+    perforated = None if outcome is None else PERFORATED.get(outcome.lower())
     if name is not None and name in repeated:
         found.append(("test", f'must name one test, found "{name}" on several lines'))
     if outcome is None and not any(column in row.texts for column in MEASURED):
         found.append(("", f"must have one of {', '.join((*MEASURED, OUTCOME))}"))
-    if outcome is not None and side is None:
-        must = 'must be "defeated" or "perforated", "partial" or "complete", P or C, or PP or CP'
-        found.append((OUTCOME, f'{must}, found "{outcome}"'))
-    if side == 1 and RESIDUAL in row.texts:
+    if outcome is not None and perforated is None:
+        found.append((OUTCOME, f'{MUST_SAY}, found "{outcome}"'))
+    if perforated is False and RESIDUAL in row.texts:
         found.append((OUTCOME, f"must not be {outcome} if there is a residual velocity"))
     if outcome is not None and VELOCITY not in row.texts:
         found.append((VELOCITY, "is missing and must be given with an outcome"))
     for column in (*MEASURED, *MEASURED.values()):
         value = row.numbers.get(column, MIN_MEASURED)
         if not MIN_MEASURED <= value <= MAX_MEASURED:
-            hint = '; a projectile that is stopped is an outcome, "defeated"' if column == RESIDUAL else ""
+            hint = '; a projectile that is stopped is an outcome, "stopped"' if column == RESIDUAL else ""
             must = f"must be at least {MIN_MEASURED:g} and at most {MAX_MEASURED:g}"
             found.append((column, f"{must}, found {value:g}{hint}"))
     return found
@@ -193,10 +189,10 @@ def _measurements(test: int, row: CsvRow) -> list[Measurement]:
         for name, uncertainty in MEASURED.items()
         if name in row.numbers
     ]
-    side = SIDES.get(row.texts.get(OUTCOME, "").lower())
-    if side is not None and VELOCITY in row.numbers and not found:
+    perforated = PERFORATED.get(row.texts.get(OUTCOME, "").lower())
+    if perforated is not None and VELOCITY in row.numbers and not found:
         uncertainty = row.numbers.get(MEASURED[LIMIT])
-        found.append(Measurement(test, LIMIT, row.numbers[VELOCITY], uncertainty, side))
+        found.append(Measurement(test, LIMIT, row.numbers[VELOCITY], uncertainty, -1 if perforated else 1))
     return found
 
 

@@ -15,7 +15,7 @@ from pydantic import Field
 from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
 from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
-from armour.csv_files import in_line_order, lines_of, read_rows
+from armour.csv_files import MUST_SAY, PERFORATED, in_line_order, lines_of, read_rows
 from armour.errors import Problem, mistake, refuse, suggestion
 from armour.scenario.checked import checked
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
@@ -29,8 +29,6 @@ from armour.statistics.posterior import (
 )
 from armour.units import missing_unit
 
-# Results of shots by their words in lower case.
-RESULTS = {word: result for result in ("partial", "complete") for word in (result, result[0], f"{result[0]}p")}
 # Number of shots of each kind in the mean, and the span of their velocities that is usual with it, m/s: 125, 90 and
 # 60 ft/s.  MIL-STD-662F leaves the span to the specification.
 SPANS_M_S = {5: 38.1, 3: 27.4, 2: 18.3}
@@ -169,9 +167,9 @@ def read_shots(path: str | PathLike[str], *, one_kind: bool = False) -> Shots:
     Parameters
     ----------
     path : path-like
-        File with the columns ``velocity_m_s``, ``result`` ("partial" or "complete", also P or C, PP or CP, in letters
-        of any case) and, optionally, ``shot``; or, where there is no such file, the name of a shipped one,
-        ``"shots.csv"``.
+        File with the columns ``velocity_m_s``, ``result`` ("partial" or "complete", "stopped" or "perforated", P or C,
+        PP or CP, no or yes, in letters of any case) and, optionally, ``shot``; or, where there is no such file, the
+        name of a shipped one, ``"shots.csv"``.
         Other columns are not read, unless they look like a misspelt one of these, which is refused.
     one_kind : bool
         Whether all penetrations may be partial, or all complete: enough for a plan and for a posterior.
@@ -197,7 +195,7 @@ def read_shots(path: str | PathLike[str], *, one_kind: bool = False) -> Shots:
     rows, problems = read_rows(file, chain(first, lines), numbers=names[:1], texts=texts, needed=names)
     velocities = [row.numbers.get("velocity_m_s", MIN_VELOCITY_M_S) for row in rows]
     given = [row.texts.get("result", "") for row in rows]
-    results = [RESULTS.get(text.lower(), "") for text in given]
+    results = [PERFORATED.get(text.lower()) for text in given]
     for row, velocity, result, text in zip(rows, velocities, results, given, strict=True):
         found = row.texts.get("velocity_m_s", "")
         if not found:
@@ -205,12 +203,11 @@ def read_shots(path: str | PathLike[str], *, one_kind: bool = False) -> Shots:
         elif not MIN_VELOCITY_M_S <= velocity <= MAX_VELOCITY_M_S:
             message = f"must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g}, found {found}"
             problems.append(Problem(file, f"{row.place}: velocity_m_s", f"{message}; is it in m/s?"))
-        if not result:
-            message = f'must be "partial" or "complete", or P or C, or PP or CP, found "{text}"'
-            problems.append(Problem(file, f"{row.place}: result", message))
+        if result is None:
+            problems.append(Problem(file, f"{row.place}: result", f'{MUST_SAY}, found "{text}"'))
     refuse(in_line_order(problems))
     called = tuple(row.texts.get("shot", "") for row in rows)
-    complete = tuple(result == "complete" for result in results)
+    complete = tuple(map(bool, results))
     shots = Shots(tuple(velocities), complete, file, called if any(called) else ())
     check_shots(shots, one_kind=one_kind)
     return shots

@@ -13,7 +13,7 @@ from typing import Annotated, Any, ClassVar, NamedTuple
 from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, field_validator, model_validator
 
 from armour.analysis.quantities import label_and_unit
-from armour.csv_files import number
+from armour.csv_files import MUST_SAY, PERFORATED, number
 from armour.errors import InputError, Problem, choices, mistake, refuse
 from armour.files import read_toml, shipped, shipped_files, suite_file
 from armour.scenario.checked import checked
@@ -114,10 +114,16 @@ class _Expectation(Section):
         return self
 
 
+def _outcome(expected: float | str) -> float | str:
+    """Return an outcome, which people call by several words, as data has it."""
+    perforated = PERFORATED.get(expected.lower()) if isinstance(expected, str) else None
+    return expected if perforated is None else "perforated" if perforated else "stopped"
+
+
 class CaseSection(_Expectation):
     """A case."""
 
-    expected: NumberOrText | None = None
+    expected: Annotated[NumberOrText, AfterValidator(_outcome)] | None = None
     replaced_by: dict[str, Any] | None = None
     measured: Annotated[float, Field(ge=1.0 / LARGEST, le=LARGEST)] | None = None
     file: ClassVar = ""
@@ -127,8 +133,8 @@ class CaseSection(_Expectation):
         if self.expected is None:
             pass  # of a regression value, which an update fills
         elif self.quantity == "outcome":
-            if self.expected not in ("perforated", "defeated"):
-                raise ValueError(f'expected must be "perforated" or "defeated", found {describe(self.expected)}')
+            if self.expected not in PERFORATED:
+                raise ValueError(f"expected {MUST_SAY}, found {describe(self.expected)}")
         elif isinstance(self.expected, str) or abs(self.expected) > LARGEST:
             must = f"expected must be a number up to {LARGEST:g} for {self.quantity}"
             raise ValueError(f"{must}, found {describe(self.expected)}")

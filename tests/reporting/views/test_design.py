@@ -61,12 +61,12 @@ def test_pairs_of_materials_with_the_reasons_of_those_that_lose():
     pairs = (
         Pair("AD85", "5083-H3", best_design(cost_per_m2=None), 0.0, ""),
         Pair("Al-N", "5083-H3", best_design(cost_per_m2=9.0), 4.0, "4 % heavier"),
-        Pair("SiC", "5083-H3", None, None, "defeats nothing"),
+        Pair("SiC", "5083-H3", None, None, "stops nothing"),
     )
     result = replace(design_result(), pairs=pairs)
     table = pair_table(result)
     assert kinds(result) == ["armour", "pairs of materials"]
-    assert [row[-1] for row in table.rows] == ["lightest", "4 % heavier", "defeats nothing"]
+    assert [row[-1] for row in table.rows] == ["lightest", "4 % heavier", "stops nothing"]
     assert table.texts()[2][2:-1] == [""] * 5
     assert table.headings()[6] == "cost per m²"
     assert "cost per m²" not in pair_table(replace(result, pairs=pairs[:1])).headings()

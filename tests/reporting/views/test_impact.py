@@ -27,7 +27,7 @@ def test_the_end_of_dwell_is_named_as_that():
 
 
 ONE = (Crossing((700.0, 700.01), "perforated"),)
-THREE = (*ONE, Crossing((900.0, 900.01), "defeated"), Crossing((950.0, 950.01), "perforated"))
+THREE = (*ONE, Crossing((900.0, 900.01), "stopped"), Crossing((950.0, 950.01), "perforated"))
 
 
 def limit(crossings: tuple[Crossing, ...]) -> LimitResult:

@@ -5,7 +5,7 @@ from armour.reporting import charts
 from armour.reporting.junit import junit_xml
 from armour.reporting.table import Column, Table, column_of, listing
 from armour.reporting.text import Verdict, interval, percent
-from armour.reporting.views.confidence import DEFEAT, chance, error_note, why_unknown
+from armour.reporting.views.confidence import STOPPING, chance, error_note, why_unknown
 
 PROBABILITY = Column("probability", prose=True)
 INTERVAL = Column("95 % interval", "m/s", prose=True)
@@ -28,8 +28,8 @@ def required(threat: CheckedThreat) -> str:
 def finding(threat: CheckedThreat) -> str:
     """Return what was found of an armour against a threat, beside what is required."""
     if threat.required_probability is not None:
-        found = chance(threat.probability_of_defeat, threat.model_error)
-        return f"{DEFEAT.label} {found}, {required(threat)} required"
+        found = chance(threat.probability_of_stopping, threat.model_error)
+        return f"{STOPPING.label} {found}, {required(threat)} required"
     limit = threat.ballistic_limit_m_s
     found = "no ballistic limit found" if limit is None else f"limit {limit:.0f} m/s"
     return f"{found}, required {required(threat)}"
@@ -42,7 +42,7 @@ def what_if_table(threat: CheckedThreat, title: str) -> Table:
         (Column("if", prose=True), lambda of: of.change),
         LIMIT,
         (INTERVAL, lambda of: interval(of.interval_m_s, ".0f")),
-        (PROBABILITY, lambda of: chance(of.probability_of_defeat)),
+        (PROBABILITY, lambda of: chance(of.probability_of_stopping)),
         title=title,
     )
 
@@ -83,7 +83,7 @@ def chart(result: CheckResult) -> charts.Chart:
 
 def _panel(threat: CheckedThreat, *, named: bool) -> charts.Panel:
     rows = (threat.as_given(), *threat.what_ifs)
-    names = tuple(f"{of.change}: {chance(of.probability_of_defeat)}" for of in rows)
+    names = tuple(f"{of.change}: {chance(of.probability_of_stopping)}" for of in rows)
     # An interval that is not known is drawn as the limit.
     known = [
         (limit, float(place), of.interval_m_s or (limit, limit))
@@ -105,6 +105,8 @@ def junit(result: CheckResult) -> bytes:
     cases = []
     for threat in result.threats:
         limit = "" if threat.ballistic_limit_m_s is None else f", limit {threat.ballistic_limit_m_s:.1f} m/s"
-        found = f"required {required(threat)}, found {chance(threat.probability_of_defeat, threat.model_error)}{limit}"
+        found = (
+            f"required {required(threat)}, found {chance(threat.probability_of_stopping, threat.model_error)}{limit}"
+        )
         cases.append(("threat", threat.threat, "" if threat.passed else "failure", found))
     return junit_xml(" ".join(result.heading()[:1]), cases)

@@ -9,7 +9,7 @@ from armour.reporting.table import Column, Source, Table, column_of, record
 from armour.reporting.text import interval, number
 from armour.scenario.scenario import Scenario
 
-DEFEAT = Column("probability of stopping the projectile", prose=True)
+STOPPING = Column("probability of stopping the projectile", prose=True)
 
 
 EXCLUDED = "model error: excluded by uncertainty.model"
@@ -69,14 +69,14 @@ def extrapolation(error: ModelError) -> list[str]:
 
 def confidence_note(result: ConfidenceResult) -> str:
     """Return what the probability rests on, or why it is not known."""
-    if result.model_error is None or result.probability_of_defeat is None:
+    if result.model_error is None or result.probability_of_stopping is None:
         return why_unknown(result.reason, result.probability_at_normal_incidence)
     return error_note(result, result.model_error)
 
 
 def why_unknown(reason: str, probability_at_normal_incidence: float | None) -> str:
     """Return why a probability is not known, and that at 0 degrees where this is."""
-    found = f"{DEFEAT.label}: unknown, {reason}"
+    found = f"{STOPPING.label}: unknown, {reason}"
     if probability_at_normal_incidence is None:
         return found
     return f"{found}; at 0°: {chance(probability_at_normal_incidence)}, and bare plates stop cores at least as well"
@@ -93,12 +93,12 @@ def with_error(median_m_s: float | None, interval_m_s: tuple[float, float] | Non
 
 def confidence_table(result: ConfidenceResult) -> Table:
     """Return the ballistic limit and the probability that it exceeds the impact velocity."""
-    sure = result.probability_of_defeat
+    sure = result.probability_of_stopping
     return record(
         result,
         BALLISTIC_LIMIT,
         with_error(result.median_m_s, result.interval_m_s),
-        (DEFEAT, None if sure is None else chance(sure, result.model_error)),
+        (STOPPING, None if sure is None else chance(sure, result.model_error)),
     )
 
 

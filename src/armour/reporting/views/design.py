@@ -12,7 +12,7 @@ from armour.design.optimise import OBJECTIVES, BestDesign, Design, DesignResult
 from armour.reporting import charts
 from armour.reporting.table import Column, Source, Table, column_of, csv_text, listing, record
 from armour.reporting.text import interval, number, percent
-from armour.reporting.views.confidence import DEFEAT, chance, error_note, risk, with_error
+from armour.reporting.views.confidence import STOPPING, chance, error_note, risk, with_error
 from armour.scenario.scenario import Scenario
 
 if TYPE_CHECKING:
@@ -47,8 +47,8 @@ def best_table(design: BestDesign, required: Mapping[str, float], title: str = "
     elif (error := design.model_error) is not None:
         of = design.ballistic_limit_m_s
         limit.append(with_error(error.median(of), error.interval(of)))
-    sure = chance(design.probabilities_of_defeat[design.governing], design.model_error)
-    against: list[Source] = [(DEFEAT, sure), MARGIN, (REQUIRED, required.get(design.governing))]
+    sure = chance(design.probabilities_of_stopping[design.governing], design.model_error)
+    against: list[Source] = [(STOPPING, sure), MARGIN, (REQUIRED, required.get(design.governing))]
     if len(design.margins_m_s) > 1:  # the table of the threats has these of each
         limit, against = [(GOVERNED_BY, design.governing), *limit], []
     return record(
@@ -129,17 +129,17 @@ def _thicknesses(design: Design) -> tuple[float, float]:
 
 
 def margin_table(result: DesignResult, required: Mapping[str, float]) -> Table:
-    """Return the best design's margin against each threat, and the probabilities of defeat and of perforation."""
+    """Return the best design's margin against each threat, and the probabilities of stop and of perforation."""
     # Imported here because commands without tables do not need scipy.
     from armour.analysis.estimates import CONFIDENCE
 
     best = result.best
-    defeat, sampled = best.probabilities_of_defeat, best.probabilities
+    stop, sampled = best.probabilities_of_stopping, best.probabilities
     return listing(
         best.margins_m_s,
         (Column("threat", prose=True), str),
         (MARGIN, best.margins_m_s.__getitem__),
-        (DEFEAT, lambda threat: chance(defeat[threat])),
+        (STOPPING, lambda threat: chance(stop[threat])),
         (REQUIRED, required.get),
         (Column("probability of perforation", spec=".3f"), lambda threat: getattr(sampled.get(threat), "value", None)),
         (Column(f"{percent(CONFIDENCE)} interval, by sampling"), lambda threat: interval(sampled.get(threat), ".3f")),
@@ -213,7 +213,7 @@ def _answer(scenario: Scenario, best: BestDesign) -> Scenario:
 
 def margin_notes(best: BestDesign) -> list[str]:
     """Return how likely the best design is perforated, and how to ask for less, where it is likely."""
-    least = min((p for p in best.probabilities_of_defeat.values() if p is not None), default=1.0)
+    least = min((p for p in best.probabilities_of_stopping.values() if p is not None), default=1.0)
     return [f"perforated with a probability of {risk(least)}; {ASK}"] if least < LOW else []
 
 
@@ -275,7 +275,7 @@ def _title(result: DesignResult) -> str:
 
 def _least_sure(result: DesignResult) -> float | None:
     """Return the least of the probabilities that the best design stops each threat; None where one is unknown."""
-    found = [result.best.probabilities_of_defeat[threat] for threat in result.threats]
+    found = [result.best.probabilities_of_stopping[threat] for threat in result.threats]
     return None if None in found else min(p for p in found if p is not None)
 
 

@@ -10,7 +10,6 @@ import numpy as np
 
 from armour.analysis.history import History
 from armour.analysis.impact import ImpactResult
-from armour.analysis.quantities import OUTCOMES
 from armour.core.equations import crack_velocity
 from armour.core.state import Parameters
 from armour.errors import InputError, Problem
@@ -56,9 +55,9 @@ def tables(result: ImpactResult) -> list[Table | str]:
 
 def verdict(result: ImpactResult) -> Verdict:
     """Return the outcome in a line."""
-    stopped = result.outcome == "defeated"
+    stopped = result.outcome == "stopped"
     residual = "" if stopped else f", residual velocity {result.residual_velocity_m_s:.0f} m/s"
-    return Verdict.of(OUTCOMES[result.outcome] + residual, good=stopped)
+    return Verdict.of(result.outcome + residual, good=stopped)
 
 
 def impact_table(result: ImpactResult) -> Table:
@@ -238,7 +237,7 @@ def _events(result: ImpactResult) -> Iterator[tuple[float, str]]:
         elif (stage.stage, after.stage) == ("ii.2", "ii.1"):
             event = "dwell ends"
         yield stage.end_us, event
-    yield result.duration_us, OUTCOMES[result.outcome]
+    yield result.duration_us, result.outcome
 
 
 def _picture(

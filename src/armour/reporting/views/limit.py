@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 
 from armour.analysis.ballistic_limit import LimitResult, curve_velocities, residual_velocity_curve
-from armour.analysis.quantities import OUTCOMES
 from armour.reporting import charts
 from armour.reporting.table import Column, Table, column_of, listing, record
 from armour.reporting.text import interval
@@ -27,7 +26,7 @@ def crossing_table(result: LimitResult) -> Table:
     return listing(
         result.crossings,
         (Column("velocity", "m/s", ".1f"), lambda crossing: crossing.bracket_m_s[1]),
-        (Column("outcome above"), lambda crossing: OUTCOMES[crossing.above]),
+        (Column("outcome above"), lambda crossing: crossing.above),
     )
 
 
@@ -58,8 +57,8 @@ def chart(result: LimitResult) -> charts.Chart:
     if (error := result.model_error) is not None and result.interval_m_s is not None:
         title += f", 95 % interval {interval(result.interval_m_s, '.0f')} m/s"
         velocities = np.linspace(*reach, CURVE_POINTS)
-        stops = error.probability_of_defeat(limit, velocities)
-        at = float(error.probability_of_defeat(limit, threat))
+        stops = error.probability_of_stopping(limit, velocities)
+        at = float(error.probability_of_stopping(limit, threat))
         low, high = result.interval_m_s
         likely: list[charts.Series] = [
             charts.Spans([low], [high], ("95 % interval",)),

@@ -6,7 +6,7 @@ from armour.analysis.estimates import Estimate
 from armour.reporting import charts
 from armour.reporting.table import Column, Table, column_of, in_words, listing, record
 from armour.reporting.text import interval, percent, with_interval
-from armour.reporting.views.confidence import DEFEAT, SAMPLED_ALONE, error_note, risk, rounded_down
+from armour.reporting.views.confidence import SAMPLED_ALONE, STOPPING, error_note, risk, rounded_down
 from armour.statistics.uncertainty import UncertaintyResult
 
 SAMPLING_NOTE = "more samples make the intervals narrower; the spread of the ballistic limit is V05 to V95"
@@ -35,7 +35,7 @@ def estimate_table(result: UncertaintyResult) -> Table:
     limits = {**result.ballistic_limit_m_s, "mean ballistic limit": mean}
     # A probability and velocities have different decimals, so that the numbers are formatted here.
     found = [
-        (DEFEAT.label, "%", stopped, ".1f"),
+        (STOPPING.label, "%", stopped, ".1f"),
         *((name, "m/s", estimate, ".0f") for name, estimate in limits.items()),
     ]
     sampling = Column(f"sampling error, {percent(result.confidence)} interval")
