@@ -2,7 +2,7 @@ import json
 import pickle
 from copy import deepcopy
 
-from armour.errors import InputError, NoDesignError, NoLimitError, Note, Problem, choices, listed, suggestion
+from armour.errors import InputError, NoLimitError, Note, Problem, choices, listed, suggestion
 
 
 def test_a_problem_reads_file_key_message():
@@ -20,7 +20,6 @@ def test_a_note_is_a_text_with_the_key_that_it_is_about():
 
 def test_no_answer_is_not_wrong_input():
     assert not issubclass(NoLimitError, InputError)
-    assert not issubclass(NoDesignError, InputError)
 
 
 def test_a_suggestion_is_the_closest_name():

@@ -8,6 +8,7 @@ from .analysis.ballistic_limit import confidence as confidence
 from .analysis.closed_forms import FlorenceResult as FlorenceResult
 from .analysis.closed_forms import ResidualVelocityFit as ResidualVelocityFit
 from .analysis.estimates import Estimate as Estimate
+from .analysis.flow_stress import NeededFlowStress as NeededFlowStress
 from .analysis.history import History as History
 from .analysis.impact import ImpactResult as ImpactResult
 from .analysis.impact import StageRecord as StageRecord
@@ -24,7 +25,6 @@ from .design.optimise import optimise as optimise
 from .errors import ArmourError as ArmourError
 from .errors import InputError as InputError
 from .errors import NoAnswerError as NoAnswerError
-from .errors import NoDesignError as NoDesignError
 from .errors import NoLimitError as NoLimitError
 from .errors import Problem as Problem
 from .evidence.model_error import ModelError as ModelError

@@ -5,8 +5,7 @@
     ArmourError
     ├── InputError            the input is wrong; lists every mistake found        (exit code 2)
     └── NoAnswerError         the question has no answer in the given range        (exit code 1)
-        ├── NoLimitError      no ballistic limit in the range of velocities
-        └── NoDesignError     no design of the grid stops the projectile
+        └── NoLimitError      no ballistic limit in the range of velocities
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -54,15 +53,18 @@ class Note(str):
         Dotted key that the warning is about; empty if it is about none.
     text : str
         What a reader should know.
+    brief : str
+        What is outside what the model was compared with, in a few words; empty of other warnings.
     """
 
     key: str
     text: str
+    brief: str
 
-    def __new__(cls, text: str, key: str = "") -> Self:
+    def __new__(cls, text: str, key: str = "", brief: str = "") -> Self:
         """Make the warning of its text and its key."""
         made = super().__new__(cls, f"{key}: {text}" if key else text)
-        made.key, made.text = key, text
+        made.key, made.text, made.brief = key, text, brief
         return made
 
 
@@ -99,10 +101,6 @@ class NoLimitError(NoAnswerError):
         self.above = above
 
 
-class NoDesignError(NoAnswerError):
-    """No design of the grid stops the projectile."""
-
-
 def mistake(file: str | PathLike[str], key: str, message: str) -> InputError:
     """Return the error of one mistake; see `Problem`."""
     return InputError([Problem(str(file), key, message)])
@@ -127,6 +125,21 @@ def listed(names: Sequence[str]) -> str:
     """Return names as part of a sentence: the first ones, and how many more there are."""
     more = len(names) - MAX_NAMES
     return ", ".join(names[:MAX_NAMES]) + (f" and {more} more" if more > 0 else "")
+
+
+def in_two_lines(warnings: Sequence[str], where: str) -> list[str]:
+    """Return warnings in two lines at most: what is outside what the model was compared with, and the first other one.
+
+    The words say where the others are.
+    """
+    outside = [each for each in warnings if isinstance(each, Note) and each.brief]
+    others = [each for each in warnings if each not in outside]
+    briefs = list(dict.fromkeys(each.brief for each in outside))
+    found: list[str] = list(outside[:1])
+    if len(briefs) > 1:
+        found = [f"outside what the model was compared with: {listed(briefs)}; explained {where}"]
+    more = len(others) - 1
+    return [*found, *(f"{each}; {more} more {where}" if more > 0 else each for each in others[:1])]
 
 
 def suggestion(word: str, known: Sequence[str]) -> str:

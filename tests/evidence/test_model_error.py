@@ -19,6 +19,7 @@ from armour.scenario.inputs import OBLIQUITY
 from armour.scenario.scenario import Scenario
 from armour.statistics.uncertainty import uncertainty
 from tests.helpers.cases import scenario
+from tests.helpers.results import best_of
 from tools.evidence import matched_pairs
 
 EVIDENCE = {evidence.fits[0].name: evidence for evidence in shipped_evidence() if evidence.fits}
@@ -105,7 +106,7 @@ def test_one_probability_in_every_command(law: str):
     expected = confidence(case)
     assert expected.probability_of_stopping is not None
     catalogue = {"ceramic": [{"material": law, **only}], "backing": [{"material": "6061-T6", **only}]}
-    [of_design] = optimise(case.replaced({"design": catalogue})).best.probabilities_of_stopping.values()
+    [of_design] = best_of(optimise(case.replaced({"design": catalogue}))).probabilities_of_stopping.values()
     [of_row] = evaluate(case, {}, ["probability_of_stopping"])["probability_of_stopping"]
     found = [check(case).threats[0].probability_of_stopping, of_design, of_row]
     assert found == pytest.approx([expected.probability_of_stopping] * 3, abs=1e-9)

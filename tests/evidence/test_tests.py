@@ -64,7 +64,11 @@ LAW = {"ceramic": {"law": {"based_on": "AD85", "flow_stress_backing_exponent": 0
 @pytest.mark.parametrize(
     ("changes", "velocity", "starts"),
     [
-        ({}, 2000.0, ["impact.velocity_m_s: the model was compared with results at 620 to 1300 m/s, found 2000"]),
+        (
+            {},
+            2000.0,
+            ["impact.velocity_m_s: the model was compared with results for velocities of 620 to 1300 m/s, found 2000"],
+        ),
         (
             {"ceramic_mm": 60.0},
             800.0,

@@ -24,7 +24,15 @@ def impact(velocity: float = 800.0) -> ImpactResult:
 
 def design(ceramic: str, ceramic_mm: float, backing_mm: float, areal_density: float, cost: float = 0.0) -> Design:
     """A design on 6061-T6."""
-    return Design(ceramic, "6061-T6", ceramic_mm, backing_mm, areal_density, ceramic_mm + backing_mm, cost, None)
+    thickness = ceramic_mm + backing_mm
+    return Design(ceramic, "6061-T6", ceramic_mm, backing_mm, areal_density, thickness, cost, None, untested=False)
+
+
+def best_of(result: DesignResult) -> BestDesign:
+    """The best design of a result that has one."""
+    assert result.best is not None, result.explanation
+    assert result.reason == ""
+    return result.best
 
 
 def best_design(*args: Any, **changes: Any) -> BestDesign:
@@ -40,6 +48,8 @@ def best_design(*args: Any, **changes: Any) -> BestDesign:
         "probabilities": {},
         "probabilities_of_stopping": {THREAT: 0.64, OTHER: None},
         "model_error": ModelError(0.0, 7.0, 12.0, "13 tests"),
+        "short_m_s": {THREAT: 0.0},
+        "exceeds": {},
     }
     return BestDesign(**{**values, **changes})
 
@@ -56,6 +66,10 @@ def design_result(
         minimised="areal_density_kg_m2",
         threats=threats,
         best=found,
+        reason="",
+        explanation="",
+        nearest=None,
+        without_limits=None,
         frontier=frontier,
         frontier_governed_by=(threats[-1],) * 3,
         refined=best_design(ceramic, 8.1, 5.8, 43.4) if refined else None,

@@ -115,7 +115,7 @@ def test_the_scatter_of_earlier_firings():
 
 def test_a_stated_error_is_a_prior_and_an_unknown_one_none():
     with pytest.raises(
-        InputError, match=r"uncertainty.model: must give scale_percent for a prior: no test of such an armour"
+        InputError, match=r"uncertainty.model: must give scale_percent for a prior: no test of SiC on metal"
     ):
         plan_shots(scenario(**UNKNOWN))
     with pytest.raises(InputError, match="limits_m_s: must be given: the model error"):

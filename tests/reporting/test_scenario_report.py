@@ -8,7 +8,7 @@ import pytest
 from armour import __version__
 from armour.analysis.ballistic_limit import ConfidenceResult, ballistic_limit
 from armour.analysis.impact import energy_balance
-from armour.design.check import CheckedThreat, check
+from armour.design.check import CheckedThreat, check, verdict_of
 from armour.design.optimise import DesignResult, optimise
 from armour.errors import Note
 from armour.evidence.model_error import NO_TEST
@@ -21,7 +21,7 @@ from armour.reporting.views.design import AREAL_DENSITY, COST, frontier_table
 from armour.scenario.scenario import load_scenario
 from armour.statistics.uncertainty import uncertainty
 from tests.helpers.cases import RANGE, SCENARIOS, scenario
-from tests.helpers.results import OTHER, THREAT, design_result, uncertainty_result
+from tests.helpers.results import OTHER, THREAT, best_of, design_result, uncertainty_result
 
 pytestmark = pytest.mark.slow
 
@@ -34,7 +34,7 @@ def contents(name: str) -> Contents:
 @pytest.mark.parametrize("name", ["paper/optimum_7.62mm_AP", "catalogue"])
 def test_the_armour_is_the_best_design_against_the_threat_that_most_likely_perforates_it(name: str):
     found = contents(name)
-    best = optimise(found.scenario).best
+    best = best_of(optimise(found.scenario))
     answer = found.answer
     assert answer.armour.ceramic == best.ceramic
     assert answer.armour.backing == best.backing
@@ -56,7 +56,7 @@ def test_the_answer_of_a_bare_plate_has_no_ceramic():
     found = contents_of(scenario(ceramic=None, ceramic_mm=0.0, velocity=500.0, optimise=plate))
     assert found.design is not None
     assert not found.answer.armour.ceramic
-    assert found.answer.armour.backing_thickness_mm == found.design.best.backing_thickness_mm
+    assert found.answer.armour.backing_thickness_mm == best_of(found.design).backing_thickness_mm
 
 
 def test_the_own_armour_is_reported_as_a_check_finds_it():
@@ -76,7 +76,7 @@ def test_a_limit_outside_the_range_is_reported_where_the_armour_is_perforated():
         search = {"velocity_max_m_s": high}
         found = contents_of(scenario(threat=threats, ballistic_limit=search), as_is=True)
         assert found.threat == found.threats[1]
-        assert [against.passed for against in found.threats] == [True, False]
+        assert [against.verdict for against in found.threats] == ["passes", "fails"]
 
 
 def test_a_confidence_asks_for_no_design():
@@ -92,7 +92,7 @@ def test_a_density_on_offer_is_the_answers():
     found = contents_of(case)
     assert found.design is not None
     added = case.design.added_areal_density_kg_m2 if case.design is not None else 0.0
-    assert found.impact.areal_density_kg_m2 + added == pytest.approx(found.design.best.areal_density_kg_m2)
+    assert found.impact.areal_density_kg_m2 + added == pytest.approx(best_of(found.design).areal_density_kg_m2)
 
 
 def test_a_distribution_about_another_value_than_the_designs_is_left_out():
@@ -148,7 +148,7 @@ def wilkins() -> Contents:
 @pytest.fixture(autouse=True)
 def without_map(monkeypatch: pytest.MonkeyPatch) -> None:
     """Results made by hand have no map; that of others takes time, and is tested with their view."""
-    monkeypatch.setattr(design_view, "map_chart", lambda result: Chart(f"map of {result.best.ceramic}", ()))
+    monkeypatch.setattr(design_view, "map_chart", lambda result: Chart(f"map of {best_of(result).ceramic}", ()))
 
 
 def asked(*given: tuple[float | None, float | None]) -> Contents:
@@ -156,9 +156,9 @@ def asked(*given: tuple[float | None, float | None]) -> Contents:
     [own] = wilkins().threats
     threats: list[CheckedThreat] = []
     for name, (found, required) in zip((THREAT, OTHER), given, strict=False):
-        passed = required is None or (found is not None and found >= required)
+        verdict = verdict_of(required, found, stops=True)
         of = replace(own, threat=name, probability_of_stopping=found)
-        threats.append(replace(of, required_probability=required, passed=passed))
+        threats.append(replace(of, required_probability=required, verdict=verdict))
     result = replace(wilkins().check, threats=tuple(threats))
     faced = [{"projectile": "7.62 mm AP", "velocity_m_s": 800.0}, {**OTHER_THREAT}][: len(threats)]
     facing = wilkins().scenario.replaced({"threat": faced})
@@ -212,7 +212,7 @@ def test_the_verdict_follows_what_was_asked_for(
     table = section(asked(*given), "Threats").tables[0]
     if passed is not None:
         results = [row[table.headings().index("result")] for row in table.texts()]
-        assert [result == "unknown" for result in results] == [probability is None for probability, _ in given]
+        assert [result == "not known" for result in results] == [probability is None for probability, _ in given]
 
 
 def test_the_answer_without_a_design():
@@ -242,7 +242,7 @@ def test_no_figure_where_nothing_was_tested():
     found = statements(contents_of(scenario(ceramic="SiC", uncertainty=SAMPLED)))
     statement, detail = found["Probability of stopping the projectile"]
     assert statement == "unknown"
-    assert "no test of such an armour" in detail
+    assert "no test of SiC on metal" in detail
     assert detail.endswith(SAMPLED_ALONE)
     assert not any("±" in text for card in found.values() for text in card)
 

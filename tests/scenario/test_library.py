@@ -156,7 +156,7 @@ def test_a_name_that_is_like_none_is_an_error_with_the_nearest():
 
 def test_a_name_that_is_none_hints_at_descriptions_and_the_list():
     for name, message in (
-        ("carbide", r'found "carbide"; choose from SiC \(flow stress 13 GPa\), B4C'),
+        ("carbide", r'found "carbide"; choose from SiC \(flow stress 9 GPa\), B4C'),
         ("stone", 'found "stone"; armour library lists them'),
     ):
         with pytest.raises(InputError, match=message):

@@ -10,7 +10,7 @@ import pytest
 from armour.analysis.ballistic_limit import ConfidenceResult, confidence
 from armour.analysis.evaluate import evaluate
 from armour.design.optimise import optimise
-from armour.errors import InputError, NoAnswerError, NoDesignError
+from armour.errors import InputError, NoAnswerError
 from armour.evidence.tests import armour_of, scenario_warnings
 from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, VELOCITY
 from armour.scenario.scenario import Scenario, parse_scenario
@@ -20,6 +20,7 @@ from armour.statistics.measured import Tests as Measured
 from armour.statistics.measured import read_tests
 from tests.helpers.cases import TESTS, shipped_scenario
 from tests.helpers.fits import table_of, wilkins_fit
+from tests.helpers.results import best_of
 from tools.campaigns import own_tests as campaign
 
 pytestmark = pytest.mark.slow
@@ -146,7 +147,7 @@ def test_the_probability_is_the_same_whichever_law_was_fitted(law: Law):
 def test_a_bound_on_the_probability_is_kept_where_the_own_law_has_no_weight():
     ranges = {f"{layer}_thickness_mm": {"min": 4.0, "max": 12.0, "step": 0.5} for layer in ("ceramic", "backing")}
     case = of_wilkins().replaced({"optimise": ranges, "design.confidence": 0.9})
-    best = optimise(case).best
+    best = best_of(optimise(case))
     design = {CERAMIC: best.ceramic_thickness_mm, BACKING: best.backing_thickness_mm}
     assert probability(confidence(case.replaced(design))) >= 0.9
     thinner = design | {CERAMIC: best.ceramic_thickness_mm - 0.5}
@@ -165,9 +166,9 @@ def test_unlike_the_tests_the_probability_is_unknown_and_says_why():
         assert words in found.reason
     far = case.replaced({CERAMIC: 40.0, BACKING: 2.0})
     ranges = {"ceramic_thickness_mm": {"min": 40.0, "max": 50.0, "step": 10.0}}
-    with pytest.raises(NoDesignError) as raised:
-        optimise(far.replaced({"optimise": ranges, "design.confidence": 0.9}))
-    assert str(raised.value) == f"the model error is not known: {confidence(far).reason}"
+    result = optimise(far.replaced({"optimise": ranges, "design.confidence": 0.9}))
+    assert result.reason == "not known"
+    assert result.explanation.endswith(confidence(far).reason)
 
 
 CARBIDE = shipped_scenario("wilkins").replaced({"armour.ceramic": "SiC"})
@@ -190,7 +191,7 @@ def test_shots_that_were_all_stopped_tell_something_and_are_warned_of():
     assert any("all shots have the same outcome" in warning for warning in result.warnings)
     case = made(tests, CARBIDE, FLOW_STRESS).replaced({CERAMIC: 7.0, BACKING: 6.0})
     assert probability(confidence(case.replaced({VELOCITY: 900.0}))) > 0.8
-    assert case.inputs()[FLOW_STRESS] == 13.0
+    assert case.inputs()[FLOW_STRESS] == 9.0
 
 
 def test_without_evidence_a_value_that_is_not_identified_cannot_be_written():

@@ -4,11 +4,12 @@ The confidence in an armour is the probability that it stops its threat, given t
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
+from armour.analysis.flow_stress import NeededFlowStress, needed_flow_stress
 from armour.analysis.impact import ImpactResult, impact_at, unresolved_error
 from armour.analysis.results import OnProgress, Result, ignore_progress
 from armour.analysis.searches import limit_brackets, limits_by_law
@@ -277,6 +278,8 @@ class ConfidenceResult(Result):
         Interval in which it lies with a probability of 95 %, m/s.
     probability_at_normal_incidence : float or None
         Where the probability at an angle is not known, that of an armour with a ceramic at 0 degrees.
+    flow_stress : NeededFlowStress or None
+        Flow stress with which a ceramic without tests stops the threat; None of other armours.
     """
 
     probability_of_stopping: float | None
@@ -287,6 +290,7 @@ class ConfidenceResult(Result):
     median_m_s: float | None = None
     interval_m_s: tuple[float, float] | None = None
     probability_at_normal_incidence: float | None = None
+    flow_stress: NeededFlowStress | None = None
 
     def _words(self) -> str:
         if self.probability_of_stopping is None:
@@ -312,11 +316,19 @@ def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress)
     ConfidenceResult
         With the reason if no ballistic limit is found or a run does not end within the maximum number of steps.
     """
-    try:
-        found = of_limit(scenario, _limit(scenario, on_progress), scenario.impact.velocity_m_s)
-    except (NoLimitError, InputError) as error:
-        found = without_limit(scenario, str(error), above=isinstance(error, NoLimitError) and error.above)
+    found = confidence_alone(scenario, on_progress)
+    if found.probability_of_stopping is None:
+        required = scenario.design.confidence if scenario.design else None
+        found = replace(found, flow_stress=needed_flow_stress(scenario, scenario.impact.velocity_m_s, required))
     return found.of(scenario.subject(), scenario=scenario)
+
+
+def confidence_alone(scenario: Scenario, on_progress: OnProgress = ignore_progress) -> ConfidenceResult:
+    """Return the confidence in an armour, without the flow stress that a ceramic without tests needs."""
+    try:
+        return of_limit(scenario, _limit(scenario, on_progress), scenario.impact.velocity_m_s)
+    except (NoLimitError, InputError) as error:
+        return without_limit(scenario, str(error), above=isinstance(error, NoLimitError) and error.above)
 
 
 def _limit(scenario: Scenario, on_progress: OnProgress) -> float:
@@ -350,7 +362,8 @@ def of_limit(scenario: Scenario, limit_m_s: float, velocity_m_s: float) -> Confi
     if error is None:
         at_normal = None
         if scenario.impact.obliquity_deg and scenario.armour.ceramic_thickness_mm:
-            at_normal = confidence(scenario.replaced({OBLIQUITY: 0.0, VELOCITY: velocity_m_s})).probability_of_stopping
+            straight = scenario.replaced({OBLIQUITY: 0.0, VELOCITY: velocity_m_s})
+            at_normal = confidence_alone(straight).probability_of_stopping
         reason = no_error(scenario)
         return ConfidenceResult(None, limit_m_s, None, reason, warnings, probability_at_normal_incidence=at_normal)
     probability = float(error.probability_of_stopping(limit_m_s, velocity_m_s))

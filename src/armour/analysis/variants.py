@@ -133,8 +133,8 @@ def concatenated(parts: Sequence[Variants]) -> Variants:
 def outside_limits(variants: Variants, *, velocities: bool = True) -> Iterator[tuple[str, int]]:
     """Yield the limits of what the model was compared with that some rows lie outside of, and how many do."""
     speeds = variants.velocities if velocities else np.full_like(variants.velocities, np.nan)
-    for key, words, count, _ in limits_outside(variants.armours, speeds):
-        yield f"{key}: {words}", count
+    for each in limits_outside(variants.armours, speeds):
+        yield f"{each.key}: {each.words}", each.armours
     armour = batch.fields(variants.parameters)
     for bare in (False, True):
         if count := int(np.count_nonzero((armour.Hc0 == 0.0) == bare)):

@@ -20,6 +20,7 @@ from armour.cli.console import emit, say
 from armour.cli.experiments import calibrate, plan_shots, plan_tests, v50
 from armour.cli.library import KINDS, init, list_library, schema, section, show_entry
 from armour.cli.question import option
+from armour.cli.runner import NO_ANSWER
 from armour.cli.scenario_commands import (
     ballistic_limit,
     check,
@@ -35,7 +36,7 @@ from armour.cli.suites import figures, validate
 from armour.errors import MAX_PROBLEMS, ArmourError, InputError, NoAnswerError, Problem
 from armour.files import read_text
 
-NO_ANSWER, WRONG_INPUT, INTERRUPTED = 1, 2, 130
+WRONG_INPUT, INTERRUPTED = 2, 130
 
 
 class _Helpful:

@@ -21,7 +21,6 @@ import armour
 from armour.cli import completion
 from armour.cli.console import emit, progress
 from armour.cli.runner import (
-    CHECK_FAILED,
     as_options,
     check_outputs,
     read_scenario,
@@ -132,11 +131,18 @@ Changes = Annotated[
 PlotFile = Annotated[Path | None, option("Draw the result to a .png, .svg or .pdf file.", "--plot", metavar="FILE")]
 Force = Annotated[bool, option("Replace existing files.", "--force")]
 AsJson = Annotated[bool, option("Print one JSON object and nothing else.", "--json")]
+Verbose = Annotated[bool, option("Show every row and every warning.", "--verbose", "-v")]
 
 # Parameters of a question that are no options: a function to call, and the name of the scenario as it was given.
 GIVEN = ("on_progress", "source")
 # Options of every question, after its own.
-COMMON = {"plot": (PlotFile, None), "force": (Force, False), "changes": (Changes, None), "as_json": (AsJson, False)}
+COMMON = {
+    "plot": (PlotFile, None),
+    "force": (Force, False),
+    "changes": (Changes, None),
+    "verbose": (Verbose, False),
+    "as_json": (AsJson, False),
+}
 
 
 class Answer(NamedTuple):
@@ -153,8 +159,8 @@ class Answer(NamedTuple):
     file: str = ""
     # A command to go on with.
     then: str = ""
-    # Whether a check failed, so that the exit code is 3.
-    failed: bool = False
+    # That of the command.
+    exit_code: int = 0
     # A lock that is held until the files are written.
     held: AbstractContextManager[Any] = nullcontext()
 
@@ -219,9 +225,10 @@ def question(
                 asked["source"] = str(values["scenario"])
             with progress(unit, first=first) as count, as_options(function.__name__, named):
                 answer = function(on_progress=count, **asked)
-            _respond(answer, loaded, outputs, plot=plot, as_json=values["as_json"], of_threats=of_threats)
-            if answer.failed:
-                raise typer.Exit(CHECK_FAILED)
+            shown = {"plot": plot, "as_json": values["as_json"], "verbose": values["verbose"], "of_threats": of_threats}
+            _respond(answer, loaded, outputs, **shown)
+            if answer.exit_code:
+                raise typer.Exit(answer.exit_code)
 
         command.__dict__.update(__signature__=inspect.Signature(), parameters=parameters)
         command.__annotations__ = {}
@@ -237,12 +244,13 @@ def _respond(
     *,
     plot: Path | None,
     as_json: bool,
+    verbose: bool,
     of_threats: bool,
 ) -> None:
     """Write and show an answer."""
     from armour.reporting.show import view_of
 
-    result = answer.result
+    result = answer.result.of(every_row=verbose)
     view = view_of(result)
     warnings = result.warnings if answer.warnings is None else answer.warnings
     contents = {path: lambda: view.csv(result) for path in outputs} | {**answer.contents}
@@ -255,7 +263,7 @@ def _respond(
             files=contents.items(),
             plot=plot,
             chart=lambda: view.chart(result),
-            warnings=warnings_of(scenario, warnings, answer.file, of_threats=of_threats),
+            warnings=warnings_of(scenario, warnings, answer.file, of_threats=of_threats, verbose=verbose),
         )
     if answer.then:
         # In one line, so that it can be copied.

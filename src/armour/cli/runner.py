@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from armour.cli.console import say, show, show_json
-from armour.errors import ArmourError, InputError, Problem, mistake, refuse
+from armour.errors import ArmourError, InputError, Problem, in_two_lines, mistake, refuse
 from armour.files import (
     check_unreserved,
     decoded,
@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from armour.reporting.table import Table
     from armour.scenario.scenario import Scenario
 
-# Exit code of a check that failed.
-CHECK_FAILED = 3
+# Exit codes of a question without an answer, and of a check that failed.
+NO_ANSWER, CHECK_FAILED = 1, 3
 STANDARD_INPUT = "standard input"
 PLOT_ENDINGS = (".png", ".svg", ".pdf")
 
@@ -205,13 +205,25 @@ def _encoded(content: str | bytes) -> bytes:
 
 
 def warnings_of(
-    scenario: "Scenario | None", warnings: Iterable[str], file: str = "", *, of_threats: bool = False
+    scenario: "Scenario | None",
+    warnings: Iterable[str],
+    file: str = "",
+    *,
+    of_threats: bool = False,
+    verbose: bool = True,
 ) -> list[str]:
-    """Return warnings as lines for standard error, with those on parts of the scenario that an answer ignores."""
+    """Return warnings as lines for standard error, with those on parts of the scenario that an answer ignores.
+
+    Unless all are asked for, there are two lines at most: those on what the model was compared with in one line, and
+    the first other one.
+    """
     unused = () if of_threats or scenario is None else scenario.unused_threats()
     notes = () if scenario is None else (f"note: {note}" for note in scenario.notes)
     where = file or (scenario.file if scenario else "")
-    return [*notes, *(f"warning: {where}: {warning}" for warning in dict.fromkeys((*unused, *warnings)))]
+    every = list(dict.fromkeys((*unused, *warnings)))
+    if not verbose:
+        every = in_two_lines(every, "with -v")
+    return [*notes, *(f"warning: {where}: {warning}" for warning in every)]
 
 
 @contextmanager

@@ -28,6 +28,8 @@ from armour.cli.question import (
     share,
 )
 from armour.cli.runner import (
+    CHECK_FAILED,
+    NO_ANSWER,
     accepted,
     as_options,
     check_outputs,
@@ -37,7 +39,7 @@ from armour.cli.runner import (
     write,
     wrong_option,
 )
-from armour.errors import NoDesignError, mistake, refuse
+from armour.errors import mistake, refuse
 from armour.files import read_toml, shipped_suites, wrong_ending
 from armour.scenario.inputs import OF_ERROR, SHOT
 from armour.scenario.keys import describe
@@ -119,13 +121,18 @@ def check(
 ) -> Answer:
     """Check an armour against its threats, and with thinner layers, a faster round or at an angle.
 
-    The exit code is 3 if the probability of stopping a threat is below the required one, or unknown; if no probability
-    is required, it is 3 if the ballistic limit is below the velocity plus the margin.
+    The verdict is passes, FAILS or not known, and the exit code 3 for the last two. An armour passes if it stops every
+    threat with the required probability or, if none is required, if the ballistic limit by the model is at least the
+    velocity plus the margin.
     """
     from armour.reporting.views import check as view
 
     result = armour.check(scenario, on_progress=on_progress)
-    return Answer(result, contents={junit: lambda: view.junit(result)}, failed=not result.passed)
+    return Answer(
+        result,
+        contents={junit: lambda: view.junit(result)},
+        exit_code=0 if result.verdict == "passes" else CHECK_FAILED,
+    )
 
 
 @question(
@@ -139,10 +146,6 @@ def optimise(
     scenario: "Scenario",
     on_progress: "OnProgress",
     source: str,
-    every_row: Annotated[
-        bool,
-        option("Show the thinnest ceramic for every back plate, not only for those near the lightest design.", "--all"),
-    ] = False,
     page: Annotated[
         Path | None,
         option("Write an interactive map of all designs, .html.", "--map", metavar="FILE"),
@@ -154,6 +157,7 @@ def optimise(
     """Find the lightest armour that stops the threat.
 
     The scenario may define several threats, a catalogue of materials, and a quantity other than weight to minimise.
+    Where no design is known to pass, the answer is the nearest one, with what it lacks, and the exit code 1.
     """
     drawn = ""
     if page is not None:
@@ -162,15 +166,10 @@ def optimise(
         refuse(wrong_ending(page, (".html",)))
         needed = accepted(changes or (), IMPACT_READS)
         drawn = design_page(scenario, ["armour", "simulate", source], needed, on_progress)
-    try:
-        result = armour.optimise(scenario, on_progress=on_progress, **options)
-    except NoDesignError:
-        # The page shows how far each design is from what is required.
-        if page is not None:
-            write({page: drawn})
-        raise
-    then = "" if source == "-" else _check_of(scenario, result.best, source, changes or ())
-    return Answer(result.of(every_row=every_row), contents={page: lambda: drawn}, then=then)
+    result = armour.optimise(scenario, on_progress=on_progress, **options)
+    named = None if source == "-" else result.shown
+    then = "" if named is None else _check_of(scenario, named, source, changes or ())
+    return Answer(result, contents={page: lambda: drawn}, then=then, exit_code=NO_ANSWER if result.reason else 0)
 
 
 def _check_of(scenario: "Scenario", best: "BestDesign", source: str, changes: Sequence[str]) -> str:

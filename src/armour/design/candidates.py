@@ -33,12 +33,13 @@ def candidates_of(requirement: Requirement, criteria: Sequence[str] = (), *, ref
     parts = [_of_pair(requirement, pair, columns, refine=refine) for pair in pairs]
     if MARGIN in criteria:
         parts += [part for pair in pairs for part in _with_more_margin(requirement, pair, columns)]
-    found = _joined(parts)
+    found = joined(parts)
     found = found.at(catalogue.violations(found) <= 0.0)
     return found.at(catalogue.objective(found).argsort(kind="stable"))
 
 
-def _joined(parts: Sequence[Candidates]) -> Candidates:
+def joined(parts: Sequence[Candidates]) -> Candidates:
+    """Concatenate candidates."""
     return Candidates(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 
 
@@ -107,7 +108,7 @@ def _of_pair(
 
     first = np.tile(backings, (len(columns), 1))
     minimise_over_backings(values_of, first, backing.min, backing.max, width)
-    designs = _joined(found)
+    designs = joined(found)
     return designs.at(np.unique(designs.backing_mm, return_index=True)[1])
 
 

@@ -15,7 +15,7 @@ from armour.engine import batch
 from armour.errors import Problem, refuse
 from armour.evidence.mixture import Mixture
 from armour.evidence.model_error import Errors
-from armour.evidence.tests import Materials
+from armour.evidence.tests import Materials, is_untested
 from armour.scenario.inputs import (
     BACKING,
     CERAMIC,
@@ -111,6 +111,7 @@ class Catalogue:
     projectiles: Floats  # parameters that a threat sets, 0 elsewhere, (threats, fields)
     varying: frozenset[str]  # inputs that differ from design to design or from threat to threat
     more_margin_m_s: float = 0.0  # required of every threat
+    lenient: bool = False  # whether a bound on a probability that is not known is left out
 
     def against(self, pair: int, threat: int) -> Scenario:
         """Return the scenario of a pair against a threat."""
@@ -131,6 +132,18 @@ class Catalogue:
     def bounded(self) -> bool:
         """Whether the probability of perforation of a threat is bounded."""
         return bool((self.bounds < NO_BOUND).any())
+
+    @cached_property
+    def one_source(self) -> Bools:
+        """Whether a single source gives the flow stress of the ceramic of each pair, which is never best then."""
+        return np.array(
+            [of.ceramic is not None and len(of.ceramic.flow_stress_sources_GPa) == 1 for of in self.materials]
+        )
+
+    @cached_property
+    def untested(self) -> list[bool]:
+        """Whether no test on metal is known of the ceramic of each pair."""
+        return [of.ceramic is not None and is_untested(of.ceramic) for of in self.materials]
 
     @cached_property
     def velocities_m_s(self) -> Floats:
@@ -156,8 +169,10 @@ class Catalogue:
         parameters = self.layers[some.pair] + self.projectiles[which]
         shot = self.velocities_m_s[which], self.cosines[which]
         rows = Variants(parameters, *shot, some.pair, self.scenario, self.materials)
-        rows = with_thicknesses(rows, ceramic_mm=some.ceramic_mm, backing_mm=some.backing_mm)
-        return rows, required[which], bounds[which]
+        rows, bounds = with_thicknesses(rows, ceramic_mm=some.ceramic_mm, backing_mm=some.backing_mm), bounds[which]
+        if self.lenient:
+            bounds[~rows.errors.known] = 1.0
+        return rows, required[which], bounds
 
     def required_m_s(self, candidates: Candidates) -> Floats:
         """Return the least ballistic limits required of designs, m/s, (designs, threats).

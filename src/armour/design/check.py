@@ -2,8 +2,10 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Literal
 
-from armour.analysis.ballistic_limit import ConfidenceResult, confidence
+from armour.analysis.ballistic_limit import confidence_alone
+from armour.analysis.flow_stress import NeededFlowStress, needed_flow_stress
 from armour.analysis.impact import simulate
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.errors import Note
@@ -16,6 +18,7 @@ from armour.scenario.schema import DesignSection, Threat
 
 # What is asked of every armour: a part by which the round is faster, and angles.
 FASTER, ANGLES_DEG = 1.05, (0.0, 30.0)
+Verdict = Literal["passes", "fails", "not known"]
 
 
 @dataclass(frozen=True)
@@ -64,10 +67,14 @@ class CheckedThreat:
         Reason why the probability is not known.
     probability_at_normal_incidence : float or None
         That at 0 degrees of an armour with a ceramic, where the probability at an angle is not known.
+    flow_stress : NeededFlowStress or None
+        Flow stress with which a ceramic without tests stops the threat; None of other armours.
     model_error : ModelError or None
         What the probability rests on; None if it is not known.
-    passed : bool
-        Whether the armour stops the threat with the required probability or, if none is, with the required margin.
+    verdict : {"passes", "fails", "not known"}
+        Whether the armour stops the threat with the required probability or, if none is, with the required margin.  If
+        the probability is not known, it fails where the ballistic limit by the model is too low, and is not known
+        otherwise.
     what_ifs : tuple of WhatIf
     """
 
@@ -83,8 +90,9 @@ class CheckedThreat:
     required_probability: float | None
     reason: str
     probability_at_normal_incidence: float | None
+    flow_stress: NeededFlowStress | None
     model_error: ModelError | None
-    passed: bool
+    verdict: Verdict
     what_ifs: tuple[WhatIf, ...]
 
     def as_given(self) -> WhatIf:
@@ -100,24 +108,26 @@ class CheckResult(TableResult):
     Attributes
     ----------
     threats : tuple of CheckedThreat
-    passed : bool
-        Whether it passes against every threat.
+    verdict : {"passes", "fails", "not known"}
+        Whether it passes against every threat; it fails if it fails against one.
     warnings : tuple of str
         Ways in which armour and threats are unlike what the model was compared with.
     """
 
     threats: tuple[CheckedThreat, ...]
-    passed: bool
+    verdict: Verdict
     warnings: tuple[str, ...] = ()
 
     def _columns(self) -> dict[str, list[object]]:
         rows = [
-            {"threat": of.threat, **vars(what_if)} for of in self.threats for what_if in (of.as_given(), *of.what_ifs)
+            {"threat": of.threat, "verdict": of.verdict, **vars(what_if)}
+            for of in self.threats
+            for what_if in (of.as_given(), *of.what_ifs)
         ]
         return by_column(rows)
 
     def _words(self) -> str:
-        return "passed" if self.passed else "failed"
+        return self.verdict
 
 
 @checked
@@ -141,43 +151,50 @@ def check(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> C
     Examples
     --------
     >>> import armour
-    >>> armour.check(armour.load_scenario("wilkins")).passed
-    False
+    >>> armour.check(armour.load_scenario("wilkins")).verdict
+    'fails'
     """
     section = scenario.design or DesignSection()
     found, warnings = [], []
     for place, threat in enumerate(scenario.threats()):
         own = scenario.against(threat)
-        result = confidence(own, on_progress=on_progress)
-        found.append(_checked(own, threat, result, section, on_progress))
+        found.append(_checked(own, threat, section, on_progress))
         key = f"threat[{place}]" if scenario.threat else "impact"
         warnings += [
-            Note(note.text, note.key.replace("impact", key)) for note in scenario_warnings(own, threat.velocity_m_s)
+            Note(note.text, note.key.replace("impact", key), note.brief)
+            for note in scenario_warnings(own, threat.velocity_m_s)
         ]
     warnings += scenario.unused_distributions()
-    passed = all(threat.passed for threat in found)
-    return CheckResult(tuple(found), passed, tuple(dict.fromkeys(warnings))).of(
+    verdicts = [threat.verdict for threat in found]
+    worst: Verdict = "fails" if "fails" in verdicts else "not known" if "not known" in verdicts else "passes"
+    return CheckResult(tuple(found), worst, tuple(dict.fromkeys(warnings))).of(
         scenario.subject(threats=scenario.threat), scenario=scenario
     )
 
 
-def _checked(
-    own: Scenario, threat: Threat, result: ConfidenceResult, section: DesignSection, on_progress: OnProgress
-) -> CheckedThreat:
+def verdict_of(required: float | None, probability: float | None, *, stops: bool) -> Verdict:
+    """Return the verdict on an armour, given the required probability, and whether the limit by the model suffices."""
+    if required is not None and probability is not None:
+        return "passes" if probability >= required else "fails"
+    if required is None:
+        return "passes" if stops else "fails"
+    return "not known" if stops else "fails"
+
+
+def _checked(own: Scenario, threat: Threat, section: DesignSection, on_progress: OnProgress) -> CheckedThreat:
     """Return the armour of a scenario against a threat, which is its impact."""
+    result = confidence_alone(own, on_progress)
     limit, bound = result.ballistic_limit_m_s, threat.probability_of_perforation
     required = section.confidence if bound is None else 1.0 - bound
     probability = result.probability_of_stopping
-    if required is not None:
-        passed = probability is not None and probability >= required
-    elif limit is not None:
-        passed = limit >= threat.required_m_s
+    if limit is not None:
+        stops = limit >= threat.required_m_s
     else:  # the whole range of the search is stopped, or perforates
-        passed = simulate(own.replaced({VELOCITY: threat.required_m_s})).outcome == "stopped"
+        stops = simulate(own.replaced({VELOCITY: threat.required_m_s})).outcome == "stopped"
     what_ifs = []
     for change, values in _changes(own, section.thickness_tolerance_mm):
         other = own.replaced(values)
-        of = confidence(other, on_progress=on_progress)
+        of = confidence_alone(other, on_progress)
         known = (of.ballistic_limit_m_s, of.interval_m_s, of.probability_of_stopping)
         what_ifs.append(WhatIf(change, other.impact.velocity_m_s, *known))
     return CheckedThreat(
@@ -193,8 +210,9 @@ def _checked(
         required_probability=required,
         reason=result.reason,
         probability_at_normal_incidence=result.probability_at_normal_incidence,
+        flow_stress=None if probability is not None else needed_flow_stress(own, threat.required_m_s, required),
         model_error=result.model_error,
-        passed=passed,
+        verdict=verdict_of(required, probability, stops=stops),
         what_ifs=tuple(what_ifs),
     )
 

@@ -1,6 +1,7 @@
 """Ballistic limits of the designs of a pair of materials over both thicknesses, and how surely they are reached."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,10 +12,14 @@ from armour.analysis.variants import Floats
 from armour.design.catalogue import Candidates, Catalogue
 from armour.design.optimise import Design
 from armour.design.search import Requirement
+from armour.engine import batch
 from armour.evidence.model_error import given_error
+from armour.units import GPA
 
 # Interpolation between the nodes of a map of 25 by 25 designs is right to within this, m/s.
 NEAR_M_S = 25.0
+# Thicknesses along an axis between which an edge of what is known is looked for, and its width in the end, mm.
+EDGE_POINTS, EDGE_MM = 101, 1e-6
 # Designs that are tried at a time until one stops the threats.
 TRIED_AT_A_TIME = 64
 
@@ -64,6 +69,52 @@ def design_map(
     return DesignMap(pair, ceramics, backings, candidates, limits.reshape(shape), probabilities, by_probability)
 
 
+def limits_over_sources(catalogue: Catalogue, near: DesignMap) -> Floats | None:
+    """Return the ballistic limits of a map with the flow stresses that sources give for its ceramic.
+
+    They have the shape (sources, ceramics, back plates, threats); None without sources.
+    """
+    ceramic = catalogue.materials[near.pair].ceramic
+    if ceramic is None or not ceramic.flow_stress_sources_GPa or not catalogue.untested[near.pair]:
+        return None
+    found = []
+    for flow_stress in ceramic.flow_stress_sources_GPa:
+        layers = catalogue.layers.copy()
+        batch.fields(layers).Yc0[near.pair] = flow_stress * GPA
+        found.append(_limits(Requirement(replace(catalogue, layers=layers)), near.candidates))
+    return np.array(found).reshape(-1, *near.limits_m_s.shape)
+
+
+def with_edges_of_known(
+    catalogue: Catalogue, pair: int, ceramic_mm: Floats, backing_mm: Floats
+) -> tuple[Floats, Floats]:
+    """Return thicknesses of a grid, mm, with those between which the model error becomes known or unknown."""
+    of = [
+        np.linspace(values[0], values[-1], EDGE_POINTS) if len(values) > 1 else values
+        for values in (ceramic_mm, backing_mm)
+    ]
+    requirement = Requirement(catalogue)
+
+    def is_known(*thicknesses: Any) -> Any:
+        ceramics, backings = np.broadcast_arrays(*map(np.atleast_1d, thicknesses))
+        found = requirement.tested(catalogue.candidates(pair, ceramics.ravel(), backings.ravel()))
+        return found.reshape(ceramics.shape)
+
+    known, grids = is_known(of[0][:, None], of[1][None]), [ceramic_mm, backing_mm]
+    for axis, values in enumerate(of):
+        changes = np.diff(known.astype(int), axis=axis).astype(bool)
+        for place in np.flatnonzero(changes.any(axis=1 - axis)):
+            other = int(np.argmax(np.moveaxis(changes, axis, 0)[place]))
+            low, high = values[place : place + 2]
+            while high - low > EDGE_MM:
+                middle = 0.5 * (low + high)
+                at = (middle, of[1][other]) if axis == 0 else (of[0][other], middle)
+                same = is_known(*at)[0] == np.moveaxis(known, axis, 0)[place, other]
+                low, high = (middle, high) if same else (low, middle)
+            grids[axis] = np.union1d(grids[axis], [low, high])
+    return grids[0], grids[1]
+
+
 def _limits(requirement: Requirement, candidates: Candidates) -> Floats:
     """Return the ballistic limits of designs, also outside the range searched, m/s, (designs, threats)."""
     limits = requirement.quick_limits(candidates)
@@ -97,6 +148,7 @@ def lightest(catalogue: Catalogue, near: DesignMap, probability: float) -> Desig
         stopping = np.flatnonzero((chances.reshape(limits.shape) >= probability).all(axis=1))
         if len(stopping):
             numbers: list[Any] = [*(float(column[stopping[0]]) for column in candidates[1:]), None]
+            numbers.append(catalogue.untested[near.pair])
             return Design(layers[0].material, layers[1].material, *numbers)
     return None
 

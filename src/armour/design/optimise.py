@@ -1,19 +1,20 @@
 """Design optimisation: the best design that stops every threat, and its comparison with the others."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, field, fields, replace
 from math import inf, isnan
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
 from armour.analysis.estimates import Estimate
+from armour.analysis.flow_stress import NeededFlowStress, needed_flow_stress
 from armour.analysis.results import OnProgress, TableResult, data_frame, ignore_progress
-from armour.analysis.variants import Bools, Ints
-from armour.design.candidates import candidates_of
-from armour.design.catalogue import MARGIN, Candidates, Catalogue, catalogue_of
+from armour.analysis.variants import Bools, Ints, Variants
+from armour.design.candidates import candidates_of, joined
+from armour.design.catalogue import FIRST_VALUES, MARGIN, NO_BOUND, ROUNDING, Candidates, Catalogue, catalogue_of
 from armour.design.search import Requirement, Search
-from armour.errors import NoDesignError, Note, Problem, listed, refuse
+from armour.errors import Note, Problem, listed, refuse
 from armour.evidence.mixture import Mixture
 from armour.evidence.model_error import REMEDY, ModelError, error_of, why_unknown
 from armour.evidence.tests import Armours, limits_outside
@@ -23,8 +24,12 @@ from armour.scenario.library import strength_notes
 from armour.scenario.scenario import Scenario, Varied
 from armour.scenario.schema import DesignSection, shot
 
-# What is said first of a pair of materials of which no test is known, beside others.
-UNTESTED, RUNNER_UP = "no test: ", "runner-up: "
+# What is said first of a pair of materials: of which no test is known, beside others; of which a single source gives
+# the flow stress of the ceramic; and which is nearly as good as the best.
+UNTESTED, ONE_SOURCE, RUNNER_UP = "no test", "one source of its flow stress", "runner-up: "
+# Designs up to which a result lists each, and up to which the nearest of all is looked for.
+MOST_SHOWN, MOST_COMPARED = 25, 20_000
+Reason = Literal["", "none passes", "not known"]
 # Thicknesses that a warning lists.
 MOST_LISTED = 5
 
@@ -61,6 +66,8 @@ class Design:
         The same, in the unit of the costs given; None if none is given.
     margin_m_s : float or None
         Smallest difference between ballistic limit and velocity over the threats; None if not computed.
+    untested : bool
+        Whether no test of the ceramic on metal is known.
     """
 
     ceramic: str
@@ -71,11 +78,12 @@ class Design:
     thickness_mm: float
     cost_per_m2: float | None
     margin_m_s: float | None
+    untested: bool
 
 
 @dataclass(frozen=True)
 class BestDesign(Design):
-    """A design that passes, with its ballistic limits.
+    """A design with its ballistic limits, and what it lacks if it does not pass.
 
     Attributes
     ----------
@@ -92,6 +100,12 @@ class BestDesign(Design):
         By threat; None if the model error is not known.
     model_error : ModelError or None
         Relative error of the ballistic limit against the governing threat.
+    short_m_s : dict of str to float
+        By threat: what the ballistic limit lacks to the one required, with the model error where it is known, m/s.
+    exceeds : dict of str to float
+        Excess over each limit of the section ``design`` that is exceeded, by its key.
+    flow_stress : dict of str to NeededFlowStress
+        By threat: flow stress with which a ceramic without tests stops it, of the design that a result names first.
     """
 
     ballistic_limit_m_s: float | None
@@ -102,6 +116,9 @@ class BestDesign(Design):
     probabilities: dict[str, Estimate]
     probabilities_of_stopping: dict[str, float | None]
     model_error: ModelError | None
+    short_m_s: dict[str, float]
+    exceeds: dict[str, float]
+    flow_stress: dict[str, NeededFlowStress] = field(default_factory=dict)
 
     def changes_to(self, scenario: Scenario) -> dict[str, str | float]:
         """Return what to change in a scenario so that the design is its armour, by key."""
@@ -129,6 +146,9 @@ class Pair:
         Excess of the objective over that of the best of all.
     reason : str
         Reason why its best design is not the best of all, or why it has none.
+    ranked : bool
+        Whether its best design is compared with that of other pairs; not one without tests if others have tests, nor
+        one with a ceramic of which a single source gives the flow stress.
     """
 
     ceramic: str
@@ -136,6 +156,7 @@ class Pair:
     best: BestDesign | None
     excess_percent: float | None
     reason: str
+    ranked: bool = True
 
 
 @dataclass(frozen=True, repr=False)
@@ -147,7 +168,18 @@ class DesignResult(TableResult):
     minimised : str
         Objective.
     threats : tuple of str
-    best : BestDesign
+    best : BestDesign or None
+        None if no design is known to pass.
+    reason : {"", "none passes", "not known"}
+        Why there is no best design: none passes, or it is not known whether one does, as the probability is not known
+        of any with a ballistic limit by the model that is high enough.
+    explanation : str
+        The same in a sentence; empty if there is one.
+    nearest : BestDesign or None
+        Without a best design: the best one by the ballistic limit by the model or, if none passes, the one within the
+        limits of the section ``design`` that lacks least against the threat that it lacks most against.
+    without_limits : BestDesign or None
+        If none passes: the best one without these limits, where there is one.
     frontier : tuple of Design
         For each back plate of the best pair, the thinnest ceramic that passes, bounds on probabilities included; of
         more than 1,000 back plates, for every second, third, and so on.
@@ -174,24 +206,39 @@ class DesignResult(TableResult):
         ceramic has no range, or one from zero.
     without_mm : tuple of float
         Back plate thicknesses of the best pair on which no ceramic passes, mm; the frontier leaves them out.
+    every : tuple of Design
+        All designs that meet the constraints, best first, where they are at most 25.
+    margins_of_every_m_s : tuple of dict of str to float
+        Their margins by threat.
     """
 
     minimised: str
     threats: tuple[str, ...]
-    best: BestDesign
+    best: BestDesign | None
+    reason: Reason
+    explanation: str
+    nearest: BestDesign | None
+    without_limits: BestDesign | None
     frontier: tuple[Design, ...]
     frontier_governed_by: tuple[str, ...]
-    refined: BestDesign | None
     pairs: tuple[Pair, ...]
     criteria: tuple[str, ...]
-    pareto: tuple[Design, ...]
     designs: int
     examined: int
     runs: int
-    not_monotonic_mm: tuple[float, ...]
     warnings: tuple[str, ...]
+    refined: BestDesign | None = None
+    pareto: tuple[Design, ...] = ()
+    not_monotonic_mm: tuple[float, ...] = ()
     ceramic_min_mm: float | None = None
     without_mm: tuple[float, ...] = ()
+    every: tuple[Design, ...] = ()
+    margins_of_every_m_s: tuple[dict[str, float], ...] = ()
+
+    @property
+    def shown(self) -> BestDesign | None:
+        """The best design or, without one, the nearest."""
+        return self.best or self.nearest
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain data; ``refined`` only if requested."""
@@ -209,10 +256,13 @@ class DesignResult(TableResult):
         return {name: [getattr(design, name) for design in getattr(self, designs)] for name in names}
 
     def _words(self) -> str:
-        best = self.best
+        best = self.shown
+        if best is None:
+            return self.reason
         ceramic = f"{best.ceramic_thickness_mm:g} mm {best.ceramic} on " if best.ceramic else ""
         armour = f"{ceramic}{best.backing_thickness_mm:g} mm {best.backing}"
-        return f"{armour}, {best.areal_density_kg_m2:.2f} kg/m²"
+        nearest = f"{self.reason}, nearest " if self.reason else ""
+        return f"{nearest}{armour}, {best.areal_density_kg_m2:.2f} kg/m²"
 
 
 @checked
@@ -243,8 +293,6 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
     ------
     InputError
         If something is missing in the scenario, there is no range to refine, or a run does not end.
-    NoDesignError
-        If no design passes.
     """
     catalogue = catalogue_of(scenario)
     problems = []
@@ -256,60 +304,164 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
     if refine and not any(layer.free_range(refine=True) for offer in catalogue.offers for layer in offer[:2]):
         problems.append(Problem(scenario.file, "--refine", "needs a thickness given as a range"))
     refuse(problems)
-    reliability = None
-    if catalogue.sampled:
-        from armour.design.reliability import Reliability  # imports scipy.stats, which takes half a second
-
-        reliability = Reliability(catalogue, on_progress)
-    requirement = Requirement(catalogue, on_progress)
-    search = Search(requirement, candidates_of(requirement), reliability)
-    tested = requirement.tested(search.candidates)
-    first = search.first(np.flatnonzero(tested))
-    if first is None:
-        first = search.first(np.flatnonzero(~tested))
-    if first is None:
-        raise NoDesignError(_why_none(search, _unconstrained(search), range(len(catalogue.offers))))
+    search, tested, place, reason = _found(catalogue, on_progress)
+    explanation, without_limits = "", None
+    if reason == "none passes":
+        free = _unconstrained(search)
+        explanation = _why_none(search, free, range(len(catalogue.offers)))
+        if (other := _first(free, free.requirement.tested(free.candidates))) is not None:
+            without_limits = _best(free, other, section=catalogue.section)
+        search = _nearest(search.requirement)
+        place, pairs = 0, _short_pairs(search)
+    else:
+        pairs = _pairs(search, place, tested)
+    shown = None if place is None else _best(search, place, named=True)
+    if reason == "not known":
+        explanation = _why_not_known(search, place)
 
     criteria = tuple(catalogue.section.pareto or ())
-    pair = int(search.candidates.pair[first])
-    frontier = search.frontier(first)
-    not_monotonic = search.not_monotonic_mm(frontier)
-    best = _best(search, first)
-    found = _designs(search, frontier, with_margins=True)
-    pairs = _pairs(search, first, tested)
-    ceramic_min = min((low for _, name, low, _ in catalogue.ranges(pair) if name == "ceramic"), default=0.0) or None
+    ends: dict[str, Any] = {}
+    frontier, warnings = np.empty(0, dtype=np.int64), [*_unused_impact(scenario), *catalogue.omissions()]
+    if place is not None:
+        warnings += _outside(search, place)
+    warnings += [] if catalogue.sampled else scenario.unused_distributions()
+    if place is not None and shown is not None and reason != "none passes":
+        pair = int(search.candidates.pair[place])
+        frontier = search.frontier(place)
+        ranges = [low for _, name, low, _ in catalogue.ranges(pair) if name == "ceramic"]
+        ends = {
+            "ceramic_min_mm": min(ranges, default=0.0) or None,
+            "without_mm": _without(search, place, frontier),
+            "not_monotonic_mm": search.not_monotonic_mm(frontier),
+            "refined": _refined(search, place) if refine else None,
+            "pareto": _pareto(search, criteria) if criteria else (),
+        }
+        changing = (*search.changing(), *((pair, "ceramic", other) for other in ends["not_monotonic_mm"]))
+        warnings += [
+            *_untested(pairs),
+            *_at_the_ends(catalogue, pair, shown),
+            *_least_of_the_range(catalogue, pair, _designs(search, frontier), ends["ceramic_min_mm"]),
+            *_changing(search, changing),
+        ]
+    every = np.arange(len(search.values) if len(search.values) <= MOST_SHOWN else 0)
+    margins = search.margins(search.limits(every)).tolist()
     return DesignResult(
         minimised=catalogue.section.minimise,
         threats=catalogue.titles,
-        best=best,
-        frontier=found,
+        best=None if reason else shown,
+        reason=reason,
+        explanation=explanation,
+        nearest=shown if reason else None,
+        without_limits=without_limits,
+        frontier=_designs(search, frontier, with_margins=True),
         frontier_governed_by=tuple(catalogue.titles[threat] for threat in _governing(search, frontier)),
-        refined=_refined(search, first) if refine else None,
         pairs=pairs,
         criteria=criteria,
-        pareto=_pareto(search, criteria) if criteria else (),
         designs=len(search.values),
         examined=len(search.values),
-        runs=requirement.runs,
-        not_monotonic_mm=not_monotonic,
-        warnings=(
-            *_unused_impact(scenario),
-            *catalogue.omissions(),
-            *_outside(search, first),
-            *_untested(pairs),
-            *(() if catalogue.sampled else scenario.unused_distributions()),
-            *_at_the_ends(catalogue, pair, best),
-            *_least_of_the_range(catalogue, pair, found, ceramic_min),
-            *_changing(search, (*search.changing(), *((pair, "ceramic", other) for other in not_monotonic))),
-        ),
-        ceramic_min_mm=ceramic_min,
-        without_mm=_without(search, first, frontier),
+        runs=search.requirement.runs,
+        warnings=tuple(warnings),
+        every=_designs(search, every, with_margins=True),
+        margins_of_every_m_s=tuple(dict(zip(catalogue.titles, row, strict=True)) for row in margins),
+        **ends,
     ).of(_subject(catalogue), scenario=scenario)
+
+
+def _found(catalogue: Catalogue, on_progress: OnProgress) -> tuple[Search, Bools, int | None, Reason]:
+    """Return a search, which designs of it are tested, its best design, and why this does not pass, if it does not.
+
+    If no design passes, bounds on probabilities that are not known are left out: the limits by the model decide.
+    """
+    requirement = Requirement(catalogue, on_progress)
+    while True:
+        reliability = None
+        if catalogue.sampled:
+            from armour.design.reliability import Reliability  # imports scipy.stats, which takes half a second
+
+            reliability = Reliability(requirement.catalogue, on_progress)
+        search = Search(requirement, candidates_of(requirement), reliability)
+        tested = requirement.tested(search.candidates)
+        lenient = requirement.catalogue.lenient
+        if (place := _first(search, tested)) is not None:
+            return search, tested, place, "not known" if lenient else ""
+        if lenient or not catalogue.bounded:
+            single = search.first(np.flatnonzero(catalogue.one_source[search.candidates.pair]))
+            return search, tested, None, "none passes" if single is None else "not known"
+        requirement = replace(requirement, catalogue=replace(catalogue, lenient=True))
+
+
+def _first(search: Search, tested: Bools) -> int | None:
+    """Return the best design that passes, one that is tested if there is one; of no ceramic with a single source."""
+    single = search.catalogue.one_source[search.candidates.pair]
+    first = search.first(np.flatnonzero(tested & ~single))
+    return search.first(np.flatnonzero(~tested & ~single)) if first is None else first
+
+
+def _nearest(requirement: Requirement) -> Search:
+    """Return a search among the designs within the constraints, or near them, that begins with those that lack least.
+
+    What a design lacks is the greatest of what it lacks against each threat.  Of very many designs, the thickest
+    ceramics within the constraints on each back plate are compared.
+    """
+    catalogue = requirement.catalogue
+    every = joined([_sampled_designs(catalogue, pair) for pair in range(len(catalogue.offers))])
+    several = every.at(~catalogue.one_source[every.pair])
+    every = several if len(several.pair) else every
+    violations = catalogue.violations(every)
+    every = every.at(violations <= max(float(violations.min()), 0.0))
+    if len(every.pair) > MOST_COMPARED:
+        order = np.lexsort((-every.ceramic_mm, every.backing_mm, every.pair))
+        every = every.at(order[np.unique(np.column_stack(every[::2][:2])[order], axis=0, return_index=True)[1]])
+    short = (catalogue.required_m_s(every) - requirement.lowest_limits(every)).max(axis=1)
+    return Search(requirement, every.at(np.lexsort((catalogue.objective(every), short))))
+
+
+def _sampled_designs(catalogue: Catalogue, pair: int) -> Candidates:
+    """Return the designs of a pair, with some thicknesses of a free range."""
+    layers = catalogue.offers[pair][:2]
+    return catalogue.combinations(
+        pair,
+        *(
+            np.linspace(free.min, free.max, FIRST_VALUES) if (free := layer.free_range()) else layer.thicknesses()
+            for layer in layers
+        ),
+    )
+
+
+def _short_pairs(search: Search) -> tuple[Pair, ...]:
+    """Return the pairs of materials with what the design lacks that lacks least, in the order of these."""
+    offers, found = search.catalogue.offers, {}
+    for place, pair in enumerate(search.candidates.pair.tolist()):
+        if pair not in found:
+            [excess] = search.excess_m_s(np.array([place]))
+            threat = int(excess.argmin())
+            ceramic, backing = (column[place] for column in search.candidates[1:3])
+            layers = f"{ceramic:.4g} on {backing:.4g} mm" if offers[pair].ceramic.material else f"{backing:.4g} mm"
+            words = f"{layers}: {-excess[threat]:.0f} m/s short against {search.catalogue.titles[threat]}"
+            found[pair] = Pair(offers[pair].ceramic.material, offers[pair].backing.material, None, None, words)
+    return tuple(found.values())
+
+
+def _why_not_known(search: Search, place: int | None) -> str:
+    """Return why it is not known whether a design passes that does by the model."""
+    catalogue = search.catalogue
+    if place is None:
+        pairs = search.candidates.pair[search.stopping]
+        names = dict.fromkeys(catalogue.offers[pair].ceramic.material for pair in pairs[catalogue.one_source[pairs]])
+        return f"a single source gives the flow stress of {listed(list(names))}, so that no design of it is named best"
+    known = _rows(search, place).errors.known
+    threat = int(known.argmin())
+    why = why_unknown(catalogue.scenario, _armour(search, place, threat))
+    return f"probability of stopping {catalogue.titles[threat]}: unknown, {why}"
 
 
 def _untested(pairs: Sequence[Pair]) -> Iterator[str]:
     """Warn if pairs of materials are ranked after the others."""
-    names = [f"{pair.ceramic} on {pair.backing}" for pair in pairs if pair.reason.startswith(UNTESTED)]
+    names = [
+        f"{pair.ceramic} on {pair.backing}"
+        for pair in pairs
+        if pair.best is not None and not pair.ranked and pair.best.model_error is None
+    ]
     if names:
         yield f"the model error is not known for {listed(names)}, ranked after the others; {REMEDY}"
 
@@ -333,10 +485,11 @@ def _outside(search: Search, place: int) -> list[str]:
     catalogue = search.catalogue
     found: list[str] = []
     for i, threat in enumerate(catalogue.threats):
-        for key, words, _, value in limits_outside(_armour(search, place, i), np.array([threat.velocity_m_s])):
+        for each in limits_outside(_armour(search, place, i), np.array([threat.velocity_m_s])):
+            key = each.key
             if catalogue.scenario.threat and key.partition(".")[0] in ("impact", "projectile"):
                 key = f"threat[{i}].{key.partition('.')[2] if key.startswith('impact') else 'projectile'}"
-            found.append(Note(words + value, key))
+            found.append(each.note(key))
     metals = (catalogue.scenario.entry("metal", layer.material) for layer in catalogue.section.backing)
     found += strength_notes(metals, bare=not search.candidates.ceramic_mm[place])
     return list(dict.fromkeys(found))
@@ -404,41 +557,72 @@ def _governing(search: Search, where: Ints) -> list[int]:
     return search.excess_m_s(where).argmin(axis=1).tolist()
 
 
-def _designs(search: Search, where: Ints, *, with_margins: bool) -> tuple[Design, ...]:
+def _designs(search: Search, where: Ints, *, with_margins: bool = False) -> tuple[Design, ...]:
     """Return designs of a search as results."""
     offers, candidates = search.catalogue.offers, search.candidates.at(where)
     unknown = [None] * len(where)
     margins = search.margins(search.limits(where)).min(axis=1).tolist() if with_margins else unknown
     *columns, costs = (column.tolist() for column in candidates)
     costs = costs if search.catalogue.has_costs() else unknown
+    untested = [search.catalogue.untested[pair] for pair in candidates.pair]
     return tuple(
         Design(offers[pair].ceramic.material, offers[pair].backing.material, *numbers)
-        for pair, *numbers in zip(*columns, costs, margins, strict=True)
+        for pair, *numbers in zip(*columns, costs, margins, untested, strict=True)
     )
 
 
-def _best(search: Search, place: int) -> BestDesign:
-    """Return a design of a search with its ballistic limits."""
+def _best(search: Search, place: int, *, named: bool = False, section: DesignSection | None = None) -> BestDesign:
+    """Return a design of a search with its ballistic limits; one that is named first, with the flow stress needed.
+
+    The section has the limits that it may exceed, by default that of the search.
+    """
     where, catalogue = np.array([place]), search.catalogue
     [design] = _designs(search, where, with_margins=True)
     [limits], [governing] = search.limits(where), _governing(search, where)
     offer = catalogue.offers[search.candidates.pair[place]]
-    section = catalogue.scenario.ballistic_limit
+    searched = catalogue.scenario.ballistic_limit
     limit = float(limits[governing])
     sampled = search.probabilities(place) or {}
     distributions = catalogue.distributions(search.candidates.at(where), limits)
     ratio = distributions.one(governing).times(1.0 / limit)
+    stopping = _of_stopping(catalogue, distributions, sampled)
+    short = (-search.excess_m_s(where)[0]).clip(min=0.0)
     return BestDesign(
         **asdict(design),
-        ballistic_limit_m_s=limit if section.velocity_min_m_s < limit <= section.velocity_max_m_s else None,
+        ballistic_limit_m_s=limit if searched.velocity_min_m_s < limit <= searched.velocity_max_m_s else None,
         ceramic_density_kg_m3=offer.ceramic_density_kg_m3,
         backing_density_kg_m3=offer.backing_density_kg_m3,
         margins_m_s=dict(zip(catalogue.titles, search.margins(limits).tolist(), strict=True)),
         governing=catalogue.titles[governing],
         probabilities=sampled,
-        probabilities_of_stopping=_of_stopping(catalogue, distributions, sampled),
+        probabilities_of_stopping=stopping,
         model_error=error_of(catalogue.scenario, ratio, _armour(search, place, governing)),
+        short_m_s=dict(zip(catalogue.titles, short.tolist(), strict=True)),
+        exceeds=_exceeds(section or catalogue.section, design),
+        flow_stress=dict(_flow_stress(search, place, stopping)) if named else {},
     )
+
+
+def _exceeds(section: DesignSection, design: Design) -> dict[str, float]:
+    """Return the excess of a design over each limit of a section, by key."""
+    over = {of.bound: (getattr(design, name), getattr(section, of.bound)) for name, of in OBJECTIVES.items()}
+    return {
+        key: value - most for key, (value, most) in over.items() if most is not None and value > most * (1 + ROUNDING)
+    }
+
+
+def _flow_stress(
+    search: Search, place: int, stopping: dict[str, float | None]
+) -> Iterator[tuple[str, NeededFlowStress]]:
+    """Give the flow stress with which the ceramic of a design stops each threat of which the probability is unknown."""
+    catalogue, (pair, ceramic, backing) = search.catalogue, (column[place].item() for column in search.candidates[:3])
+    for i, (title, threat) in enumerate(zip(catalogue.titles, catalogue.threats, strict=True)):
+        if stopping[title] is None and catalogue.untested[pair]:
+            own = catalogue.against(pair, i).replaced({CERAMIC: ceramic, BACKING: backing})
+            bound = float(catalogue.bounds[i])
+            needed = needed_flow_stress(own, threat.required_m_s, 1.0 - bound if bound < NO_BOUND else None)
+            if needed is not None:
+                yield title, needed
 
 
 def _of_stopping(catalogue: Catalogue, distributions: Mixture, sampled: dict[str, Estimate]) -> dict[str, float | None]:
@@ -448,15 +632,20 @@ def _of_stopping(catalogue: Catalogue, distributions: Mixture, sampled: dict[str
     return own | {title: 1.0 - estimate.value for title, estimate in sampled.items()}
 
 
+def _rows(search: Search, place: int) -> Variants:
+    """Return a design against each threat."""
+    catalogue = search.catalogue
+    return catalogue.against_each(search.candidates.at(np.array([place])), range(len(catalogue.threats)))[0]
+
+
 def _armour(search: Search, place: int, threat: int) -> Armours:
     """Return a design against a threat."""
-    rows, *_ = search.catalogue.against_each(search.candidates.at(np.array([place])), [threat])
-    return rows.armours
+    return _rows(search, place).armours.at(np.array([threat]))
 
 
-def _pairs(search: Search, best: int, tested: Bools) -> tuple[Pair, ...]:
-    """Compare the best designs of all pairs, best first, those of which no test is known after the others."""
-    least = float(search.values[best])
+def _pairs(search: Search, best: int | None, tested: Bools) -> tuple[Pair, ...]:
+    """Compare the best designs of all pairs, best first, those that are not ranked after the others."""
+    least = inf if best is None else float(search.values[best])
     most = least * (1.0 + search.catalogue.section.runners_up_percent / 100.0)
     offers = search.catalogue.offers
     possible = [own[search.stopping[own]] for own in map(search.of_pair, range(len(offers)))]
@@ -470,33 +659,35 @@ def _pairs(search: Search, best: int, tested: Bools) -> tuple[Pair, ...]:
     unconstrained = _unconstrained(search) if None in places else search
     pairs = []
     for index, (offer, place) in enumerate(zip(offers, places, strict=True)):
-        if place is not None:
-            found, (excess, reason) = _best(search, place), _excess(search, place, least)
-            if tested[best] and not tested[place]:
-                reason = UNTESTED + reason.removeprefix(RUNNER_UP)
-        else:
+        names, ranked = (offer.ceramic.material, offer.backing.material), True
+        if place is None:
             found, excess, reason = None, None, _why_none(search, unconstrained, [index])
-        pairs.append(Pair(offer.ceramic.material, offer.backing.material, found, excess, reason))
+        else:
+            single, unlike = search.catalogue.one_source[index], best is not None and tested[best] and not tested[place]
+            ranked = not (single or unlike)
+            found, (excess, words) = _best(search, place, named=single), _excess(search, place, least, ranked=ranked)
+            reason = ": ".join(filter(None, (ONE_SOURCE if single else UNTESTED if unlike else "", words)))
+        pairs.append(Pair(*names, found, excess, reason, ranked))
     return tuple(sorted(pairs, key=_rank))
 
 
 def _rank(pair: Pair) -> tuple[bool, bool, float]:
     excess = pair.excess_percent
-    return pair.best is None, pair.reason.startswith(UNTESTED), inf if excess is None else excess
+    return pair.best is None, not pair.ranked, inf if excess is None else excess
 
 
-def _excess(search: Search, place: int, least: float) -> tuple[float | None, str]:
+def _excess(search: Search, place: int, least: float, *, ranked: bool) -> tuple[float | None, str]:
     """Return the excess of the objective of a design over the least, per cent, and the same in words."""
     section, value = search.catalogue.section, float(search.values[place])
     words = OBJECTIVES[section.minimise]
-    if value == least:
-        return 0.0, ""
+    if value == least or least == inf:
+        return (0.0, "") if value == least else (None, "")
     if least <= 0.0:
         return None, words.more
     excess = 100.0 * (value / least - 1.0)
     if excess < 0.0:
         return excess, f"{-excess:.1f} % {words.less}"
-    near = RUNNER_UP if excess <= section.runners_up_percent else ""
+    near = RUNNER_UP if ranked and excess <= section.runners_up_percent else ""
     return excess, f"{near}{excess:.1f} % {words.more}"
 
 
@@ -513,7 +704,7 @@ def _why_none(search: Search, unconstrained: Search, pairs: Sequence[int]) -> st
     catalogue, section = search.catalogue, search.catalogue.section
     bounded = catalogue.bounded
     threats = catalogue.titles[0] if len(catalogue.titles) == 1 else "every threat"
-    surely = " with the probability required" if bounded else ""
+    surely = " with the probability required" if bounded and not catalogue.lenient else ""
     first = unconstrained.first(unconstrained.of_pairs(pairs))
     if first is not None and (beyond := _beyond(section, unconstrained.candidates, first, threats + surely)):
         return beyond
@@ -521,7 +712,7 @@ def _why_none(search: Search, unconstrained: Search, pairs: Sequence[int]) -> st
     thickest = [np.array([layer.thicknesses()[-1]]) for layer in catalogue.offers[pairs[0]][:2]]
     own = own if len(own.pair) else catalogue.candidates(pairs[0], *thickest)
     unknown = ~search.requirement.tested(own)
-    unknown &= bounded
+    unknown &= bounded and not catalogue.lenient
     whole = len(pairs) == len(catalogue.offers)
     if unknown.all():
         # The reason is that of the pair whose error is known against the most threats.

@@ -47,11 +47,18 @@ class Reliability:
             bound = float(self.catalogue.bounds[i])
             if bound < NO_BOUND:
                 scenario = self.against(int(candidates.pair[place]), i)
+                if self.catalogue.lenient and not self._is_known(scenario, *thicknesses):
+                    continue
                 estimate = self.within(bound, scenario, *thicknesses)
                 if estimate is None:
                     return None
                 found[threat.title] = estimate
         return found
+
+    def _is_known(self, scenario: Scenario, ceramic_mm: float, backing_mm: float) -> bool:
+        """Return whether the model error of a design is known, or left out."""
+        layers = _layers(scenario, ceramic_mm, backing_mm)
+        return scenario.excludes_error() or bool(own_errors(scenario, layers).known.all())
 
     def within(self, bound: float, scenario: Scenario, ceramic_mm: float, backing_mm: float) -> Estimate | None:
         """Estimate the probability of perforation of a design; None if its interval exceeds a bound.
@@ -59,12 +66,11 @@ class Reliability:
         Also None if the model error is not known.  Samples are taken in growing parts, only as many as it
         takes to see that the bound is exceeded.
         """
-        own = own_values(scenario)
-        layers = {CERAMIC: ceramic_mm, BACKING: backing_mm} if CERAMIC in own else {BACKING: backing_mm}
+        if not self._is_known(scenario, ceramic_mm, backing_mm):
+            return None
+        own, layers = own_values(scenario), _layers(scenario, ceramic_mm, backing_mm)
         errors = own_errors(scenario, layers)
         known = bool(errors.known.all())
-        if not (known or scenario.excludes_error()):
-            return None
         own |= layers
         section = section_at(scenario, own, with_error=known)
         points = self.points[:, : len(section.inputs())]
@@ -82,6 +88,12 @@ class Reliability:
                 return None
             start, end = end, end + min(end, MOST_SAMPLES)
         return estimate
+
+
+def _layers(scenario: Scenario, ceramic_mm: float, backing_mm: float) -> dict[str, float]:
+    """Return the thicknesses of the layers that a scenario has, by input."""
+    layers = {CERAMIC: ceramic_mm, BACKING: backing_mm}
+    return {key: value for key, value in layers.items() if key in own_values(scenario)}
 
 
 def _check(catalogue: Catalogue, section: Uncertainty) -> None:

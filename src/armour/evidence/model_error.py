@@ -10,7 +10,7 @@ import numpy as np
 from armour.core.state import Parameters
 from armour.errors import InputError, Problem
 from armour.evidence.mixture import Floats, Mixture
-from armour.evidence.tests import Armours, Evidence, is_outside, outside
+from armour.evidence.tests import Armours, Evidence, is_outside, is_untested, outside
 from armour.scenario.inputs import cosine_of
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Model, Solver
@@ -232,7 +232,9 @@ def why_unknown(scenario: Scenario, armour: Armours) -> str:
     [(evidence, _)] = armour.by_evidence()
     if evidence.lot and not evidence.fits:
         return f"{evidence.lot} was calibrated by armour 1: give armour calibrate its tests again"
-    q, reason = armour.quantities(), NO_TEST
+    q, reason, ceramic = armour.quantities(), NO_TEST, armour.materials[armour.which[0]].ceramic
+    if evidence.ceramic and ceramic is not None and is_untested(ceramic):
+        reason = f"no test of {ceramic.name} on metal is known"
     if evidence.holds(q).all():
         reason = f"the model was compared with {evidence.angles()}"
     elif not evidence.differences(q).any() and evidence.fits:

@@ -55,7 +55,14 @@ class DataRange(NamedTuple):
         return str(shipped_data()["quantity"][self.name]["key"])
 
     def __str__(self) -> str:
-        values = " to ".join(dict.fromkeys(f"{end:.4g}" for end in (self.low, self.high)))
+        return self.words(self.ends())
+
+    def ends(self) -> str:
+        """Return the ends, or the one value."""
+        return " to ".join(dict.fromkeys(f"{end:.4g}" for end in (self.low, self.high)))
+
+    def words(self, values: str) -> str:
+        """Return values of the quantity in words."""
         return str(shipped_data()["quantity"][self.name]["words"]).format(values)
 
 
@@ -251,6 +258,14 @@ def own_evidence(entry: LibraryEntry, own: OwnTests) -> Evidence:
     )
 
 
+def is_untested(ceramic: LibraryEntry) -> bool:
+    """Return whether no test of a ceramic on metal is known."""
+    values = np.array([ceramic["density_kg_m3"], ceramic["youngs_modulus_GPa"]])
+    q = dict(zip(OF_CERAMIC[:2], values, strict=True))
+    kinds = (one.kind for one in shipped_evidence() if one.ceramic and one.fits)
+    return ceramic.evidence is None and all(is_outside((of for of in kind if of.name in q), q) for kind in kinds)
+
+
 def is_unusual(armour: Parameters) -> Any:
     """Return whether each of n armours is far from all of its kind that the model was compared with.
 
@@ -266,37 +281,54 @@ def is_unusual(armour: Parameters) -> Any:
     return np.any([of & (has == (armour.Hc0 > 0.0)) for (has, _), of in far.items()], axis=0)
 
 
-def limits_outside(armours: Armours, velocities: Any) -> Iterator[tuple[str, str, int, str]]:
+class Outside(NamedTuple):
+    """A limit of what the model was compared with that some of n armours lie outside of."""
+
+    key: str  # that it depends on
+    words: str
+    armours: int  # how many
+    found: str  # of the first one
+    brief: str  # the same in a few words
+
+    def note(self, key: str = "") -> Note:
+        """Return the warning, perhaps with another key."""
+        return Note(self.words + self.found, key or self.key, self.brief)
+
+
+def limits_outside(armours: Armours, velocities: Any) -> Iterator[Outside]:
     """Give the limits of what the model was compared with that some of n armours, or velocities, m/s, lie outside of.
 
-    Each has the key that it depends on, words, the number of armours, and what was found of the first one.  A NaN is
-    not outside.
+    A NaN is not outside.
     """
     others = ", ".join(dict.fromkeys(evidence.ceramic for evidence in shipped_evidence() if evidence.ceramic))
     for evidence, of in armours.by_evidence():
         some, speeds, (low, high) = armours.at(of), velocities[of], evidence.velocities_m_s
         q, ceramic = some.quantities(), some.materials[some.which[0]].ceramic
         name, shipped = f', found "{ceramic.name}"' if ceramic else "", not evidence.lot
+        no_test = f"{ceramic.name if ceramic else ''} (no test)"
+        angle = f"{np.degrees(np.arccos(some.cosines.min())):.0f}° ({evidence.angles()})"
         is_other = is_outside(evidence.kind[:2], q) & shipped & bool(evidence.ceramic)
         checks = [
-            (OBLIQUITY, evidence.angles(), evidence.fails_angle(some.cosines), ""),
-            _check(VELOCITY, f"results at {low:g} to {high:g} m/s", (speeds < low) | (speeds > high), speeds),
-            ("armour.ceramic", "no test by such a law of the flow stress", evidence.of_other_law(q), name),
-            ("armour.ceramic", f"results of {others} only", is_other, name),
-            ("armour.ceramic", evidence.title, ~is_other & (not evidence.fits) & shipped, name),
+            (OBLIQUITY, evidence.angles(), evidence.fails_angle(some.cosines), "", angle),
+            _check(DataRange("velocity_m_s", low, high), {"velocity_m_s": speeds}),
+            ("armour.ceramic", "no test by such a law of the flow stress", evidence.of_other_law(q), name, no_test),
+            ("armour.ceramic", f"results of {others} only", is_other, name, no_test),
+            ("armour.ceramic", evidence.title, ~is_other & (not evidence.fits) & shipped, name, no_test),
         ]
         for limits in evidence.compared:
-            fails = limits.fails(q) & ~(is_other & (limits.name in OF_CERAMIC))
-            checks.append(_check(limits.key, f"results for {limits}", fails, q[limits.name]))
-        for key, words, fails, found in checks:
+            checks.append(_check(limits, q, ~(is_other & (limits.name in OF_CERAMIC))))
+        for key, words, fails, found, brief in checks:
             if fails.any():
-                yield key, f"the model was compared with {words}", int(fails.sum()), found
+                yield Outside(key, f"the model was compared with {words}", int(fails.sum()), found, brief)
 
 
-def _check(key: str, words: str, fails: Any, values: Any) -> tuple[str, str, Any, str]:
-    """Return a check with the first number that fails, in words."""
-    found = next(iter(values[fails].tolist()), 0.0)
-    return key, words, fails, f", found {found:{'.0f' if found >= 100.0 else '.3g'}}"
+def _check(limits: DataRange, q: Quantities, of: Any = True) -> tuple[str, str, Any, str, str]:
+    """Return a check of some armours with the first number that fails, in words."""
+    fails = limits.fails(q) & ~np.isnan(q[limits.name]) & of
+    number = next(iter(q[limits.name][fails].tolist()), 0.0)
+    found = f"{number:{'.0f' if number >= 100.0 else '.3g'}}"
+    brief = f"{limits.words(found)} ({limits.ends()})"
+    return limits.key, f"results for {limits}", fails, f", found {found}", brief
 
 
 def scenario_warnings(scenario: Scenario, velocity: float, key: str = VELOCITY) -> tuple[Note, ...]:
@@ -305,6 +337,6 @@ def scenario_warnings(scenario: Scenario, velocity: float, key: str = VELOCITY) 
     `velocity` is the impact velocity, m/s, or the ballistic limit, whose key is then given.
     """
     outside = limits_outside(armour_of(scenario), np.array([velocity]))
-    notes = (Note(words + found, key if of == VELOCITY else of) for of, words, _, found in outside)
+    notes = (each.note(key if each.key == VELOCITY else "") for each in outside)
     metals = [scenario.entry("metal", scenario.armour.backing)]
     return (*notes, *strength_notes(metals, bare=not scenario.armour.ceramic_thickness_mm))

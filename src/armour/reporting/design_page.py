@@ -14,7 +14,7 @@ from armour.analysis.results import OnProgress, ignore_progress
 from armour.analysis.variants import Floats
 from armour.core.state import Parameters
 from armour.design.catalogue import COST, NO_BOUND, Catalogue, catalogue_of
-from armour.design.map import DesignMap, design_map, thicknesses_tested
+from armour.design.map import DesignMap, design_map, limits_over_sources, thicknesses_tested, with_edges_of_known
 from armour.errors import InputError, Problem
 from armour.evidence.model_error import given_error
 from armour.reporting.html import TEMPLATES, rendered
@@ -163,7 +163,7 @@ def _nodes(layer: Layer, nodes: int, free: int) -> Floats:
 
 
 def _pair(catalogue: Catalogue, pair: int, grid: tuple[Floats, Floats], on_progress: OnProgress) -> dict[str, Any]:
-    ceramics, backings = grid
+    ceramics, backings = grid = with_edges_of_known(catalogue, pair, *grid)
     offer = catalogue.offers[pair]
     found = design_map(catalogue, pair, ceramics, backings, PROBABILITIES, on_progress)
     # A slider of the page has the greatest areal density.
@@ -181,10 +181,23 @@ def _pair(catalogue: Catalogue, pair: int, grid: tuple[Floats, Floats], on_progr
         "offered": [_places(ceramics, offer.ceramic), _places(backings, offer.backing)],
         "free": [layer.free_range() is not None for layer in offer[:2]],
         "excluded": np.flatnonzero(violations > 0.0).tolist(),
+        "untested": catalogue.untested[pair],
+        "single": bool(catalogue.one_source[pair]),
+        "over": _over_sources(catalogue, found),
         "tested": [[list(each["ceramic"]), list(each["backing"])] if len(each) == 2 else None for each in tested],
         "source": _source(catalogue, found),
         **_numbers(found),
     }
+
+
+def _over_sources(catalogue: Catalogue, found: DesignMap) -> list[list[float]] | None:
+    """Return the limits with the least and the greatest flow stress of sources, of designs and threats in turn.
+
+    There are none without sources, and none where both thicknesses differ, as they would take too much room.
+    """
+    if min(len(found.ceramic_mm), len(found.backing_mm)) > 1 or (over := limits_over_sources(catalogue, found)) is None:
+        return None
+    return [ends.ravel().round(1).tolist() for ends in (over[0], over[-1])]
 
 
 def _places(nodes: Floats, layer: Layer) -> list[int]:

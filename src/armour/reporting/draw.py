@@ -94,8 +94,9 @@ def draw(chart: charts.Chart, width: float | None = None) -> Figure:
     head = LEADING / 72.0 * (TITLE * len(title) + FONT * len(subject))
     with mpl.rc_context(STYLE):
         figure = NotebookFigure(figsize=(width, sum(heights) + head + LINE_INCHES * (note.count("\n") + bool(note))))
+        rows = chart.beside and bool(chart.panels[0].y.categories)
         shape = (1, len(chart.panels)) if chart.beside else (len(chart.panels), 1)
-        grid = figure.subplots(*shape, squeeze=False, sharey=chart.beside, height_ratios=heights)
+        grid = figure.subplots(*shape, squeeze=False, sharey=rows, height_ratios=heights)
         panels: list[Axes] = grid.ravel().tolist()
         for index, (axes, panel) in enumerate(zip(panels, chart.panels, strict=True)):
             if panel.shares_x:

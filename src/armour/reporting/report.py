@@ -8,6 +8,7 @@ from importlib.metadata import version
 from typing import NamedTuple
 
 from armour import MODEL_VERSION, __version__
+from armour.errors import in_two_lines
 from armour.files import printable, read_toml, shipped
 from armour.reporting.charts import Chart
 from armour.reporting.table import Column, Table
@@ -57,6 +58,11 @@ class Report:
     passed: bool | None = None  # None where nothing was asked for
     byline: tuple[tuple[str, str], ...] = ()  # such as the author: what it is, and its text
     text: str = ""  # after the verdict
+
+    @property
+    def in_short(self) -> str:
+        """The first lines of the warnings, which are folded."""
+        return in_two_lines(self.warnings, "below")[0]
 
 
 def origin_section(command: str, words: str = "") -> Section:

@@ -3,7 +3,6 @@
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from math import inf
 
 from armour import __version__
 from armour.analysis.ballistic_limit import (
@@ -16,7 +15,7 @@ from armour.analysis.ballistic_limit import (
 from armour.analysis.impact import ImpactResult, energy_balance, simulate
 from armour.analysis.results import OnProgress, ignore_progress
 from armour.analysis.samples import own_errors
-from armour.design.check import CheckedThreat, CheckResult, check
+from armour.design.check import CheckedThreat, CheckResult, check, verdict_of
 from armour.design.optimise import OBJECTIVES, DesignResult, optimise
 from armour.errors import NoLimitError, Note
 from armour.evidence.model_error import given_error
@@ -30,7 +29,14 @@ from armour.reporting.views import design as design_view
 from armour.reporting.views import impact as impact_view
 from armour.reporting.views import sensitivity as sensitivity_view
 from armour.reporting.views import uncertainty as uncertainty_view
-from armour.reporting.views.confidence import SAMPLED_ALONE, STOPPING, chance, extrapolation, from_tests
+from armour.reporting.views.confidence import (
+    SAMPLED_ALONE,
+    STOPPING,
+    chance,
+    extrapolation,
+    flow_stress_notes,
+    from_tests,
+)
 from armour.reporting.views.design import AREAL_DENSITY, COST
 from armour.reporting.views.library import entry_table
 from armour.scenario.inputs import INPUTS, NAMES, ROLES
@@ -88,7 +94,8 @@ def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *
         on_progress(done, None)
 
     design = optimise(scenario, on_progress=on_part) if asks_for_design(scenario) and not as_is else None
-    armour = scenario if design is None else scenario.replaced(design.best.changes_to(scenario))
+    shown = None if design is None else design.shown
+    armour = scenario if shown is None else scenario.replaced(shown.changes_to(scenario))
     checked = check(armour, on_progress=on_part)
     faced = [armour.against(threat) for threat in armour.threats()]
     distributed = scenario.uncertainty is not None and bool(scenario.uncertainty.inputs())
@@ -98,12 +105,13 @@ def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *
         if distributed and not warnings and (against.excludes_error() or own_errors(against).known.all()):
             threats[place] = _sampled(threats[place], against, on_part)
             sampled.append(threats[place].threat)
-    worst = min(range(len(threats)), key=lambda place: _standing(threats[place]))
+    worst = min(range(len(threats)), key=lambda place: check_view.standing(threats[place]))
     answer = faced[worst]
-    if design is not None:
+    if design is not None and shown is not None:
         probabilities = {found.threat: found.probability_of_stopping for found in threats}
-        best = replace(design.best, probabilities_of_stopping=probabilities)
-        design = replace(design, best=best).of(**design.question)
+        shown = replace(shown, probabilities_of_stopping=probabilities)
+        named = replace(design, nearest=shown) if design.reason else replace(design, best=shown)
+        design = named.of(**design.question)
     sure, not_alone = _confidence(answer)
     unused = scenario.unused_distributions() if distributed else ()
     return Contents(
@@ -136,24 +144,12 @@ def _confidence(scenario: Scenario) -> tuple[ConfidenceResult, Sequence[str]]:
     return of_limit(scenario, limit.ballistic_limit_m_s, scenario.impact.velocity_m_s), not_monotonic(limit)
 
 
-def _standing(found: CheckedThreat) -> tuple[int, float]:
-    """Return by what threats are ordered, those that most likely perforate first.
-
-    A threat of an unknown probability comes first if it perforates by the model, and last otherwise.
-    """
-    if found.probability_of_stopping is not None:
-        return 1, found.probability_of_stopping
-    stopped = inf if found.passed else -inf
-    margin = stopped if found.margin_m_s is None else found.margin_m_s - found.required_margin_m_s
-    return (0 if margin < 0.0 else 2), margin
-
-
 def _sampled(found: CheckedThreat, scenario: Scenario, on_part: OnProgress) -> CheckedThreat:
     """Return an armour against a threat with the probability that the distributions give."""
     probability = 1.0 - probability_of_perforation(scenario, on_progress=on_part).value
     required = found.required_probability
-    passed = found.passed if required is None else probability >= required
-    return replace(found, probability_of_stopping=probability, passed=passed)
+    verdict = found.verdict if required is None else verdict_of(required, probability, stops=True)
+    return replace(found, probability_of_stopping=probability, verdict=verdict)
 
 
 def _misplaced(scenario: Scenario, answer: Scenario) -> tuple[Note, ...]:
@@ -205,19 +201,16 @@ def _is_asked(contents: Contents) -> bool:
     return any(of.required_probability is not None or of.required_margin_m_s for of in contents.threats)
 
 
-def _unknown(found: CheckedThreat) -> bool:
-    """Return whether it is not known if a threat is stopped with the probability asked for."""
-    return found.required_probability is not None and found.probability_of_stopping is None
-
-
 def _verdict(contents: Contents) -> tuple[bool | None, str]:
     """Return whether the armour does what was asked for, None where nothing was, and this in words."""
     threats = contents.threats
+    if contents.design is not None and contents.design.reason:
+        return False, f"{design_view.title(contents.design)}."
     if not _is_asked(contents):
         return None, ""
-    if failed := [of.threat for of in threats if not of.passed and not _unknown(of)]:
+    if failed := [of.threat for of in threats if of.verdict == "fails"]:
         return False, f"Does not meet the requirements against {' and '.join(failed)}."
-    if unknown := [of.threat for of in threats if _unknown(of)]:
+    if unknown := [of.threat for of in threats if of.verdict == "not known"]:
         return False, f"Not known to meet the requirements against {' and '.join(unknown)}."
     return True, f"Meets the requirements{' against every threat' if len(threats) > 1 else ''}."
 
@@ -259,10 +252,12 @@ def _armour(contents: Contents) -> Card:
     subject, cost = "Armour", ""
     areal_density = contents.impact.areal_density_kg_m2
     thickness = armour.ceramic_thickness_mm + armour.backing_thickness_mm
-    if design is not None:
+    if design is not None and (shown := design.shown) is not None:
         subject = f"{OBJECTIVES[design.minimised].least.capitalize()} design"
-        areal_density, thickness = design.best.areal_density_kg_m2, design.best.thickness_mm
-        cost = f", cost {COST.text(design.best.cost_per_m2)} per m²" if design.best.cost_per_m2 else ""
+        if design.reason:
+            subject = "Nearest design" if design.reason == "none passes" else f"{subject} by the computed limit"
+        areal_density, thickness = shown.areal_density_kg_m2, shown.thickness_mm
+        cost = f", cost {COST.text(shown.cost_per_m2)} per m²" if shown.cost_per_m2 else ""
     words = f"{AREAL_DENSITY.text(areal_density)} kg/m², {round(thickness, 3):g} mm thick{cost}"
     return Card(subject, contents.answer.armour_words(), words)
 
@@ -309,7 +304,12 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Se
     first = what_ifs.pop([of.threat for of in contents.threats].index(contents.threat.threat))
     exact = "With exact inputs." if contents.sampled else ""
     several = f"Against {contents.threat.threat}." if what_ifs else ""
-    yield Section("Threats", tables=(_threats(contents),))
+    needed = flow_stress_notes(contents.threat.flow_stress, contents.threat.threat)
+    yield Section(
+        "Threats",
+        tuple(f"{answer.armour_words()} {note}" if not place else note for place, note in enumerate(needed)),
+        tables=(_threats(contents),),
+    )
     yield Section("What if", tuple(filter(None, (several, exact))), tables=(first,))
     if design is not None:
         hint = ("This command makes an interactive page of all designs:",) if map_command else ()
@@ -360,7 +360,7 @@ def _threats(contents: Contents) -> Table:
         (check_view.PROBABILITY, lambda of: chance(of.probability_of_stopping)),
         (Column("inputs"), lambda of: inputs[of.threat] if mixed else ""),
         (Column("required", prose=True), lambda of: _required(of) if asked else ""),
-        (Column("result"), lambda of: ("unknown" if _unknown(of) else check_view.verdict(of)) if asked else ""),
+        (Column("result"), lambda of: check_view.verdict(of) if asked else ""),
         column_of("ballistic_limit_m_s", ".0f", "ballistic limit"),
         (check_view.INTERVAL, lambda of: interval(of.interval_m_s, ".0f")),
         column_of("margin_m_s", "+.0f"),

@@ -15,6 +15,7 @@ from pydantic import (
     BeforeValidator,
     Field,
     SerializerFunctionWrapHandler,
+    field_validator,
     model_serializer,
     model_validator,
 )
@@ -193,6 +194,9 @@ class Ceramic(Entry):
     """Young's modulus, for the velocity of the crack."""
     flow_stress_GPa: StressGPa | None = None
     """Flow stress of the intact ceramic."""
+    flow_stress_sources_GPa: Annotated[Items[Annotated[float, Field(ge=0.001, le=1000.0)]], Field(max_length=2)] = ()
+    """Least and greatest flow stress that sources give, of a ceramic of which no test on metal is known; one number if
+    a single source gives one."""
     flow_stress_backing_exponent: Coefficient | None = None
     """Law of the flow stress: exponent of the back plate's thickness."""
     flow_stress_product_exponent: Coefficient | None = None
@@ -201,6 +205,13 @@ class Ceramic(Entry):
     """Law of the flow stress: slope by the ceramic's thickness."""
     flow_stress_backing_slope: Coefficient | None = None
     """Law of the flow stress: slope by the back plate's thickness."""
+
+    @field_validator("flow_stress_sources_GPa")
+    @classmethod
+    def _in_order(cls, sources: tuple[float, ...]) -> tuple[float, ...]:
+        if list(sources) != sorted(sources):
+            raise ValueError(f"must be the least flow stress and the greatest one, found {list(sources)}")
+        return sources
 
 
 class Metal(Entry):
@@ -237,7 +248,8 @@ FLOW_STRESS_LAW = (
 )
 STATIC, DYNAMIC = "static_yield_strength_MPa", "dynamic_yield_strength_MPa"
 # Keys that an entry may lack.
-OPTIONAL = (*UNUSED, *FLOW_STRESS_LAW, STATIC)
+SOURCES = "flow_stress_sources_GPa"
+OPTIONAL = (*UNUSED, *FLOW_STRESS_LAW, STATIC, SOURCES)
 
 # Defaults for metals: multiples of the static yield strength, or else of the dynamic one, in MPa, and their source.
 DEFAULTS = {
@@ -285,6 +297,9 @@ class LibraryEntry:
         Own tests that a value was calibrated to; by default those of the entry that it is based on.
     origin : str
         Name of the entry that it is based on, directly or not; its own if none.
+    flow_stress_sources_GPa : tuple of float
+        Least and greatest flow stress that sources give, or one number; by default those of the entry that it is based
+        on.
     """
 
     kind: Kind
@@ -296,6 +311,7 @@ class LibraryEntry:
     aliases: tuple[str, ...] = ()
     evidence: OwnTests | None = None
     origin: str = ""
+    flow_stress_sources_GPa: tuple[float, ...] = ()
 
     def __getitem__(self, key: str) -> float:
         """Return the number of a key."""
@@ -313,13 +329,15 @@ class LibraryEntry:
             "derived": sorted(self.derived),
             "evidence": self.evidence and self.evidence.model_dump(),
             "aliases": self.aliases,
+            SOURCES: self.flow_stress_sources_GPa,
         }
 
     def to_dict(self) -> dict[str, Any]:
         """Return the entry as plain data."""
         values = {key: value.model_dump() for key, value in self.values.items()}
         aliases = {"aliases": list(self.aliases)} if self.aliases else {}
-        return {"kind": self.kind, "name": self.name, "description": self.description, **aliases, **values}
+        sources = {SOURCES: list(self.flow_stress_sources_GPa)} if self.flow_stress_sources_GPa else {}
+        return {"kind": self.kind, "name": self.name, "description": self.description, **aliases, **values, **sources}
 
 
 def hint(name: str, entries: Iterable[LibraryEntry], known: Iterable[str]) -> str:
@@ -529,7 +547,9 @@ def _completed(kind: Kind, name: str, entry: Entry, base: LibraryEntry | None, f
     description = entry.description or (base.description if base else "")
     evidence = entry.evidence or (base.evidence if base else None)
     origin = base.origin if base else name
-    return LibraryEntry(kind, name, description, ordered, frozenset(derived), file, entry.aliases, evidence, origin)
+    sources = getattr(entry, SOURCES, ()) or (base.flow_stress_sources_GPa if base else ())
+    made = ordered, frozenset(derived), file, entry.aliases, evidence, origin, sources
+    return LibraryEntry(kind, name, description, *made)
 
 
 def _keys(kind: Kind) -> list[str]:

@@ -8,7 +8,7 @@ from armour.analysis.evaluate import Answers, groups_of
 from armour.analysis.quantities import DESIGNS, OF_GRID, QUANTITIES
 from armour.analysis.variants import Floats, Variants, grid_of
 from armour.design.optimise import BestDesign, optimise
-from armour.errors import NoDesignError, mistake
+from armour.errors import NoAnswerError, mistake
 from armour.scenario.scenario import Scenario
 
 
@@ -25,8 +25,11 @@ class Asked:
 
     @cached_property
     def lightest(self) -> BestDesign:
-        """The lightest design of the scenario's grid."""
-        return optimise(self.scenario).best
+        """The lightest design of the scenario's grid; a NoAnswerError says why there is none."""
+        found = optimise(self.scenario)
+        if found.best is None:
+            raise NoAnswerError(found.explanation)
+        return found.best
 
     @cached_property
     def required(self) -> tuple[Variants, Variants]:
@@ -68,7 +71,7 @@ def answer(name: str, asked: Asked) -> float | str:
     if "optimise" not in QUESTIONS[name]:
         ballistic_limit(asked.scenario)  # raises, with the reason
     velocity = asked.scenario.impact.velocity_m_s
-    raise NoDesignError(
+    raise NoAnswerError(
         f"no design: no thickness of the range stops the projectile at {velocity:g} m/s; "
         "raise the max of optimise.ceramic_thickness_mm or of optimise.backing_thickness_mm"
     )

@@ -13,7 +13,7 @@ from armour.reporting.views.design import (
     tables,
 )
 from tests.helpers.cases import scenario
-from tests.helpers.results import OTHER, THREAT, best_design, design, design_result, quantities
+from tests.helpers.results import OTHER, THREAT, best_design, best_of, design, design_result, quantities
 
 
 def kinds(result: DesignResult) -> list[str]:
@@ -22,13 +22,13 @@ def kinds(result: DesignResult) -> list[str]:
 
 
 def test_the_best_design_is_a_record():
-    assert quantities(best_table(design_result().best, {}))["cost per m²"] == "100"
+    assert quantities(best_table(best_of(design_result()), {}))["cost per m²"] == "100"
     outside = quantities(best_table(best_design(ballistic_limit_m_s=None), {}))
     assert outside["ballistic limit"] == "outside the range"
     assert "cost per m²" not in outside
     several = best_design(margins_m_s={THREAT: 20.0, OTHER: 80.0})
     assert quantities(best_table(several, {}))["governed by"] == THREAT
-    assert " on " not in quantities(best_table(design_result(ceramic="").best, {}))["armour"]
+    assert " on " not in quantities(best_table(best_of(design_result(ceramic="")), {}))["armour"]
 
 
 def test_thicknesses_of_a_table_have_the_decimals_that_they_need():
@@ -41,7 +41,9 @@ def test_thicknesses_of_a_table_have_the_decimals_that_they_need():
 
 def test_threats_and_probabilities_have_margins():
     estimate = Estimate(0.0312, 0.02, 0.05)
-    best = best_design(margins_m_s={THREAT: 3.1, OTHER: 80.0}, probabilities={THREAT: estimate})
+    short = {THREAT: 0.0, OTHER: 0.0}
+    margins = {THREAT: 3.1, OTHER: 80.0}
+    best = best_design(margins_m_s=margins, short_m_s=short, probabilities={THREAT: estimate})
     result = replace(design_result(threats=(THREAT, OTHER)), best=best)
     assert kinds(result)[1] == "threat"
     assert margin_table(result, {OTHER: 50.0}).texts() == [
@@ -51,7 +53,7 @@ def test_threats_and_probabilities_have_margins():
     assert frontier_table(result).headings()[-2] == "governed by"
     assert margin_table(design_result(), {}).headings() == [
         "threat",
-        "margin, m/s",
+        "margin by the model, m/s",
         "probability of stopping the projectile",
         "note",
     ]
@@ -102,10 +104,10 @@ def test_the_frontier_around_the_best_is_shown_unless_all_of_it_is_asked_for():
         result = replace(found, best=best_design(**thicknesses)).of(**question)
         _, table, *_ = (item for item in tables(result) if isinstance(item, Table))
         return [each[1] for each in table.texts()], [
-            note for note in tables(result) if isinstance(note, str) and "--all" in note
+            note for note in tables(result) if isinstance(note, str) and "with -v" in note
         ]
 
-    assert shown(4) == (["6", "7", "8", "9", "10"], ["4 more back plates with --all"])
+    assert shown(4) == (["6", "7", "8", "9", "10"], ["4 more back plates with -v"])
     assert shown(0)[0] == ["4", "5", "6", "7", "8"]
     assert shown(8)[0][-1] == "12"
     assert len(shown(4, every_row=True)[0]) == 9

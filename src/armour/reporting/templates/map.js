@@ -31,7 +31,8 @@ function decoded(pair) {
   pair.onOffer = pair.offered[0].flatMap(i => pair.offered[1].map(j => i * m + j));
   // By areal density, of equals the first one first, so that searches end with the first that is found.
   pair.designs = pair.onOffer.filter(k => !excluded.has(k)).sort((a, b) => rank[a] - rank[b] || a - b);
-  pair.name = pair.ceramic ? `${pair.ceramic} on ${pair.backing}` : pair.backing;
+  pair.said = pair.untested ? `${pair.ceramic} (untested)` : pair.ceramic;
+  pair.name = pair.ceramic ? `${pair.said} on ${pair.backing}` : pair.backing;
   pair.unknown = Uint8Array.from(pair.areal, (_, k) => threats.some((_, t) => isNaN(pair.stops[(k * T + t) * Q])));
   pair.known = pair.unknown.includes(0);
 }
@@ -134,6 +135,26 @@ function lightest(pair, asked = wanted()) {
   }
   return found.get(key);
 }
+// What to show of a pair: the lightest design or, without one that is known to do what is asked, the lightest by the
+// computed limit, or the one that lacks least.
+function answer(pair) {
+  const best = pair.single ? null : lightest(pair);
+  if (best !== null) return { k: best, reason: "" };
+  const asked = wanted(), within = pair.designs.filter(k => light(pair, k));
+  const reaches = within.find(k => asked.every((z, t) => stops(pair, k, t, isNaN(scored(pair, k, t)) ? null : z)));
+  if (reaches !== undefined) return { k: reaches, reason: pair.single ? "single" : "not known" };
+  let nearest = null, least = Infinity;
+  for (const k of within.length ? within : pair.designs.slice(0, 1)) {
+    const lacks = max(...threats.map((_, t) => lack(pair, k, t)));
+    if (lacks < least) [nearest, least] = [k, lacks];
+  }
+  return { k: nearest, reason: "none passes" };
+}
+// What the limit lacks to the one that is asked for, m/s.
+function lack(pair, k, t) {
+  const z = wanted()[t], d = k * T + t, sure = z === null || isNaN(scored(pair, k, t)) ? Infinity : stopped(pair, d, z);
+  return max(required(t) - pair.limits[d], state.velocities[t] - sure);
+}
 const even = pair => pair.designs.find(k => light(pair, k) && threats.every((_, t) => scored(pair, k, t) >= 0)) ?? null;
 
 // Areal density of the lightest design over x, given the greatest x that a design reaches.
@@ -189,14 +210,14 @@ const letter = t => (T > 1 ? `${mark(t)} ` : "");
 const shot = t =>
   `${threats[t].name} at ${trimmed(state.velocities[t])} m/s${threats[t].obliquity ? `, ${threats[t].obliquity}°` : ""}`;
 const listed = words => (words.length > 1 ? `${words.slice(0, -1).join(", ")} and ${words.at(-1)}` : words[0]);
-const allThreats = () => listed(threats.map((_, t) => shot(t)));
+const allThreats = () => (T > 3 ? `all ${T} threats` : listed(threats.map((_, t) => shot(t))));
 function thicknesses(pair, k) {
   const m = pair.backings.length;
   return [pair.ceramics[floor(k / m)], pair.backings[k % m]];
 }
 function armour(pair, k) {
   const [c, b] = thicknesses(pair, k);
-  return pair.ceramic ? `${trimmed(c)} mm ${pair.ceramic} on ${trimmed(b)} mm ${pair.backing}` : `${trimmed(b)} mm ${pair.backing}`;
+  return pair.ceramic ? `${trimmed(c)} mm ${pair.said} on ${trimmed(b)} mm ${pair.backing}` : `${trimmed(b)} mm ${pair.backing}`;
 }
 function short(pair, k) {
   const [c, b] = thicknesses(pair, k);
@@ -219,27 +240,31 @@ function percent() {
 const confidenceWords = () => `with ${percent() ?? "the"} confidence${margins ? " and the margin" : ""}${percent() && !margins ? "" : " asked for"}`;
 const plus = margins ? " plus the margin" : "";
 
-function headline(pair, best) {
-  const lead = best === null ? "" : `${armour(pair, best)}, ${areal(pair.areal[best])} kg/m², is the lightest`;
-  if (best !== null && anyAsked())
-    return `${lead} that stops ${allThreats()} ${confidenceWords()}.`;
-  if (best !== null) {
-    const z = worst(pair, best);
-    const sure = isNaN(z) ? "How likely it is to stop is unknown." : `The ${T > 1 ? "least " : ""}probability of stopping is ${chance(z)}.`;
-    return `${lead} whose computed ballistic limit reaches ${allThreats()}${plus}. ${sure}`;
+function headline(pair, { k, reason }) {
+  if (k === null) return `No ${pair.name} is on offer within the limits of the scenario.`;
+  const named = `${armour(pair, k)}, ${areal(pair.areal[k])} kg/m²,`, lead = `${named} is the lightest`;
+  if (reason === "none passes") {
+    const lacks = threats.map((_, t) => [lack(pair, k, t), t]).filter(([by]) => by > 0).map(([by, t]) => `${Math.ceil(by)} m/s against ${threats[t].name}`);
+    const over = light(pair, k) ? [] : [`${areal(pair.areal[k] - state.most)} kg/m² too much`];
+    return `None passes: the nearest, ${named} lacks ${listed([...lacks, ...over])}.`;
   }
-  return `No ${pair.name} on offer${state.most < Infinity ? ` within ${areal(state.most)} kg/m²` : ""} ${anyAsked() ? `is known to stop ${allThreats()} ${confidenceWords()}` : `has a computed ballistic limit that reaches ${allThreats()}${plus}`}.`;
+  if (reason === "single") return `One source alone gives the flow stress of ${pair.ceramic}, so that no design of it is named lightest. By it, ${named} reaches ${allThreats()}${plus}.`;
+  if (reason) return `Not known: ${lead} that reaches ${allThreats()}${plus} by the computed limit. How likely it is to stop is unknown.`;
+  if (anyAsked()) return `${lead} that stops ${allThreats()} ${confidenceWords()}.`;
+  const z = worst(pair, k);
+  const sure = isNaN(z) ? "How likely it is to stop is unknown." : `The ${T > 1 ? "least " : ""}probability of stopping is ${chance(z)}.`;
+  return `${lead} whose computed ballistic limit reaches ${allThreats()}${plus}. ${sure}`;
 }
 function besides(pair, best, ring) {
   const words = [];
   const untested = threats.flatMap((_, t) => (pair.designs.some(k => !isNaN(scored(pair, k, t))) ? [] : [shot(t)]));
-  if (untested.length) words.push(`No test like ${pair.name} against ${listed(untested)} is known, so that no probability is.`);
+  if (untested.length) words.push(`No test like ${pair.name} against ${untested.length === T ? allThreats() : listed(untested)} is known, so that no probability is.`);
   if (ring !== null && best !== null && anyAsked() && pair.areal[best] > pair.areal[ring]) {
     const more = pair.areal[best] - pair.areal[ring];
     words.push(`${short(pair, ring)}, ${areal(pair.areal[ring])} kg/m², stops more often than not: what is asked for costs ${areal(more)} kg/m², ${round(100 * more / pair.areal[ring])} % more.`);
   }
   const own = best === null ? Infinity : pair.areal[best];
-  const rival = DATA.pairs.map(p => [p, lightest(p)]).filter(([p, k]) => k !== null && p !== pair && p.areal[k] < own - 1e-9 && (isKnown(p, k) || !pair.known))
+  const rival = DATA.pairs.map(p => [p, lightest(p)]).filter(([p, k]) => k !== null && p !== pair && !p.single && p.areal[k] < own - 1e-9 && (isKnown(p, k) || !pair.known))
     .sort((a, b) => a[0].areal[a[1]] - b[0].areal[b[1]])[0];
   if (rival) words.push(`${armour(rival[0], rival[1])} is lighter, ${areal(rival[0].areal[rival[1]])} kg/m².`);
   if (pair.free.some(Boolean)) words.push("Any thickness is on offer; of those between the steps of this map a lighter one may do.");
@@ -366,17 +391,47 @@ function area(view, field, level, of) {
 let view = null;
 function viewOf(pair) {
   const narrow = $("map").parentNode.clientWidth < 520;
-  const flat = min(pair.ceramics.length, pair.backings.length) > 1, tall = flat || pair.ceramics.length > 1;
-  const [width, height] = narrow ? [390, tall ? 400 : 170] : [760, tall ? 600 : 190], frame = { left: 34, right: width - 48, top: 8, bottom: height - 24 };
+  const flat = min(pair.ceramics.length, pair.backings.length) > 1;
+  const [width, height] = narrow ? [390, 400] : [760, flat ? 600 : 460], frame = { left: flat ? 34 : 52, right: width - 48, top: 8, bottom: height - 24 };
   const scale = (values, from, to) => {
     const [low, high] = values.length > 1 ? [values[0], values.at(-1)] : [values[0] - 1, values[0] + 1];
     return { low, high, at: value => from + (to - from) * (value - low) / (high - low) };
   };
+  if (!flat) return lineViewOf(pair, { pair, narrow, width, height, frame, n: pair.ceramics.length, m: pair.backings.length }, scale);
   const across = scale(pair.backings, frame.left, frame.right), up = scale(pair.ceramics, frame.bottom, frame.top);
   const [x, y] = [pair.backings.map(across.at), pair.ceramics.map(up.at)];
   const near = [[x, width], [y, height]].map(([places, size]) =>
     Array.from({ length: size }, (_, at) => places.reduce((best, place, n) => (abs(place - at) < abs(places[best] - at) ? n : best), 0)));
   return { pair, grey: {}, equal: {}, near, width, height, narrow, frame, across, up, n: pair.ceramics.length, m: pair.backings.length, x, y };
+}
+
+// One thickness differs: the limits, less those required, over it.
+const margin = (pair, k, t) => pair.limits[k * T + t] - required(t);
+function lineViewOf(pair, view, scale) {
+  const { frame } = view, values = view.m > 1 ? pair.backings : pair.ceramics;
+  const over = (pair.over ?? []).flat().map((limit, d) => limit - required(d % T));
+  const every = [0, ...over, ...pair.areal.keys().flatMap(k => threats.map((_, t) => margin(pair, k, t)))];
+  const spare = 0.05 * (max(...every) - min(...every));
+  return { ...view, line: true, values, across: scale(values, frame.left + 10, frame.right - 10), up: scale([min(...every) - spare, max(...every) + spare], frame.bottom, frame.top) };
+}
+function drawLines(pair, lines, words) {
+  const { across, up, values, frame } = view, colours = ["blue", "red", "green", "ink"], ends = [];
+  lines.append(path([[frame.left, up.at(0)], [frame.right, up.at(0)]], "ink"));
+  words.append(text(frame.left + 8, up.at(0) - 6, "required", "halo strong"));
+  const at = (n, t, limit) => [across.at(values[n]), up.at(limit - required(t))];
+  threats.forEach((_, t) => {
+    if (!pair.over || (T > 3 && t !== governing(pair, answer(pair).k))) return;
+    const [least, greatest] = pair.over.map(limits => values.map((_, n) => at(n, t, limits[n * T + t])));
+    lines.append(svg("path", { class: "band", d: `M${[...least, ...greatest.reverse()].map(p => p.map(c => c.toFixed(1)).join(" ")).join("L")}Z` }));
+  });
+  threats.forEach((_, t) => {
+    const line = values.map((_, n) => at(n, t, pair.limits[n * T + t]));
+    lines.append(path(line, `limit ${colours[t % 4]}`));
+    let y = line.at(-1)[1] + 4;
+    while (ends.some(end => abs(end - y) < 13)) y += 13;
+    ends.push(y);
+    words.append(text(frame.right - 2, y, T > 1 ? mark(t) : "", "strong"));
+  });
 }
 
 // Distance of words from the frame and other words.
@@ -429,21 +484,22 @@ function limitLines(pair, t) {
   return { lines, group };
 }
 function drawMap(pair, best, ring) {
-  if (view?.pair !== pair) view = viewOf(pair);
+  if (view?.pair !== pair || view.line) view = viewOf(pair);
   const { frame, width, height, across, up } = view, box = $("map");
   const areas = svg("g"), lines = svg("g"), marks = svg("g"), words = (view.words = svg("g")), taken = (view.taken = []);
   const asked = wanted(), fields = { asked: reserve(pair, asked), even: reserve(pair, null).map(each => -each) };
-  const flat = view.n > 1 && view.m > 1;
+  const flat = !view.line;
+  if (!flat) drawLines(pair, lines, words);
   if (flat) {
     if (pair.known) areas.append(view.unknown ??= area(view, fields.even.map(v => +isNaN(v)), 1e-3, "unknown"), area(view, fields.even, 0, "fails"));
     if (anyAsked()) areas.append(area(view, fields.asked, 0, "stops"));
   }
 
   // Designs first: labels of lines keep clear of their words.
-  const right = [], colours = [[ring, "even", "t-red", "red thin"], [best, "best", anyAsked() ? "t-blue" : "strong", "blue thin"]];
+  const right = [], colours = [[ring, "even", "t-red", "red thin"], [best, answer(pair).reason ? "cursor" : "best", anyAsked() ? "t-blue" : "strong", "blue thin"]];
   for (const [k, of, colour, line] of colours) {
     if (k === null || (of === "even" && k === best)) continue;
-    const [x, y] = placeOf(pair, k), above = of === "best";
+    const [x, y] = placeOf(pair, k), above = of !== "even";
     marks.append(circle(x, y, above ? 7.5 : 6, of));
     const said = [short(pair, k), `${areal(pair.areal[k])} kg/m², ${chance(worst(pair, k))}`], room = 6.6 * max(...said.map(w => w.length));
     const side = (above ? x + 12 + room < width : x - 12 - room < frame.left) ? 1 : -1, top = y + (above ? -20 : 18);
@@ -486,8 +542,8 @@ function drawMap(pair, best, ring) {
       label(found, said, colour);
     };
     if (pair.known) drawn(fields.even, "red", "50 %", "t-red");
-    if (anyAsked()) drawn(fields.asked, "blue", percent() ?? "asked for", "t-blue");
-    else drawn(fields.asked, "ink", `computed limit = velocity${margins ? " + margin" : ""}`, "strong");
+    if (known) drawn(fields.asked, "blue", percent() ?? "asked for", "t-blue");
+    else drawn(pair.known ? fields.asked : reserve(pair, asked.map(() => null)), "ink", `computed limit = velocity${margins ? " + margin" : ""}`, "strong");
     if (pair.known) caption(fields.even, view.narrow ? "perforated" : "perforated more often than not", "t-red");
     if (known) {
       caption(fields.asked, percent() ? `${percent()} or more stopped` : "stopped as asked for", "t-blue");
@@ -503,30 +559,35 @@ function drawMap(pair, best, ring) {
     lines.append(front);
   }
   if (pair.onOffer.length <= 400) {
-    const passing = new Set(pair.designs.filter(k => light(pair, k) && asked.every((z, t) => stops(pair, k, t, z))));
+    // Over one thickness, by the computed limit where no probability is known, with the least flow stress of sources.
+    const reached = (k, t, z) => stops(pair, k, t, (view.line || !pair.known) && isNaN(scored(pair, k, t)) ? null : z) && (!pair.over || pair.over[0][k * T + t] >= required(t));
+    const passing = new Set(pair.designs.filter(k => light(pair, k) && asked.every((z, t) => reached(k, t, z))));
     for (const k of pair.onOffer) lines.append(circle(...placeOf(pair, k), 2.6, passing.has(k) ? "dot on" : "dot"));
   }
   const axes = svg("g");
   axes.append(svg("rect", { class: "frame", x: frame.left, y: frame.top, width: frame.right - frame.left, height: frame.bottom - frame.top }));
-  const marked = (values, of, low, high) => (values.length > 1 ? ticks(low, high, of) : values);
-  for (const b of marked(pair.backings, view.narrow ? 5 : 8, across.low, across.high))
-    axes.append(text(across.at(b), frame.bottom + 16, trimmed(b), "t-soft mid"));
-  for (const c of marked(pair.ceramic ? pair.ceramics : [], view.narrow ? 5 : 9, up.low, up.high))
-    axes.append(text(frame.left - 6, up.at(c) + 4, trimmed(c), "t-soft end"));
+  const bottom = flat ? pair.backings : view.values, marked = bottom.length > 1 ? ticks(across.low, across.high, view.narrow ? 5 : 8) : bottom;
+  for (const b of marked) if (abs(across.at(b) - frame.left) < width && across.at(b) <= frame.right && across.at(b) >= frame.left) axes.append(text(across.at(b), frame.bottom + 16, trimmed(b), "t-soft mid"));
+  for (const c of flat || view.line ? ticks(up.low, up.high, view.narrow ? 5 : 9) : [])
+    axes.append(text(frame.left - 6, up.at(c) + 4, flat ? trimmed(c) : (c > 0 ? "+" : "") + trimmed(c).replace("-", "−"), "t-soft end"));
   box.setAttribute("viewBox", `0 0 ${width} ${height}`);
-  box.setAttribute("aria-label", `Map of ${pair.name}. ${headline(pair, best)}`);
+  box.setAttribute("aria-label", `Map of ${pair.name}. ${headline(pair, answer(pair))}`);
   box.replaceChildren(areas, lines, axes, marks, words, svg("g", { id: "over" }));
-  const said = flat ? ["Dotted: equal areal density.", ...(state.lines === "none" ? [] : ["Thin: equal ballistic limit, m/s."])] : [];
-  if (pair.onOffer.length <= 400) said.push("Dots: on offer, filled where they do what is asked for.");
+  const said = flat ? ["Dotted: equal areal density.", ...(state.lines === "none" ? [] : ["Thin: equal ballistic limit, m/s."])]
+    : [`Lines: the computed limit against ${T > 1 ? "each threat" : "the threat"}, less the one required.`, ...(pair.over ? [`Band${T > 3 ? " of the threat that governs" : "s"}: over the flow stresses that sources give.`] : [])];
+  if (pair.onOffer.length <= 400) said.push(`Dots: on offer, filled where they ${flat || pair.known ? "do what is asked for" : `reach what is required by the computed limit${pair.over ? ", even with the least of these flow stresses" : ""}`}.`);
+  $("options").style.display = flat ? "" : "none";
   said.push("Point at a design to read it, click to pin it. Keys: arrows move (Shift: five steps), Home goes to the lightest, Enter pins, Escape leaves.");
   $("keys").textContent = said.join(" ");
   $("areal-name").hidden = !flat;
-  $("y-name").textContent = pair.ceramic ? `↑ ceramic ${pair.ceramic}, mm` : "";
-  $("x-name").textContent = `back plate ${pair.backing}, mm →`;
+  const [up_, right_] = [`ceramic ${pair.said}, mm`, `back plate ${pair.backing}, mm`];
+  $("y-name").textContent = flat ? `↑ ${up_}` : "↑ computed limit less the one required, m/s";
+  $("x-name").textContent = `${flat || view.m > 1 ? right_ : up_} →`;
   drawOver(pair);
 }
 
-const placeOf = (pair, k) => [view.x[k % view.m], view.y[floor(k / view.m)]];
+const placeOf = (pair, k) =>
+  view.line ? [view.across.at(view.values[k]), view.up.at(min(...threats.map((_, t) => margin(pair, k, t))))] : [view.x[k % view.m], view.y[floor(k / view.m)]];
 // The pointer and the pins.
 function drawOver(pair) {
   const over = $("over"), { frame } = view;
@@ -540,8 +601,8 @@ function drawOver(pair) {
   const [c, b] = thicknesses(pair, state.cursor), [x, y] = placeOf(pair, state.cursor);
   over.append(path([[frame.left, y], [x, y]], "cross"), path([[x, frame.bottom], [x, y]], "cross"), circle(x, y, 8, "cursor"));
   const chip = (cx, cy, said, width) => over.append(svg("rect", { class: "pin", x: cx - width / 2, y: cy - 10, width, height: 19, rx: 3 }), text(cx, cy + 4, said, "pin-text mid"));
-  if (pair.ceramic) chip(frame.left - 15, y, trimmed(c), 32);
-  chip(x, frame.bottom + 13, trimmed(b), 32);
+  if (pair.ceramic && !view.line) chip(frame.left - 15, y, trimmed(c), 32);
+  chip(x, frame.bottom + 13, trimmed(view.line && view.m === 1 ? c : b), 32);
   const said = `${areal(pair.areal[state.cursor])} kg/m² · ${chance(worst(pair, state.cursor))}`, width = 7 * said.length + 8;
   chip(min(max(x, frame.left + width / 2), view.width - width / 2), y > 40 ? y - 24 : y + 26, said, width);
 }
@@ -550,7 +611,7 @@ function drawPairs() {
   const box = $("pairs");
   box.hidden = DATA.pairs.length < 2;
   if (box.hidden) return;
-  const rows = DATA.pairs.map(pair => [pair, lightest(pair), even(pair)]);
+  const rows = DATA.pairs.map(pair => [pair, answer(pair).k, even(pair)]);
   const values = rows.flatMap(([p, a, b]) => [a, b].filter(k => k !== null).map(k => p.areal[k]));
   const low = min(...values), high = max(...values), at = v => 8 + 96 * (high > low ? (v - low) / (high - low) : 0.5);
   const focused = box.contains(document.activeElement);
@@ -562,8 +623,9 @@ function drawPairs() {
     const places = [ring, best].filter(k => k !== null).map(k => at(pair.areal[k]));
     if (places.length === 2) picture.append(path([[places[0], 9], [places[1], 9]], "frame"));
     if (ring !== null) picture.append(circle(at(pair.areal[ring]), 9, 4, "even"));
-    if (best !== null) picture.append(circle(at(pair.areal[best]), 9, 5, isKnown(pair, best) ? "best" : "cursor"));
-    const said = best === null ? (pair.known ? "none" : "unknown") : areal(pair.areal[best]) + (isKnown(pair, best) ? "" : ", unknown");
+    if (best !== null) picture.append(circle(at(pair.areal[best]), 9, 5, isKnown(pair, best) && !answer(pair).reason ? "best" : "cursor"));
+    const { k, reason } = answer(pair), words = { "": "", "not known": "not known", single: "one source", "none passes": "none" }[reason];
+    const said = reason === "none passes" ? words : `${areal(pair.areal[k])}${words || isKnown(pair, k) ? "" : ", unknown"}${words && `, ${words}`}`;
     picture.append(text(places.length ? max(...places) + 9 : 8, 13, said, "small"));
     return html("div", { class: "pair" }, html("label", {}, input, ` ${pair.name}`), picture);
   }));
@@ -588,7 +650,7 @@ function drawCurve(slider, xs, ys, value) {
   if (x > 50) picture.append(text(min(x, 266), y - 8, `${areal(pair.areal[best])} kg/m²`, "strong small mid"));
 }
 const sliders = [];
-function slider(name, low, high, step, value, said, changed, points) {
+function slider(name, low, high, step, value, said, changed, points, into = $("sliders")) {
   const input = html("input", { type: "range", min: low, max: high, step, "aria-label": name }), output = html("output");
   input.value = value;
   const picture = small(300, 42);
@@ -598,7 +660,7 @@ function slider(name, low, high, step, value, said, changed, points) {
     if (points) points(made);
   } };
   on(input, "input", () => { changed(+input.value); state.cursor = null; frame ??= requestAnimationFrame(draw); });
-  $("sliders").append(html("div", { class: "slider" }, html("div", {}, html("span", {}, name), output), points ? picture : null, input));
+  into.append(html("div", { class: "slider" }, html("div", {}, html("span", {}, name), output), points ? picture : null, input));
   sliders.push(made);
 }
 function makeSliders() {
@@ -608,13 +670,16 @@ function makeSliders() {
       () => (state.confidence === null ? "none asked for" : `${trimmed(state.confidence)} %`),
       value => { state.confidence = value > 50 ? value : null; },
       made => drawCurve(made, percents, overConfidence(current(), percents), state.confidence ?? 50));
+  // Many sliders would hide what follows.
+  const many = T > 3 ? html("details", {}, html("summary", {}, `Velocities of the ${T} threats`)) : null;
+  if (many) $("sliders").append(many);
   threats.forEach((threat, t) => {
     const reach = max(round(0.35 * threat.velocity), 1), low = threat.velocity - reach, high = threat.velocity + reach, xs = spread(low, high, 60);
     const own = threat.own === null ? "" : `, ${trimmed(100 * threat.own)} % asked for`;
     slider(`${letter(t)}${threat.name}${threat.obliquity ? ` at ${threat.obliquity}°` : ""}${own}`, low, high, 1, threat.velocity,
       () => `${trimmed(state.velocities[t])} m/s${threat.margin ? ` + ${threat.margin}` : ""}`,
       value => { state.velocities[t] = value; },
-      made => drawCurve(made, xs, overVelocity(current(), t, xs), state.velocities[t]));
+      made => drawCurve(made, xs, overVelocity(current(), t, xs), state.velocities[t]), many ?? $("sliders"));
   });
   const every = DATA.pairs.flatMap(p => [p.areal[0], p.areal.at(-1)]), low = floor(min(...every)), high = Math.ceil(max(...every));
   slider("Greatest areal density", low, high, 0.5, min(state.most, high), () => (state.most < Infinity ? `${trimmed(state.most)} kg/m²` : "any"),
@@ -664,15 +729,15 @@ function drawDesign(pair, best) {
   const [c, b] = thicknesses(pair, k), governs = governing(pair, k), pinned = state.pins.some(p => p.pair === pair && p.k === k);
   box.append(html("h2", {}, armour(pair, k)));
   const difference = best === null || k === best ? "" : ` (${signed(pair.areal[k] - pair.areal[best])})`;
-  box.append(html("p", {}, `${areal(pair.areal[k])} kg/m²${difference}, ${trimmed(c * !!pair.ceramic + b + DATA.added.thickness)} mm thick`, k === best ? html("span", { class: "t-blue" }, ` lightest${anyAsked() ? " as asked for" : ""}`) : null));
+  box.append(html("p", {}, `${areal(pair.areal[k])} kg/m²${difference}, ${trimmed(c * !!pair.ceramic + b + DATA.added.thickness)} mm thick`, k === best ? html("span", { class: "t-blue" }, { "": ` lightest${anyAsked() ? " as asked for" : ""}`, "not known": " lightest by the computed limit", "none passes": " nearest", single: "" }[answer(pair).reason]) : null));
   if (pair.excluded.includes(k)) box.append(html("p", { class: "t-red" }, "Beyond the limits of the scenario."));
   box.append(crossSection(pair, k));
   threats.forEach((threat, t) => {
     const d = k * T + t, v = state.velocities[t], z = score(pair, d, v), limit = pair.limits[d];
     box.append(html("div", { class: "row" }, html("span", {}, `${letter(t)}${shot(t)}`), html("b", {}, isNaN(z) ? "probability unknown" : `${chance(z)} stopped`)));
     if (!isNaN(z)) box.append(distribution(pair, d, v));
-    const margin = round(limit - v);
-    box.append(html("p", { class: "soft" }, `Computed limit ${round(limit)} m/s, margin ${margin < 0 ? "−" : "+"}${abs(margin)} m/s${T > 1 && t === governs ? "; governs" : ""}`));
+    const above = round(limit - v), over = pair.over && pair.over.map(limits => round(limits[d])).join(" to ");
+    box.append(html("p", { class: "soft" }, `Computed limit ${round(limit)} m/s${over ? `, ${over} over the sources` : ""}, margin ${above < 0 ? "−" : "+"}${abs(above)} m/s${T > 1 && t === governs ? "; governs" : ""}`));
   });
   box.append(button(pinned ? "Remove the pin" : "Pin this design", () => pin(k)));
   if (focused) box.lastChild.focus();
@@ -682,8 +747,8 @@ function pin(k) {
   if (place >= 0) state.pins.splice(place, 1);
   else state.pins = [...state.pins, { pair, k }].slice(-6);
   drawOver(pair);
-  drawDesign(pair, lightest(pair));
-  drawTable(pair, lightest(pair), even(pair));
+  drawDesign(pair, answer(pair).k);
+  drawTable(pair, answer(pair).k, even(pair));
 }
 const parts = words => words.split(/ (?=--set )/).flatMap(part => [html("span", {}, part), " "]);
 async function copy(words, code, button) {
@@ -698,12 +763,13 @@ async function copy(words, code, button) {
 function drawTable(pair, best, ring) {
   const rows = [[pair, best, "●", "t-blue"], [pair, ring === best ? null : ring, "○", "t-red"], ...state.pins.map((p, n) => [p.pair, p.k, n + 1, "disc", p])].filter(row => row[1] !== null);
   const from = best === null ? null : pair.areal[best];
-  const heads = ["armour", "kg/m²", ...(from === null ? [] : [`from ${areal(from)}`]), ...threats.flatMap((_, t) => [`${letter(t)}limit, m/s`, `${letter(t)}stopped`])];
+  const shown = k => (T > 3 ? [governing(current(), k)] : threats.map((_, t) => t));
+  const heads = ["armour", "kg/m²", ...(from === null ? [] : [`from ${areal(from)}`]), ...(T > 3 ? ["governs", "limit, m/s", "stopped"] : threats.flatMap((_, t) => [`${letter(t)}limit, m/s`, `${letter(t)}stopped`]))];
   const body = html("tbody");
   for (const [of, k, sign, colour, pinned] of rows) {
     const difference = from === null ? 0 : of.areal[k] - from;
     const cells = [areal(of.areal[k]), ...(from === null ? [] : [abs(difference) < 0.05 ? "" : signed(difference)]),
-      ...threats.flatMap((_, t) => [String(round(of.limits[k * T + t])), chance(scored(of, k, t))])];
+      ...shown(k).flatMap(t => [...(T > 3 ? [mark(t)] : []), String(round(of.limits[k * T + t])), chance(scored(of, k, t))])];
     body.append(html("tr", {}, html("td", {}, html("span", {}, html("span", { class: colour }, sign), " ", armour(of, k))), ...cells.map((cell, i) => html("td", { "data-label": heads[i + 1] }, html("span", {}, cell)))));
     const words = command(of, k), code = html("code", {}, ...parts(words));
     const remove = pinned ? button("Remove", () => { state.pins = state.pins.filter(p => p !== pinned); draw(); }) : null;
@@ -725,8 +791,8 @@ function drawNotes(pair) {
 let frame = null;
 function draw() {
   frame = null;
-  const pair = current(), best = lightest(pair), ring = even(pair);
-  $("headline").textContent = headline(pair, best);
+  const pair = current(), found = answer(pair), best = found.k, ring = even(pair);
+  $("headline").textContent = headline(pair, found);
   $("beside").textContent = besides(pair, best, ring);
   drawMap(pair, best, ring);
   drawPairs();
@@ -743,21 +809,23 @@ function move(k) {
   const pair = current();
   state.cursor = k;
   drawOver(pair);
-  drawDesign(pair, lightest(pair));
+  drawDesign(pair, answer(pair).k);
 }
 function nearest(event) {
   const pair = current(), box = $("map").getBoundingClientRect(), factor = view.width / box.width;
   const [x, y] = [(event.clientX - box.left) * factor, (event.clientY - box.top) * factor];
+  if (view.line) return pair.onOffer.reduce((a, b) => (abs(placeOf(pair, b)[0] - x) < abs(placeOf(pair, a)[0] - x) ? b : a));
   const closest = (places, at, to) => places.reduce((a, b) => (abs(at[b] - to) < abs(at[a] - to) ? b : a));
   return closest(pair.offered[0], view.y, y) * view.m + closest(pair.offered[1], view.x, x);
 }
 function keyed(event) {
   const pair = current(), moves = { ArrowUp: [1, 0], ArrowDown: [-1, 0], ArrowRight: [0, 1], ArrowLeft: [0, -1] };
-  if (event.key === "Home") move(lightest(pair));
+  if (view.line && view.m === 1) Object.assign(moves, { ArrowRight: [1, 0], ArrowLeft: [-1, 0] });
+  if (event.key === "Home") move(answer(pair).k);
   else if (event.key === "Escape") move(null);
-  else if (event.key === "Enter") { if ((state.cursor ?? lightest(pair)) !== null) pin(state.cursor ?? lightest(pair)); }
+  else if (event.key === "Enter") { if ((state.cursor ?? answer(pair).k) !== null) pin(state.cursor ?? answer(pair).k); }
   else if (moves[event.key]) {
-    const at = state.cursor ?? lightest(pair) ?? pair.onOffer[0], from = [floor(at / view.m), at % view.m], step = event.shiftKey ? 5 : 1;
+    const at = state.cursor ?? answer(pair).k ?? pair.onOffer[0], from = [floor(at / view.m), at % view.m], step = event.shiftKey ? 5 : 1;
     const [i, j] = [0, 1].map(axis => {
       const of = pair.offered[axis], place = of.indexOf(from[axis]) + step * moves[event.key][axis];
       return of[min(max(place, 0), of.length - 1)];
@@ -769,8 +837,13 @@ function keyed(event) {
 function start() {
   DATA.pairs.forEach(decoded);
   // The pair of materials that comes first is the one with the lightest design that is known to do what is asked.
-  const found = DATA.pairs.map((p, n) => [n, p, lightest(p)]).filter(([, , k]) => k !== null);
-  found.sort(([, p, k], [, q, l]) => isKnown(q, l) - isKnown(p, k) || p.areal[k] - q.areal[l]);
+  const rank = ["", "not known", "none passes", "single"], found = DATA.pairs.map((p, n) => [n, p, answer(p)]).filter(([, , a]) => a.k !== null);
+  const lacks = ([, p, { k }]) => max(...threats.map((_, t) => lack(p, k, t)));
+  found.sort((a, b) => {
+    const [[, p, { k, reason }], [, q, other]] = [a, b];
+    if (reason === "none passes" && other.reason === reason) return lacks(a) - lacks(b);
+    return rank.indexOf(reason) - rank.indexOf(other.reason) || isKnown(q, other.k) - isKnown(p, k) || p.areal[k] - q.areal[other.k];
+  });
   state.pair = found.length ? found[0][0] : 0;
   $("about").textContent = DATA.subject;
   for (let t = 0; t < T; t++) $("lines").append(html("option", { value: t }, T > 1 ? `ballistic limit against ${mark(t)}` : "ballistic limit"));

@@ -1,12 +1,13 @@
 """The probability that an armour stops its threat."""
 
-from math import floor
+from math import ceil, floor
 
 from armour.analysis.ballistic_limit import ConfidenceResult, no_error
+from armour.analysis.flow_stress import NeededFlowStress
 from armour.analysis.results import Result
 from armour.evidence.model_error import ModelError
 from armour.reporting.table import Column, Source, Table, column_of, record
-from armour.reporting.text import interval, number
+from armour.reporting.text import interval, number, percent
 from armour.scenario.scenario import Scenario
 
 STOPPING = Column("probability of stopping the projectile", prose=True)
@@ -67,11 +68,34 @@ def extrapolation(error: ModelError) -> list[str]:
     return [f"extrapolated from {', '.join(error.extrapolated)}"] if error.extrapolated else []
 
 
-def confidence_note(result: ConfidenceResult) -> str:
-    """Return what the probability rests on, or why it is not known."""
+def confidence_notes(result: ConfidenceResult) -> list[str]:
+    """Return what the probability rests on, or why it is not known and what the flow stress must be."""
     if result.model_error is None or result.probability_of_stopping is None:
-        return why_unknown(result.reason, result.probability_at_normal_incidence)
-    return error_note(result, result.model_error)
+        unknown = why_unknown(result.reason, result.probability_at_normal_incidence)
+        return [unknown, *flow_stress_notes(result.flow_stress)]
+    return [error_note(result, result.model_error)]
+
+
+def flow_stress_notes(needed: NeededFlowStress | None, against: str = "the threat") -> list[str]:
+    """Return with which flow stress a ceramic without tests stops a threat, and the limits over its sources."""
+    if needed is None:
+        return []
+    least, likely, sources = needed.needed_GPa, needed.needed_for_probability_GPa, needed.sources_GPa
+    given = ("", "; one source gives {:g}", "; sources give {:g} to {:g}")[len(sources)].format(*sources)
+    if least is None:
+        return [f"does not stop {against} with any flow stress of {needed.ceramic} up to 100 GPa{given}"]
+    chance, error = percent(needed.probability), "with the error seen on AD85"
+    surely = f"{_rounded_up(likely)} GPa for {chance}" if likely else f"more than 100 GPa for {chance}"
+    words = f"stops {against} if the flow stress of {needed.ceramic} is {_rounded_up(least)} GPa or more"
+    found = [f"{words} ({surely}, {error}){given}"]
+    if sources:
+        over = "these sources" if len(sources) > 1 else "this source"
+        found.append(f"ballistic limit over {over}: {' to '.join(f'{limit:.0f}' for limit in needed.limits_m_s)} m/s")
+    return found
+
+
+def _rounded_up(number: float) -> str:
+    return f"{ceil(10.0 * number - 1e-9) / 10.0:g}"
 
 
 def why_unknown(reason: str, probability_at_normal_incidence: float | None) -> str:
@@ -104,4 +128,4 @@ def confidence_table(result: ConfidenceResult) -> Table:
 
 def tables(result: ConfidenceResult) -> list[Table | str]:
     """Return the probability, and what it rests on."""
-    return [confidence_table(result), confidence_note(result)]
+    return [confidence_table(result), *confidence_notes(result)]

@@ -4,15 +4,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
+from math import inf
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from armour.design.optimise import OBJECTIVES, BestDesign, Design, DesignResult
+from armour.design.optimise import OBJECTIVES, BestDesign, Design, DesignResult, Pair
 from armour.reporting import charts
 from armour.reporting.table import Column, Source, Table, column_of, csv_text, listing, record
-from armour.reporting.text import interval, number, percent
-from armour.reporting.views.confidence import STOPPING, chance, error_note, risk, with_error
+from armour.reporting.text import Verdict, interval, number, percent
+from armour.reporting.views.confidence import STOPPING, chance, error_note, flow_stress_notes, risk, with_error
 from armour.scenario.scenario import Scenario
 
 if TYPE_CHECKING:
@@ -30,7 +31,10 @@ CERAMIC_THICKNESS, BACKING_THICKNESS = (column_of(f"{layer}_thickness_mm", ".3f"
 THICKNESS = column_of("thickness_mm", ".4g", "total thickness")
 COST = column_of("cost_per_m2", ".0f")
 GOVERNED_BY = Column("governed by", prose=True)
-MARGIN, REQUIRED = column_of("margin_m_s", "+.0f"), Column("required margin", "m/s", "+.0f")
+# The margin of the armour itself depends on the model error.
+MARGIN = column_of("margin_m_s", "+.0f", "margin by the model")
+REQUIRED = Column("required margin", "m/s", "+.0f")
+TESTS = Column("tests", key="untested")
 
 
 def required_margins(scenario: Scenario | None) -> dict[str, float]:
@@ -65,8 +69,47 @@ def best_table(design: BestDesign, required: Mapping[str, float], title: str = "
 
 def armour_in_words(design: Design) -> str:
     """Return the layers of a design, such as "11 mm AD85 on 6 mm 5083-H3"."""
-    names = (design.ceramic_thickness_mm, design.ceramic), (design.backing_thickness_mm, design.backing)
+    ceramic = f"{design.ceramic} (untested)" if design.untested else design.ceramic
+    names = (design.ceramic_thickness_mm, ceramic), (design.backing_thickness_mm, design.backing)
     return " on ".join(f"{round(thickness, 3):g} mm {name}" for thickness, name in names if name)
+
+
+def verdict(result: DesignResult) -> list[Table | str]:
+    """Return, without a best design, what is nearest to one, and why it is no more than that."""
+    objective, nearest, beyond = OBJECTIVES[result.minimised], result.nearest, result.without_limits
+    if not result.reason:
+        return []
+    if nearest is None:
+        return [Verdict.of(f"not known: {result.explanation}", good=False)]
+    armour, notes = armour_in_words(nearest), _flow_stress_notes(nearest)
+    if result.reason == "not known":
+        reaches = f"{armour} is the {objective.least} that stops {_every(result)} by the computed limit"
+        return [Verdict.of(f"not known: {reaches}", good=False), *notes, result.explanation]
+    short = ", ".join(f"{lacking:.0f} m/s against {threat}" for threat, lacking in nearest.short_m_s.items() if lacking)
+    over = "; ".join(_beyond(nearest))
+    found: list[Table | str] = [
+        Verdict.of(f"none passes: the nearest, {armour}, lacks {'; '.join(filter(None, (short, over)))}", good=False)
+    ]
+    if beyond is not None and beyond.exceeds:
+        words = f"{armour_in_words(beyond)} would stop {_every(result)}, but has {'; '.join(_beyond(beyond))}"
+        return [*found, words, *notes]
+    return [*found, result.explanation, *notes]
+
+
+def _every(result: DesignResult) -> str:
+    return "every threat" if len(result.threats) > 1 else result.threats[0]
+
+
+def _beyond(design: BestDesign) -> list[str]:
+    """Return by how much a design exceeds limits."""
+    units = {objective.bound: objective.unit for objective in OBJECTIVES.values()}
+    return [f"{excess:.3g}{units[key]} more than design.{key} allows" for key, excess in design.exceeds.items()]
+
+
+def _flow_stress_notes(design: BestDesign) -> list[str]:
+    """Return what flow stress the ceramic of a design needs, if it has no tests, against the threat that needs most."""
+    most = max(design.flow_stress.items(), key=lambda item: item[1].needed_GPa or inf, default=None)
+    return [] if most is None else flow_stress_notes(most[1], most[0])
 
 
 def _aligned(table: Table) -> Table:
@@ -89,7 +132,7 @@ def frontier_table(result: DesignResult) -> Table:
     governing = dict(zip(map(_thicknesses, result.frontier), result.frontier_governed_by, strict=True))
 
     def note(design: Design) -> str:
-        marks = [OBJECTIVES[result.minimised].least] if _thicknesses(design) == _thicknesses(result.best) else []
+        marks = [OBJECTIVES[result.minimised].least] if _thicknesses(design) == _thicknesses(_shown(result)) else []
         return ", ".join([*marks, *["least of the range"] * (design.ceramic_thickness_mm == result.ceramic_min_mm)])
 
     table = listing(
@@ -100,7 +143,7 @@ def frontier_table(result: DesignResult) -> Table:
         MARGIN,
         (GOVERNED_BY, lambda design: governing[_thicknesses(design)] if several else None),
         (Column("note"), note),
-        title=f"{_pair(result.best)}: thinnest ceramic for each back plate" if len(result.pairs) > 1 else "",
+        title=f"{_pair(_shown(result))}: thinnest ceramic for each back plate" if len(result.pairs) > 1 else "",
     )
     return _aligned(table)
 
@@ -108,7 +151,7 @@ def frontier_table(result: DesignResult) -> Table:
 def _around_best(result: DesignResult) -> DesignResult:
     """Return a result with the part of its frontier that is around the best design."""
     places = [_thicknesses(design) for design in result.frontier]
-    best = _thicknesses(result.best)
+    best = _thicknesses(_shown(result))
     middle = places.index(best) if best in places else 0
     first = max(min(middle - FRONTIER_ROWS // 2, len(places) - FRONTIER_ROWS), 0)
     rows = slice(first, first + FRONTIER_ROWS)
@@ -133,12 +176,13 @@ def margin_table(result: DesignResult, required: Mapping[str, float]) -> Table:
     # Imported here because commands without tables do not need scipy.
     from armour.analysis.estimates import CONFIDENCE
 
-    best = result.best
+    best = _shown(result)
     stop, sampled = best.probabilities_of_stopping, best.probabilities
     return listing(
         best.margins_m_s,
         (Column("threat", prose=True), str),
         (MARGIN, best.margins_m_s.__getitem__),
+        (Column("short by", "m/s", ".0f"), lambda threat: best.short_m_s[threat] or None),
         (STOPPING, lambda threat: chance(stop[threat])),
         (REQUIRED, required.get),
         (Column("probability of perforation", spec=".3f"), lambda threat: getattr(sampled.get(threat), "value", None)),
@@ -153,9 +197,10 @@ def pair_table(result: DesignResult) -> Table:
     table = listing(
         result.pairs,
         CERAMIC,
+        (TESTS, lambda pair: _tests(pair.best)),
         BACKING,
         *((column, lambda pair, key=column.key: getattr(pair.best, key, None)) for column in shown),
-        (Column("result", prose=True), lambda pair: pair.reason or OBJECTIVES[result.minimised].least),
+        (Column("result", prose=True), lambda pair: pair.reason or _named(result, pair)),
         title="pairs of materials",
         rest="--json",
     )
@@ -164,45 +209,103 @@ def pair_table(result: DesignResult) -> Table:
 
 def pareto_table(result: DesignResult) -> Table:
     """Return the designs of the Pareto front."""
-    columns = (CERAMIC, BACKING, CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, COST, MARGIN)
-    return _aligned(listing(result.pareto, *columns, title="Pareto front", rest="--csv FILE"))
+    columns = (BACKING, CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, COST, MARGIN)
+    return _aligned(listing(result.pareto, CERAMIC, (TESTS, _tests), *columns, title="Pareto front", rest="--csv FILE"))
+
+
+def every_table(result: DesignResult) -> Table:
+    """Return all designs of a small catalogue, with the margin by the model against each threat."""
+    rows = list(zip(result.every, result.margins_of_every_m_s, strict=True))
+    columns = (CERAMIC_THICKNESS, BACKING, BACKING_THICKNESS, AREAL_DENSITY, COST)
+    several = len(result.threats) > 1
+    return _aligned(
+        listing(
+            rows,
+            (CERAMIC, lambda row: row[0].ceramic),
+            (TESTS, lambda row: _tests(row[0])),
+            *((column, lambda row, key=column.key: getattr(row[0], key)) for column in columns),
+            *(
+                (
+                    Column(
+                        f"margin against {threat}" if several else MARGIN.label,
+                        "m/s",
+                        "+.0f",
+                        key=f"margin_{place}_m_s",
+                    ),
+                    lambda row, threat=threat: row[1][threat],
+                )
+                for place, threat in enumerate(result.threats, start=1)
+            ),
+            title="designs, with margins by the model" if several else "designs",
+            rest="--csv FILE",
+        )
+    )
+
+
+def _tests(design: Design | None) -> str:
+    return "untested" if design is not None and design.untested else ""
+
+
+def _named(result: DesignResult, pair: Pair) -> str:
+    """Return what the best design of a pair is that has no reason not to be best."""
+    least = OBJECTIVES[result.minimised].least
+    return least if result.best is not None else f"{least} by the computed limit" if pair.best is not None else ""
 
 
 def csv(result: DesignResult) -> str:
-    """Return the Pareto front or, where none is asked for, the frontier as CSV."""
-    return csv_text(pareto_table(result) if result.pareto else frontier_table(result))
+    """Return the Pareto front as CSV or, where none is asked for, the frontier; without one, every design."""
+    tables = ((result.pareto, pareto_table), (result.frontier, frontier_table), (result.every, every_table))
+    return next((csv_text(table(result)) for rows, table in tables if rows), "")
+
+
+def _shown(result: DesignResult) -> BestDesign:
+    """Return the best design or, without one, the nearest; that there is one is checked before."""
+    assert result.shown is not None
+    return result.shown
 
 
 def tables(result: DesignResult) -> list[Table | str]:
     """Return all tables of a design search: the frontier of a single pair of materials, or a row for each pair."""
     scenario: Scenario | None = result.question.get("scenario")
-    required = required_margins(scenario)
-    answer = None if scenario is None or result.best.model_error is not None else _answer(scenario, result.best)
-    error = error_note(result, result.best.model_error, answer)
-    found: list[Table | str] = [best_table(result.best, required), error, *margin_notes(result.best)]
+    required, best = required_margins(scenario), result.shown
+    found: list[Table | str] = [*verdict(result)]
+    if best is not None:
+        answer = None if scenario is None or best.model_error is not None else _answer(scenario, best)
+        error = [] if result.reason == "not known" else [error_note(result, best.model_error, answer)]
+        found += [best_table(best, required), *error, *margin_notes(best)]
     if result.refined is not None:
         objective = OBJECTIVES[result.minimised]
-        if result.refined == result.best:
+        if result.refined == best:
             found.append(f"no {objective.less} design was found between the values of the grid")
         else:
             found.append(
                 best_table(result.refined, required, f"{objective.least} design between the values of the grid")
             )
-    if len(result.threats) > 1 or result.best.probabilities:
+    if best is not None and (len(result.threats) > 1 or best.probabilities):
         found.append(margin_table(result, required))
-    every = result.question.get("every_row")
+    verbose = result.question.get("every_row")
     if len(result.pairs) > 1:
         found.append(pair_table(result))
-    if len(result.pairs) == 1 or every:
-        shown = result if every else _around_best(result)
+        found += [note for pair in result.pairs if not pair.ranked for note in _of_one_source(pair)]
+    if result.every and (verbose or result.reason):
+        found.append(every_table(result))
+    if result.frontier and (len(result.pairs) == 1 or verbose):
+        shown = result if verbose else _around_best(result)
         found.append(frontier_table(shown))
         if len(shown.frontier) < len(result.frontier):
-            found.append(f"{len(result.frontier) - len(shown.frontier)} more back plates with --all")
+            found.append(f"{len(result.frontier) - len(shown.frontier)} more back plates with -v")
         if result.without_mm:
             found.append(left_out(result))
     if result.pareto:
         found.append(pareto_table(result))
     return [*found, f"{number(result.examined, 'd')} designs computed"]
+
+
+def _of_one_source(pair: Pair) -> list[str]:
+    """Return what flow stress the best design of a pair needs that is not ranked for it."""
+    if pair.best is None:
+        return []
+    return [f"{armour_in_words(pair.best)} {note}" for note in _flow_stress_notes(pair.best)[:1]]
 
 
 def _answer(scenario: Scenario, best: BestDesign) -> Scenario:
@@ -220,8 +323,9 @@ def margin_notes(best: BestDesign) -> list[str]:
 # Looks of the best designs, on the grid and between its values.
 BEST: dict[str, Any] = {"marker": "o", "size": 9.0}
 REFINED: dict[str, Any] = {"marker": "D", "colour": "green"}
-# Pairs of materials that are shown, nodes of the grid along an axis, and designs on offer up to which each is a dot.
-MAX_PAIRS, NODES, MAX_DOTS = 12, 25, 250
+# Pairs of materials that are shown, by a point and by a line; nodes of the grid along an axis, and designs on offer up
+# to which each is a dot.
+MAX_PAIRS, MAX_LINES, NODES, MAX_DOTS = 12, 6, 25, 250
 # Probability that a map shows where no confidence is asked for.
 USUAL = 0.95
 # Words of designs between the velocity and the limit of half of them.
@@ -236,38 +340,91 @@ CRITERIA = {
 
 
 def chart(result: DesignResult) -> charts.Chart:
-    """Describe the designs of a search: the map of the best pair, the best of each pair, and the Pareto front."""
-    panels = [map_chart(result)]
-    if sum(pair.best is not None for pair in result.pairs) > 1:
-        panels.append(pair_chart(result))
-    if result.pareto:
-        panels.append(pareto_chart(result))
-    first, *rest = panels
+    """Describe the designs of a search: limits over one thickness, or the map of the best pair with what is beside it.
+
+    Beside the map are the best design of each pair, and the Pareto front.
+    """
+    first = map_chart(result)
+    if len(first.panels) > 1 or first.panels[0].title:
+        return first
+    rest = [pair_chart(result)] if sum(pair.best is not None for pair in result.pairs) > 1 else []
+    rest += [pareto_chart(result)] if result.pareto else []
     titled = [replace(panel, title=other.title) for other in rest for panel in other.panels]
-    return replace(first, panels=(*first.panels, *titled), note=" ".join(filter(None, (each.note for each in panels))))
+    notes = " ".join(filter(None, (each.note for each in (first, *rest))))
+    return replace(first, panels=(*first.panels, *titled), note=notes)
 
 
 def map_chart(result: DesignResult) -> charts.Chart:
-    """Describe the designs of the best pair over both thicknesses, or over the one that is not the same for all."""
+    """Describe the designs of the best pair over both thicknesses, or those of all pairs over the one that differs."""
     # Imported here because the tables of a search do not need it.
     from armour.design.catalogue import NO_BOUND, catalogue_of
-    from armour.design.map import design_map
+    from armour.design.map import design_map, with_edges_of_known
 
     catalogue = catalogue_of(charts.needed(result, "scenario"))
     names = [(offer.ceramic.material, offer.backing.material) for offer in catalogue.offers]
-    pair = names.index((result.best.ceramic, result.best.backing))
-    ends = [layer.thicknesses() for layer in catalogue.offers[pair][:2]]
-    ceramic_mm, backing_mm = (np.linspace(of[0], of[-1], NODES) if of[0] < of[-1] else np.array(of[:1]) for of in ends)
+    design = result.shown or next((pair.best for pair in result.pairs if pair.best is not None), None)
+    best = 0 if design is None else names.index((design.ceramic, design.backing))
     asked = tuple(1.0 - bound if bound < NO_BOUND else None for bound in catalogue.bounds.tolist())
-    probabilities = {1.0 - USUAL, 0.5, USUAL, *(c for c in asked if c is not None)}
-    grid = design_map(catalogue, pair, ceramic_mm, backing_mm, tuple(probabilities))
-    drawn = _MapDrawing(result, catalogue, grid, asked)
-    return charts.Chart(_title(result), (drawn.panel(),), drawn.note())
+    probabilities = tuple({1.0 - USUAL, 0.5, USUAL, *(c for c in asked if c is not None)})
+
+    def drawing(pair: int) -> _MapDrawing:
+        layers = (np.array(layer.thicknesses()) for layer in catalogue.offers[pair][:2])
+        grid = with_edges_of_known(catalogue, pair, *(_nodes(layer) for layer in layers))
+        return _MapDrawing(result, catalogue, design_map(catalogue, pair, *grid, probabilities), asked)
+
+    single = [tuple(len(layer.thicknesses()) == 1 for layer in offer[:2]) for offer in catalogue.offers]
+    if any(single[best]):
+        layer = "backing" if single[best][0] and not single[best][1] else "ceramic"
+        alike = [pair for pair, of in enumerate(single) if of[layer == "ceramic"]]
+        alike.sort(key=lambda pair: pair != best)
+        return _line_chart(result, [drawing(pair) for pair in alike[:MAX_LINES]], layer)
+    drawn = drawing(best)
+    return charts.Chart(title(result), (drawn.panel(),), drawn.note())
 
 
-def _title(result: DesignResult) -> str:
-    """Return the best design, and how surely it stops the threats."""
-    best, sure = result.best, _least_sure(result)
+def _nodes(offered: Any) -> Any:
+    """Return nodes of a map between the thicknesses on offer, which are among them where these are few."""
+    even = np.linspace(offered[0], offered[-1], NODES) if len(offered) > 1 else offered
+    return np.union1d(even, offered) if len(offered) <= NODES else even
+
+
+def _line_chart(result: DesignResult, drawings: "Sequence[_MapDrawing]", layer: str) -> charts.Chart:
+    """Describe the limits of pairs of materials over one thickness, a panel for each threat."""
+    catalogue, threats = drawings[0].catalogue, result.threats
+    names = [drawing.name(layer) for drawing in drawings]
+    panels = []
+    for place, threat in enumerate(catalogue.threats):
+        series: list[charts.Series] = []
+        for index, (drawing, name) in enumerate(zip(drawings, names, strict=True)):
+            series += drawing.lines(layer, place, name, charts.COLOURS[index % len(charts.COLOURS)])
+        words = f"{threat.required_m_s:g} m/s required"
+        series.append(charts.Rule(threat.required_m_s, "--", vertical=False, label=words, colour="ink"))
+        x = charts.quantity_axis(f"armour.{layer}_thickness_mm")
+        shown = [threat.required_m_s, *(drawing.limits_m_s[..., place] for drawing in drawings)]
+        y = charts.quantity_axis(
+            "ballistic_limit_m_s", limits=charts.widened(np.concatenate([np.ravel(of) for of in shown]), 0.12)
+        )
+        panels.append(charts.Panel(x, y, tuple(series), threats[place]))
+    beside = len(panels) in (2, 3)
+    shared = [replace(panel, shares_x=bool(place) and not beside) for place, panel in enumerate(panels)]
+    notes = ["Filled dots are designs on offer that stop the threat"]
+    notes[0] += " as required." if any(drawings[0].asked) else " by the model."
+    if any(drawing.over_sources is not None for drawing in drawings):
+        notes = [
+            "Filled dots are designs on offer that stop the threat, untested ones even with the least flow stress of"
+        ]
+        notes.append("their sources, which bands show.")
+    return charts.Chart(
+        title(result), tuple(shared), " ".join(notes), width=3.4 * len(panels) if beside else 5.2, beside=beside
+    )
+
+
+def title(result: DesignResult) -> str:
+    """Return the best design, and how surely it stops the threats; or what there is without one."""
+    if result.reason:
+        words = str(verdict(result)[0])
+        return words[:1].upper() + words[1:]
+    best, sure = _shown(result), _least_sure(result)
     stops = "" if sure is None else f", stops with {chance(sure)}"
     value = CRITERIA[result.minimised].text(getattr(best, result.minimised))
     return f"{OBJECTIVES[result.minimised].least.capitalize()}: {armour_in_words(best)}, {value}{stops}"
@@ -275,7 +432,9 @@ def _title(result: DesignResult) -> str:
 
 def _least_sure(result: DesignResult) -> float | None:
     """Return the least of the probabilities that the best design stops each threat; None where one is unknown."""
-    found = [result.best.probabilities_of_stopping[threat] for threat in result.threats]
+    if result.shown is None:
+        return None
+    found = [result.shown.probabilities_of_stopping[threat] for threat in result.threats]
     return None if None in found else min(p for p in found if p is not None)
 
 
@@ -299,8 +458,8 @@ class _MapDrawing:
 
     @cached_property
     def governing(self) -> int:
-        """The governing threat of the best design."""
-        return self.result.threats.index(self.result.best.governing)
+        """The governing threat of the design that is named."""
+        return self.result.threats.index(self.result.shown.governing) if self.result.shown else 0
 
     @cached_property
     def shown(self) -> float:
@@ -353,13 +512,11 @@ class _MapDrawing:
         return self.grid.backing_mm, self.grid.ceramic_mm, values
 
     def panel(self) -> charts.Panel:
-        """Return the map or, where one thickness is the same for all, the limits over the other one."""
-        if min(len(self.grid.ceramic_mm), len(self.grid.backing_mm)) < 2:
-            return self.line_panel()
+        """Return the map."""
         objective = self.grid.on_grid(self.catalogue.objective(self.grid.candidates))
         limits = self.grid.limits_m_s[..., self.governing]
         axis = CRITERIA[self.result.minimised]
-        of = f" against {self.result.best.governing}" if len(self.result.threats) > 1 else ""
+        of = f" against {self.result.threats[self.governing]}" if len(self.result.threats) > 1 else ""
         dotted: dict[str, Any] = {"style": "dotted", "colour": "soft"}
         series: list[charts.Series] = [
             *self.regions(),
@@ -382,30 +539,62 @@ class _MapDrawing:
         y = charts.quantity_axis("armour.ceramic_thickness_mm")
         return charts.Panel(x, y, tuple(series), height=1.6)
 
-    def line_panel(self) -> charts.Panel:
-        """Return the limits against the governing threat over the thickness that is not the same for all designs."""
-        layer = "ceramic" if len(self.grid.ceramic_mm) > 1 else "backing"
-        x = getattr(self.grid, f"{layer}_mm").tolist()
-        limits = self.grid.limits_m_s[..., self.governing].ravel().tolist()
-        series: list[charts.Series] = []
-        if not np.isnan(self.grid.stopped_m_s[..., self.governing, :]).all():
-            low, high = (self.grid.stopped_with(p)[..., self.governing].ravel() for p in (USUAL, 1.0 - USUAL))
-            label = f"stopped in {percent(1.0 - USUAL)} to {percent(USUAL)} of cases"
-            series.append(charts.Band(x, low.tolist(), high.tolist(), label=label))
-        series.append(charts.Line(x, limits, label="ballistic limit by the model"))
-        velocity = float(self.catalogue.velocities_m_s[self.governing])
-        series.append(charts.Rule(velocity, "--", vertical=False, label=self.result.best.governing, colour="vermilion"))
-        for design, look in self.marked():
-            thickness = getattr(design, f"{layer}_thickness_mm")
-            series.append(charts.Points([thickness], [float(np.interp(thickness, x, limits))], **look))
-        axis = charts.quantity_axis(f"armour.{layer}_thickness_mm")
-        return charts.Panel(axis, charts.quantity_axis("ballistic_limit_m_s"), tuple(series), height=1.3)
+    @cached_property
+    def over_sources(self) -> Any:
+        """Limits with the flow stresses of sources, (sources, ceramics, back plates, threats); None without them."""
+        from armour.design.map import limits_over_sources
+
+        return limits_over_sources(self.catalogue, self.grid)
+
+    @property
+    def limits_m_s(self) -> Any:
+        """Limits by the model and with the flow stresses of sources, (..., ceramics, back plates, threats)."""
+        over = () if self.over_sources is None else self.over_sources
+        return np.stack([self.grid.limits_m_s, *over])
+
+    def name(self, layer: str) -> str:
+        """Return what tells the pair from others: the material of the layer, and of the other one if they differ."""
+        ceramic, backing = (of.material for of in self.catalogue.offers[self.grid.pair][:2])
+        ceramic += " (untested)" * self.catalogue.untested[self.grid.pair]
+        one_metal = len(self.catalogue.section.backing) == 1
+        return (
+            ceramic
+            if ceramic and one_metal and layer == "ceramic"
+            else f"{ceramic} on {backing}"
+            if ceramic
+            else backing
+        )
+
+    def lines(self, layer: str, threat: int, name: str, colour: str) -> Iterator[charts.Series]:
+        """Give the limits against a threat over a thickness, what is known of them, and the designs on offer."""
+        x = getattr(self.grid, f"{layer}_mm")
+        limits = self.grid.limits_m_s[..., threat].ravel()
+        ends = None if self.over_sources is None else self.over_sources[..., threat].reshape(-1, len(x))
+        if ends is not None and len(ends) > 1:
+            yield charts.Band(x.tolist(), ends[0].tolist(), ends[-1].tolist(), colour=colour)
+        if not np.isnan(self.grid.stopped_m_s[..., threat, :]).all():
+            low, high = (self.grid.stopped_with(p)[..., threat].ravel().tolist() for p in (USUAL, 1.0 - USUAL))
+            yield charts.Band(x.tolist(), low, high, colour=colour)
+        yield charts.Line(x.tolist(), limits.tolist(), label=name, colour=colour)
+        layers = dict(zip(("ceramic", "backing"), self.catalogue.offers[self.grid.pair][:2], strict=True))
+        if layers[layer].free_range():
+            return
+        offered = np.searchsorted(x, layers[layer].thicknesses())
+        least = limits if ends is None else ends[0]
+        stops = least >= self.catalogue.threats[threat].required_m_s
+        if (asked := self.asked[threat]) is not None:
+            sure = self.grid.stopped_with(asked)[..., threat].ravel()
+            stops &= np.isnan(sure) | (sure >= self.catalogue.threats[threat].velocity_m_s)
+        for filled in (True, False):
+            some = [place for place in offered.tolist() if stops[place] == filled]
+            words = tuple(f"{x[place]:g} mm: limit by the model {limits[place]:.0f} m/s" for place in some)
+            yield charts.Points(x[some].tolist(), limits[some].tolist(), filled=filled, colour=colour, text=words)
 
     def marked(self) -> Iterator[tuple[Design, dict[str, Any]]]:
         """Give the lightest designs: as asked for, as likely perforated as not, and between the values of the grid."""
         from armour.design.map import lightest
 
-        best, sure = self.result.best, _least_sure(self.result)
+        best, sure = self.result.shown, _least_sure(self.result)
         if any(self.asked) and not np.isnan(self.grid.stopped_m_s).all():
             even = lightest(self.catalogue, self.grid, 0.5)
             if even is not None:
@@ -413,8 +602,10 @@ class _MapDrawing:
         if (refined := self.result.refined) is not None:
             label = f"refined: {_design_text(refined, self.result.minimised)}"
             yield refined, {**REFINED, "label": label, "text": (label,)}
-        named = self.named(best, "probability unknown" if sure is None else f"{chance(sure)} stopped")
-        yield best, {**BEST, **named, "colour": "blue" if any(self.asked) else "ink"}
+        if best is not None:
+            named = self.named(best, "probability unknown" if sure is None else f"{chance(sure)} stopped")
+            colour = "vermilion" if self.result.reason else "blue" if any(self.asked) else "ink"
+            yield best, {**BEST, **named, "colour": colour}
 
     def named(self, design: Design, sure: str) -> dict[str, Any]:
         """Return the name of a design, which is also its text: thicknesses, objective, and how surely it stops."""
@@ -482,8 +673,10 @@ def pareto_chart(result: DesignResult) -> charts.Chart:
     for index, (name, designs) in enumerate(charts.grouped(result.pareto, _pair).items()):
         text = tuple(f"{name}\n{_design_text(design, *result.criteria)}" for design in designs)
         series.append(charts.Points(*_at(designs, x, y), filled=False, label=name, text=text, **charts.look_of(index)))
-    words = (f"best\n{_design_text(result.best, *result.criteria)}",)
-    series.append(charts.Points(*_at([result.best], x, y), size=3.0, label="best", text=words, colour="ink"))
+    if result.shown is not None:
+        label = "nearest" if result.reason else "best"
+        words = (f"{label}\n{_design_text(result.shown, *result.criteria)}",)
+        series.append(charts.Points(*_at([result.shown], x, y), size=3.0, label=label, text=words, colour="ink"))
     notes = []
     if len(result.criteria) > 2:
         hidden = " and ".join(CRITERIA[key].label for key in result.criteria[2:])

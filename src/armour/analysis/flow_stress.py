@@ -1,0 +1,104 @@
+"""The flow stress with which a ceramic without tests stops a threat, and the ballistic limits over its sources."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from armour.analysis.searches import limit_brackets
+from armour.analysis.variants import Floats, variants_of
+from armour.evidence.fit import fits
+from armour.evidence.mixture import Mixture
+from armour.evidence.tests import is_untested
+from armour.scenario.scenario import Scenario
+from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S
+
+FLOW_STRESS = "ceramic.flow_stress_GPa"
+# Least and greatest flow stress that is tried, GPa; the values tried at a time, and how often they are tried more
+# closely, after which two neighbours differ by less than 0.01 %.
+RANGE_GPA, TRIED, TIMES = (0.1, 100.0), 64, 3
+# Probability for which a flow stress is given where none is required.
+USUAL = 0.9
+
+
+@dataclass(frozen=True)
+class NeededFlowStress:
+    """Flow stress with which a ceramic without tests stops a threat, and the ballistic limits over its sources.
+
+    Attributes
+    ----------
+    ceramic : str
+    needed_GPa : float or None
+        Least flow stress from which on the ballistic limit by the model is at least the velocity required, GPa; None
+        if 100 GPa is too little.
+    probability : float
+    needed_for_probability_GPa : float or None
+        Least flow stress from which on the probability of stopping the threat is at least this, with the model error of
+        AD85, of constant flow stress, GPa; None if 100 GPa is too little.
+    sources_GPa : tuple of float
+        Least and greatest flow stress that sources give, GPa, or one number, or none.
+    limits_m_s : tuple of float
+        Ballistic limits by the model with these, m/s.
+    """
+
+    ceramic: str
+    needed_GPa: float | None
+    probability: float
+    needed_for_probability_GPa: float | None
+    sources_GPa: tuple[float, ...]
+    limits_m_s: tuple[float, ...]
+
+
+def needed_flow_stress(
+    scenario: Scenario, required_m_s: float, probability: float | None = None
+) -> NeededFlowStress | None:
+    """Return what the flow stress of a ceramic without tests must be; None if the armour has no such ceramic.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    required_m_s : float
+        Least ballistic limit, m/s.
+    probability : float, optional
+        Required probability of stopping the projectile at the impact velocity; by default 0.9.
+    """
+    ceramic = scenario.entry_of("ceramic")
+    if ceramic is None or not scenario.armour.ceramic_thickness_mm or not is_untested(ceramic):
+        return None
+    wanted, sources = probability or USUAL, ceramic.flow_stress_sources_GPa
+    likely = scenario.impact.velocity_m_s / float(constant_law_error().quantile(1.0 - wanted))
+    return NeededFlowStress(
+        ceramic.name,
+        _needed(scenario, required_m_s),
+        wanted,
+        _needed(scenario, max(required_m_s, likely)),
+        sources,
+        tuple(limits_over(scenario, np.array(sources)).tolist()),
+    )
+
+
+def constant_law_error() -> Mixture:
+    """Return the ratio of measured to computed limits of AD85 with a constant flow stress, which has no trend."""
+    fit = fits()["constant"]
+    scale = np.sqrt(fit.variance + fit.covariance[:, 0])
+    return Mixture(np.ones(1), fit.coefficients, scale, np.array([fit.degrees_of_freedom]))
+
+
+def limits_over(scenario: Scenario, flow_stresses_GPa: Floats) -> Floats:
+    """Return the ballistic limits with flow stresses of the ceramic, m/s, (n,), at least 20 and at most 10,000 m/s."""
+    rows = variants_of(scenario, {FLOW_STRESS: flow_stresses_GPa}, len(flow_stresses_GPa))
+    tolerance = scenario.ballistic_limit.tolerance_m_s
+    return limit_brackets(rows, SLOWEST_M_S, FASTEST_M_S, tolerance).perforated.clip(SLOWEST_M_S, FASTEST_M_S)
+
+
+def _needed(scenario: Scenario, required_m_s: float) -> float | None:
+    """Return the least flow stress from which on the ballistic limit is at least the one required, GPa."""
+    low, high = RANGE_GPA
+    for _ in range(TIMES):
+        tried = np.geomspace(low, high, TRIED)
+        short = np.flatnonzero(limits_over(scenario, tried) < required_m_s)
+        if not len(short):
+            return low
+        if short[-1] == TRIED - 1:
+            return None
+        low, high = tried[short[-1] : short[-1] + 2].tolist()
+    return high
