@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_t, norm
 
-from armour.evidence.fit import LEAST_REST, LotTests, fits, matrix_of
+from armour.evidence.fit import LEAST_REST, LotTests, _outcomes, fits, matrix_of
 from tools.evidence import GROUPS, plates_of
 
 GROUP = GROUPS["fragments_aluminium"]
@@ -41,14 +41,16 @@ def test_measured_limits_update_the_population():
     coefficients = FIT.coefficients + gain @ (tests.errors - Z @ FIT.coefficients)
     assert location == pytest.approx(Z @ coefficients)
     left = prior() - gain @ Z @ prior()
-    assert scale**2 == pytest.approx(REST**2 + np.einsum("ni,ij,nj->n", Z, left, Z))
+    away, nu = tests.errors - Z @ FIT.coefficients, FIT.degrees_of_freedom
+    wider = max(1.0, (nu + away @ np.linalg.solve(S, away)) / (nu + 3))
+    assert scale**2 == pytest.approx(wider * (REST**2 + np.einsum("ni,ij,nj->n", Z, left, Z)))
     assert updated.degrees_of_freedom == FIT.degrees_of_freedom + 3
     density = multivariate_t(Z @ FIT.coefficients, S, int(FIT.degrees_of_freedom)).logpdf(tests.errors)
     assert updated.weight == pytest.approx(density + 1.5 * np.log(np.pi))
 
 
 def test_against_another_round_only_the_alloys_part_is_shared():
-    tests = lot([0.20])
+    tests = lot([-0.20])
     updated, other = FIT.updated(tests), {**tests.quantities, "rod_diameter_mm": np.array([12.6])}
     (same, narrow), (shifted, wide) = updated.predicted(tests.quantities, {}), updated.predicted(other, {})
     [before], _ = FIT.predicted(tests.quantities, {})
@@ -62,7 +64,8 @@ def test_a_lot_is_not_taken_to_scatter_less_than_lots_do():
     assert of.standard_deviations[2] < LEAST_REST
     group = GROUPS["cores_aluminium"]
     q = plates_of(group.kind, group.metal).at([0]).quantities
-    one = LotTests(q, np.zeros(1), np.zeros(1), np.zeros(1), np.zeros(1))
+    [expected], _ = of.predicted(q, {})
+    one = LotTests(q, np.array([expected]), np.zeros(1), np.zeros(1), np.zeros(1))
     assert of.updated(one).variance == pytest.approx(LEAST_REST**2)
 
 
@@ -86,6 +89,40 @@ def test_shots_at_one_armour_are_of_one_limit():
     q = PLATES.at([0]).quantities
     for ours, theirs in zip(shots.predicted(q, {}), limit.predicted(q, {}), strict=True):
         assert ours == pytest.approx(theirs, abs=0.01)
+
+
+def test_outcomes_tell_the_same_in_any_order_and_contradictions_widen():
+    errors, sides = [-0.02, 0.0, 0.03, 0.06, 0.08], [-1.0, -1.0, -1.0, 1.0, 1.0]
+    q = PLATES.at([0] * 5).quantities
+    found = []
+    for order in ([0, 1, 2, 3, 4], [3, 4, 0, 1, 2], [4, 2, 0, 3, 1]):
+        of = lot([errors[i] for i in order], [sides[i] for i in order], [0] * 5)
+        updated = FIT.updated(of._replace(quantities=q, uncertainties=np.full(5, 0.02)))
+        found.append(np.hstack([*updated.predicted(PLATES.at([0]).quantities, {}), updated.weight]))
+    for other in found[1:]:
+        assert other == pytest.approx(found[0], rel=1e-4)
+    alike = lot([0.05, 0.05])._replace(quantities=PLATES.at([0, 0]).quantities)
+    apart = alike._replace(errors=np.array([-0.25, 0.35]))
+    widths = [FIT.updated(tests).predicted(q, {})[1][0] for tests in (alike, apart)]
+    assert widths[1] > 1.2 * widths[0]
+
+
+@pytest.mark.parametrize("count", [1, 2, 4])
+def test_outcomes_are_approximated_well(count: int):
+    """Mean, deviation and probability against a million draws."""
+    rng = np.random.default_rng(count)
+    root = rng.normal(size=(count, count))
+    covariance, mean = root @ root.T * 0.01 + 0.003 * np.eye(count), rng.normal(size=count) * 0.05
+    places, sides, variances = rng.normal(size=count) * 0.1, rng.choice([-1.0, 1.0], count), np.full(count, 4e-4)
+    equal, spread, log_density = _outcomes(mean, covariance, places, sides, variances)
+    drawn = rng.multivariate_normal(mean, covariance, size=1_000_000)
+    weights = norm.cdf(sides * (drawn - places) / np.sqrt(variances)).prod(axis=1)
+    expected = weights @ drawn / weights.sum()
+    deviations = np.sqrt(weights @ (drawn - expected) ** 2 / weights.sum())
+    gain = np.linalg.solve(covariance + np.diag(spread), covariance).T
+    assert mean + gain @ (equal - mean) == pytest.approx(expected, abs=0.03 * deviations.max())
+    assert np.sqrt((covariance - gain @ covariance).diagonal()) == pytest.approx(deviations, rel=0.03)
+    assert log_density == pytest.approx(np.log(weights.mean()), abs=0.02)
 
 
 def test_a_level_replaces_that_of_the_fit():

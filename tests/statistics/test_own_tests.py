@@ -99,7 +99,7 @@ def test_an_entry_calibrated_by_version_1_is_recognised():
     case = FRAGMENT.replaced({"library.metal.old": {"based_on": "M", "evidence": old}, "armour.backing": "old"})
     found = confidence(case)
     assert found.probability_of_stopping is None
-    assert found.reason == "old was calibrated by armour 1: give armour calibrate its tests again"
+    assert found.reason == "of old, it was calibrated by armour 1: calibrate it again"
     assert scenario_warnings(case, 600.0) == ()
 
 
@@ -242,3 +242,57 @@ def test_intervals_hold_the_limits_of_simulated_lots(case: campaign.Case):
     for found in campaign.simulated(case, 2, 0.035, dice, samples=60).values():
         assert found.within.mean() >= 0.92
         assert found.above.mean() >= 0.92
+
+
+def test_own_tests_at_an_angle_tell_of_that_angle_alone():
+    """Of ceramics no test at an angle is known, so that what is seen there may be an effect of the angle."""
+    case = shipped_scenario("wilkins")
+    steep = made(table_of(case, f"{OBLIQUITY},ballistic_limit_m_s", "45,900"), case, FLOW_STRESS)
+    assert confidence(steep.replaced({OBLIQUITY: 45.0})).probability_of_stopping is not None
+    for angle in (0.0, 30.0):
+        found = confidence(steep.replaced({OBLIQUITY: angle}))
+        assert found.probability_of_stopping is None
+        assert "paths of 1.4" in found.reason
+    mixed = made(table_of(case, f"{OBLIQUITY},ballistic_limit_m_s", "0,720", "45,900"), case, FLOW_STRESS)
+    assert confidence(mixed).probability_of_stopping is None
+
+
+@pytest.mark.parametrize("angle", [33.0, 47.0, 53.0])
+def test_the_angle_of_an_own_test_is_tested(angle: float):
+    case = shipped_scenario("wilkins")
+    own = made(table_of(case, f"{OBLIQUITY},ballistic_limit_m_s", f"{angle},900"), case, FLOW_STRESS)
+    assert confidence(own.replaced({OBLIQUITY: angle})).probability_of_stopping is not None
+
+
+@pytest.mark.parametrize(
+    ("rows", "settings"),
+    [
+        (("ballistic_limit_m_s", "750", "760"), {"solver.time_step_us": 0.05}),
+        (("impact.velocity_m_s,residual_velocity_m_s", "1000,300"), {}),
+    ],
+)
+def test_an_entry_whose_tests_say_nothing_of_the_error_has_none(rows: tuple[str, ...], settings: dict[str, Any]):
+    case = shipped_scenario("wilkins").replaced(settings)
+    own = made(table_of(case, *rows), case, FLOW_STRESS).replaced(dict.fromkeys(settings))
+    found = confidence(own)
+    assert found.probability_of_stopping is None
+    assert "say nothing of the model error" in found.reason
+
+
+def test_a_limit_far_from_what_any_lot_can_have_is_no_evidence():
+    case = shipped_scenario("wilkins")
+    for limit, plausible in (("880", True), ("1900", False), ("200", False)):
+        found = calibrate(table_of(case, "ballistic_limit_m_s", limit), case, FLOW_STRESS)
+        assert (found.evidence is not None) == plausible
+
+
+def test_evidence_that_cannot_be_is_refused():
+    case = shipped_scenario("wilkins")
+    own = made(table_of(case, "ballistic_limit_m_s", "720"), case, FLOW_STRESS)
+    data = own.to_dict()
+    [entry] = data["library"]["ceramic"].values()
+    good = entry["evidence"]
+    for key, value in (("path_ratio", 0.5), ("side", 5.0), ("uncertainty_m_s", -50.0), ("velocity_m_s", 0.0)):
+        wrong = {**good, "tests": {**good["tests"], key: [value]}}
+        with pytest.raises(InputError, match=f"{key} has a number that cannot be"):
+            parse_scenario({**data, "library": {"ceramic": {"AD85, lot 7": {**entry, "evidence": wrong}}}})

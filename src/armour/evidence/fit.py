@@ -26,6 +26,8 @@ CORE = 0.0215
 TREND_DOUBT = 0.5
 # Least standard deviation of a test that own tests are taken to have: lots differ in it.
 LEAST_REST = 0.04
+# Rounds in which outcomes are approximated at most, and the least precision of what one tells.
+MOST_ROUNDS, LEAST_PRECISION = 100, 1e-9
 # Quantities that tell rounds from each other.
 RODS = ("rod_diameter_mm", "rod_length_ratio", "rod_density_kg_m3", "rod_strength_GPa")
 # Values of n armours by name, (n,).
@@ -137,38 +139,75 @@ class Fit(NamedTuple):
         """
         between_lots, between_rounds, rest, trend = self.standard_deviations
         rest, count, nu = max(rest, LEAST_REST), len(self.terms), self.degrees_of_freedom
-        rods, armours = np.unique(rods_of(tests.quantities), axis=0), np.unique(tests.armours)
-        terms = self._replace(rods=rods)._matrix(tests.quantities)
-        Z = np.column_stack([terms, tests.armours[:, None] == armours])
-        b = np.append(self.coefficients, np.zeros(len(rods) + len(armours)))
-        C = np.diag([0.0] * count + [between_rounds**2] * len(rods) + [rest**2] * len(armours))
+        rods = np.unique(rods_of(tests.quantities), axis=0)
+        Z = self._replace(rods=rods)._matrix(tests.quantities)
+        b = np.append(self.coefficients, np.zeros(len(rods)))
+        C = np.diag([0.0] * count + [between_rounds**2] * len(rods))
         C[:count, :count] = self.covariance
         C[0, 0] += between_lots**2 + more**2
         if level is not None:
             C[0], C[:, 0] = 0.0, 0.0
             b[0], C[0, 0] = level[0], level[1] ** 2
         C[1, 1] += trend**2
-        squares = log_density = 0.0
-        # Measured limits come first: given these, outcomes are updated by moments.
-        for i in np.argsort(tests.sides != 0.0, kind="stable"):
-            side, Cz = tests.sides[i], C @ Z[i]
-            variance, away = Z[i] @ Cz + tests.uncertainties[i] ** 2, tests.errors[i] - Z[i] @ b
-            shift, shrink = away / variance, 1.0 / variance
-            if side:
-                score = -side * away / np.sqrt(variance)
-                slope = np.exp(-0.5 * score**2 - log_ndtr(score)) / np.sqrt(2.0 * np.pi)
-                shift, shrink = side * slope / np.sqrt(variance), slope * (slope + score) / variance
-                log_density += log_ndtr(score)
-            else:
-                squares += away**2 / variance
-                log_density -= 0.5 * np.log(variance)
-            b, C = b + shift * Cz, C - shrink * np.outer(Cz, Cz)
-        n = np.count_nonzero(tests.sides == 0.0)
-        log_density += gammaln(0.5 * (nu + n)) - gammaln(0.5 * nu) - 0.5 * n * np.log(nu)
-        log_density -= 0.5 * (nu + n) * np.log1p(squares / nu)
-        kept = count + len(rods)
-        found = b[:kept], C[:kept, :kept], rest**2, nu + len(Z), self.standard_deviations, self.law, rods
-        return Fit(self.name, self.terms, self.reference, *found, float(log_density))
+        # Of the tests: those at one armour have one limit.
+        K = Z @ C @ Z.T + rest**2 * (tests.armours[:, None] == tests.armours)
+        away, variances = tests.errors - Z @ b, tests.uncertainties**2
+        limits, shots = np.flatnonzero(tests.sides == 0.0), np.flatnonzero(tests.sides)
+        S = K[np.ix_(limits, limits)] + np.diag(variances[limits])
+        squares, n = float(away[limits] @ np.linalg.solve(S, away[limits])), len(limits)
+        log_density = gammaln(0.5 * (nu + n)) - gammaln(0.5 * nu) - 0.5 * n * np.log(nu)
+        log_density -= 0.5 * ((nu + n) * np.log1p(squares / nu) + np.linalg.slogdet(S)[1])
+        if len(shots):
+            gain = np.linalg.solve(S, K[limits]).T
+            known = gain[shots] @ away[limits], (K - gain @ K[limits])[np.ix_(shots, shots)]
+            found = _outcomes(*known, away[shots], tests.sides[shots], variances[shots])
+            away[shots], variances[shots], more_density = found
+            log_density += more_density
+        S = K + np.diag(variances)
+        G = np.linalg.solve(S, Z @ C).T
+        # Tests that contradict each other or the fit widen it; outcomes count by what they tell.
+        told = away @ np.linalg.solve(S, away), np.trace(np.linalg.solve(S, K))
+        wider = max(1.0, (nu + told[0]) / (nu + told[1]))
+        updated = b + G @ away, wider * (C - G @ Z @ C), wider * rest**2, nu + len(Z)
+        kept = self.standard_deviations, self.law, rods
+        return Fit(self.name, self.terms, self.reference, *updated, *kept, float(log_density))
+
+
+def _outcomes(
+    mean: Floats, covariance: Floats, places: Floats, sides: Floats, variances: Floats
+) -> tuple[Floats, Floats, float]:
+    """Return normal measurements that tell as much as the outcomes of n shots: means and variances, (n,).
+
+    A limit with a normal distribution is above the place of a shot, side 1, or below, -1, but for errors with the
+    variances given.  By expectation propagation; the third number is the logarithm of the probability of the outcomes.
+    """
+    n = len(mean)
+    precision, information, at, own = np.zeros(n), np.zeros(n), mean.copy(), covariance.copy()
+    without, spread, score = np.empty(n), np.empty(n), np.empty(n)
+    for _ in range(MOST_ROUNDS):
+        before = precision.copy()
+        for i in range(n):
+            left = 1.0 / own[i, i] - precision[i]
+            without[i], spread[i] = (at[i] / own[i, i] - information[i]) / left, 1.0 / left
+            total = spread[i] + variances[i]
+            score[i] = sides[i] * (without[i] - places[i]) / np.sqrt(total)
+            slope = np.exp(-0.5 * score[i] ** 2 - log_ndtr(score[i])) / np.sqrt(2.0 * np.pi)
+            known = without[i] + spread[i] * sides[i] * slope / np.sqrt(total)
+            narrowed = spread[i] - spread[i] ** 2 * slope * (slope + score[i]) / total
+            new = max(1.0 / narrowed - left, LEAST_PRECISION), known / narrowed - without[i] * left
+            more, further = new[0] - precision[i], new[1] - information[i]
+            precision[i], information[i] = new
+            change = own[:, i] / (1.0 + more * own[i, i])
+            at, own = at + change * (further - more * at[i]), own - more * np.outer(change, own[i])
+        if (np.abs(precision - before) <= 1e-6 * precision).all():
+            break
+    residual = information - precision * mean
+    scaled = 1.0 + precision * spread
+    log_density = log_ndtr(score) + 0.5 * np.log(scaled)
+    log_density -= 0.5 * (information**2 * spread + 2.0 * information * without - precision * without**2) / scaled
+    whole = information @ mean - 0.5 * precision @ mean**2 + 0.5 * residual @ own @ residual
+    whole -= 0.5 * np.linalg.slogdet(np.eye(n) + precision[:, None] * covariance)[1]
+    return information / precision, 1.0 / precision, float(log_density.sum() + whole)
 
 
 def rods_of(q: Quantities) -> Floats:

@@ -231,7 +231,7 @@ def why_unknown(scenario: Scenario, armour: Armours) -> str:
         return f"the tests were computed with other settings than {settings}; [uncertainty.model] can give it"
     [(evidence, _)] = armour.by_evidence()
     if evidence.lot and not evidence.fits:
-        return f"{evidence.lot} was calibrated by armour 1: give armour calibrate its tests again"
+        return f"of {evidence.lot}, {evidence.source}"
     q, reason, ceramic = armour.quantities(), NO_TEST, armour.materials[armour.which[0]].ceramic
     if evidence.ceramic and ceramic is not None and is_untested(ceramic):
         reason = f"no test of {ceramic.name} on metal is known"

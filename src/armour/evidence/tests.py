@@ -24,6 +24,7 @@ ALIKE = 1.1
 STRANGE, STRANGE_METAL = 0.10, 0.15
 # Properties that make a ceramic.
 OF_CERAMIC = ("ceramic_density_kg_m3", "ceramic_modulus_GPa", "ceramic_strength_GPa")
+NO_LAW = "no limit of its own tests says how exact the model is"
 # More respects than any kind of armour has, and the part of a number that is rounding.
 MOST, ROUNDING = 1000, 1e-6
 
@@ -103,7 +104,7 @@ class Evidence(NamedTuple):
 
     def fails_angle(self, cosines: Any) -> Any:
         """Return whether there are no tests at angles, of which the cosines are given."""
-        return cosines < cosine_of(self.obliquity_max_deg)
+        return cosines < cosine_of(self.obliquity_max_deg) * (1.0 - ROUNDING)
 
     def angles(self) -> str:
         """Return the angles of the tests, in words."""
@@ -216,14 +217,17 @@ def own_evidence(entry: LibraryEntry, own: OwnTests) -> Evidence:
     Armours must have the calibrated values, and of a ceramic without shipped tests be like those of the own tests.
     There is no fit if the tests must be given again.
     """
-    if not own.law or not {law.fit for law in own.law} <= {*fits()}:
-        return Evidence("", "", (), (), (), (), (0.0, np.inf), (), lot=entry.name)
+    if not own.law:
+        return Evidence("", own.reason or NO_LAW, (), (), (), (), (0.0, np.inf), (), lot=entry.name)
     first, tested = own.law[0], {name: np.array(values) for name, values in own.tests.items()}
     shipped = next(one for one in shipped_evidence() if first.fit in [fit.name for fit in one.fits])
     tested["tensile_MPa"] = np.full(len(tested["side"]), tensile_strength(entry))
     values = tuple(DataRange(name, v - ROUNDING * abs(v), v + ROUNDING * abs(v)) for name, v in own.calibrated.items())
     kind = tuple(limits for limits in shipped.kind if limits.name not in ("tensile_ratio", *own.calibrated))
     more = STRANGE * bool(shipped.ceramic) if not is_outside(kind, tested).any() else STRANGE_METAL
+    # Beyond the angles of the shipped tests, own tests tell of their own angle.
+    paths = DataRange("path_ratio", np.inf, -np.inf).containing(tested["path_ratio"])
+    at_angle = (paths,) * (cosine_of(shipped.obliquity_max_deg) * paths.high > 1.0 + 2.0 * ROUNDING)
     velocities, sides = tested["velocity_m_s"], tested["side"]
     rows = np.column_stack([tested[name] for name in (*VARIED, *IN_COMMON)])
     # Shots at like armours are shots at one, and measured limits are of one each.
@@ -248,7 +252,7 @@ def own_evidence(entry: LibraryEntry, own: OwnTests) -> Evidence:
     return shipped._replace(
         title=title,
         laws=(),
-        kind=(*kind, *values),
+        kind=(*kind, *values, *at_angle),
         measured=measured,
         compared=(*kind, *values, *measured),
         velocities_m_s=(min(shipped.velocities_m_s[0], *velocities), max(shipped.velocities_m_s[1], *velocities)),

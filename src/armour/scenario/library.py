@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache
-from math import nan, pi
+from math import inf, nan, pi
 from os import PathLike
 from typing import Annotated, Any, Generic, Literal, TypeVar
 
@@ -84,6 +84,10 @@ Coefficient = Annotated[Value[Annotated[float, Field(ge=-3.0, le=3.0)]], _Number
 Strain = Annotated[Value[Annotated[float, Field(gt=0.0, le=10.0), NOT_TINY]], _NumberOrTable]
 
 
+# Own tests of an entry at most, each of which takes time in every answer.
+MOST_TESTS = 300
+
+
 class LawTests(Section):
     """Ballistic limits of own tests by a law, from which a fit of the shipped tests is updated."""
 
@@ -91,10 +95,10 @@ class LawTests(Section):
     """Name of the fit."""
     values: dict[str, float] = {}
     """Values of the entry, by key, that the limits are computed with."""
-    level: Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=2)] | None = None
+    level: tuple[float, Annotated[float, Field(gt=0.0)]] | None = Field(None, strict=False)
     """Mean and standard deviation of the logarithm of measured over computed limits before the tests, if not the
     fit's."""
-    computed_m_s: Items[Annotated[float, Field(gt=0.0)]]
+    computed_m_s: Annotated[Items[Annotated[float, Field(gt=0.0)]], Field(max_length=MOST_TESTS)]
     """Ballistic limits computed."""
 
 
@@ -119,6 +123,14 @@ IN_COMMON = (
 )
 # And of what was measured: a side is 1 where the limit is above the velocity of a shot, -1 below, and 0 of a limit.
 MEASURED = ("velocity_m_s", "uncertainty_m_s", "side")
+# Least and greatest numbers of these that can be; others are above 0.
+TINY = 1e-9
+BOUNDS_OF_TESTS = {
+    **dict.fromkeys(("ceramic_thickness_ratio", "ceramic_density_kg_m3", "ceramic_modulus_GPa"), (0.0, inf)),
+    "path_ratio": (1.0, inf),
+    "uncertainty_m_s": (0.0, inf),
+    "side": (-1.0, 1.0),
+}
 
 
 class OwnTests(Section):
@@ -134,19 +146,29 @@ class OwnTests(Section):
     """Quantities of the armours tested, with thicknesses along the line of fire over the penetrator's diameter, and
     what was measured; a side is 1 where the limit is above the velocity of a shot, -1 below, and 0 of a limit."""
     law: Items[LawTests] = ()
-    """Laws that the limits were computed with; none if the tests must be given again."""
+    """Laws that the limits were computed with; none if the tests say nothing of the model error."""
+    reason: str = ""
+    """Why they say nothing of it."""
 
     @model_validator(mode="before")
     @classmethod
     def _without_version_1(cls, data: Any) -> Any:
         """Drop what version 1 wrote, which holds no tests."""
-        return {"source": data.get("source")} if isinstance(data, dict) and "measured" in data else data
+        if not isinstance(data, dict) or "measured" not in data:
+            return data
+        return {"source": data.get("source"), "reason": "it was calibrated by armour 1: calibrate it again"}
 
     @model_validator(mode="after")
     def _complete(self) -> "OwnTests":
         counts = {len(column) for column in (*self.tests.values(), *(law.computed_m_s for law in self.law))}
-        if self.law and ({*self.tests} != {*VARIED, *IN_COMMON, *MEASURED} or len(counts) != 1):
+        if self.law and not (
+            {*self.tests} == {*VARIED, *IN_COMMON, *MEASURED} and len(counts) == 1 and min(counts) > 0
+        ):
             raise ValueError("must be as armour calibrate writes it: a number for each test in each of its lists")
+        for name, column in self.tests.items() if self.law else ():
+            low, high = BOUNDS_OF_TESTS.get(name, (TINY, inf))
+            if not all(low <= value <= high for value in column) or (name == "side" and {*column} - {-1.0, 0.0, 1.0}):
+                raise ValueError(f"must be as armour calibrate writes it: {name} has a number that cannot be")
         return self
 
 

@@ -21,7 +21,7 @@ from armour.scenario.library import FLOW_STRESS_LAW
 from armour.scenario.scenario import Scenario
 from armour.statistics.likelihood import MIN_P_VALUE, Coefficient, Fit, fit_inputs, intervals, usable, without
 from armour.statistics.measured import Tests, common_of, subject_of
-from armour.statistics.own_tests import own_tests
+from armour.statistics.own_tests import NOTHING_OF_ERROR, own_tests
 
 FLOW_STRESS = "ceramic.flow_stress_GPa"
 
@@ -289,6 +289,8 @@ def calibrate(
         values = {name: by_law.groups[0].scenario.inputs()[name] for name in fit} | values
     if len(values) == len(found.coefficients) and (evidence := own_tests(by_law, values)):
         found = replace(found, evidence=evidence.model_dump(exclude_none=True))
+    elif {name.partition(".")[0] for name in fit} != {"projectile"}:
+        found = replace(found, warnings=(*found.warnings, f"of the entry, {NOTHING_OF_ERROR}"))
     return found.of(subject_of(tests), scenario=scenario, tests=tests)
 
 

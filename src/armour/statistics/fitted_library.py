@@ -17,6 +17,7 @@ from armour.scenario.scenario import Scenario, parse_scenario
 from armour.scenario.schema import DesignSection
 from armour.statistics.calibration import FLOW_STRESS, LAWS, CalibrationResult
 from armour.statistics.measured import LIMIT, MEASURED, OUTCOME, Tests
+from armour.statistics.own_tests import NOTHING_OF_ERROR
 
 # A list of numbers, each on a line of its own.
 NUMBERS = re.compile(r"\[\n((?:\s+[-+.\deE]+,\n)+)\s*\]")
@@ -165,8 +166,8 @@ def _entries(result: CalibrationResult, tests: Tests, lot: str) -> tuple[dict[st
             value = {"value": float(f"{coefficient.estimate:.6g}"), "status": "fitted", "source": source}
         if name not in entries:
             entries[name] = _base_of(entry, result.law)
-            if result.evidence is not None:
-                entries[name]["evidence"] = {**result.evidence, "lot": lot}
+            if result.evidence is not None or role != "projectile":
+                entries[name]["evidence"] = {**(result.evidence or {"reason": NOTHING_OF_ERROR}), "lot": lot}
             value["tests"] = [_test_table(tests, i, role) for i in range(len(tests.names))]
         entries[name][key] = value
     return tables, used

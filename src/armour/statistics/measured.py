@@ -171,6 +171,9 @@ def _mistakes(row: CsvRow, repeated: Container[str]) -> list[tuple[str, str]]:
         found.append((OUTCOME, f'{MUST_SAY}, found "{outcome}"'))
     if perforated is False and RESIDUAL in row.texts:
         found.append((OUTCOME, f"must not be {outcome} if there is a residual velocity"))
+    limit, velocity = row.numbers.get(LIMIT), row.numbers.get(VELOCITY)
+    if perforated is not None and limit is not None and velocity is not None and (velocity > limit) != perforated:
+        found.append((OUTCOME, f"must agree with the ballistic limit in its row, found {outcome} at {velocity:g} m/s"))
     if outcome is not None and VELOCITY not in row.texts:
         found.append((VELOCITY, "is missing and must be given with an outcome"))
     for column in (*MEASURED, *MEASURED.values()):

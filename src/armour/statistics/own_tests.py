@@ -8,10 +8,21 @@ import numpy as np
 from armour.analysis.searches import limit_brackets
 from armour.analysis.variants import Floats, Variants, concatenated, variants_of
 from armour.engine import batch
-from armour.evidence.fit import law_parameters, shipped_data
+from armour.errors import mistake
+from armour.evidence.fit import fits, law_parameters, shipped_data
 from armour.evidence.model_error import other_settings
 from armour.evidence.tests import armour_of, is_outside, shipped_evidence
-from armour.scenario.library import FLOW_STRESS_LAW, IN_COMMON, MEASURED, VARIED, LawTests, LibraryEntry, OwnTests
+from armour.scenario.inputs import cosine_of
+from armour.scenario.library import (
+    FLOW_STRESS_LAW,
+    IN_COMMON,
+    MEASURED,
+    MOST_TESTS,
+    VARIED,
+    LawTests,
+    LibraryEntry,
+    OwnTests,
+)
 from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S
 from armour.statistics.measured import LIMIT, Tests
 
@@ -22,6 +33,13 @@ UNTESTED = 0.40
 # Greatest factor by which the fitted flow stress of such a ceramic differs from its own, steps to it, and the change of
 # its logarithm for a derivative, which is 0.35 to 0.62 of most armours, and is not taken as less than a least one.
 FACTOR, STEPS, CHANGE, LEAST_SLOPE = 8.0, 6, 0.05, 0.3
+# Why calibrated entries without usable tests have no model error.
+NOTHING_OF_ERROR = (
+    "the tests that it was calibrated to say nothing of the model error: none is of a limit, one is far from what any "
+    "lot can have, or their settings, armours or angles are not those of the shipped tests"
+)
+# Standard deviations away from what is expected of any lot at which a test is a mistake.
+IMPLAUSIBLE = 6.0
 # What is calibrated to own tests, by role: keys of the entry, and quantities.
 KEYS = {"ceramic": ("flow_stress_GPa", *FLOW_STRESS_LAW), "backing": ("flow_stress_GPa", "shear_strength_MPa")}
 QUANTITIES = {
@@ -34,9 +52,13 @@ def own_tests(tests: Tests, fitted: Mapping[str, float]) -> OwnTests | None:
     """Return what a calibrated entry keeps of tests, given its fitted values by name of input.
 
     None if nothing follows for the model error: no limit was measured or shot at, something else than a strength of
-    ceramic or back plate was fitted, settings differ from those of the shipped tests, or of such plates there are none.
+    ceramic or back plate was fitted, settings differ from those of the shipped tests, of such plates there are none,
+    the tests are at several angles beyond those of the shipped tests, or one is far from what any lot can have.  An
+    InputError tells of too many.
     """
     shots = [m for m in tests.measurements if m.quantity == LIMIT]
+    if len(shots) > MOST_TESTS:
+        raise mistake(tests.file, "", f"must have at most {MOST_TESTS} limits and outcomes, found {len(shots)}")
     role, *others = {name.partition(".")[0] for name in fitted}
     keys = {name.partition(".")[2] for name in fitted} - {"dynamic_yield_strength_MPa"}
     if others or not shots or not keys <= {*KEYS.get(role, ())} or other_settings(tests.scenario):
@@ -51,7 +73,9 @@ def own_tests(tests: Tests, fitted: Mapping[str, float]) -> OwnTests | None:
         return None
     measured = np.where(sides == 0.0, velocities, np.nan)
     laws = _of_plates(rows, entry) if role == "backing" else _of_ceramic(rows, entry, measured)
-    if not laws:
+    if not laws or not _are_plausible(laws, q, sides, velocities):
+        return None
+    if len({*_rounded(rows.cosines)}) > 1 and (q["path_ratio"] > _longest_path(laws)).any():
         return None
     calibrated = scenario.with_inputs({name: float(f"{value:.6g}") for name, value in fitted.items()})
     values = armour_of(calibrated).quantities()
@@ -63,6 +87,24 @@ def own_tests(tests: Tests, fitted: Mapping[str, float]) -> OwnTests | None:
         tests={name: _rounded(q[name]) for name in (*VARIED, *IN_COMMON, *MEASURED)},
         law=laws,
     )
+
+
+def _longest_path(laws: tuple[LawTests, ...]) -> float:
+    """Return the greatest path over the thickness of the shipped tests that a fit is of."""
+    shipped = next(one for one in shipped_evidence() if laws[0].fit in [fit.name for fit in one.fits])
+    return (1.0 + 1e-6) / cosine_of(shipped.obliquity_max_deg)
+
+
+def _are_plausible(laws: tuple[LawTests, ...], q: Mapping[str, Floats], sides: Floats, velocities: Floats) -> bool:
+    """Return whether no limit or shot is far from what every law lets expect of any lot."""
+    away = np.full(len(sides), np.inf)
+    for law in laws:
+        location, scale = fits()[law.fit].predicted(q, {})
+        mean, deviation = law.level or (0.0, 0.0)
+        error = np.log(velocities / np.array(law.computed_m_s)) - location - mean
+        # A shot that is stopped is implausible where the limit must be far above, a perforation far below.
+        away = np.minimum(away, np.where(sides == 0.0, abs(error), sides * error) / np.hypot(scale, deviation))
+    return bool((away <= IMPLAUSIBLE).all())
 
 
 def _rounded(values: Floats) -> tuple[float, ...]:
