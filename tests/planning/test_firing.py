@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 import armour
+from armour.analysis.ballistic_limit import ballistic_limit
 from armour.errors import InputError
 from armour.planning import firing
 from armour.planning.firing import locked, plan_shots, with_shot
@@ -106,24 +107,34 @@ def test_the_scatter_of_earlier_firings():
     plan = plan_shots(scenario(), earlier=[SHOTS, Shots((700.0, 702.0, 701.0, 699.0), (True, False, True, False))])
     assert plan.earlier == 2
     assert plan.prior is not None
-    assert plan.prior.scatter_m_s == pytest.approx(
-        0.01 * plan.scatter_percent * plan.model_ballistic_limit_m_s, rel=0.02
-    )
+    assert plan.prior.scatter_m_s == pytest.approx(0.01 * plan.scatter_percent * plan.prior.v50_m_s, rel=0.02)
     with pytest.raises(InputError, match="at least one partial and one complete"):
         plan_shots(scenario(), earlier=[Shots((700.0,), (True,))])
 
 
-def test_a_stated_error_is_a_prior_and_an_unknown_one_none():
-    with pytest.raises(
-        InputError, match=r"uncertainty.model: must give scale_percent for a prior: no test of SiC on metal"
-    ):
-        plan_shots(scenario(**UNKNOWN))
-    with pytest.raises(InputError, match="limits_m_s: must be given: the model error"):
-        plan_shots(scenario(**UNKNOWN), procedure="langlie")
-    with pytest.raises(InputError, match="true_v50_m_s: must be given: the model error"):
-        plan_shots(scenario(**UNKNOWN), procedure="up-and-down", simulate=True)
+def test_without_a_scenario_limits_or_shots_say_where_v50_may_be():
+    plan = plan_shots(None, SHOTS)
+    middle = 0.5 * (min(SHOTS.velocities_m_s) + max(SHOTS.velocities_m_s))
+    assert plan.prior.v50_m_s == pytest.approx(middle, rel=1e-3)
+    assert (plan.model_ballistic_limit_m_s, plan.model_error) == (None, None)
+    assert plan.next_velocity_m_s is not None
+    given = plan_shots(limits_m_s=(700.0, 900.0))
+    assert given.prior.v50_interval_m_s == pytest.approx((700.0, 900.0), rel=0.01)
+    with pytest.raises(InputError, match="scenario: must be given, or shots, or limits of V50"):
+        plan_shots()
+    with pytest.raises(InputError, match="limits_m_s: must not be given with bayesian where the model error is known"):
+        plan_shots(scenario(), limits_m_s=(700.0, 900.0))
+
+
+def test_a_stated_error_is_a_prior_and_an_unknown_one_is_wide():
+    limit = ballistic_limit(scenario(**UNKNOWN)).ballistic_limit_m_s
+    wide = plan_shots(scenario(**UNKNOWN))
+    assert wide.model_error is None
+    assert wide.prior.v50_m_s == pytest.approx(limit, rel=1e-3)
+    assert wide.prior.v50_interval_m_s == pytest.approx((0.7 * limit, 1.3 * limit), rel=0.01)
+    assert "30 %" in wide.expected_from
     plan = plan_shots(scenario(**UNKNOWN), SHOTS, procedure="neyer", limits_m_s=(500.0, 1500.0))
-    assert (plan.prior, plan.posterior, plan.curve) == (None, None, None)
+    assert plan.prior.v50_interval_m_s == pytest.approx((500.0, 1500.0), rel=0.01)
     assert plan.recommended is not None
     # A requirement is decided on by the shots alone.
     assert plan_shots(scenario(**UNKNOWN), SHOTS, requirement_m_s=700.0).next_velocity_m_s is not None
@@ -131,8 +142,7 @@ def test_a_stated_error_is_a_prior_and_an_unknown_one_none():
         plan_shots(scenario(**UNKNOWN), SHOTS, requirement_m_s=700.0, prior=True)
     stated = scenario(**UNKNOWN, uncertainty={"model": {"scale_percent": 10.0}})
     assert plan_shots(stated).prior is not None
-    with pytest.raises(InputError, match="excludes the model error"):
-        plan_shots(scenario(uncertainty={"model": {"included": False}}))
+    assert "not known" in plan_shots(scenario(uncertainty={"model": {"included": False}})).expected_from
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import armour
 from armour.cli import completion
 from armour.cli.question import Answer, Force, Output, PlotFile, argument, number, option, question
-from armour.cli.runner import check_outputs, read_scenario, wrong_option
+from armour.cli.runner import CHECK_FAILED, check_outputs, read_scenario, wrong_option
 from armour.cli.scenario_commands import LIMIT_READS, grid_of
 from armour.csv_files import MUST_SAY, PERFORATED
 from armour.errors import mistake
@@ -24,7 +24,12 @@ if TYPE_CHECKING:
 FIT = ("impact", "armour", "ballistic_limit")
 # Part by which a measured velocity may miss the planned one without a warning.
 FAR_FROM_PLAN = 0.1
-LIMITS = {"limits_m_s": "--lower-m-s, --upper-m-s", "limits_m_s[0]": "--lower-m-s", "limits_m_s[1]": "--upper-m-s"}
+LIMITS = {
+    "scenario": "SCENARIO",
+    "limits_m_s": "--lower-m-s, --upper-m-s",
+    "limits_m_s[0]": "--lower-m-s",
+    "limits_m_s[1]": "--upper-m-s",
+}
 
 
 @question(LIMIT_READS, what="the ballistic limit", first="fitting")
@@ -44,11 +49,13 @@ def v50(
 ) -> Answer:
     """Estimate V50 from firing results.
 
-    If a scenario with the same armour is given, its ballistic limit by the model is shown too.
+    If a scenario with the same armour is given, its ballistic limit by the model is shown too. With a requirement, the
+    exit code is 3 if it is not met or the shots do not decide it.
     """
     fired = armour.read_shots(table_file(shots), one_kind=options["prior"])
     result = armour.v50(fired, scenario, on_progress=on_progress, **options)
-    return Answer(result, file="" if scenario else str(shots))
+    exit_code = CHECK_FAILED if result.decision in ("not met", "not decided") else 0
+    return Answer(result, file="" if scenario else str(shots), exit_code=exit_code)
 
 
 @question(FIT, unit="tests", prior_reads=["uncertainty"])
@@ -97,10 +104,10 @@ def calibrate(
     return Answer(result, contents=contents, file=str(tests))
 
 
-@question(LIMIT_READS, first="searching", named=LIMITS)
+@question(LIMIT_READS, first="searching", named=LIMITS, table="table")
 def plan_shots(
-    scenario: "Scenario",
     on_progress: "OnProgress",
+    scenario: "Scenario | None" = None,
     table: Annotated[
         Path | None,
         argument(
@@ -110,10 +117,16 @@ def plan_shots(
         ),
     ] = None,
     lower_m_s: Annotated[
-        str | None, option("Lower limit of V50, m/s, for langlie and neyer.", metavar="NUMBER", parser=number)
+        str | None,
+        option(
+            "Lower limit of V50, m/s, for langlie and neyer, or without a scenario.", metavar="NUMBER", parser=number
+        ),
     ] = None,
     upper_m_s: Annotated[
-        str | None, option("Upper limit of V50, m/s, for langlie and neyer.", metavar="NUMBER", parser=number)
+        str | None,
+        option(
+            "Upper limit of V50, m/s, for langlie and neyer, or without a scenario.", metavar="NUMBER", parser=number
+        ),
     ] = None,
     earlier: Annotated[
         list[Path] | None,
@@ -139,7 +152,11 @@ def plan_shots(
     force: Force = False,
     **options: Any,
 ) -> Answer:
-    """Plan the next shot of a V50 firing, given the shots so far."""
+    """Plan the next shot of a V50 firing, given the shots so far.
+
+    The scenario's ballistic limit by the model is the prior of V50. Without a scenario, V50 is expected within the
+    limits given or, without these, within 30 % of the middle of the shots.
+    """
     if (lower_m_s is None) != (upper_m_s is None):
         raise wrong_option("--upper-m-s" if upper_m_s is None else "--lower-m-s", "must be given with the other limit")
     if isinstance(velocity_m_s, str):
@@ -164,7 +181,7 @@ def plan_shots(
 
 
 def _with_result(
-    scenario: "Scenario",
+    scenario: "Scenario | None",
     on_progress: "OnProgress",
     table: Path,
     result: str,
@@ -184,7 +201,7 @@ def _with_result(
         read = content_of(table)
         fired = armour.read_shots(table, one_kind=True) if exists(table) else Shots((), (), str(table))
         before = armour.plan_shots(scenario, fired, on_progress=on_progress, **options)
-        planned, limit = before.next_velocity_m_s, before.model_ballistic_limit_m_s
+        planned, limit = before.next_velocity_m_s, before.prior.v50_m_s
         velocity = planned if velocity_m_s is None else velocity_m_s
         if velocity is None:
             raise wrong_option("--velocity-m-s", "must be given: no further shot was planned")

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -13,13 +13,16 @@ from armour.cli.runner import check_outputs, respond, write
 from armour.errors import choices, mistake, refuse
 from armour.files import shipped_files, shipped_notebooks, shipped_suites, shipped_tests, wrong_ending
 
+if TYPE_CHECKING:
+    from armour.reporting.table import Table
+
 # What the library lists, each by a command of its own, in the plural.
-KINDS = ("projectile", "ceramic", "metal", "threat")
+KINDS = ("projectile", "ceramic", "threat", "metal")
 Tested = Annotated[bool, option("List only entries for which tests provide a model error.", "--tested")]
 
 
 def list_library(ctx: typer.Context, tested: Tested = False, as_json: AsJson = False) -> None:
-    """List materials, projectiles and threats."""
+    """List projectiles, ceramics and threats; `armour library metals` lists the metals, which are many."""
     if ctx.invoked_subcommand is None:
         _list(KINDS, tested=tested, as_json=as_json)
 
@@ -53,7 +56,10 @@ def _list(kinds: Sequence[str], *, tested: bool, as_json: bool) -> None:
         data = {kind: {name: data[kind][name] for of, name in found if of == kind} for kind in data}
         threats = {name: threat for name, threat in threats.items() if ("projectile", threat.projectile) in found}
     data["threat"] = {name: threat.model_dump() for name, threat in threats.items()}
-    tables = {kind: library_table(library, kind, found) for kind in library.entries} | {"threat": threat_table(threats)}
+    tables: dict[str, Table | str] = {kind: library_table(library, kind, found) for kind in library.entries}
+    tables["threat"] = threat_table(threats)
+    if len(kinds) > 1:
+        tables["metal"] = f"{len(data['metal'])} metals: armour library metals"
     respond({kind: data[kind] for kind in kinds}, [tables[kind] for kind in kinds], as_json=as_json)
 
 

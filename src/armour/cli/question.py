@@ -174,6 +174,7 @@ def question(
     csv: str = "",
     of_threats: bool = False,
     prior_reads: Sequence[str] = (),
+    table: str = "",
     named: Mapping[str, str] = {},
     **keys: tuple[str, str],
 ) -> Callable[[Callable[..., Answer]], Callable[..., None]]:
@@ -185,7 +186,8 @@ def question(
     ones, and those that set keys of the scenario: by name, the key and the help.  Some parameters of the public
     function are ``named`` otherwise in messages.  What is done ``first`` is said before the progress, which is counted
     in a ``unit``; without it, the engine is compiled.  ``csv`` is the help of ``--csv``, a file for the CSV of the
-    view.
+    view.  A CSV file in place of the scenario is the ``table`` of this name, and the other the scenario, if there is
+    one.
     """
 
     def made(function: Callable[..., Answer]) -> Callable[..., None]:
@@ -208,6 +210,8 @@ def question(
         @wraps(function)
         def command(**values: Any) -> None:
             plot, changes = values["plot"], values["changes"]
+            if table and values["scenario"] is not None and values["scenario"].suffix.lower() == ".csv":
+                values["scenario"], values[table] = values[table], values["scenario"]
             outputs = [values[name] for name in files]
             tables = [values[name] for name, mark in files.items() if mark is Output.TABLE]
             check_outputs(*outputs, tables=tables, plot=plot, force=values["force"])

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from math import inf
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 from filelock import FileLock, Timeout
@@ -18,7 +18,7 @@ from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.results import OnProgress, Result, ignore_progress
 from armour.csv_files import OUTCOMES, PERFORATED, read_csv
 from armour.errors import Problem, mistake, refuse
-from armour.evidence.model_error import ModelError
+from armour.evidence.model_error import NORMAL, ModelError
 from armour.files import reason
 from armour.planning.procedures import (
     PROCEDURES,
@@ -125,22 +125,24 @@ class ShotPlan(Result):
         Expected scatter, per cent of V50, and the factor by which it may differ, given these.
     limits_m_s : tuple of float or None
         Limits of V50 that Langlie's and Neyer's procedures start from, m/s.
-    prior, posterior : FiringEstimate or None
-        V50 and the scatter without and with the shots; None if the model error is not known.
-    prior_share : float or None
+    prior, posterior : FiringEstimate
+        V50 and the scatter without and with the shots.
+    prior_share : float
         Posterior over prior variance of V50: the share of the prior in the precision.
+    expected_from : str
+        What the prior of V50 is from: tests of such armours, limits, or shots.
     recommended : FittedCurve or None
         Curve that `armour.v50` recommends, from the shots alone; None without one, and for the Bayesian procedure.
     mean : MeanV50 or None
         Mean of MIL-STD-662F of three shots of each kind, for the up-and-down rule; None without such shots
         within its span.
-    model_ballistic_limit_m_s : float
-        Ballistic limit by the model, m/s.
+    model_ballistic_limit_m_s : float or None
+        Ballistic limit by the model, m/s; None without a scenario.
     model_error : ModelError or None
         Its relative error.
     true_v50_m_s, true_scatter_m_s : float or None
         V50 and scatter that shots were simulated with, m/s.
-    curve : PlanCurve or None
+    curve : PlanCurve
         Over ``velocity_m_s``, m/s: the densities of V50, ``prior`` and ``posterior``, s/m, and by the posterior the
         ``probability`` of complete penetration.
     contradicts_prior : bool
@@ -163,16 +165,17 @@ class ShotPlan(Result):
     requirement_fraction: float
     probability_met: float | None
     limits_m_s: tuple[float, float] | None
-    prior: FiringEstimate | None
-    posterior: FiringEstimate | None
-    prior_share: float | None
+    prior: FiringEstimate
+    posterior: FiringEstimate
+    prior_share: float
     recommended: FittedCurve | None
     mean: MeanV50 | None
-    model_ballistic_limit_m_s: float
+    model_ballistic_limit_m_s: float | None
     model_error: ModelError | None
+    expected_from: str
+    curve: PlanCurve
     true_v50_m_s: float | None = None
     true_scatter_m_s: float | None = None
-    curve: PlanCurve | None = None
     contradicts_prior: bool = False
     decision: str = ""
     consumers_risk: float | None = None
@@ -193,9 +196,53 @@ class ShotPlan(Result):
         return f"{count}, the next at {self.next_velocity_m_s:.1f} m/s"
 
 
+class _Expected(NamedTuple):
+    """What is expected of V50 before the shots."""
+
+    estimate_m_s: float
+    error: ModelError
+    limit_m_s: float | None = None  # by the model
+    model_error: ModelError | None = None
+    warnings: tuple[str, ...] = ()
+
+
+# Part of a limit by the model, of which the error is not known, or of the middle of shots, within which V50 is expected
+# with a probability of 95 %, and that quantile of the normal distribution.
+WIDE, WITHIN = 0.3, 1.96
+
+
+def _expected(
+    scenario: Scenario | None,
+    fired: Shots,
+    limits_m_s: tuple[float, float] | None,
+    on_progress: OnProgress,
+) -> _Expected:
+    """Return what is expected of V50: the model's limit with its error, or else what limits, or shots, say."""
+    limit = None if scenario is None else ballistic_limit(scenario, on_progress=on_progress)
+    known = () if limit is None else (limit.ballistic_limit_m_s, limit.model_error, limit.warnings)
+    if limit is not None and limit.model_error is not None:
+        return _Expected(limit.ballistic_limit_m_s, limit.model_error, *known)
+    if limits_m_s is not None:
+        low, high = limits_m_s
+        source = f"within the limits given, {low:g} to {high:g} m/s"
+    elif limit is not None:
+        low, high = ((1.0 + sign * WIDE) * limit.ballistic_limit_m_s for sign in (-1.0, 1.0))
+        source = f"within {100.0 * WIDE:g} % of the limit by the model, whose error is not known"
+    elif fired.complete:
+        low, high = min(fired.velocities_m_s), max(fired.velocities_m_s)
+        middle = 0.5 * (low + high)
+        low, high = min(low, (1.0 - WIDE) * middle), max(high, (1.0 + WIDE) * middle)
+        source = f"within {100.0 * WIDE:g} % of the middle of the shots"
+    else:
+        raise mistake("plan_shots", "scenario", "must be given, or shots, or limits of V50")
+    middle = 0.5 * (low + high)
+    error = ModelError(0.0, 100.0 * (high - low) / (2.0 * WITHIN * middle), NORMAL, source)
+    return _Expected(middle, error, *known)
+
+
 @checked
 def plan_shots(
-    scenario: Scenario,
+    scenario: Scenario | None = None,
     shots: Shots | None = None,
     *,
     procedure: Procedure = "bayesian",
@@ -218,13 +265,14 @@ def plan_shots(
 
     Parameters
     ----------
-    scenario : Scenario
-        Armour and projectile; its ballistic limit by the model, with the model error, is the prior of V50.
+    scenario : Scenario, optional
+        Armour and projectile; its ballistic limit by the model, with the model error, is the prior of V50.  Without
+        one, or without a known error, V50 is expected within the limits given, or within 30 % of the limit by the model
+        or else of the middle of the shots.
     shots : Shots, optional
         Shots so far, which may all be of one kind.
     procedure : {"bayesian", "neyer", "langlie", "up-and-down"}
-        Rule for the next velocity: bayesian, neyer, langlie or up-and-down.  Without a requirement, the Bayesian rule
-        needs a model error, from tests of similar armours or from ``uncertainty.model``.
+        Rule for the next velocity: bayesian, neyer, langlie or up-and-down.
     half_width_m_s : float, optional
         Half width of the interval of V50 at which the firing ends, 0.1 to 10,000 m/s; by default 15, or, for the
         up-and-down rule, the end by MIL-STD-662F: three shots of each kind within 27.4 m/s.
@@ -248,8 +296,8 @@ def plan_shots(
         Earlier firings at armours of the kind, each with penetrations of both kinds.  Their scatters, pooled with the
         expected one, take its place.
     limits_m_s : tuple of float, optional
-        Limits of V50 that Langlie's and Neyer's procedures start from, m/s; by default the interval of the model's
-        limit with a probability of 99 %.
+        Limits of V50, m/s, that Langlie's and Neyer's procedures start from, by default the interval of the model's
+        limit with a probability of 99 %; for the others, what is expected of V50 without a model error.
     simulate : bool
         Whether to simulate the rest of the firing, 100 shots at most.
     true_v50_m_s : float, optional
@@ -269,7 +317,8 @@ def plan_shots(
     Raises
     ------
     InputError
-        If a setting is out of its range or has no effect, or the procedure needs the model error, which is not known.
+        If a setting is out of its range or has no effect, nothing says where V50 may be, or the decision is to include
+        the model's prediction, whose error is not known.
     NoLimitError
         If the scenario has no ballistic limit in the range of the search.
 
@@ -287,8 +336,6 @@ def plan_shots(
     limited = procedure in ("langlie", "neyer")
     if limited and requirement_m_s is not None:
         problems.append(("requirement_m_s", f"must not be given with {procedure}, which has no requirement"))
-    if not limited and limits_m_s is not None:
-        problems.append(("limits_m_s", f"must not be given with {procedure}, which has none"))
     if limits_m_s is not None and limits_m_s[0] >= limits_m_s[1]:
         problems.append(("limits_m_s", f"must rise, found {limits_m_s[0]:g} and {limits_m_s[1]:g}"))
     if procedure == "bayesian" and requirement_m_s is not None and half_width_m_s is not None:
@@ -305,20 +352,26 @@ def plan_shots(
     if earlier:
         others = [(each.velocities_m_s, each.complete) for each in earlier]
         scatter_percent, scatter_factor = pooled_scatter(others, scatter_percent, scatter_factor)
-    limit = ballistic_limit(scenario, on_progress=on_progress)
-    if requirement_m_s is not None and (message := far_from(limit.ballistic_limit_m_s, requirement_m_s)):
+    before_shots = _expected(scenario, fired, limits_m_s, on_progress)
+    if requirement_m_s is not None and (message := far_from(before_shots.estimate_m_s, requirement_m_s)):
         raise mistake("plan_shots", "requirement_m_s", message)
-    model = None
-    if limit.model_error is not None:
-        model = FiringPrior(limit.ballistic_limit_m_s, limit.model_error, scatter_percent, scatter_factor)
-    elif prior or (procedure == "bayesian" and requirement_m_s is None):
-        raise no_prior(scenario, "; or choose the procedure up-and-down, or neyer or langlie with limits of V50")
-    if limits_m_s is None and limited:
-        limits_m_s = limits_of(_known(model, "limits_m_s", "which they follow from by default"))
+    model = FiringPrior(before_shots.estimate_m_s, before_shots.error, scatter_percent, scatter_factor)
+    if prior and before_shots.model_error is None:
+        if scenario is None:
+            raise mistake("plan_shots", "prior", "must not be asked for without a scenario")
+        raise no_prior(scenario)
+    if limited and limits_m_s is None:
+        limits_m_s = limits_of(model)
+    elif not limited:
+        if limits_m_s is not None and before_shots.model_error is not None:
+            raise mistake(
+                "plan_shots", "limits_m_s", f"must not be given with {procedure} where the model error is known"
+            )
+        limits_m_s = None
     rule_ends = procedure == "up-and-down" or (procedure == "bayesian" and requirement_m_s is not None)
     settings = ShotSettings(
-        estimate_m_s=limit.ballistic_limit_m_s,
-        scatter_m_s=limit.ballistic_limit_m_s * scatter_percent / 100.0,
+        estimate_m_s=model.limit_m_s,
+        scatter_m_s=model.limit_m_s * scatter_percent / 100.0,
         limits_m_s=limits_m_s or (-inf, inf),
         half_width_m_s=HALF_WIDTH_M_S if half_width_m_s is None and not rule_ends else half_width_m_s,
         confidence=confidence,
@@ -332,7 +385,6 @@ def plan_shots(
     if simulate:
         dice = np.random.default_rng(seed)
         if true_v50_m_s is None or true_scatter_m_s is None:
-            model = _known(model, "true_v50_m_s", "to draw it from")
             grid, weights = posterior_of(model, fired.velocities_m_s, fired.complete)
             drawn = dice.choice(len(weights), p=weights)
             true_v50_m_s, true_scatter_m_s = float(grid.v50_m_s[drawn]), float(grid.scatter_m_s[drawn])
@@ -344,13 +396,10 @@ def plan_shots(
             on_progress(1, None)
     ended = why_stopped(fired, settings)
     aim = None if ended else next_aim(fired, settings)
-    before, after, share, curve, met = None, None, None, None, None
-    contradictions: tuple[str, ...] = ()
-    if model is not None:
-        alone, known = (posterior_of(model, *of) for of in (((), ()), (fired.velocities_m_s, fired.complete)))
-        before, after, share, contradictions = learned(alone, known, confidence)
-        curve = _curve(alone, known, fired)
-        met = None if requirement_m_s is None else known.probability_above(requirement_m_s, requirement_fraction)
+    alone, known = (posterior_of(model, *of) for of in (((), ()), (fired.velocities_m_s, fired.complete)))
+    before, after, share, contradictions = learned(alone, known, confidence)
+    curve = _curve(alone, known, fired)
+    met = None if requirement_m_s is None else known.probability_above(requirement_m_s, requirement_fraction)
     demand, decided, ratios, risk = settings.demand(), 0, (None, None), None
     if requirement_m_s is not None:
         now = posterior(fired, settings)
@@ -379,8 +428,9 @@ def plan_shots(
         prior_share=share,
         recommended=None if procedure == "bayesian" else recommended_fit(fired, confidence),
         mean=mean_of(fired) if procedure == "up-and-down" else None,
-        model_ballistic_limit_m_s=limit.ballistic_limit_m_s,
-        model_error=limit.model_error,
+        model_ballistic_limit_m_s=before_shots.limit_m_s,
+        model_error=before_shots.model_error,
+        expected_from=before_shots.error.source,
         true_v50_m_s=true_v50_m_s,
         true_scatter_m_s=true_scatter_m_s,
         curve=curve,
@@ -395,20 +445,13 @@ def plan_shots(
         scatter_percent=scatter_percent,
         scatter_factor=scatter_factor,
         warnings=(
-            *(() if model is None else _far_shots(given_shots, model)),
+            *_far_shots(given_shots, model),
             *contradictions,
             *(langlie_doubts(fired, settings) if procedure == "langlie" and aim else ()),
             *([f"the simulation stopped after {MAX_SIMULATED} shots without an end"] if simulate and aim else ()),
-            *limit.warnings,
+            *before_shots.warnings,
         ),
-    ).of(scenario.subject(ANY_VELOCITY), scenario=scenario)
-
-
-def _known(prior: FiringPrior | None, key: str, purpose: str) -> FiringPrior:
-    """Return a prior that is needed for a setting that is not given."""
-    if prior is None:
-        raise mistake("plan_shots", key, f"must be given: the model error, {purpose}, is not known")
-    return prior
+    ).of(scenario.subject(ANY_VELOCITY) if scenario else f"V50 of {fired.file}", scenario=scenario)
 
 
 def _curve(prior: Posterior, posterior: Posterior, fired: Shots) -> PlanCurve:

@@ -95,7 +95,7 @@ class LawTests(Section):
     """Name of the fit."""
     values: dict[str, float] = {}
     """Values of the entry, by key, that the limits are computed with."""
-    level: tuple[float, Annotated[float, Field(gt=0.0)]] | None = Field(None, strict=False)
+    level: Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=2)] | None = None
     """Mean and standard deviation of the logarithm of measured over computed limits before the tests, if not the
     fit's."""
     computed_m_s: Annotated[Items[Annotated[float, Field(gt=0.0)]], Field(max_length=MOST_TESTS)]
@@ -165,6 +165,8 @@ class OwnTests(Section):
             {*self.tests} == {*VARIED, *IN_COMMON, *MEASURED} and len(counts) == 1 and min(counts) > 0
         ):
             raise ValueError("must be as armour calibrate writes it: a number for each test in each of its lists")
+        if any(law.level is not None and law.level[1] <= 0.0 for law in self.law):
+            raise ValueError("must be as armour calibrate writes it: a standard deviation must be above 0")
         for name, column in self.tests.items() if self.law else ():
             low, high = BOUNDS_OF_TESTS.get(name, (TINY, inf))
             if not all(low <= value <= high for value in column) or (name == "side" and {*column} - {-1.0, 0.0, 1.0}):
@@ -471,11 +473,19 @@ class Library:
 
     @checked
     def find(self, name: str) -> list[LibraryEntry]:
-        """Return the entries of a name, of any kind; if there is none, a KeyError suggests the closest name."""
+        """Return the entries of a name, of any kind, or the only one that has a word in its name or description.
+
+        If there is none, a KeyError suggests the closest name.
+        """
         found = [self.entry(kind, name) for kind in KINDS if name in self.known(kind)]
         if not found:
             known = [known for kind in KINDS for known in self.known(kind)]
             entries = [entry for kind in KINDS for entry in self.entries[kind].values()]
+            names = {entry.name: " ".join((entry.name, *entry.aliases)) for entry in entries}
+            for texts in (names, {entry.name: entry.description for entry in entries}):
+                alike = [entry for entry in entries if name and name.casefold() in texts[entry.name].casefold()]
+                if len(alike) == 1:
+                    return alike
             raise KeyError(f'no entry of the library is called "{name}"{hint(name, entries, known)}')
         return found
 

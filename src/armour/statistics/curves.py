@@ -262,6 +262,12 @@ class Likelihood:
             return direction * inf
         return self.bound(lambda location: self.with_value(z, location), (z - a) / b, direction, root)
 
+    def chance_below(self, velocity_m_s: float) -> float:
+        """Return 1 minus the confidence of the one-sided lower bound of V50 that lies at a velocity."""
+        x, (a, b) = (velocity_m_s - self.mean) / self.deviation, self.mode.at
+        deviance = 2.0 * max(self.mode.value - self.with_value(0.0, x).value, 0.0)
+        return float(ndtr(copysign(sqrt(deviance), x + a / b)))
+
     def scale_interval(self) -> tuple[float, float]:
         """Return the ends of the interval of the scale, the inverse of the slope."""
 

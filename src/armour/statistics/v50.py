@@ -19,7 +19,7 @@ from armour.csv_files import MUST_SAY, PERFORATED, in_line_order, lines_of, read
 from armour.errors import Problem, mistake, refuse, suggestion
 from armour.scenario.checked import checked
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
-from armour.statistics.curves import CDFS, FittedCurve, fit_curve
+from armour.statistics.curves import CDFS, FittedCurve, Likelihood, fit_curve
 from armour.statistics.posterior import (
     FiringEstimate,
     FiringPrior,
@@ -33,8 +33,14 @@ from armour.units import missing_unit
 # 60 ft/s.  MIL-STD-662F leaves the span to the specification.
 SPANS_M_S = {5: 38.1, 3: 27.4, 2: 18.3}
 Rule = Literal["usual span", "given span", "no usual rule"]
+# Confidence levels of an interval that is given where that at the level asked for is not bounded, the first that is.
+LOWER = (0.9, 0.8, 0.5)
+Decision = Literal["met", "not met", "not decided", ""]
 # Range of velocities, m/s; it catches values in a wrong unit.
 MIN_VELOCITY_M_S, MAX_VELOCITY_M_S = 1.0, 1e4
+Velocity = Annotated[float, Field(ge=MIN_VELOCITY_M_S, le=MAX_VELOCITY_M_S)]
+# Part of a risk that is rounding.
+ROUNDING = 1e-12
 # Factor between a velocity and the median of the shots from which on it is probably a mistake.
 FAR_FACTOR = 2.0
 
@@ -130,6 +136,19 @@ class FiringResult(TableResult):
         V50 and the scatter by the model with its error, without and with the shots; None unless asked for.
     prior_share : float or None
         Posterior over prior variance of V50: the share of the prior in the precision.
+    bounded_confidence : float or None
+        Greatest of the confidence level and 0.9, 0.8 and 0.5 below it at which the recommended interval of V50 is
+        bounded; None if none is.
+    bounded_interval_m_s : tuple of float or None
+        This interval, m/s.
+    requirement_m_s : float or None
+        Required V50, m/s.
+    decision : {"met", "not met", "not decided", ""}
+        Whether the requirement is met, by the shots alone; empty without one.
+    consumers_risk, producers_risk : float or None
+        Risk of accepting armour that does not meet the requirement, and of rejecting armour that does, by these shots:
+        1 minus the confidence of the one-sided bounds that lie at it.  It is decided once one is at most 1 minus the
+        confidence asked for.  None if no curve is recommended.
     """
 
     shots: int
@@ -149,6 +168,12 @@ class FiringResult(TableResult):
     posterior: FiringEstimate | None = None
     prior_share: float | None = None
     zone_of_mixed_results_m_s: float | None = None
+    bounded_confidence: float | None = None
+    bounded_interval_m_s: tuple[float, float] | None = None
+    requirement_m_s: float | None = None
+    decision: Decision = ""
+    consumers_risk: float | None = None
+    producers_risk: float | None = None
 
     def _words(self) -> str:
         if self.posterior is not None:
@@ -222,6 +247,7 @@ def v50(
     span_m_s: Annotated[float, Field(ge=0.0, le=MAX_VELOCITY_M_S)] | None = None,
     confidence: Confidence = CONFIDENCE,
     prior: bool = False,
+    requirement_m_s: Velocity | None = None,
     on_progress: OnProgress = ignore_progress,
 ) -> FiringResult:
     """Estimate V50 from firing results.
@@ -242,6 +268,9 @@ def v50(
         Confidence level of the intervals, 0.5 to 0.9999.
     prior : bool
         Whether to add the posterior of V50, whose prior is the scenario's ballistic limit with the model error.
+    requirement_m_s : float, optional
+        Required V50, m/s: whether the armour's exceeds it is decided by the shots alone, by the one-sided bounds, with
+        a risk of at most 1 minus the confidence.
     on_progress : callable, optional
         Called with the number of impacts computed since the last call, and None, as their total is not known.
 
@@ -274,6 +303,9 @@ def v50(
         )
         for penalised in (False, True)
     )
+    bounded = next(_bounded(partial, complete, confidence), (None, None)) if penalised_fits else (None, None)
+    recommended = penalised_fits[0] if penalised_fits else None
+    decision, risks = decided(recommended, partial, complete, requirement_m_s, confidence)
     model = None if scenario is None else ballistic_limit(scenario, on_progress=on_progress)
     before, after, share = None, None, None
     contradictions: tuple[str, ...] = ()
@@ -295,7 +327,7 @@ def v50(
         mean=mean_v50(partial, complete, pairs, span_m_s),
         fits=fits,
         penalised_fits=penalised_fits,
-        recommended=penalised_fits[0] if penalised_fits else None,
+        recommended=recommended,
         confidence=confidence,
         model_ballistic_limit_m_s=None if model is None else model.ballistic_limit_m_s,
         model_interval_m_s=None if model is None else model.interval_m_s,
@@ -307,7 +339,45 @@ def v50(
         posterior=after,
         prior_share=share,
         zone_of_mixed_results_m_s=max(partial[-1] - complete[0], 0.0) if partial and complete else None,
+        bounded_confidence=bounded[0],
+        bounded_interval_m_s=bounded[1],
+        requirement_m_s=requirement_m_s,
+        decision=decision,
+        consumers_risk=risks[0],
+        producers_risk=risks[1],
     ).of(computed, scenario=scenario, shots=shots)
+
+
+def _bounded(
+    partial: Sequence[float], complete: Sequence[float], confidence: float
+) -> Iterator[tuple[float, tuple[float, float]]]:
+    """Give the levels, the one given first, at which the recommended interval of V50 is bounded, with the interval."""
+    for level in (confidence, *(lower for lower in LOWER if lower < confidence)):
+        fit = fit_curve(partial, complete, "probit", level, penalised=True)
+        low, high = (None, None) if fit is None else fit.v50_interval_m_s
+        if low is not None and high is not None:
+            yield level, (low, high)
+
+
+def decided(
+    fit: FittedCurve | None,
+    partial: Sequence[float],
+    complete: Sequence[float],
+    requirement_m_s: float | None,
+    confidence: float,
+) -> tuple[Decision, tuple[float | None, float | None]]:
+    """Return whether a requirement is met, and the risks of accepting and of rejecting the armour now.
+
+    They are those of the one-sided bounds of the recommended curve that lie at the required velocity.
+    """
+    if requirement_m_s is None:
+        return "", (None, None)
+    if fit is None:
+        return "not decided", (None, None)
+    accepting = Likelihood(partial, complete, "probit", penalised=True).chance_below(requirement_m_s)
+    risk = 1.0 - confidence + ROUNDING
+    decision: Decision = "met" if accepting <= risk else "not met" if 1.0 - accepting <= risk else "not decided"
+    return decision, (accepting, 1.0 - accepting)
 
 
 def _far_from_others(shots: Shots) -> Iterator[str]:
@@ -347,6 +417,7 @@ def check_shots(shots: Shots, *, one_kind: bool = False) -> None:
     elif not one_kind and len(set(shots.complete)) != 2:
         found = f"only {'complete' if shots.complete[0] else 'partial'} ones" if count else "none"
         message = f"must have at least one partial and one complete penetration, found {found}"
+        message += "; armour plan shots gives the next velocity" if count else ""
     if message:
         raise mistake(shots.file, "", message)
 

@@ -85,10 +85,12 @@ def test_a_requirement_is_drawn_with_its_operating_characteristic_before_the_fir
     assert panel.title == ""
 
 
-def test_without_a_prior_the_curve_is_that_of_the_shots():
+def test_without_a_model_error_the_prior_is_no_models():
     unknown = scenario(uncertainty={"model": {"included": False}})
     plan = plan_shots(unknown, FIVE, procedure="up-and-down", half_width_m_s=100.0, requirement_m_s=730.0)
     drawn = chart(plan)
-    [panel] = drawn.panels
-    assert [series.label for series in panel.series if isinstance(series, Line)] == ["probit, penalised likelihood"]
+    panel = drawn.panels[-1]
+    lines = [series.label for each in drawn.panels for series in each.series if isinstance(series, Line)]
+    assert "prior" in lines
+    assert any("prior of V50: within 30 % of the limit" in item for item in tables(plan) if isinstance(item, str))
     assert any(series.label == "requirement 730.0 m/s" for series in panel.series)

@@ -75,8 +75,35 @@ def test_a_mean_of_no_usual_rule_and_shots_without_a_rising_curve():
     found = v50(shots, pairs=1, span_m_s=30.0)
     assert "V50, mean, m/s" in {column.heading for column in v50_table(found).columns}
     notes = [item for item in v50_view.tables(found) if isinstance(item, str)]
-    assert notes[0].startswith("no curve is recommended")
-    assert "MIL-STD-662F does not usually average" in notes[1]
+    assert notes[0] == "mean of shots: 765 m/s from 1 + 1 shots within 30 m/s"
+    assert notes[1].startswith("no curve is recommended")
+    assert "MIL-STD-662F does not usually average" in notes[2]
+
+
+def test_the_answer_has_an_interval_that_is_bounded_or_what_would_bound_it():
+    velocities = (812.0, 835.0, 851.0, 840.0, 858.0, 846.0, 838.0, 829.0, 848.0)
+    complete = (False, False, True, False, True, True, True, False, False)
+    shots = Shots(velocities, complete)
+    line = v50_view.answer(v50(shots))
+    assert line.startswith("V50 843 m/s, 90 % interval 819 to 905 (95 % not bounded: a higher complete or a lower")
+    assert line.endswith("MIL-STD-662F: 843 m/s from 3 + 3 shots within 16 m/s")
+    wider = Shots((*velocities, 900.0, 780.0), (*complete, True, False))
+    assert v50_view.answer(v50(wider)).startswith("V50 844 m/s, 95 % interval 777 to 1069; ")
+
+
+def test_a_requirement_is_met_at_the_one_sided_bound():
+    partial, complete = (780.0, 812.0, 829.0, 835.0, 840.0, 848.0), (838.0, 846.0, 851.0, 858.0, 900.0)
+    shots = Shots((*partial, *complete), (False,) * 6 + (True,) * 5)
+    fit = v50(shots).recommended
+    assert fit is not None
+    bound = fit.v50_lower_m_s or 0.0
+    found = [v50(shots, requirement_m_s=bound + away) for away in (-0.5, 0.5, 400.0)]
+    assert [each.decision for each in found] == ["met", "not decided", "not met"]
+    assert found[0].consumers_risk == pytest.approx(0.05, abs=0.002)
+    assert [(each.consumers_risk or 0.0) + (each.producers_risk or 0.0) for each in found] == pytest.approx([1.0] * 3)
+    [verdict] = v50_view.requirement_verdict(found[1])
+    assert verdict.startswith(f"not decided: {bound + 0.5:g} m/s required of V50; consumer's risk")
+    assert v50(shots).decision == ""
 
 
 @pytest.mark.parametrize("confidence", [0.5, 0.89, 0.9, 0.95, 0.955, 0.99, 0.995])

@@ -1,5 +1,6 @@
 """V50 from firing results."""
 
+from math import ceil
 from typing import Any
 
 import numpy as np
@@ -7,7 +8,7 @@ import numpy as np
 from armour.errors import InputError, Problem
 from armour.reporting import charts
 from armour.reporting.table import Cell, Column, Source, Table, column_of, listing, record
-from armour.reporting.text import interval, percent, with_interval
+from armour.reporting.text import Verdict, interval, percent, with_interval
 from armour.reporting.views.shot_plan import SCATTER_ASSUMED, prior_table, share_note, shot_points
 from armour.scenario.inputs import VELOCITY
 from armour.statistics.curves import FittedCurve, penalised_band
@@ -85,9 +86,51 @@ MEAN_NOTES = {
 }
 
 
+def answer(result: FiringResult) -> str:
+    """Return V50 with an interval that is bounded, or what would bound it, and the mean of the standard."""
+    parts, fit, mean = [], result.recommended, result.mean
+    if fit is not None:
+        found, level = f"V50 {fit.v50_m_s:.0f} m/s", result.bounded_confidence
+        if level is None:
+            found += f", interval not bounded: {BOUND}"
+        else:
+            found += f", {percent(level)} interval {interval(result.bounded_interval_m_s, '.0f')}"
+            found += "" if level == result.confidence else f" ({percent(result.confidence)} not bounded: {BOUND})"
+        parts.append(found)
+    if mean is not None:
+        by = "mean of shots" if mean.rule == "no usual rule" else "MIL-STD-662F"
+        parts.append(
+            f"{by}: {mean.v50_m_s:.0f} m/s from {mean.pairs} + {mean.pairs} shots within {mean.span_m_s:.0f} m/s"
+        )
+    return "; ".join(parts)
+
+
+BOUND = "a higher complete or a lower partial would bound it"
+
+
+def requirement_verdict(result: FiringResult) -> list[str]:
+    """Return whether a requirement is met, with the risks of accepting and of rejecting the armour now."""
+    if result.requirement_m_s is None:
+        return []
+    asked = f"{result.requirement_m_s:g} m/s required of V50"
+    if result.consumers_risk is None or result.producers_risk is None:
+        return [Verdict.of(f"{result.decision}: {asked}; no curve fits the shots", good=False)]
+    allowed = percent(round(1.0 - result.confidence, 12))
+    risks = (
+        f"consumer's risk, of accepting now what fails it, {risk_of(result.consumers_risk)}; producer's risk, of "
+        f"rejecting what meets it, {risk_of(result.producers_risk)}; at most {allowed} decides"
+    )
+    return [Verdict.of(f"{result.decision}: {asked}; {risks}", good=result.decision == "met")]
+
+
+def risk_of(risk: float) -> str:
+    """Return a risk, rounded up to a tenth of a per cent."""
+    return "below 0.1 %" if risk < 1e-3 else f"{ceil(1000.0 * risk - 1e-9) / 10.0:g} %"
+
+
 def tables(result: FiringResult) -> list[Table | str]:
-    """Return the recommended curve, the posterior, the shots with the mean of the standard, and all curves."""
-    found: list[Table | str] = []
+    """Return V50 in a line, whether a requirement is met, the curve, the posterior, the shots and all curves."""
+    found: list[Table | str] = [*requirement_verdict(result), *filter(None, (answer(result),))]
     if result.recommended is not None:
         found += [recommended_table(result.recommended, result.confidence), PENALISED]
         if result.recommended.v05_m_s is None:

@@ -37,6 +37,7 @@ def library_table(library: Library, kind: Kind, tested: Tested | None = None) ->
         entries,
         column_of("name", label=kind),
         *((column_of(key, "g"), lambda entry, key=key: _shown(entry, key)) for key in keys),
+        (Column("sources give", "GPa"), lambda entry: " to ".join(f"{of:g}" for of in entry.flow_stress_sources_GPa)),
         described,
     )
 

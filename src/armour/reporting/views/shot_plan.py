@@ -23,7 +23,7 @@ def tables(plan: ShotPlan) -> list[Table | str]:
     if plan.stopped and not plan.fired.complete:
         found.append("by the prior alone: no shot was fired")
     if plan.reason:
-        found.append(f"reason: {plan.reason}")
+        found.append(f"reason: {plan.reason}{outside(plan)}")
     if plan.consumers_risk is not None:
         found.append(DECISION)
         shots = plan.fired.velocities_m_s
@@ -31,19 +31,37 @@ def tables(plan: ShotPlan) -> list[Table | str]:
             found.append(ONE_SIDE)
     if plan.operating_characteristic:
         found.append(operating_table(plan))
-    if plan.prior is not None and plan.posterior is not None:
-        found += [
-            prior_table(plan.prior, plan.posterior, plan.confidence),
-            error_note(plan, plan.model_error),
-            scatter_note(plan) if plan.earlier else SCATTER_ASSUMED,
-        ]
-        if plan.fired.complete and plan.prior_share is not None and not plan.contradicts_prior:
-            found.append(share_note(plan.prior_share))
-            if len(set(plan.fired.complete)) == 2:
-                found.append(REPORT)
+    by_model = plan.model_error is not None
+    found += [
+        prior_table(plan.prior, plan.posterior, plan.confidence),
+        error_note(plan, plan.model_error)
+        if by_model
+        else f"prior of V50: {plan.expected_from}, with a probability of 95 %",
+        scatter_note(plan) if plan.earlier else SCATTER_ASSUMED,
+    ]
+    if plan.fired.complete and not plan.contradicts_prior:
+        found.append(share_note(plan.prior_share))
+        if len(set(plan.fired.complete)) == 2 and by_model:
+            found.append(REPORT)
     if plan.fired.complete:
         found.append(_shot_table(plan))
     return found
+
+
+def outside(plan: ShotPlan) -> str:
+    """Return why the next velocity is beyond those of all shots, if it is."""
+    shots, velocity = plan.fired, plan.next_velocity_m_s
+    if (
+        velocity is None
+        or len(set(shots.complete)) < 2
+        or min(shots.velocities_m_s) <= velocity <= max(shots.velocities_m_s)
+    ):
+        return ""
+    side, result = ("faster", "partial") if velocity > max(shots.velocities_m_s) else ("slower", "complete")
+    return (
+        f"; {side} than every shot so far, because the results overlap, so that the scatter may be large, and near V50 "
+        f"either result is likely: here a {result} penetration would move V50 far"
+    )
 
 
 def _plan_table(plan: ShotPlan) -> Table:
@@ -114,7 +132,7 @@ def _risk(risk: float | None) -> str:
 
 
 def _ratio(ratio: float | None, risk: float | None) -> str:
-    return "" if ratio is None or risk is None else f"{min(ratio, 9999.0):.3g} of {1.0 / risk:.3g}"
+    return "" if ratio is None or risk is None else f"{min(ratio, 9999.0):.2g} of {1.0 / risk:.3g}"
 
 
 def operating_table(plan: ShotPlan) -> Table:
@@ -181,7 +199,13 @@ def chart(plan: ShotPlan) -> charts.Chart:
     if plan.curve and plan.posterior:
         label = "by the posterior" if fired else "by the prior"
         curve.append(charts.Line(x, plan.curve.probability, label=label))
-        prior = charts.Line(x, plan.curve.prior, "--", label="prior, the model with its error", colour="purple")
+        prior = charts.Line(
+            x,
+            plan.curve.prior,
+            "--",
+            label="prior, the model with its error" if plan.model_error else "prior",
+            colour="purple",
+        )
         v50 = [prior, *[charts.Line(x, plan.curve.posterior, label="posterior, with the shots")] * fired]
         density = charts.Axis("probability density of V50", "s/m", from_zero=True)
         panels.append(charts.Panel(velocity, density, (*v50, *_rules(plan, limits, label=True))))
