@@ -31,7 +31,7 @@ def test_a_law_of_the_flow_stress_is_in_every_result():
     assert energy_balance(cases[0], one) == energy_balance(cases[1], other)
 
 
-def test_a_defeat():
+def test_a_stopped_projectile():
     result = simulate(scenario(velocity=600.0))
     assert (result.outcome, result.residual_velocity_m_s, result.plug_velocity_m_s) == ("stopped", 0.0, 0.0)
     assert 0 < result.penetration_depth_mm < 12.7

@@ -244,7 +244,7 @@ def own_evidence(entry: LibraryEntry, own: OwnTests) -> Evidence:
     seen = {name: np.append(column, own.calibrated.get(name, [])) for name, column in tested.items()}
     kind, measured = (tuple(of.containing(seen[of.name]) for of in ranges) for ranges in (kind, shipped.measured))
     if first.level is not None:
-        title = f"{words}, which are taken to scatter like {shipped.title}"
+        title = f"{words}, taken to scatter like {shipped.title}"
         around = [DataRange(name, np.inf, -np.inf).containing(tested[name]) for name in (*VARIED[:2], *IN_COMMON)]
         alike = (DataRange(x.name, x.low / ALIKE, x.high * ALIKE) for x in around[2:])
         kind = (*alike, *(limits for limits in kind if limits.name.startswith("rod_")))
