@@ -292,7 +292,7 @@ def _warnings(contents: Contents) -> Iterator[str]:
             words = contents.threats[int(of_threat[1])].threat
         elif name in INPUTS or name in NAMES.values():
             words = in_words(name) if name == warning.key else f"distribution of the {in_words(name)}"
-        yield Note(warning.text, words)
+        yield Note(warning.text, words, warning.brief)
     if error := contents.confidence.model_error:
         yield from (f"the model error is {text}" for text in extrapolation(error))
 
@@ -314,7 +314,7 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Se
     if design is not None:
         hint = ("This command makes an interactive page of all designs:",) if map_command else ()
         # The title of the map is the answer, which the report begins with.
-        chart = replace(design_view.map_chart(design), title="")
+        chart = replace(design_view.map_chart(design), title="", beside=False)
         yield Section("Map of the designs", hint, map_command, "console", charts=(chart,))
     yield Section("Assumptions and limits", notes=ASSUMPTIONS)
     entries = list(filter(None, map(answer.entry_of, ROLES)))
