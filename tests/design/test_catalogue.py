@@ -119,10 +119,14 @@ def test_nothing_on_offer():
     least = f"the lightest design that stops every threat has {lightest:.4g} mm, at most 5 mm is allowed"
     assert optimise(catalogue(thickness_max_mm=5.0)).explanation == f"design.thickness_max_mm: {least}"
     fast = [{"projectile": "7.62 mm AP", "velocity_m_s": 2500.0}]
-    for constraint in ({}, {"thickness_max_mm": 20.0}, {"confidence": 0.9}):
+    for constraint, more in (
+        ({}, "; offer thicker layers in [design] or [optimise]"),
+        ({"thickness_max_mm": 20.0}, ""),
+        ({"confidence": 0.9}, " with the probability required, where it is known; offer thicker layers"),
+    ):
         result = optimise(catalogue(fast, **constraint))
         assert result.reason == "none passes"
-        message = "no design stops 7.62 mm AP at 2500 m/s and all slower impacts; offer thicker"
+        message = f"no design stops 7.62 mm AP at 2500 m/s and all slower impacts{more}"
         assert result.explanation.startswith(message)
 
 

@@ -97,7 +97,7 @@ LAW = {"ceramic": {"law": {"based_on": "AD85", "flow_stress_backing_exponent": 0
             {"ceramic": "SiC", "backing": "Ti-6Al-4V"},
             800.0,
             [
-                "armour.ceramic: the model was compared with results of AD85, AD99.5, Al-N only",
+                "armour.ceramic: the model was compared with tests or results of the paper's program of AD85",
                 "backing.density_kg_m3: ",
                 "backing.flow_stress_GPa: ",
                 "armour.backing: the yield strength of Ti-6Al-4V is static",

@@ -107,7 +107,9 @@ def test_the_answer_is_that_of_a_plain_loop(seed: int):
     every, result = designs(of), optimise(of)
     within = [each for each in every if each.over <= 0.0 and each.allowed]
     reaching = [each for each in within if max(each.short.values()) <= 0.0]
-    single = any(max(each.short.values()) <= 0.0 and each.over <= 0.0 for each in every if not each.allowed)
+    single = not any(each.allowed for each in every) and any(
+        max(each.short.values()) <= 0.0 and each.over <= 0.0 for each in every
+    )
     asked = of.design is not None and of.design.confidence is not None
     shown = result.shown
     if reaching:

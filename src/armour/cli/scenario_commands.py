@@ -159,14 +159,17 @@ def optimise(
     The scenario may define several threats, a catalogue of materials, and a quantity other than weight to minimise.
     Where no design is known to pass, the answer is the nearest one, with what it lacks, and the exit code 1.
     """
+    from armour.reporting.views.design import verdict
+
+    if page is not None:
+        refuse(wrong_ending(page, (".html",)))
+    result = armour.optimise(scenario, on_progress=on_progress, **options)
     drawn = ""
     if page is not None:
         from armour.reporting.design_page import design_page
 
-        refuse(wrong_ending(page, (".html",)))
-        needed = accepted(changes or (), IMPACT_READS)
-        drawn = design_page(scenario, ["armour", "simulate", source], needed, on_progress)
-    result = armour.optimise(scenario, on_progress=on_progress, **options)
+        command, needed = ["armour", "simulate", source], accepted(changes or (), IMPACT_READS)
+        drawn = design_page(scenario, command, needed, on_progress, [str(line) for line in verdict(result)])
     named = None if source == "-" else result.shown
     then = "" if named is None else _check_of(scenario, named, source, changes or ())
     return Answer(result, contents={page: lambda: drawn}, then=then, exit_code=NO_ANSWER if result.reason else 0)

@@ -197,6 +197,20 @@ class Catalogue:
         rows, *_ = self.against_each(candidates, range(len(self.threats)))
         return rows.errors.ratio.times(limits_by_law(rows, limits.ravel()))
 
+    def short_m_s(self, candidates: Candidates, limits: Floats) -> Floats:
+        """Return what designs lack against each threat, m/s, given their limits by the model, (designs, threats).
+
+        It is the greater of what the limit lacks to the one required and, where a probability is bounded and known, of
+        what the velocity that is stopped with it lacks to that of the threat; at most 0 if nothing.
+        """
+        rows, required, bounds = self.against_each(candidates, range(len(self.threats)))
+        short = required - limits.ravel()
+        where = np.flatnonzero((bounds < 1.0) & rows.errors.known)
+        if len(where):
+            some = self.distributions(candidates, limits).mapped(lambda array: array[:, where])
+            short[where] = np.maximum(short[where], rows.velocities[where] - some.quantile(bounds[where]))
+        return short.reshape(limits.shape)
+
     def combinations(
         self, pair: int, ceramic_mm: Sequence[float] | Floats, backing_mm: Sequence[float] | Floats
     ) -> Candidates:

@@ -10,7 +10,7 @@ import numpy as np
 from armour.analysis.estimates import Estimate
 from armour.analysis.flow_stress import NeededFlowStress, needed_flow_stress
 from armour.analysis.results import OnProgress, TableResult, data_frame, ignore_progress
-from armour.analysis.variants import Bools, Ints, Variants
+from armour.analysis.variants import Bools, Floats, Ints, Variants
 from armour.design.candidates import candidates_of, joined
 from armour.design.catalogue import FIRST_VALUES, MARGIN, NO_BOUND, ROUNDING, Candidates, Catalogue, catalogue_of
 from armour.design.search import Requirement, Search
@@ -149,6 +149,8 @@ class Pair:
     ranked : bool
         Whether its best design is compared with that of other pairs; not one without tests if others have tests, nor
         one with a ceramic of which a single source gives the flow stress.
+    untested : bool
+        Whether no test of the ceramic on metal is known.
     """
 
     ceramic: str
@@ -157,6 +159,7 @@ class Pair:
     excess_percent: float | None
     reason: str
     ranked: bool = True
+    untested: bool = False
 
 
 @dataclass(frozen=True, repr=False)
@@ -309,6 +312,9 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
     if reason == "none passes":
         free = _unconstrained(search)
         explanation = _why_none(search, free, range(len(catalogue.offers)))
+        if (single := search.first(np.flatnonzero(catalogue.one_source[search.candidates.pair]))) is not None:
+            [design] = _designs(search, np.array([single]))
+            explanation = f"only {design.ceramic} would, of which a single source gives the flow stress"
         if (other := _first(free, free.requirement.tested(free.candidates))) is not None:
             without_limits = _best(free, other, section=catalogue.section)
         search = _nearest(search.requirement)
@@ -385,8 +391,8 @@ def _found(catalogue: Catalogue, on_progress: OnProgress) -> tuple[Search, Bools
         if (place := _first(search, tested)) is not None:
             return search, tested, place, "not known" if lenient else ""
         if lenient or not catalogue.bounded:
-            single = search.first(np.flatnonzero(catalogue.one_source[search.candidates.pair]))
-            return search, tested, None, "none passes" if single is None else "not known"
+            only = bool(catalogue.one_source.all()) and search.first(np.arange(len(search.values))) is not None
+            return search, tested, None, "not known" if only else "none passes"
         requirement = replace(requirement, catalogue=replace(catalogue, lenient=True))
 
 
@@ -412,7 +418,7 @@ def _nearest(requirement: Requirement) -> Search:
     if len(every.pair) > MOST_COMPARED:
         order = np.lexsort((-every.ceramic_mm, every.backing_mm, every.pair))
         every = every.at(order[np.unique(np.column_stack(every[::2][:2])[order], axis=0, return_index=True)[1]])
-    short = (catalogue.required_m_s(every) - requirement.lowest_limits(every)).max(axis=1)
+    short = catalogue.short_m_s(every, requirement.lowest_limits(every)).max(axis=1)
     return Search(requirement, every.at(np.lexsort((catalogue.objective(every), short))))
 
 
@@ -433,13 +439,20 @@ def _short_pairs(search: Search) -> tuple[Pair, ...]:
     offers, found = search.catalogue.offers, {}
     for place, pair in enumerate(search.candidates.pair.tolist()):
         if pair not in found:
-            [excess] = search.excess_m_s(np.array([place]))
-            threat = int(excess.argmin())
+            [short] = _short(search, np.array([place]))
+            threat = int(short.argmax())
             ceramic, backing = (column[place] for column in search.candidates[1:3])
             layers = f"{ceramic:.4g} on {backing:.4g} mm" if offers[pair].ceramic.material else f"{backing:.4g} mm"
-            words = f"{layers}: {-excess[threat]:.0f} m/s short against {search.catalogue.titles[threat]}"
-            found[pair] = Pair(offers[pair].ceramic.material, offers[pair].backing.material, None, None, words)
+            words = f"{layers}: {short[threat]:.0f} m/s short against {search.catalogue.titles[threat]}"
+            ceramic_name, backing_name = (layer.material for layer in offers[pair][:2])
+            untested = search.catalogue.untested[pair]
+            found[pair] = Pair(ceramic_name, backing_name, None, None, words, untested=untested)
     return tuple(found.values())
+
+
+def _short(search: Search, where: Ints) -> Floats:
+    """Return what designs lack against each threat, m/s, (designs, threats)."""
+    return search.catalogue.short_m_s(search.candidates.at(where), search.limits(where))
 
 
 def _why_not_known(search: Search, place: int | None) -> str:
@@ -448,11 +461,17 @@ def _why_not_known(search: Search, place: int | None) -> str:
     if place is None:
         pairs = search.candidates.pair[search.stopping]
         names = dict.fromkeys(catalogue.offers[pair].ceramic.material for pair in pairs[catalogue.one_source[pairs]])
-        return f"a single source gives the flow stress of {listed(list(names))}, so that no design of it is named best"
-    known = _rows(search, place).errors.known
-    threat = int(known.argmin())
+        return (
+            f"a single source gives the flow stress of {listed(list(names))}, so that no design of it is named best; "
+            "its entry can be given a second one, flow_stress_sources_GPa, or own tests (armour calibrate)"
+        )
+    unknown = np.flatnonzero(~_rows(search, place).errors.known).tolist()
+    # The reason is that of the governing threat, if its probability is unknown.
+    threat = min(unknown, key=search.excess_m_s(np.array([place]))[0].__getitem__)
     why = why_unknown(catalogue.scenario, _armour(search, place, threat))
-    return f"probability of stopping {catalogue.titles[threat]}: unknown, {why}"
+    titles = [catalogue.titles[each] for each in unknown]
+    of = "every threat" if len(titles) == len(catalogue.titles) > 1 else listed(titles)
+    return f"probability of stopping {of}: unknown, {why}"
 
 
 def _untested(pairs: Sequence[Pair]) -> Iterator[str]:
@@ -586,7 +605,7 @@ def _best(search: Search, place: int, *, named: bool = False, section: DesignSec
     distributions = catalogue.distributions(search.candidates.at(where), limits)
     ratio = distributions.one(governing).times(1.0 / limit)
     stopping = _of_stopping(catalogue, distributions, sampled)
-    short = (-search.excess_m_s(where)[0]).clip(min=0.0)
+    [short] = _short(search, where).clip(min=0.0)
     return BestDesign(
         **asdict(design),
         ballistic_limit_m_s=limit if searched.velocity_min_m_s < limit <= searched.velocity_max_m_s else None,
@@ -667,7 +686,7 @@ def _pairs(search: Search, best: int | None, tested: Bools) -> tuple[Pair, ...]:
             ranked = not (single or unlike)
             found, (excess, words) = _best(search, place, named=single), _excess(search, place, least, ranked=ranked)
             reason = ": ".join(filter(None, (ONE_SOURCE if single else UNTESTED if unlike else "", words)))
-        pairs.append(Pair(*names, found, excess, reason, ranked))
+        pairs.append(Pair(*names, found, excess, reason, ranked, search.catalogue.untested[index]))
     return tuple(sorted(pairs, key=_rank))
 
 
@@ -704,7 +723,8 @@ def _why_none(search: Search, unconstrained: Search, pairs: Sequence[int]) -> st
     catalogue, section = search.catalogue, search.catalogue.section
     bounded = catalogue.bounded
     threats = catalogue.titles[0] if len(catalogue.titles) == 1 else "every threat"
-    surely = " with the probability required" if bounded and not catalogue.lenient else ""
+    where = ", where it is known" if catalogue.lenient else ""
+    surely = f" with the probability required{where}" if bounded else ""
     first = unconstrained.first(unconstrained.of_pairs(pairs))
     if first is not None and (beyond := _beyond(section, unconstrained.candidates, first, threats + surely)):
         return beyond
@@ -729,7 +749,8 @@ def _why_none(search: Search, unconstrained: Search, pairs: Sequence[int]) -> st
     if catalogue.sampled:
         near = "" if whole else f" within {section.runners_up_percent:g} % of the best"
         return f"no design{near} keeps the probability of perforation within the bound of every threat{hint}"
-    thicker = "; offer thicker layers in [design] or [optimise]" if whole else ""
+    capped = any(getattr(section, of.bound) is not None for of in OBJECTIVES.values())
+    thicker = "; offer thicker layers in [design] or [optimise]" if whole and not capped else ""
     return f"no design stops {threats} and all slower impacts{surely}{hint}{thicker}"
 
 

@@ -316,7 +316,7 @@ def limits_outside(armours: Armours, velocities: Any) -> Iterator[Outside]:
             (OBLIQUITY, evidence.angles(), evidence.fails_angle(some.cosines), "", angle),
             _check(DataRange("velocity_m_s", low, high), {"velocity_m_s": speeds}),
             ("armour.ceramic", "no test by such a law of the flow stress", evidence.of_other_law(q), name, no_test),
-            ("armour.ceramic", f"results of {others} only", is_other, name, no_test),
+            ("armour.ceramic", f"tests or results of the paper's program of {others} only", is_other, name, no_test),
             ("armour.ceramic", evidence.title, ~is_other & (not evidence.fits) & shipped, name, no_test),
         ]
         for limits in evidence.compared:

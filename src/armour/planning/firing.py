@@ -413,7 +413,7 @@ def plan_shots(
         fired=fired,
         simulated=len(fired.complete) - len(given_shots.complete),
         next_velocity_m_s=None if aim is None else aimed(aim.velocity_m_s),
-        reason="" if aim is None else aim.why,
+        reason="" if aim is None else aim.why + _outside(aim.velocity_m_s, fired),
         stopped=ended,
         expected_shots=more,
         expected_shots_90=sooner if confidence > SOONER else None,
@@ -452,6 +452,19 @@ def plan_shots(
             *before_shots.warnings,
         ),
     ).of(scenario.subject(ANY_VELOCITY) if scenario else f"V50 of {fired.file}", scenario=scenario)
+
+
+def _outside(velocity_m_s: float, fired: Shots) -> str:
+    """Return why a velocity is beyond those of all shots, if it is and there are shots of both kinds."""
+    partial, complete = fired.of(complete=False), fired.of(complete=True)
+    velocities = sorted(fired.velocities_m_s)
+    if not partial or not complete or velocities[0] <= velocity_m_s <= velocities[-1]:
+        return ""
+    side, result = ("faster", "partial") if velocity_m_s > velocities[-1] else ("slower", "complete")
+    why = "so few shots leave it open whether V50 lies beyond them"
+    if partial[-1] > complete[0]:
+        why = "the results overlap, so that the scatter may be large, and near V50 either result is likely"
+    return f"; {side} than every shot so far, because {why}: here a {result} penetration would move V50 far"
 
 
 def _curve(prior: Posterior, posterior: Posterior, fired: Shots) -> PlanCurve:
@@ -560,7 +573,7 @@ def far_from(limit_m_s: float, velocity_m_s: float) -> str:
     """Return why a velocity is so far from the model's limit that its unit must be wrong; "" if it is not."""
     if limit_m_s / ABSURD_FACTOR <= velocity_m_s <= limit_m_s * ABSURD_FACTOR:
         return ""
-    near = f"must be near the model's limit, {limit_m_s:.0f} m/s: a third to three times it"
+    near = f"must be near the V50 expected, {limit_m_s:.0f} m/s: a third to three times it"
     return f"{near}, found {velocity_m_s:g}; is it in m/s?"
 
 

@@ -33,7 +33,11 @@ FREE_NODES = (61, 41, 25, 13)
 
 
 def design_page(
-    scenario: Scenario, command: Sequence[str], changes: Iterable[str] = (), on_progress: OnProgress = ignore_progress
+    scenario: Scenario,
+    command: Sequence[str],
+    changes: Iterable[str] = (),
+    on_progress: OnProgress = ignore_progress,
+    answer: Sequence[str] = (),
 ) -> str:
     """Return the page of the designs of a scenario.
 
@@ -46,6 +50,8 @@ def design_page(
         Changes of the scenario that the command needs, such as "ceramic.flow_stress_GPa=5".
     on_progress : callable, optional
         Called with impacts.
+    answer : sequence of str
+        What `armour optimise` says where it names no best design, such as the flow stress that it takes.
 
     Raises
     ------
@@ -56,6 +62,7 @@ def design_page(
     data = {
         **_question(catalogue),
         "pairs": _pairs(catalogue, on_progress),
+        "answer": list(answer),
         "command": list(command),
         "changes": list(changes),
     }

@@ -94,7 +94,8 @@ def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *
         on_progress(done, None)
 
     design = optimise(scenario, on_progress=on_part) if asks_for_design(scenario) and not as_is else None
-    shown = None if design is None else design.shown
+    # Where no design is named, the report is on the best one of a pair that is not ranked.
+    shown = None if design is None else design.shown or next((pair.best for pair in design.pairs if pair.best), None)
     armour = scenario if shown is None else scenario.replaced(shown.changes_to(scenario))
     checked = check(armour, on_progress=on_part)
     faced = [armour.against(threat) for threat in armour.threats()]
@@ -107,7 +108,7 @@ def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *
             sampled.append(threats[place].threat)
     worst = min(range(len(threats)), key=lambda place: check_view.standing(threats[place]))
     answer = faced[worst]
-    if design is not None and shown is not None:
+    if design is not None and shown is not None and design.shown is not None:
         probabilities = {found.threat: found.probability_of_stopping for found in threats}
         shown = replace(shown, probabilities_of_stopping=probabilities)
         named = replace(design, nearest=shown) if design.reason else replace(design, best=shown)

@@ -417,7 +417,7 @@ def check_shots(shots: Shots, *, one_kind: bool = False) -> None:
     elif not one_kind and len(set(shots.complete)) != 2:
         found = f"only {'complete' if shots.complete[0] else 'partial'} ones" if count else "none"
         message = f"must have at least one partial and one complete penetration, found {found}"
-        message += "; armour plan shots gives the next velocity" if count else ""
+        message += f"; armour plan shots {shots.file} gives the next velocity" if count else ""
     if message:
         raise mistake(shots.file, "", message)
 

@@ -347,8 +347,9 @@ def test_a_v50():
     [band] = some(panel, Band)
     [curve] = some(panel, Line)
     assert all(low <= y <= high for low, y, high in zip(band.low, curve.y, band.high, strict=True))  # type: ignore[operator]
-    assert chart.title == f"V50 {found.recommended.v50_m_s:.1f} m/s, 95 % interval not bounded"  # type: ignore[union-attr]
-    assert not any(item.x_ends for item in some(panel, Points))
+    assert chart.title == f"V50 {found.recommended.v50_m_s:.1f} m/s, 80 % interval 702.1 to 730.8 m/s"  # type: ignore[union-attr]
+    [ends] = [item.x_ends for item in some(panel, Points) if item.x_ends]
+    assert ends == (found.bounded_interval_m_s,)
 
 
 def test_the_posterior_of_a_v50_is_drawn():

@@ -101,8 +101,9 @@ def test_a_requirement_is_met_at_the_one_sided_bound():
     assert [each.decision for each in found] == ["met", "not decided", "not met"]
     assert found[0].consumers_risk == pytest.approx(0.05, abs=0.002)
     assert [(each.consumers_risk or 0.0) + (each.producers_risk or 0.0) for each in found] == pytest.approx([1.0] * 3)
-    [verdict] = v50_view.requirement_verdict(found[1])
-    assert verdict.startswith(f"not decided: {bound + 0.5:g} m/s required of V50; consumer's risk")
+    verdict, fixed = v50_view.requirement_verdict(found[1])
+    assert verdict.startswith(f"not decided: {bound + 0.5:g} m/s required of V50; accepting it now has a risk")
+    assert fixed == v50_view.FIXED
     assert v50(shots).decision == ""
 
 

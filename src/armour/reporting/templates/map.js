@@ -636,13 +636,13 @@ function drawPairs() {
 function drawCurve(slider, xs, ys, value) {
   const real = ys.filter(isFinite), picture = slider.picture, at = x => 4 + 292 * (x - xs[0]) / (xs.at(-1) - xs[0]);
   picture.replaceChildren();
-  if (!real.length) return picture.append(text(4, 28, "none", "t-soft small"));
+  if (!real.length) return picture.append(text(4, 28, current().known ? "none" : "unknown", "t-soft small"));
   const low = min(...real), high = max(...real), up = y => 34 - 14 * (high > low ? (y - low) / (high - low) : 0);
   const points = xs.map((x, n) => [at(x), up(ys[n])]).filter((_, n) => isFinite(ys[n]));
   picture.append(path(points, "frame"), text(4, points[0][1] - 5, areal(real[0]), "t-soft small"));
   const [end, top] = points.at(-1);
   if (end - at(value) > 80) picture.append(text(end, top - 5, areal(real.at(-1)), "t-soft small end"));
-  if (end < 215) picture.append(text(300, 40, "none", "t-soft small end"));
+  if (end < 215) picture.append(text(300, 40, current().known ? "none" : "unknown", "t-soft small end"));
   const pair = current(), best = lightest(pair);
   if (best === null) return;
   const x = at(value), y = up(pair.areal[best]);
@@ -763,13 +763,13 @@ async function copy(words, code, button) {
 function drawTable(pair, best, ring) {
   const rows = [[pair, best, "●", "t-blue"], [pair, ring === best ? null : ring, "○", "t-red"], ...state.pins.map((p, n) => [p.pair, p.k, n + 1, "disc", p])].filter(row => row[1] !== null);
   const from = best === null ? null : pair.areal[best];
-  const shown = k => (T > 3 ? [governing(current(), k)] : threats.map((_, t) => t));
-  const heads = ["armour", "kg/m²", ...(from === null ? [] : [`from ${areal(from)}`]), ...(T > 3 ? ["governs", "limit, m/s", "stopped"] : threats.flatMap((_, t) => [`${letter(t)}limit, m/s`, `${letter(t)}stopped`]))];
+  const shown = k => (T > 2 ? [governing(current(), k)] : threats.map((_, t) => t));
+  const heads = ["armour", "kg/m²", ...(from === null ? [] : [`from ${areal(from)}`]), ...(T > 2 ? ["governs", "limit, m/s", "stopped"] : threats.flatMap((_, t) => [`${letter(t)}limit, m/s`, `${letter(t)}stopped`]))];
   const body = html("tbody");
   for (const [of, k, sign, colour, pinned] of rows) {
     const difference = from === null ? 0 : of.areal[k] - from;
     const cells = [areal(of.areal[k]), ...(from === null ? [] : [abs(difference) < 0.05 ? "" : signed(difference)]),
-      ...shown(k).flatMap(t => [...(T > 3 ? [mark(t)] : []), String(round(of.limits[k * T + t])), chance(scored(of, k, t))])];
+      ...shown(k).flatMap(t => [...(T > 2 ? [mark(t)] : []), String(round(of.limits[k * T + t])), chance(scored(of, k, t))])];
     body.append(html("tr", {}, html("td", {}, html("span", {}, html("span", { class: colour }, sign), " ", armour(of, k))), ...cells.map((cell, i) => html("td", { "data-label": heads[i + 1] }, html("span", {}, cell)))));
     const words = command(of, k), code = html("code", {}, ...parts(words));
     const remove = pinned ? button("Remove", () => { state.pins = state.pins.filter(p => p !== pinned); draw(); }) : null;
@@ -779,6 +779,7 @@ function drawTable(pair, best, ring) {
 }
 function drawNotes(pair) {
   const said = [
+    DATA.answer.length && `As the scenario asks: ${DATA.answer.join("; ")}.`,
     pair.known && `Probabilities of ${pair.name} rest on: ${pair.source}.`,
     "Probabilities are those of one shot and of the error of the model, as the evidence gives it; they are no probability of survival.",
     `${pair.onOffer.length.toLocaleString("en")} designs of this pair are ${pair.free.some(Boolean) ? "shown" : "on offer, and exact"}; lines between them are interpolated.${pair.coarser ? " To keep the page small, they are coarser than they could be." : ""}`,

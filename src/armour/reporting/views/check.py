@@ -87,7 +87,8 @@ def outcome(result: CheckResult) -> str:
     if len(result.threats) == 1:
         return f"{verdict(result.threats[0])}: {finding(result.threats[0])}"
     if result.verdict == "passes":
-        return "passes against every threat"
+        by_model = all(threat.required_probability is None for threat in result.threats)
+        return f"passes against every threat{' by the computed limit' if by_model else ''}"
     named = {each: [of.threat for of in result.threats if of.verdict == each] for each in ("fails", "not known")}
     return "; ".join(f"{VERDICTS[each]} against {listed(names)}" for each, names in named.items() if names)
 

@@ -197,7 +197,7 @@ def pair_table(result: DesignResult) -> Table:
     table = listing(
         result.pairs,
         CERAMIC,
-        (TESTS, lambda pair: _tests(pair.best)),
+        (TESTS, _tests),
         BACKING,
         *((column, lambda pair, key=column.key: getattr(pair.best, key, None)) for column in shown),
         (Column("result", prose=True), lambda pair: pair.reason or _named(result, pair)),
@@ -226,15 +226,10 @@ def every_table(result: DesignResult) -> Table:
             *((column, lambda row, key=column.key: getattr(row[0], key)) for column in columns),
             *(
                 (
-                    Column(
-                        f"margin against {threat}" if several else MARGIN.label,
-                        "m/s",
-                        "+.0f",
-                        key=f"margin_{place}_m_s",
-                    ),
+                    Column(f"margin against {threat}" if several else MARGIN.label, "m/s", "+.0f"),
                     lambda row, threat=threat: row[1][threat],
                 )
-                for place, threat in enumerate(result.threats, start=1)
+                for threat in result.threats
             ),
             title="designs, with margins by the model" if several else "designs",
             rest="--csv FILE",
@@ -242,20 +237,22 @@ def every_table(result: DesignResult) -> Table:
     )
 
 
-def _tests(design: Design | None) -> str:
-    return "untested" if design is not None and design.untested else ""
+def _tests(of: Design | Pair) -> str:
+    return "untested" if of.untested else ""
 
 
 def _named(result: DesignResult, pair: Pair) -> str:
     """Return what the best design of a pair is that has no reason not to be best."""
-    least = OBJECTIVES[result.minimised].least
-    return least if result.best is not None else f"{least} by the computed limit" if pair.best is not None else ""
+    least, best = OBJECTIVES[result.minimised].least, pair.best
+    if best is None:
+        return ""
+    return least if result.best is not None and best.model_error is not None else f"{least} by the computed limit"
 
 
 def csv(result: DesignResult) -> str:
     """Return the Pareto front as CSV or, where none is asked for, the frontier; without one, every design."""
-    tables = ((result.pareto, pareto_table), (result.frontier, frontier_table), (result.every, every_table))
-    return next((csv_text(table(result)) for rows, table in tables if rows), "")
+    designs = result.pareto or result.frontier or result.every
+    return csv_text(pareto_table(replace(result, pareto=designs)))
 
 
 def _shown(result: DesignResult) -> BestDesign:
@@ -272,7 +269,8 @@ def tables(result: DesignResult) -> list[Table | str]:
     if best is not None:
         answer = None if scenario is None or best.model_error is not None else _answer(scenario, best)
         error = [] if result.reason == "not known" else [error_note(result, best.model_error, answer)]
-        found += [best_table(best, required), *error, *margin_notes(best)]
+        needed = [] if result.reason else _flow_stress_notes(best)
+        found += [best_table(best, required), *error, *needed, *margin_notes(best)]
     if result.refined is not None:
         objective = OBJECTIVES[result.minimised]
         if result.refined == best:
@@ -284,7 +282,7 @@ def tables(result: DesignResult) -> list[Table | str]:
     if best is not None and (len(result.threats) > 1 or best.probabilities):
         found.append(margin_table(result, required))
     verbose = result.question.get("every_row")
-    if len(result.pairs) > 1:
+    if len(result.pairs) > 1 or not all(pair.ranked for pair in result.pairs):
         found.append(pair_table(result))
         found += [note for pair in result.pairs if not pair.ranked for note in _of_one_source(pair)]
     if result.every and (verbose or result.reason):

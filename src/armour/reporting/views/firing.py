@@ -105,6 +105,10 @@ def answer(result: FiringResult) -> str:
     return "; ".join(parts)
 
 
+FIXED = (
+    "the risks hold for shots whose number did not depend on their results; armour plan shots --requirement-m-s "
+    "decides at any time, with more shots"
+)
 BOUND = "a higher complete or a lower partial would bound it"
 
 
@@ -117,10 +121,10 @@ def requirement_verdict(result: FiringResult) -> list[str]:
         return [Verdict.of(f"{result.decision}: {asked}; no curve fits the shots", good=False)]
     allowed = percent(round(1.0 - result.confidence, 12))
     risks = (
-        f"consumer's risk, of accepting now what fails it, {risk_of(result.consumers_risk)}; producer's risk, of "
-        f"rejecting what meets it, {risk_of(result.producers_risk)}; at most {allowed} decides"
+        f"accepting it now has a risk (consumer's) of {risk_of(result.consumers_risk)}, rejecting it (producer's) of "
+        f"{risk_of(result.producers_risk)}; {allowed} decides"
     )
-    return [Verdict.of(f"{result.decision}: {asked}; {risks}", good=result.decision == "met")]
+    return [Verdict.of(f"{result.decision}: {asked}; {risks}", good=result.decision == "met"), FIXED]
 
 
 def risk_of(risk: float) -> str:
@@ -175,11 +179,13 @@ def chart(result: FiringResult) -> charts.Chart:
         band = penalised_band(shots.of(complete=False), shots.of(complete=True), fit.curve, x, result.confidence)
         series.insert(0, charts.Band(x, *(edge.tolist() for edge in band)))
         notes.append(f"Band: {level} band of the curve.")
-    bounded = fit.v50_interval_m_s != (None, None)
-    ends = interval(fit.v50_interval_m_s, ".1f") + (" m/s" if bounded else "")
+    shown, own = (result.bounded_confidence, result.bounded_interval_m_s), fit is result.recommended
+    of_v50, found = (percent(shown[0]), shown[1]) if own and shown[0] is not None else (level, fit.v50_interval_m_s)
+    bounded = found is not None and found != (None, None)
+    ends = interval(found, ".1f") + (" m/s" if bounded else "")
     if low <= fit.v50_m_s <= high:
-        start, end = (edge if e is None else e for e, edge in zip(fit.v50_interval_m_s, (low, high), strict=True))
-        words = (f"V50 {fit.v50_m_s:.1f} m/s\n{level} interval {ends}",)
+        start, end = (edge if e is None else e for e, edge in zip(found or (None, None), (low, high), strict=True))
+        words = (f"V50 {fit.v50_m_s:.1f} m/s\n{of_v50} interval {ends}",)
         series.append(charts.Points([fit.v50_m_s], [0.5], x_ends=((start, end),) if bounded else (), text=words))
     if after is not None:
         name = f"posterior, V50 {after.v50_m_s:.1f} m/s"
@@ -190,13 +196,15 @@ def chart(result: FiringResult) -> charts.Chart:
     if (mean := result.mean) is not None:
         name = "mean of shots" if mean.rule == "no usual rule" else "MIL-STD-662F"
         series.append(charts.velocity_rule(name, mean.v50_m_s, "soft"))
+    if result.requirement_m_s is not None and low <= result.requirement_m_s <= high:
+        series.append(charts.velocity_rule(f"{result.decision}: required", result.requirement_m_s, "vermilion", "--"))
     if model is not None and low <= model <= high:
         series.append(charts.velocity_rule("limit by this model", model, "ink", ":"))
     elif model is not None:
         notes.append(f"The model's ballistic limit, {model:.1f} m/s, lies outside the axis.")
     velocity = charts.quantity_axis(VELOCITY, limits=(low, high))
     probability = charts.Axis("probability of complete penetration", limits=(-0.02, 1.02))
-    title = f"V50 {fit.v50_m_s:.1f} m/s, {level} interval {ends}"
+    title = f"V50 {fit.v50_m_s:.1f} m/s, {of_v50} interval {ends}"
     return charts.Chart(title, (charts.Panel(velocity, probability, tuple(series), height=1.1),), " ".join(notes))
 
 

@@ -23,7 +23,7 @@ def tables(plan: ShotPlan) -> list[Table | str]:
     if plan.stopped and not plan.fired.complete:
         found.append("by the prior alone: no shot was fired")
     if plan.reason:
-        found.append(f"reason: {plan.reason}{outside(plan)}")
+        found.append(f"reason: {plan.reason}")
     if plan.consumers_risk is not None:
         found.append(DECISION)
         shots = plan.fired.velocities_m_s
@@ -46,22 +46,6 @@ def tables(plan: ShotPlan) -> list[Table | str]:
     if plan.fired.complete:
         found.append(_shot_table(plan))
     return found
-
-
-def outside(plan: ShotPlan) -> str:
-    """Return why the next velocity is beyond those of all shots, if it is."""
-    shots, velocity = plan.fired, plan.next_velocity_m_s
-    if (
-        velocity is None
-        or len(set(shots.complete)) < 2
-        or min(shots.velocities_m_s) <= velocity <= max(shots.velocities_m_s)
-    ):
-        return ""
-    side, result = ("faster", "partial") if velocity > max(shots.velocities_m_s) else ("slower", "complete")
-    return (
-        f"; {side} than every shot so far, because the results overlap, so that the scatter may be large, and near V50 "
-        f"either result is likely: here a {result} penetration would move V50 far"
-    )
 
 
 def _plan_table(plan: ShotPlan) -> Table:
