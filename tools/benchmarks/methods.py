@@ -19,7 +19,6 @@ import numpy as np
 
 from armour.core.search import find_ballistic_limit, scan
 from armour.core.state import Outcome, Parameters
-from armour.core.stepping import default_time_step
 from armour.engine import batch
 from tests.helpers.runs import perforates, random_designs
 from tests.numerics.reference import Reference
@@ -127,7 +126,7 @@ def fine_limits(designs: tuple[Parameters, ...], limits: np.ndarray) -> np.ndarr
         middle = 0.5 * (low + high)
         perforated = np.empty(len(rows), bool)
         for i, (p, V) in enumerate(zip(designs, middle, strict=True)):
-            options = ONE._replace(time_step=default_time_step(p, V) / 20.0)
+            options = ONE._replace(time_step=p.D0 / V / 1000.0)
             perforated[i] = batch.impacts(rows[i : i + 1], V, options).outcome[0] == Outcome.PERFORATED
         high, low = np.where(perforated, middle, high), np.where(perforated, low, middle)
     return high

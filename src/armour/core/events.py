@@ -5,7 +5,7 @@ from math import inf
 
 from armour.core import equations as eq
 from armour.core.rk4 import Step, state_within
-from armour.core.roots import bracket, narrowed, next_point
+from armour.core.roots import MOST_TRIALS, bracket, narrowed, next_point
 from armour.core.stages import drive_force, medium_ahead, select_stage, shear_force
 from armour.core.state import Medium, Outcome, Parameters, Stage, State
 
@@ -25,7 +25,7 @@ class Event(IntEnum):
 # Fraction of the length at impact below which the projectile counts as used up.
 ERODED_FRACTION = 1e-3
 # Width to which an event is located, as a fraction of the step.
-EVENT_WIDTH = 1e-9
+EVENT_WIDTH = 1e-12
 
 # Event functions, one per `Event`.
 Margins = tuple[float, float, float, float, float, float, float]
@@ -73,7 +73,9 @@ def first_event(whole: Step, g: Margins, g_end: Margins, s: Stage, p: Parameters
         if g[j] < 0.0:
             return j, 0.0
         b = bracket(x, g_x[j], 0.0, g[j])
-        while abs(b.x2 - b.x1) > EVENT_WIDTH:
+        for _ in range(MOST_TRIALS):
+            if abs(b.x2 - b.x1) <= EVENT_WIDTH:
+                break
             x = next_point(b, 0.95 * EVENT_WIDTH)
             b = narrowed(b, x, functions_within(whole, x, s, p, V_arrest)[j])
         x = max(b.x1, b.x2)
@@ -97,6 +99,8 @@ def negative(g: Margins, other_than: int) -> int:
 
 def after_event(event: int, y: State, s: Stage, p: Parameters) -> tuple[State, Stage, Outcome]:
     """Return the state, stage and outcome after an event, from the state at the event."""
+    # Just past an event W, and the bulge that it makes, may be below 0 by rounding.
+    y = State(y.Z, y.L, y.V, max(y.W, 0.0), max(y.h, 0.0))
     if event == Event.ARREST or event == Event.ERODED:
         return y, s, Outcome.STOPPED
     if event == Event.MEDIUM:
@@ -108,6 +112,5 @@ def after_event(event: int, y: State, s: Stage, p: Parameters) -> tuple[State, S
     if event == Event.TOGETHER:
         y = State(y.Z, y.L, y.V, y.V, y.h)
     if event == Event.MOTION and s.moving:
-        # Removes rounding: W is 0 here, and so is the bulge of a motion that ends as it begins.
-        y = State(y.Z, y.L, y.V, 0.0, max(y.h, 0.0))
+        y = State(y.Z, y.L, y.V, 0.0, y.h)
     return y, select_stage(s.medium, y, p, s.Vs1, s.h_s), Outcome.RUNNING

@@ -10,10 +10,15 @@ from math import inf, sqrt
 from typing import NamedTuple
 
 from armour.core.bounds import may_perforate
-from armour.core.roots import bracket, narrowed, next_point
-from armour.core.run import Run, run
+from armour.core.roots import MOST_TRIALS, bracket, narrowed, next_point
+from armour.core.run import TOLERANCE, Run, run
 from armour.core.state import Outcome, Parameters
 
+# Tolerance of rough runs, the part of a limit by which they may miss it, as usual runs tell, and the width, m/s, to
+# which they narrow it.
+ROUGH, ROUGH_ERROR, ROUGH_WIDTH = 1e-4, 1e-3, 1.0
+# Energy that a projectile that stops lacks at least, as a part of its own: its sign is that of the outcome.
+SMALL = 1e-14
 # Number of velocities of a scan.
 SCAN_POINTS = 33
 # The same where the outcome is likely to change more than once.
@@ -26,6 +31,7 @@ class Solver(NamedTuple):
     V_arrest: float
     dt: float
     max_steps: int
+    tolerance: float = TOLERANCE
 
 
 class Impact(NamedTuple):
@@ -54,7 +60,7 @@ def scan(low: float, high: float, points: int = SCAN_POINTS) -> list[float]:
 
 def impact(p: Parameters, V: float, solver: Solver) -> Impact:
     """Compute the impact at a velocity, m/s."""
-    end = run(p, V, solver.dt, solver.V_arrest, solver.max_steps, None)
+    end = run(p, V, solver.dt, solver.V_arrest, solver.max_steps, None, solver.tolerance)
     perforated, resolved = end.outcome == Outcome.PERFORATED, end.outcome != Outcome.UNRESOLVED
     return Impact(V, perforated, resolved, residual_energy(end, p, V, solver.V_arrest))
 
@@ -71,12 +77,12 @@ def residual_energy(end: Run, p: Parameters, V: float, V_arrest: float) -> float
     if end.outcome == Outcome.PERFORATED:
         return max(f, 0.0)
     if end.constant_dV < 0.0:
-        return f + 2.0 * end.constant_dV * left
+        return min(f + 2.0 * end.constant_dV * left, -SMALL * V * V)
     return -V * V * max(left / (p.Hc0 + p.Hb), 1e-3)
 
 
 def first_scanned(p: Parameters, velocities: Sequence[float]) -> int:
-    """Return the highest velocity of a scan, by its place, at which the projectile lacks the energy to perforate, or 0."""
+    """Return the place of the highest velocity of a scan that lacks the energy to perforate, or 0."""
     i = 0
     while i + 1 < len(velocities) and not may_perforate(p, velocities[i + 1]):
         i += 1
@@ -88,10 +94,26 @@ def find_ballistic_limit(
 ) -> SearchResult:
     """Find the ballistic limit: the lowest change of the outcome that a scan of velocities, m/s, sees.
 
-    It is none if the lowest velocity perforates.  ``tolerance`` is the width of the final bracket, m/s; ``dt`` is that of
-    `armour.core.run.run`.  An unresolved run is both ends of the bracket.
+    It is none if the lowest velocity perforates.  ``tolerance`` is the width of the final bracket, m/s; ``dt`` is that
+    of `armour.core.run.run`.  An unresolved run is both ends of the bracket.  Rough runs find about where the limit is:
+    the usual ones start from there unless they contradict them.
     """
-    solver = Solver(V_arrest, dt, max_steps)
+    solver = Solver(V_arrest, dt, max_steps, TOLERANCE)
+    rough = scanned_limit(p, velocities, ROUGH_WIDTH, Solver(V_arrest, dt, max_steps, ROUGH))
+    runs = rough.runs
+    if rough.resolved and -inf < rough.low and rough.high < inf:
+        below = impact(p, rough.low * (1.0 - ROUGH_ERROR), solver)
+        above = impact(p, rough.high * (1.0 + ROUGH_ERROR), solver)
+        runs += 2
+        if below.resolved and above.resolved and above.perforated and not below.perforated:
+            found = narrowed_change(p, below, above, tolerance, solver)
+            return SearchResult(found.low, found.high, found.runs + runs, found.resolved)
+    found = scanned_limit(p, velocities, tolerance, solver)
+    return SearchResult(found.low, found.high, found.runs + runs, found.resolved)
+
+
+def scanned_limit(p: Parameters, velocities: Sequence[float], tolerance: float, solver: Solver) -> SearchResult:
+    """Find the ballistic limit by runs of one kind, see `find_ballistic_limit`."""
     first = first_scanned(p, velocities)
     below = Impact(-inf, False, True, 0.0)
     for i in range(first, len(velocities)):
@@ -114,7 +136,7 @@ def narrowed_change(p: Parameters, below: Impact, above: Impact, tolerance: floa
     """Narrow a change of the outcome between two impacts to a tolerance, m/s."""
     runs = 0
     b = bracket(above.V * above.V, above.f, below.V * below.V, below.f)
-    while abs(b.x2 - b.x1) > 2.0 * below.V * tolerance:
+    while abs(b.x2 - b.x1) > 2.0 * below.V * tolerance and runs < MOST_TRIALS:
         tried = impact(p, sqrt(next_point(b, 1.9 * below.V * tolerance)), solver)
         runs += 1
         if not tried.resolved:
@@ -131,7 +153,7 @@ def find_least_ceramic_thickness(
     The result brackets the negative thickness, -Hc0, m, so that its upper end perforates.  ``p.Hc0`` is not used;
     ``tolerance`` is the width of the final bracket, m.
     """
-    solver = Solver(V_arrest, dt, max_steps)
+    solver = Solver(V_arrest, dt, max_steps, TOLERANCE)
     thinnest = impact(p._replace(Hc0=thin), Vi, solver)
     if not thinnest.resolved or not thinnest.perforated:
         return SearchResult(-thin if thinnest.resolved else -inf, inf, 1, thinnest.resolved)
@@ -140,7 +162,7 @@ def find_least_ceramic_thickness(
         return SearchResult(-inf, -thick if thickest.resolved else inf, 2, thickest.resolved)
     b = bracket(-thin, thinnest.f, -thick, thickest.f)
     runs = 2
-    while abs(b.x2 - b.x1) > tolerance:
+    while abs(b.x2 - b.x1) > tolerance and runs < MOST_TRIALS:
         x = next_point(b, 0.95 * tolerance)
         tried = impact(p._replace(Hc0=-x), Vi, solver)
         runs += 1
