@@ -110,7 +110,7 @@ class InC:
         return batch.Brackets(ends[:, 0], ends[:, 1], counts[:, 0], counts[:, 1] != 0)
 
 
-def engine_and_C(rows: np.ndarray, velocities: np.ndarray, folder: Path) -> tuple[Calls, Calls]:
+def by_engine_and_c(rows: np.ndarray, velocities: np.ndarray, folder: Path) -> tuple[Calls, Calls]:
     """Return the calls that compute impacts and ballistic limits by the engine and, with a compiler, by C.
 
     The numbers of both must be equal to the last bit.
@@ -176,7 +176,7 @@ def measured() -> Methods:
         return batch.ballistic_limits(rows[part], LOW, HIGH, TOLERANCE, ONE)
 
     with TemporaryDirectory() as folder:
-        impacts, searches = engine_and_C(rows, near, Path(folder))
+        impacts, searches = by_engine_and_c(rows, near, Path(folder))
         impact_times, limit_times = in_turn(impacts, TURNS), in_turn(searches, TURNS // 4)
 
     def each(perforated: Callable[[Parameters, float], bool]) -> Callable[[], object]:
@@ -221,7 +221,7 @@ def main() -> None:
     rows = batch.packed(random_designs(COUNT))
     near = 1.05 * batch.ballistic_limits(rows, LOW, HIGH, TOLERANCE, ONE).perforated
     with TemporaryDirectory() as folder:
-        impacts, limits = engine_and_C(rows, near, Path(folder))
+        impacts, limits = by_engine_and_c(rows, near, Path(folder))
         print(f"{COUNT:,} designs: the numbers are equal to the last bit")
         for what, calls, turns in (("impact", impacts, TURNS), ("ballistic limit", limits, TURNS // 4)):
             engine, c = (1e6 * min(times) / COUNT for times in in_turn(calls, turns).values())

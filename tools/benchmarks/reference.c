@@ -7,7 +7,6 @@ static double least(double a, double b) { return b < a ? b : a; }
 static double greatest(double a, double b) { return b > a ? b : a; }
 
 /* state.py */
-
 enum { INTACT, FRAGMENTED, PLATE };
 enum { RUNNING, PERFORATED, STOPPED, UNRESOLVED };
 
@@ -19,7 +18,6 @@ typedef struct { double Z, L, V, W, h; } State;
 typedef struct { int medium; bool eroding, penetrated, moving; double Vs1, h_s; } Stage;
 
 /* equations.py */
-
 static const double CONOID = 1.0, MIN_FACTOR = 0.05, MAX_FACTOR = 20.0, THINNEST_CERAMIC = 1e-15;
 
 static double cross_section(double D0) { return M_PI * D0 * D0 / 4.0; }
@@ -66,7 +64,6 @@ static double remaining_ceramic(double Hc0, double Z, double h) { return Hc0 - Z
 static double remaining_plate(double Hb, double Hc0, double Z, double h, double h_s) { return Hb + Hc0 - Z + h - h_s; }
 
 /* stages.py */
-
 static const double THINNEST_PLATE = 1e-9;
 
 static Parameters with_intact_strength(Parameters p) {
@@ -147,7 +144,6 @@ static Stage select_stage(int medium, State y, Parameters p, double Vs1, double 
 static Stage first_stage(State y, Parameters p) { return select_stage(p.Hc0 > 0.0 ? INTACT : PLATE, y, p, y.V, 0.0); }
 
 /* rk4.py */
-
 typedef struct { double t, dt; State y, k, y_end, k_end, error; } Step;
 
 static State moved(State y, State k, double dt) {
@@ -184,9 +180,7 @@ static State state_within(State y0, State k0, State y1, State k1, double dt, dou
 }
 
 /* roots.py */
-
 static const int MOST_TRIALS = 100;
-
 typedef struct { double x1, f1, x2, f2, x3, f3; } Bracket;
 
 static Bracket bracket(double x1, double f1, double x2, double f2) { return (Bracket){x1, f1, x2, f2, x2, f2}; }
@@ -212,11 +206,8 @@ static Bracket narrowed(Bracket b, double x, double f) {
 }
 
 /* events.py */
-
 enum { MEDIUM, PROJECTILE, TARGET, MOTION, TOGETHER, ARREST, ERODED, EVENTS };
-
 static const double ERODED_FRACTION = 1e-3, EVENT_WIDTH = 1e-12;
-
 typedef struct { double of[EVENTS]; } Margins;
 
 static Margins event_functions(double t, State y, Stage s, Parameters p, double V_arrest) {
@@ -280,9 +271,7 @@ static int after_event(int event, State *y, Stage *s, Parameters p) {
 }
 
 /* run.py */
-
 static const double TOLERANCE = 4e-7, SAFETY = 0.9, LEAST_CHANGE = 0.2, GREATEST_CHANGE = 5.0, FIRST_STEP = 0.1;
-
 typedef struct { int outcome; double t; State y; long steps; double constant_dV; } Run;
 
 static double allowed_change(State error, Parameters p, double Vi, double tolerance) {
@@ -327,7 +316,6 @@ __attribute__((flatten)) static Run run(Parameters p, double Vi, double dt, doub
 }
 
 /* bounds.py */
-
 static const double ALLOWANCE = 0.01;
 
 static double least_energy_of_plate(Parameters p) {
@@ -355,9 +343,7 @@ static bool may_perforate(Parameters p, double V) {
 }
 
 /* search.py */
-
 static const double ROUGH = 1e-4, ROUGH_ERROR = 1e-3, ROUGH_WIDTH = 1.0, SMALL = 1e-14;
-
 typedef struct { double V_arrest, dt; long max_steps; double tolerance; } Solver;
 typedef struct { double V; bool perforated, resolved; double f; } Impact;
 typedef struct { double low, high; long runs; bool resolved; } SearchResult;
@@ -431,7 +417,6 @@ static SearchResult find_ballistic_limit(Parameters p, const double *velocities,
 }
 
 /* kernels.py, of n rows */
-
 void impacts(const Parameters *rows, const double *velocities, long n, double V_arrest, double dt, long max_steps,
              long (*counts)[2], double (*ends)[6]) {
     for (long i = 0; i < n; i++) {
