@@ -59,8 +59,8 @@ def test_a_plate_that_reaches_the_projectiles_velocity_is_carried():
 def located(y: State, s: Stage, p: Parameters, dt: float, V_arrest: float = 1.0) -> tuple[int, float, State]:
     """The earliest event of a step, the fraction at which it happens, and the state there."""
     whole = step(0.0, y, rates(y, s, p), s, p, dt)
-    ends = (event_functions(t, of, s, p, V_arrest) for t, of in ((0.0, y), (dt, whole.y_end)))
-    event, x = first_event(whole, *ends, s, p, V_arrest)
+    g, g_end = event_functions(0.0, y, s, p, V_arrest), event_functions(dt, whole.y_end, s, p, V_arrest)
+    event, x = first_event(whole, g, g_end, s, p, V_arrest)
     return event, x, state_within(y, whole.k, whole.y_end, whole.k_end, dt, x)
 
 

@@ -61,3 +61,8 @@ def test_the_state_within_a_step_is_that_of_the_cubic_through_its_ends():
     for x in (0.0, 0.25, 0.6, 1.0):
         found = state_within(at(0.0), slope(0.0), at(1.0), slope(1.0), 0.1, x)
         assert tuple(found) == pytest.approx(tuple(at(x)), rel=1e-12)
+
+
+def test_what_does_not_change_in_a_step_stays_to_the_last_bit():
+    y, still = State(0.0011711989959665348, 0.099609375, 0.99999999994636, 0.7, 0.1), State(0.0, 0.0, 0.0, 0.0, 0.0)
+    assert all(state_within(y, still, y, still, 1e-6, i / 97) == y for i in range(98))

@@ -170,12 +170,12 @@ static Step step(double t, State y, State k, Stage s, Parameters p, double dt) {
 }
 
 static State state_within(State y0, State k0, State y1, State k1, double dt, double x) {
-    double b1 = x * x * (3.0 - 2.0 * x), b0 = 1.0 - b1;
+    double b1 = x * x * (3.0 - 2.0 * x);
     double c0 = dt * x * (1.0 - x) * (1.0 - x), c1 = -dt * x * x * (1.0 - x);
     return (State){
-        b0 * y0.Z + b1 * y1.Z + c0 * k0.Z + c1 * k1.Z, b0 * y0.L + b1 * y1.L + c0 * k0.L + c1 * k1.L,
-        b0 * y0.V + b1 * y1.V + c0 * k0.V + c1 * k1.V, b0 * y0.W + b1 * y1.W + c0 * k0.W + c1 * k1.W,
-        b0 * y0.h + b1 * y1.h + c0 * k0.h + c1 * k1.h,
+        y0.Z + b1 * (y1.Z - y0.Z) + c0 * k0.Z + c1 * k1.Z, y0.L + b1 * (y1.L - y0.L) + c0 * k0.L + c1 * k1.L,
+        y0.V + b1 * (y1.V - y0.V) + c0 * k0.V + c1 * k1.V, y0.W + b1 * (y1.W - y0.W) + c0 * k0.W + c1 * k1.W,
+        y0.h + b1 * (y1.h - y0.h) + c0 * k0.h + c1 * k1.h,
     };
 }
 
