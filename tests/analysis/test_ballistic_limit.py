@@ -32,7 +32,7 @@ CHANGES = {
 def test_all_changes_of_the_outcome_are_found(name: str):
     of = changing_designs()[name]
     result = ballistic_limit(of)
-    assert [c.bracket_m_s[1] for c in result.crossings] == pytest.approx(CHANGES[name], abs=0.01)
+    assert [c.bracket_m_s[1] for c in result.crossings] == pytest.approx(CHANGES[name], rel=1e-4)
     assert [c.above for c in result.crossings] == (["perforated", "stopped"] * 3)[: len(result.crossings)]
     assert [result.ballistic_limit_m_s] == ballistic_limits(variants_of(of, {}, 1)).tolist()
     assert result.ballistic_limit_m_s == result.crossings[0].bracket_m_s[1]

@@ -2,8 +2,7 @@ from itertools import pairwise
 
 import pytest
 
-from armour.analysis.impact import energy_balance, simulate, time_step
-from armour.core import stepping
+from armour.analysis.impact import energy_balance, simulate
 from armour.errors import InputError
 from tests.helpers.cases import scenario
 
@@ -60,13 +59,12 @@ def test_dwell_shows_as_ii_2():
     assert result.stages[0].stage == "ii.2"
 
 
-def test_a_time_step_given_is_taken_unless_it_is_too_coarse():
-    case = scenario(solver={"time_step_us": 0.25})
-    a = case.core_armour()
-    assert time_step(case, a, 800.0) == pytest.approx(0.25e-6)
-    coarse = scenario(solver={"time_step_us": 1000.0})
-    assert time_step(coarse, a, 800.0) == stepping.default_time_step(a, 800.0)
-    assert simulate(coarse) == simulate(scenario())
+def test_a_time_step_given_is_taken():
+    found, usual = simulate(scenario(solver={"time_step_us": 0.25})), simulate(scenario())
+    assert (found.time_step_us, usual.time_step_us) == (0.25, None)
+    assert found.residual_velocity_m_s == pytest.approx(usual.residual_velocity_m_s, abs=0.01)
+    coarse = simulate(scenario(solver={"time_step_us": 2.0}))
+    assert abs(coarse.residual_velocity_m_s - usual.residual_velocity_m_s) > 1e-4
 
 
 def test_a_run_that_does_not_end_names_the_time_step_given(monkeypatch: pytest.MonkeyPatch):

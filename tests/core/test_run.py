@@ -5,11 +5,10 @@ from itertools import pairwise
 import pytest
 
 from armour.core.equations import crack_velocity, intact_strength
-from armour.core.run import Instant, run
-from armour.core.state import Medium, Outcome
-from armour.core.stepping import default_time_step
+from armour.core.run import SAFETY, TOLERANCE, Instant, allowed_change, run
+from armour.core.state import Medium, Outcome, State
 from tests.helpers.cases import armour
-from tests.helpers.runs import path, random_designs, traced
+from tests.helpers.runs import crossing_time, path, random_designs, traced
 
 
 def test_the_events_of_the_wilkins_case():
@@ -19,12 +18,12 @@ def test_the_events_of_the_wilkins_case():
     changes = [(b, c) for b, c in pairwise(trace) if b.s != c.s]
     assert all(before.t == after.t for before, after in changes)
     cracked, stopped, entered, together = (after for _, after in changes)
-    assert cracked.y.Z + crack_velocity(p.Ec, p.rho_c) * cracked.t == pytest.approx(p.Hc0, rel=1e-13)
+    assert cracked.y.Z + crack_velocity(p.Ec, p.rho_c) * cracked.t == pytest.approx(p.Hc0, rel=1e-8)
     assert stopped.y.W == 0.0
-    assert pytest.approx(p.Hc0, rel=1e-13) == entered.y.Z
+    assert pytest.approx(p.Hc0, rel=1e-8) == entered.y.Z
     assert together.y.W == together.y.V
     assert end.outcome == Outcome.PERFORATED
-    assert pytest.approx(p.Hc0 + p.Hb, rel=1e-13) == end.y.Z
+    assert pytest.approx(p.Hc0 + p.Hb, rel=1e-8) == end.y.Z
 
 
 def test_a_law_of_the_flow_stress_is_the_flow_stress_that_it_gives():
@@ -61,13 +60,6 @@ def test_a_velocity_below_the_arrest_velocity_is_stopped_at_once():
     assert (end.outcome, end.t, end.steps) == (Outcome.STOPPED, 0.0, 0)
 
 
-def test_a_step_that_would_only_add_rounding_is_lengthened():
-    p = armour()
-    shortest = run(p, 800.0, 1e-30, 1.0, 100_000)
-    usual = run(p, 800.0, default_time_step(p, 800.0) / 8.0, 1.0, 1000)
-    assert shortest.y == pytest.approx(usual.y, rel=1e-7)
-
-
 def test_a_projectile_can_erode_away():
     """A soft projectile dwells on a hard plate."""
     p = armour(ceramic=None, ceramic_mm=0.0)._replace(Yp=1e7, YB=50e9, tau=1e12)
@@ -88,38 +80,41 @@ def test_a_hard_plate_is_carried_by_an_eroding_projectile():
 
 def test_an_unresolved_run_returns_the_state_reached():
     p = armour()
-    dt = default_time_step(p, 800.0)
     trace: list[Instant] = []
-    end = run(p, 800.0, dt, 1.0, 3, trace)
+    end = run(p, 800.0, 1e-7, 1.0, 3, trace)
     assert (end.outcome, end.steps) == (Outcome.UNRESOLVED, 3)
     assert (end.t, end.y) == (trace[-1].t, trace[-1].y)
-    assert 0.0 < end.t <= 3 * dt
+    assert end.t == pytest.approx(3e-7)
 
 
-def test_the_instants_are_on_the_grid_of_a_short_time_step():
-    """A step that an event divides is completed in the new stage; the last stage is one step."""
+def test_given_steps_have_their_length_and_are_divided_at_events_only():
     p, dt = armour(), 0.1e-6
     _, trace = traced(p, 800.0, dt)
-    last = next(instant.t for instant in trace if instant.s == trace[-1].s)
     changes = {after.t for before, after in pairwise(trace) if before.s != after.s}
-    on_grid = [instant.t / dt for instant in trace if instant.t < last and instant.t not in changes]
+    on_grid = [instant.t / dt for instant in trace if instant.t not in changes and instant is not trace[-1]]
     assert len(on_grid) > 100
     assert all(abs(t - round(t)) < 1e-6 for t in on_grid)
 
 
-def test_a_rough_run_ends_nearly_as_a_usual_one_in_fewer_steps():
+@pytest.mark.parametrize("part", [0.0, 0.02])
+def test_the_bulge_and_the_velocity_of_the_plate_are_never_below_0(part: float):
+    for p in random_designs(40):
+        for velocity in (400.0, 900.0):
+            _, trace = traced(p, velocity, part * crossing_time(p, velocity))
+            assert min(min(instant.y.W, instant.y.h) for instant in trace) >= 0.0
+
+
+def test_a_smaller_tolerance_moves_an_impact_little():
     for p in random_designs(60):
-        dt = default_time_step(p, 1000.0)
-        usual, rough = run(p, 1000.0, dt, 1.0, 1000), run(p, 1000.0, dt, 1.0, 1000, None, True)
-        assert rough.outcome == usual.outcome
-        assert pytest.approx(usual.y.V, abs=1.0) == rough.y.V
-        assert pytest.approx(usual.y.Z, rel=0.01) == rough.y.Z
-        assert rough.steps < 0.9 * usual.steps
+        usual, fine = (run(p, 1000.0, 0.0, 1.0, 10_000, None, of) for of in (TOLERANCE, 1e-3 * TOLERANCE))
+        assert usual.outcome == fine.outcome
+        assert pytest.approx(fine.y.V, abs=0.02) == usual.y.V
+        assert pytest.approx(fine.y.Z, rel=1e-5) == usual.y.Z
+        assert usual.steps < 150
 
 
-def test_a_motion_that_comes_and_goes_within_a_step_is_seen():
-    """The plate comes to rest for 0.4 us, in steps of the default length and in short ones."""
-    p = armour()._replace(
-        Hc0=7.3e-3, Hb=3.025e-3, rho_c=3420.0, Ec=300e9, Yc0=8e9, YB=1.587e9, tau=411.6e6, shear_law=0
-    )
-    assert path(traced(p, 487.46)[1]) == path(traced(p, 487.46, 2e-8)[1])
+def test_rates_that_do_not_exist_past_an_event_shorten_the_step():
+    p = armour()
+    nowhere = State(float("nan"), 0.0, 0.0, 0.0, 0.0)
+    assert allowed_change(nowhere, p, 800.0, TOLERANCE) < SAFETY
+    assert allowed_change(State(0.0, 0.0, 0.0, 0.0, 0.0), p, 800.0, TOLERANCE) > 1.0

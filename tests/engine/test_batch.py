@@ -9,7 +9,6 @@ import pytest
 from armour.core.run import run
 from armour.core.search import find_ballistic_limit, find_least_ceramic_thickness, scan
 from armour.core.state import Outcome, Parameters
-from armour.core.stepping import time_step
 from armour.engine import batch
 from tests.helpers.runs import random_designs
 
@@ -41,7 +40,7 @@ def velocities() -> batch.Floats:
 def test_impacts_are_those_of_plain_python(rows: batch.Floats, velocities: batch.Floats):
     found = batch.impacts(rows, velocities)
     for i, (p, V) in enumerate(zip(designs(), velocities.tolist(), strict=True)):
-        end = run(p, V, time_step(p, V, 0.0), 1.0, 500_000)
+        end = run(p, V, 0.0, 1.0, 500_000)
         assert tuple(column[i] for column in found) == (end.outcome, end.t, *end.y, end.steps)
 
 

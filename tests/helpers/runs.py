@@ -8,20 +8,24 @@ import numpy as np
 
 from armour.core.run import Instant, Run, run
 from armour.core.state import Outcome, Parameters
-from armour.core.stepping import default_time_step
 from tests.helpers.cases import armour
 
 
-def traced(p: Parameters, velocity: float, dt: float | None = None) -> tuple[Run, list[Instant]]:
+def traced(p: Parameters, velocity: float, dt: float = 0.0) -> tuple[Run, list[Instant]]:
     """A run with all its instants."""
     trace: list[Instant] = []
-    step = default_time_step(p, velocity) if dt is None else dt
-    return run(p, velocity, step, 1.0, 200_000, trace), trace
+    return run(p, velocity, dt, 1.0, 200_000, trace), trace
 
 
-def perforates(p: Parameters, velocity: float, part: float = 1.0) -> bool:
-    """Whether an impact perforates, by plain Python with a part of the default time step."""
-    return run(p, velocity, part * default_time_step(p, velocity), 1.0, 5_000_000).outcome == Outcome.PERFORATED
+def crossing_time(p: Parameters, velocity: float) -> float:
+    """The time in which the projectile crosses its diameter, or the armour if that is thinner, s."""
+    return min(p.D0, p.Hc0 + p.Hb) / velocity
+
+
+def perforates(p: Parameters, velocity: float, part: float = 0.0) -> bool:
+    """Whether an impact perforates, by plain Python, with steps of a part of `crossing_time` unless it is 0."""
+    dt = part * crossing_time(p, velocity)
+    return run(p, velocity, dt, 1.0, 5_000_000).outcome == Outcome.PERFORATED
 
 
 def path(trace: list[Instant]) -> list[str]:

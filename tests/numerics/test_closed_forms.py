@@ -10,16 +10,15 @@ from armour.core.equations import cross_section, projectile_pressure, target_pre
 from armour.core.run import Instant
 from armour.core.stages import front_velocity, interface_force, medium_ahead, rates, shear_force
 from armour.core.state import Medium, Parameters, Stage
-from armour.core.stepping import LONGEST_RESPONSE
 from tests.helpers.cases import armour
 from tests.helpers.runs import STAGE_PATHS, traced
 
-# Error of a method of fourth order with the default step.
-METHOD = LONGEST_RESPONSE**4
+# Error of some tens of steps with the usual tolerance.
+METHOD = 1e-5
 
 
 def instants(
-    p: Parameters, velocity: float, holds: Callable[[Stage], bool], dt: float | None = None, least: int = 4
+    p: Parameters, velocity: float, holds: Callable[[Stage], bool], dt: float = 0.0, least: int = 4
 ) -> list[Instant]:
     """The instants, at least some, of the first stage of a run for which a condition holds."""
     found: list[Instant] = []
@@ -90,10 +89,9 @@ def test_constants_of_the_motion(name: str):
 def test_the_drift_of_constants_is_of_fourth_order(name: str):
     parameters, velocity, holds, constant = CASES[name]
     p = parameters()
-    steps = (0.4e-6, 0.2e-6, 0.1e-6)
-    coarse, middle, fine = (drift(constant(p, instants(p, velocity, holds, dt))) for dt in steps)
-    assert coarse / middle == pytest.approx(16, rel=0.3)
-    assert middle / fine == pytest.approx(16, rel=0.3)
+    steps = (0.4e-6, 0.1e-6)
+    coarse, fine = (drift(constant(p, instants(p, velocity, holds, dt))) for dt in steps)
+    assert coarse / fine == pytest.approx(256, rel=0.5)
 
 
 def test_a_carried_plate_slows_evenly_to_rounding():

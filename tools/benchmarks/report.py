@@ -63,7 +63,8 @@ Ratios are those to the engine.
 {_agreement(method)}
 
 *Plain Python* runs the same functions without compiling them. The engine's ballistic limits
-differ by at most {method.error_m_s:.1g} m/s from those with steps 20 times shorter. [Steps](design.md#steps-and-events)
+differ by at most {method.error_m_s:.1g} m/s from those with steps of a thousandth of the time in which the projectile
+crosses its diameter. [Steps](design.md#steps-and-events)
 and [searches](design.md#searches) are described under Design.
 
 `solve_ivp` of scipy has the loosest settings by which its limits are within {ALLOWED:g} m/s: {_settings(method)}.
@@ -140,17 +141,14 @@ def _settings(method: Methods) -> str:
 
 
 def _agreement(method: Methods) -> str:
-    """Say how near the numbers of the reference in C are to the engine's."""
-    if method.difference is None:
+    """Compare the engine with the reference in C."""
+    if "C" not in method.impacts:
         return "No C compiler was found for the comparison with C."
     impact, limit = (1.0 / times["C"].ratio for times in (method.impacts, method.limits))
-    numbers = "to the last bit" if method.difference == 0.0 else f"to {method.difference:.0g}, relatively"
-    other = abs(method.runs_in_C - method.runs) > 0.05
-    runs = f"; C finds a limit in {method.runs_in_C:.1f} impacts, by another version of the search" if other else ""
     return f"""The engine takes {impact:.2f} times as long as C for an impact, and {limit:.2f} times for a limit.
 *C* is `tools/benchmarks/reference.c`: the same equations, steps, events and search, written by hand and
 compiled by `cc {" ".join(methods.FLAGS)}`, which allows what the engine's compiler may do. Both give the same numbers
-{numbers}: outcomes, durations, final states and brackets of the limits{runs}."""
+to the last bit: outcomes, steps, durations, final states and brackets of the limits."""
 
 
 def _beyond(command: Commands, dask: Cluster) -> str:

@@ -34,7 +34,7 @@ os.environ |= {"NUMBA_DISABLE_JIT": "1", "CI": "1"}
 
 ROOT = Path(__file__).resolve().parents[2]
 CORE = ROOT / "src" / "armour" / "core"
-FILES = ("equations.py", "rk4.py", "stages.py", "stepping.py", "bounds.py", "events.py", "run.py", "search.py")
+FILES = ("equations.py", "rk4.py", "stages.py", "roots.py", "bounds.py", "events.py", "run.py", "search.py")
 TESTS = (
     "tests/core",
     "tests/analysis/test_history.py",

@@ -97,11 +97,7 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
     """Compute the ballistic limit of a scenario's armour: the lowest change of the outcome that a scan finds.
 
     The scan has 33 velocities, evenly spaced on a logarithmic scale, or 1,025 if the armour is far from all tests that
-    the model was compared with.  Those at which the projectile lacks the energy to perforate are not computed, nor is
-    every other of the 33 while the projectile stops within 60 % of the armour, and deeper the faster it is.  Between
-    two scanned velocities, changes of the outcome are searched for at a maximum of the penetration depth of stopped
-    projectiles, at a minimum of the residual velocity, and where projectiles come to rest at one and are eroded away at
-    the next.
+    the model was compared with.  Those at which the projectile lacks the energy to perforate are not computed.
 
     Parameters
     ----------
@@ -179,19 +175,22 @@ def find_crossings(scenario: Scenario, points: int, on_progress: OnProgress) -> 
         if not last.resolved:
             raise unresolved_error(scenario, velocity)
 
-    before, start = search.first_impacts(armour, velocities, solver)
-    count(1, start, start.V)
-    lowest_perforates = start.perforated
-    while True:
-        change = search.next_change(armour, before, start, velocities, solver)
-        count(change.runs, change.above, change.above.V)
-        if change.above.perforated == start.perforated:
-            return tuple(crossings), runs, lowest_perforates
-        found = search.narrowed(armour, change, section.tolerance_m_s, solver)
-        count(found.runs, found, found.high)
-        crossings.append(Crossing((found.low, found.high), "perforated" if change.above.perforated else "stopped"))
-        before = start = search.impact(armour, found.high, solver)
-        count(1, start, start.V)
+    first = search.first_scanned(armour, velocities)
+    last = search.impact(armour, velocities[first], solver)
+    count(1, last, last.V)
+    lowest_perforates = last.perforated
+    for velocity in velocities[first + 1 :]:
+        tried = search.impact(armour, velocity, solver)
+        count(1, tried, velocity)
+        if tried.perforated != last.perforated:
+            found = search.narrowed_change(armour, last, tried, section.tolerance_m_s, solver)
+            if not crossings and tried.perforated:
+                # The limit is the engine's, to the last bit.
+                found = search.find_ballistic_limit(armour, velocities, section.tolerance_m_s, *solver[:3])
+            count(found.runs, found, found.high)
+            crossings.append(Crossing((found.low, found.high), "perforated" if tried.perforated else "stopped"))
+        last = tried
+    return tuple(crossings), runs, lowest_perforates
 
 
 def residual_velocity_curve(

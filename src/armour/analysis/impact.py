@@ -3,10 +3,11 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from math import inf
 from typing import TYPE_CHECKING, Any, Literal
 
 from armour.analysis.results import TableResult, by_column
-from armour.core import stages, stepping
+from armour.core import stages
 from armour.core.equations import cross_section
 from armour.core.rk4 import state_within
 from armour.core.run import Instant, Run, run
@@ -20,8 +21,8 @@ from armour.units import MM, US, G
 if TYPE_CHECKING:
     from armour.analysis.history import History
 
-# Least number of instants of a history per default time step.
-INSTANTS_PER_STEP = 4.0
+# Least number of instants of a history.
+INSTANTS = 100
 
 
 @dataclass(frozen=True)
@@ -71,10 +72,8 @@ class ImpactResult(TableResult):
         Time from impact to perforation or arrest, µs.
     areal_density_kg_m2 : float
         Areal density of the armour, kg/m².
-    time_step_us : float
-        Longest time step, µs: the scenario's, at most the default, or the default, which is the characteristic time of
-        the impact.  A step is shorter where the motion responds faster, and longer where the deceleration is constant
-        or the velocity falls as the inverse of time.
+    time_step_us : float or None
+        Time step, µs, if the scenario gives one; None where the estimated error chooses each step.
     stages : tuple of StageRecord
         Stages of the impact, in order.
     warnings : tuple of str
@@ -93,7 +92,7 @@ class ImpactResult(TableResult):
     plug_velocity_m_s: float
     duration_us: float
     areal_density_kg_m2: float
-    time_step_us: float
+    time_step_us: float | None
     stages: tuple[StageRecord, ...]
     warnings: tuple[str, ...]
     history: "History | None" = None
@@ -144,8 +143,7 @@ def impact_at(scenario: Scenario, velocity: float, *, history: bool = False) -> 
         # Imported here because a simulation without a history does not need numpy.
         from armour.analysis.history import history_of
 
-        usual = stepping.default_time_step(armour, velocity) / INSTANTS_PER_STEP
-        recorded = history_of(trace, armour, min(scenario.solver.time_step or usual, usual))
+        recorded = history_of(trace, armour, min(scenario.solver.time_step or inf, end.t / INSTANTS))
     perforated = end.outcome == Outcome.PERFORATED
     return ImpactResult(
         outcome="perforated" if perforated else "stopped",
@@ -158,7 +156,7 @@ def impact_at(scenario: Scenario, velocity: float, *, history: bool = False) -> 
         plug_velocity_m_s=end.y.W if perforated else 0.0,
         duration_us=end.t / US,
         areal_density_kg_m2=scenario.areal_density_kg_m2(),
-        time_step_us=time_step(scenario, armour, velocity) / US,
+        time_step_us=scenario.solver.time_step_us,
         stages=stage_records(trace, armour),
         warnings=scenario_warnings(scenario, velocity),
         history=recorded,
@@ -167,8 +165,8 @@ def impact_at(scenario: Scenario, velocity: float, *, history: bool = False) -> 
 
 def run_impact(scenario: Scenario, armour: Parameters, velocity: float, trace: list[Instant] | None = None) -> Run:
     """Run the core with the settings of a scenario; the instants of the run are appended to the trace."""
-    dt = time_step(scenario, armour, velocity)
-    end = run(armour, velocity, dt, scenario.solver.arrest_velocity_m_s, scenario.solver.max_steps, trace)
+    solver = scenario.solver
+    end = run(armour, velocity, solver.time_step, solver.arrest_velocity_m_s, solver.max_steps, trace)
     if end.outcome == Outcome.UNRESOLVED:
         raise unresolved_error(scenario, velocity)
     return end
@@ -184,11 +182,6 @@ def unresolved_error(scenario: Scenario, velocity: float) -> InputError:
         found += "" if key in solver.model_fields_set else ", the default"
     message = f"must let the run at {velocity:g} m/s end within {solver.max_steps} steps, found {found}; {advice}"
     return mistake(scenario.file, f"solver.{key}", message)
-
-
-def time_step(scenario: Scenario, armour: Parameters, velocity: float) -> float:
-    """Return the time step of an impact, s: the scenario's, within limits, or the default."""
-    return stepping.time_step(armour, velocity, scenario.solver.time_step)
 
 
 def stage_records(trace: Sequence[Instant], armour: Parameters) -> tuple[StageRecord, ...]:

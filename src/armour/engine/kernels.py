@@ -6,59 +6,31 @@
 import gc
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import cache
 from pathlib import Path
 from types import FunctionType
 from typing import Any
 
 import numba
-from llvmlite import binding
 from numba import config, types
-from numba.core import cgutils
-from numba.extending import intrinsic, overload, overload_method, register_jitable
+from numba.extending import overload_method, register_jitable
 
-from armour.core import bounds, equations, events, rk4, search, stages, stepping
-from armour.core.run import Run, run
-from armour.core.state import Outcome, Parameters, State
+from armour.core import bounds, equations, events, rk4, roots, search, stages
+from armour.core import run as core_run
+from armour.core.run import run
+from armour.core.state import Parameters
 
 Kernel = Callable[..., None]
 
 # Functions that only compiled code calls need no wrappers, and nothing here needs reference counts.
 OPTIONS: Any = {"no_cfunc_wrapper": True, "_nrt": False}
 
-_float, _int = types.float64, types.int64
-_parameters = types.NamedTuple([*[_float] * (len(Parameters._fields) - 1), _int], Parameters)
-_state = types.NamedUniTuple(_float, len(State._fields), State)
-_run = types.NamedTuple([types.IntEnumMember(Outcome, _int), _float, _state, _int, _float], Run)
-# Compiled once and called by name, which takes a third off the time: of any other function, numba compiles a copy into
-# each that calls it.
-RUN = _run(_parameters, _float, _float, _float, _int, types.none, types.boolean)
-RUN_NAME = f"{run.__module__}.{run.__qualname__}"
-
+# Called in every step: numba leaves them out of line by itself, which takes a fifth longer.
+INLINED = stages.rates, rk4.step
 # Make the functions of the core callable from compiled code.
-for _module in (equations, stages, stepping, rk4, events, bounds, search):
+for _module in (equations, stages, roots, rk4, events, bounds, core_run, search):
     for _function in vars(_module).values():
         if isinstance(_function, FunctionType) and _function.__module__ == _module.__name__:
-            register_jitable(**OPTIONS)(_function)
-
-
-@intrinsic
-def run_by_name(_context: Any, _arguments: Any) -> Any:
-    """Call the compiled run."""
-
-    def call(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-        convention, given = context.call_conv, cgutils.unpack_tuple(builder, *arguments)
-        of_types = convention.get_function_type(RUN.return_type, RUN.args)
-        callee = cgutils.get_or_insert_function(builder.module, of_types, RUN_NAME)
-        return convention.call_function(builder, callee, RUN.return_type, RUN.args, given)[1]
-
-    return RUN.return_type(types.Tuple(RUN.args)), call
-
-
-@overload(run, jit_options=OPTIONS, strict=False)
-def overloaded_run(*_arguments: Any) -> Any:
-    """Have compiled code call the compiled run."""
-    return lambda *arguments: run_by_name(arguments)  # type: ignore[call-arg]
+            register_jitable(**OPTIONS, forceinline=_function in INLINED)(_function)
 
 
 @overload_method(types.NamedTuple, "_replace")
@@ -84,10 +56,10 @@ def parameters_at(rows: Any, i: int) -> Parameters:
 
 def impacts(rows: Any, velocities: Any, settings: Any, counts: Any, ends: Any) -> None:
     """Write the outcome and steps of each impact to ``counts``, the duration and final state to ``ends``."""
-    V_arrest, given, max_steps = settings
+    V_arrest, dt, max_steps = settings
     for i in range(len(rows)):
         p = parameters_at(rows, i)
-        end = run(p, velocities[i], stepping.time_step(p, velocities[i], given), V_arrest, max_steps, None, False)
+        end = run(p, velocities[i], dt, V_arrest, max_steps, None)
         counts[i, 0], counts[i, 1] = end.outcome, end.steps
         ends[i, 0] = end.t
         ends[i, 1], ends[i, 2], ends[i, 3], ends[i, 4], ends[i, 5] = end.y
@@ -109,6 +81,7 @@ def least_thicknesses(rows: Any, velocities: Any, settings: Any, counts: Any, en
         ends[i, 0], ends[i, 1] = -found.low, -found.high
 
 
+_float, _int = types.float64, types.int64
 _velocities = types.Array(_float, 1, "C", readonly=True)
 _rows = types.Array(_float, 2, "C", readonly=True)
 _counts, _ends = _int[:, ::1], _float[:, ::1]
@@ -132,20 +105,10 @@ def compiled(name: str, folder: Path | None = None) -> Kernel:
     collecting = gc.isenabled()
     gc.disable()
     try:
-        compile_run(folder)
         return compiled_function(kernel, types.void(*SIGNATURES[name]), folder, nogil=True)
     finally:
         if collecting:
             gc.enable()
-
-
-@cache
-def compile_run(folder: Path | None) -> Any:
-    """Compile or load the run of an impact; it must not be deleted while compiled code calls it."""
-    dispatcher = compiled_function(run, RUN, folder, no_cpython_wrapper=True)
-    [found] = dispatcher.overloads.values()
-    binding.add_symbol(RUN_NAME, found.library.get_pointer_to_function(found.fndesc.llvm_func_name))
-    return dispatcher
 
 
 def compiled_function(function: Callable[..., Any], signature: Any, folder: Path | None, **options: bool) -> Any:

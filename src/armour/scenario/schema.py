@@ -150,7 +150,7 @@ class Solver(Section):
     """Settings of the solver."""
 
     time_step_us: Positive | None = None
-    """Time step; by default chosen from size and velocity."""
+    """Length of every step; by default each is chosen by its error."""
     arrest_velocity_m_s: Velocity = 1.0
     """Velocity below which the projectile is treated as stopped."""
 

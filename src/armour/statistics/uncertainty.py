@@ -269,7 +269,9 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         ballistic_limit_m_s={name: quantile(limits, probability) for name, probability in QUANTILES.items()},
         mean_m_s=mean.value,
         mean_interval_m_s=(mean.low, mean.high),
-        standard_deviation_m_s=float(limits.std(ddof=1)),
+        standard_deviation_m_s=float(
+            (limits - limits[0]).std(ddof=1)
+        ),  # 0 of equal limits, whatever their mean rounds to
         deterministic_m_s=deterministic,
         curve=probability_curve(limits),
         inputs=influences(scenario, points, limits, error, on_samples),

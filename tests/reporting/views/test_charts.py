@@ -253,7 +253,7 @@ def test_parity_of_the_tables_of_a_suite(folder):
     assert list(points.y) == pytest.approx([WILKINS_LIMIT] * 2)
     assert panel.x.limits == panel.y.limits
     assert panel.square
-    assert points.text[0] == "ceramic thickness 6.35 mm\nexpected 720 m/s, computed 723.77 m/s"
+    assert points.text[0] == "ceramic thickness 6.35 mm\nexpected 720 m/s, computed 723.78 m/s"
     assert labels(panel) == ["t", "agreement", "± 10 %"]
     assert chart.note.startswith("1 of 3 cases are not shown")
 
