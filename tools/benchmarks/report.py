@@ -86,7 +86,13 @@ for each row.
 
 {_beyond(command, dask)}
 """
-    return "\n\n".join(part if part.startswith(("#", "|")) else fill(part, 120) for part in text.split("\n\n")) + "\n"
+    return (
+        "\n\n".join(
+            part if part.startswith(("#", "|")) else fill(part, 120, break_on_hyphens=False)
+            for part in text.split("\n\n")
+        )
+        + "\n"
+    )
 
 
 WAYS = ("one thread, no cluster", "1 worker", "2 workers")
