@@ -158,7 +158,7 @@ def test_every_command_has_its_page():
     commands = {command.name for command in app.registered_commands} | {group.name for group in app.registered_groups}
     # A page for each command of this group.
     commands = (commands - {"plan"}) | {"plan-shots"}
-    guides = {"choose-a-flow-stress", "confidence"}
+    guides = {"change-an-equation", "choose-a-flow-stress", "confidence"}
     # Its commands have pages of their own.
     commands = commands - {"plan"} | {"plan-tests"}
     assert {page.stem for page in (REPOSITORY / "docs" / "howto").glob("*.md")} == commands | guides

@@ -5,15 +5,15 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Callable
-from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 from typing import Any
 
 import numba
 import pytest
 
-from armour.engine import cache, kernels
-from armour.errors import ArmourError
+from armour.core import equations
+from armour.engine import batch, cache, kernels
+from tests.helpers.cases import armour
 
 pytestmark = pytest.mark.slow
 
@@ -141,23 +141,48 @@ def test_a_home_that_cannot_be_written(home: Path, compiler: FakeCompiler):
     assert_not_used(compiler, "which cannot be written")
 
 
-def missing(package: str) -> str:
-    raise PackageNotFoundError(package)
+ROWS = batch.packed([armour("7.62 mm AP", "AD85", "6061-T6", 8.0, 6.0)] * 2)
 
 
-def test_without_numba(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(cache, "version", missing)
-    with pytest.raises(
-        ArmourError, match=r"^numba is not installed; .*: type `python -m pip install --upgrade numba`$"
-    ):
-        cache.is_compiled("impacts")
+def limits() -> list[float]:
+    return batch.ballistic_limits(ROWS, 20.0, 4000.0, 0.01).perforated.tolist()
 
 
-def test_with_a_numba_that_cannot_be_imported(monkeypatch: pytest.MonkeyPatch):
+def test_without_numba_python_computes_the_same(monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture):
+    compiled = limits()
+    assert not caplog.records
+    monkeypatch.setattr(cache, "find_spec", lambda _name: None)
+    assert limits() == compiled
+    assert limits() == compiled
+    [record] = caplog.records
+    assert record.getMessage() == "computing in plain Python, about a hundred times slower: numba is not installed"
+
+
+def test_by_the_environment_python_computes(monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture):
+    compiled = limits()
+    monkeypatch.setenv("ARMOUR_COMPILED", "0")
+    assert not cache.is_compiled("ballistic_limits")
+    assert limits() == compiled
+    assert "ARMOUR_COMPILED is 0" in caplog.text
+
+
+def test_a_numba_that_does_not_work(monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture):
     """Numba refuses versions of numpy that are too new for it."""
+    compiled = limits()
+    monkeypatch.setattr(cache, "_kernels", {})
     monkeypatch.setitem(sys.modules, "armour.engine.kernels", None)
-    with pytest.raises(ArmourError, match=r"^numba cannot be imported: .*; .*: type `python -m pip"):
-        in_a_new_process()
+    assert limits() == compiled
+    assert "numba does not work: " in caplog.text
+
+
+def test_a_replaced_function_of_the_core_is_used(monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture):
+    before, velocity = limits(), equations.crack_velocity
+    monkeypatch.setattr(equations, "crack_velocity", lambda Ec, rho_c: 0.5 * velocity(Ec, rho_c))
+    slower = limits()
+    assert slower[0] == slower[1] > before[0]
+    assert "armour.core.equations.crack_velocity is replaced" in caplog.text
+    monkeypatch.undo()
+    assert limits() == before
 
 
 @pytest.mark.usefixtures("compiler")
@@ -189,7 +214,8 @@ def test_a_change_of_any_file_of_the_core_is_another_folder(tmp_path: Path):
         shutil.copytree(cache.PACKAGE / name, package / name)
     before = cache.digest()
     assert cache.digest(package) == before
-    for path in [*(package / "core").glob("*.py"), package / "engine" / "kernels.py"]:
+    engine = package / "engine"
+    for path in [*(package / "core").glob("*.py"), engine / "kernels.py", engine / "loops.py"]:
         text = path.read_text()
         path.write_text(text + "\n")
         assert cache.digest(package) != before
@@ -201,13 +227,12 @@ def test_a_change_of_any_file_of_the_core_is_another_folder(tmp_path: Path):
 PROGRAM = """
 import numba
 import numpy as np
-from armour.engine import cache, kernels
+from armour.engine import cache, kernels, loops
 
 def doubled(values):
     values[0] *= 2.0
 
-kernels.doubled, kernels.SIGNATURES["doubled"] = doubled, (numba.float64[::1],)
-kernels.compile_run = lambda folder: None
+loops.doubled, kernels.SIGNATURES["doubled"] = doubled, (numba.float64[::1],)
 values = np.array([21.0])
 kernel = cache.kernel("doubled")
 kernel(values)

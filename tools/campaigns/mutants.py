@@ -30,7 +30,7 @@ from mutmut.mutation.file_mutation import create_mutations
 from tools.campaigns.verdict import verdict
 
 # The core in plain Python, and the same random inputs each time.
-os.environ |= {"NUMBA_DISABLE_JIT": "1", "CI": "1"}
+os.environ |= {"ARMOUR_COMPILED": "0", "CI": "1"}
 
 ROOT = Path(__file__).resolve().parents[2]
 CORE = ROOT / "src" / "armour" / "core"

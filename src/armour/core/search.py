@@ -12,7 +12,7 @@ from typing import NamedTuple
 from armour.core.bounds import may_perforate
 from armour.core.roots import MOST_TRIALS, bracket, narrowed, next_point
 from armour.core.run import TOLERANCE, Run, run
-from armour.core.state import Outcome, Parameters
+from armour.core.state import Outcome, Parameters, with_ceramic
 
 # Tolerance of rough runs, the part of a limit by which they may miss it, as usual runs tell, and the width, m/s, to
 # which they narrow it.
@@ -154,19 +154,24 @@ def find_least_ceramic_thickness(
     ``tolerance`` is the width of the final bracket, m.
     """
     solver = Solver(V_arrest, dt, max_steps, TOLERANCE)
-    thinnest = impact(p._replace(Hc0=thin), Vi, solver)
+    thinnest = impact(with_thickness(p, thin), Vi, solver)
     if not thinnest.resolved or not thinnest.perforated:
         return SearchResult(-thin if thinnest.resolved else -inf, inf, 1, thinnest.resolved)
-    thickest = impact(p._replace(Hc0=thick), Vi, solver)
+    thickest = impact(with_thickness(p, thick), Vi, solver)
     if not thickest.resolved or thickest.perforated:
         return SearchResult(-inf, -thick if thickest.resolved else inf, 2, thickest.resolved)
     b = bracket(-thin, thinnest.f, -thick, thickest.f)
     runs = 2
     while abs(b.x2 - b.x1) > tolerance and runs < MOST_TRIALS:
         x = next_point(b, 0.95 * tolerance)
-        tried = impact(p._replace(Hc0=-x), Vi, solver)
+        tried = impact(with_thickness(p, -x), Vi, solver)
         runs += 1
         if not tried.resolved:
             return SearchResult(-inf, inf, runs, False)
         b = narrowed(b, x, tried.f)
     return SearchResult(min(b.x1, b.x2), max(b.x1, b.x2), runs, True)
+
+
+def with_thickness(p: Parameters, Hc0: float) -> Parameters:
+    """Return the parameters with another ceramic thickness, m."""
+    return with_ceramic(p, Hc0, p.Yc0, p.n_B, p.n_cB, p.a_c, p.a_B)

@@ -1,27 +1,28 @@
 """Compiled kernels, kept by numba in the user's cache folder from one process to the next.
 
-Numba itself notices changes of the kernels' file only: the folder is named after a digest of all that is compiled.  It
-is used if no other user can write to it or put another in its place.  Otherwise every process compiles.
+Numba itself notices changes of the loops' file only: the folder is named after a digest of all that is compiled.  It
+is used if no other user can write to it or put another in its place.  Otherwise every process compiles.  Without numba,
+with ``ARMOUR_COMPILED=0`` in the environment, or with a replaced function of the core, Python runs the loops.
 """
 
 import logging
 import os
 import shutil
 import sys
+from collections.abc import Callable
 from contextlib import suppress
 from hashlib import sha256
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
+from importlib.util import find_spec
 from pathlib import Path
 from threading import Lock
-from typing import TYPE_CHECKING
 
 from platformdirs import user_cache_dir
 
-from armour.errors import ArmourError
+from armour.engine import loops
 from armour.files import exchangeable, make_private
 
-if TYPE_CHECKING:
-    from armour.engine.kernels import Kernel
+Kernel = Callable[..., None]
 
 PACKAGE = Path(__file__).resolve().parent.parent
 COMPILING = "compiling the numerical code, which takes about ten seconds"
@@ -30,19 +31,18 @@ OTHERS_KEPT = 4
 
 log = logging.getLogger(__name__)
 _lock = Lock()
-_kernels: dict[str, "Kernel"] = {}
+_kernels: dict[str, Kernel] = {}
+_said: set[str] = set()
 
 
 def digest(package: Path = PACKAGE) -> str:
-    """Return a hash of the source of the core and the kernels, and of the versions of what compiles them."""
-    try:
-        versions = [version(name) for name in ("numba", "llvmlite", "numpy")]
-    except PackageNotFoundError as error:
-        raise _unusable(f"{error.name} is not installed") from error
-    found = sha256(f"{versions} {sys.version}".encode())
-    for path in [*sorted((package / "core").glob("*.py")), package / "engine" / "kernels.py"]:
-        found.update(sha256(path.name.encode() + path.read_bytes()).digest())
-    return found.hexdigest()
+    """Return a hash of the source of the core and the loops, and of the versions of what compiles them."""
+    versions = [version(name) for name in ("numba", "llvmlite", "numpy")]
+    content = sha256(f"{versions} {sys.version}".encode())
+    engine = package / "engine"
+    for path in [*sorted((package / "core").glob("*.py")), engine / "kernels.py", engine / "loops.py"]:
+        content.update(sha256(path.name.encode() + path.read_bytes()).digest())
+    return content.hexdigest()
 
 
 def folder() -> tuple[Path | None, str]:
@@ -64,39 +64,67 @@ def folder() -> tuple[Path | None, str]:
     return None, f"in {path.parent}, which cannot be written"
 
 
+def replaced_function() -> str:
+    """Return the name of a function of the core that a program has replaced by its own, or ""."""
+    own = ("armour.core", "builtins", "collections", "enum", "math", "typing")
+    for name, module in list(sys.modules.items()):
+        for attribute, value in vars(module).items() if name.startswith("armour.core.") else ():
+            if callable(value) and not getattr(value, "__module__", "").startswith(own):
+                return f"{name}.{attribute}"
+    return ""
+
+
+def obstacle() -> str:
+    """Return why the loops are not compiled, or "" if they are."""
+    if os.environ.get("ARMOUR_COMPILED") == "0":
+        return "ARMOUR_COMPILED is 0"
+    if name := replaced_function():
+        return f"{name} is replaced"
+    return "" if find_spec("numba") else "numba is not installed"
+
+
 def is_compiled(name: str) -> bool:
-    """Return whether there is the compiled code of a kernel, without importing numba."""
-    path, _ = folder()
+    """Return whether there is the compiled code of a loop, without importing numba."""
+    path = None if obstacle() else folder()[0]
     return path is not None and any(name in file.name for file in path.glob("*/*.nbi"))
 
 
-def kernel(name: str) -> "Kernel":
-    """Return a kernel of `armour.engine.kernels`; each is loaded or compiled once in a process."""
-    with _lock:
-        if name not in _kernels:
-            _kernels[name] = load(name)
-        return _kernels[name]
-
-
 def is_loaded(name: str) -> bool:
-    """Return whether this process has a kernel."""
-    return name in _kernels
+    """Return whether this process has the compiled code of a loop."""
+    return name in _kernels and not obstacle()
 
 
-def load(name: str) -> "Kernel":
-    """Load a kernel, or compile it, which is logged, and keep it."""
-    try:
-        from armour.engine.kernels import compiled
-    except ImportError as error:
-        raise _unusable(f"numba cannot be imported: {error}") from error
-    path, obstacle = folder()
+def kernel(name: str) -> Kernel:
+    """Return a loop of `armour.engine.loops`: compiled, which is loaded or compiled once in a process, or as it is."""
+    with _lock:
+        reason = obstacle()
+        if not reason and name not in _kernels:
+            try:
+                _kernels[name] = load(name)
+            except Exception as error:  # whatever a numba raises that does not fit numpy, Python or the machine
+                first_line, *_ = f"{error}\n".splitlines()
+                reason = f"numba does not work: {first_line}"
+        if not reason:
+            return _kernels[name]
+        if reason not in _said:
+            log.warning("computing in plain Python, about a hundred times slower: %s", reason)
+            _said.add(reason)
+        loop: Kernel = getattr(loops, name)
+        return loop
+
+
+def load(name: str) -> Kernel:
+    """Load a loop, or compile it, which is logged, and keep it."""
+    from armour.engine.kernels import compiled
+
+    path, hindrance = folder()
     if not is_compiled(name):
-        kept = f" at every start: compiled code cannot be kept {obstacle}; XDG_CACHE_HOME names another folder"
-        log.info(COMPILING + kept * bool(obstacle))
+        kept = f" at every start: compiled code cannot be kept {hindrance}; XDG_CACHE_HOME names another folder"
+        log.info(COMPILING + kept * bool(hindrance))
     if path is None:
         return compiled(name)
     try:
-        found = compiled(name, path)
+        loop: Kernel = compiled(name, path)
     except Exception:  # a damaged file, or a full disk
         shutil.rmtree(path, ignore_errors=True)
         return compiled(name)
@@ -104,8 +132,4 @@ def load(name: str) -> "Kernel":
         others = [other for other in path.parent.glob("kernels-*") if other != path]
         for other in sorted(others, key=os.path.getmtime)[:-OTHERS_KEPT]:
             shutil.rmtree(other)
-    return found
-
-
-def _unusable(reason: str) -> ArmourError:
-    return ArmourError(f"{reason}; this computation needs it: type `python -m pip install --upgrade numba`")
+    return loop
