@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from armour.analysis.searches import limits_by_law
+from armour.analysis.searches import distributions, limits_by_law
 from armour.analysis.variants import Bools, Floats, Ints, Variants, grid_of, with_thicknesses
 from armour.core.state import Parameters
 from armour.engine import batch
@@ -195,7 +195,7 @@ class Catalogue:
     def distributions(self, candidates: Candidates, limits: Floats) -> Mixture:
         """Return the distributions of the ballistic limits, m/s, of which (designs, threats) are those of the model."""
         rows, *_ = self.against_each(candidates, range(len(self.threats)))
-        return rows.errors.ratio.times(limits_by_law(rows, limits.ravel()))
+        return distributions(rows, limits.ravel())
 
     def short_m_s(self, candidates: Candidates, limits: Floats) -> Floats:
         """Return what designs lack against each threat, m/s, given their limits by the model, (designs, threats).
