@@ -20,6 +20,7 @@ from armour.core.search import DENSE_SCAN_POINTS, SCAN_POINTS, find_ballistic_li
 from armour.core.state import Parameters
 from armour.engine import batch, cache
 from armour.evidence.mixture import Mixture
+from armour.evidence.model_error import Errors
 from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S
 from armour.units import MM
 
@@ -94,12 +95,11 @@ def limits_anywhere(variants: Variants, on_progress: OnProgress = ignore_progres
     return limits.clip(slowest, FASTEST_M_S)
 
 
-def limits_by_law(variants: Variants, own_limits: Floats) -> Floats:
-    """Return the ballistic limits by each law of the model error, m/s, (laws, n), given those of the rows.
+def limits_by_law(variants: Variants, errors: Errors, own_limits: Floats) -> Floats:
+    """Return the ballistic limits by each law of the rows' errors, m/s, (laws, n), given those of the rows.
 
     They are searched for beyond the range of the section too.  A row without a limit, NaN, has none.
     """
-    errors = variants.errors
     limits = np.tile(own_limits, (len(errors.ratio.weights), 1))
     for law in range(1, len(limits)):
         rows = np.flatnonzero((errors.ratio.weights[law] > 0.0) & ~np.isnan(own_limits))
@@ -110,7 +110,8 @@ def limits_by_law(variants: Variants, own_limits: Floats) -> Floats:
 
 def distributions(variants: Variants, limits: Floats) -> Mixture:
     """Return where the model error puts the ballistic limits of n armours, given those of the model, m/s, (n,)."""
-    return variants.errors.ratio.times(limits_by_law(variants, limits))
+    errors = variants.errors
+    return errors.ratio.times(limits_by_law(variants, errors, limits))
 
 
 def changes_above(variants: Variants, limits: Floats) -> Bools:
