@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit
+from armour.analysis.evaluate import Answers
 from armour.analysis.searches import (
     ballistic_limits,
     bisect_rows,
@@ -11,7 +12,7 @@ from armour.analysis.searches import (
     least_backings_mm,
     least_ceramics_mm,
     least_totals_mm,
-    limit_brackets,
+    limits_anywhere,
 )
 from armour.analysis.variants import Bools, Floats, Ints, Variants, perforated, variants_of, with_thicknesses
 from armour.errors import InputError, NoLimitError
@@ -75,15 +76,17 @@ def inside_the_data(count: int) -> list[Scenario]:
 
 @pytest.mark.parametrize("of", [*inside_the_data(3), *random_wide_designs(3, 1)])
 def test_the_limit_of_a_row_is_that_of_a_single_search(of: Scenario):
-    [found] = ballistic_limits(alone(of)).tolist()
-    assert found == pytest.approx(limit_of(of), rel=0.0, abs=0.0, nan_ok=True)
+    [limit] = Answers(alone(of)).ballistic_limits.tolist()
+    assert limit == pytest.approx(limit_of(of), rel=0.0, abs=0.0, nan_ok=True)
 
 
-def test_brackets_outside_the_range():
+def test_limits_outside_the_range():
     variants = rows_of(case(), [6.0, 6.0], [6.0, 12.0])
-    assert limit_brackets(variants, 20.0, 100.0, 0.01).perforated.tolist() == [np.inf, np.inf]
-    assert limit_brackets(variants, 1500.0, 4000.0, 0.01).stopped.tolist() == [-np.inf, -np.inf]
-    assert np.isnan(ballistic_limits(alone(case().replaced({"ballistic_limit": {"velocity_min_m_s": 1500.0}})))).all()
+    assert ballistic_limits(variants, (20.0, 100.0)).tolist() == [np.inf, np.inf]
+    assert ballistic_limits(variants, (1500.0, 4000.0)).tolist() == [-np.inf, -np.inf]
+    fast = alone(case().replaced({"ballistic_limit": {"velocity_min_m_s": 1500.0}}))
+    assert np.isnan(Answers(fast).ballistic_limits).all()
+    assert limits_anywhere(fast) == pytest.approx(ballistic_limits(alone(case())), abs=0.02)
 
 
 def test_an_unresolved_search_names_its_velocity(monkeypatch: pytest.MonkeyPatch):
@@ -114,8 +117,8 @@ def test_limits_of_unusual_rows_are_searched_densely_and_in_place():
     usual = alone(scenario())
     together = variants._replace(parameters=np.concatenate([usual.parameters, variants.parameters, usual.parameters]))
     together = together._replace(velocities=np.full(5, 359.086), cosines=np.ones(5), which=np.zeros(5, dtype=int))
-    limits = limit_brackets(together, 1.0, 10_000.0, 0.01).perforated
-    alone_limits = [limit_brackets(together.at(np.array([i])), 1.0, 10_000.0, 0.01).perforated[0] for i in range(5)]
+    limits = ballistic_limits(together, (1.0, 10_000.0))
+    alone_limits = [ballistic_limits(together.at(np.array([i])), (1.0, 10_000.0))[0] for i in range(5)]
     assert limits.tolist() == alone_limits
     assert limits[0] == limits[4] == pytest.approx(723.77, abs=0.02)
     assert limits[1] == limits[3] == pytest.approx(252.67, abs=0.02)

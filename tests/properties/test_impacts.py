@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from armour.analysis.impact import simulate
-from armour.analysis.searches import limit_brackets
+from armour.analysis.searches import ballistic_limits
 from armour.analysis.variants import variants_of
 from armour.core.equations import CONOID, PROJECTILE
 from armour.core.run import run
@@ -78,15 +78,13 @@ def test_just_above_its_limit_an_armour_is_perforated_and_just_below_it_is_not(d
     """By plain Python, of limits that the engine searches for as plain Python does (test_searches)."""
     scenario = parse_scenario(data)
     armour, search = scenario.core_armour(), scenario.ballistic_limit
-    range_m_s = search.velocity_min_m_s, search.velocity_max_m_s
-    [low], [high] = limit_brackets(variants_of(scenario, {}, 1), *range_m_s, search.tolerance_m_s)[:2]
-    if not (isfinite(low) and isfinite(high)):
+    [limit] = ballistic_limits(variants_of(scenario, {}, 1)).tolist()
+    if not isfinite(limit):
         thin = perforates(scenario, armour, search.velocity_min_m_s)
         assert thin or not perforates(scenario, armour, search.velocity_max_m_s)
         return
-    assert high - low <= search.tolerance_m_s
-    assert perforates(scenario, armour, high)
-    assert not perforates(scenario, armour, low)
+    assert perforates(scenario, armour, limit)
+    assert not perforates(scenario, armour, limit - search.tolerance_m_s)
 
 
 positive = st.floats(0.05, 20.0)

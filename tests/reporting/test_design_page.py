@@ -347,7 +347,7 @@ def test_probabilities_between_the_nodes_are_right(told):
     found = np.array(told["chances"])
     catalogue = catalogue_of(thin())
     candidates = catalogue.candidates(0, found[:, 0], found[:, 1])
-    distributions = catalogue.distributions(candidates, Requirement(catalogue).quick_limits(candidates))
+    distributions = catalogue.distributions(candidates, Requirement(catalogue).limits(candidates, lowest=False))
     for n, chances in enumerate(found[:, 2:]):
         sure = distributions.one(n).probability_above(VELOCITIES)
         within = (sure >= 0.01) & (sure <= 0.99)
@@ -361,7 +361,7 @@ def test_numbers_are_rounded_as_everywhere_else(told):
     catalogue = catalogue_of(offered())
     for ceramic_mm, backing_mm, text in told["shown"]:
         candidates = catalogue.candidates(0, np.array([ceramic_mm]), np.array([backing_mm]))
-        limits = Requirement(catalogue).quick_limits(candidates)
+        limits = Requirement(catalogue).limits(candidates, lowest=False)
         sure = catalogue.distributions(candidates, limits).probability_above(catalogue.velocities_m_s)
         for limit, probability, velocity in zip(limits[0], sure, catalogue.velocities_m_s, strict=True):
             assert f"Computed limit {limit:.0f} m/s, margin {limit - velocity:+.0f} m/s" in text

@@ -1,3 +1,5 @@
+from time import perf_counter
+
 import pytest
 
 from armour.scenario.keys import key_name, line_of, lines_of
@@ -53,6 +55,13 @@ model.shear_perimeter = "conoid"
 )
 def test_where_a_key_is(key: str, line: int | None):
     assert line_of(key, lines_of(TEXT)) == line
+
+
+def test_a_long_text_takes_no_time():
+    text = 'a = """\n' + "[b]  # \\\" '\n" * 50_000 + "\"\"\"\n[c]\nd = '''\"\n'''\ne = [\n\"]\",\n]\nf = 1"
+    begun = perf_counter()
+    assert lines_of(text) == {"a": 1, "c": 50_003, "c.d": 50_004, "c.e": 50_006, "c.e[0]": 50_006, "c.f": 50_009}
+    assert perf_counter() - begun < 5.0
 
 
 def test_what_stands_before_an_error():

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from armour.analysis.searches import ballistic_limits, limits_by_law
+from armour.analysis.searches import ballistic_limits, distributions
 from armour.analysis.variants import Floats, variants_of
 from armour.evidence.fit import Fit, LotTests, fits, shipped_data
 from armour.evidence.mixture import Mixture
@@ -246,7 +246,7 @@ def untested(own: int, scatter: float, dice: Any) -> dict[str, Outcome]:
         made = variants_of(scenario, columns, len(armours))
         made = made._replace(materials=(Materials(replace(entry, evidence=kept), made.materials[0].backing),))
         by_own = ballistic_limits(made)
-        found = made.errors.ratio.times(limits_by_law(made, by_own) / by_own)
+        found = distributions(made, by_own).times(1.0 / by_own)
         for place, design in enumerate(DESIGNS, start=own):
             error = np.log(true[[place]] / by_own[[place]])
             parts[design].append(Outcome.of(error, found.mapped(partial(_column, place))))

@@ -13,7 +13,7 @@ import sys
 
 import numpy as np
 
-from armour.analysis.searches import least_ceramics_mm, limit_brackets
+from armour.analysis.searches import ballistic_limits, least_ceramics_mm
 from armour.analysis.variants import Bools, Floats, Ints, Variants, perforated, with_thicknesses
 from armour.core.search import DENSE_SCAN_POINTS, SCAN_POINTS, scan
 from armour.core.state import Outcome, Parameters
@@ -100,7 +100,7 @@ def outcomes(designs: Variants, velocities: Floats) -> Bools:
 def ended(designs: Variants, rows: Ints) -> Ints:
     """Return the rows whose search ends without a message that a run takes more steps than a command allows."""
     try:
-        limit_brackets(designs.at(rows), LOW, HIGH, TOLERANCE)
+        ballistic_limits(designs.at(rows), (LOW, HIGH), tolerance=TOLERANCE)
     except InputError:
         halves = np.array_split(rows, 2) if len(rows) > 1 else []
         return np.concatenate([rows[:0], *(ended(designs, half) for half in halves)])
@@ -120,14 +120,13 @@ def compare_limits(name: str, designs: Variants) -> tuple[int, str]:
     high = np.where(beyond.any(axis=1), velocities[first], np.inf)
     several = (np.diff(beyond.astype(int), axis=1) != 0).sum(axis=1) > 1
     print(f"{name}: {len(low)}, of which {several.sum()} change more than once; {unresolved} end with a message")
-    found = limit_brackets(designs, LOW, HIGH, TOLERANCE)
-    coarse = batch.ballistic_limits(designs.parameters, LOW, HIGH, TOLERANCE, points=SCAN_POINTS)
-    for by, brackets in ((f"{SCAN_POINTS} velocities everywhere", coarse), ("the program", found)):
+    for by, points in ((f"{SCAN_POINTS} velocities everywhere", SCAN_POINTS), ("the program", None)):
+        limits = ballistic_limits(designs, (LOW, HIGH), tolerance=TOLERANCE, points=points)
+        stopped = limits - TOLERANCE
         # A bracket may contain the perforated end of the scan's.
-        overlap = (brackets.perforated >= low) & (brackets.stopped < high)
-        same = overlap | beyond[:, 0] & ~np.isfinite(brackets.stopped)
-        lower = np.flatnonzero(~same & (brackets.perforated < low))
-        ends = [designs.at(lower)._replace(velocities=end[lower]) for end in (brackets.stopped, brackets.perforated)]
+        same = (limits >= low) & (stopped < high) | beyond[:, 0] & np.isneginf(limits)
+        lower = np.flatnonzero(~same & (limits < low))
+        ends = [designs.at(lower)._replace(velocities=end[lower]) for end in (stopped, limits)]
         confirmed = int((~perforated(ends[0]) & perforated(ends[1])).sum()) if len(lower) else 0
         print(f"  by {by}: {same.sum()} the same, {confirmed} of {len(lower)} lower ones confirmed, "
               f"{(~same).sum() - len(lower)} too high")  # fmt: skip

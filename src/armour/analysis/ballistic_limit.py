@@ -5,6 +5,7 @@ The confidence in an armour is the probability that it stops its threat, given t
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from math import isfinite
 from typing import Literal
 
 import numpy as np
@@ -12,7 +13,7 @@ import numpy as np
 from armour.analysis.flow_stress import NeededFlowStress, needed_flow_stress
 from armour.analysis.impact import ImpactResult, impact_at, unresolved_error
 from armour.analysis.results import OnProgress, Result, ignore_progress
-from armour.analysis.searches import limit_brackets, limits_by_law
+from armour.analysis.searches import ballistic_limits, distributions
 from armour.analysis.variants import variants_of
 from armour.core import search
 from armour.errors import InputError, NoLimitError
@@ -150,8 +151,7 @@ def model_error(scenario: Scenario, limit_m_s: float) -> ModelError | None:
     several laws of its flow stress; the limits by the others than the scenario's are computed here.
     """
     variants = variants_of(scenario, {}, 1)
-    limits = limits_by_law(variants, np.array([limit_m_s]))
-    ratio = variants.errors.ratio.times(limits / limit_m_s).one()
+    ratio = distributions(variants, np.array([limit_m_s])).times(1.0 / limit_m_s).one()
     return error_of(scenario, ratio, variants.armours)
 
 
@@ -332,14 +332,9 @@ def confidence_alone(scenario: Scenario, on_progress: OnProgress = ignore_progre
 
 def _limit(scenario: Scenario, on_progress: OnProgress) -> float:
     """Return the ballistic limit, m/s."""
-    section = scenario.ballistic_limit
-    ends = section.velocity_min_m_s, section.velocity_max_m_s
-    found = limit_brackets(variants_of(scenario, {}, 1), *ends, section.tolerance_m_s)
-    on_progress(int(found.runs[0]), None)
-    if found.bounded[0]:
-        return float(found.perforated[0])
-    # It says why there is none.
-    return ballistic_limit(scenario, on_progress=on_progress).ballistic_limit_m_s
+    [limit] = ballistic_limits(variants_of(scenario, {}, 1), on_progress=on_progress).tolist()
+    # Where there is none, the other search says why.
+    return limit if isfinite(limit) else ballistic_limit(scenario, on_progress=on_progress).ballistic_limit_m_s
 
 
 def without_limit(scenario: Scenario, reason: str, *, above: bool) -> ConfidenceResult:

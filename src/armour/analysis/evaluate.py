@@ -178,8 +178,9 @@ class Answers:
 
     @cached_property
     def ballistic_limits(self) -> Floats:
-        """Ballistic limits, m/s."""
-        return searches.ballistic_limits(self.variants)
+        """Ballistic limits, m/s; NaN for none in the range searched."""
+        limits = searches.ballistic_limits(self.variants)
+        return np.where(np.isfinite(limits), limits, np.nan)
 
     def least(self, layer: str) -> searches.Least:
         """Return the least thicknesses of a layer, a key of `LEAST`, that stop the impacts."""
@@ -235,8 +236,8 @@ class Answers:
     @property
     def probabilities_of_stopping(self) -> Floats:
         """Probabilities of stopping the projectile, given the model error."""
-        limits = searches.limits_by_law(self.variants, self.ballistic_limits)
-        return self.variants.errors.ratio.times(limits).probability_above(self.variants.velocities)
+        distributions = searches.distributions(self.variants, self.ballistic_limits)
+        return distributions.probability_above(self.variants.velocities)
 
     def changes(self, quantities: Sequence[str]) -> dict[str, int]:
         """Return ways in which quantities are not all of the answer, in words, each with its number of rows."""

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from armour.analysis.searches import limit_brackets
+from armour.analysis.searches import ballistic_limits
 from armour.analysis.variants import Floats, variants_of
 from armour.evidence.fit import fits
 from armour.evidence.mixture import Mixture
@@ -86,8 +86,7 @@ def constant_law_error() -> Mixture:
 def limits_over(scenario: Scenario, flow_stresses_GPa: Floats) -> Floats:
     """Return the ballistic limits with flow stresses of the ceramic, m/s, (n,), at least 20 and at most 10,000 m/s."""
     rows = variants_of(scenario, {FLOW_STRESS: flow_stresses_GPa}, len(flow_stresses_GPa))
-    tolerance = scenario.ballistic_limit.tolerance_m_s
-    return limit_brackets(rows, SLOWEST_M_S, FASTEST_M_S, tolerance).perforated.clip(SLOWEST_M_S, FASTEST_M_S)
+    return ballistic_limits(rows, (SLOWEST_M_S, FASTEST_M_S)).clip(SLOWEST_M_S, FASTEST_M_S)
 
 
 def _needed(scenario: Scenario, required_m_s: float) -> float | None:

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from armour.analysis.results import OnProgress, ignore_progress
 from armour.analysis.variants import (
     Bools,
     Floats,
@@ -18,6 +19,8 @@ from armour.analysis.variants import (
 from armour.core.search import DENSE_SCAN_POINTS, SCAN_POINTS, find_ballistic_limit, scan
 from armour.core.state import Parameters
 from armour.engine import batch, cache
+from armour.evidence.mixture import Mixture
+from armour.evidence.model_error import Errors
 from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S
 from armour.units import MM
 
@@ -38,38 +41,32 @@ class Least(NamedTuple):
     changes_again: Bools  # a thicker layer is known to be perforated; looked for where a row is unusual
 
 
-def ballistic_limits(variants: Variants, *, tolerance: float | None = None) -> Floats:
-    """Return the ballistic limit of each row, m/s, to a tolerance, m/s, by default that of the section; NaN for none.
+def ballistic_limits(
+    variants: Variants,
+    range_m_s: tuple[float, float] | None = None,
+    *,
+    tolerance: float | None = None,
+    points: int | None = None,
+    on_progress: OnProgress = ignore_progress,
+) -> Floats:
+    """Return the ballistic limit of each row, m/s; -inf where the lowest velocity perforates, inf where none does.
 
-    It is, to the last bit, the number that `armour.analysis.ballistic_limit.ballistic_limit` finds.
+    It is, to the last bit, the number that `armour.analysis.ballistic_limit.ballistic_limit` finds.  The range of
+    velocities and the tolerance, m/s, are by default those of the section.  The scan has a number of points, by default
+    the usual one, and the dense one where a row is unusual.
     """
     section = variants.scenario.ballistic_limit
+    range_m_s = range_m_s or (section.velocity_min_m_s, section.velocity_max_m_s)
     tolerance = section.tolerance_m_s if tolerance is None else tolerance
-    found = limit_brackets(variants, section.velocity_min_m_s, section.velocity_max_m_s, tolerance)
-    return np.where(found.bounded, found.perforated, np.nan)
-
-
-def limit_brackets(
-    variants: Variants,
-    low: float,
-    high: float,
-    tolerance: float,
-    points: int | None = None,
-) -> batch.Brackets:
-    """Return brackets of the ballistic limit of each row that a scan from low to high, m/s, sees.
-
-    The scan has a number of points, by default the usual one, and the dense one if a row is unusual.
-    """
-    count = len(variants.velocities)
-    dense = unusual(variants) if points is None else np.zeros(count, dtype=bool)
-    brackets = batch.Brackets(np.empty(count), np.empty(count), np.empty(count, np.int64), np.empty(count, np.bool_))
-    for rows, some in ((~dense, points or SCAN_POINTS), (dense, DENSE_SCAN_POINTS)):
+    limits = np.empty(len(variants.velocities))
+    dense = unusual(variants) if points is None else np.zeros(len(limits), dtype=bool)
+    for rows, number in ((~dense, points or SCAN_POINTS), (dense, DENSE_SCAN_POINTS)):
         if rows.any():
-            found = _searched(variants.parameters[rows], low, high, tolerance, variants.options, some)
-            for into, values in zip(brackets, found, strict=True):
-                into[rows] = values
-    check_resolved(brackets.resolved, variants._replace(velocities=brackets.perforated))
-    return brackets
+            brackets = _searched(variants.parameters[rows], *range_m_s, tolerance, variants.options, number)
+            check_resolved(brackets.resolved, variants.at(rows)._replace(velocities=brackets.perforated))
+            limits[rows] = np.where(np.isneginf(brackets.stopped), -np.inf, brackets.perforated)
+            on_progress(int(brackets.runs.sum()), None)
+    return limits
 
 
 def _searched(
@@ -81,26 +78,40 @@ def _searched(
     if ready or len(rows) > 1:
         return batch.ballistic_limits(rows, low, high, tolerance, options, points)
     velocities = scan(low, high, points)
-    found = find_ballistic_limit(Parameters(*rows[0].tolist()), velocities, tolerance, *options[:3])
-    return batch.Brackets(*(np.array([value]) for value in found))
+    result = find_ballistic_limit(Parameters(*rows[0].tolist()), velocities, tolerance, *options[:3])
+    return batch.Brackets(*(np.array([value]) for value in result))
 
 
-def limits_by_law(variants: Variants, own: Floats) -> Floats:
-    """Return the ballistic limits by each law of the model error, m/s, (laws, n), given those of the rows.
+def limits_anywhere(variants: Variants, on_progress: OnProgress = ignore_progress) -> Floats:
+    """Return the ballistic limit of each row, m/s, also outside the range of the section.
 
-    They are searched for beyond the range of the section ``ballistic_limit`` too.  A row without a limit has none.
+    It is then searched for from 20 to 10,000 m/s; for a limit beyond these, the nearer one stands.
     """
-    errors, section = variants.errors, variants.scenario.ballistic_limit
-    limits = np.tile(own, (len(errors.ratio.weights), 1))
+    slowest = min(variants.scenario.ballistic_limit.velocity_min_m_s, SLOWEST_M_S)
+    limits = ballistic_limits(variants, on_progress=on_progress)
+    outside = np.flatnonzero(np.isinf(limits))
+    if len(outside):
+        limits[outside] = ballistic_limits(variants.at(outside), (slowest, FASTEST_M_S), on_progress=on_progress)
+    return limits.clip(slowest, FASTEST_M_S)
+
+
+def limits_by_law(variants: Variants, errors: Errors, own_limits: Floats) -> Floats:
+    """Return the ballistic limits by each law of the rows' errors, m/s, (laws, n), given those of the rows.
+
+    They are searched for beyond the range of the section too.  A row without a limit, NaN, has none.
+    """
+    limits = np.tile(own_limits, (len(errors.ratio.weights), 1))
     for law in range(1, len(limits)):
-        where = np.flatnonzero((errors.ratio.weights[law] > 0.0) & ~np.isnan(own))
-        rows = variants.by_law(law, errors)
-        for ends in ((section.velocity_min_m_s, section.velocity_max_m_s), (SLOWEST_M_S, FASTEST_M_S)):
-            if len(where):
-                found = limit_brackets(rows.at(where), *ends, section.tolerance_m_s)
-                limits[law, where] = found.perforated.clip(*ends)
-                where = where[~found.bounded]
+        rows = np.flatnonzero((errors.ratio.weights[law] > 0.0) & ~np.isnan(own_limits))
+        if len(rows):
+            limits[law, rows] = limits_anywhere(variants.by_law(law, errors).at(rows))
     return limits
+
+
+def distributions(variants: Variants, limits: Floats) -> Mixture:
+    """Return where the model error puts the ballistic limits of n armours, given those of the model, m/s, (n,)."""
+    errors = variants.errors
+    return errors.ratio.times(limits_by_law(variants, errors, limits))
 
 
 def changes_above(variants: Variants, limits: Floats) -> Bools:

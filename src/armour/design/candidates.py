@@ -52,7 +52,7 @@ def _with_more_margin(requirement: Requirement, pair: int, columns: Sequence[str
         return []
     ends = (layer.thicknesses() if free is None else (free.max,) for layer, free in zip(layers, ranges, strict=True))
     thickest = catalogue.combinations(pair, *ends)
-    spare = float((requirement.lowest_limits(thickest) - catalogue.required_m_s(thickest)).min(axis=1).max())
+    spare = float((requirement.limits(thickest) - catalogue.required_m_s(thickest)).min(axis=1).max())
     parts = [thickest]
     for margin in np.linspace(0.0, max(spare, 0.0), MARGIN_PARTS + 1)[1:-1].tolist():
         raised = replace(requirement, catalogue=replace(catalogue, more_margin_m_s=margin), runs=0)

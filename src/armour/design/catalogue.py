@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from armour.analysis.searches import limits_by_law
+from armour.analysis.searches import distributions, limits_by_law
 from armour.analysis.variants import Bools, Floats, Ints, Variants, grid_of, with_thicknesses
 from armour.core.state import Parameters
 from armour.engine import batch
@@ -168,7 +168,10 @@ class Catalogue:
         some = candidates.at(designs)
         parameters = self.layers[some.pair] + self.projectiles[which]
         shot = self.velocities_m_s[which], self.cosines[which]
-        rows = Variants(parameters, *shot, some.pair, self.scenario, self.materials)
+        # What the evidence says is looked up for each of the materials of the rows.
+        pairs, of_row = np.unique(some.pair, return_inverse=True)
+        materials = tuple(self.materials[pair] for pair in pairs)
+        rows = Variants(parameters, *shot, of_row, self.scenario, materials)
         rows, bounds = with_thicknesses(rows, ceramic_mm=some.ceramic_mm, backing_mm=some.backing_mm), bounds[which]
         if self.lenient:
             bounds[~rows.errors.known] = 1.0
@@ -188,14 +191,15 @@ class Catalogue:
 
     def bounded_m_s(self, rows: Variants, bounds: Floats) -> Floats:
         """Return the ballistic limits, m/s, (n,), with which the probabilities of perforation keep to bounds."""
-        limits = limits_by_law(rows, np.ones(len(bounds)))
-        found = required_by_law(rows, rows.errors, bounds, limits)
-        return np.where(rows.errors.known, found, np.inf) + self.more_margin_m_s
+        errors = rows.errors
+        limits = limits_by_law(rows, errors, np.ones(len(bounds)))
+        required = required_by_law(rows, errors, bounds, limits)
+        return np.where(errors.known, required, np.inf) + self.more_margin_m_s
 
     def distributions(self, candidates: Candidates, limits: Floats) -> Mixture:
         """Return the distributions of the ballistic limits, m/s, of which (designs, threats) are those of the model."""
         rows, *_ = self.against_each(candidates, range(len(self.threats)))
-        return rows.errors.ratio.times(limits_by_law(rows, limits.ravel()))
+        return distributions(rows, limits.ravel())
 
     def short_m_s(self, candidates: Candidates, limits: Floats) -> Floats:
         """Return what designs lack against each threat, m/s, given their limits by the model, (designs, threats).

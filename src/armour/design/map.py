@@ -58,7 +58,7 @@ def design_map(
     ceramics, backings = np.array(ceramic_mm, dtype=np.float64), np.array(backing_mm, dtype=np.float64)
     shape = len(ceramics), len(backings), len(catalogue.threats)
     candidates = catalogue.combinations(pair, ceramics, backings)
-    limits = _limits(Requirement(catalogue, on_progress), candidates)
+    limits = Requirement(catalogue, on_progress).limits(candidates, lowest=False)
     # A velocity that is stopped with a probability is the quantile of the limit at its complement.
     tails = 1.0 - np.array(probabilities)
     distributions = catalogue.distributions(candidates, limits)
@@ -81,7 +81,7 @@ def limits_over_sources(catalogue: Catalogue, near: DesignMap) -> Floats | None:
     for flow_stress in ceramic.flow_stress_sources_GPa:
         layers = catalogue.layers.copy()
         batch.fields(layers).Yc0[near.pair] = flow_stress * GPA
-        found.append(_limits(Requirement(replace(catalogue, layers=layers)), near.candidates))
+        found.append(Requirement(replace(catalogue, layers=layers)).limits(near.candidates, lowest=False))
     return np.array(found).reshape(-1, *near.limits_m_s.shape)
 
 
@@ -115,14 +115,6 @@ def with_edges_of_known(
     return grids[0], grids[1]
 
 
-def _limits(requirement: Requirement, candidates: Candidates) -> Floats:
-    """Return the ballistic limits of designs, also outside the range searched, m/s, (designs, threats)."""
-    limits = requirement.quick_limits(candidates)
-    outside = np.flatnonzero(np.isnan(limits).any(axis=1))
-    limits[outside] = requirement.lowest_limits(candidates.at(outside))
-    return limits
-
-
 def lightest(catalogue: Catalogue, near: DesignMap, probability: float) -> Design | None:
     """Return the best design on offer of a pair that stops each threat with a probability; None if there is none.
 
@@ -142,7 +134,7 @@ def lightest(catalogue: Catalogue, near: DesignMap, probability: float) -> Desig
     tried = offered.at(guess > -NEAR_M_S)
     for some in portions(len(tried.pair), TRIED_AT_A_TIME):
         candidates = tried.at(some)
-        limits = _limits(Requirement(catalogue), candidates)
+        limits = Requirement(catalogue).limits(candidates, lowest=False)
         distributions = catalogue.distributions(candidates, limits)
         chances = distributions.probability_above(np.tile(catalogue.velocities_m_s, len(candidates.pair)))
         stopping = np.flatnonzero((chances.reshape(limits.shape) >= probability).all(axis=1))

@@ -418,7 +418,7 @@ def _nearest(requirement: Requirement) -> Search:
     if len(every.pair) > MOST_COMPARED:
         order = np.lexsort((-every.ceramic_mm, every.backing_mm, every.pair))
         every = every.at(order[np.unique(np.column_stack(every[::2][:2])[order], axis=0, return_index=True)[1]])
-    short = catalogue.short_m_s(every, requirement.lowest_limits(every)).max(axis=1)
+    short = catalogue.short_m_s(every, requirement.limits(every)).max(axis=1)
     return Search(requirement, every.at(np.lexsort((catalogue.objective(every), short))))
 
 

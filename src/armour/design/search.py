@@ -2,7 +2,7 @@
 
 from bisect import bisect_left, bisect_right
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from armour.analysis.estimates import Estimate
 from armour.analysis.results import FIRST_IMPACTS, OnProgress, ignore_progress, portions
-from armour.analysis.searches import limit_brackets
+from armour.analysis.searches import ballistic_limits, limits_anywhere
 from armour.analysis.variants import Bools, Floats, Ints, Variants, perforated
 from armour.core.search import DENSE_SCAN_POINTS
 from armour.design.catalogue import COST, MARGIN, Candidates, Catalogue, first_backings, least_of_law
@@ -110,66 +110,34 @@ class Requirement:
             kept[rest] = self._stopped(rows.at(rest)._replace(velocities=required))
         return kept
 
-    def _count(self, runs: int) -> None:
+    def _count(self, runs: int, _total: int | None = None) -> None:
         self.runs += runs
         self.on_progress(runs, None)
 
-    def lowest_limits(self, candidates: Candidates) -> Floats:
-        """Return the lowest ballistic limits of designs against each threat, m/s, (designs, threats).
+    def limits(self, candidates: Candidates, *, lowest: bool = True) -> Floats:
+        """Return the ballistic limits of designs against each threat, m/s, (designs, threats).
 
-        The search extends beyond the range of the section ``ballistic_limit`` to 20 m/s and 10,000 m/s; a limit beyond
-        these is set to the nearer one.  If it is at least the velocity required, velocities are scanned more densely;
-        the limit is then that of the lowest change.
+        The search extends beyond the range of the section ``ballistic_limit``, see `limits_anywhere`.  For the lowest
+        ones, velocities are scanned more densely where the limit is at least the velocity required.
         """
-        return self._against_all(candidates, self._lowest_limits)
-
-    def quick_limits(self, candidates: Candidates) -> Floats:
-        """Return the ballistic limits of designs against each threat, m/s, (designs, threats); NaN for none."""
-        section = self.catalogue.scenario.ballistic_limit
-        ends = section.velocity_min_m_s, section.velocity_max_m_s
-
-        def limits_of(variants: Variants) -> Floats:
-            found = limit_brackets(variants, *ends, section.tolerance_m_s)
-            self.on_progress(int(found.runs.sum()), None)
-            return np.where(found.bounded, found.perforated, np.nan)
-
-        return self._against_all(candidates, limits_of)
-
-    def _against_all(self, candidates: Candidates, limits_of: Callable[[Variants], Floats]) -> Floats:
-        """Return limits of designs against each threat, (designs, threats), of which many rows are searched at once."""
         limits = np.empty((len(candidates.pair), len(self.catalogue.threats)))
         for part in portions(len(limits), max(LIMITS_AT_A_TIME // limits.shape[1], 1)):
             rows, required, _ = self.catalogue.against_each(candidates.at(part), range(limits.shape[1]))
-            rows = rows._replace(velocities=required)
-            limits[part] = limits_of(rows).reshape(-1, limits.shape[1])
+            row_limits = limits_anywhere(rows, self._count)
+            if lowest:
+                reaching = np.flatnonzero(row_limits >= required)
+                row_limits[reaching] = self._lowest(rows.at(reaching), row_limits[reaching])
+            limits[part] = row_limits.reshape(-1, limits.shape[1])
         return limits
 
-    def _lowest_limits(self, variants: Variants) -> Floats:
-        section = self.catalogue.scenario.ballistic_limit
+    def _lowest(self, variants: Variants, limits: Floats) -> Floats:
+        """Return the ballistic limits of rows, m/s, or lower ones that a denser scan finds."""
+        section = variants.scenario.ballistic_limit
         slowest = min(section.velocity_min_m_s, SLOWEST_M_S)
-        found = self._counted(variants, section.velocity_min_m_s, section.velocity_max_m_s)
-        for outside, low, high in (
-            (-np.inf, slowest, section.velocity_min_m_s),
-            (np.inf, section.velocity_max_m_s, FASTEST_M_S),
-        ):
-            where = np.flatnonzero(found == outside)
-            if len(where) and low < high:
-                found[where] = self._counted(variants.at(where), low, high)
-        found = found.clip(slowest, FASTEST_M_S)
-        where = np.flatnonzero(found >= variants.velocities)
-        if len(where):
-            lowest = self._counted(variants.at(where), slowest, FASTEST_M_S, DENSE_SCAN_POINTS).clip(slowest)
-            # Two limits of one change are within the tolerance of each other.
-            missed = lowest < found[where] - section.tolerance_m_s
-            found[where[missed]] = lowest[missed]
-        return found
-
-    def _counted(self, variants: Variants, low: float, high: float, points: int | None = None) -> Floats:
-        """Return lowest limits, m/s; -inf if the lowest velocity perforates, inf if none is seen to."""
-        tolerance = variants.scenario.ballistic_limit.tolerance_m_s
-        found = limit_brackets(variants, low, high, tolerance, points=points)
-        self._count(int(found.runs.sum()))
-        return np.where(np.isneginf(found.stopped), -np.inf, found.perforated)
+        range_m_s = slowest, FASTEST_M_S
+        dense = ballistic_limits(variants, range_m_s, points=DENSE_SCAN_POINTS, on_progress=self._count).clip(slowest)
+        # Two limits of one change are within the tolerance of each other.
+        return np.where(dense < limits - section.tolerance_m_s, dense, limits)
 
 
 class Search:
@@ -201,7 +169,7 @@ class Search:
     def limits(self, where: Ints) -> Floats:
         """Return the lowest ballistic limits of designs against each threat, m/s, (designs, threats)."""
         unknown = where[np.isnan(self._limits[where, 0])]
-        self._limits[unknown] = self.requirement.lowest_limits(self.candidates.at(unknown))
+        self._limits[unknown] = self.requirement.limits(self.candidates.at(unknown))
         return self._limits[where]
 
     def passes(self, where: Ints) -> Bools:
@@ -340,11 +308,9 @@ class Search:
         return np.array([known[name] * scale for name, scale in zip(criteria, scales, strict=True)])
 
     def _quick_limits(self, where: Ints) -> Floats:
-        """Return all limits, where unknown by the quick search or, if that finds none for a design, by scan."""
+        """Return all limits, those of some designs by the quick search."""
         limits = self._limits.copy()
-        limits[where] = self.requirement.quick_limits(self.candidates.at(where))
-        missing = where[np.isnan(limits[where]).any(axis=1)]
-        limits[missing] = self.limits(missing)
+        limits[where] = self.requirement.limits(self.candidates.at(where), lowest=False)
         return limits
 
 

@@ -79,14 +79,16 @@ _ALL = (
 )
 # Every input by name.
 INPUTS = {one.name: one for one in _ALL}
+# Keys of library entries by role and name of the input.
+KEYS = {role: {name: one.key for name, one in INPUTS.items() if one.section == role} for role in ROLES}
 
 
 def inputs_of_entry(role: str, entry: "LibraryEntry") -> dict[str, float]:
     """Return the values of the inputs that an entry of the library gives in a role, by name."""
     return {
-        name: entry[one.key]
-        for name, one in INPUTS.items()
-        if one.section == role and one.key in entry.values and (name != YIELD or entry.derived - {one.key})
+        name: entry[key]
+        for name, key in KEYS[role].items()
+        if key in entry.values and (name != YIELD or entry.derived - {key})
     }
 
 

@@ -13,6 +13,10 @@ Parts = tuple[str, ...]
 MAX_PARTS = 20
 # Keys and, of lists, indices.
 _Place = tuple[str | int, ...]
+# Texts and comments, within which brackets and ends of lines do not count, brackets, and ends of lines.
+_TOKEN = re.compile(
+    r'''"""(?:\\.|[^\\])*?"{3,5}|\'{3}.*?\'{3,5}|"(?:\\.|[^"\\\n])*"|\'[^\'\n]*\'|\#[^\n]*|[][{}\n]''', re.DOTALL
+)
 
 
 def key_name(parts: Sequence[str | int]) -> str:
@@ -97,25 +101,31 @@ def describe(value: object) -> str:
 
 def lines_of(text: str) -> dict[str, int]:
     """Return the line numbers, from 1, of every key and table of a TOML text, up to a syntax error."""
-    found: dict[str, int] = {}
+    lines: dict[str, int] = {}
     counts: dict[str, int] = {}
     table: _Place = ()
-    statement, first = "", 1
-    for number, line in enumerate(text.split("\n"), 1):
-        statement += f"{line}\n"
-        if line.endswith(",") and "#" not in line:
-            continue  # within a list
+    for line, statement in _statements(text):
         try:
             data = tomllib.loads(statement)
         except tomllib.TOMLDecodeError:
-            continue  # the statement goes on
+            break
         is_header = statement.lstrip().startswith("[")
         if is_header:
             table = _header(data, counts)
         for key in [table] if is_header else _keys(data, table):
-            found.setdefault(key_name(key), first)
-        statement, first = "", number + 1
-    return found
+            lines.setdefault(key_name(key), line)
+    return lines
+
+
+def _statements(text: str) -> Iterator[tuple[int, str]]:
+    """Yield the statements of a TOML text, each with the number of its first line, from 1."""
+    start, line, depth = 0, 1, 0
+    for token in _TOKEN.finditer(f"{text}\n"):
+        depth += (token[0] in "[{") - (token[0] in "]}")
+        if token[0] == "\n" and depth <= 0:
+            statement = text[start : token.end()]
+            yield line, statement
+            start, line = token.end(), line + statement.count("\n")
 
 
 def line_of(key: str, lines: Mapping[str, int]) -> int | None:

@@ -3,6 +3,7 @@
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
+from functools import cached_property
 from hashlib import sha256
 from importlib import import_module
 from operator import ge, gt, itemgetter, le, lt
@@ -174,7 +175,11 @@ class Scenario(Section):
         A bare plate has no inputs of the ceramic.  The coefficients of a law of its flow stress are inputs only if its
         entry has them, and the yield strength only if other properties of the metal are derived from it.
         """
-        found: dict[str, float] = {
+        return dict(self._inputs)
+
+    @cached_property
+    def _inputs(self) -> dict[str, float]:
+        values: dict[str, float] = {
             name: getattr(getattr(self, one.section), one.key)
             for name, one in INPUTS.items()
             if one.kind is None and (name != CERAMIC or self.armour.ceramic is not None)
@@ -182,8 +187,8 @@ class Scenario(Section):
         for role in ROLES:
             entry = self.entry_of(role)
             if entry is not None:
-                found |= inputs_of_entry(role, entry)
-        return found
+                values |= inputs_of_entry(role, entry)
+        return values
 
     def check_names(self, names: Iterable[str], file: str, key: str = "") -> None:
         """Check that names are inputs of the scenario; `file` and `key`, by default the name, say where they are."""
@@ -236,7 +241,11 @@ class Scenario(Section):
 
     def core_armour(self) -> Parameters:
         """Return projectile and armour as parameters of the core, SI units; thicknesses along the line of fire."""
-        fields: dict[str, Any] = dict.fromkeys(Parameters._fields, 0.0) | fields_of(self.inputs())
+        return self._parameters
+
+    @cached_property
+    def _parameters(self) -> Parameters:
+        fields: dict[str, Any] = dict.fromkeys(Parameters._fields, 0.0) | fields_of(self._inputs)
         fields["L0"] = penetrator_length_mm(self.entry("projectile", self.impact.projectile)) * MM
         fields["shear_law"] = SHEAR_LAWS[self.model.shear_perimeter]
         return Parameters(**fields)

@@ -14,8 +14,8 @@ from scipy.stats import chi2, norm, t
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.evaluate import Answers
 from armour.analysis.results import OnProgress
-from armour.analysis.searches import limit_brackets
-from armour.analysis.variants import Bools, Floats, Ints, Variants, perforated, variants_of
+from armour.analysis.searches import ballistic_limits
+from armour.analysis.variants import Bools, Floats, Ints, Variants, variants_of
 from armour.core.search import SCAN_POINTS
 from armour.errors import Problem, mistake, refuse
 from armour.evidence.sampling import centre_and_width
@@ -191,14 +191,7 @@ def _limits(variants: Variants) -> Floats:
     """
     search = variants.scenario.ballistic_limit
     ends = search.velocity_min_m_s, search.velocity_max_m_s
-    found = limit_brackets(variants, *ends, LIMIT_TOLERANCE_M_S, SCAN_POINTS)
-    limits = np.where(found.bounded, found.perforated, np.nan)
-    outside = np.flatnonzero(np.isnan(limits))
-    if len(outside):
-        slowest = np.full(len(outside), search.velocity_min_m_s)
-        below = perforated(variants.at(outside)._replace(velocities=slowest))
-        limits[outside] = np.where(below, *ends)
-    return limits
+    return ballistic_limits(variants, tolerance=LIMIT_TOLERANCE_M_S, points=SCAN_POINTS).clip(*ends)
 
 
 def _residual_velocities(variants: Variants) -> Floats:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from armour.analysis.searches import limit_brackets
+from armour.analysis.searches import ballistic_limits
 from armour.analysis.variants import Floats, Variants, concatenated, variants_of
 from armour.engine import batch
 from armour.errors import mistake
@@ -117,7 +117,7 @@ def _limits(rows: Variants, role: str, values: Mapping[str, float]) -> Floats:
     for field, value in law_parameters(role, values).items():
         getattr(batch.fields(parameters), field)[:] = value
     rows = rows._replace(parameters=parameters)
-    return limit_brackets(rows, *ends, rows.scenario.ballistic_limit.tolerance_m_s).perforated.clip(*ends)
+    return ballistic_limits(rows, ends).clip(*ends)
 
 
 def _of_plates(rows: Variants, entry: LibraryEntry) -> tuple[LawTests, ...]:

@@ -132,6 +132,7 @@ def _answers(variants: Variants, on_progress: OnProgress) -> dict[str, Floats]:
     impacts, count = Answers(variants), len(variants.velocities)
     limits = ballistic_limits(variants, tolerance=LIMIT_TOLERANCE_M_S)
     limits[:1] = ballistic_limits(variants.at(np.arange(1)))
+    limits[np.isinf(limits)] = np.nan
     on_progress(count, count)
     return {
         LIMIT: limits,

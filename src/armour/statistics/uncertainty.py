@@ -318,7 +318,7 @@ def _in_portions(
 def sample_limits(samples: Samples) -> Floats:
     """Return the ballistic limit of each sample, m/s; every sample must have one in the range of the search."""
     limits: Floats = ballistic_limits(samples.variants) * samples.factor
-    if np.isnan(limits).any():
+    if np.isinf(limits).any():
         search = samples.variants.scenario.ballistic_limit
         raise NoLimitError(
             f"no ballistic limit of some samples from {search.velocity_min_m_s:g} to {search.velocity_max_m_s:g} m/s; "
