@@ -189,7 +189,8 @@ def _with_result(
     options: dict[str, Any],
 ) -> Answer:
     """Plan the next shot after one that is added to the table, which stays locked until it is written."""
-    from armour.planning.firing import added, content_of, far_from, locked, with_shot
+    from armour.planning.firing import far_from
+    from armour.planning.shot_file import added, content_of, locked, with_shot
     from armour.statistics.v50 import Shots
 
     perforated = PERFORATED.get(result.lower())

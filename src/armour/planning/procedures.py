@@ -492,11 +492,16 @@ def operating_characteristic(settings: ShotSettings) -> tuple[OperatingPoint, ..
     )
 
 
-Rule = tuple[Callable[[Shots, ShotSettings], Aim], Callable[[Shots, ShotSettings], str]]
-# By procedure: the functions that give the velocity of the next shot, and why the firing ends.
+class Rule(NamedTuple):
+    """Functions of the shots so far: the next velocity, and why the firing has ended, "" if it goes on."""
+
+    aim: Callable[[Shots, ShotSettings], Aim]
+    ended: Callable[[Shots, ShotSettings], str]
+
+
 PROCEDURES: Mapping[str, Rule] = {
-    "bayesian": (next_bayesian, stopped_bayesian),
-    "neyer": (next_by_neyer, stopped),
-    "langlie": (next_by_langlie, stopped),
-    "up-and-down": (next_up_and_down, stopped_up_and_down),
+    "bayesian": Rule(next_bayesian, stopped_bayesian),
+    "neyer": Rule(next_by_neyer, stopped),
+    "langlie": Rule(next_by_langlie, stopped),
+    "up-and-down": Rule(next_up_and_down, stopped_up_and_down),
 }
