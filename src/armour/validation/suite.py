@@ -255,6 +255,11 @@ class Case:
     cells: Cells = field(default_factory=dict)
 
     @property
+    def scenarios(self) -> tuple[Scenario, ...]:
+        """The scenario, and the one with a material replaced, if any."""
+        return (self.scenario,) if self.replacement is None else (self.scenario, self.replacement)
+
+    @property
     def group(self) -> str:
         """Name of the table to which the case belongs; empty for a single case."""
         return self.section.name if isinstance(self.section, TableSection) else ""
@@ -314,6 +319,13 @@ class Case:
 def is_regression(section: CaseSection | TableSection, suite: SuiteSection) -> bool:
     """Return whether the expected values of a section are results of this program: not those with a source."""
     return (section.regression or suite.regression) and not (section.source or suite.source)
+
+
+def _unless(section: CaseSection, suite: SuiteSection) -> str:
+    """Return why a value that is missing is not one that an update fills in."""
+    if section.regression or suite.regression:
+        return "as there is a source: only a regression value without source is filled in by --update"
+    return "but for a regression value"
 
 
 @dataclass(frozen=True, repr=False)
@@ -384,7 +396,7 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
     if not suite.case and not suite.table:
         raise mistake(path, "case", "is missing: a suite must have at least one case or table")
     refuse(
-        Problem(str(path), key_name(["case", i, EXPECTED]), "is missing and must be given, but for a regression value")
+        Problem(str(path), key_name(["case", i, EXPECTED]), f"is missing and must be given, {_unless(case, suite)}")
         for i, case in enumerate(suite.case)
         if case.expected is None and not is_regression(case, suite)
     )
@@ -400,10 +412,10 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
                 wrong.setdefault((row.place[:2], problem), _placed(problem, row, path))
     refuse(wrong.values())
     if changes:
-        asked = [(made, case) for case in cases for made in (case.scenario, case.replacement) if made is not None]
-        reads = (name for made, case in asked for name in read_of(made, QUESTIONS[case.quantity]))
+        scenarios = [(scenario, case) for case in cases for scenario in case.scenarios]
+        reads = (name for scenario, case in scenarios for name in read_of(scenario, QUESTIONS[case.quantity]))
         check_read(changes, {*SHOT, *reads})
-        check_used(changes, *(made for made, _ in asked))
+        check_used(changes, *(scenario for scenario, _ in scenarios))
     return Suite(suite.title, path, tuple(cases), tuple(suite.table), suite.description)
 
 
@@ -492,9 +504,9 @@ def _scenario(file: Path, read: Read, *changes: Mapping[str, object]) -> Scenari
 
 def _file(folder: Path, name: str) -> Path:
     """Return the file that a suite in a folder names: a path there or in the shipped folder, or a shipped scenario."""
-    own = folder / name
+    file = folder / name
     other = shipped_files("scenarios", ".toml").get(name, shipped("suites") / name)
-    return other if not exists(own) and exists(other) else own
+    return other if not exists(file) and exists(other) else file
 
 
 def _in_words(key: str, value: float) -> str:
