@@ -459,42 +459,45 @@ def _rows(suite: SuiteSection) -> Iterator[_Row]:
 
 def _cases(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, object], read: Read) -> list[Case]:
     """Return the case of a row, or those of a file."""
-    section, quantity = row.section, row.section.quantity
-    file = _file(folder, section.scenario)
+    section, file = row.section, _file(folder, row.section.scenario)
     scenario = _scenario(file, read, section.set, row.inputs, changes)
     replacement = None
     if section.replaced_by is not None:
         replacement = _scenario(file, read, section.set, section.replaced_by, changes)
-    check_answerable(quantity, scenario, replacement)
+    check_answerable(section.quantity, scenario, replacement)
+    name = ", ".join(map(_in_words, row.inputs, row.inputs.values())) or section.name
+    case = Case(suite, section, name, scenario, row.expected, row.place, replacement, row.rivals, row.measured)
     if row.first:
-        _check_changes(row, scenario, replacement)
-    if not isinstance(section, TableSection) or not section.file:
-        name = ", ".join(map(_in_words, row.inputs, row.inputs.values())) or section.name
-        return [Case(suite, section, name, scenario, row.expected, row.place, replacement, row.rivals, row.measured)]
-    tests = read_tests(_file(folder, section.file), scenario, suite.notes)
-    of_test = {int(place): group.scenario for group in tests.groups for place in group.where}
+        _check_changes(case, row.inputs)
+    return _cases_of_file(case, section, folder) if isinstance(section, TableSection) and section.file else [case]
+
+
+def _cases_of_file(common: Case, table: TableSection, folder: Path) -> list[Case]:
+    """Return the cases of the file of a table, given what they have in common."""
+    tests = read_tests(_file(folder, table.file), common.scenario, common.suite.notes)
+    scenarios = {int(place): group.scenario for group in tests.groups for place in group.where}
     cases = [
-        Case(suite, section, tests.names[place], of_test[place], float(cells[quantity]), row.place, cells=cells)
-        for place, cells in enumerate(tests.cells)
-        if quantity in cells and meets(cells, section.where)
+        replace(common, name=name, scenario=scenarios[place], expected=float(cells[table.quantity]), cells=cells)
+        for place, (name, cells) in enumerate(zip(tests.names, tests.cells, strict=True))
+        if table.quantity in cells and meets(cells, table.where)
     ]
     if not cases:
-        conditions = " and ".join((quantity, *section.where))
+        conditions = " and ".join((table.quantity, *table.where))
         raise mistake(tests.file, "", f"must have tests with {conditions} as the suite selects them, found none")
     return cases
 
 
-def _check_changes(row: _Row, scenario: Scenario, replacement: Scenario | None) -> None:
-    """Check that the changes and the columns of a section, of which the first row is given, all have an effect."""
-    file = scenario.file
-    reads = read_of(scenario, QUESTIONS[row.section.quantity])
-    for changes in (row.section.set, row.section.replaced_by or {}):
-        given = [leaf for key, value in changes.items() for leaf, _ in leaves(value, parts_of(key))]
+def _check_changes(case: Case, inputs: Mapping[str, float]) -> None:
+    """Check that the changes and the columns of a section, of which the first case is given, all have an effect."""
+    scenario, file = case.scenario, case.scenario.file
+    reads = read_of(scenario, QUESTIONS[case.quantity])
+    for changes in (case.section.set, case.section.replaced_by or {}):
+        changed = [leaf for key, value in changes.items() for leaf, _ in leaves(value, parts_of(key))]
         # The title is for people; entries of the library may be based on each other.
-        counting = [leaf[0] not in ("title", "library") for leaf in given] + [True] * len(row.inputs)
-        keys = compress(canonical([*map(key_name, given), *row.inputs], file), counting)
-        check_reach(scenario, list(keys), reads, file, row.section.quantity, closed_forms=bool(row.rivals))
-        check_used(changes, scenario, *([replacement] if replacement else []), file=file, option="")
+        counting = [leaf[0] not in ("title", "library") for leaf in changed] + [True] * len(inputs)
+        keys = compress(canonical([*map(key_name, changed), *inputs], file), counting)
+        check_reach(scenario, list(keys), reads, file, case.quantity, closed_forms=bool(case.rivals))
+        check_used(changes, *case.scenarios, file=file, option="")
 
 
 def _scenario(file: Path, read: Read, *changes: Mapping[str, object]) -> Scenario:
