@@ -17,7 +17,7 @@ from armour.csv_files import MUST_SAY, PERFORATED, number
 from armour.errors import InputError, Problem, choices, mistake, refuse
 from armour.files import read_toml, shipped, shipped_files, suite_file
 from armour.scenario.checked import checked
-from armour.scenario.inputs import SHOT
+from armour.scenario.inputs import ROUND_AND_ARMOUR
 from armour.scenario.keys import canonical, describe, key_name, leaves, parts_of
 from armour.scenario.reach import check_reach, check_read, check_used, read_of
 from armour.scenario.scenario import Scenario, parse_changed
@@ -414,7 +414,7 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
     if changes:
         scenarios = [(scenario, case) for case in cases for scenario in case.scenarios]
         reads = (name for scenario, case in scenarios for name in read_of(scenario, QUESTIONS[case.quantity]))
-        check_read(changes, {*SHOT, *reads})
+        check_read(changes, {*ROUND_AND_ARMOUR, *reads})
         check_used(changes, *(scenario for scenario, _ in scenarios))
     return Suite(suite.title, path, tuple(cases), tuple(suite.table), suite.description)
 
