@@ -88,15 +88,16 @@ def _refitted(cases: Sequence[Case]) -> Iterator[Error]:
     from armour.statistics.calibration import FLOW_STRESS, fit_by_law
     from armour.statistics.likelihood import intervals
 
-    scenario = cases[0].scenario
-    name, settings = (
-        scenario.name_of("ceramic"),
-        {(case.scenario.solver, case.scenario.ballistic_limit) for case in cases},
-    )
+    name, scenario = cases[0].scenario.name_of("ceramic"), cases[0].scenario
+    settings = {(case.scenario.solver, case.scenario.ballistic_limit) for case in cases}
     if name is None or len(settings) > 1:
         return
-    inputs = [{key: x for key, x in case.scenario.inputs().items() if key != FLOW_STRESS} for case in cases]
-    rows = [{**row, LIMIT: limit} for row, limit in zip(inputs, measured_limits(cases).tolist(), strict=True)]
+    rows = [
+        {**case.scenario.inputs(), "test": place, LIMIT: limit}
+        for place, (case, limit) in enumerate(zip(cases, measured_limits(cases).tolist(), strict=True))
+    ]
+    for row in rows:
+        del row[FLOW_STRESS]
     done, result = fit_by_law(read_tests(rows, scenario), [FLOW_STRESS], None)
     [stress] = intervals(done)
     if stress.estimate is None:
