@@ -87,12 +87,17 @@ def test_an_update_fills_in_a_regression_value(cli, folder: Path):
     """Until then it is not scored; without the word, a value must be given."""
     text = SUITE.replace("expected = 723.77\n", "regression = true\n")
     (folder / "suite.toml").write_text(text)
-    before = cli("validate", "suite.toml", "-v")
-    assert "limit: no expected value yet; --update fills it in" in before.stdout
-    assert (before.exit_code, before.stdout.splitlines()[-1]) == (0, "1 of 1 within their bands")
+    for options in ((), ("-v",)):
+        before = cli("validate", "suite.toml", *options)
+        assert "limit: no expected value yet; --update fills it in" in before.stdout
+        assert "--verbose shows them" not in before.stdout
+        assert (before.exit_code, before.stdout.splitlines()[-1]) == (0, "1 of 1 within their bands")
     assert cli("validate", "suite.toml", "--update").exit_code == 0
     assert cli("validate", "suite.toml").stdout.splitlines()[-1] == "2 of 2 within their bands"
     assert tomllib.loads((folder / "suite.toml").read_text())["case"][0]["expected"] == pytest.approx(723.778)
     (folder / "suite.toml").write_text(text.replace("regression = true\n", ""))
     message = "suite.toml: case[0].expected: is missing and must be given, but for a regression value (line 4)"
     assert cli.fails(2, "validate", "suite.toml") == [message]
+    (folder / "suite.toml").write_text(text.replace("regression = true", 'regression = true\nsource = "report 17"'))
+    [line] = cli.fails(2, "validate", "suite.toml")
+    assert "as there is a source: only a regression value without source is filled in by --update" in line

@@ -22,12 +22,13 @@ from scipy.stats import t
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import ignore_progress
 from armour.analysis.variants import Floats
+from armour.planning.candidates import LimitModel
 from armour.planning.plan_tests import plan_tests
 from armour.scenario.inputs import BACKING, CERAMIC
 from armour.scenario.scenario import Scenario, load_scenario
 from armour.statistics import likelihood as likelihood_fit
 from armour.statistics.calibration import FLOW_STRESS, LAWS, Law, calibrate, with_ceramic, with_law
-from armour.statistics.measured import LIMIT, MaterialGroup, Measurement, Tests, read_tests
+from armour.statistics.measured import LIMIT, MaterialGroup, read_tests
 from tools.campaigns import verdict
 from tools.campaigns.coverage_calibration import ROOT, Table
 
@@ -50,21 +51,15 @@ class Set:
     true: Scenario
     design: Scenario
 
-    def likelihood(self, measured: Floats | None = None, *, of_design: bool = False) -> likelihood_fit.Likelihood:
-        """Return the likelihood of measured limits, by default the model's own, of the tests or of the design."""
-        scenario, columns = (self.design, {}) if of_design else (self.true, self.armours)
-        count = 1 if of_design else NUMBER
-        group = MaterialGroup(scenario, np.arange(count), columns)
-        values = np.ones(count) if measured is None else measured
-        made = tuple(Measurement(i, LIMIT, float(value), None, 0) for i, value in enumerate(values))
-        tests = Tests(
-            self.name, tuple(map(str, range(count))), (group,), made, False, ({},) * count, scenario, ("",) * count
-        )
+    def model(self) -> LimitModel:
+        """Return the limits of the tests and, last, of the design."""
         names = (FLOW_STRESS, *(f"ceramic.{key}" for key in LAWS[self.law]))
-        found = likelihood_fit.likelihood_of(tests, names, ignore_progress)
-        if measured is not None:
-            return found
-        return self.likelihood(found.predicted(self.x), of_design=of_design) if not of_design else found
+        groups = (
+            MaterialGroup(self.true, np.arange(NUMBER), self.armours),
+            MaterialGroup(self.design, np.array([NUMBER]), {}),
+        )
+        units = likelihood_fit.units_of(self.true, names)
+        return LimitModel(groups, (("", ""),) * (NUMBER + 1), names, units, ignore_progress)
 
     @property
     def x(self) -> Floats:
@@ -72,41 +67,38 @@ class Set:
         entry = self.true.entry("ceramic", "AD85")
         return np.array([1.0, *(entry[key] for key in LAWS[self.law])])
 
-    def limit_and_slope(self, x: Floats) -> tuple[float, Floats]:
-        """Return the limit of the design, m/s, and its derivatives by the inputs."""
-        likelihood = self.likelihood(of_design=True)
-        limit = float(likelihood.predicted(x)[0])
-        steps = (likelihood.predicted(x + likelihood_fit.DIFFERENCE * step)[0] for step in np.eye(len(x)))
-        return limit, np.array([step - limit for step in steps]) / likelihood_fit.DIFFERENCE
-
     def expected(self) -> tuple[float, float]:
         """Return half-widths of the intervals of flow stress, GPa, and limit of the design, m/s, by the formula."""
-        likelihood, x = self.likelihood(), self.x
-        rows = likelihood_fit.rows_at(likelihood, x, SCATTER)[1]
-        covariance = np.linalg.inv(rows.T @ rows).astype(np.float64)
-        return self.half_widths(covariance, x, likelihood.units)
-
-    def half_widths(self, covariance: Floats, x: Floats, units: Floats) -> tuple[float, float]:
-        """Return the half-widths that a covariance gives."""
-        factor = float(t.ppf(0.5 * (1.0 + CONFIDENCE), NUMBER - len(x)))
-        slope = self.limit_and_slope(x)[1]
-        return factor * sqrt(covariance[0, 0]) * float(units[0]), factor * sqrt(slope @ covariance @ slope)
+        model = self.model()
+        rows = model.gradients(self.x, model.limits(self.x))[:NUMBER] / SCATTER
+        return half_widths(model, np.linalg.inv(rows.T @ rows).astype(np.float64), self.x)
 
     def simulated(self, samples: int, seed: int) -> Iterator[tuple[float, bool, float, bool]]:
         """Yield half-widths and whether intervals hold the true value, of flow stress and limit, for each sample."""
-        likelihood, x, dice = self.likelihood(), self.x, np.random.default_rng(seed)
-        limits, truth = likelihood.predicted(x), self.limit_and_slope(x)[0]
+        model, dice = self.model(), np.random.default_rng(seed)
+        *limits, truth = model.limits(self.x).tolist()
+        columns = {"test": range(NUMBER), **self.armours, LIMIT: limits}
+        rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+        tests = read_tests(rows, self.true)
         for _ in range(samples):
-            measured = limits * (1.0 + SCATTER * dice.normal(size=NUMBER))
-            made = self.likelihood(measured).tests
-            fit = likelihood_fit.fit_inputs(made, likelihood.names, ignore_progress)
+            errors = 1.0 + SCATTER * dice.normal(size=NUMBER)
+            measured = [m._replace(value=m.value * error) for m, error in zip(tests.measurements, errors, strict=True)]
+            sample = tests._replace(measurements=tuple(measured))
+            fit = likelihood_fit.fit_inputs(sample, model.names, ignore_progress)
             low, high = likelihood_fit.intervals(fit)[0].interval or (None, None)
             if low is None or high is None:
                 continue  # counted as no sample; the caller prints how many there are
-            found = self.limit_and_slope(fit.best.x)[0]
-            half = self.half_widths(fit.covariance, fit.best.x, likelihood.units)[1]
-            holds = low <= likelihood.units[0] <= high
-            yield 0.5 * (high - low), holds, half, abs(found - truth) <= half
+            half = half_widths(model, fit.covariance, fit.best.x)[1]
+            holds = low <= model.units[0] <= high
+            yield 0.5 * (high - low), holds, half, abs(model.limits(fit.best.x)[-1] - truth) <= half
+
+
+def half_widths(model: LimitModel, covariance: Floats, x: Floats) -> tuple[float, float]:
+    """Return the half-widths that a covariance gives, of flow stress, GPa, and limit of the design, m/s."""
+    factor = float(t.ppf(0.5 * (1.0 + CONFIDENCE), NUMBER - len(x)))
+    limits = model.limits(x)
+    slope = model.gradients(x, limits)[-1] * limits[-1]
+    return factor * sqrt(covariance[0, 0]) * float(model.units[0]), factor * sqrt(slope @ covariance @ slope)
 
 
 def sets_of(law: Law) -> Iterator[Set]:
@@ -146,19 +138,19 @@ def main() -> int:
     shares = []
     for law in LAWS:
         likelihood_fit.MODELS[LIMIT] = exact
-        for some in sets_of(law):
+        for tests in sets_of(law):
             likelihood_fit.MODELS[LIMIT] = exact
-            stress, limit = some.expected()
+            stress, limit = tests.expected()
             likelihood_fit.MODELS[LIMIT] = table
-            found = np.array([*some.simulated(given.samples, given.seed)], dtype=float)
-            means = found.mean(axis=0)
+            samples = np.array([*tests.simulated(given.samples, given.seed)], dtype=float)
+            means = samples.mean(axis=0)
             shares += [100.0 * float(means[1]), 100.0 * float(means[3])]
-            pairs, counts = np.unique(np.column_stack([*some.armours.values()]), axis=0, return_counts=True)
+            pairs, counts = np.unique(np.column_stack([*tests.armours.values()]), axis=0, return_counts=True)
             print(
-                f"{law:9} {some.name:10} {stress:.3f}  {means[0]:.3f}  {100 * means[1]:.1f} %   "
-                f"{limit:.2f}  {means[2]:.2f}  {100 * means[3]:.1f} %   {len(found)} samples"
+                f"{law:9} {tests.name:10} {stress:.3f}  {means[0]:.3f}  {100 * means[1]:.1f} %   "
+                f"{limit:.2f}  {means[2]:.2f}  {100 * means[3]:.1f} %   {len(samples)} samples"
             )
-            if some.name != "Wilkins":
+            if tests.name != "Wilkins":
                 print("   ", "; ".join(f"{n} x {c:g}/{b:g}" for (c, b), n in zip(pairs, counts, strict=True)))
     return verdict.coverage(shares, given.samples, LEAST)
 

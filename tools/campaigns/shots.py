@@ -18,6 +18,7 @@ fractions of firings that end with the requirement met and not met; the risks ar
 import argparse
 import sys
 import time
+from itertools import compress
 from math import sqrt
 from typing import NamedTuple
 
@@ -88,7 +89,7 @@ class Intervals:
             value = self.log_likelihood + 0.5 * np.log(np.maximum(zero * two - one * one, 0.0))
         value = np.maximum(value, -1e9).reshape(-1, *self.nodes)
         profile = _vertex(value)
-        found = np.full((len(value), 2), np.nan)
+        ends = np.full((len(value), 2), np.nan)
         peaks = profile.argmax(axis=1)
         tops = _vertex(profile[:, None])[:, 0]
         flat = value.max(axis=1).argmax(axis=1) == self.nodes[1] - 1
@@ -98,8 +99,8 @@ class Intervals:
             first, last = inside[0], inside[-1]
             if first > 0 and last < self.nodes[0] - 1:
                 sides = (first, first - 1), (last, last + 1)
-                found[row] = [np.interp(0.0, roots[row, [near, far]], self.v50[[near, far]]) for near, far in sides]
-        return found + self.centre
+                ends[row] = [np.interp(0.0, roots[row, [near, far]], self.v50[[near, far]]) for near, far in sides]
+        return ends + self.centre
 
     def keep(self, which: Bools) -> None:
         """Keep some of the firings."""
@@ -116,44 +117,46 @@ def _vertex(value: Floats) -> Floats:
     return np.where(np.maximum(low, high) > top, np.maximum(low, high), top + gain)
 
 
-def classic(
-    procedure: str, settings: ShotSettings, truths: Floats, scatters: Floats, dice: np.random.Generator
+class ClassicFirings:
+    """Firings of a procedure that knows no prior."""
+
+    def __init__(self, procedure: str, settings: ShotSettings, count: int, centre: float) -> None:
+        self.rule, self.settings = PROCEDURES[procedure.removesuffix(WITHOUT)], settings
+        self.fired = [Shots((), ())] * count
+        self.estimates = Intervals(count, centre, confidence=settings.confidence)
+
+    def aims(self) -> Floats:
+        """Return the velocities of the next shots."""
+        return np.array([self.rule.aim(shots, self.settings).velocity_m_s for shots in self.fired])
+
+    def add(self, velocities: Floats, complete: Bools) -> None:
+        """Add a shot to each firing."""
+        self.fired = [
+            Shots((*shots.velocities_m_s, velocity), (*shots.complete, result))
+            for shots, velocity, result in zip(self.fired, velocities.tolist(), complete.tolist(), strict=True)
+        ]
+        self.estimates.add(velocities, complete)
+
+    def intervals(self, _confidence: float) -> Floats:
+        """Return the ends of the interval of V50 of each firing, (n, 2)."""
+        return self.estimates.ends()
+
+    def keep(self, which: Bools) -> None:
+        """Keep some of the firings."""
+        self.fired = [*compress(self.fired, which)]
+        self.estimates.keep(which)
+
+
+def ended(
+    firings: Firings | ClassicFirings, truths: Floats, scatters: Floats, dice: np.random.Generator, confidence: float
 ) -> Outcome:
-    """Simulate firings of a procedure that knows no prior."""
-    (next_velocity, _), count = PROCEDURES[procedure.removesuffix(WITHOUT)], len(truths)
-    shots, held = np.full(count, MOST), np.zeros(count, dtype=bool)
-    fired = [Shots((), ()) for _ in truths]
-    going, intervals = np.arange(count), Intervals(count, float(truths.mean()), confidence=settings.confidence)
-    for number in range(1, MOST + 1):
-        aims = np.array([next_velocity(fired[each], settings).velocity_m_s for each in going])
-        velocities = dice.normal(aims, MISS_M_S)
-        complete = dice.normal(truths[going], scatters[going]) < velocities
-        for each, velocity, result in zip(going, velocities.tolist(), complete.tolist(), strict=True):
-            before = fired[each]
-            fired[each] = Shots((*before.velocities_m_s, velocity), (*before.complete, result))
-        intervals.add(velocities, complete)
-        low, high = intervals.ends().T
-        over = 0.5 * (high - low) <= HALF_WIDTH_M_S
-        shots[going[over]] = number
-        held[going[over]] = ((low <= truths[going]) & (truths[going] <= high))[over]
-        going = going[~over]
-        intervals.keep(~over)
-        if not len(going):
-            break
-    return Outcome(shots, held)
-
-
-def bayes(settings: ShotSettings, truths: Floats, scatters: Floats, dice: np.random.Generator) -> Outcome:
-    """Simulate firings of the Bayesian procedure."""
-    assert settings.prior is not None
-    known = posterior_of(settings.prior, (), (), NODES)
+    """Simulate firings to their ends."""
     count = len(truths)
-    shots, held = np.full(count, MOST), np.zeros(count, dtype=bool)
-    going, firings = np.arange(count), Firings(known, settings, count, CANDIDATES)
+    shots, held, going = np.full(count, MOST), np.zeros(count, dtype=bool), np.arange(count)
     for number in range(1, MOST + 1):
         velocities = dice.normal(firings.aims(), MISS_M_S)
         firings.add(velocities, dice.normal(truths[going], scatters[going]) < velocities)
-        low, high = firings.intervals(settings.confidence).T
+        low, high = firings.intervals(confidence).T
         over = 0.5 * (high - low) <= HALF_WIDTH_M_S
         shots[going[over]] = number
         held[going[over]] = ((low <= truths[going]) & (truths[going] <= high))[over]
@@ -206,9 +209,9 @@ def requirement(
         prior=prior,
     )
     v50 = REQUIRED * prior.limit_m_s + (distance - float(ndtri(fraction))) * scatter
-    known, dice = posterior(Shots((), ()), settings), np.random.default_rng([seed, firings])
-    many = Missed(known, settings, firings, CANDIDATES)
-    shots, decided, _ = fire(many, np.full(firings, v50), np.full(firings, scatter), dice)
+    dice = np.random.default_rng([seed, firings])
+    missed = Missed(posterior(Shots((), ()), settings), settings, firings, CANDIDATES)
+    shots, decided, _ = fire(missed, np.full(firings, v50), np.full(firings, scatter), dice)
     return float((decided > 0).mean()), float((decided < 0).mean()), float(np.minimum(shots, MOST_SHOTS).mean())
 
 
@@ -216,7 +219,7 @@ def simulate(
     procedure: str,
     deviations: float,
     scatter: float | None,
-    firings: int,
+    count: int,
     seed: int,
     confidence: float = CONFIDENCE,
 ) -> Outcome:
@@ -227,21 +230,23 @@ def simulate(
     settings = ShotSettings(limit, guess, limits_of(prior), HALF_WIDTH_M_S, confidence, prior=prior)
     if procedure.endswith(WITHOUT):
         settings = settings._replace(estimate_m_s=START * limit, limits_m_s=(WIDE[0] * limit, WIDE[1] * limit))
-    found = []
-    for start in range(0, firings, BLOCK):
+    blocks = []
+    for start in range(0, count, BLOCK):
         # Above the limit in one block, below in the next: the grids of a block have one centre.
         number = start // BLOCK
         offset = (1.0 if number % 2 == 0 else -1.0) * deviations * deviation_percent(prior) / 100.0
-        truths = np.full(min(BLOCK, firings - start), prior.error.median(limit) + limit * offset)
+        truths = np.full(min(BLOCK, count - start), prior.error.median(limit) + limit * offset)
         dice = np.random.default_rng([seed, number, round(10.0 * deviations), round(scatter or 0.0)])
         scatters = np.full(len(truths), scatter or 0.0)
         if scatter is None:
             scatters = prior.scatter_percent / 100.0 * truths * prior.scatter_factor ** dice.normal(size=len(truths))
-        known = procedure.removesuffix(WITHOUT) not in CLASSIC
-        found.append(
-            bayes(settings, truths, scatters, dice) if known else classic(procedure, settings, truths, scatters, dice)
-        )
-    return Outcome(*(np.concatenate(column) for column in zip(*found, strict=True)))
+        firings: Firings | ClassicFirings
+        if procedure.removesuffix(WITHOUT) in CLASSIC:
+            firings = ClassicFirings(procedure, settings, len(truths), float(truths.mean()))
+        else:
+            firings = Firings(posterior_of(prior, (), (), NODES), settings, len(truths), CANDIDATES)
+        blocks.append(ended(firings, truths, scatters, dice, confidence))
+    return Outcome(*(np.concatenate(column) for column in zip(*blocks, strict=True)))
 
 
 def main() -> int:
@@ -261,11 +266,11 @@ def main() -> int:
         for scatter, procedure in [*cases, (None, "bayesian")]:
             for deviations in DEVIATIONS:
                 start = time.perf_counter()
-                found = simulate(procedure, deviations, scatter, given.firings, given.seed, level)
-                over = found.shots < MOST
-                held = 100.0 * float(found.held[over].mean())
+                outcome = simulate(procedure, deviations, scatter, given.firings, given.seed, level)
+                over = outcome.shots < MOST
+                held = 100.0 * float(outcome.held[over].mean())
                 case = f"{level:g} | {scatter or 'of the prior'} | {deviations:g} | {procedure}"
-                counts = f"{found.shots.mean():.1f} | {held:.1f} | {(~over).sum()}"
+                counts = f"{outcome.shots.mean():.1f} | {held:.1f} | {(~over).sum()}"
                 print(f"{case} | {counts} | {time.perf_counter() - start:.0f}", flush=True)
                 if scatter is None:
                     by_prior.append(f"{held:.1f}")

@@ -189,7 +189,8 @@ def _with_result(
     options: dict[str, Any],
 ) -> Answer:
     """Plan the next shot after one that is added to the table, which stays locked until it is written."""
-    from armour.planning.firing import added, content_of, far_from, locked, with_shot
+    from armour.planning.firing import far_from
+    from armour.planning.shot_file import added, content_of, locked, with_shot
     from armour.statistics.v50 import Shots
 
     perforated = PERFORATED.get(result.lower())
@@ -268,7 +269,7 @@ def plan_tests(
 
 def _source(candidates: list[str]) -> "Grid | Cases":
     """Return the candidates."""
-    from armour.planning.plan_tests import of_candidates
+    from armour.planning.candidates import of_candidates
     from armour.sweeps.cases import Cases
 
     files = [text for text in candidates if "=" not in text]

@@ -134,7 +134,7 @@ AsJson = Annotated[bool, option("Print one JSON object and nothing else.", "--js
 Verbose = Annotated[bool, option("Show every row and every warning.", "--verbose", "-v")]
 
 # Parameters of a question that are no options: a function to call, and the name of the scenario as it was given.
-GIVEN = ("on_progress", "source")
+NOT_OPTIONS = ("on_progress", "source")
 # Options of every question, after its own.
 COMMON = {
     "plot": (PlotFile, None),
@@ -193,7 +193,7 @@ def question(
     def made(function: Callable[..., Answer]) -> Callable[..., None]:
         own = dict(inspect.signature(function).parameters)
         derives = own.pop("options", None) is not None
-        static = {name: each.replace(kind=each.KEYWORD_ONLY) for name, each in own.items() if name not in GIVEN}
+        static = {name: each.replace(kind=each.KEYWORD_ONLY) for name, each in own.items() if name not in NOT_OPTIONS}
         static["scenario"] = static["scenario"].replace(annotation=ScenarioFile)
         static |= {name: number_option(name, text) for name, (_key, text) in keys.items()}
         if csv:

@@ -1,29 +1,23 @@
-"""Plan of a V50 firing: the velocity of the next shot, or the whole firing simulated, and the file of its shots."""
+"""Plan of a V50 firing: the velocity of the next shot, or the whole firing simulated."""
 
-import os
-from codecs import BOM_UTF8
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Container, Iterator, Sequence
 from dataclasses import dataclass
 from math import inf
-from pathlib import Path
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from filelock import FileLock, Timeout
 from pydantic import Field
 
-from armour.analysis.ballistic_limit import ballistic_limit
+from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
 from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.results import OnProgress, Result, ignore_progress
-from armour.csv_files import OUTCOMES, PERFORATED, read_csv
 from armour.errors import Problem, mistake, refuse
 from armour.evidence.model_error import NORMAL, ModelError
-from armour.files import reason
 from armour.planning.procedures import (
     PROCEDURES,
     SOONER,
     OperatingPoint,
+    Rule,
     ShotSettings,
     decisions,
     expected_shots,
@@ -33,6 +27,7 @@ from armour.planning.procedures import (
     posterior,
     recommended_fit,
 )
+from armour.planning.shot_file import added
 from armour.scenario.checked import checked, instance
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.statistics.curves import FittedCurve
@@ -48,21 +43,24 @@ from armour.statistics.posterior import (
     pooled_scatter,
     posterior_of,
 )
-from armour.statistics.v50 import MAX_VELOCITY_M_S, MIN_VELOCITY_M_S, MeanV50, Shots, check_shots
+from armour.statistics.v50 import MAX_VELOCITY_M_S, MIN_VELOCITY_M_S, MeanV50, Shots, Velocity, check_shots
 
 Procedure = Literal["bayesian", "neyer", "langlie", "up-and-down"]
+# Procedures that start from limits of V50, and have no requirement.
+LIMITED = ("langlie", "neyer")
 HALF_WIDTH_M_S = 15.0
 # Probability of V50 within the limits of Langlie's and Neyer's procedures, unless they are given.
 LIMITS_PROBABILITY = 0.99
 CURVE_POINTS = 201
+# Part of a limit by the model, of which the error is not known, or of the middle of shots, within which V50 is expected
+# with a probability of 95 %, and that quantile of the normal distribution.
+WIDE, WITHIN = 0.3, 1.96
 # Shots beyond the interval of V50 with this probability, widened by a part of the limit, are warned of.
 FAR_PROBABILITY, FAR_PART = 0.999, 0.1
 # A shot or a requirement is refused whose velocity and the model's limit differ by more than this factor.
 ABSURD_FACTOR = 3.0
 # A simulated firing ends here at the latest.
 MAX_SIMULATED = 100
-
-Velocity = Annotated[float, Field(ge=MIN_VELOCITY_M_S, le=MAX_VELOCITY_M_S)]
 
 
 @dataclass(frozen=True)
@@ -196,50 +194,6 @@ class ShotPlan(Result):
         return f"{count}, the next at {self.next_velocity_m_s:.1f} m/s"
 
 
-class _Expected(NamedTuple):
-    """What is expected of V50 before the shots."""
-
-    estimate_m_s: float
-    error: ModelError
-    limit_m_s: float | None = None  # by the model
-    model_error: ModelError | None = None
-    warnings: tuple[str, ...] = ()
-
-
-# Part of a limit by the model, of which the error is not known, or of the middle of shots, within which V50 is expected
-# with a probability of 95 %, and that quantile of the normal distribution.
-WIDE, WITHIN = 0.3, 1.96
-
-
-def _expected(
-    scenario: Scenario | None,
-    fired: Shots,
-    limits_m_s: tuple[float, float] | None,
-    on_progress: OnProgress,
-) -> _Expected:
-    """Return what is expected of V50: the model's limit with its error, or else what limits, or shots, say."""
-    limit = None if scenario is None else ballistic_limit(scenario, on_progress=on_progress)
-    known = () if limit is None else (limit.ballistic_limit_m_s, limit.model_error, limit.warnings)
-    if limit is not None and limit.model_error is not None:
-        return _Expected(limit.ballistic_limit_m_s, limit.model_error, *known)
-    if limits_m_s is not None:
-        low, high = limits_m_s
-        source = f"within the limits given, {low:g} to {high:g} m/s"
-    elif limit is not None:
-        low, high = ((1.0 + sign * WIDE) * limit.ballistic_limit_m_s for sign in (-1.0, 1.0))
-        source = f"within {100.0 * WIDE:g} % of the limit by the model, whose error is not known"
-    elif fired.complete:
-        low, high = min(fired.velocities_m_s), max(fired.velocities_m_s)
-        middle = 0.5 * (low + high)
-        low, high = min(low, (1.0 - WIDE) * middle), max(high, (1.0 + WIDE) * middle)
-        source = f"within {100.0 * WIDE:g} % of the middle of the shots"
-    else:
-        raise mistake("plan_shots", "scenario", "must be given, or shots, or limits of V50")
-    middle = 0.5 * (low + high)
-    error = ModelError(0.0, 100.0 * (high - low) / (2.0 * WITHIN * middle), NORMAL, source)
-    return _Expected(middle, error, *known)
-
-
 @checked
 def plan_shots(
     scenario: Scenario | None = None,
@@ -328,130 +282,184 @@ def plan_shots(
     >>> armour.plan_shots(armour.load_scenario("wilkins"))
     <ShotPlan: 6.35 mm AD85 on 6.35 mm 6061-T6 against 7.62 mm AP: 0 shots, the next at 726.8 m/s>
     """
-    given_shots = fired = Shots((), ()) if shots is None else shots
-    check_shots(fired, one_kind=True)
-    for each in earlier:
-        check_shots(instance(each, Shots))
-    problems = []
-    limited = procedure in ("langlie", "neyer")
-    if limited and requirement_m_s is not None:
-        problems.append(("requirement_m_s", f"must not be given with {procedure}, which has no requirement"))
+    before = Shots((), ()) if shots is None else shots
+    check_shots(before, one_kind=True)
+    for firing in earlier:
+        check_shots(instance(firing, Shots))
+    settings_given = {
+        "requirement_m_s": requirement_m_s,
+        "requirement_fraction": requirement_fraction != 0.5,
+        "prior": prior,
+        "half_width_m_s": half_width_m_s,
+        "true_v50_m_s": true_v50_m_s,
+        "true_scatter_m_s": true_scatter_m_s,
+        "seed": seed,
+    }
+    problems = [*_misused(procedure, {key for key, value in settings_given.items() if value}, simulate=simulate)]
     if limits_m_s is not None and limits_m_s[0] >= limits_m_s[1]:
         problems.append(("limits_m_s", f"must rise, found {limits_m_s[0]:g} and {limits_m_s[1]:g}"))
-    if procedure == "bayesian" and requirement_m_s is not None and half_width_m_s is not None:
-        problems.append(("half_width_m_s", "must not be given with a requirement, which ends the firing"))
-    unused = {"requirement_fraction": requirement_fraction != 0.5, "prior": prior} if requirement_m_s is None else {}
-    problems += ((key, "must not be given without a requirement") for key, given in unused.items() if given)
-    truths = {"true_v50_m_s": true_v50_m_s, "true_scatter_m_s": true_scatter_m_s}
-    if not simulate:
-        given = [key for key, value in {**truths, "seed": seed or None}.items() if value is not None]
-        problems += ((key, "must not be given without simulating") for key in given)
-    elif len(missing := [key for key, value in truths.items() if value is None]) == 1:
-        problems.append((missing[0], "must be given, as both V50 and scatter to simulate or neither"))
     refuse(Problem("plan_shots", *problem) for problem in problems)
     if earlier:
-        others = [(each.velocities_m_s, each.complete) for each in earlier]
-        scatter_percent, scatter_factor = pooled_scatter(others, scatter_percent, scatter_factor)
-    before_shots = _expected(scenario, fired, limits_m_s, on_progress)
-    if requirement_m_s is not None and (message := far_from(before_shots.estimate_m_s, requirement_m_s)):
+        firings = [(firing.velocities_m_s, firing.complete) for firing in earlier]
+        scatter_percent, scatter_factor = pooled_scatter(firings, scatter_percent, scatter_factor)
+    limit = None if scenario is None else ballistic_limit(scenario, on_progress=on_progress)
+    model_error = None if limit is None else limit.model_error
+    expectation = FiringPrior(*_expected_v50(limit, before, limits_m_s), scatter_percent, scatter_factor)
+    if requirement_m_s is not None and (message := far_from(expectation.limit_m_s, requirement_m_s)):
         raise mistake("plan_shots", "requirement_m_s", message)
-    model = FiringPrior(before_shots.estimate_m_s, before_shots.error, scatter_percent, scatter_factor)
-    if prior and before_shots.model_error is None:
+    if prior and model_error is None:
         if scenario is None:
             raise mistake("plan_shots", "prior", "must not be asked for without a scenario")
         raise no_prior(scenario)
-    if limited and limits_m_s is None:
-        limits_m_s = limits_of(model)
-    elif not limited:
-        if limits_m_s is not None and before_shots.model_error is not None:
-            raise mistake(
-                "plan_shots", "limits_m_s", f"must not be given with {procedure} where the model error is known"
-            )
-        limits_m_s = None
+    if limits_m_s is not None and model_error is not None and procedure not in LIMITED:
+        message = f"must not be given with {procedure} where the model error is known"
+        raise mistake("plan_shots", "limits_m_s", message)
+    limits = (limits_m_s or limits_of(expectation)) if procedure in LIMITED else None
     rule_ends = procedure == "up-and-down" or (procedure == "bayesian" and requirement_m_s is not None)
     settings = ShotSettings(
-        estimate_m_s=model.limit_m_s,
-        scatter_m_s=model.limit_m_s * scatter_percent / 100.0,
-        limits_m_s=limits_m_s or (-inf, inf),
+        estimate_m_s=expectation.limit_m_s,
+        scatter_m_s=expectation.limit_m_s * scatter_percent / 100.0,
+        limits_m_s=limits or (-inf, inf),
         half_width_m_s=HALF_WIDTH_M_S if half_width_m_s is None and not rule_ends else half_width_m_s,
         confidence=confidence,
         requirement_m_s=requirement_m_s,
         requirement_fraction=requirement_fraction,
         scatter_factor=scatter_factor,
-        prior=model,
+        prior=expectation,
         by_prior=prior,
     )
-    next_aim, why_stopped = PROCEDURES[procedure]
+    rule, fired = PROCEDURES[procedure], before
     if simulate:
         dice = np.random.default_rng(seed)
         if true_v50_m_s is None or true_scatter_m_s is None:
-            grid, weights = posterior_of(model, fired.velocities_m_s, fired.complete)
-            drawn = dice.choice(len(weights), p=weights)
-            true_v50_m_s, true_scatter_m_s = float(grid.v50_m_s[drawn]), float(grid.scatter_m_s[drawn])
-        for _ in range(MAX_SIMULATED):
-            if why_stopped(fired, settings):
-                break
-            velocity = aimed(next_aim(fired, settings).velocity_m_s)
-            fired = added(fired, velocity, bool(dice.normal(true_v50_m_s, true_scatter_m_s) < velocity))
-            on_progress(1, None)
-    ended = why_stopped(fired, settings)
-    aim = None if ended else next_aim(fired, settings)
-    alone, known = (posterior_of(model, *of) for of in (((), ()), (fired.velocities_m_s, fired.complete)))
-    before, after, share, contradictions = learned(alone, known, confidence)
-    curve = _curve(alone, known, fired)
-    met = None if requirement_m_s is None else known.probability_above(requirement_m_s, requirement_fraction)
-    demand, decided, ratios, risk = settings.demand(), 0, (None, None), None
-    if requirement_m_s is not None:
-        now = posterior(fired, settings)
-        [decided] = decisions(now.weights[None], now.grid, settings)
-        if demand:
-            ratios, risk = demand.ratios(now.weights[None])[0].tolist(), 1.0 - confidence
-    more, sooner = expected_shots(fired, settings) if procedure == "bayesian" and aim else (None, None)
-    planned = requirement_m_s is not None and procedure == "bayesian" and not given_shots.complete
+            grid, weights = posterior_of(expectation, before.velocities_m_s, before.complete)
+            point = dice.choice(len(weights), p=weights)
+            true_v50_m_s, true_scatter_m_s = float(grid.v50_m_s[point]), float(grid.scatter_m_s[point])
+        fired = _simulated(before, settings, rule, (true_v50_m_s, true_scatter_m_s), dice, on_progress)
+    ended = rule.ended(fired, settings)
+    aim = None if ended else rule.aim(fired, settings)
+    without = posterior_of(expectation, (), ())
+    with_shots = posterior_of(expectation, fired.velocities_m_s, fired.complete)
+    prior_estimate, estimate, share, contradictions = learned(without, with_shots, confidence)
+    expects, has_begun = procedure == "bayesian" and aim is not None, len(before.complete) > 0
+    further, sooner = expected_shots(fired, settings) if expects else (None, None)
     return ShotPlan(
         procedure=procedure,
         fired=fired,
-        simulated=len(fired.complete) - len(given_shots.complete),
+        simulated=len(fired.complete) - len(before.complete),
         next_velocity_m_s=None if aim is None else aimed(aim.velocity_m_s),
         reason="" if aim is None else aim.why + _outside(aim.velocity_m_s, fired),
         stopped=ended,
-        expected_shots=more,
+        expected_shots=further,
         expected_shots_90=sooner if confidence > SOONER else None,
         confidence=confidence,
         half_width_m_s=settings.half_width_m_s,
         requirement_m_s=requirement_m_s,
         requirement_fraction=requirement_fraction,
-        probability_met=met,
-        limits_m_s=limits_m_s,
-        prior=before,
-        posterior=after,
+        limits_m_s=limits,
+        prior=prior_estimate,
+        posterior=estimate,
         prior_share=share,
         recommended=None if procedure == "bayesian" else recommended_fit(fired, confidence),
         mean=mean_of(fired) if procedure == "up-and-down" else None,
-        model_ballistic_limit_m_s=before_shots.limit_m_s,
-        model_error=before_shots.model_error,
-        expected_from=before_shots.error.source,
+        model_ballistic_limit_m_s=None if limit is None else limit.ballistic_limit_m_s,
+        model_error=model_error,
+        expected_from=expectation.error.source,
         true_v50_m_s=true_v50_m_s,
         true_scatter_m_s=true_scatter_m_s,
-        curve=curve,
+        curve=_curve(without, with_shots, fired),
         contradicts_prior=bool(contradictions),
-        decision=("", "met", "not met")[decided],
-        consumers_risk=risk,
-        producers_risk=risk,
-        evidence_met=ratios[0],
-        evidence_not_met=ratios[1],
-        operating_characteristic=operating_characteristic(settings) if planned else (),
+        **_requirement(fired, settings, with_shots, operates=procedure == "bayesian" and not has_begun),
         earlier=len(earlier),
         scatter_percent=scatter_percent,
         scatter_factor=scatter_factor,
         warnings=(
-            *_far_shots(given_shots, model),
+            *_far_shots(before, expectation),
             *contradictions,
             *(langlie_doubts(fired, settings) if procedure == "langlie" and aim else ()),
             *([f"the simulation stopped after {MAX_SIMULATED} shots without an end"] if simulate and aim else ()),
-            *before_shots.warnings,
+            *(() if limit is None else limit.warnings),
         ),
     ).of(scenario.subject(ANY_VELOCITY) if scenario else f"V50 of {fired.file}", scenario=scenario)
+
+
+def _misused(procedure: Procedure, given: Container[str], *, simulate: bool) -> Iterator[tuple[str, str]]:
+    """Give the settings, of those that are given, that do not go together, with what is wrong."""
+    truths = ("true_v50_m_s", "true_scatter_m_s")
+    if "requirement_m_s" not in given:
+        unused = (key for key in ("requirement_fraction", "prior") if key in given)
+        yield from ((key, "must not be given without a requirement") for key in unused)
+    elif procedure in LIMITED:
+        yield "requirement_m_s", f"must not be given with {procedure}, which has no requirement"
+    elif procedure == "bayesian" and "half_width_m_s" in given:
+        yield "half_width_m_s", "must not be given with a requirement, which ends the firing"
+    if not simulate:
+        yield from ((key, "must not be given without simulating") for key in (*truths, "seed") if key in given)
+    elif len(missing := [key for key in truths if key not in given]) == 1:
+        yield missing[0], "must be given, as both V50 and scatter to simulate or neither"
+
+
+def _expected_v50(
+    limit: LimitResult | None, fired: Shots, limits_m_s: tuple[float, float] | None
+) -> tuple[float, ModelError]:
+    """Return the V50 that is expected before the shots, m/s, and its error.
+
+    It is the model's limit or, where its error is not known, what limits, or shots, say.
+    """
+    if limit is not None and limit.model_error is not None:
+        return limit.ballistic_limit_m_s, limit.model_error
+    if limits_m_s is not None:
+        low, high = limits_m_s
+        source = f"within the limits given, {low:g} to {high:g} m/s"
+    elif limit is not None:
+        low, high = ((1.0 + sign * WIDE) * limit.ballistic_limit_m_s for sign in (-1.0, 1.0))
+        source = f"within {100.0 * WIDE:g} % of the limit by the model, whose error is not known"
+    elif fired.complete:
+        low, high = min(fired.velocities_m_s), max(fired.velocities_m_s)
+        middle = 0.5 * (low + high)
+        low, high = min(low, (1.0 - WIDE) * middle), max(high, (1.0 + WIDE) * middle)
+        source = f"within {100.0 * WIDE:g} % of the middle of the shots"
+    else:
+        raise mistake("plan_shots", "scenario", "must be given, or shots, or limits of V50")
+    middle = 0.5 * (low + high)
+    return middle, ModelError(0.0, 100.0 * (high - low) / (2.0 * WITHIN * middle), NORMAL, source)
+
+
+def _simulated(
+    fired: Shots,
+    settings: ShotSettings,
+    rule: Rule,
+    truth: tuple[float, float],
+    dice: np.random.Generator,
+    on_progress: OnProgress,
+) -> Shots:
+    """Return shots with those that a rule fires after them at armour of a true V50 and scatter."""
+    for _ in range(MAX_SIMULATED):
+        if rule.ended(fired, settings):
+            break
+        velocity = aimed(rule.aim(fired, settings).velocity_m_s)
+        fired = added(fired, velocity, bool(dice.normal(*truth) < velocity))
+        on_progress(1, None)
+    return fired
+
+
+def _requirement(fired: Shots, settings: ShotSettings, with_shots: Posterior, *, operates: bool) -> dict[str, Any]:
+    """Return what a plan says of its requirement, by attribute; with a procedure's operating characteristic or not."""
+    if settings.requirement_m_s is None:
+        return {"probability_met": None}
+    current = posterior(fired, settings)
+    [decision] = decisions(current.weights[None], current.grid, settings)
+    of_shots: dict[str, float] = {}
+    if demand := settings.demand():
+        risk, [ratios] = 1.0 - settings.confidence, demand.ratios(current.weights[None]).tolist()
+        of_shots = dict(zip(("evidence_met", "evidence_not_met"), ratios, strict=True))
+        of_shots |= {"consumers_risk": risk, "producers_risk": risk}
+    return {
+        "probability_met": with_shots.probability_above(settings.requirement_m_s, settings.requirement_fraction),
+        "decision": ("", "met", "not met")[decision],
+        "operating_characteristic": operating_characteristic(settings) if operates else (),
+        **of_shots,
+    }
 
 
 def _outside(velocity_m_s: float, fired: Shots) -> str:
@@ -472,9 +480,9 @@ def _curve(prior: Posterior, posterior: Posterior, fired: Shots) -> PlanCurve:
     low, high = prior.grid.v50_quantiles(prior.weights, (0.005, 0.995))[0].tolist()
     shown = (low, high, *fired.velocities_m_s)
     velocities = np.linspace(min(shown), max(shown), CURVE_POINTS)
-    density = (each.density(velocities) for each in (prior, posterior))
-    curves = (*density, expected(posterior.grid.response(velocities), posterior.weights))
-    return PlanCurve(tuple(velocities.tolist()), *(tuple(curve.tolist()) for curve in curves))
+    probability = expected(posterior.grid.response(velocities), posterior.weights)
+    columns = (velocities, prior.density(velocities), posterior.density(velocities), probability)
+    return PlanCurve(*(tuple(column.tolist()) for column in columns))
 
 
 def _far_shots(shots: Shots, prior: FiringPrior) -> Iterator[str]:
@@ -498,86 +506,9 @@ def aimed(velocity_m_s: float) -> float:
     return round(min(max(velocity_m_s, MIN_VELOCITY_M_S), MAX_VELOCITY_M_S), 1)
 
 
-HEADER = ("shot", "velocity_m_s", "result")
-# A command waits for others that add a shot to the same file, each of which takes a second or two.
-WAIT_S = 120.0
-
-
-@contextmanager
-def locked(path: Path) -> Iterator[None]:
-    """Keep other commands from adding a shot to a file; the lock is a file beside it, since it is replaced itself."""
-    target = Path(os.path.realpath(path))
-    lock = FileLock(target.with_name(f".{target.name}.lock"), timeout=WAIT_S)
-    try:
-        held = lock.acquire()
-    except Timeout:
-        message = f"cannot be written: other commands have been adding shots to it for {WAIT_S:.0f} s"
-        raise mistake(path, "", message) from None
-    except OSError as error:
-        raise mistake(lock.lock_file, "", f"cannot be locked: {reason(error)}") from None
-    with held:
-        yield
-
-
-def content_of(path: Path) -> bytes | None:
-    """Return the content of a file; None if there is no such file."""
-    return path.read_bytes() if path.exists() else None
-
-
-def with_shot(path: Path, velocity_m_s: float, word: str) -> bytes:
-    """Return the content of a file of shots, which need not exist, with one more; what `read_shots` read of it stays.
-
-    The row has the columns of the file, and its result is spelt as the one before.  A shot that repeats another is
-    named, in a column that all rows get if they have none, before the others.
-    """
-    content = content_of(path)
-    lines = [(1, [*HEADER])] if content is None else [*read_csv(path)]
-    content = f"{','.join(HEADER)}\n".encode() if content is None else content
-    (_, header), *shots = lines
-    names = [cells[header.index("shot")] for _, cells in shots] if "shot" in header else []
-    known = shots[-1][1][header.index("result")] if shots else word
-    texts = {
-        "shot": next_name(names, len(shots)),
-        "velocity_m_s": f"{velocity_m_s:g}" if float(f"{velocity_m_s:g}") == velocity_m_s else repr(velocity_m_s),
-        "result": _spelt(word, known),
-    }
-    row = [texts.get(name, "") for name in header]
-    if any(cells == row for _, cells in shots):
-        row = [texts["shot"], *row]
-        content = _named(content, [place for place, _ in lines])
-    end = b"\r\n" if b"\r\n" in content else b"\n"
-    return content + (b"" if content.endswith(b"\n") else end) + ",".join(row).encode() + end
-
-
-def _named(content: bytes, places: Sequence[int]) -> bytes:
-    """Return the content of a file with a column of names, numbers from 1, before the others of lines at places."""
-    lines = content.removeprefix(BOM_UTF8).splitlines(keepends=True)
-    for name, place in enumerate(places):
-        lines[place - 1] = f"{name or 'shot'},".encode() + lines[place - 1]
-    return (BOM_UTF8 if content.startswith(BOM_UTF8) else b"") + b"".join(lines)
-
-
-def _spelt(word: str, known: str) -> str:
-    """Return a word for a result by one of the pair, and in the case, of a known one."""
-    pair = next(pair for pair in OUTCOMES if known.lower() in pair)
-    word = pair[PERFORATED[word.lower()]]
-    return word.upper() if known.isupper() else word.capitalize() if known.istitle() else word
-
-
-def next_name(names: Sequence[str], count: int) -> str:
-    """Return the name of the shot after a number of shots: one more than the greatest number that is a name."""
-    return str(max((int(name) for name in names if name.isdecimal()), default=count) + 1)
-
-
 def far_from(limit_m_s: float, velocity_m_s: float) -> str:
     """Return why a velocity is so far from the model's limit that its unit must be wrong; "" if it is not."""
     if limit_m_s / ABSURD_FACTOR <= velocity_m_s <= limit_m_s * ABSURD_FACTOR:
         return ""
     near = f"must be near the V50 expected, {limit_m_s:.0f} m/s: a third to three times it"
     return f"{near}, found {velocity_m_s:g}; is it in m/s?"
-
-
-def added(shots: Shots, velocity_m_s: float, complete: bool) -> Shots:
-    """Return shots with one more."""
-    names = (*shots.names, next_name(shots.names, len(shots.complete))) if shots.names else ()
-    return Shots((*shots.velocities_m_s, velocity_m_s), (*shots.complete, complete), shots.file, names)

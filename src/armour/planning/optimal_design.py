@@ -47,16 +47,16 @@ class Task(NamedTuple):
         safe = np.where(regular[..., None, None], information, np.eye(information.shape[-1]))
         variances = np.einsum("tk,...kl,tl->...", self.targets, np.linalg.inv(safe), self.targets) / len(self.targets)
         with np.errstate(all="ignore"):
-            found: Floats = np.where(regular & (variances > 0.0), np.log(variances), np.inf)
-        return found
+            losses: Floats = np.where(regular & (variances > 0.0), np.log(variances), np.inf)
+        return losses
 
     def sensitivities(self, information: Floats) -> Floats:
         """Return how fast the criterion falls when information is added in the direction of each candidate, (n,)."""
         inverse = np.linalg.inv(information)
         if self.targets is None:
             return np.einsum("nk,kl,nl->n", self.rows, inverse, self.rows)
-        seen = self.rows @ inverse @ self.targets.T
-        return (seen**2).sum(axis=1) / np.einsum("tk,kl,tl->", self.targets, inverse, self.targets)
+        products = self.rows @ inverse @ self.targets.T
+        return (products**2).sum(axis=1) / np.einsum("tk,kl,tl->", self.targets, inverse, self.targets)
 
 
 def identified(base: Floats, rows: Floats) -> Floats:
@@ -86,10 +86,10 @@ def _scaled(base: Floats, rows: Floats) -> tuple[Floats, Floats]:
     root = _root(base)
     every = np.vstack([root, rows])
     triangle = np.linalg.qr(every, mode="r")
-    found = np.linalg.solve(np.asarray(triangle).T, every.T).T
+    scaled = np.linalg.solve(np.asarray(triangle).T, every.T).T
     # A base alone has lengths up to 1; one candidate of many has little of the whole.
-    longest = np.linalg.norm(found[len(root) :], axis=1).max()
-    return found[: len(root)] / max(longest, 1e-150), found[len(root) :] / max(longest, 1e-150)
+    scaled /= max(np.linalg.norm(scaled[len(root) :], axis=1).max(), 1e-150)
+    return scaled[: len(root)], scaled[len(root) :]
 
 
 def best_set(task: Task, number: int) -> list[int]:
@@ -111,20 +111,18 @@ def ordered(task: Task, chosen: Sequence[int]) -> list[int]:
 
 def _sequence(task: Task, allowed: Ints, number: int, *, repeats: bool = True) -> list[int]:
     """Choose from the allowed candidates one after the other; without repeats each of them once."""
-    first = _first(task, np.unique(allowed))
-    found, left = first[:number], [*allowed.tolist()]
+    chosen, left = _first(task, np.unique(allowed))[:number], allowed.tolist()
     if not repeats:
-        for one in found:
-            left.remove(one)
-    while len(found) < number:
-        some = np.unique(left)
-        information = task.information(found)
-        rows = task.rows[some]
+        for place in chosen:
+            left.remove(place)
+    while len(chosen) < number:
+        places, information = np.unique(left), task.information(chosen)
+        rows = task.rows[places]
         gains = task.loss(information) - task.loss(information + rows[:, :, None] * rows[:, None, :])
-        found.append(int(some[_first_best(-gains / task.costs[some])]))
+        chosen.append(int(places[_first_best(-gains / task.costs[places])]))
         if not repeats:
-            left.remove(found[-1])
-    return found
+            left.remove(chosen[-1])
+    return chosen
 
 
 def _first(task: Task, allowed: Ints) -> list[int]:
@@ -134,16 +132,16 @@ def _first(task: Task, allowed: Ints) -> list[int]:
     needed = missing(task.base, rows)
     if not needed:
         return []
-    _, values, known = np.linalg.svd(root, full_matrices=False)
-    known = known[values > SINGULAR]
-    pivots = qr((scaled - scaled @ known.T @ known).T, mode="r", pivoting=True)[1]
+    _, values, directions = np.linalg.svd(root, full_matrices=False)
+    informed = directions[values > SINGULAR]
+    pivots = qr((scaled - scaled @ informed.T @ informed).T, mode="r", pivoting=True)[1]
     # In these coordinates the determinant differs by a constant.
     inner = Task(root.T @ root, scaled, task.costs[allowed], None)
     start = [int(pivot) for pivot in pivots[:needed]]
     chosen = _exchanged(inner, start, None)
     # From the one that informs most for its cost on.
     lengths = (inner.rows[chosen] ** 2).sum(axis=1) / inner.costs[chosen]
-    return [int(allowed[chosen[one]]) for one in np.lexsort((chosen, -np.round(lengths / lengths.max(), 9)))]
+    return [int(allowed[chosen[place]]) for place in np.lexsort((chosen, -np.round(lengths / lengths.max(), 9)))]
 
 
 def _exchanged(task: Task, start: Sequence[int], cost: float | None) -> list[int]:
@@ -151,21 +149,21 @@ def _exchanged(task: Task, start: Sequence[int], cost: float | None) -> list[int
 
     Without one, the determinant is compared for the same total cost.
     """
-    found = [*start]
+    chosen = [*start]
     products = task.rows[:, :, None] * task.rows[:, None, :]
     for _ in range(MAX_EXCHANGES):
-        information, total = task.information(found), float(task.costs[found].sum())
+        information, total = task.information(chosen), float(task.costs[chosen].sum())
         best, exchange = _worth(task, task.loss(information), np.array(total), cost), None
-        for one in dict.fromkeys(found):
-            losses = task.loss(information - products[one] + products)
-            losses = _worth(task, losses, total - task.costs[one] + task.costs, cost)
+        for place in dict.fromkeys(chosen):
+            losses = task.loss(information - products[place] + products)
+            losses = _worth(task, losses, total - task.costs[place] + task.costs, cost)
             new = _first_best(losses)
             if losses[new] < best - TIE * max(1.0, abs(float(best))):
-                best, exchange = losses[new], (one, new)
+                best, exchange = losses[new], (place, new)
         if exchange is None:
             break
-        found[found.index(exchange[0])] = exchange[1]
-    return found
+        chosen[chosen.index(exchange[0])] = exchange[1]
+    return chosen
 
 
 def _worth(task: Task, losses: Floats, totals: Floats, cost: float | None) -> Floats:

@@ -1,48 +1,39 @@
 """Plans of tests: which armours to test next, to determine fitted inputs or the limit of a design best."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass
 from math import isfinite, nan, sqrt
-from os import PathLike
-from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field, PlainValidator
-from scipy.optimize import approx_fprime
 from scipy.stats import norm, t
 
 from armour.analysis.estimates import CONFIDENCE
-from armour.analysis.evaluate import check_keys, scenarios_of
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.analysis.variants import Floats
-from armour.errors import MAX_PROBLEMS, InputError, Problem, choices, mistake, refuse
+from armour.errors import Problem, mistake, refuse
 from armour.planning import optimal_design
+from armour.planning.candidates import MAX_COST, Candidates, Choice, LimitModel, Measure, candidates_of, limit_model
 from armour.planning.optimal_design import Task
 from armour.scenario.checked import Names, checked, instance
-from armour.scenario.inputs import INPUTS, NAMES, VELOCITY
-from armour.scenario.keys import canonical
+from armour.scenario.inputs import NAMES, VELOCITY
 from armour.scenario.scenario import Scenario
 from armour.statistics.calibration import FLOW_STRESS, Law, check_fitted, law_of, under_law
 from armour.statistics.likelihood import (
-    DIFFERENCE,
+    NO_PRIOR,
     Fit,
-    Likelihood,
     fit_inputs,
     hazard,
     likelihood_of,
     needed_of,
+    prior_of,
     rows_at,
     usable,
 )
-from armour.statistics.measured import LIMIT, MEASURED, MaterialGroup, Measurement, Tests, subject_of
-from armour.sweeps.cases import Cases, Grid, source_of
+from armour.statistics.measured import LIMIT, MEASURED, Tests
 
-# Column of the cost of a candidate.
-COST = "cost"
-MAX_CANDIDATES, MAX_NUMBER = 10_000, 200
-MAX_COST = 1e12
+MAX_NUMBER = 200
 # Information on a relative change of an input below which a test does not inform: a standard deviation of a million.
 NOTHING = 1e-12
 # Part of a vector that may lie outside the directions that tests determine.
@@ -51,7 +42,6 @@ OUTSIDE = 1e-2
 AT_END = 1e-6
 
 Criterion = Literal["D", "I"]
-Measure = Literal["limit", "outcome"]
 ScatterSource = Literal["given", "uncertainties", "residuals"]
 
 
@@ -60,7 +50,6 @@ def _several(designs: object) -> tuple[Scenario, ...]:
 
 
 Designs = Annotated[Scenario | Sequence[Scenario], PlainValidator(_several)]
-Candidates = Mapping[str, object] | str | PathLike[str] | Grid | Cases
 
 
 @dataclass(frozen=True)
@@ -175,7 +164,7 @@ class PlannedTests(TableResult):
 @checked
 def plan_tests(
     scenario: Scenario,
-    candidates: Candidates,
+    candidates: Choice,
     fit: Names = FLOW_STRESS,
     law: Law | None = None,
     *,
@@ -234,161 +223,114 @@ def plan_tests(
         If a setting is out of its range, a candidate is not a valid armour or has no ballistic limit in the range of
         the search, the candidates do not depend on the inputs, or the scatter is not known.
     """
-    questions = (designs,) if isinstance(designs, Scenario) else tuple(designs) or (scenario,)
+    designs = (designs,) if isinstance(designs, Scenario) else tuple(designs) or (scenario,)
     fit = tuple(fit)
     check_fitted(fit, law, "plan_tests")
     scenario.check_names([name for name in fit if law is None or name == FLOW_STRESS], "plan_tests", "fit")
-    rows, costs = _candidates(scenario, candidates, measure, cost)
+    chosen_from = candidates_of(scenario, candidates, measure, cost)
+    _check_materials([(design.file, design) for design in designs], chosen_from.groups[0].scenario, fit)
+    model = limit_model(chosen_from, designs, fit, law, on_progress)
     source: ScatterSource = "uncertainties" if tests is not None and tests.weighted else "residuals"
     if tests is not None and scatter_percent is not None and not tests.weighted:
         tests = _weighted_by(tests, scatter_percent / 100.0)
-    _check_materials([(design.file, design) for design in questions], rows.groups[0].scenario, fit)
-    all_rows = _with_designs(rows, questions)
-    all_rows, names = under_law(all_rows, fit, law)
-    likelihood = likelihood_of(all_rows, names, on_progress, prior=prior)
     scatter = None if scatter_percent is None else scatter_percent / 100.0
-    known = _knowledge(tests, likelihood, fit, law, scatter, prior=prior, on_progress=on_progress)
-    likelihood, gradients, limits = _gradients(likelihood, known.x, len(rows.names))
-    count = len(rows.names)
-    informing = gradients[:count] / known.scatter
-    if measure == "outcome":
-        velocities = np.array([cell[VELOCITY] for cell in rows.cells], dtype=np.float64)
-        # As in a calibration, an outcome's scatter is in proportion to its velocity.
-        z = (velocities - limits[:count]) / (known.scatter * velocities)
-        informing *= (limits[:count] / velocities * np.sqrt(hazard(z) * hazard(-z)))[:, None]
-    if (informing**2).sum(axis=1).max() < NOTHING:
-        raise mistake(rows.file, "", f"must depend on {', '.join(names)}, found no candidate that does")
-    basis = optimal_design.identified(known.base, informing)
+    before = _knowledge(tests, model, fit, law, scatter, prior=prior)
+    limits = model.limits(before.x)
+    model.check(limits)
+    gradients, count = model.gradients(before.x, limits), chosen_from.count
+    rows = _informing(chosen_from, gradients[:count], limits[:count], before.scatter, measure)
+    if (rows**2).sum(axis=1).max() < NOTHING:
+        message = f"must depend on {', '.join(model.names)}, found no candidate that does"
+        raise mistake(chosen_from.file, "", message)
+    basis = optimal_design.identified(before.base, rows)
     inputs = _determined(np.eye(len(basis)), basis)
     targets = _determined(gradients[count:] * limits[count:, None], basis)  # m/s
-    task = Task(
-        base=basis.T @ known.base @ basis,
-        rows=informing @ basis,
-        costs=np.ones(count) if costs is None else costs,
-        targets=targets if criterion == "I" else None,
-    )
     if criterion == "I" and np.isnan(targets).any():
         message = 'must not be "I": the candidates do not determine the limit of a design'
         raise mistake("plan_tests", "criterion", message)
+    task = Task(
+        base=basis.T @ before.base @ basis,
+        rows=rows @ basis,
+        costs=np.ones(count) if chosen_from.costs is None else chosen_from.costs,
+        targets=targets if criterion == "I" else None,
+    )
     chosen = optimal_design.best_set(task, number)
-    regular = not optimal_design.missing(task.information(chosen), task.rows)
-    gains = np.empty(0)
-    if regular:
-        slopes = task.sensitivities(task.information(chosen)) / task.costs
-        gains = slopes / (slopes[chosen] @ task.costs[chosen] / task.costs[chosen].sum())
-    lacking = tuple(name for name, row in zip(names, inputs, strict=True) if np.isnan(row).any())
-    warnings = [*known.warnings]
-    if lacking:
-        warnings.append(
-            f"the candidates do not determine {', '.join(lacking)}: their limits depend on the inputs alike"
-        )
-    if number < (needed := optimal_design.missing(task.base, task.rows)):
-        warnings.append(f"{number} tests do not determine the inputs; at least {needed} are needed")
-    planned = []
-    for made in range(number + 1):
-        halves = _half_widths(task, chosen[:made], known, [*(inputs * likelihood.units[:, None]), *targets], measure)
-        last = chosen[made - 1]
-        planned.append(
-            PlannedTest(
-                number=made,
-                inputs=dict(rows.cells[last]) if made else dict.fromkeys(rows.cells[0], ""),
-                ballistic_limit_m_s=float(limits[last]) if made else None,
-                cost=float(costs[last]) if made and costs is not None else None,
-                total_cost=None if costs is None else float(sum(costs[chosen[:made]])),
-                half_widths=dict(zip(names, halves, strict=False)),
-                limit_half_widths_m_s=tuple(halves[len(names) :]),
-            )
-        )
-    comparable = regular and (criterion == "I" or not lacking)
+    of_interest = np.vstack([inputs * model.units[:, None], targets])
+    half_widths = [_half_widths(task, chosen[:place], before, of_interest, measure) for place in range(number + 1)]
+    lacking = tuple(name for name, row in zip(model.names, inputs, strict=True) if np.isnan(row).any())
+    sensitivities = _sensitivities(task, chosen)
+    comparable = len(sensitivities) > 0 and (criterion == "I" or not lacking)
     return PlannedTests(
-        planned=tuple(planned),
+        planned=_planned(chosen_from, chosen, limits, half_widths, model.names),
         criterion=criterion,
         measure=measure,
-        law=law or (law_of(all_rows.groups[0].scenario) if FLOW_STRESS in names else ""),
-        values=dict(zip(names, (known.x * likelihood.units).tolist(), strict=True)),
+        law=law or (law_of(model.scenario) if FLOW_STRESS in model.names else ""),
+        values=dict(zip(model.names, (before.x * model.units).tolist(), strict=True)),
         tests="" if tests is None else tests.file,
-        scatter_percent=100.0 * known.scatter,
-        scatter_known=known.freedom is None,
+        scatter_percent=100.0 * before.scatter,
+        scatter_known=before.freedom is None,
         scatter_source=source if scatter_percent is None else "given",
-        designs=tuple(design.file for design in questions),
+        designs=tuple(design.file for design in designs),
         design_limits_m_s=tuple(limits[count:].tolist()),
         efficiency=optimal_design.efficiency(task, chosen) if comparable else None,
         not_identified=lacking,
-        candidates={key: tuple(cell[key] for cell in rows.cells) for key in rows.cells[0]},
-        sensitivities=tuple(gains.tolist()),
+        candidates=chosen_from.values(),
+        sensitivities=tuple(sensitivities.tolist()),
         confidence=CONFIDENCE,
-        warnings=tuple(warnings),
-    ).of(subject_of(rows), scenario=scenario, tests=tests)
+        warnings=(*before.warnings, *_doubts(task, number, lacking)),
+    ).of(chosen_from.subject(scenario), scenario=scenario, tests=tests)
 
 
-@contextmanager
-def of_candidates() -> Iterator[None]:
-    """Call the values of a sweep candidates in the messages on them."""
-    try:
-        yield
-    except InputError as error:
-        problems = (
-            problem._replace(file="plan_tests", key=f"candidates {problem.key.removeprefix('over').strip()}".strip())
-            if problem.file == "sweep"
-            else problem
-            for problem in error.problems
+def _informing(candidates: Candidates, gradients: Floats, limits: Floats, scatter: float, measure: Measure) -> Floats:
+    """Return the rows of the information that a test of each candidate gives of the inputs, (n, k)."""
+    if measure == "limit":
+        return gradients / scatter
+    velocities = candidates.columns[VELOCITY].astype(np.float64)
+    # As in a calibration, an outcome's scatter is in proportion to its velocity.
+    z = (velocities - limits) / (scatter * velocities)
+    weights: Floats = limits / velocities * np.sqrt(hazard(z) * hazard(-z))
+    return gradients / scatter * weights[:, None]
+
+
+def _sensitivities(task: Task, chosen: Sequence[int]) -> Floats:
+    """Return the gain per cost of one more test of each candidate, relative to the planned ones; empty without any."""
+    information = task.information(chosen)
+    if optimal_design.missing(information, task.rows):
+        return np.empty(0)
+    slopes = task.sensitivities(information) / task.costs
+    gains: Floats = slopes / (slopes[chosen] @ task.costs[chosen] / task.costs[chosen].sum())
+    return gains
+
+
+def _planned(
+    candidates: Candidates, chosen: Sequence[int], limits: Floats, half_widths: Sequence[Floats], names: Sequence[str]
+) -> tuple[PlannedTest, ...]:
+    """Return what is known before the tests, and after each of them, given the half-widths of inputs and limits."""
+    costs = None if candidates.costs is None else candidates.costs[chosen]
+    planned = []
+    for number, row in enumerate(half_widths):
+        widths = [float(width) if isfinite(width) else None for width in row]
+        last = chosen[number - 1]
+        planned.append(
+            PlannedTest(
+                number=number,
+                inputs=candidates.inputs(last) if number else dict.fromkeys(candidates.columns, ""),
+                ballistic_limit_m_s=float(limits[last]) if number else None,
+                cost=float(costs[number - 1]) if number and costs is not None else None,
+                total_cost=None if costs is None else float(sum(costs[:number])),
+                half_widths=dict(zip(names, widths, strict=False)),
+                limit_half_widths_m_s=tuple(widths[len(names) :]),
+            )
         )
-        raise InputError(tuple(problems)) from None
+    return tuple(planned)
 
 
-def _candidates(
-    scenario: Scenario, candidates: Candidates, measure: Measure, cost: float | None
-) -> tuple[Tests, Floats | None]:
-    """Return the candidates as tests without measurements, and their costs, (n,); None without costs."""
-    with of_candidates():
-        if isinstance(candidates, str | PathLike):
-            candidates = Cases(Path(candidates))
-        source = candidates if isinstance(candidates, Grid | Cases) else source_of(candidates)
-    file = str(source.path) if isinstance(source, Cases) else "candidates"
-    if source.count > MAX_CANDIDATES:
-        raise mistake(file, "", f"must be at most {MAX_CANDIDATES:,} candidates, found {source.count:,}")
-    count = source.count
-    columns = source.rows(np.arange(count))
-    costs = columns.pop(COST, None)
-    columns = dict(zip(canonical(columns, file), columns.values(), strict=True))
-    allowed = (*INPUTS, *NAMES.values())
-    known = allowed if costs is not None else (*allowed, COST)
-    unknown = [key for key in columns if key not in allowed]
-    refuse(Problem(file, key, f"must be an input or a name that a test has{choices(key, known)}") for key in unknown)
-    if not columns:
-        raise mistake(file, "", "must have at least one key of an armour")
-    if measure == "limit" and VELOCITY in columns:
-        message = "must not be given if the ballistic limit is measured; --measure outcome for shots at a velocity"
-        raise mistake(file, VELOCITY, message)
-    quantity = "outcome" if measure == "outcome" else LIMIT
-    check_keys(scenario, {key: values[0].item() for key, values in columns.items()}, (quantity,), file)
-    if costs is not None:
-        wrong = np.flatnonzero(~((costs > 0.0) & (costs <= MAX_COST)))[:MAX_PROBLEMS]
-        message = f"must be greater than 0 and at most {MAX_COST:g}, found"
-        refuse(source.place(0, int(row), Problem(file, COST, f"{message} {costs[row]:g}")) for row in wrong)
-    if measure == "outcome" and VELOCITY not in columns:
-        columns[VELOCITY] = np.full(count, scenario.impact.velocity_m_s)
-    cells = tuple({key: values[i].item() for key, values in columns.items()} for i in range(count))
-    with of_candidates():
-        groups = tuple(
-            MaterialGroup(made, where, own)
-            for where, made, own in scenarios_of(scenario, columns, lambda row, problem: source.place(0, row, problem))
-        )
-    places = tuple(source.place(0, row, Problem(file, "", "")).key.removeprefix("over ") for row in range(count))
-    if costs is not None or cost is not None:
-        costs = (0.0 if costs is None else costs) + np.full(count, cost or 0.0)
-    return Tests(file, places, groups, (), False, cells, scenario, places), costs
-
-
-def _with_designs(rows: Tests, designs: Sequence[Scenario]) -> Tests:
-    """Return candidates with the designs below them, as tests that measure the limit."""
-    count = len(rows.names)
-    groups = [MaterialGroup(design, np.array([count + i]), {}) for i, design in enumerate(designs)]
-    return rows._replace(
-        names=(*rows.names, *(design.file for design in designs)),
-        groups=(*rows.groups, *groups),
-        measurements=tuple(Measurement(row, LIMIT, 1.0, None, 0) for row in range(count + len(designs))),
-    )
+def _doubts(task: Task, number: int, lacking: Sequence[str]) -> Iterator[str]:
+    """Give warnings of inputs that candidates, or so many tests, do not determine."""
+    if lacking:
+        yield f"the candidates do not determine {', '.join(lacking)}: their limits depend on the inputs alike"
+    if number < (needed := optimal_design.missing(task.base, task.rows)):
+        yield f"{number} tests do not determine the inputs; at least {needed} are needed"
 
 
 def _weighted_by(tests: Tests, scatter: float) -> Tests:
@@ -412,35 +354,35 @@ class _Knowledge(NamedTuple):
 
 def _knowledge(
     tests: Tests | None,
-    likelihood: Likelihood,
+    model: LimitModel,
     inputs: Sequence[str],
     law: Law | None,
     scatter: float | None,
     *,
     prior: bool,
-    on_progress: OnProgress,
 ) -> _Knowledge:
     """Return what earlier tests and the prior determine of the inputs, and how tests scatter."""
-    fit = of_tests = None
+    fit = likelihood = None
     if tests is not None:
         tests, names = under_law(tests, inputs, law)
-        made = [(tests.file, group.scenario) for group in tests.groups[:1]]
-        _check_materials(made, likelihood.tests.groups[0].scenario, names)
-        of_tests = likelihood_of(tests, names, on_progress, prior=prior)
-        if usable(tests, of_tests.kept) >= needed_of(of_tests):
-            fit = fit_inputs(tests, names, on_progress, prior=prior)
+        first = [(tests.file, group.scenario) for group in tests.groups[:1]]
+        _check_materials(first, model.scenario, names)
+        likelihood = likelihood_of(tests, names, model.on_progress, prior=prior)
+        if usable(tests, likelihood.kept) >= needed_of(likelihood):
+            fit = fit_inputs(tests, names, model.on_progress, prior=prior)
         scatter = scatter or (fit.spread if fit and not tests.weighted else _given_scatter(tests))
     if scatter is None:
         message = "must be given: there are too few tests to estimate it from"
         raise mistake("plan_tests", "scatter_percent", message)
     if fit is not None:
         return _fitted(fit, scatter)
-    own = likelihood.tests.groups[0].scenario.inputs()
-    x = likelihood.prior.centred(np.array([own.get(name, 0.0) for name in likelihood.names]) / likelihood.units)
-    base = likelihood.prior.rows(x).T @ likelihood.prior.rows(x)
+    scores = prior_of(model.scenario, model.names, model.units) if prior else NO_PRIOR
+    values = model.scenario.inputs()
+    x = scores.centred(np.array([values.get(name, 0.0) for name in model.names]) / model.units)
+    base = scores.rows(x).T @ scores.rows(x)
     warning = "the plan is optimal only near the inputs' present values, which no tests support"
-    if of_tests is not None:
-        rows = rows_at(of_tests, x, 1.0)[1]
+    if likelihood is not None:
+        rows = rows_at(likelihood, x, 1.0)[1]
         base, warning = base + rows.T @ rows, f"{warning}: too few for a fit"
     return _Knowledge(x, base, scatter, None, (warning,))
 
@@ -466,62 +408,41 @@ def _fitted(fit: Fit, scatter: float) -> _Knowledge:
 
 def _given_scatter(tests: Tests) -> float | None:
     """Return the root mean square of the relative uncertainties of limits and outcomes; None without any."""
-    found = [m.uncertainty / m.value for m in tests.measurements if m.quantity == LIMIT and m.uncertainty]
-    return sqrt(sum(part**2 for part in found) / len(found)) if found else None
+    relative = [m.uncertainty / m.value for m in tests.measurements if m.quantity == LIMIT and m.uncertainty]
+    return sqrt(sum(part**2 for part in relative) / len(relative)) if relative else None
 
 
-def _check_materials(found: Sequence[tuple[str, Scenario]], first: Scenario, names: Sequence[str]) -> None:
+def _check_materials(scenarios: Sequence[tuple[str, Scenario]], first: Scenario, names: Sequence[str]) -> None:
     """Check that scenarios, of files, have the materials whose properties are fitted."""
+    must = "must be the same as for the candidates"
     refuse(
-        Problem(
-            file, key, f"must be the same as for the candidates, {first.name_of(role)}, as it is fitted, found {name}"
-        )
+        Problem(file, key, f"{must}, {first.name_of(role)}, as it is fitted, found {name}")
         for role, key in NAMES.items()
         if any(fitted.startswith(f"{role}.") for fitted in names)
-        for file, scenario in found
+        for file, scenario in scenarios
         if (name := scenario.name_of(role)) != first.name_of(role)
     )
 
 
-def _gradients(likelihood: Likelihood, x: Floats, count: int) -> tuple[Likelihood, Floats, Floats]:
-    """Return relative gradients, (n, k), of the limits of candidates and designs, and the limits, m/s, (n,)."""
-    tests = likelihood.tests
-    limits = likelihood.predicted(x)
-    problems = []
-    for group in tests.groups:
-        section = group.scenario.ballistic_limit
-        low, high = section.velocity_min_m_s, section.velocity_max_m_s
-        for row in group.where[~((limits[group.where] > low) & (limits[group.where] < high))]:
-            message = (
-                f"must have a ballistic limit between {low:g} and {high:g} m/s, the range of the search, found none"
-            )
-            file, key = (tests.file, tests.names[row]) if row < count else (tests.names[row], "")
-            problems.append(Problem(file, key, message))
-    refuse(problems)
-    measured = tuple(m._replace(value=float(limits[m.test])) for m in tests.measurements)
-    scaled = likelihood._replace(tests=tests._replace(measurements=measured))
-    found = approx_fprime(x, scaled.deviations, DIFFERENCE).reshape(len(limits), len(x))
-    return scaled, found, limits
-
-
 def _determined(vectors: Floats, basis: Floats) -> Floats:
     """Return vectors, (m, k), in the directions that the tests determine, (k, r); NaN for those outside of these."""
-    found: Floats = vectors @ basis
-    outside = np.linalg.norm(vectors - found @ basis.T, axis=1) > OUTSIDE * np.linalg.norm(vectors, axis=1)
-    found[outside] = nan
-    return found
+    inside: Floats = vectors @ basis
+    outside = np.linalg.norm(vectors - inside @ basis.T, axis=1) > OUTSIDE * np.linalg.norm(vectors, axis=1)
+    inside[outside] = nan
+    return inside
 
 
-def _half_widths(
-    task: Task, made: Sequence[int], known: _Knowledge, gradients: Sequence[Floats], measure: Measure
-) -> list[float | None]:
-    """Return the expected half-widths of the intervals of quantities with gradients, after tests are made."""
-    # Further limits also add to the knowledge of the scatter.
-    freedom = known.freedom and known.freedom + (len(made) if measure == "limit" else 0)
-    information, tail = task.information(made), 0.5 * (1.0 + CONFIDENCE)
+def _half_widths(task: Task, chosen: Sequence[int], before: _Knowledge, gradients: Floats, measure: Measure) -> Floats:
+    """Return the expected half-widths of the intervals of quantities after tests, (m,), given their gradients, (m, k).
+
+    They are NaN for what the tests do not determine.
+    """
+    information = task.information(chosen)
     if optimal_design.missing(information, task.rows):
-        return [None] * len(gradients)
+        return np.full(len(gradients), nan)
+    # Further limits also add to the knowledge of the scatter.
+    freedom = before.freedom and before.freedom + (len(chosen) if measure == "limit" else 0)
+    tail = 0.5 * (1.0 + CONFIDENCE)
     factor = float(norm.ppf(tail) if freedom is None else t.ppf(tail, freedom))
-    every = np.array(gradients)
-    variances = np.einsum("mr,rs,ms->m", every, np.linalg.inv(information), every)
-    return [factor * sqrt(value) if isfinite(value) else None for value in variances.tolist()]
+    variances = np.einsum("mr,rs,ms->m", gradients, np.linalg.inv(information), gradients)
+    return factor * np.sqrt(variances)

@@ -270,17 +270,17 @@ def posterior(shots: Shots, settings: ShotSettings, nodes: tuple[int, int] = NOD
 
 def next_bayesian(shots: Shots, settings: ShotSettings) -> Aim:
     """Return the velocity of the next shot by the Bayesian procedure."""
-    known = posterior(shots, settings)
-    wanted = target(known.grid, settings)
-    velocities = candidates(known, settings, CANDIDATES)
+    current = posterior(shots, settings)
+    quantity = target(current.grid, settings)
+    velocities = candidates(current, settings, CANDIDATES)
     step = velocities[1] - velocities[0]
     for _ in range(2):
-        gained = gains(known.weights[None], wanted, known.grid.response(velocities))[0]
+        gained = gains(current.weights[None], quantity, current.grid.response(velocities))[0]
         best = float(velocities[np.argmax(gained)])
         velocities = np.clip(np.linspace(best - step, best + step, 21), MIN_VELOCITY_M_S, MAX_VELOCITY_M_S)
     if settings.requirement_m_s is not None:
         return Aim(best, "expected to be most informative about whether the requirement is met")
-    before = known.variance(wanted)
+    before = current.variance(quantity)
     after = max(before - float(gained.max()), 0.0)
     change = f"from {before**0.5:.1f} to {after**0.5:.1f} m/s"
     return Aim(best, f"expected to narrow the standard deviation of V50 most, {change}")
@@ -288,10 +288,10 @@ def next_bayesian(shots: Shots, settings: ShotSettings) -> Aim:
 
 def stopped_bayesian(shots: Shots, settings: ShotSettings) -> str:
     """Return why the firing ends; "" if it goes on."""
-    known = posterior(shots, settings)
+    current = posterior(shots, settings)
     if settings.requirement_m_s is None:
-        return narrow_enough(known.estimate(settings.confidence).v50_interval_m_s, settings)
-    [decision] = decisions(known.weights[None], known.grid, settings)
+        return narrow_enough(current.estimate(settings.confidence).v50_interval_m_s, settings)
+    [decision] = decisions(current.weights[None], current.grid, settings)
     if decision == 0:
         return ""
     answer = f"the requirement is {'met' if decision > 0 else 'not met'}"
@@ -343,17 +343,17 @@ def _product(weights: Floats, response: Floats) -> Floats:
     return sums
 
 
-def candidates(known: Posterior, settings: ShotSettings, count: int) -> Floats:
+def candidates(current: Posterior, settings: ShotSettings, count: int) -> Floats:
     """Return velocities to choose from, evenly spaced, m/s."""
     greatest = settings.scatter_m_s * settings.scatter_factor ** float(ndtri(0.5 + 0.5 * PLAUSIBLE))
-    scatter = float(expected(known.grid.scatter_m_s, known.weights))
+    scatter = float(expected(current.grid.scatter_m_s, current.weights))
     if settings.demand():
         low = high = settings.requirement_m_s
         reach = AROUND * min(scatter, greatest)
     else:
         # Shots that contradict each other imply a scatter beyond the prior, which is no reason to aim far away.
         tail = TAIL if scatter <= greatest else WIDE_TAIL
-        low, high = known.grid.v50_quantiles(known.weights, (tail, 1.0 - tail))[0]
+        low, high = current.grid.v50_quantiles(current.weights, (tail, 1.0 - tail))[0]
         reach = SCATTERS * min(scatter, greatest)
     return np.linspace(max(low - reach, MIN_VELOCITY_M_S), min(high + reach, MAX_VELOCITY_M_S), count)
 
@@ -361,12 +361,12 @@ def candidates(known: Posterior, settings: ShotSettings, count: int) -> Floats:
 class Firings:
     """Many firings at once, each with a posterior over the points of one grid."""
 
-    def __init__(self, known: Posterior, settings: ShotSettings, count: int, velocities: int) -> None:
-        self.settings, self.grid = settings, known.grid
-        self.weights = np.tile(known.weights, (count, 1))
-        self.velocities = candidates(known, settings, velocities)
-        self.response = known.grid.response(self.velocities)
-        self.target = target(known.grid, settings)
+    def __init__(self, current: Posterior, settings: ShotSettings, count: int, velocities: int) -> None:
+        self.settings, self.grid = settings, current.grid
+        self.weights = np.tile(current.weights, (count, 1))
+        self.velocities = candidates(current, settings, velocities)
+        self.response = current.grid.response(self.velocities)
+        self.target = target(current.grid, settings)
 
     def aims(self) -> Floats:
         """Return the next velocity of each firing."""
@@ -430,14 +430,14 @@ def expected_shots(shots: Shots, settings: ShotSettings) -> tuple[float | None, 
 
     It is None if it exceeds the maximum.
     """
-    known = posterior(shots, settings, FUTURE_NODES)
+    current = posterior(shots, settings, FUTURE_NODES)
     # A prior that the decision does not use still predicts how long it takes.
-    truth = posterior(shots, settings._replace(requirement_m_s=None), FUTURE_NODES) if settings.prior else known
+    truth = posterior(shots, settings._replace(requirement_m_s=None), FUTURE_NODES) if settings.prior else current
     dice = np.random.default_rng(0)
     truths = dice.choice(len(truth.weights), FUTURES, p=truth.weights)
     v50, scatter = truth.grid.v50_m_s[truths], truth.grid.scatter_m_s[truths]
     # The median is known once half of them have ended.
-    firings = Firings(known, settings, FUTURES, FUTURE_CANDIDATES)
+    firings = Firings(current, settings, FUTURES, FUTURE_CANDIDATES)
     needed, _, sooner = fire(firings, v50, scatter, dice, least=FUTURES // 2)
     return _median(needed), _median(sooner)
 
@@ -472,11 +472,11 @@ class OperatingPoint:
 def operating_characteristic(settings: ShotSettings) -> tuple[OperatingPoint, ...]:
     """Simulate firings at armours around a requirement, whose scatter is the expected one."""
     assert settings.requirement_m_s is not None
-    known, scatter = posterior(Shots((), ()), settings, FUTURE_NODES), settings.scatter_m_s
+    current, scatter = posterior(Shots((), ()), settings, FUTURE_NODES), settings.scatter_m_s
     edge = settings.requirement_m_s - float(ndtri(settings.requirement_fraction)) * scatter
     points = edge + scatter * np.array(DISTANCES)
     armours = np.repeat(points, FIRINGS)
-    firings = Firings(known, settings, len(armours), FUTURE_CANDIDATES)
+    firings = Firings(current, settings, len(armours), FUTURE_CANDIDATES)
     shots, ended, _ = fire(firings, armours, np.full(len(armours), scatter), np.random.default_rng(0))
     return tuple(
         OperatingPoint(
@@ -492,11 +492,16 @@ def operating_characteristic(settings: ShotSettings) -> tuple[OperatingPoint, ..
     )
 
 
-Rule = tuple[Callable[[Shots, ShotSettings], Aim], Callable[[Shots, ShotSettings], str]]
-# By procedure: the functions that give the velocity of the next shot, and why the firing ends.
+class Rule(NamedTuple):
+    """Functions of the shots so far: the next velocity, and why the firing has ended, "" if it goes on."""
+
+    aim: Callable[[Shots, ShotSettings], Aim]
+    ended: Callable[[Shots, ShotSettings], str]
+
+
 PROCEDURES: Mapping[str, Rule] = {
-    "bayesian": (next_bayesian, stopped_bayesian),
-    "neyer": (next_by_neyer, stopped),
-    "langlie": (next_by_langlie, stopped),
-    "up-and-down": (next_up_and_down, stopped_up_and_down),
+    "bayesian": Rule(next_bayesian, stopped_bayesian),
+    "neyer": Rule(next_by_neyer, stopped),
+    "langlie": Rule(next_by_langlie, stopped),
+    "up-and-down": Rule(next_up_and_down, stopped_up_and_down),
 }

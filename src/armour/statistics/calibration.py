@@ -299,8 +299,12 @@ def under_law(tests: Tests, inputs: Sequence[str], law: Law | None) -> tuple[Tes
     if law is None:
         return tests, [*inputs]
     groups = tuple(group._replace(scenario=with_law(group.scenario, law)) for group in tests.groups)
-    names = dict.fromkeys([*inputs, *(f"ceramic.{key}" for key in LAWS[law])])
-    return tests._replace(groups=groups, scenario=with_law(tests.scenario, law)), [*names]
+    return tests._replace(groups=groups, scenario=with_law(tests.scenario, law)), fitted_names(inputs, law)
+
+
+def fitted_names(inputs: Sequence[str], law: Law | None) -> list[str]:
+    """Return inputs to fit with the coefficients of a law of the flow stress."""
+    return [*dict.fromkeys([*inputs, *(f"ceramic.{key}" for key in (LAWS[law] if law else ()))])]
 
 
 def check_fitted(fit: Sequence[str], law: str | None, function: str) -> None:

@@ -23,7 +23,7 @@ from armour.scenario.inputs import BACKING, CERAMIC, NAMES, VELOCITY
 from armour.scenario.library import FLOW_STRESS_LAW
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Uncertainty, correlation_matrix
-from armour.statistics.measured import LIMIT, MASS, RESIDUAL, Tests
+from armour.statistics.measured import LIMIT, MASS, RESIDUAL, MaterialGroup, Tests
 
 
 class Prior(NamedTuple):
@@ -259,11 +259,10 @@ def fit_inputs(tests: Tests, inputs: Sequence[str], on_progress: OnProgress, *, 
 
 def likelihood_of(tests: Tests, inputs: Sequence[str], on_progress: OnProgress, *, prior: bool = False) -> Likelihood:
     """Return the likelihood of inputs, which must be such as can be fitted to tests, with or without their prior."""
-    _check(tests, inputs)
+    check_fittable(tests.file, tests.scenario, tests.groups, inputs)
     first = tests.groups[0].scenario
-    own = first.inputs()
-    of_law = np.array([name.partition(".")[2] in FLOW_STRESS_LAW for name in inputs])
-    units = np.array([1.0 if law else own[name] for name, law in zip(inputs, of_law, strict=True)])
+    of_law = np.array([_is_of_law(name) for name in inputs])
+    units = units_of(first, inputs)
     return Likelihood(
         tests,
         tuple(inputs),
@@ -274,6 +273,16 @@ def likelihood_of(tests: Tests, inputs: Sequence[str], on_progress: OnProgress, 
         on_progress=on_progress,
         prior=prior_of(first, inputs, units) if prior else NO_PRIOR,
     )
+
+
+def units_of(scenario: Scenario, inputs: Sequence[str]) -> Floats:
+    """Return the units of inputs: the scenario's values, or 1 for coefficients of a law of the flow stress, (k,)."""
+    values = scenario.inputs()
+    return np.array([1.0 if _is_of_law(name) else values[name] for name in inputs])
+
+
+def _is_of_law(name: str) -> bool:
+    return name.partition(".")[2] in FLOW_STRESS_LAW
 
 
 def search(likelihood: Likelihood, start: Floats, held: int | None = None, scatter: float | None = None) -> Point:
@@ -490,24 +499,24 @@ def without(fit: Fit, kept: Bools) -> Floats:
     return search(likelihood, x, scatter=fit.best.scatter).x
 
 
-def _check(tests: Tests, inputs: Sequence[str]) -> None:
-    """Check that the inputs can be fitted to the tests."""
-    tests.scenario.check_names(inputs, "calibrate", "fit")
+def check_fittable(file: str, scenario: Scenario, groups: Sequence[MaterialGroup], inputs: Sequence[str]) -> None:
+    """Check that the inputs can be fitted to tests of a scenario, of a file."""
+    scenario.check_names(inputs, "calibrate", "fit")
     problems = []
     for name in inputs:
-        if any(name in group.columns for group in tests.groups):
-            problems.append(Problem(tests.file, name, "must not be a column if it is fitted"))
+        if any(name in group.columns for group in groups):
+            problems.append(Problem(file, name, "must not be a column if it is fitted"))
         if name in (VELOCITY, CERAMIC, BACKING):
             problems.append(
                 Problem("calibrate", "fit", f'must be a property of a material or projectile, found "{name}"')
             )
     for role, key in NAMES.items():
-        names = {group.scenario.name_of(role) for group in tests.groups}
+        names = {group.scenario.name_of(role) for group in groups}
         if len(names) > 1 and any(name.startswith(role + ".") for name in inputs):
             message = (
                 f"must be the same in all tests if the {role} is fitted, found {', '.join(sorted(map(str, names)))}"
             )
-            problems.append(Problem(tests.file, key, message))
+            problems.append(Problem(file, key, message))
     refuse(problems)
 
 

@@ -156,7 +156,7 @@ def compare(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) ->
     velocities = [impact.impact_velocity_m_s for impact in above]
     residuals = [impact.residual_velocity_m_s for impact in above]
     cases, along = _tests().cases, scenario.areal_density_kg_m2() / scenario.cosine()
-    own = all(scenario.entry_of(role) == cases[0].scenario.entry_of(role) for role in ROLES)
+    is_tested = all(scenario.entry_of(role) == cases[0].scenario.entry_of(role) for role in ROLES)
     return Comparison(
         areal_density_kg_m2=scenario.areal_density_kg_m2(),
         limit=limit,
@@ -168,8 +168,8 @@ def compare(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) ->
         fitted_m_s=(velocities[0], velocities[-1]),
         curve=curve,
         tests=_words(cases),
-        rules=tuple(_rule(cases, p, along) for p in (1.0, None)) if own else (),
-        errors=_errors() if own else (),
+        rules=tuple(_rule(cases, p, along) for p in (1.0, None)) if is_tested else (),
+        errors=_errors() if is_tested else (),
         florence_missing=tuple(problem.key for problem in missing),
     ).of(scenario.subject(ANY_VELOCITY), scenario=scenario)
 

@@ -106,12 +106,12 @@ def compute_figure(section: FigureSection, folder: Path) -> Figure:
     columns = dict.fromkeys(section.over, np.array(x))
     curves = {}
     for curve in section.curve:
-        found = evaluate(base.replaced(curve.set), columns, section.quantities)
+        computed = evaluate(base.replaced(curve.set), columns, section.quantities)
         for name in section.quantities:
             parts = [curve.label] if curve.label else []
             if len(section.quantities) > 1 or not parts:
                 parts.append(QUANTITIES[name].label)
-            scaled = found[name] / section.divide_by
+            scaled = computed[name] / section.divide_by
             curves[", ".join(parts)] = tuple(float(value) if np.isfinite(value) else None for value in scaled)
     # Rounded, so that a sum has the digits of its terms.
     return Figure(section, tuple(round(value + section.add_to_x, 9) for value in x), curves)

@@ -26,10 +26,10 @@ class Asked:
     @cached_property
     def lightest(self) -> BestDesign:
         """The lightest design of the scenario's grid; a NoAnswerError says why there is none."""
-        found = optimise(self.scenario)
-        if found.best is None:
-            raise NoAnswerError(found.explanation)
-        return found.best
+        result = optimise(self.scenario)
+        if result.best is None:
+            raise NoAnswerError(result.explanation)
+        return result.best
 
     @cached_property
     def required(self) -> tuple[Variants, Variants]:

@@ -13,9 +13,8 @@ from armour.analysis.closed_forms import (
     missing_for_florence,
 )
 from armour.analysis.variants import Floats
-from armour.scenario.schema import BallisticLimitSection, Solver
 from armour.scenario.sections import TINY
-from armour.statistics.measured import LIMIT, MaterialGroup, Measurement, Tests
+from armour.statistics.measured import LIMIT, read_tests
 from armour.validation.suite import Case
 
 # Least number of tests, and of different areal densities, to which something is fitted.
@@ -48,16 +47,16 @@ def errors_of(computed: Iterable[tuple[Case, float | str | None]]) -> tuple[Erro
     cases = [case for case, _ in rows]
     percents_of: dict[str, list[float]] = {}
     for case, value in rows:
-        own = {"this model": value} if isinstance(value, float) else {}
-        for name, predicted in {**case.rivals, **own, **_florence(case)}.items():
+        by_model = {"this model": value} if isinstance(value, float) else {}
+        for name, predicted in {**case.rivals, **by_model, **_florence(case)}.items():
             percents_of.setdefault(name, []).append(100.0 * abs(predicted / float(case.expected or 0.0) - 1.0))
-    found = [
+    errors = [
         _error(cases[0].group, name, percents, _fitted_before(cases[0]) if name == "this model" else "")
         for name, percents in percents_of.items()
     ]
     if len(cases) >= MIN_FITTED and cases[0].quantity == LIMIT:
-        found += [*_refitted(cases), *_rules(cases)]
-    return tuple(found)
+        errors += [*_refitted(cases), *_rules(cases)]
+    return tuple(errors)
 
 
 def _florence(case: Case) -> Mapping[str, float]:
@@ -81,46 +80,31 @@ def _fitted_before(case: Case) -> str:
 
 
 def _refitted(cases: Sequence[Case]) -> Iterator[Error]:
-    """Yield the errors of this model with a flow stress of the ceramic that is fitted to measured limits."""
+    """Yield the errors of this model with a flow stress of the ceramic that is fitted to measured limits.
+
+    The rows of a table differ in numbers only: in inputs; or in settings, and then nothing is fitted.
+    """
     # Imported here for scipy, which a suite without rivals does not need.
     from armour.statistics.calibration import FLOW_STRESS, fit_by_law
     from armour.statistics.likelihood import intervals
 
     name, scenario = cases[0].scenario.name_of("ceramic"), cases[0].scenario
-    if name is None:
+    settings = {(case.scenario.solver, case.scenario.ballistic_limit) for case in cases}
+    if name is None or len(settings) > 1:
         return
-    # The rows of a table differ in numbers only: in inputs, or in settings.
-    places: dict[tuple[Solver, BallisticLimitSection], list[int]] = {}
-    for place, case in enumerate(cases):
-        places.setdefault((case.scenario.solver, case.scenario.ballistic_limit), []).append(place)
-    tests = Tests(
-        file=cases[0].group,
-        names=tuple(case.name for case in cases),
-        groups=tuple(_together(cases, where) for where in places.values()),
-        measurements=tuple(
-            Measurement(place, LIMIT, value, None, 0) for place, value in enumerate(measured_limits(cases))
-        ),
-        weighted=False,
-        cells=({},) * len(cases),
-        scenario=scenario,
-        places=tuple(case.name for case in cases),
-    )
-    done, result = fit_by_law(tests, [FLOW_STRESS], None)
+    rows = [
+        {**case.scenario.inputs(), "test": place, LIMIT: limit}
+        for place, (case, limit) in enumerate(zip(cases, measured_limits(cases).tolist(), strict=True))
+    ]
+    for row in rows:
+        del row[FLOW_STRESS]
+    done, result = fit_by_law(read_tests(rows, scenario), [FLOW_STRESS], None)
     [stress] = intervals(done)
     if stress.estimate is None:
         return
     computed = np.array([[residual.computed, residual.left_out] for residual in result.residuals], dtype=np.float64).T
     fitted = f"flow stress of {name} to these tests: {stress.estimate:.2f} GPa"
     yield _fitted_error(cases, "this model, flow stress refitted", fitted, *computed)
-
-
-def _together(cases: Sequence[Case], where: Sequence[int]) -> MaterialGroup:
-    """Return cases that differ in inputs only, but for the flow stress of the ceramic, as a group of tests."""
-    from armour.statistics.calibration import FLOW_STRESS
-
-    own = [cases[place].scenario.inputs() for place in where]
-    columns = {name: np.array([values[name] for values in own]) for name in own[0] if name != FLOW_STRESS}
-    return MaterialGroup(cases[where[0]].scenario, np.array(where), columns)
 
 
 def _rules(cases: Sequence[Case]) -> Iterator[Error]:

@@ -17,7 +17,7 @@ from armour.csv_files import MUST_SAY, PERFORATED, number
 from armour.errors import InputError, Problem, choices, mistake, refuse
 from armour.files import read_toml, shipped, shipped_files, suite_file
 from armour.scenario.checked import checked
-from armour.scenario.inputs import SHOT
+from armour.scenario.inputs import ROUND_AND_ARMOUR
 from armour.scenario.keys import canonical, describe, key_name, leaves, parts_of
 from armour.scenario.reach import check_reach, check_read, check_used, read_of
 from armour.scenario.scenario import Scenario, parse_changed
@@ -255,6 +255,11 @@ class Case:
     cells: Cells = field(default_factory=dict)
 
     @property
+    def scenarios(self) -> tuple[Scenario, ...]:
+        """The scenario, and the one with a material replaced, if any."""
+        return (self.scenario,) if self.replacement is None else (self.scenario, self.replacement)
+
+    @property
     def group(self) -> str:
         """Name of the table to which the case belongs; empty for a single case."""
         return self.section.name if isinstance(self.section, TableSection) else ""
@@ -314,6 +319,13 @@ class Case:
 def is_regression(section: CaseSection | TableSection, suite: SuiteSection) -> bool:
     """Return whether the expected values of a section are results of this program: not those with a source."""
     return (section.regression or suite.regression) and not (section.source or suite.source)
+
+
+def _unless(section: CaseSection, suite: SuiteSection) -> str:
+    """Return why a value that is missing is not one that an update fills in."""
+    if section.regression or suite.regression:
+        return "as there is a source: only a regression value without source is filled in by --update"
+    return "but for a regression value"
 
 
 @dataclass(frozen=True, repr=False)
@@ -384,7 +396,7 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
     if not suite.case and not suite.table:
         raise mistake(path, "case", "is missing: a suite must have at least one case or table")
     refuse(
-        Problem(str(path), key_name(["case", i, EXPECTED]), "is missing and must be given, but for a regression value")
+        Problem(str(path), key_name(["case", i, EXPECTED]), f"is missing and must be given, {_unless(case, suite)}")
         for i, case in enumerate(suite.case)
         if case.expected is None and not is_regression(case, suite)
     )
@@ -400,10 +412,10 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
                 wrong.setdefault((row.place[:2], problem), _placed(problem, row, path))
     refuse(wrong.values())
     if changes:
-        asked = [(made, case) for case in cases for made in (case.scenario, case.replacement) if made is not None]
-        reads = (name for made, case in asked for name in read_of(made, QUESTIONS[case.quantity]))
-        check_read(changes, {*SHOT, *reads})
-        check_used(changes, *(made for made, _ in asked))
+        scenarios = [(scenario, case) for case in cases for scenario in case.scenarios]
+        reads = (name for scenario, case in scenarios for name in read_of(scenario, QUESTIONS[case.quantity]))
+        check_read(changes, {*ROUND_AND_ARMOUR, *reads})
+        check_used(changes, *(scenario for scenario, _ in scenarios))
     return Suite(suite.title, path, tuple(cases), tuple(suite.table), suite.description)
 
 
@@ -447,42 +459,45 @@ def _rows(suite: SuiteSection) -> Iterator[_Row]:
 
 def _cases(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, object], read: Read) -> list[Case]:
     """Return the case of a row, or those of a file."""
-    section, quantity = row.section, row.section.quantity
-    file = _file(folder, section.scenario)
+    section, file = row.section, _file(folder, row.section.scenario)
     scenario = _scenario(file, read, section.set, row.inputs, changes)
     replacement = None
     if section.replaced_by is not None:
         replacement = _scenario(file, read, section.set, section.replaced_by, changes)
-    check_answerable(quantity, scenario, replacement)
+    check_answerable(section.quantity, scenario, replacement)
+    name = ", ".join(map(_in_words, row.inputs, row.inputs.values())) or section.name
+    case = Case(suite, section, name, scenario, row.expected, row.place, replacement, row.rivals, row.measured)
     if row.first:
-        _check_changes(row, scenario, replacement)
-    if not isinstance(section, TableSection) or not section.file:
-        name = ", ".join(map(_in_words, row.inputs, row.inputs.values())) or section.name
-        return [Case(suite, section, name, scenario, row.expected, row.place, replacement, row.rivals, row.measured)]
-    tests = read_tests(_file(folder, section.file), scenario, suite.notes)
-    of_test = {int(place): group.scenario for group in tests.groups for place in group.where}
+        _check_changes(case, row.inputs)
+    return _cases_of_file(case, section, folder) if isinstance(section, TableSection) and section.file else [case]
+
+
+def _cases_of_file(common: Case, table: TableSection, folder: Path) -> list[Case]:
+    """Return the cases of the file of a table, given what they have in common."""
+    tests = read_tests(_file(folder, table.file), common.scenario, common.suite.notes)
+    scenarios = {int(place): group.scenario for group in tests.groups for place in group.where}
     cases = [
-        Case(suite, section, tests.names[place], of_test[place], float(cells[quantity]), row.place, cells=cells)
-        for place, cells in enumerate(tests.cells)
-        if quantity in cells and meets(cells, section.where)
+        replace(common, name=name, scenario=scenarios[place], expected=float(cells[table.quantity]), cells=cells)
+        for place, (name, cells) in enumerate(zip(tests.names, tests.cells, strict=True))
+        if table.quantity in cells and meets(cells, table.where)
     ]
     if not cases:
-        conditions = " and ".join((quantity, *section.where))
+        conditions = " and ".join((table.quantity, *table.where))
         raise mistake(tests.file, "", f"must have tests with {conditions} as the suite selects them, found none")
     return cases
 
 
-def _check_changes(row: _Row, scenario: Scenario, replacement: Scenario | None) -> None:
-    """Check that the changes and the columns of a section, of which the first row is given, all have an effect."""
-    file = scenario.file
-    reads = read_of(scenario, QUESTIONS[row.section.quantity])
-    for changes in (row.section.set, row.section.replaced_by or {}):
-        given = [leaf for key, value in changes.items() for leaf, _ in leaves(value, parts_of(key))]
+def _check_changes(case: Case, inputs: Mapping[str, float]) -> None:
+    """Check that the changes and the columns of a section, of which the first case is given, all have an effect."""
+    scenario, file = case.scenario, case.scenario.file
+    reads = read_of(scenario, QUESTIONS[case.quantity])
+    for changes in (case.section.set, case.section.replaced_by or {}):
+        changed = [leaf for key, value in changes.items() for leaf, _ in leaves(value, parts_of(key))]
         # The title is for people; entries of the library may be based on each other.
-        counting = [leaf[0] not in ("title", "library") for leaf in given] + [True] * len(row.inputs)
-        keys = compress(canonical([*map(key_name, given), *row.inputs], file), counting)
-        check_reach(scenario, list(keys), reads, file, row.section.quantity, closed_forms=bool(row.rivals))
-        check_used(changes, scenario, *([replacement] if replacement else []), file=file, option="")
+        counting = [leaf[0] not in ("title", "library") for leaf in changed] + [True] * len(inputs)
+        keys = compress(canonical([*map(key_name, changed), *inputs], file), counting)
+        check_reach(scenario, list(keys), reads, file, case.quantity, closed_forms=bool(case.rivals))
+        check_used(changes, *case.scenarios, file=file, option="")
 
 
 def _scenario(file: Path, read: Read, *changes: Mapping[str, object]) -> Scenario:
@@ -492,9 +507,9 @@ def _scenario(file: Path, read: Read, *changes: Mapping[str, object]) -> Scenari
 
 def _file(folder: Path, name: str) -> Path:
     """Return the file that a suite in a folder names: a path there or in the shipped folder, or a shipped scenario."""
-    own = folder / name
+    file = folder / name
     other = shipped_files("scenarios", ".toml").get(name, shipped("suites") / name)
-    return other if not exists(own) and exists(other) else own
+    return other if not exists(file) and exists(other) else file
 
 
 def _in_words(key: str, value: float) -> str:

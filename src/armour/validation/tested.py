@@ -19,10 +19,10 @@ def tested_with() -> dict[tuple[Kind, str], tuple[str, ...]]:
     library, case = shipped_library(), load_scenario(shipped_files("scenarios", ".toml")["wilkins"])
     rounds = library.known("projectile")
     plates = [row for row in _rows("plates.csv") if row["round"] in rounds]
-    found: dict[tuple[Kind, str], dict[str, None]] = {}
+    tested: dict[tuple[Kind, str], dict[str, None]] = {}
 
     def add(kind: Kind, name: str, words: str) -> None:
-        found.setdefault((kind, name), {})[words] = None
+        tested.setdefault((kind, name), {})[words] = None
 
     bare = {
         NAMES["backing"]: np.array([row["plate"] for row in plates]),
@@ -42,7 +42,7 @@ def tested_with() -> dict[tuple[Kind, str], tuple[str, ...]]:
             add("ceramic", ceramic, f"{projectile}, on {metal}")
             add("metal", metal, f"{projectile}, with {case.armour.ceramic}")
             add("projectile", projectile, f"{case.armour.ceramic} on {metal}")
-    return {entry: tuple(words) for entry, words in found.items()}
+    return {entry: tuple(words) for entry, words in tested.items()}
 
 
 def _rows(table: str) -> list[dict[str, str]]:

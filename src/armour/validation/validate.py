@@ -58,15 +58,10 @@ class Check:
     @property
     def deviation_percent(self) -> float | None:
         """Deviation relative to the expected value, in per cent; None for a value that is a relative difference."""
-        known = self.case.expected
-        if (
-            self.deviation is None
-            or self.case.measured is not None
-            or not isinstance(known, float)
-            or abs(known) < TINY
-        ):
-            return None
-        return 100.0 * self.deviation / abs(known)
+        expected, deviation = self.case.expected, self.deviation
+        if deviation is not None and isinstance(expected, float) and self.case.measured is None:
+            return None if abs(expected) < TINY else 100.0 * deviation / abs(expected)
+        return None
 
     def to_dict(self) -> dict[str, Any]:
         """Return the check as plain data."""
@@ -163,8 +158,8 @@ class SuiteResult(TableResult):
 
     def count(self, *statuses: Status) -> int:
         """Return the number of cases and scored tables with one of the statuses."""
-        found = [*(check.status for check in self.checks), *(summary.status for summary in self.summaries)]
-        return sum(status in statuses for status in found)
+        judged: list[Check | TableSummary] = [*self.checks, *self.summaries]
+        return sum(each.status in statuses for each in judged)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain data."""
@@ -212,14 +207,14 @@ def validate(suite: Suite, *, on_check: OnCheck | None = None) -> SuiteResult:
     InputError
         If a run of a scenario does not end.
     """
-    known: dict[tuple[str, ...], Asked] = {}
+    answered: dict[tuple[str, ...], Asked] = {}
     of_files = _of_files(suite.cases)
     checks = []
     for place, case in enumerate(suite.cases):
         if place in of_files:
             checks.append(_judged(case, of_files[place], f"no {case.quantity} in its range"))
         else:
-            checks.append(check(case, known))
+            checks.append(check(case, answered))
         if on_check is not None:
             on_check(checks[-1], len(suite.cases))
     return result_of(suite, checks)
@@ -238,10 +233,12 @@ def result_of(suite: Suite, checks: Sequence[Check]) -> SuiteResult:
     )
 
 
-def check(case: Case, known: dict[tuple[str, ...], Asked]) -> Check:
-    """Compute a case; scenarios that several cases share are computed once and kept in ``known``."""
+def check(case: Case, answered: dict[tuple[str, ...], Asked]) -> Check:
+    """Compute a case; scenarios that several cases share are computed once and kept, by their contents."""
+    contents = tuple(scenario.digest() for scenario in case.scenarios)
     try:
-        return _judged(case, case.compared(answer(case.quantity, _asked(case, known))))
+        asked = answered.setdefault(contents, Asked(*case.scenarios))
+        return _judged(case, case.compared(answer(case.quantity, asked)))
     except NoAnswerError as error:
         return _judged(case, None, str(error))
 
@@ -276,40 +273,35 @@ def _of_files(cases: Sequence[Case]) -> dict[int, float | None]:
     return computed
 
 
-def _asked(case: Case, known: dict[tuple[str, ...], Asked]) -> Asked:
-    contents = tuple(made.digest() for made in (case.scenario, case.replacement) if made is not None)
-    return known.setdefault(contents, Asked(case.scenario, case.replacement))
-
-
 def _calibrated_to(case: Case) -> str:
     """Return which value of the case's materials was calibrated to this test; empty if none was."""
     names = {key: case.scenario.name_of(role) for role, key in NAMES.items()}
-    own = case.expected if case.measured is None else case.measured
-    known: Mapping[str, object] = {**case.scenario.inputs(), **names, **case.cells, case.quantity: own}
+    measured = case.expected if case.measured is None else case.measured
+    values: Mapping[str, object] = {**case.scenario.inputs(), **names, **case.cells, case.quantity: measured}
     for role in NAMES:
         entry = case.scenario.entry_of(role)
         if entry is None:
             continue
         for key, value in entry.values.items():
             for test in value.tests:
-                if case.quantity in test and all(_same(given, known.get(name)) for name, given in test.items()):
+                if case.quantity in test and all(_same(cell, values.get(name)) for name, cell in test.items()):
                     return f"not scored: {key} of {entry.name} was calibrated to this test"
     return ""
 
 
-def _same(given: float | str, found: object) -> bool:
+def _same(tested: float | str, value: object) -> bool:
     """Whether a test and a case have the same value."""
-    if isinstance(given, str) or not isinstance(found, int | float):
-        return given == found
-    return abs(found - given) <= 1e-6 * abs(given)
+    if isinstance(tested, str) or not isinstance(value, int | float):
+        return tested == value
+    return abs(value - tested) <= 1e-6 * abs(tested)
 
 
 def _summaries(table: TableSection, rows: Sequence[Check]) -> Iterator[TableSummary]:
     """Yield the summary of a table and of each group of it."""
     yield _summary(table, table, rows)
     for group in table.group:
-        if own := [row for row in rows if meets(row.case.cells, group.where)]:
-            yield _summary(table, group, own)
+        if of_group := [row for row in rows if meets(row.case.cells, group.where)]:
+            yield _summary(table, group, of_group)
 
 
 def _summary(table: TableSection, bands: TableSection | GroupSection, rows: Sequence[Check]) -> TableSummary:
@@ -358,7 +350,9 @@ def kept_by_update(result: SuiteResult) -> SuiteResult:
     """Return the result of the cases whose values an update keeps: all but the regression values."""
     checks = tuple(check for check in result.checks if not check.case.regression)
     groups = {check.case.group for check in checks}
-    return replace(result, checks=checks, summaries=tuple(each for each in result.summaries if each.name in groups))
+    return replace(
+        result, checks=checks, summaries=tuple(summary for summary in result.summaries if summary.name in groups)
+    )
 
 
 def updated_file(content: bytes, updates: Sequence[Check]) -> bytes:

@@ -31,6 +31,13 @@ def test_checks_of_several_quantities_have_units_of_their_own(folder: Path):
     assert table.texts()[1] == ["outcome", "", "perforated", "perforated", "", "", "", "within"]
 
 
+def test_deviations_too_small_to_mean_anything_have_no_digits(folder: Path):
+    near = case("near", WILKINS_LIMIT, "band = 1.0")
+    assert suite_view.overview_table(result(folder, near)).texts()[0][-1] == "below 0.01 %"
+    far = case("far", 720.0, "band = 5.0")
+    assert suite_view.overview_table(result(folder, near + far)).texts()[0][-1] == "0.525 %"
+
+
 def test_curves_as_a_file():
     axes: dict[str, Any] = {"x_label": "x, mm", "y_label": "V, m/s"}
     section = FigureSection.model_construct(**axes)

@@ -2,32 +2,29 @@
 
 from typing import Any
 
-from armour.analysis.closed_forms import residual_velocity
+from armour.analysis.closed_forms import FlorenceResult, residual_velocity
 from armour.reporting import charts
-from armour.reporting.table import Column, Source, Table, column_of, deviation_percent, listing, record
+from armour.reporting.table import Column, Table, column_of, deviation_percent, listing, record
 from armour.reporting.views.suite import error_tables
 from armour.validation.comparison import Comparison
 
 
 def comparison_table(result: Comparison) -> Table:
     """Return ballistic limits by the model, by Florence and by the rule."""
-    found = result.limit.ballistic_limit_m_s
+    limit = result.limit.ballistic_limit_m_s
     formulas: dict[str, Any] = {
         "this model": result.limit,
-        **{_florence(of): of for of in result.florence},
+        **{_florence(florence): florence for florence in result.florence},
         **{f"areal density rule, p = {rule.p:.4g}": rule for rule in result.rules},
     }
 
     def difference(name: str) -> float | None:
-        return deviation_percent(formulas[name].ballistic_limit_m_s, found) if name != "this model" else None
-
-    def of(key: str, label: str, spec: str) -> Source:
-        return column_of(key, spec, label), lambda name: getattr(formulas[name], key, None)
+        return deviation_percent(formulas[name].ballistic_limit_m_s, limit) if name != "this model" else None
 
     return listing(
         formulas,
         (Column("formula", prose=True), str),
-        of("ballistic_limit_m_s", "ballistic limit", ".0f"),
+        (column_of("ballistic_limit_m_s", ".0f", "ballistic limit"), lambda name: formulas[name].ballistic_limit_m_s),
         (Column("difference from the model", "%", "+.0f"), difference),
     )
 
@@ -45,8 +42,8 @@ def optimum_table(result: Comparison) -> Table:
     )
 
 
-def _florence(of: Any) -> str:
-    return f"Florence, {of.projectile} ({of.mass_g:g} g, {of.diameter_mm:g} mm)"
+def _florence(result: FlorenceResult) -> str:
+    return f"Florence, {result.projectile} ({result.mass_g:g} g, {result.diameter_mm:g} mm)"
 
 
 def rule_note(result: Comparison) -> str:

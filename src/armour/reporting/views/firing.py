@@ -90,13 +90,13 @@ def answer(result: FiringResult) -> str:
     """Return V50 with an interval that is bounded, or what would bound it, and the mean of the standard."""
     parts, fit, mean = [], result.recommended, result.mean
     if fit is not None:
-        found, level = f"V50 {fit.v50_m_s:.0f} m/s", result.bounded_confidence
+        words, level = f"V50 {fit.v50_m_s:.0f} m/s", result.bounded_confidence
         if level is None:
-            found += f", interval not bounded: {BOUND}"
+            words += f", interval not bounded: {BOUND}"
         else:
-            found += f", {percent(level)} interval {interval(result.bounded_interval_m_s, '.0f')}"
-            found += "" if level == result.confidence else f" ({percent(result.confidence)} not bounded: {BOUND})"
-        parts.append(found)
+            words += f", {percent(level)} interval {interval(result.bounded_interval_m_s, '.0f')}"
+            words += "" if level == result.confidence else f" ({percent(result.confidence)} not bounded: {BOUND})"
+        parts.append(words)
     if mean is not None:
         by = "mean of shots" if mean.rule == "no usual rule" else "MIL-STD-662F"
         parts.append(
@@ -116,15 +116,15 @@ def requirement_verdict(result: FiringResult) -> list[str]:
     """Return whether a requirement is met, with the risks of accepting and of rejecting the armour now."""
     if result.requirement_m_s is None:
         return []
-    asked = f"{result.requirement_m_s:g} m/s required of V50"
+    required = f"{result.requirement_m_s:g} m/s required of V50"
     if result.consumers_risk is None or result.producers_risk is None:
-        return [Verdict.of(f"{result.decision}: {asked}; no curve fits the shots", good=False)]
+        return [Verdict.of(f"{result.decision}: {required}; no curve fits the shots", good=False)]
     allowed = percent(round(1.0 - result.confidence, 12))
     risks = (
         f"accepting it now has a risk (consumer's) of {risk_of(result.consumers_risk)}, rejecting it (producer's) of "
         f"{risk_of(result.producers_risk)}; {allowed} decides"
     )
-    return [Verdict.of(f"{result.decision}: {asked}; {risks}", good=result.decision == "met"), FIXED]
+    return [Verdict.of(f"{result.decision}: {required}; {risks}", good=result.decision == "met"), FIXED]
 
 
 def risk_of(risk: float) -> str:
@@ -134,29 +134,29 @@ def risk_of(risk: float) -> str:
 
 def tables(result: FiringResult) -> list[Table | str]:
     """Return V50 in a line, whether a requirement is met, the curve, the posterior, the shots and all curves."""
-    found: list[Table | str] = [*requirement_verdict(result), *filter(None, (answer(result),))]
+    shown: list[Table | str] = [*requirement_verdict(result), *filter(None, (answer(result),))]
     if result.recommended is not None:
-        found += [recommended_table(result.recommended, result.confidence), PENALISED]
+        shown += [recommended_table(result.recommended, result.confidence), PENALISED]
         if result.recommended.v05_m_s is None:
-            found.append("V05 has no estimate: the curve is at 5 % at a velocity below 0")
+            shown.append("V05 has no estimate: the curve is at 5 % at a velocity below 0")
     elif result.fits:
-        found.append("no curve is recommended: the penalised likelihood is greatest for a curve that does not rise")
+        shown.append("no curve is recommended: the penalised likelihood is greatest for a curve that does not rise")
     else:
-        found.append("no curve fits the shots alone: none complete, none partial, or the complete ones no faster")
+        shown.append("no curve fits the shots alone: none complete, none partial, or the complete ones no faster")
     if result.prior is not None and result.posterior is not None and result.prior_share is not None:
         table = prior_table(result.prior, result.posterior, result.confidence)
-        found += [table, SCATTER_ASSUMED, share_note(result.prior_share)]
-    found.append(v50_table(result))
+        shown += [table, SCATTER_ASSUMED, share_note(result.prior_share)]
+    shown.append(v50_table(result))
     if result.mean is not None:
-        found.append(MEAN_NOTES[result.mean.rule])
+        shown.append(MEAN_NOTES[result.mean.rule])
     if result.fits:
-        found.append(curve_table(result))
+        shown.append(curve_table(result))
     if result.separated:
-        found.append(
+        shown.append(
             "every complete penetration was faster than every partial one: by maximum likelihood every V50 between "
             "them is equally likely, and the scatter is 0"
         )
-    return found
+    return shown
 
 
 # Height of the posterior's interval of V50, below that of the shots alone.

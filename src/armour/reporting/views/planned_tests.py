@@ -43,19 +43,20 @@ SLOPES = "slope: relative change of the flow stress per projectile diameter of l
 
 def plan_table(result: PlannedTests) -> Table:
     """Return what the tests are planned for."""
-    measured, of = "ballistic limit", "ballistic limit"
+    measured = relative_to = "ballistic limit"
     if result.measure == "outcome":
-        measured, of = "outcome of one shot, stopped or perforated", "impact velocity"
+        measured, relative_to = "outcome of one shot, stopped or perforated", "impact velocity"
     why = "the candidates do not determine the inputs" if result.not_identified else "too few tests"
     efficient = f"none: {why}"
     if result.efficiency is not None:
         efficient = f"at least {percent(int(1000.0 * result.efficiency) / 1000.0)}"
+    scatter = f"{result.scatter_percent:.3g} % of the {relative_to}, {SOURCES[result.scatter_source]}"
     return record(
         result,
         (Column("criterion"), CRITERIA[result.criterion]),
         (Column("candidates", spec="d"), len(next(iter(result.candidates.values())))),
         (Column("measured"), measured),
-        (Column("scatter of a test"), f"{result.scatter_percent:.3g} % of the {of}, {SOURCES[result.scatter_source]}"),
+        (Column("scatter of a test"), scatter),
         (Column("tests made before"), result.tests),
         (Column("law of the ceramic's flow stress"), result.law),
         *((Column(*label_and_unit(name), ".4g"), value) for name, value in result.values.items()),
@@ -106,20 +107,20 @@ def form_table(result: PlannedTests) -> Table:
     It has the tests made before, too; the names of the planned tests go on from theirs.
     """
     tests: Tests | None = result.question.get("tests")
-    given = tests.weighted if tests is not None else result.scatter_known
+    has_scatter = tests.weighted if tests is not None else result.scatter_known
     uncertainty = MEASURED[LIMIT]
     measured = LIMIT if result.measure == "limit" else OUTCOME
-    made = {} if tests is None else dict(zip(tests.names, tests.cells, strict=True))
-    rows: list[dict[str, Cell]] = [{**cells, "test": name} for name, cells in made.items()]
-    last = max((int(found[1]) for found in map(PLANNED.fullmatch, made) if found), default=0)
+    earlier = {} if tests is None else dict(zip(tests.names, tests.cells, strict=True))
+    rows: list[dict[str, Cell]] = [{**cells, "test": name} for name, cells in earlier.items()]
+    last = max((int(match[1]) for match in map(PLANNED.fullmatch, earlier) if match), default=0)
     for step in result.planned[1:]:
         row: dict[str, Cell] = {"test": f"planned {last + step.number}", **step.inputs}
         value = step.ballistic_limit_m_s if result.measure == "limit" else step.inputs[VELOCITY]
-        if given and value is not None:
+        if has_scatter and value is not None:
             row[uncertainty] = float(f"{result.scatter_percent / 100.0 * float(value):.3g}")
         rows.append(row)
     keys = dict.fromkeys(["test", *(key for row in rows for key in row if key not in (measured, uncertainty))])
-    columns = [*keys, measured, *([uncertainty] if given else [])]
+    columns = [*keys, measured, *([uncertainty] if has_scatter else [])]
     return Table(
         tuple(Column(label_and_unit(key)[0], key=key) for key in columns),
         tuple(tuple(row.get(key) for key in columns) for row in rows),

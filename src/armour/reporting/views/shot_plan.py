@@ -19,20 +19,20 @@ SCATTER_ASSUMED = "the prior for the scatter is assumed; the model does not pred
 
 def tables(plan: ShotPlan) -> list[Table | str]:
     """Return all tables of a plan of shots, with notes on them."""
-    found: list[Table | str] = [_plan_table(plan)]
+    shown: list[Table | str] = [_plan_table(plan)]
     if plan.stopped and not plan.fired.complete:
-        found.append("by the prior alone: no shot was fired")
+        shown.append("by the prior alone: no shot was fired")
     if plan.reason:
-        found.append(f"reason: {plan.reason}")
+        shown.append(f"reason: {plan.reason}")
     if plan.consumers_risk is not None:
-        found.append(DECISION)
+        shown.append(DECISION)
         shots = plan.fired.velocities_m_s
         if shots and not plan.stopped and not min(shots) <= (plan.requirement_m_s or 0.0) <= max(shots):
-            found.append(ONE_SIDE)
+            shown.append(ONE_SIDE)
     if plan.operating_characteristic:
-        found.append(operating_table(plan))
+        shown.append(operating_table(plan))
     by_model = plan.model_error is not None
-    found += [
+    shown += [
         prior_table(plan.prior, plan.posterior, plan.confidence),
         error_note(plan, plan.model_error)
         if by_model
@@ -40,12 +40,12 @@ def tables(plan: ShotPlan) -> list[Table | str]:
         scatter_note(plan) if plan.earlier else SCATTER_ASSUMED,
     ]
     if plan.fired.complete and not plan.contradicts_prior:
-        found.append(share_note(plan.prior_share))
+        shown.append(share_note(plan.prior_share))
         if len(set(plan.fired.complete)) == 2 and by_model:
-            found.append(REPORT)
+            shown.append(REPORT)
     if plan.fired.complete:
-        found.append(_shot_table(plan))
-    return found
+        shown.append(_shot_table(plan))
+    return shown
 
 
 def _plan_table(plan: ShotPlan) -> Table:

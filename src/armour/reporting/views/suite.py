@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from math import floor, log10, sqrt
+from operator import itemgetter
 
 from armour import __version__
 from armour.analysis.quantities import QUANTITIES
@@ -16,7 +17,7 @@ from armour.statistics.measured import LIMIT
 from armour.validation.figures import Figure
 from armour.validation.rivals import Error
 from armour.validation.suite import CASES, Case
-from armour.validation.validate import FAILED, Check, Status, SuiteResult, TableSummary
+from armour.validation.validate import FAILED, Check, SuiteResult, TableSummary
 
 
 def check_groups(result: SuiteResult) -> dict[str, list[Check]]:
@@ -57,8 +58,8 @@ def _decimal(value: float | str | None, decimals: int, sign: str = "") -> str | 
 def failure(check: Check) -> str:
     """Return expected and computed value of a check, with the band."""
     table = check_table([check])
-    found = zip(table.columns[1:-1], table.texts()[0][1:-1], strict=True)
-    return ", ".join(f"{column.label} {text} {column.unit}".rstrip() for column, text in found if text)
+    cells = zip(table.columns[1:-1], table.texts()[0][1:-1], strict=True)
+    return ", ".join(f"{column.label} {text} {column.unit}".rstrip() for column, text in cells if text)
 
 
 def summary_table(result: SuiteResult) -> Table:
@@ -108,15 +109,15 @@ def error_tables(errors: Sequence[Error]) -> list[Table]:
     """Return the errors of the predictions that each table compares."""
     return [
         listing(
-            found,
+            same,
             column_of("predictor", label="predicted by", prose=True),
             column_of("mean_percent", ".1f", "mean error"),
             column_of("left_out_percent", ".1f", "left out"),
             column_of("largest_percent", ".1f", "largest"),
             column_of("fitted", prose=True),
-            title=f"errors, {table}, {found[0].count} rows",
+            title=f"errors, {table}, {same[0].count} rows",
         )
-        for table, found in charts.grouped(errors, lambda error: error.table).items()
+        for table, same in charts.grouped(errors, lambda error: error.table).items()
     ]
 
 
@@ -134,11 +135,9 @@ def note_rows(checks: Sequence[Check]) -> list[tuple[str, str]]:
 
 def verdict(result: SuiteResult) -> str:
     """Return the outcome of a suite in a line."""
-    parts = [f"{result.count('within')} of {result.count('within', *FAILED)} within their bands"]
-    for status in FAILED:
-        if result.count(status):
-            parts.append(f"{result.count(status)} {status}")
-    return ", ".join(parts)
+    scored = result.count("within", *FAILED)
+    failed = [f"{count} {status}" for status in FAILED if (count := result.count(status))]
+    return ", ".join([f"{result.count('within')} of {scored} within their bands", *failed])
 
 
 def suite_tables(result: SuiteResult) -> list[Table]:
@@ -146,15 +145,12 @@ def suite_tables(result: SuiteResult) -> list[Table]:
 
     Of the rows of a file, those outside their bands, or without an answer, follow the groups.
     """
-    found = []
+    tables = []
     for name, checks in check_groups(result).items():
-        if not checks[0].case.cells:
-            found.append(check_table(checks, name))
-            continue
-        found += [group_table(result, name), *failed_table(name, checks)]
-    if (whole := summary_table(result)).rows:
-        found.append(whole)
-    return [*found, *error_tables(result.errors)]
+        in_file = bool(checks[0].case.cells)
+        tables += [group_table(result, name), *failed_table(name, checks)] if in_file else [check_table(checks, name)]
+    whole = summary_table(result)
+    return [*tables, *([whole] if whole.rows else []), *error_tables(result.errors)]
 
 
 def failed_table(name: str, checks: Sequence[Check]) -> list[Table]:
@@ -163,52 +159,60 @@ def failed_table(name: str, checks: Sequence[Check]) -> list[Table]:
     return [check_table(failed, f"{name}: not within their bands")] if failed else []
 
 
+# Deviations below this, in any unit, say no more than that they are small.
+SMALL = 0.01
+
+
+def _magnitude(value: float, unit: str) -> str:
+    """Return the magnitude of a deviation in words."""
+    return f"below {SMALL:g} {unit}" if 0.0 < value < SMALL else f"{value:.3g} {unit}"
+
+
 def overview_table(result: SuiteResult) -> Table:
     """Return a line for each table of a suite: how many cases are within their bands, and their deviations."""
     whole = {summary.name: summary for summary in result.summaries if not summary.group}
 
-    def within(group: tuple[str, list[Check]]) -> str:
-        name, checks = group
+    def line(name: str, checks: Sequence[Check]) -> tuple[str, ...]:
         scored = [check for check in checks if check.status != "not scored"]
-        if scored:
-            return f"{sum(check.status == 'within' for check in scored)} of {len(scored)}"
-        return whole[name].status.replace("within", "as a whole") if name in whole else "not scored"
+        within = f"{sum(check.status == 'within' for check in scored)} of {len(scored)}" if scored else ""
+        if summary := whole.get(name):
+            within = within or summary.status.replace("within", "as a whole")
+            band = "" if summary.rms_band is None else f"{summary.rms_band:.3g} {summary.unit}"
+            return within, _magnitude(summary.rms, summary.unit), band, _magnitude(summary.largest, summary.unit)
+        worst = max((abs(check.deviation_percent or 0.0) for check in scored), default=None)
+        return within or "not scored", "", "", "" if worst is None else _magnitude(worst, "%")
 
-    def deviation(group: tuple[str, list[Check]], key: str) -> str:
-        name, checks = group
-        if name in whole:
-            value = getattr(whole[name], key)
-            return "" if value is None else f"{value:.3g} {whole[name].unit}"
-        found = [abs(c.deviation_percent or 0.0) for c in checks if c.status != "not scored"]
-        return f"{max(found):.3g} %" if found and key == "largest" else ""
-
-    return listing(
-        check_groups(result).items(),
-        (Column("table", prose=True), lambda group: group[0]),
-        (Column("cases", spec="d"), lambda group: len(group[1])),
-        (Column("within"), within),
-        (Column("RMS"), lambda group: deviation(group, "rms")),
-        (Column("RMS band"), lambda group: deviation(group, "rms_band")),
-        (Column("worst"), lambda group: deviation(group, "largest")),
+    columns = (
+        Column("table", prose=True),
+        Column("cases", spec="d"),
+        *map(Column, ("within", "RMS", "RMS band", "worst")),
     )
+    lines = [(name, len(checks), *line(name, checks)) for name, checks in check_groups(result).items()]
+    return listing(lines, *((column, itemgetter(place)) for place, column in enumerate(columns)))
 
 
 def tables(result: SuiteResult) -> list[Table | str]:
-    """Return a line for each table of a suite, or every row where that was asked for, the failures and the verdict."""
-    found: list[Table | str] = [overview_table(result)]
-    shown: tuple[Status, ...] = FAILED
-    if every_row := result.question.get("every_row"):
-        found, shown = [*suite_tables(result)], (*FAILED, "not scored")
-    else:
-        found += (table for name, checks in check_groups(result).items() for table in failed_table(name, checks))
-    notes = note_rows([check for check in result.checks if check.status in shown and not check.in_group])
-    notes += [(each.full_name, held_to(each)) for each in result.summaries if each.status == "outside"]
-    lines = [f"{name}: {note}" for name, note in notes]
-    unscored = sum(check.status == "not scored" and not check.in_group for check in result.checks)
-    more = [] if not unscored or every_row else [f"not scored: {unscored} cases; --verbose shows them, and why"]
+    """Return a line for each table of a suite, or every row where that was asked for, the failures and the verdict.
+
+    Regression values that are not filled in yet are always named.
+    """
+    every_row = result.question.get("every_row")
+    shown: list[Table | str] = [*suite_tables(result)] if every_row else [overview_table(result)]
+    if not every_row:
+        shown += (table for name, checks in check_groups(result).items() for table in failed_table(name, checks))
+    checks = [check for check in result.checks if not check.in_group]
+    unexplained = [
+        check for check in checks if check.status == "not scored" and check.case.expected is not None and not every_row
+    ]
+    notes = note_rows([check for check in checks if check.status != "within" and check not in unexplained])
+    notes += [(summary.full_name, held_to(summary)) for summary in result.summaries if summary.status == "outside"]
+    if notes:
+        shown += ["", *(f"{name}: {note}" for name, note in notes)]
+    if unexplained:
+        cases = "1 case" if len(unexplained) == 1 else f"{len(unexplained)} cases"
+        shown.append(f"not scored: {cases}; --verbose shows them, and why")
     scored = result.count("within", *FAILED) > 0
-    last = Verdict.of(verdict(result), good=result.passed) if scored else "no case is scored"
-    return [*found, *(["", *lines] if lines else []), *more, last]
+    return [*shown, Verdict.of(verdict(result), good=result.passed) if scored else "no case is scored"]
 
 
 def update_table(updates: Sequence[Check]) -> Table:
@@ -316,9 +320,9 @@ def report(result: SuiteResult, command: str = "") -> Report:
         Section(table.title[:1].upper() + table.title[1:], sources.get(table.title, ()), tables=(table,), folded=True)
         for table in suite_tables(result)
     ]
-    own = [check for check in result.checks if check.status != "not scored" and not check.case.group]
+    single = [check for check in result.checks if check.status != "not scored" and not check.case.group]
     unscored = [check for check in result.checks if check.status == "not scored" and not check.in_group]
-    for heading, checks in (("Reasons for the bands", own), ("Shown but not scored", unscored)):
+    for heading, checks in (("Reasons for the bands", single), ("Shown but not scored", unscored)):
         if notes := note_rows(checks):
             sections.append(Section(heading, notes=tuple(notes), folded=True))
     if command:
