@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
 from armour.errors import InputError, Problem, choices, mistake, refuse
-from armour.files import check_unreserved, csv_value, reason, table_file
+from armour.files import csv_value, reason, table_file
 from armour.units import missing_unit
 
 # More rows than tests or shots that anyone has made; their fits take about a minute.
@@ -122,7 +122,6 @@ def read_csv(path: Path) -> Iterator[tuple[int, list[str]]]:
     read = 0
     try:
         with open(path, encoding="utf-8-sig", errors="surrogateescape", newline="") as file:
-            check_unreserved(path)
             reader = csv.reader(texts(), strict=True)
             for cells in reader:
                 if reader.line_num > read + 1:

@@ -1,4 +1,4 @@
-"""Shipped data, reading of text and TOML files, texts made safe for files, and writing of files, all or none."""
+"""Shipped data, reading of text and TOML files, texts made safe for files, and writing of whole files."""
 
 import os
 import re
@@ -9,13 +9,12 @@ import tomllib
 import unicodedata
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from contextvars import ContextVar
 from functools import cache
 from os import PathLike
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from armour.errors import ArmourError, Problem, mistake, suggestion
+from armour.errors import Problem, mistake, refuse, suggestion
 
 # Beginnings of a cell that a spreadsheet takes for a formula.
 FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n")
@@ -29,8 +28,6 @@ MAX_SHOWN = 80
 
 _PACKAGE = Path(__file__).resolve().parent
 _CHECKOUT = _PACKAGE.parent.parent
-# Outputs of the running command, which must not be files that it reads.
-_outputs: ContextVar[tuple[Path, ...]] = ContextVar("_outputs", default=())
 
 
 def shipped(folder: str) -> Path:
@@ -99,24 +96,10 @@ def reason(error: OSError | ValueError) -> str:
     return (getattr(error, "strerror", None) or str(error)).lower()
 
 
-def reserve(outputs: Sequence[Path]) -> None:
-    """Have every later read in this context raise an ArmourError whose file is one of the outputs."""
-    _outputs.set(tuple(outputs))
-
-
-def check_unreserved(file: str | PathLike[str] | int) -> None:
-    """Check that a file that is read, given by its path or descriptor, is not a reserved output."""
-    for output in _outputs.get():
-        if output.exists() and os.path.samestat(output.stat(), os.stat(file)):
-            # No InputError, which a caller may take for a mistake in the file.
-            raise ArmourError(f"{output}: must not be the file that is read; choose another name")
-
-
 def read_text(path: str | PathLike[str]) -> str:
     """Read a text file; raise an InputError if it is missing, unreadable, too long or not UTF-8 text."""
     try:
         with open(path, "rb") as file:
-            check_unreserved(path)
             return decoded(file, str(path))
     except (OSError, ValueError) as error:
         raise mistake(path, "", f"cannot be read: {reason(error)}") from None
@@ -190,7 +173,7 @@ def wrong_ending(path: Path, endings: Sequence[str]) -> list[Problem]:
 
 
 def unwritable(path: Path) -> list[Problem]:
-    """Return, before a long computation, the problem of a file that cannot be written; [] if it can."""
+    """Return the problem of a file that cannot be written; [] if it can."""
     try:
         obstacle = _obstacle(path)
     except (OSError, ValueError) as error:
@@ -200,59 +183,47 @@ def unwritable(path: Path) -> list[Problem]:
 
 def _obstacle(path: Path) -> str:
     """Return why a file cannot be written; "" if it can."""
-    target = _target(path)
-    if target.is_dir():
+    with suppress(FileNotFoundError):
+        os.stat(path)  # a loop of links, or a name that is too long
+    if path.is_dir():
         return "is a folder"
-    if not target.parent.is_dir():
+    folder = Path(os.path.realpath(path)).parent
+    if not path.exists() and not folder.is_dir():
         return f"there is no folder {path.parent}"
-    needed = [*([target] if target.exists() else []), *([target.parent] if _is_replaced(target) else [])]
+    needed = [*([path] if path.exists() else []), *([] if _is_stream(path) else [folder])]
     return "" if all(os.access(name, os.W_OK) for name in needed) else "permission denied"
 
 
-def _target(path: Path) -> Path:
-    """Return the file that a path, or the last of its symbolic links, names; raise an OSError if there is none."""
-    with suppress(FileNotFoundError):
-        os.stat(path)  # a loop of links, or a name that is too long
-    return Path(os.path.realpath(path))
+def _is_stream(path: Path) -> bool:
+    """Return whether there is a device or a pipe at a path, which is written to; files are replaced."""
+    return path.exists() and not path.is_file()
 
 
-def _is_replaced(target: Path) -> bool:
-    """Return whether a file is replaced by a new one; devices and pipes are written to."""
-    return target.is_file() or not target.exists()
+def write_file(path: Path, content: bytes) -> None:
+    """Write a file whole or not at all, under another name at first; raise an InputError if it cannot be written.
 
-
-def write_files(contents: Mapping[Path, bytes]) -> None:
-    """Write files: each whole or not at all, and none of them if one cannot be written.
-
-    All are written under other names before any is renamed.  The target of a symbolic link is replaced, and the new
-    file has its permissions; devices and pipes are written to.  Raise an InputError if one cannot be written.
+    The target of a symbolic link is replaced, and the new file has its permissions; devices and pipes are written to.
     """
-    new: dict[Path, Path] = {}
-    path = Path()
+    refuse(unwritable(path))
+    target = Path(os.path.realpath(path))
+    part = target.with_name(f".armour-{secrets.token_hex(8)}")
     try:
-        for path, content in contents.items():
-            target = _target(path)
-            if _is_replaced(target):
-                new[path] = target.with_name(f".armour-{secrets.token_hex(8)}")
-                with new[path].open("xb") as file:
-                    if target.exists():
-                        shutil.copymode(target, new[path])
-                    file.write(content)
-                    file.flush()
-                    os.fsync(file.fileno())
-        for path in sorted(contents, key=new.__contains__):
-            if path in new:
-                new[path].replace(_target(path))
-            else:
-                # A reader that goes away wants no more.
-                with suppress(BrokenPipeError):
-                    path.write_bytes(contents[path])
-    except (OSError, ValueError) as error:
+        if _is_stream(path):
+            # A reader that goes away wants no more.
+            with suppress(BrokenPipeError):
+                path.write_bytes(content)
+            return
+        with part.open("xb") as file:
+            if target.exists():
+                shutil.copymode(target, part)
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        part.replace(target)
+    except OSError as error:
         raise mistake(path, "", f"cannot be written: {reason(error)}") from None
     finally:
-        for part in new.values():
-            with suppress(OSError):
-                part.unlink()
+        part.unlink(missing_ok=True)
 
 
 def exchangeable(folder: Path, writable: int, *, by_owners: bool = False) -> bool:

@@ -20,7 +20,7 @@ from unittest.mock import patch
 from armour.cli.app import app
 from armour.engine.cache import kernel
 from armour.errors import InputError
-from armour.files import write_files
+from armour.files import write_file
 from armour.statistics.v50 import read_shots
 from tests.helpers.faults import faults
 from tools.campaigns.sweeps import WRONG, exit_code, forked, run
@@ -99,9 +99,9 @@ def recorded_telling(table: Path, velocity_m_s: float, pipe: int) -> int:
 
     def telling(*args: Any) -> Any:
         os.write(pipe, b".")
-        return write_files(*args)
+        return write_file(*args)
 
-    with patch("armour.cli.runner.write_files", telling):
+    with patch("armour.cli.runner.write_file", telling):
         return recorded(table, velocity_m_s)
 
 

@@ -4,7 +4,6 @@ import inspect
 import logging
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from contextvars import copy_context
 from functools import cache
 from os.path import isfile
 from typing import Annotated, Any
@@ -83,9 +82,9 @@ class Reporting(_Helpful, TyperGroup):
             return super().make_context(*args, **settings)
 
     def invoke(self, ctx: Any) -> Any:
-        """Run the command, in a context of its own, so that what it reserves ends with it."""
+        """Run the command."""
         with _reported():
-            return copy_context().run(super().invoke, ctx)
+            return super().invoke(ctx)
 
 
 @contextmanager

@@ -104,7 +104,7 @@ def calibrate(
     return Answer(result, contents=contents, file=str(tests))
 
 
-@question(LIMIT_READS, first="searching", named=LIMITS, table="table")
+@question(LIMIT_READS, first="searching", named=LIMITS)
 def plan_shots(
     on_progress: "OnProgress",
     scenario: "Scenario | None" = None,

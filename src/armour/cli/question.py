@@ -7,7 +7,7 @@ a public function.
 import inspect
 import re
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from enum import Enum, auto
 from functools import wraps
@@ -51,16 +51,16 @@ def option(description: str, *names: str, **settings: Any) -> Any:
 
 def number(text: str) -> float | str:
     """Return the number that a word gives; the word itself, which is refused later, if it is none."""
-    found = read_number(text)
-    if found is None:
+    value = read_number(text)
+    if value is None:
         return text
-    return int(found) if text.lstrip("+-").isdigit() else found
+    return int(value) if text.lstrip("+-").isdigit() else value
 
 
 def share(text: str) -> float | str:
     """Return a share, which may be given in per cent; the word itself, which is refused later, if it is none."""
-    found = number(text.removesuffix("%").rstrip())
-    return text if isinstance(found, str) else found / 100.0 if text.endswith("%") else found
+    value = number(text.removesuffix("%").rstrip())
+    return text if isinstance(value, str) else value / 100.0 if text.endswith("%") else value
 
 
 def options_of(function: Callable[..., Any]) -> Iterator[inspect.Parameter]:
@@ -74,22 +74,23 @@ def options_of(function: Callable[..., Any]) -> Iterator[inspect.Parameter]:
     for name, each in inspect.signature(function).parameters.items():
         kinds = get_args(hints[name]) if get_origin(hints[name]) in (Union, UnionType) else (hints[name],)
         words = [word for kind in kinds if get_origin(kind) is Literal for word in get_args(kind)]
-        told = " ".join(meanings.get(name, "").split()).replace("`", "")
-        if isinstance(each.default, str | int | float) and each.default is not False and "default" not in told:
-            told = f"{told} By default {each.default}." if ". " in told else f"{told[:-1]}; by default {each.default}."
+        description = " ".join(meanings.get(name, "").split()).replace("`", "")
+        if isinstance(each.default, str | int | float) and each.default is not False and "default" not in description:
+            sentence = f"{description} By" if ". " in description else f"{description[:-1]}; by"
+            description = f"{sentence} default {each.default}."
         if bool in kinds:
-            told = told.removeprefix("Whether to ")
-            switch = option(told[:1].upper() + told[1:], f"--{name.replace('_', '-')}")
+            description = description.removeprefix("Whether to ")
+            switch = option(description[:1].upper() + description[1:], f"--{name.replace('_', '-')}")
             yield parameter(name, Annotated[bool, switch], False)
         elif words:
             choices = "|".join(words)
             metavar = choices if len(choices) < 20 else name.upper()
-            word = option(told, metavar=metavar, autocompletion=completion.among(words))
+            word = option(description, metavar=metavar, autocompletion=completion.among(words))
             yield parameter(name, Annotated[str | None, word])
         elif int in kinds or float in kinds:
-            yield number_option(name, told)
+            yield number_option(name, description)
         elif str in kinds:
-            inputs = option(f"{told} Repeatable.", metavar="INPUT", autocompletion=completion.inputs)
+            inputs = option(f"{description} Repeatable.", metavar="INPUT", autocompletion=completion.inputs)
             yield parameter(name, Annotated[list[str] | None, inputs])
 
 
@@ -134,15 +135,7 @@ AsJson = Annotated[bool, option("Print one JSON object and nothing else.", "--js
 Verbose = Annotated[bool, option("Show every row and every warning.", "--verbose", "-v")]
 
 # Parameters of a question that are no options: a function to call, and the name of the scenario as it was given.
-NOT_OPTIONS = ("on_progress", "source")
-# Options of every question, after its own.
-COMMON = {
-    "plot": (PlotFile, None),
-    "force": (Force, False),
-    "changes": (Changes, None),
-    "verbose": (Verbose, False),
-    "as_json": (AsJson, False),
-}
+NO_OPTIONS = ("on_progress", "source")
 
 
 class Answer(NamedTuple):
@@ -153,7 +146,7 @@ class Answer(NamedTuple):
     warnings: Sequence[str] | None = None
     # Added to the JSON.
     more: Mapping[str, Any] = {}
-    # What is written to files; without it, the CSV of the result.
+    # What is written to files.
     contents: Mapping[Any, Callable[[], str | bytes | None]] = {}
     # What the warnings are on; by default the scenario.
     file: str = ""
@@ -171,104 +164,136 @@ def question(
     what: str = "the answer",
     unit: str = "impacts",
     first: str = "",
-    csv: str = "",
     of_threats: bool = False,
     prior_reads: Sequence[str] = (),
-    table: str = "",
     named: Mapping[str, str] = {},
     **keys: tuple[str, str],
 ) -> Callable[[Callable[..., Answer]], Callable[..., None]]:
     """Make a command of a function (scenario, on_progress, options) -> Answer, perhaps with the source of the scenario.
 
-    The command checks the outputs, reads the scenario with what ``--set`` changes of the sections that it ``reads`` for
-    ``what`` it answers, with ``--prior`` those of ``prior_reads`` too, computes, writes the files, shows and warns.
-    Its options are those of the function, with ``**options`` those of the public function of the same name, the common
-    ones, and those that set keys of the scenario: by name, the key and the help.  Some parameters of the public
-    function are ``named`` otherwise in messages.  What is done ``first`` is said before the progress, which is counted
-    in a ``unit``; without it, the engine is compiled.  ``csv`` is the help of ``--csv``, a file for the CSV of the
-    view.  A CSV file in place of the scenario is the ``table`` of this name, and the other the scenario, if there is
-    one.
+    The command reads the scenario with what ``--set`` changes of the sections that it ``reads`` for ``what`` it
+    answers, with ``--prior`` those of ``prior_reads`` too, checks the outputs, computes, shows, writes the files and
+    warns.  Its options are those of the function, with ``**options`` those of the public function of the same name, the
+    common ones, and those that set ``keys`` of the scenario: by name, the key and the help.  Some parameters of the
+    public function are ``named`` otherwise in messages.  What is done ``first`` is said before the progress, which is
+    counted in a ``unit``; without it, the engine is compiled.  Where the function has a ``table``, it may be given in
+    place of the scenario or before it.
     """
 
-    def made(function: Callable[..., Answer]) -> Callable[..., None]:
-        own = dict(inspect.signature(function).parameters)
-        derives = own.pop("options", None) is not None
-        static = {name: each.replace(kind=each.KEYWORD_ONLY) for name, each in own.items() if name not in NOT_OPTIONS}
-        static["scenario"] = static["scenario"].replace(annotation=ScenarioFile)
-        static |= {name: number_option(name, text) for name, (_key, text) in keys.items()}
-        if csv:
-            static["csv"] = parameter("csv", Annotated[Path | None, option(csv, metavar="FILE"), Output.TABLE])
-        static |= {name: parameter(name, *common) for name, common in COMMON.items() if name not in own}
-        files = {
-            name: mark for name in static for mark in get_args(static[name].annotation) if isinstance(mark, Output)
-        }
-
-        def parameters() -> list[inspect.Parameter]:
-            derived = options_of(getattr(armour, function.__name__)) if derives else ()
-            return [*(each for each in derived if each.name not in static), *static.values()]
+    def command_of(function: Callable[..., Answer]) -> Callable[..., None]:
+        parameters = _parameters(function, keys)
 
         @wraps(function)
         def command(**values: Any) -> None:
-            plot, changes = values["plot"], values["changes"]
-            if table and values["scenario"] is not None and values["scenario"].suffix.lower() == ".csv":
-                values["scenario"], values[table] = values[table], values["scenario"]
-            outputs = [values[name] for name in files]
-            tables = [values[name] for name, mark in files.items() if mark is Output.TABLE]
-            check_outputs(*outputs, tables=tables, plot=plot, force=values["force"])
-            loaded = None
+            if "table" in values and values["scenario"] is not None and values["scenario"].suffix.lower() == ".csv":
+                values["scenario"], values["table"] = values["table"], values["scenario"]
+            scenario = None
             if values["scenario"] is not None:
                 read = [*reads, *(prior_reads if values.get("prior") else ())]
-                settings = {f"--{name}": (key, values[name]) for name, (key, _text) in keys.items()}
-                loaded = read_scenario(values["scenario"], changes, read, settings, what)
-            elif changes:
+                settings = {f"--{name}": (key, values[name]) for name, (key, _help) in keys.items()}
+                scenario = read_scenario(values["scenario"], values["changes"], read, settings, what)
+            elif values["changes"]:
                 raise wrong_option("--set", "must be given with a scenario")
-            # An option that is not given has the default of the public function.
-            given = {name for name in values if name in own or (name not in static and values[name] is not None)}
-            asked = {name: values[name] for name in given} | {"scenario": loaded}
-            if "source" in own:
-                asked["source"] = str(values["scenario"])
+            _check_files(values, parameters, scenario)
             with progress(unit, first=first) as count, as_options(function.__name__, named):
-                answer = function(on_progress=count, **asked)
-            shown = {"plot": plot, "as_json": values["as_json"], "verbose": values["verbose"], "of_threats": of_threats}
-            _respond(answer, loaded, outputs, **shown)
-            if answer.exit_code:
-                raise typer.Exit(answer.exit_code)
+                answer = function(**_arguments(function, values, parameters, scenario, count))
+            _respond(answer, scenario, values, of_threats=of_threats)
 
-        command.__dict__.update(__signature__=inspect.Signature(), parameters=parameters)
+        command.__dict__.update(
+            __signature__=inspect.Signature(),
+            parameters=lambda: [*_derived(function, parameters), *parameters.values()],
+        )
         command.__annotations__ = {}
         return command
 
-    return made
+    return command_of
 
 
-def _respond(
-    answer: Answer,
-    scenario: "Scenario | None",
-    outputs: Iterable[Path | None],
-    *,
-    plot: Path | None,
-    as_json: bool,
-    verbose: bool,
-    of_threats: bool,
+def _parameters(function: Callable[..., Answer], keys: Mapping[str, tuple[str, str]]) -> dict[str, inspect.Parameter]:
+    """Return the parameters of a question: those of its function, those that set keys, and the common ones."""
+    parameters = {
+        name: each.replace(kind=each.KEYWORD_ONLY)
+        for name, each in inspect.signature(function).parameters.items()
+        if name not in (*NO_OPTIONS, "options")
+    }
+    parameters["scenario"] = parameters["scenario"].replace(annotation=ScenarioFile)
+    parameters |= {name: number_option(name, description) for name, (_key, description) in keys.items()}
+    common = (
+        parameter("plot", PlotFile),
+        parameter("force", Force, False),
+        parameter("changes", Changes),
+        parameter("verbose", Verbose, False),
+        parameter("as_json", AsJson, False),
+    )
+    return parameters | {each.name: each for each in common if each.name not in parameters}
+
+
+def _derived(
+    function: Callable[..., Answer], parameters: Mapping[str, inspect.Parameter]
+) -> Iterator[inspect.Parameter]:
+    """Yield the options of the public function of the same name, if the function takes them, but for the others."""
+    if "options" in inspect.signature(function).parameters:
+        yield from (each for each in options_of(getattr(armour, function.__name__)) if each.name not in parameters)
+
+
+def _check_files(
+    values: Mapping[str, Any], parameters: Mapping[str, inspect.Parameter], scenario: "Scenario | None"
 ) -> None:
-    """Write and show an answer."""
+    """Check the outputs of a command, given the values of its options."""
+    from armour.scenario.scenario import files_of
+
+    marks = {name: set(get_args(each.annotation)) & {*Output} for name, each in parameters.items()}
+    words = [word for name in values if name != "plot" and not marks.get(name) for word in _words(values[name])]
+    check_outputs(
+        *(values[name] for name, mark in marks.items() if mark),
+        inputs=[*words, *(files_of(scenario) if scenario else ())],
+        tables=[values[name] for name, mark in marks.items() if Output.TABLE in mark],
+        plot=values["plot"],
+        force=values["force"],
+    )
+
+
+def _words(value: Any) -> list[str | Path]:
+    """Return the words of an option, which may be the names of files."""
+    return [word for word in (value if isinstance(value, list) else [value]) if isinstance(word, str | Path)]
+
+
+def _arguments(
+    function: Callable[..., Answer],
+    values: Mapping[str, Any],
+    parameters: Mapping[str, inspect.Parameter],
+    scenario: "Scenario | None",
+    on_progress: Callable[..., None],
+) -> dict[str, Any]:
+    """Return the arguments of the function; an option that is not given has the default of the public function."""
+    names = inspect.signature(function).parameters
+    arguments = {
+        name: value for name, value in values.items() if name in names or (name not in parameters and value is not None)
+    } | {"scenario": scenario, "on_progress": on_progress}
+    return arguments | ({"source": str(values["scenario"])} if "source" in names else {})
+
+
+def _respond(answer: Answer, scenario: "Scenario | None", values: Mapping[str, Any], *, of_threats: bool) -> None:
+    """Show and write an answer, and end with its exit code."""
     from armour.reporting.show import view_of
 
+    verbose = values["verbose"]
     result = answer.result.of(every_row=verbose)
     view = view_of(result)
     warnings = result.warnings if answer.warnings is None else answer.warnings
-    contents = {path: lambda: view.csv(result) for path in outputs} | {**answer.contents}
     with answer.held:
         respond(
             {**result.to_dict(), **answer.more},
             view.tables(result),
-            as_json=as_json,
+            as_json=values["as_json"],
             of=result.heading(),
-            files=contents.items(),
-            plot=plot,
+            files=answer.contents.items(),
+            plot=values["plot"],
             chart=lambda: view.chart(result),
             warnings=warnings_of(scenario, warnings, answer.file, of_threats=of_threats, verbose=verbose),
         )
     if answer.then:
         # In one line, so that it can be copied.
         emit(f"next: {answer.then}\n", sys.stderr)
+    if answer.exit_code:
+        raise typer.Exit(answer.exit_code)

@@ -1,28 +1,16 @@
-"""What every command does: check the outputs, read, compute, write files, show, warn, in this order.
-
-Files are written before anything is printed, so that a reader that closes the pipe loses none.
-"""
+"""What every command does: read, check the outputs, compute, show, write files, warn, in this order."""
 
 import os
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from os.path import exists
+from os.path import exists, isfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from armour.cli.console import say, show, show_json
-from armour.errors import ArmourError, InputError, Problem, in_two_lines, mistake, refuse
-from armour.files import (
-    check_unreserved,
-    decoded,
-    parse_toml,
-    read_text,
-    reserve,
-    unwritable,
-    write_files,
-    wrong_ending,
-)
+from armour.errors import InputError, Problem, in_two_lines, mistake, refuse
+from armour.files import decoded, parse_toml, read_text, unwritable, write_file, wrong_ending
 
 if TYPE_CHECKING:
     from armour.reporting.table import Table
@@ -40,42 +28,39 @@ def wrong_option(option: str, message: str) -> InputError:
 
 
 def check_outputs(
-    *writes: Path | None,
+    *outputs: Path | None,
+    inputs: Iterable[str | Path] = (),
     tables: Iterable[Path | None] = (),
     plot: Path | None = None,
     updated: Path | None = None,
     force: bool = False,
 ) -> None:
-    """Check that all outputs can be written, that none is another one, and that none replaces a file unless forced to.
+    """Check that all outputs can be written, that none is another one or an input, and that only force replaces a file.
 
-    Of what is written, ``tables`` are CSV.  An output that is found to be read later is refused then, but for the
-    updated one, which may exist.
+    ``tables`` are those of the outputs that are CSV.  ``updated`` is an input and an output.
     """
     problems = [] if plot is None else wrong_ending(plot, PLOT_ENDINGS)
     for table in tables:
         # Streams and pipes have no ending.
-        if table is not None and (_is_kept(table) or not exists(table)):
+        if table is not None and (isfile(table) or not exists(table)):
             problems += wrong_ending(table, (".csv",))
-    fresh = [path for path in (*writes, plot) if path is not None]
-    paths = fresh if updated is None else [*fresh, updated]
+    new = [path for path in (*outputs, plot) if path is not None]
+    paths = new if updated is None else [*new, updated]
     problems += (problem for path in paths for problem in unwritable(path))
-    there = [path for path in fresh if not force and _is_kept(path)]
-    problems += (Problem(str(path), "", "exists already; choose another name, or --force") for path in there)
+    sources = [0 if str(source) == "-" else source for source in inputs]  # the descriptor of standard input
+    for path in filter(isfile, new):
+        if any(exists(source) and os.path.samefile(path, source) for source in sources):
+            problems.append(Problem(str(path), "", "must not be the file that is read; choose another name"))
+        elif not force:
+            problems.append(Problem(str(path), "", "exists already; choose another name, or --force"))
+    if updated is not None and isfile(updated) and updated.stat().st_nlink > 1:
+        message = "must have no second name (hard link), which would keep what it has now; use a symbolic link"
+        problems.append(Problem(str(updated), "", message))
     if not problems:
         resolved = [path.resolve() for path in paths]
         twice = dict.fromkeys(str(path) for path in resolved if resolved.count(path) > 1)
         problems += (Problem(path, "", "must not be written twice; choose another name") for path in twice)
     refuse(problems)
-    reserve(fresh)
-
-
-def _is_kept(path: Path) -> bool:
-    """Return whether a path is that of a file, other than one to which the shell sends a stream of this process."""
-    return (
-        exists(path)
-        and path.is_file()
-        and not any(os.path.samestat(path.stat(), os.fstat(stream)) for stream in (1, 2))
-    )
 
 
 def read_scenario(
@@ -104,8 +89,6 @@ def read_scenario(
                 raise wrong_option(option, f"must not be given with {options[key]}")
             changes[key], options[key] = value, option
     if str(path) == "-":
-        with suppress(OSError):  # a stream that is no file
-            check_unreserved(sys.stdin.fileno())
         file, folder, text = STANDARD_INPUT, Path(), decoded(sys.stdin.buffer, STANDARD_INPUT)
     else:
         found = scenario_file(path)
@@ -163,7 +146,7 @@ def respond(
     chart: Callable[[], Any] | None = None,
     warnings: Iterable[str] = (),
 ) -> None:
-    """Write the files that are asked for, show an answer as tables or JSON, and warn.
+    """Show an answer as tables or JSON, write the files that are asked for, and warn.
 
     ``files`` are paths with functions that make the contents, or None if there is nothing to write.  ``chart`` makes
     the chart for ``plot``.  ``of`` are the lines above tables and chart that say what was computed.
@@ -174,29 +157,23 @@ def respond(
 
         return None if plot is None or chart is None else draw.rendered(chart().about(of), plot.suffix.lower())
 
-    contents: dict[Path, bytes] = {}
-    failed: ArmourError | None = None
-    try:
-        for path, content in [*files, (plot, drawn)]:
-            if path is not None and (made := content()) is not None:
-                contents[path] = _encoded(made)
-        write_files(contents)
-    except ArmourError as error:
-        failed = error
-    # The answer is shown even if a file cannot be made or written.
     if as_json:
         show_json(data)
     elif shown := [*tables]:
         show(*of[1:], *shown, title=of[0] if of else "")
-    say(*(f"wrote {path}" for path in contents if not failed), *warnings)
-    if failed:
-        raise failed
+    try:
+        # All are made before one is written.
+        contents = {path: content() for path, content in [*files, (plot, drawn)] if path is not None}
+        write({path: content for path, content in contents.items() if content is not None})
+    finally:
+        say(*warnings)
 
 
 def write(contents: Mapping[Path, str | bytes]) -> None:
-    """Write outputs, all or none, and report them on standard error."""
-    write_files({path: _encoded(content) for path, content in contents.items()})
-    say(*(f"wrote {path}" for path in contents))
+    """Write outputs, and report each on standard error."""
+    for path, content in contents.items():
+        write_file(path, _encoded(content))
+        say(f"wrote {path}")
 
 
 def _encoded(content: str | bytes) -> bytes:

@@ -78,6 +78,7 @@ def simulate(
     """Simulate one impact."""
     # Imported here because other commands do not need numpy.
     from armour.evidence.tests import scenario_warnings
+    from armour.reporting.views import impact as view
 
     result = armour.simulate(scenario, history=history is not None or plot is not None)
     on_progress(1, None)
@@ -86,7 +87,7 @@ def simulate(
     of_limit = () if limit is None else scenario_warnings(scenario, limit, "ballistic_limit")
     warnings = tuple(dict.fromkeys((*result.warnings, *of_limit, *sure.warnings)))
     more = {"warnings": list(warnings), "confidence": sure.to_dict()}
-    return Answer(result.of(confidence=sure), warnings, more)
+    return Answer(result.of(confidence=sure), warnings, more, {history: lambda: view.csv(result)})
 
 
 @question(LIMIT_READS, what="the ballistic limit", first="searching")
@@ -138,7 +139,6 @@ def check(
 @question(
     DESIGNS,
     what="the design",
-    csv="Write the Pareto front as CSV or, without one, the thinnest ceramic for each back plate.",
     of_threats=True,
     confidence=CONFIDENCE,
 )
@@ -146,6 +146,13 @@ def optimise(
     scenario: "Scenario",
     on_progress: "OnProgress",
     source: str,
+    csv: Annotated[
+        Path | None,
+        option(
+            "Write the Pareto front as CSV or, without one, the thinnest ceramic for each back plate.", metavar="FILE"
+        ),
+        Output.TABLE,
+    ] = None,
     page: Annotated[
         Path | None,
         option("Write an interactive map of all designs, .html.", "--map", metavar="FILE"),
@@ -159,7 +166,7 @@ def optimise(
     The scenario may define several threats, a catalogue of materials, and a quantity other than weight to minimise.
     Where no design is known to pass, the answer is the nearest one, with what it lacks, and the exit code 1.
     """
-    from armour.reporting.views.design import verdict
+    from armour.reporting.views import design as view
 
     if page is not None:
         refuse(wrong_ending(page, (".html",)))
@@ -169,10 +176,11 @@ def optimise(
         from armour.reporting.design_page import design_page
 
         command, needed = ["armour", "simulate", source], accepted(changes or (), IMPACT_READS)
-        drawn = design_page(scenario, command, needed, on_progress, [str(line) for line in verdict(result)])
+        drawn = design_page(scenario, command, needed, on_progress, [str(line) for line in view.verdict(result)])
     named = None if source == "-" else result.shown
     then = "" if named is None else _check_of(scenario, named, source, changes or ())
-    return Answer(result, contents={page: lambda: drawn}, then=then, exit_code=NO_ANSWER if result.reason else 0)
+    contents = {csv: lambda: view.csv(result), page: lambda: drawn}
+    return Answer(result, contents=contents, then=then, exit_code=NO_ANSWER if result.reason else 0)
 
 
 def _check_of(scenario: "Scenario", best: "BestDesign", source: str, changes: Sequence[str]) -> str:
@@ -261,7 +269,13 @@ def sweep(
     from armour.sweeps.sweep import subject_of, write_sweep
 
     begun = exists(parts_of(output))
-    check_outputs(None if begun else output, plot=plot, updated=output if begun else None, force=force)
+    check_outputs(
+        None if begun else output,
+        inputs=[scenario, *([cases] if cases else [])],
+        plot=plot,
+        updated=output if begun else None,
+        force=force,
+    )
     names = [name.strip() for name in quantities.split(",")]
     reads = reads_of(name for name in names if name in QUANTITIES)
     loaded = read_scenario(scenario, changes, (*ROUND_AND_ARMOUR, *reads), what="the sweep")
@@ -360,7 +374,7 @@ def report(
     from armour.reporting.show import REPORT_ENDINGS, report_text
     from armour.scenario.scenario import scenario_file
 
-    check_outputs(output, force=force)
+    check_outputs(output, inputs=[source], force=force)
     refuse(wrong_ending(output, REPORT_ENDINGS))
     asked = [] if confidence is None else ["--confidence", str(confidence)]
     changes = changes or []

@@ -49,6 +49,7 @@ def validate(
     from armour.reporting.report import markdown_report
     from armour.reporting.views import suite as view
     from armour.scenario.changes import changes_of
+    from armour.scenario.scenario import files_of
     from armour.validation.suite import load_suite
     from armour.validation.validate import kept_by_update
 
@@ -57,8 +58,11 @@ def validate(
     wrong += ["must not be given with --set, whose changes are not in the suite"] if changes else []
     refuse(Problem("validate", "--update", message) for message in wrong if update)
     updated = suite if update else None
-    check_outputs(markdown, junit, updated=updated, force=force)
-    chosen = load_suite(path, changes_of(changes or ())).only(only)
+    loaded = load_suite(path, changes_of(changes or ()))
+    scenarios = [file for case in loaded.cases for file in files_of(case.scenario)]
+    inputs = [path, *dict.fromkeys(scenarios), *(path.parent / table.file for table in loaded.tables)]
+    check_outputs(markdown, junit, inputs=inputs, updated=updated, force=force)
+    chosen = loaded.only(only)
     if update and not any(case.regression for case in chosen.cases):
         message = "must be true for the suite, or a case or table without source, to be updated; other values stay"
         raise mistake(chosen.file, "regression", message)

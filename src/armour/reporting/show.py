@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from armour.analysis.results import OnProgress, ignore_progress
 from armour.errors import InputError, Problem, refuse
-from armour.files import unwritable, write_files, wrong_ending
+from armour.files import unwritable, write_file, wrong_ending
 from armour.scenario.scenario import Scenario
 
 if TYPE_CHECKING:
@@ -151,7 +151,7 @@ def report(
         made = scenario_report(contents, f'armour.report(scenario, "{path}"{options})')
     else:
         made = suite.report(subject, f'armour.report(result, "{path}")')
-    write_files({path: report_text(made, path).encode(errors="backslashreplace")})
+    write_file(path, report_text(made, path).encode(errors="backslashreplace"))
 
 
 def report_text(made: "Report", path: Path) -> str:

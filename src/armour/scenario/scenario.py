@@ -17,7 +17,7 @@ from pydantic import PrivateAttr, ValidationError
 
 from armour.core.state import Parameters
 from armour.errors import InputError, Note, Problem, choices, refuse, suggestion
-from armour.files import located, read_toml, shipped_files, shipped_suites, shipped_tests, write_files
+from armour.files import located, read_toml, shipped_files, shipped_suites, shipped_tests, write_file
 from armour.scenario.changes import changed
 from armour.scenario.checked import checked
 from armour.scenario.inputs import (
@@ -451,6 +451,12 @@ def scenario_file(path: Path, others: Mapping[str, Path] | None = None) -> Path:
     return located(path, known, "".join(listed) or "; `armour init --list` lists the shipped scenarios")
 
 
+def files_of(scenario: Scenario) -> list[Path]:
+    """Return the files that a scenario is read from: its own, and its library files."""
+    source = scenario._source
+    return [Path(source.file), *(source.folder / file for file in scenario.library.files)]
+
+
 @checked
 def save_scenario(scenario: Scenario, path: str | PathLike[str]) -> None:
     """Write a scenario to a TOML file, atomically; a file of this name is replaced.
@@ -467,7 +473,7 @@ def save_scenario(scenario: Scenario, path: str | PathLike[str]) -> None:
         If the file cannot be written.
     """
     path = Path(path)
-    write_files({path: scenario.to_toml(path.parent).encode()})
+    write_file(path, scenario.to_toml(path.parent).encode())
 
 
 @checked

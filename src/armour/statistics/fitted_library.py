@@ -9,7 +9,7 @@ from typing import Any
 import tomli_w
 
 from armour.errors import InputError, NoAnswerError, mistake
-from armour.files import parse_toml, write_files
+from armour.files import parse_toml, write_file
 from armour.scenario.checked import checked
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, NAMES, VELOCITY
 from armour.scenario.library import FLOW_STRESS_LAW, LibraryEntry, shipped_library
@@ -62,7 +62,8 @@ def save_fit(
         contents[Path(fitted)] = scenario_text(result, tests, scenario, lot, Path(fitted)).encode()
     if not contents:
         raise mistake("save_fit", "library", "must be given, or fitted: the file to write")
-    write_files(contents)
+    for path, content in contents.items():
+        write_file(path, content)
 
 
 def library_text(result: CalibrationResult, tests: Tests, scenario: Scenario, lot: str) -> str:
