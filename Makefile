@@ -28,7 +28,7 @@ lowest: $(LOWEST)/installed
 	$(LOWEST)/bin/lint-imports
 	$(LOWEST)/bin/pytest -n auto -m 'not slow' tests/test_*.py tests/cli tests/engine tests/reporting tests/scenario tests/sweeps
 
-check: $(VENV)/developing site
+check: $(VENV)/developing
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy

@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 from armour import MODEL_VERSION, __version__
 from armour.cli.app import COMMANDS, app
 from tests.cli.test_docs import PAGES, sessions
+from tests.cli.test_golden import GOLDEN
 from tests.helpers.cases import SCENARIOS
 
 pytestmark = pytest.mark.slow
@@ -21,19 +22,22 @@ TAKE_A_SCENARIO = ("simulate", "ballistic-limit", "optimise", "sensitivity", "co
 
 
 EXAMPLES = [example for commands in COMMANDS.values() for examples in commands.values() for example in examples]
-# Commands of the documentation, which tests/cli/test_docs.py runs.
+# Commands of the documentation, which tests/cli/test_docs.py runs, and those of tests/cli/golden.
 SHOWN = [command for page in PAGES for session in sessions(page) for command, _ in session]
-DOCUMENTED = [command.removeprefix("armour ") for command in SHOWN if command.startswith("armour ")]
+PLAYED = [line.removeprefix("$ ") for path in GOLDEN.glob("*.txt") for line in path.read_text().splitlines()]
+RUN_ELSEWHERE = [command.removeprefix("armour ") for command in SHOWN + PLAYED if command.startswith("armour ")]
 
 
 def words_of(command: str) -> set[str]:
-    return set(shlex.split(command.replace(" -o ", " --output ").replace(".png", ".svg")))
+    return {word.removesuffix(".toml") for word in shlex.split(command.replace(" -o ", " --output "))}
 
 
 def is_part_of_another(example: str) -> bool:
-    """Whether a longer example, or a command of the documentation, holds all words of an example."""
+    """Whether a longer example, or a command that is run elsewhere, holds all words of an example."""
     words = words_of(example)
-    return any(words < words_of(other) for other in EXAMPLES) or any(words <= words_of(other) for other in DOCUMENTED)
+    return any(words < words_of(other) for other in EXAMPLES) or any(
+        words <= words_of(other) for other in RUN_ELSEWHERE
+    )
 
 
 @pytest.mark.parametrize("example", [example for example in EXAMPLES if not is_part_of_another(example)])

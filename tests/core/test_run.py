@@ -98,14 +98,14 @@ def test_given_steps_have_their_length_and_are_divided_at_events_only():
 
 @pytest.mark.parametrize("part", [0.0, 0.02])
 def test_the_bulge_and_the_velocity_of_the_plate_are_never_below_0(part: float):
-    for p in random_designs(40):
+    for p in random_designs(12):
         for velocity in (400.0, 900.0):
             _, trace = traced(p, velocity, part * crossing_time(p, velocity))
             assert min(min(instant.y.W, instant.y.h) for instant in trace) >= 0.0
 
 
 def test_a_smaller_tolerance_moves_an_impact_little():
-    for p in random_designs(60):
+    for p in random_designs(30):
         usual, fine = (run(p, 1000.0, 0.0, 1.0, 10_000, None, of) for of in (TOLERANCE, 1e-3 * TOLERANCE))
         assert usual.outcome == fine.outcome
         assert pytest.approx(fine.y.V, abs=0.02) == usual.y.V

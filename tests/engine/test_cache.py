@@ -1,5 +1,6 @@
 """The folder of compiled code: used where it is the user's, made anew where a file in it is damaged."""
 
+import logging
 import os
 import shutil
 import subprocess
@@ -110,10 +111,13 @@ def test_a_folder_of_another_user(compiler: FakeCompiler, monkeypatch: pytest.Mo
     assert_not_used(compiler, "which other users can change")
 
 
-def test_a_link_to_a_folder(kept: Path, compiler: FakeCompiler, tmp_path: Path):
+def test_a_link_to_a_folder(kept: Path, compiler: FakeCompiler, tmp_path: Path, caplog: pytest.LogCaptureFixture):
+    caplog.set_level(logging.INFO)
     kept.parents[1].rename(tmp_path / "elsewhere")
     kept.parents[1].symlink_to(tmp_path / "elsewhere")
     assert_not_used(compiler, "which other users can change")
+    said = f"cannot be kept in {kept.parents[2]}, which other users can change; XDG_CACHE_HOME names another folder"
+    assert said in caplog.text
 
 
 def no_home(*_args: Any, **_kwargs: Any) -> str:

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from armour.core.run import run
 from armour.core.state import Parameters
+from armour.engine import batch
 from tests.helpers.runs import STAGE_PATHS, path, traced
 
 pytestmark = pytest.mark.slow
@@ -16,7 +16,8 @@ ROUNDING = 2e-9
 
 
 def residual(p: Parameters, velocity: float, dt: float) -> float:
-    return run(p, velocity, dt, 1.0, 1_000_000).y.V
+    """The residual velocity, m/s, by the engine."""
+    return float(batch.impacts(batch.packed([p]), np.array([velocity]), batch.SolverOptions(time_step=dt)).V[0])
 
 
 @pytest.mark.parametrize("name", STAGE_PATHS)
