@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from armour.analysis.searches import limit_brackets
+from armour.analysis.searches import ballistic_limits
 from armour.analysis.variants import variants_of
 from armour.design.optimise import BestDesign, optimise
 from armour.scenario.scenario import Scenario
@@ -62,10 +62,8 @@ def against(case: Scenario, names: tuple[str, str, float, float], threat: Any) -
 
 def limit_of(of: Scenario) -> float:
     """The ballistic limit, m/s: inf where nothing in the range perforates, 0 where all does."""
-    section = of.ballistic_limit
-    range_m_s = section.velocity_min_m_s, section.velocity_max_m_s
-    [low], [high] = limit_brackets(variants_of(of, {}, 1), *range_m_s, section.tolerance_m_s)[:2]
-    return float(high) if low > 0.0 else 0.0
+    [limit] = ballistic_limits(variants_of(of, {}, 1))
+    return max(float(limit), 0.0)
 
 
 def designs(case: Scenario) -> list[Plain]:
