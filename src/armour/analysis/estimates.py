@@ -7,7 +7,6 @@ from typing import Annotated
 
 import numpy as np
 from pydantic import Field
-from scipy.special import betaincinv, stdtrit
 
 from armour.analysis.variants import Floats
 
@@ -35,6 +34,8 @@ class Estimate:
 
 def proportion(hits: int, samples: int) -> Estimate:
     """Estimate a proportion, with the Clopper-Pearson confidence interval [Clopper1934]."""
+    from scipy.special import betaincinv  # slow to import
+
     misses = samples - hits
     low = float(betaincinv(hits, misses + 1, TAIL)) if hits else 0.0
     high = float(betaincinv(hits + 1, misses, 1.0 - TAIL)) if misses else 1.0
@@ -43,6 +44,8 @@ def proportion(hits: int, samples: int) -> Estimate:
 
 def mean_of_replicates(values: Floats) -> Estimate:
     """Estimate the mean of values of independent replicates, (replicates,), with the t interval."""
+    from scipy.special import stdtrit  # slow to import
+
     mean, count = float(values.mean()), len(values)
     half = float(stdtrit(count - 1, 1.0 - TAIL) * values.std(ddof=1)) / sqrt(count)
     return Estimate(mean, mean - half, mean + half)

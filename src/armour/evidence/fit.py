@@ -6,10 +6,10 @@ made, or a series of tests), of the round and of the test.  docs/methods.md desc
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
+from math import lgamma
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.special import gammaln, log_ndtr
 
 from armour.core.state import Parameters
 from armour.evidence.mixture import Floats
@@ -155,7 +155,7 @@ class Fit(NamedTuple):
         limits, shots = np.flatnonzero(tests.sides == 0.0), np.flatnonzero(tests.sides)
         S = K[np.ix_(limits, limits)] + np.diag(variances[limits])
         squares, n = float(away[limits] @ np.linalg.solve(S, away[limits])), len(limits)
-        log_density = gammaln(0.5 * (nu + n)) - gammaln(0.5 * nu) - 0.5 * n * np.log(nu)
+        log_density = lgamma(0.5 * (nu + n)) - lgamma(0.5 * nu) - 0.5 * n * np.log(nu)
         log_density -= 0.5 * ((nu + n) * np.log1p(squares / nu) + np.linalg.slogdet(S)[1])
         if len(shots):
             gain = np.linalg.solve(S, K[limits]).T
@@ -182,6 +182,8 @@ def _outcomes(
     variances given.  By expectation propagation; the third number is the logarithm of the probability of the outcomes.
     """
     n = len(mean)
+    from scipy.special import log_ndtr  # slow to import
+
     precision, information, at, own = np.zeros(n), np.zeros(n), mean.copy(), covariance.copy()
     without, spread, score = np.empty(n), np.empty(n), np.empty(n)
     for _ in range(MOST_ROUNDS):

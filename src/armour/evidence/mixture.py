@@ -5,7 +5,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import gammaln, stdtr, stdtrit
+
+from armour.evidence.student import density_at_0, probability_below, quantile
 
 Floats = NDArray[np.float64]
 
@@ -55,7 +56,7 @@ class Mixture(NamedTuple):
     def probability_above(self, values: ArrayLike) -> Any:
         """Return the probability of more than each of some values, such as velocities in m/s."""
         weights, locations, scales, freedom, places = self._at(values)
-        return (weights * stdtr(freedom, (locations - places) / scales)).sum(axis=0)
+        return (weights * probability_below(freedom, (locations - places) / scales)).sum(axis=0)
 
     def quantile(self, probabilities: ArrayLike) -> Any:
         """Return the values that are not exceeded with each of some probabilities, 0 to 1."""
@@ -66,7 +67,7 @@ class Mixture(NamedTuple):
         found = np.where(low == high, low, 0.5 * (low + high))
         # Newton's method, within an interval that it narrows.
         for _ in range(MOST_STEPS if len(of_each) > 1 else 0):
-            below = (weights * stdtr(freedom, (found - locations) / scales)).sum(axis=0)
+            below = (weights * probability_below(freedom, (found - locations) / scales)).sum(axis=0)
             low, high = np.where(below < wanted, found, low), np.where(below < wanted, high, found)
             with np.errstate(all="ignore"):
                 last, found = found, found + (wanted - below) * np.exp(-self._log_density(found))
@@ -84,7 +85,7 @@ class Mixture(NamedTuple):
     def _log_density(self, places: Floats) -> Any:
         """Return the logarithm of the density at values, or per unit of their logarithms at these."""
         weights, locations, scales, freedom = self._parts(places)
-        constant = gammaln(0.5 * (freedom + 1.0)) - gammaln(0.5 * freedom) - 0.5 * np.log(freedom * np.pi)
+        constant = np.log(density_at_0(freedom))
         kernel = 0.5 * (freedom + 1.0) * np.log1p(((places - locations) / scales) ** 2 / freedom)
         with np.errstate(divide="ignore"):
             return np.logaddexp.reduce(np.log(weights) + constant - np.log(scales) - kernel)
@@ -113,6 +114,4 @@ class Mixture(NamedTuple):
 
 def _quantiles(locations: Floats, scales: Floats, freedom: Floats, probabilities: Floats) -> Floats:
     """Return quantiles of Student's t distributions."""
-    # Versions of scipy differ at 0 and at 1.
-    ends = [probabilities == 0.0, probabilities == 1.0]
-    return locations + scales * np.select(ends, [-np.inf, np.inf], stdtrit(freedom, probabilities))
+    return locations + scales * quantile(freedom, probabilities)

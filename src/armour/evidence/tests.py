@@ -5,7 +5,6 @@ from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.special import softmax
 
 from armour.core.state import Parameters
 from armour.errors import Note
@@ -222,6 +221,8 @@ def own_evidence(entry: LibraryEntry, own: OwnTests) -> Evidence:
     first, tested = own.law[0], {name: np.array(values) for name, values in own.tests.items()}
     shipped = next(one for one in shipped_evidence() if first.fit in [fit.name for fit in one.fits])
     tested["tensile_MPa"] = np.full(len(tested["side"]), tensile_strength(entry))
+    from scipy.special import softmax  # slow to import
+
     values = tuple(DataRange(name, v - ROUNDING * abs(v), v + ROUNDING * abs(v)) for name, v in own.calibrated.items())
     kind = tuple(limits for limits in shipped.kind if limits.name not in ("tensile_ratio", *own.calibrated))
     more = STRANGE * bool(shipped.ceramic) if not is_outside(kind, tested).any() else STRANGE_METAL

@@ -1,0 +1,38 @@
+"""Student's t distribution, against scipy's."""
+
+import numpy as np
+import pytest
+from scipy.stats import t
+
+from armour.evidence import student
+
+FREEDOM = np.array([2.5, 3.0, 7.0, 30.0, 199.0, 201.0, 2e3, 1e6])[:, None]
+
+
+def test_probabilities():
+    values = np.array([-50.0, -8.0, -1.0, -1e-9, 0.0, 0.3, 2.0, 30.0])
+    found = student.probability_below(FREEDOM, values)
+    np.testing.assert_allclose(found, t.cdf(values, FREEDOM), rtol=0.0, atol=1e-12)
+
+
+def test_quantiles():
+    probabilities = np.array([1e-3, 0.025, 0.2, 0.5, 0.9, 0.999])
+    found = student.quantile(FREEDOM, probabilities)
+    np.testing.assert_allclose(found, t.ppf(probabilities, FREEDOM), rtol=1e-10, atol=1e-12)
+
+
+def test_density():
+    np.testing.assert_allclose(student.density_at_0(FREEDOM), t.pdf(0.0, FREEDOM), rtol=1e-12)
+
+
+@pytest.mark.parametrize("count", [1, 2 * student.MOST])
+def test_few_and_many_have_the_same_ends(count: int):
+    ends = student.quantile(np.full(count, 5.0), np.repeat([[0.0], [1.0], [np.nan]], count, axis=1))
+    np.testing.assert_array_equal(ends, np.repeat([[-np.inf], [np.inf], [np.nan]], count, axis=1))
+
+
+def test_few_and_many_are_alike():
+    values = np.linspace(-5.0, 5.0, 2 * student.MOST)
+    many, freedom = student.probability_below(np.array(5.0), values), np.array(5.0)
+    np.testing.assert_allclose(student.probability_below(freedom, values[:7]), many[:7], rtol=0.0, atol=1e-12)
+    np.testing.assert_allclose(student.quantile(freedom, many[900:1000]), values[900:1000], rtol=1e-10)
