@@ -297,14 +297,8 @@ def required_by_law(rows: Variants, errors: Errors, bounds: Floats, limits: Floa
         above = some.of_law(law).times(limits[law, where]).probability_above(rows.velocities[where])
         left[where] -= some.ratio.weights[law] * (1.0 - above)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return least_of_law(rows.velocities, errors, 0, left / errors.ratio.weights[0])
-
-
-def least_of_law(velocities: Floats, errors: Errors, law: int, bounds: Floats) -> Floats:
-    """Return the limits by a law, m/s, (n,), with which probabilities of perforation given the law keep to bounds."""
-    quantiles = errors.of_law(law).quantile(bounds.clip(0.0, 1.0))
-    with np.errstate(divide="ignore"):
-        return velocities / quantiles.clip(min=0.0)
+        quantiles = errors.of_law(0).quantile((left / errors.ratio.weights[0]).clip(0.0, 1.0))
+        return rows.velocities / quantiles.clip(min=0.0)
 
 
 def catalogue_of(scenario: Scenario) -> Catalogue:
