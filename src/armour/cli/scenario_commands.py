@@ -41,7 +41,7 @@ from armour.cli.runner import (
 )
 from armour.errors import mistake, refuse
 from armour.files import read_toml, shipped_suites, wrong_ending
-from armour.scenario.inputs import OF_ERROR, SHOT
+from armour.scenario.inputs import ANY_IMPACT, OF_ERROR
 from armour.scenario.keys import describe
 
 if TYPE_CHECKING:
@@ -58,9 +58,9 @@ CONFIDENCE = ("design.confidence", "Required probability of stopping each threat
 # Keys of a design that a check reads.
 CHECK = ("design.confidence", "design.thickness_tolerance_mm")
 # What a ballistic limit depends on, see `armour.scenario.reach`.
-LIMIT_READS = (*SHOT, "ballistic_limit", *OF_ERROR)
+LIMIT_READS = (*ANY_IMPACT, "ballistic_limit", *OF_ERROR)
 IMPACT_READS = ("impact", "armour", "ballistic_limit", *OF_ERROR)
-CHECK_READS = (*SHOT, *IMPACT_READS, "threat", *CHECK)
+CHECK_READS = (*ANY_IMPACT, *IMPACT_READS, "threat", *CHECK)
 
 
 @question(
@@ -264,7 +264,7 @@ def sweep(
     check_outputs(None if begun else output, plot=plot, updated=output if begun else None, force=force)
     names = [name.strip() for name in quantities.split(",")]
     reads = reads_of(name for name in names if name in QUANTITIES)
-    loaded = read_scenario(scenario, changes, (*SHOT, *reads), what="the sweep")
+    loaded = read_scenario(scenario, changes, (*ANY_IMPACT, *reads), what="the sweep")
     if (cases is None) == (not over):
         raise wrong_option("--over", "must be given, or --cases, but not both")
     if threads is not None and not (type(threads) is int and threads > 0):

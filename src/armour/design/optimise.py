@@ -12,7 +12,7 @@ from armour.analysis.flow_stress import NeededFlowStress, needed_flow_stress
 from armour.analysis.results import OnProgress, TableResult, data_frame, ignore_progress
 from armour.analysis.variants import Bools, Floats, Ints, Variants
 from armour.design.candidates import candidates_of, joined
-from armour.design.catalogue import FIRST_VALUES, MARGIN, NO_BOUND, ROUNDING, Candidates, Catalogue, catalogue_of
+from armour.design.catalogue import FIRST_VALUES, MARGIN, NO_BOUND, ROUNDING, CandidateDesigns, Catalogue, catalogue_of
 from armour.design.search import Requirement, Search
 from armour.errors import Note, Problem, listed, refuse
 from armour.evidence.mixture import Mixture
@@ -422,7 +422,7 @@ def _nearest(requirement: Requirement) -> Search:
     return Search(requirement, every.at(np.lexsort((catalogue.objective(every), short))))
 
 
-def _sampled_designs(catalogue: Catalogue, pair: int) -> Candidates:
+def _sampled_designs(catalogue: Catalogue, pair: int) -> CandidateDesigns:
     """Return the designs of a pair, with some thicknesses of a free range."""
     layers = catalogue.offers[pair][:2]
     return catalogue.combinations(
@@ -754,7 +754,7 @@ def _why_none(search: Search, unconstrained: Search, pairs: Sequence[int]) -> st
     return f"no design stops {threats} and all slower impacts{surely}{hint}{thicker}"
 
 
-def _beyond(section: DesignSection, candidates: Candidates, place: int, stops: str) -> str:
+def _beyond(section: DesignSection, candidates: CandidateDesigns, place: int, stops: str) -> str:
     """Return which constraints the design exceeds that is the best without them; "" for none."""
     least = OBJECTIVES[section.minimise].least
     return "; ".join(

@@ -13,7 +13,7 @@ from armour.analysis.results import FIRST_IMPACTS, OnProgress, ignore_progress, 
 from armour.analysis.searches import ballistic_limits, limits_anywhere
 from armour.analysis.variants import Bools, Floats, Ints, Variants, perforated
 from armour.core.search import DENSE_SCAN_POINTS
-from armour.design.catalogue import COST, MARGIN, Candidates, Catalogue, first_backings
+from armour.design.catalogue import COST, MARGIN, CandidateDesigns, Catalogue, first_backings
 from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ class Requirement:
     # that a thinner one stops.
     changing: defaultdict[tuple[int, str], set[float]] = field(default_factory=lambda: defaultdict(set))
 
-    def stops(self, candidates: Candidates) -> Bools:
+    def stops(self, candidates: CandidateDesigns) -> Bools:
         """Return whether designs stop all threats at the velocities required."""
         every = np.ones(len(candidates.pair), dtype=bool)
         threats = range(len(self.catalogue.threats))
@@ -61,7 +61,7 @@ class Requirement:
                 left = left[every[left]]
         return every
 
-    def tested(self, candidates: Candidates) -> Bools:
+    def tested(self, candidates: CandidateDesigns) -> Bools:
         """Return whether the model error is known, or left out, for designs against every threat, (designs,)."""
         tested = np.ones(len(candidates.pair), dtype=bool)
         if not self.catalogue.scenario.excludes_error():
@@ -89,7 +89,7 @@ class Requirement:
         self.runs += runs
         self.on_progress(runs, None)
 
-    def limits(self, candidates: Candidates, *, lowest: bool = True) -> Floats:
+    def limits(self, candidates: CandidateDesigns, *, lowest: bool = True) -> Floats:
         """Return the ballistic limits of designs against each threat, m/s, (designs, threats).
 
         The search extends beyond the range of the section ``ballistic_limit``, see `limits_anywhere`.  For the lowest
@@ -122,7 +122,7 @@ class Search:
     """
 
     def __init__(
-        self, requirement: Requirement, candidates: Candidates, reliability: "Reliability | None" = None
+        self, requirement: Requirement, candidates: CandidateDesigns, reliability: "Reliability | None" = None
     ) -> None:
         self.requirement, self.candidates, self.reliability = requirement, candidates, reliability
         self.catalogue = requirement.catalogue

@@ -23,7 +23,7 @@ NAMES = {"projectile": "impact.projectile", "ceramic": "armour.ceramic", "backin
 THREAT = "impact.threat"
 NAMING = (*NAMES.values(), THREAT)
 # What every impact depends on, whatever its velocity.
-SHOT = ("impact.projectile", THREAT, "impact.obliquity_deg", "armour")
+ANY_IMPACT = ("impact.projectile", THREAT, "impact.obliquity_deg", "armour")
 
 
 class Input(NamedTuple):

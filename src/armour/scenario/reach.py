@@ -7,7 +7,7 @@ A key of the library counts where the impact or the armour takes its value from 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from armour.errors import Problem, choices, refuse
-from armour.scenario.inputs import CERAMIC, INPUTS, NAMES, ROLES, SHOT
+from armour.scenario.inputs import ANY_IMPACT, CERAMIC, INPUTS, NAMES, ROLES
 from armour.scenario.keys import key_name, leaves, parts_of, upwards
 from armour.scenario.library import UNUSED, Kind
 from armour.scenario.scenario import Scenario
@@ -59,7 +59,7 @@ def check_reach(
 
     Closed forms also read the optional values of the library.
     """
-    read = {*ALWAYS, *SHOT, *reads}
+    read = {*ALWAYS, *ANY_IMPACT, *reads}
     problems = []
     given: dict[str, str] = {}
     # No row has a ceramic, and no search varies its thickness.

@@ -62,7 +62,7 @@ from armour.scenario.schema import (
     shot,
 )
 from armour.scenario.sections import NOT_TINY, NUMBER, TINY, Items, Section, model_in, problems_of
-from armour.scenario.threats import GIVEN
+from armour.scenario.threats import THREAT_KEYS
 from armour.units import MM, missing_unit
 
 if TYPE_CHECKING:
@@ -526,8 +526,8 @@ def parse_changed(data: Mapping[str, Any], *changes: Mapping[str, object], file:
         data = _based(changed(data, rest, file), data, rest, file, folder)
         set_now = {leaf: value for key, given in rest.items() for leaf, value in leaves(given, parts_of(key))}
         if set_now.get(("impact", "threat")) is not None:  # it replaces what the data has of another threat
-            kept = {key: value for key, value in _table(data, "impact").items() if key not in GIVEN}
-            own = {key: set_now["impact", key] for key in GIVEN if ("impact", key) in set_now}
+            kept = {key: value for key, value in _table(data, "impact").items() if key not in THREAT_KEYS}
+            own = {key: set_now["impact", key] for key in THREAT_KEYS if ("impact", key) in set_now}
             data["impact"] = kept | own
         sourced = {
             key_name(leaf): {NUMBER: value, "source": f"a change to {file}"}

@@ -24,7 +24,7 @@ from armour.errors import choices
 from armour.scenario.inputs import ERROR, INPUTS, THREAT
 from armour.scenario.library import Kind, LibraryTables, hint
 from armour.scenario.sections import FREE_TAG, LIST_TAG, NOT_TINY, RANGE_TAG, Items, Section, above
-from armour.scenario.threats import GIVEN, named_threats
+from armour.scenario.threats import THREAT_KEYS, named_threats
 from armour.units import US
 
 # Greatest numbers of values on an axis and of designs on a grid; more are most likely a mistake.
@@ -73,8 +73,8 @@ Line = Annotated[str, AfterValidator(_printable)]
 
 def _with_named(schema: dict[str, Any]) -> None:
     """Let a JSON Schema require the name of a threat, or the values that it gives."""
-    given = [key for key in schema["required"] if key in GIVEN]
-    schema["required"] = [key for key in schema["required"] if key not in GIVEN]
+    given = [key for key in schema["required"] if key in THREAT_KEYS]
+    schema["required"] = [key for key in schema["required"] if key not in THREAT_KEYS]
     schema["anyOf"] = [{"required": ["threat"]}, {"required": given}]
 
 
@@ -264,7 +264,7 @@ class Threat(Impact):
 
     def as_impact(self) -> dict[str, object]:
         """Return the values of the section ``impact``, by key of the scenario."""
-        return {THREAT: None, **{f"impact.{key}": getattr(self, key) for key in GIVEN}}
+        return {THREAT: None, **{f"impact.{key}": getattr(self, key) for key in THREAT_KEYS}}
 
     @property
     def title(self) -> str:

@@ -7,7 +7,7 @@ from armour.files import read_toml, shipped
 from armour.scenario.sections import Section, validated
 
 # Keys of [impact] and [[threat]] that the name of a threat gives.
-GIVEN = ("projectile", "velocity_m_s", "obliquity_deg")
+THREAT_KEYS = ("projectile", "velocity_m_s", "obliquity_deg")
 
 
 class NamedThreat(Section):
@@ -26,7 +26,7 @@ class NamedThreat(Section):
 
     def values(self) -> dict[str, object]:
         """Return the values that the threat gives in [impact] or [[threat]], by key."""
-        return self.model_dump(include=set(GIVEN), exclude_none=True)
+        return self.model_dump(include=set(THREAT_KEYS), exclude_none=True)
 
 
 class _File(Section):

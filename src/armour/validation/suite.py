@@ -17,7 +17,7 @@ from armour.csv_files import MUST_SAY, PERFORATED, number
 from armour.errors import InputError, Problem, choices, mistake, refuse
 from armour.files import read_toml, shipped, shipped_files, suite_file
 from armour.scenario.checked import checked
-from armour.scenario.inputs import SHOT
+from armour.scenario.inputs import ANY_IMPACT
 from armour.scenario.keys import canonical, describe, key_name, leaves, parts_of
 from armour.scenario.reach import check_reach, check_read, check_used, read_of
 from armour.scenario.scenario import Scenario, parse_changed
@@ -402,7 +402,7 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
     if changes:
         asked = [(made, case) for case in cases for made in (case.scenario, case.replacement) if made is not None]
         reads = (name for made, case in asked for name in read_of(made, QUESTIONS[case.quantity]))
-        check_read(changes, {*SHOT, *reads})
+        check_read(changes, {*ANY_IMPACT, *reads})
         check_used(changes, *(made for made, _ in asked))
     return Suite(suite.title, path, tuple(cases), tuple(suite.table), suite.description)
 
