@@ -13,7 +13,7 @@ import numpy as np
 from armour.analysis.flow_stress import NeededFlowStress, needed_flow_stress
 from armour.analysis.impact import ImpactResult, impact_at, unresolved_error
 from armour.analysis.results import OnProgress, Result, ignore_progress
-from armour.analysis.searches import ballistic_limits, distributions
+from armour.analysis.searches import ballistic_limits, limits_by_law
 from armour.analysis.variants import variants_of
 from armour.core import search
 from armour.errors import InputError, NoLimitError
@@ -151,7 +151,9 @@ def model_error(scenario: Scenario, limit_m_s: float) -> ModelError | None:
     several laws of its flow stress; the limits by the others than the scenario's are computed here.
     """
     variants = variants_of(scenario, {}, 1)
-    ratio = distributions(variants, np.array([limit_m_s])).times(1.0 / limit_m_s).one()
+    errors = variants.errors
+    # Of its own law the ratio is exactly 1.
+    ratio = errors.ratio.times(limits_by_law(variants, errors, np.array([limit_m_s])) / limit_m_s).one()
     return error_of(scenario, ratio, variants.armours)
 
 

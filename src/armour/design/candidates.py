@@ -9,7 +9,7 @@ import numpy as np
 from armour.analysis.searches import Least, least_values_mm
 from armour.analysis.variants import Bools, Floats, Ints, unusual
 from armour.core.search import SCAN_POINTS
-from armour.design.catalogue import MARGIN, Candidates, first_backings
+from armour.design.catalogue import MARGIN, CandidateDesigns, first_backings
 from armour.design.search import Requirement, Search
 from armour.scenario.schema import FreeRange, Range
 
@@ -21,7 +21,7 @@ CLOSER = 10
 MARGIN_PARTS = 10
 
 
-def candidates_of(requirement: Requirement, criteria: Sequence[str] = (), *, refine: bool = False) -> Candidates:
+def candidates_of(requirement: Requirement, criteria: Sequence[str] = (), *, refine: bool = False) -> CandidateDesigns:
     """Return the candidate designs that meet the constraints, in the order of the objective.
 
     With ``refine`` all ranges are free between their values.  For the criteria of a Pareto front, free thicknesses are
@@ -38,12 +38,12 @@ def candidates_of(requirement: Requirement, criteria: Sequence[str] = (), *, ref
     return found.at(catalogue.objective(found).argsort(kind="stable"))
 
 
-def joined(parts: Sequence[Candidates]) -> Candidates:
+def joined(parts: Sequence[CandidateDesigns]) -> CandidateDesigns:
     """Concatenate candidates."""
-    return Candidates(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+    return CandidateDesigns(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 
 
-def _with_more_margin(requirement: Requirement, pair: int, columns: Sequence[str]) -> list[Candidates]:
+def _with_more_margin(requirement: Requirement, pair: int, columns: Sequence[str]) -> list[CandidateDesigns]:
     """Return designs of a pair with free thicknesses: the thickest, and the least for margins up to those of it."""
     catalogue, offer = requirement.catalogue, requirement.catalogue.offers[pair]
     layers = offer.ceramic, offer.backing
@@ -63,7 +63,7 @@ def _with_more_margin(requirement: Requirement, pair: int, columns: Sequence[str
 
 def _of_pair(
     requirement: Requirement, pair: int, columns: Sequence[str], *, refine: bool, verify: bool = True
-) -> Candidates:
+) -> CandidateDesigns:
     """Return the candidate designs of a pair; a free thickness is NaN if no value of it passes.
 
     Where both thicknesses are free, they are refined around the best by each of some columns.
@@ -73,10 +73,10 @@ def _of_pair(
     ceramics, backings = (np.array(layer.thicknesses()) for layer in (offer.ceramic, offer.backing))
     of_ceramics = partial(catalogue.candidates, pair)
 
-    def of_backings(backings: Floats, ceramics: Floats) -> Candidates:
+    def of_backings(backings: Floats, ceramics: Floats) -> CandidateDesigns:
         return of_ceramics(ceramics, backings)
 
-    def least(layer: str, free: Range | FreeRange, other: Floats) -> Candidates:
+    def least(layer: str, free: Range | FreeRange, other: Floats) -> CandidateDesigns:
         """Return the designs with the least thickness of a free layer on each thickness of the other."""
         designs = of_ceramics if layer == "ceramic" else of_backings
         found = _least(requirement, free, designs, other, verify=verify)
@@ -92,7 +92,7 @@ def _of_pair(
         return least("ceramic", ceramic, backings)
 
     # Both are free: each round has back plate thicknesses closer together around the best designs of the round before.
-    found: list[Candidates] = []
+    found: list[CandidateDesigns] = []
     backings, width = first_backings(backing)
 
     def values_of(backings: Floats) -> Floats:
@@ -115,7 +115,7 @@ def _of_pair(
 def _least(
     requirement: Requirement,
     free: Range | FreeRange,
-    designs: Callable[[Floats, Floats], Candidates],
+    designs: Callable[[Floats, Floats], CandidateDesigns],
     other: Floats,
     *,
     verify: bool,

@@ -69,7 +69,7 @@ class Offer(NamedTuple):
     backing_density_kg_m3: float
 
 
-class Candidates(NamedTuple):
+class CandidateDesigns(NamedTuple):
     """n candidate designs; each column is an array, (n,)."""
 
     pair: Ints  # index of the offer
@@ -79,10 +79,10 @@ class Candidates(NamedTuple):
     thickness_mm: Floats
     cost_per_m2: Floats
 
-    def at(self, where: Ints | Bools | slice) -> "Candidates":
+    def at(self, where: Ints | Bools | slice) -> "CandidateDesigns":
         """Return some of the candidates."""
         pair, *numbers = self
-        return Candidates(pair[where], *(column[where] for column in numbers))
+        return CandidateDesigns(pair[where], *(column[where] for column in numbers))
 
 
 def first_backings(backing: Range | FreeRange) -> tuple[Floats, float]:
@@ -155,7 +155,7 @@ class Catalogue:
         """Cosines of the obliquities of the threats, (threats,)."""
         return np.array([cosine_of(threat.obliquity_deg) for threat in self.threats])
 
-    def against_each(self, candidates: Candidates, threats: Sequence[int]) -> tuple[Variants, Floats, Floats]:
+    def against_each(self, candidates: CandidateDesigns, threats: Sequence[int]) -> tuple[Variants, Floats, Floats]:
         """Return designs against each of some threats, the rows of a design together, at the velocities of the threats.
 
         With the rows, (designs times threats), are the ballistic limits that their margins require, m/s, and the bounds
@@ -177,7 +177,7 @@ class Catalogue:
             bounds[~rows.errors.known] = 1.0
         return rows, required[which], bounds
 
-    def required_m_s(self, candidates: Candidates) -> Floats:
+    def required_m_s(self, candidates: CandidateDesigns) -> Floats:
         """Return the least ballistic limits required of designs, m/s, (designs, threats).
 
         These are infinite if a probability is bounded and the model error is not known.  With a ceramic, the
@@ -196,12 +196,12 @@ class Catalogue:
         required = required_by_law(rows, errors, bounds, limits)
         return np.where(errors.known, required, np.inf) + self.more_margin_m_s
 
-    def distributions(self, candidates: Candidates, limits: Floats) -> Mixture:
+    def distributions(self, candidates: CandidateDesigns, limits: Floats) -> Mixture:
         """Return the distributions of the ballistic limits, m/s, of which (designs, threats) are those of the model."""
         rows, *_ = self.against_each(candidates, range(len(self.threats)))
         return distributions(rows, limits.ravel())
 
-    def short_m_s(self, candidates: Candidates, limits: Floats) -> Floats:
+    def short_m_s(self, candidates: CandidateDesigns, limits: Floats) -> Floats:
         """Return what designs lack against each threat, m/s, given their limits by the model, (designs, threats).
 
         It is the greater of what the limit lacks to the one required and, where a probability is bounded and known, of
@@ -217,19 +217,19 @@ class Catalogue:
 
     def combinations(
         self, pair: int, ceramic_mm: Sequence[float] | Floats, backing_mm: Sequence[float] | Floats
-    ) -> Candidates:
+    ) -> CandidateDesigns:
         """Return the designs of a pair with each ceramic thickness in turn on every back plate thickness, mm."""
         ceramics, backings = np.asarray(ceramic_mm, dtype=np.float64), np.asarray(backing_mm, dtype=np.float64)
         return self.candidates(pair, np.repeat(ceramics, len(backings)), np.tile(backings, len(ceramics)))
 
-    def candidates(self, pair: int, ceramic_mm: Floats, backing_mm: Floats) -> Candidates:
+    def candidates(self, pair: int, ceramic_mm: Floats, backing_mm: Floats) -> CandidateDesigns:
         """Return designs of a pair with their areal density, thickness and cost."""
         offer, section = self.offers[pair], self.section
         ceramic_mass = offer.ceramic_density_kg_m3 * ceramic_mm * MM
         backing_mass = offer.backing_density_kg_m3 * backing_mm * MM
         ceramic_cost = offer.ceramic.cost_per_kg * ceramic_mass + offer.ceramic.cost_per_m2 * (ceramic_mm > 0.0)
         backing_cost = offer.backing.cost_per_kg * backing_mass + offer.backing.cost_per_m2
-        return Candidates(
+        return CandidateDesigns(
             np.full(len(ceramic_mm), pair),
             ceramic_mm,
             backing_mm,
@@ -238,7 +238,7 @@ class Catalogue:
             np.round(section.added_cost_per_m2 + ceramic_cost + backing_cost, DIGITS),
         )
 
-    def violations(self, candidates: Candidates) -> Floats:
+    def violations(self, candidates: CandidateDesigns) -> Floats:
         """Return the largest relative constraint violation of each design: 0 for none, inf if a thickness is NaN."""
         constraints = (
             (candidates.thickness_mm, self.section.thickness_max_mm),
@@ -251,7 +251,7 @@ class Catalogue:
                 violations = np.fmax(violations, values / most - 1.0 - ROUNDING)
         return violations
 
-    def objective(self, candidates: Candidates) -> Floats:
+    def objective(self, candidates: CandidateDesigns) -> Floats:
         """Return the quantity of each design that is minimised."""
         return getattr(candidates, self.section.minimise)
 
@@ -297,14 +297,8 @@ def required_by_law(rows: Variants, errors: Errors, bounds: Floats, limits: Floa
         above = some.of_law(law).times(limits[law, where]).probability_above(rows.velocities[where])
         left[where] -= some.ratio.weights[law] * (1.0 - above)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return least_of_law(rows.velocities, errors, 0, left / errors.ratio.weights[0])
-
-
-def least_of_law(velocities: Floats, errors: Errors, law: int, bounds: Floats) -> Floats:
-    """Return the limits by a law, m/s, (n,), with which probabilities of perforation given the law keep to bounds."""
-    quantiles = errors.of_law(law).quantile(bounds.clip(0.0, 1.0))
-    with np.errstate(divide="ignore"):
-        return velocities / quantiles.clip(min=0.0)
+        quantiles = errors.of_law(0).quantile((left / errors.ratio.weights[0]).clip(0.0, 1.0))
+        return rows.velocities / quantiles.clip(min=0.0)
 
 
 def catalogue_of(scenario: Scenario) -> Catalogue:
@@ -315,64 +309,86 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
     bounds = [_bound_of(threat, section) for threat in threats]
     bounded = min(bounds) < NO_BOUND
     uncertain = scenario.uncertainty is not None and scenario.uncertainty.inputs()
-    problems = _too_much(scenario.file, section, len(threats))
-    for role in LAYERS:
-        names = [layer.material for layer in getattr(section, role)]
-        for i, name in enumerate(names):
-            if name in names[:i]:
-                message = f'must be listed once, with all its thicknesses, found "{name}" twice'
-                problems.append(Problem(scenario.file, f"design.{role}[{i}].material", message))
-    costs = COST in (section.minimise, *(section.pareto or ())) or section.cost_max_per_m2 is not None
-    for key, layer in ((f"design.{role}[{i}]", of) for role in LAYERS for i, of in enumerate(getattr(section, role))):
-        if bounded and uncertain and layer.free_range():
-            message = "must have a step if a probability is bounded and [uncertainty] has distributions to sample"
-            problems.append(Problem(scenario.file, f"{key}.thickness_mm", message))
-        if costs and layer.material and not _has_cost(layer):
-            message = f'must have a cost if [design] asks for costs, found none for "{layer.material}"'
-            problems.append(Problem(scenario.file, key, message))
+    sampled = bool(bounded and uncertain)
+    problems = [
+        *_too_much(scenario.file, section, len(threats)),
+        *_listed_twice(scenario.file, section),
+        *_wrong_layers(scenario.file, section, sampled=sampled),
+    ]
     if bounded and not uncertain and scenario.excludes_error():
         message = "must be true if a probability is bounded and no input has a distribution, found false"
         problems.append(Problem(scenario.file, "uncertainty.model.included", message))
     refuse(problems)
 
-    given = {
+    inputs = {
         "ceramic": [_inputs_of_layer(scenario, "ceramic", layer) for layer in section.ceramic],
         "backing": [_inputs_of_layer(scenario, "backing", layer) for layer in section.backing],
-        "projectile": [
-            {OBLIQUITY: t.obliquity_deg, **inputs_of_entry("projectile", scenario.entry("projectile", t.projectile))}
-            for t in threats
-        ],
+        "projectile": [_inputs_of_threat(scenario, threat) for threat in threats],
     }
-    varying = {name for many in given.values() for name in INPUTS if len({own.get(name) for own in many}) > 1}
-    rows = {role: np.array([_row(inputs) for inputs in many]) for role, many in given.items()}
+    varying = {name for each in inputs.values() for name in INPUTS if len({values.get(name) for values in each}) > 1}
+    rows = {role: np.array([_row(values) for values in each]) for role, each in inputs.items()}
     layers = (rows["ceramic"][:, None] + rows["backing"][None]).reshape(-1, len(Parameters._fields))
-    flying = batch.fields(rows["projectile"])
-    flying.L0[:] = [penetrator_length_mm(scenario.entry("projectile", threat.projectile)) * MM for threat in threats]
-    flying.shear_law[:] = SHEAR_LAWS[scenario.model.shear_perimeter]
-    density = batch.fields(layers)
-    offers = [
-        Offer(*pair, float(density.rho_c[i]), float(density.rho_B[i]))
+    projectiles = batch.fields(rows["projectile"])
+    projectiles.L0[:] = [_length_mm(scenario, threat) * MM for threat in threats]
+    projectiles.shear_law[:] = SHEAR_LAWS[scenario.model.shear_perimeter]
+    densities = batch.fields(layers)
+    offers = tuple(
+        Offer(*pair, float(densities.rho_c[i]), float(densities.rho_B[i]))
         for i, pair in enumerate(product(section.ceramic, section.backing))
-    ]
-    return Catalogue(
-        scenario,
-        section,
-        threats,
-        titles,
-        np.array(bounds),
-        bool(bounded and uncertain),
-        tuple(offers),
-        layers,
-        tuple(
-            Materials(
-                scenario.entry("ceramic", offer.ceramic.material) if offer.ceramic.material else None,
-                scenario.entry("metal", offer.backing.material),
-            )
-            for offer in offers
-        ),
-        rows["projectile"],
-        frozenset({VELOCITY, CERAMIC, BACKING} | varying),
     )
+    return Catalogue(
+        scenario=scenario,
+        section=section,
+        threats=threats,
+        titles=titles,
+        bounds=np.array(bounds),
+        sampled=sampled,
+        offers=offers,
+        layers=layers,
+        materials=tuple(_materials(scenario, offer) for offer in offers),
+        projectiles=rows["projectile"],
+        varying=frozenset({VELOCITY, CERAMIC, BACKING} | varying),
+    )
+
+
+def _listed_twice(file: str, section: DesignSection) -> Iterator[Problem]:
+    """Yield the materials that a catalogue lists more than once."""
+    for role in LAYERS:
+        names = [layer.material for layer in getattr(section, role)]
+        for i, name in enumerate(names):
+            if name in names[:i]:
+                message = f'must be listed once, with all its thicknesses, found "{name}" twice'
+                yield Problem(file, f"design.{role}[{i}].material", message)
+
+
+def _wrong_layers(file: str, section: DesignSection, *, sampled: bool) -> Iterator[Problem]:
+    """Yield the layers that lack a step that sampling needs, or a cost that is asked for."""
+    costs = COST in (section.minimise, *(section.pareto or ())) or section.cost_max_per_m2 is not None
+    for role in LAYERS:
+        for i, layer in enumerate(getattr(section, role)):
+            key = f"design.{role}[{i}]"
+            if sampled and layer.free_range():
+                message = "must have a step if a probability is bounded and [uncertainty] has distributions to sample"
+                yield Problem(file, f"{key}.thickness_mm", message)
+            if costs and layer.material and not _has_cost(layer):
+                message = f'must have a cost if [design] asks for costs, found none for "{layer.material}"'
+                yield Problem(file, key, message)
+
+
+def _inputs_of_threat(scenario: Scenario, threat: Threat) -> dict[str, float]:
+    """Return the values of the inputs of a threat's angle and projectile, by name."""
+    entry = scenario.entry("projectile", threat.projectile)
+    return {OBLIQUITY: threat.obliquity_deg, **inputs_of_entry("projectile", entry)}
+
+
+def _length_mm(scenario: Scenario, threat: Threat) -> float:
+    return penetrator_length_mm(scenario.entry("projectile", threat.projectile))
+
+
+def _materials(scenario: Scenario, offer: Offer) -> Materials:
+    """Return the entries of the library of an offer; a bare plate has no ceramic."""
+    ceramic = scenario.entry("ceramic", offer.ceramic.material) if offer.ceramic.material else None
+    return Materials(ceramic, scenario.entry("metal", offer.backing.material))
 
 
 def _has_cost(layer: Layer) -> bool:

@@ -9,7 +9,7 @@ from scipy.ndimage import map_coordinates
 
 from armour.analysis.results import OnProgress, ignore_progress, portions
 from armour.analysis.variants import Floats
-from armour.design.catalogue import Candidates, Catalogue
+from armour.design.catalogue import CandidateDesigns, Catalogue
 from armour.design.optimise import Design
 from armour.design.search import Requirement
 from armour.engine import batch
@@ -30,7 +30,7 @@ class DesignMap(NamedTuple):
     pair: int
     ceramic_mm: Floats
     backing_mm: Floats
-    candidates: Candidates  # the ceramics in turn, each on every back plate
+    candidates: CandidateDesigns  # the ceramics in turn, each on every back plate
     limits_m_s: Floats  # lowest ballistic limits by the model, (ceramics, back plates, threats)
     probabilities: tuple[float, ...]
     # Velocities that are stopped with each of the probabilities, (ceramics, back plates, threats, probabilities), NaN

@@ -12,7 +12,7 @@ from armour.analysis.flow_stress import NeededFlowStress, needed_flow_stress
 from armour.analysis.results import OnProgress, TableResult, data_frame, ignore_progress
 from armour.analysis.variants import Bools, Floats, Ints, Variants
 from armour.design.candidates import candidates_of, joined
-from armour.design.catalogue import FIRST_VALUES, MARGIN, NO_BOUND, ROUNDING, Candidates, Catalogue, catalogue_of
+from armour.design.catalogue import FIRST_VALUES, MARGIN, NO_BOUND, ROUNDING, CandidateDesigns, Catalogue, catalogue_of
 from armour.design.search import Requirement, Search
 from armour.errors import Note, Problem, listed, refuse
 from armour.evidence.mixture import Mixture
@@ -422,7 +422,7 @@ def _nearest(requirement: Requirement) -> Search:
     return Search(requirement, every.at(np.lexsort((catalogue.objective(every), short))))
 
 
-def _sampled_designs(catalogue: Catalogue, pair: int) -> Candidates:
+def _sampled_designs(catalogue: Catalogue, pair: int) -> CandidateDesigns:
     """Return the designs of a pair, with some thicknesses of a free range."""
     layers = catalogue.offers[pair][:2]
     return catalogue.combinations(
@@ -728,21 +728,15 @@ def _why_none(search: Search, unconstrained: Search, pairs: Sequence[int]) -> st
     first = unconstrained.first(unconstrained.of_pairs(pairs))
     if first is not None and (beyond := _beyond(section, unconstrained.candidates, first, threats + surely)):
         return beyond
-    own = search.candidates.at(search.of_pairs(pairs))
-    thickest = [np.array([layer.thicknesses()[-1]]) for layer in catalogue.offers[pairs[0]][:2]]
-    own = own if len(own.pair) else catalogue.candidates(pairs[0], *thickest)
-    unknown = ~search.requirement.tested(own)
+    designs = search.candidates.at(search.of_pairs(pairs))
+    if not len(designs.pair):
+        thickest = [np.array([layer.thicknesses()[-1]]) for layer in catalogue.offers[pairs[0]][:2]]
+        designs = catalogue.candidates(pairs[0], *thickest)
+    unknown = ~search.requirement.tested(designs)
     unknown &= bounded and not catalogue.lenient
     whole = len(pairs) == len(catalogue.offers)
     if unknown.all():
-        # The reason is that of the pair whose error is known against the most threats.
-        one_of_each = own.at(np.unique(own.pair, return_index=True)[1])
-        rows, *_ = catalogue.against_each(one_of_each, range(len(catalogue.threats)))
-        known = rows.errors.known.reshape(-1, len(catalogue.threats))
-        design = int(known.sum(axis=1).argmax())
-        threat = int(known[design].argmin())
-        against = f" against {catalogue.titles[threat]}" if known[design].any() else ""
-        why = why_unknown(catalogue.scenario, rows.armours.at([design * len(catalogue.threats) + threat]))
+        against, why = _why_error_unknown(catalogue, designs)
         # In the table of pairs, what can give the error need not stand in each row.
         return f"the model error is not known{against}: {why if whole else why.removesuffix(f'; {REMEDY}')}"
     hint = f"; if the model error is not known, {REMEDY}" if unknown.any() else ""
@@ -754,7 +748,21 @@ def _why_none(search: Search, unconstrained: Search, pairs: Sequence[int]) -> st
     return f"no design stops {threats} and all slower impacts{surely}{hint}{thicker}"
 
 
-def _beyond(section: DesignSection, candidates: Candidates, place: int, stops: str) -> str:
+def _why_error_unknown(catalogue: Catalogue, designs: CandidateDesigns) -> tuple[str, str]:
+    """Return against which threat, in words, the model error of designs is not known, "" for each, and why.
+
+    The reason is that of the pair whose error is known against the most threats.
+    """
+    one_of_each = designs.at(np.unique(designs.pair, return_index=True)[1])
+    rows, *_ = catalogue.against_each(one_of_each, range(len(catalogue.threats)))
+    known = rows.errors.known.reshape(-1, len(catalogue.threats))
+    design = int(known.sum(axis=1).argmax())
+    threat = int(known[design].argmin())
+    against = f" against {catalogue.titles[threat]}" if known[design].any() else ""
+    return against, why_unknown(catalogue.scenario, rows.armours.at([design * len(catalogue.threats) + threat]))
+
+
+def _beyond(section: DesignSection, candidates: CandidateDesigns, place: int, stops: str) -> str:
     """Return which constraints the design exceeds that is the best without them; "" for none."""
     least = OBJECTIVES[section.minimise].least
     return "; ".join(

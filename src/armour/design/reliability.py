@@ -10,7 +10,7 @@ from armour.analysis.estimates import CONFIDENCE, Estimate, proportion
 from armour.analysis.results import OnProgress, ignore_progress
 from armour.analysis.samples import own_errors, own_values, sampled, section_at, section_of
 from armour.analysis.variants import perforated
-from armour.design.catalogue import NO_BOUND, Candidates, Catalogue
+from armour.design.catalogue import NO_BOUND, CandidateDesigns, Catalogue
 from armour.errors import Problem, refuse
 from armour.evidence.sampling import columns_of, points_of
 from armour.scenario.inputs import BACKING, CERAMIC
@@ -39,7 +39,7 @@ class Reliability:
         # Points of the unit cube, (samples, inputs), the model error included.
         self.points = points_of(section.with_error())
 
-    def probabilities(self, candidates: Candidates, place: int) -> dict[str, Estimate] | None:
+    def probabilities(self, candidates: CandidateDesigns, place: int) -> dict[str, Estimate] | None:
         """Estimate the probabilities of perforation of a design, see `Search.probabilities`."""
         thicknesses = float(candidates.ceramic_mm[place]), float(candidates.backing_mm[place])
         found = {}

@@ -13,7 +13,7 @@ from armour.analysis.results import FIRST_IMPACTS, OnProgress, ignore_progress, 
 from armour.analysis.searches import ballistic_limits, limits_anywhere
 from armour.analysis.variants import Bools, Floats, Ints, Variants, perforated
 from armour.core.search import DENSE_SCAN_POINTS
-from armour.design.catalogue import COST, MARGIN, Candidates, Catalogue, first_backings, least_of_law
+from armour.design.catalogue import COST, MARGIN, CandidateDesigns, Catalogue, first_backings
 from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ class Requirement:
     # that a thinner one stops.
     changing: defaultdict[tuple[int, str], set[float]] = field(default_factory=lambda: defaultdict(set))
 
-    def stops(self, candidates: Candidates) -> Bools:
+    def stops(self, candidates: CandidateDesigns) -> Bools:
         """Return whether designs stop all threats at the velocities required."""
         every = np.ones(len(candidates.pair), dtype=bool)
         threats = range(len(self.catalogue.threats))
@@ -61,7 +61,7 @@ class Requirement:
                 left = left[every[left]]
         return every
 
-    def tested(self, candidates: Candidates) -> Bools:
+    def tested(self, candidates: CandidateDesigns) -> Bools:
         """Return whether the model error is known, or left out, for designs against every threat, (designs,)."""
         tested = np.ones(len(candidates.pair), dtype=bool)
         if not self.catalogue.scenario.excludes_error():
@@ -81,40 +81,15 @@ class Requirement:
     def _within_bounds(self, rows: Variants, bounds: Floats) -> Bools:
         """Return whether rows keep to bounds on the probability of perforation at their velocities.
 
-        The limits by other laws of the flow stress are computed where impacts by each law leave it open: the bound is
-        kept if it is by every law, and exceeded if one law alone exceeds it, whatever the others do.
+        They do if they stop the projectile at the least ballistic limit with which the bound is kept.
         """
-        errors, kept = rows.errors, rows.errors.known
-        several = (errors.ratio.weights[1:] > 0.0).any(axis=0)
-
-        def keeping(among: Bools, laws: range, *, alone: bool) -> Bools:
-            """Return which of some rows keep to their bounds by each law, if the others do not perforate or do too."""
-            among = among.copy()
-            for law in laws:
-                where = np.flatnonzero(among & (errors.ratio.weights[law] > 0.0))
-                if not len(where):
-                    continue
-                some = errors.at(where)
-                parts = some.ratio.weights[law] if alone else 1.0
-                least = least_of_law(rows.velocities[where], some, law, bounds[where] / parts)
-                made = rows.by_law(law, errors) if law else rows
-                margin = 0.0 if law else self.catalogue.more_margin_m_s
-                among[where] = self._stopped(made.at(where)._replace(velocities=least + margin))
-            return among
-
-        kept = keeping(kept, range(len(errors.ratio.weights)), alone=True)
-        certain = keeping(kept & several, range(len(errors.ratio.weights)), alone=False)
-        rest = np.flatnonzero(kept & several & ~certain)
-        if len(rest):
-            required = self.catalogue.bounded_m_s(rows.at(rest), bounds[rest])
-            kept[rest] = self._stopped(rows.at(rest)._replace(velocities=required))
-        return kept
+        return self._stopped(rows._replace(velocities=self.catalogue.bounded_m_s(rows, bounds)))
 
     def _count(self, runs: int, _total: int | None = None) -> None:
         self.runs += runs
         self.on_progress(runs, None)
 
-    def limits(self, candidates: Candidates, *, lowest: bool = True) -> Floats:
+    def limits(self, candidates: CandidateDesigns, *, lowest: bool = True) -> Floats:
         """Return the ballistic limits of designs against each threat, m/s, (designs, threats).
 
         The search extends beyond the range of the section ``ballistic_limit``, see `limits_anywhere`.  For the lowest
@@ -147,7 +122,7 @@ class Search:
     """
 
     def __init__(
-        self, requirement: Requirement, candidates: Candidates, reliability: "Reliability | None" = None
+        self, requirement: Requirement, candidates: CandidateDesigns, reliability: "Reliability | None" = None
     ) -> None:
         self.requirement, self.candidates, self.reliability = requirement, candidates, reliability
         self.catalogue = requirement.catalogue

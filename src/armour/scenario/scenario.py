@@ -1,11 +1,13 @@
 """Scenarios: reading, validation and conversion to the core's parameters."""
 
 import json
+from collections import ChainMap
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from functools import cached_property
 from hashlib import sha256
 from importlib import import_module
+from itertools import pairwise
 from operator import ge, gt, itemgetter, le, lt
 from os import PathLike
 from os.path import relpath
@@ -66,6 +68,8 @@ from armour.scenario.threats import THREAT_KEYS
 from armour.units import MM, missing_unit
 
 if TYPE_CHECKING:
+    import ast
+
     import numpy as np
     from numpy.typing import NDArray
 
@@ -530,25 +534,33 @@ def parse_changed(data: Mapping[str, Any], *changes: Mapping[str, object], file:
         inputs |= {key_name(leaf): value for leaf, value in leaves(changed({}, by_role, file))}
         rest = {key: value for key, value in group.items() if key not in by_role}
         data = _based(changed(data, rest, file), data, rest, file, folder)
-        set_now = {leaf: value for key, given in rest.items() for leaf, value in leaves(given, parts_of(key))}
-        if set_now.get(("impact", "threat")) is not None:  # it replaces what the data has of another threat
-            kept = {key: value for key, value in _table(data, "impact").items() if key not in THREAT_KEYS}
-            own = {key: set_now["impact", key] for key in THREAT_KEYS if ("impact", key) in set_now}
-            data["impact"] = kept | own
-        sourced = {
-            key_name(leaf): {NUMBER: value, "source": f"a change to {file}"}
-            for leaf, value in set_now.items()
-            if leaf[0] == "library" and len(leaf) == 4 and leaf[3] not in Entry.model_fields
-            if isinstance(value, int | float)
-        }
-        data = changed(data, sourced, file)
-    made = _made(_Source(deepcopy(dict(data)), file, folder))
-    if not inputs:
-        return made
+        set_values = {leaf: value for key, given in rest.items() for leaf, value in leaves(given, parts_of(key))}
+        data = _with_new_threat(data, set_values)
+        data = changed(data, _sourced(set_values, file), file)
+    scenario = _made(_Source(deepcopy(dict(data)), file, folder))
     try:
-        return made.with_inputs(inputs)
+        return scenario.with_inputs(inputs) if inputs else scenario
     except InputError as error:
         raise InputError([problem._replace(file=file) for problem in error.problems]) from None
+
+
+def _with_new_threat(data: dict[str, Any], set_values: Mapping[Parts, object]) -> dict[str, Any]:
+    """Return data in which a threat that changes name replaces what the data has of another one."""
+    if set_values.get(("impact", "threat")) is None:
+        return data
+    kept = {key: value for key, value in _table(data, "impact").items() if key not in THREAT_KEYS}
+    changed_too = {key: set_values["impact", key] for key in THREAT_KEYS if ("impact", key) in set_values}
+    return {**data, "impact": kept | changed_too}
+
+
+def _sourced(set_values: Mapping[Parts, object], file: str) -> dict[str, object]:
+    """Return the numbers of library entries among values that are set, by key, each with a source."""
+    return {
+        key_name(leaf): {NUMBER: value, "source": f"a change to {file}"}
+        for leaf, value in set_values.items()
+        if leaf[0] == "library" and len(leaf) == 4 and leaf[3] not in Entry.model_fields
+        if isinstance(value, int | float)
+    }
 
 
 def _names_a_role(key: str) -> bool:
@@ -602,20 +614,26 @@ def _meanings() -> dict[str, dict[str, str]]:
     # Imported here because only the schema needs them.
     import ast
     from inspect import getsource
-    from itertools import pairwise
 
-    classes: dict[str, ast.ClassDef] = {}
+    meanings: dict[str, dict[str, str]] = {}
     for module in ("library", "schema", "scenario"):
         tree = ast.parse(getsource(import_module(f"armour.scenario.{module}")))
-        classes |= {node.name: node for node in tree.body if isinstance(node, ast.ClassDef)}
-    found: dict[str, dict[str, str]] = {}
-    for name, node in classes.items():
-        inherited = [found.get(base.id, {}) for base in node.bases if isinstance(base, ast.Name)]
-        found[name] = {key: meaning for base in inherited for key, meaning in base.items()}
-        for field, below in pairwise(node.body):
-            if isinstance(field, ast.AnnAssign) and isinstance(below, ast.Expr):
-                found[name][ast.unparse(field.target)] = " ".join(ast.literal_eval(below.value).split())
-    return found
+        for section in tree.body:
+            if isinstance(section, ast.ClassDef):
+                inherited = [meanings.get(base.id, {}) for base in section.bases if isinstance(base, ast.Name)]
+                meanings[section.name] = dict(ChainMap(_stated_meanings(section), *inherited))
+    return meanings
+
+
+def _stated_meanings(section: "ast.ClassDef") -> dict[str, str]:
+    """Return the docstrings below the keys of a class."""
+    import ast
+
+    return {
+        ast.unparse(field.target): " ".join(ast.literal_eval(below.value).split())
+        for field, below in pairwise(section.body)
+        if isinstance(field, ast.AnnAssign) and isinstance(below, ast.Expr)
+    }
 
 
 def scenario_schema() -> dict[str, Any]:
