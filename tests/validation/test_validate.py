@@ -8,7 +8,7 @@ import pytest
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.closed_forms import florence_ballistic_limit
 from armour.reporting.views.suite import junit, suite_tables
-from armour.validation.questions import Asked
+from armour.validation.questions import Subject
 from armour.validation.suite import Between, load_suite, meets
 from armour.validation.validate import Check, SuiteResult, kept_by_update, result_of, updated_file, updates_of, validate
 from tests.helpers.cases import scenario
@@ -121,16 +121,16 @@ def test_errors_of_every_prediction(folder: Path):
 
 
 def test_one_scenario_is_asked_once(folder: Path, monkeypatch: pytest.MonkeyPatch):
-    made: list[Asked] = []
+    subjects: list[Subject] = []
 
-    class Counted(Asked):
+    class Counted(Subject):
         def __init__(self, *args: Any) -> None:
             super().__init__(*args)
-            made.append(self)
+            subjects.append(self)
 
-    monkeypatch.setattr("armour.validation.validate.Asked", Counted)
+    monkeypatch.setattr("armour.validation.validate.Subject", Counted)
     result(folder, TABLE + case("a", 724.0, "band = 1.0"))
-    computed = [asked for asked in made if "answers" in vars(asked)]
+    computed = [subject for subject in subjects if "answers" in vars(subject)]
     assert len(computed) == 1
 
 

@@ -12,7 +12,7 @@ from armour.errors import NoAnswerError, mistake
 from armour.scenario.scenario import Scenario
 
 
-class Asked:
+class Subject:
     """A scenario, and the one with a material replaced, if any; nothing is computed twice."""
 
     def __init__(self, scenario: Scenario, replacement: Scenario | None = None) -> None:
@@ -35,7 +35,7 @@ class Asked:
     def required(self) -> tuple[Variants, Variants]:
         """Armours with the least of the layer whose material is replaced, before and after the replacement."""
         assert self.replacement is not None, "a suite gives replaced_by with SAVINGS"
-        before, after = self.answers, Asked(self.replacement).answers
+        before, after = self.answers, Subject(self.replacement).answers
         if self.scenario.armour.ceramic != self.replacement.armour.ceramic:
             return before.with_least_ceramic, after.with_least_ceramic
         return before.with_least_backing, after.with_least_backing
@@ -56,21 +56,21 @@ QUESTIONS: dict[str, tuple[str, ...]] = {
 }
 
 
-def answer(name: str, asked: Asked) -> float | str:
+def answer(name: str, subject: Subject) -> float | str:
     """Answer a question; raise NoAnswerError if it has no answer in the scenario's range."""
     value: float | str
     if name in LIGHTEST:
-        value = getattr(asked.lightest, name.removeprefix("optimum_"))
+        value = getattr(subject.lightest, name.removeprefix("optimum_"))
     elif name in SAVINGS:
-        before, after = (float(SAVINGS[name](armours)[0]) for armours in asked.required)
+        before, after = (float(SAVINGS[name](armours)[0]) for armours in subject.required)
         value = 100.0 * (1.0 - after / before)
     else:
-        value = QUANTITIES[name].compute(asked.answers)[0].item()
+        value = QUANTITIES[name].compute(subject.answers)[0].item()
     if value == value:
         return value
     if "optimise" not in QUESTIONS[name]:
-        ballistic_limit(asked.scenario)  # raises, with the reason
-    velocity = asked.scenario.impact.velocity_m_s
+        ballistic_limit(subject.scenario)  # raises, with the reason
+    velocity = subject.scenario.impact.velocity_m_s
     raise NoAnswerError(
         f"no design: no thickness of the range stops the projectile at {velocity:g} m/s; "
         "raise the max of optimise.ceramic_thickness_mm or of optimise.backing_thickness_mm"

@@ -103,13 +103,13 @@ class _Expectation(Section):
 
     @model_validator(mode="after")
     def _one_band(self) -> "_Expectation":
-        given = [key for key in ("band", "band_percent") if getattr(self, key) is not None]
+        bands = [key for key in ("band", "band_percent") if getattr(self, key) is not None]
         if self.quantity == "outcome":
-            if given:
-                raise ValueError(f"an outcome has no band, found {given[0]}")
-        elif len(given) == 2:
+            if bands:
+                raise ValueError(f"an outcome has no band, found {bands[0]}")
+        elif len(bands) == 2:
             raise ValueError("must have band or band_percent, found both")
-        elif not given and not self.not_scored and not getattr(self, "file", ""):
+        elif not bands and not self.not_scored and not getattr(self, "file", ""):
             raise ValueError("must have a band or band_percent: how far the computed value may be from the expected")
         return self
 

@@ -16,7 +16,7 @@ from armour.files import shipped_suites
 from armour.scenario.checked import checked
 from armour.scenario.inputs import INPUTS, NAMES
 from armour.scenario.sections import TINY
-from armour.validation.questions import Asked, answer
+from armour.validation.questions import Subject, answer
 from armour.validation.rivals import Error, errors_of
 from armour.validation.suite import Case, GroupSection, Suite, TableSection, meets
 
@@ -207,7 +207,7 @@ def validate(suite: Suite, *, on_check: OnCheck | None = None) -> SuiteResult:
     InputError
         If a run of a scenario does not end.
     """
-    answered: dict[tuple[str, ...], Asked] = {}
+    answered: dict[tuple[str, ...], Subject] = {}
     of_files = _of_files(suite.cases)
     checks = []
     for place, case in enumerate(suite.cases):
@@ -233,12 +233,12 @@ def result_of(suite: Suite, checks: Sequence[Check]) -> SuiteResult:
     )
 
 
-def check(case: Case, answered: dict[tuple[str, ...], Asked]) -> Check:
+def check(case: Case, answered: dict[tuple[str, ...], Subject]) -> Check:
     """Compute a case; scenarios that several cases share are computed once and kept, by their contents."""
     contents = tuple(scenario.digest() for scenario in case.scenarios)
     try:
-        asked = answered.setdefault(contents, Asked(*case.scenarios))
-        return _judged(case, case.compared(answer(case.quantity, asked)))
+        subject = answered.setdefault(contents, Subject(*case.scenarios))
+        return _judged(case, case.compared(answer(case.quantity, subject)))
     except NoAnswerError as error:
         return _judged(case, None, str(error))
 
@@ -262,11 +262,11 @@ def _of_files(cases: Sequence[Case]) -> dict[int, float | None]:
     together: dict[tuple[int, str, tuple[str, ...]], list[int]] = {}
     for place, case in enumerate(cases):
         if case.cells:
-            given = tuple(name for name in INPUTS if name in case.cells)
-            together.setdefault((id(case.scenario), case.quantity, given), []).append(place)
+            inputs = tuple(name for name in INPUTS if name in case.cells)
+            together.setdefault((id(case.scenario), case.quantity, inputs), []).append(place)
     computed: dict[int, float | None] = {}
-    for (_, quantity, given), places in together.items():
-        columns = {name: np.array([float(cases[place].cells[name]) for place in places]) for name in given}
+    for (_, quantity, inputs), places in together.items():
+        columns = {name: np.array([float(cases[place].cells[name]) for place in places]) for name in inputs}
         values = evaluate_groups(groups_of(cases[places[0]].scenario, columns), [quantity])[0][quantity]
         for place, value in zip(places, np.broadcast_to(values, len(places)).tolist(), strict=True):
             computed[place] = None if isnan(value) else value

@@ -46,9 +46,9 @@ def check_table(checks: Sequence[Check], title: str = "") -> Table:
 
 def _decimals(case: Case) -> int:
     """Return the decimals of a computed value: one more than those of the expected value and of its band."""
-    given = len(number(case.expected or 0.0, ".10g").partition(".")[2])
+    of_expected = len(number(case.expected or 0.0, ".10g").partition(".")[2])
     of_band = -floor(log10(case.band)) if case.band else 0
-    return min(max(given, of_band) + 1, 12)
+    return min(max(of_expected, of_band) + 1, 12)
 
 
 def _decimal(value: float | str | None, decimals: int, sign: str = "") -> str | None:
