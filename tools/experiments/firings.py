@@ -1,6 +1,4 @@
-"""Count the shots that each procedure needs to know V50, and how often its interval contains V50.
-
-    python -m tools.campaigns.shots
+"""How many shots each procedure needs to know V50, and how often its interval contains V50.
 
 The armour is the paper's lightest against the 7.62 mm AP.  V50 is 0, 1 or 2 standard deviations of the error of the
 model from the median that this gives, above it in one half of the firings and below it in the other; the scatter is 15
@@ -10,15 +8,11 @@ Bayesian procedure that of the posterior, of the others that of the penalised li
 scatter known" is told the scatter within a factor of 1.2.  The procedures "without the model" are told that V50 lies
 within 50 % of the model's limit, and up-and-down starts 20 % above it.
 
-The last rows ask whether a velocity exceeds 90 % of the model's limit, V50 or that at which 5 % of shots perforate, by
-the Bayesian procedure.  The velocity is this requirement or a number of scatters away from it.  The columns are the
-fractions of firings that end with the requirement met and not met; the risks are those of the wrong one.
+`decisions` asks whether a velocity exceeds 90 % of the model's limit, V50 or that at which 5 % of shots perforate, by
+the Bayesian procedure.  The velocity is this requirement or a number of scatters away from it.
 """
 
-import argparse
-import sys
-import time
-from math import sqrt
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -26,12 +20,12 @@ from scipy.special import log_ndtr, ndtr, ndtri
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.variants import Bools, Floats
-from armour.planning.firing import LIMITS_PROBABILITY, limits_of
+from armour.planning.firing import limits_of
 from armour.planning.procedures import MOST_SHOTS, PROCEDURES, Firings, ShotSettings, fire, posterior
 from armour.scenario.scenario import load_scenario
 from armour.statistics.posterior import FiringPrior, posterior_of
 from armour.statistics.v50 import Shots
-from tools.campaigns.verdict import verdict
+from tools.experiments.share import Share
 
 SCENARIO, HALF_WIDTH_M_S, CONFIDENCE, MISS_M_S, MOST = "paper/optimum_7.62mm_AP", 15.0, 0.95, 5.0, 150
 DEVIATIONS, SCATTERS_M_S = (0.0, 1.0, 2.0), (15.0, 30.0)
@@ -40,7 +34,9 @@ KNOWN, KNOWN_FACTOR, REQUIRED = "bayesian, scatter known", 1.2, 0.9
 CLASSIC = ("up-and-down", "langlie", "neyer")
 # Compared at both confidences; the others at the first.
 COMPARED = ("bayesian", KNOWN, "up-and-down", "langlie")
-CONFIDENCES, RISK_PERCENT = (CONFIDENCE, 0.9), 5.0
+CONFIDENCES = (CONFIDENCE, 0.9)
+# How much less than its confidence an interval may hold, and least share of right decisions, per cent.
+SLACK, RIGHT = 3.0, 95.0
 # What the procedures start from without the model, in units of its limit: limits of V50, and the first shot.
 WITHOUT, WIDE, START = ", without the model", (0.5, 1.5), 1.2
 # Firings at once; nodes of V50 and scatter of the Bayesian procedure, and its velocities.
@@ -116,44 +112,46 @@ def _vertex(value: Floats) -> Floats:
     return np.where(np.maximum(low, high) > top, np.maximum(low, high), top + gain)
 
 
-def classic(
-    procedure: str, settings: ShotSettings, truths: Floats, scatters: Floats, dice: np.random.Generator
+class Classic:
+    """Firings of a procedure that knows no prior."""
+
+    def __init__(self, procedure: str, settings: ShotSettings, truths: Floats) -> None:
+        self.settings, (self.next_velocity, _) = settings, PROCEDURES[procedure.removesuffix(WITHOUT)]
+        self.fired = [Shots((), ()) for _ in truths]
+        self.grids = Intervals(len(truths), float(truths.mean()), confidence=settings.confidence)
+
+    def aims(self) -> Floats:
+        """Return the velocities of the next shots."""
+        return np.array([self.next_velocity(shots, self.settings).velocity_m_s for shots in self.fired])
+
+    def add(self, velocities: Floats, complete: Bools) -> None:
+        """Add a shot to each firing."""
+        self.fired = [
+            Shots((*shots.velocities_m_s, velocity), (*shots.complete, result))
+            for shots, velocity, result in zip(self.fired, velocities.tolist(), complete.tolist(), strict=True)
+        ]
+        self.grids.add(velocities, complete)
+
+    def intervals(self, _confidence: float) -> Floats:
+        """Return the ends of the interval of each firing, (n, 2)."""
+        return self.grids.ends()
+
+    def keep(self, which: Bools) -> None:
+        """Keep some of the firings."""
+        self.fired = [shots for shots, kept in zip(self.fired, which, strict=True) if kept]
+        self.grids.keep(which)
+
+
+def fired(
+    firings: Firings | Classic, confidence: float, truths: Floats, scatters: Floats, dice: np.random.Generator
 ) -> Outcome:
-    """Simulate firings of a procedure that knows no prior."""
-    (next_velocity, _), count = PROCEDURES[procedure.removesuffix(WITHOUT)], len(truths)
-    shots, held = np.full(count, MOST), np.zeros(count, dtype=bool)
-    fired = [Shots((), ()) for _ in truths]
-    going, intervals = np.arange(count), Intervals(count, float(truths.mean()), confidence=settings.confidence)
-    for number in range(1, MOST + 1):
-        aims = np.array([next_velocity(fired[each], settings).velocity_m_s for each in going])
-        velocities = dice.normal(aims, MISS_M_S)
-        complete = dice.normal(truths[going], scatters[going]) < velocities
-        for each, velocity, result in zip(going, velocities.tolist(), complete.tolist(), strict=True):
-            before = fired[each]
-            fired[each] = Shots((*before.velocities_m_s, velocity), (*before.complete, result))
-        intervals.add(velocities, complete)
-        low, high = intervals.ends().T
-        over = 0.5 * (high - low) <= HALF_WIDTH_M_S
-        shots[going[over]] = number
-        held[going[over]] = ((low <= truths[going]) & (truths[going] <= high))[over]
-        going = going[~over]
-        intervals.keep(~over)
-        if not len(going):
-            break
-    return Outcome(shots, held)
-
-
-def bayes(settings: ShotSettings, truths: Floats, scatters: Floats, dice: np.random.Generator) -> Outcome:
-    """Simulate firings of the Bayesian procedure."""
-    assert settings.prior is not None
-    known = posterior_of(settings.prior, (), (), NODES)
+    """Fire until the interval of each firing is short enough."""
     count = len(truths)
-    shots, held = np.full(count, MOST), np.zeros(count, dtype=bool)
-    going, firings = np.arange(count), Firings(known, settings, count, CANDIDATES)
+    shots, held, going = np.full(count, MOST), np.zeros(count, dtype=bool), np.arange(count)
     for number in range(1, MOST + 1):
         velocities = dice.normal(firings.aims(), MISS_M_S)
         firings.add(velocities, dice.normal(truths[going], scatters[going]) < velocities)
-        low, high = firings.intervals(settings.confidence).T
+        low, high = firings.intervals(confidence).T
         over = 0.5 * (high - low) <= HALF_WIDTH_M_S
         shots[going[over]] = number
         held[going[over]] = ((low <= truths[going]) & (truths[going] <= high))[over]
@@ -237,54 +235,36 @@ def simulate(
         scatters = np.full(len(truths), scatter or 0.0)
         if scatter is None:
             scatters = prior.scatter_percent / 100.0 * truths * prior.scatter_factor ** dice.normal(size=len(truths))
-        known = procedure.removesuffix(WITHOUT) not in CLASSIC
-        found.append(
-            bayes(settings, truths, scatters, dice) if known else classic(procedure, settings, truths, scatters, dice)
-        )
+        many: Firings | Classic
+        if procedure.removesuffix(WITHOUT) in CLASSIC:
+            many = Classic(procedure, settings, truths)
+        else:
+            many = Firings(posterior_of(prior, (), (), NODES), settings, len(truths), CANDIDATES)
+        found.append(fired(many, confidence, truths, scatters, dice))
     return Outcome(*(np.concatenate(column) for column in zip(*found, strict=True)))
 
 
-def main() -> int:
-    """Print tables of shots and coverage, and of decisions on a requirement."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--firings", type=int, default=250)
-    parser.add_argument("--seed", type=int, default=1)
-    given = parser.parse_args()
-    print(
-        f"limits of V50 for langlie and neyer: the interval of the model with a probability of {LIMITS_PROBABILITY:g}"
-    )
-    print("confidence | scatter, m/s | deviations | procedure | mean shots | held, % | not ended | s")
-    right, by_prior = True, []
+def shares(firings: int, seed: int) -> Iterator[Share]:
+    """Print mean numbers of shots; yield the shares of the firings that end whose interval contains V50."""
     for level in CONFIDENCES:
         others = ("neyer", *(name + WITHOUT for name in CLASSIC)) if level == CONFIDENCE else ()
         cases = [(scatter, name) for scatter in SCATTERS_M_S for name in (*COMPARED, *others)]
         for scatter, procedure in [*cases, (None, "bayesian")]:
+            least = 100.0 * level - SLACK if scatter is None else None
             for deviations in DEVIATIONS:
-                start = time.perf_counter()
-                found = simulate(procedure, deviations, scatter, given.firings, given.seed, level)
-                over = found.shots < MOST
-                held = 100.0 * float(found.held[over].mean())
-                case = f"{level:g} | {scatter or 'of the prior'} | {deviations:g} | {procedure}"
-                counts = f"{found.shots.mean():.1f} | {held:.1f} | {(~over).sum()}"
-                print(f"{case} | {counts} | {time.perf_counter() - start:.0f}", flush=True)
-                if scatter is None:
-                    by_prior.append(f"{held:.1f}")
-                    right &= held > 100.0 * (level - 2.0 * sqrt(level * (1.0 - level) / given.firings))
-    risks = []
-    print("scatter, m/s | fraction | scatters from the requirement | met, % | not met, % | mean shots")
+                outcome = simulate(procedure, deviations, scatter, firings, seed, level)
+                ended = outcome.shots < MOST
+                case = f"{level:g}, scatter {scatter or 'of the prior'}, {deviations:g} deviations away, {procedure}"
+                print(f"{case}: mean shots: {outcome.shots.mean():.1f}")
+                yield Share(case, "V50", int(outcome.held[ended].sum()), int(ended.sum()), least)
+
+
+def decisions(firings: int, seed: int) -> Iterator[Share]:
+    """Yield the shares of firings whose decision on a requirement is right or open; print both kinds of decisions."""
     for scatter, fraction in ((15.0, 0.5), (30.0, 0.5), (15.0, 0.05)):
         for distance in DISTANCES:
-            met, not_met, shots = requirement(distance, scatter, given.firings, given.seed, fraction)
-            case = f"{scatter:g} | {fraction:g} | {distance:+.1f}"
-            print(f"{case} | {100.0 * met:.1f} | {100.0 * not_met:.1f} | {shots:.1f}", flush=True)
-            risks += [100.0 * met] if distance <= 0.0 else []
-            risks += [100.0 * not_met] if distance >= 0.0 else []
-    return verdict(
-        f"Bayesian intervals of 95 and 90 % contain V50 in {', '.join(by_prior)} % of {given.firings} firings; "
-        f"risks of a wrong decision up to {max(risks):.1f} %",
-        right=right and max(risks) <= RISK_PERCENT,
-    )
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+            met, not_met, shots = requirement(distance, scatter, firings, seed, fraction)
+            case = f"scatter {scatter:g}, fraction {fraction:g}, {distance:+.1f} scatters from the requirement"
+            print(f"{case}: met {100.0 * met:.1f} %, not met {100.0 * not_met:.1f} %, mean shots {shots:.1f}")
+            wrong = max(met if distance <= 0.0 else 0.0, not_met if distance >= 0.0 else 0.0)
+            yield Share(case, "not decided wrongly", round(firings * (1.0 - wrong)), firings, RIGHT)
