@@ -3,10 +3,10 @@
 import pytest
 
 from armour.core.equations import crack_velocity
-from armour.core.events import Event, after_event, event_functions, first_event
+from armour.core.events import Event, event_functions, first_event
 from armour.core.rk4 import state_within, step
-from armour.core.stages import drive_force, first_stage, rates, shear_force, stage_name
-from armour.core.state import Medium, Outcome, Parameters, Stage, State
+from armour.core.stages import drive_force, first_stage, rates, shear_force
+from armour.core.state import Medium, Parameters, Stage, State
 from tests.helpers.cases import armour
 
 
@@ -18,42 +18,6 @@ def test_no_event_function_is_negative_at_impact():
     p = armour()
     for V in (30.0, 300.0, 602.0, 603.0, 900.0, 3000.0):
         assert min(event_functions(0.0, struck(V), first_stage(struck(V), p), p, 1.0)) >= 0.0
-
-
-def test_the_crack_ends_intact_ceramic_and_keeps_the_velocity():
-    y = struck(750.0)
-    s = first_stage(y, armour())
-    _, after, outcome = after_event(Event.MEDIUM, y, s, armour())
-    assert (after.medium, after.Vs1, outcome) == (Medium.FRAGMENTED, 750.0, Outcome.RUNNING)
-
-
-def test_entering_the_plate_keeps_the_bulge():
-    y = State(Z=6.35e-3, L=0.02, V=500.0, W=20.0, h=1e-4)
-    s = Stage(Medium.FRAGMENTED, True, True, True, 700.0, 0.0)
-    _, after, _ = after_event(Event.MEDIUM, y, s, armour())
-    assert (after.medium, after.Vs1, after.h_s) == (Medium.PLATE, 700.0, 1e-4)
-
-
-def test_ends_of_a_run():
-    y, p = struck(1.0), armour()
-    plate = Stage(Medium.PLATE, False, True, False, 700.0, 0.0)
-    assert after_event(Event.MEDIUM, y, plate, p)[2] == Outcome.PERFORATED
-    assert after_event(Event.ARREST, y, plate, p)[2] == Outcome.STOPPED
-    assert after_event(Event.ERODED, y, plate, p)[2] == Outcome.STOPPED
-
-
-def test_material_that_comes_to_rest_is_held():
-    s = Stage(Medium.FRAGMENTED, False, True, True, 700.0, 0.0)
-    y, after, _ = after_event(Event.MOTION, struck(200.0, -1e-12), s, armour())
-    assert y.W == 0.0
-    assert not after.moving
-
-
-def test_a_plate_that_reaches_the_projectiles_velocity_is_carried():
-    s = Stage(Medium.PLATE, False, True, True, 700.0, 0.0)
-    y, after, _ = after_event(Event.TOGETHER, struck(200.0, 200.0 - 1e-13), s, armour())
-    assert y.W == y.V
-    assert stage_name(after) == "iii.4"
 
 
 def located(y: State, s: Stage, p: Parameters, dt: float, V_arrest: float = 1.0) -> tuple[int, float, State]:
@@ -75,18 +39,6 @@ def test_the_earliest_of_several_events_is_located():
     assert there.Z + crack_velocity(p.Ec, p.rho_c) * x * 6e-6 == pytest.approx(p.Hc0, rel=1e-8)
     # Just after the event, never before it.
     assert event_functions(x * 6e-6, there, s, p, 1.0)[event] < 0.0
-
-
-def test_a_step_without_an_event_is_whole():
-    p = armour()
-    y = struck(800.0)._replace(L=p.L0)
-    assert located(y, first_stage(y, p), p, 1e-7)[:2] == (-1, 1.0)
-
-
-def test_an_event_that_has_happened_is_at_the_start():
-    p = armour()
-    y = State(p.Hc0, 0.02, 700.0, 10.0, 1e-5)
-    assert located(y._replace(Z=p.Hc0 + 1e-9), MOVING, p, 1e-7)[:2] == (Event.MEDIUM, 0.0)
 
 
 def test_the_earlier_of_two_events_in_intact_ceramic_is_located():

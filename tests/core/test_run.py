@@ -5,8 +5,8 @@ from itertools import pairwise
 import pytest
 
 from armour.core.equations import crack_velocity, intact_strength
-from armour.core.run import SAFETY, TOLERANCE, Instant, allowed_change, run
-from armour.core.state import Medium, Outcome, State
+from armour.core.run import TOLERANCE, Instant, run
+from armour.core.state import Medium, Outcome
 from tests.helpers.cases import armour
 from tests.helpers.runs import crossing_time, path, random_designs, traced
 
@@ -111,10 +111,3 @@ def test_a_smaller_tolerance_moves_an_impact_little():
         assert pytest.approx(fine.y.V, abs=0.02) == usual.y.V
         assert pytest.approx(fine.y.Z, rel=1e-5) == usual.y.Z
         assert usual.steps < 150
-
-
-def test_rates_that_do_not_exist_past_an_event_shorten_the_step():
-    p = armour()
-    nowhere = State(float("nan"), 0.0, 0.0, 0.0, 0.0)
-    assert allowed_change(nowhere, p, 800.0, TOLERANCE) < SAFETY
-    assert allowed_change(State(0.0, 0.0, 0.0, 0.0, 0.0), p, 800.0, TOLERANCE) > 1.0

@@ -6,18 +6,14 @@ import pytest
 
 from armour.analysis.ballistic_limit import bisect
 from armour.core import search
-from armour.core.bounds import may_perforate
 from armour.core.run import TOLERANCE
 from armour.core.search import (
-    SearchResult,
     Solver,
     find_ballistic_limit,
     find_least_ceramic_thickness,
-    first_scanned,
     impact,
     narrowed_change,
     scan,
-    scanned_limit,
 )
 from tests.helpers.cases import armour
 from tests.helpers.runs import perforates, random_designs
@@ -37,22 +33,6 @@ def test_the_limits_are_those_of_scan_and_bisection():
         assert found.high - found.low <= 1e-4
         assert found.resolved
         assert found.runs <= 20
-
-
-def test_rough_runs_that_are_wrong_are_not_followed(monkeypatch: pytest.MonkeyPatch):
-    p = armour()
-    right = find_ballistic_limit(p, VELOCITIES, 1e-4, 1.0, 0.0, STEPS)
-    for wrong in (500.0, 900.0):
-
-        def of_rough(p, velocities, tolerance, solver, wrong=wrong):
-            rough = solver.tolerance != TOLERANCE
-            return (
-                SearchResult(wrong, wrong + 1.0, 5, True) if rough else scanned_limit(p, velocities, tolerance, solver)
-            )
-
-        monkeypatch.setattr(search, "scanned_limit", of_rough)
-        found = find_ballistic_limit(p, VELOCITIES, 1e-4, 1.0, 0.0, STEPS)
-        assert found.high == pytest.approx(right.high, abs=1e-4)
 
 
 def test_the_ends_of_a_fine_bracket_have_their_outcomes():
@@ -121,13 +101,6 @@ def test_a_tolerance_below_rounding_ends():
     found = find_ballistic_limit(armour(), VELOCITIES, 0.0, 1.0, 0.0, STEPS)
     assert found.high - found.low < 1e-9
     assert found.runs < 140
-
-
-def test_a_scan_starts_at_the_highest_velocity_without_the_energy_to_perforate():
-    i = first_scanned(armour(), VELOCITIES)
-    assert not may_perforate(armour(), VELOCITIES[i])
-    assert may_perforate(armour(), VELOCITIES[i + 1])
-    assert first_scanned(armour(), scan(600.0, 4000.0)) == 0
 
 
 def test_the_residual_energy_continues_below_the_limit():

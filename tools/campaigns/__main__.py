@@ -2,9 +2,9 @@
 
     python -m tools.campaigns [NAME]...
 
-runs the named campaigns, by default all, one after the other; a name may have options, as in "shots --firings 100". A
-campaign ends with a line for the page and exit code 0, or 3 if something is not as it should be. The page is written
-after each one: an interrupted run keeps what it has, and another run may go on beside it.
+runs the named campaigns, by default all, one after the other; a name may have options, as in "coverage firings
+--samples 100". A campaign ends with a line for the page and exit code 0, or 3 if something is not as it should be. The
+page is written after each one: an interrupted run keeps what it has, and another run may go on beside it.
 """
 
 import ast
@@ -21,11 +21,10 @@ from tools.campaigns.verdict import RESULT, WRONG
 ROOT = Path(__file__).resolve().parents[2]
 PAGE, KNOWN = ROOT / "docs" / "campaigns.md", Path(__file__).with_name("results.json")
 CAMPAIGNS = {
-    "Faults and inputs": ("inputs", "sweeps", "tables", "cache", "newcomer"),
-    "Numbers": ("accuracy", "unusual", "perturbations", "obliquity", "mutants"),
-    "Statistics": ("coverage", "coverage_calibration", "coverage_uncertainty", "own_tests", "optimal_tests", "shots",
-                   "evidence"),
-}  # fmt: skip
+    "Faults and inputs": ("inputs", "sweeps", "tables", "cache"),
+    "Numbers": ("accuracy", "unusual", "perturbations", "mutants"),
+    "Statistics": ("coverage", "own_tests", "evidence"),
+}
 ENDINGS = {0: "yes", WRONG: "**no**"}
 TEXT = """# Campaigns
 

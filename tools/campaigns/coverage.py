@@ -1,112 +1,58 @@
-"""Count how often the intervals of `armour v50` hold the true values, in simulated firings of a normal curve.
+"""Count how often the intervals that the commands state contain the truth, in simulated tests.
 
-    python -m tools.campaigns.coverage
+    python -m tools.campaigns.coverage [EXPERIMENT]... [--samples N] [--seed N]
 
-V50 is 720 m/s and the scale 10 m/s.  The velocities are those of an up-and-down rule, with steps of 15 m/s from a start
-that misses V50 by 15 m/s and velocities that miss their aim by 5 m/s (standard deviations), or of five levels from two
-scales below V50 to two scales above it.  Samples for which the program gives no V50 are counted apart.
+runs the named experiments of `tools/experiments`, by default all.
 """
 
 import argparse
 import sys
-from collections import Counter
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from math import sqrt
+from typing import NamedTuple
 
-import numpy as np
-
-from armour.errors import NoAnswerError
-from armour.statistics.curves import Z95, FittedCurve, Interval, fit_curve
-from armour.statistics.v50 import Shots
-from tools.campaigns import verdict
-
-V50, SCALE = 720.0, 10.0
-TRUE = {"V50": V50, "scale": SCALE, "V05": V50 - Z95["probit"] * SCALE, "V95": V50 + Z95["probit"] * SCALE}
-START, STEP, MISS = 15.0, 15.0, 5.0
-LEVELS = (700.0, 710.0, 720.0, 730.0, 740.0)
-# Least share of intervals that must contain the truth, per cent.
-LEAST = 92.0
+from tools.campaigns.verdict import verdict
+from tools.experiments import calibrations, curves, firings, plans, uncertainty
+from tools.experiments.share import Share
 
 
-def up_and_down(shots: int, dice: np.random.Generator) -> Shots:
-    """Fire shots one after the other, slower after a complete and faster after a partial penetration."""
-    aim, velocities, complete = dice.normal(V50, START), [], []
-    for _ in range(shots):
-        velocities.append(float(dice.normal(aim, MISS)))
-        complete.append(bool(dice.normal(V50, SCALE) < velocities[-1]))
-        aim += -STEP if complete[-1] else STEP
-    return Shots(tuple(velocities), tuple(complete))
+class Experiment(NamedTuple):
+    """A simulation that counts shares, given the samples of a case and a seed, and its usual number of samples."""
+
+    shares: Callable[[int, int], Iterator[Share]]
+    samples: int
 
 
-def fixed_levels(shots: int, dice: np.random.Generator) -> Shots:
-    """Fire shots at five velocities."""
-    velocities = tuple(np.resize(LEVELS, shots).tolist())
-    return Shots(velocities, tuple((dice.normal(V50, SCALE, shots) < velocities).tolist()))
+EXPERIMENTS = {
+    "curves": Experiment(curves.shares, 1000),
+    "calibrations": Experiment(calibrations.shares, 300),
+    "uncertainty": Experiment(uncertainty.shares, 200),
+    "plans": Experiment(plans.shares, 200),
+    "firings": Experiment(firings.shares, 250),
+    "requirements": Experiment(firings.decisions, 250),
+}
 
 
-RULES: dict[str, Callable[[int, np.random.Generator], Shots]] = {"up and down": up_and_down, "levels": fixed_levels}
-
-
-def held(fit: FittedCurve) -> list[str]:
-    """Return the names of the intervals, and of the one-sided bounds, that hold the true value."""
-    intervals = {
-        "V50": fit.v50_interval_m_s,
-        "scale": fit.scale_interval_m_s,
-        "V05": fit.v05_interval_m_s,
-        "V95": fit.v95_interval_m_s,
-    }
-    found = [name for name, interval in intervals.items() if interval and _holds(interval, TRUE[name])]
-    if fit.method == "penalised likelihood":
-        bounds = {"V50": fit.v50_lower_m_s, "V05": fit.v05_lower_m_s}
-        found += [f"lower bound of {name}" for name, low in bounds.items() if _holds((low, None), TRUE[name])]
-    return found
-
-
-def _holds(interval: Interval, value: float) -> bool:
-    low, high = interval
-    return (low is None or low <= value) and (high is None or value <= high)
-
-
-def simulate(rule: str, shots: int, samples: int, seed: int) -> Counter[str]:
-    """Count how often each interval of each method holds the true value, and the samples that have no V50."""
-    dice, found = np.random.default_rng([seed, shots]), Counter({"no V50": 0})
-    fitted = 0
-    while fitted < samples:
-        fired = RULES[rule](shots, dice)
-        partial, complete = fired.of(complete=False), fired.of(complete=True)
-        penalised = None
-        if partial and complete:
-            with suppress(NoAnswerError):
-                penalised = fit_curve(partial, complete, "probit", penalised=True)
-        if penalised is None:
-            found["no V50"] += 1
-            continue
-        fitted += 1
-        found["separated"] += partial[-1] < complete[0]
-        found["V50 not bounded"] += None in penalised.v50_interval_m_s
-        for fit in (penalised, fit_curve(partial, complete, "probit")):
-            assert fit is not None
-            found.update(f"{fit.method}: {name}" for name in held(fit))
-    return found
+def run(name: str, samples: int | None, seed: int) -> int:
+    """Run an experiment and print its shares; the exit code is 3 if one is less than it must be."""
+    experiment, judged = EXPERIMENTS[name], []
+    for share in experiment.shares(samples or experiment.samples, seed):
+        print(f"{share.case}: {share.name}: {share.percent:.1f} % of {share.samples:,}", flush=True)
+        judged += [share] if share.least is not None else []
+    percents = [share.percent for share in judged]
+    error = 100.0 * sqrt(0.95 * 0.05 / min(share.samples for share in judged))
+    text = f"{min(percents):.1f} to {max(percents):.1f} % in {len(judged)} cases, standard error {error:.1f} %"
+    return verdict(f"{name}: {text}", right=all(share.percent >= (share.least or 0.0) for share in judged))
 
 
 def main() -> int:
-    """Print the shares, per cent."""
+    """Run experiments; the exit code is 3 if a share is less than it must be."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--samples", type=int, default=1000)
+    parser.add_argument("experiments", nargs="*", metavar="EXPERIMENT", help=", ".join(EXPERIMENTS))
+    parser.add_argument("--samples", type=int, help="of each case")
     parser.add_argument("--seed", type=int, default=1)
-    given = parser.parse_args()
-    shares = []
-    for rule in RULES:
-        for shots in (10, 20, 60):
-            found = simulate(rule, shots, given.samples, given.seed)
-            print(f"{rule}, {shots} shots, {found.pop('no V50')} more without a V50", flush=True)
-            for name, number in sorted(found.items()):
-                share = 100.0 * number / given.samples
-                print(f"  {name}: {share:.1f} %", flush=True)
-                if name.removeprefix("penalised likelihood: ") in TRUE:
-                    shares.append(share)
-    return verdict.coverage(shares, given.samples, LEAST)
+    options = parser.parse_args()
+    return max(run(name, options.samples, options.seed) for name in options.experiments or EXPERIMENTS)
 
 
 if __name__ == "__main__":

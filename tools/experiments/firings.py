@@ -1,6 +1,4 @@
-"""Count the shots that each procedure needs to know V50, and how often its interval contains V50.
-
-    python -m tools.campaigns.shots
+"""How many shots each procedure needs to know V50, and how often its interval contains V50.
 
 The armour is the paper's lightest against the 7.62 mm AP.  V50 is 0, 1 or 2 standard deviations of the error of the
 model from the median that this gives, above it in one half of the firings and below it in the other; the scatter is 15
@@ -10,16 +8,11 @@ Bayesian procedure that of the posterior, of the others that of the penalised li
 scatter known" is told the scatter within a factor of 1.2.  The procedures "without the model" are told that V50 lies
 within 50 % of the model's limit, and up-and-down starts 20 % above it.
 
-The last rows ask whether a velocity exceeds 90 % of the model's limit, V50 or that at which 5 % of shots perforate, by
-the Bayesian procedure.  The velocity is this requirement or a number of scatters away from it.  The columns are the
-fractions of firings that end with the requirement met and not met; the risks are those of the wrong one.
+`decisions` asks whether a velocity exceeds 90 % of the model's limit, V50 or that at which 5 % of shots perforate, by
+the Bayesian procedure.  The velocity is this requirement or a number of scatters away from it.
 """
 
-import argparse
-import sys
-import time
-from itertools import compress
-from math import sqrt
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -27,12 +20,12 @@ from scipy.special import log_ndtr, ndtr, ndtri
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.variants import Bools, Floats
-from armour.planning.firing import LIMITS_PROBABILITY, limits_of
+from armour.planning.firing import limits_of
 from armour.planning.procedures import MOST_SHOTS, PROCEDURES, Firings, ShotSettings, fire, posterior
 from armour.scenario.scenario import load_scenario
 from armour.statistics.posterior import FiringPrior, posterior_of
 from armour.statistics.v50 import Shots
-from tools.campaigns.verdict import verdict
+from tools.experiments.share import Share
 
 SCENARIO, HALF_WIDTH_M_S, CONFIDENCE, MISS_M_S, MOST = "paper/optimum_7.62mm_AP", 15.0, 0.95, 5.0, 150
 DEVIATIONS, SCATTERS_M_S = (0.0, 1.0, 2.0), (15.0, 30.0)
@@ -41,7 +34,9 @@ KNOWN, KNOWN_FACTOR, REQUIRED = "bayesian, scatter known", 1.2, 0.9
 CLASSIC = ("up-and-down", "langlie", "neyer")
 # Compared at both confidences; the others at the first.
 COMPARED = ("bayesian", KNOWN, "up-and-down", "langlie")
-CONFIDENCES, RISK_PERCENT = (CONFIDENCE, 0.9), 5.0
+CONFIDENCES = (CONFIDENCE, 0.9)
+# How much less than its confidence an interval may hold, and least share of right decisions, per cent.
+SLACK, RIGHT = 3.0, 95.0
 # What the procedures start from without the model, in units of its limit: limits of V50, and the first shot.
 WITHOUT, WIDE, START = ", without the model", (0.5, 1.5), 1.2
 # Firings at once; nodes of V50 and scatter of the Bayesian procedure, and its velocities.
@@ -89,7 +84,7 @@ class Intervals:
             value = self.log_likelihood + 0.5 * np.log(np.maximum(zero * two - one * one, 0.0))
         value = np.maximum(value, -1e9).reshape(-1, *self.nodes)
         profile = _vertex(value)
-        ends = np.full((len(value), 2), np.nan)
+        found = np.full((len(value), 2), np.nan)
         peaks = profile.argmax(axis=1)
         tops = _vertex(profile[:, None])[:, 0]
         flat = value.max(axis=1).argmax(axis=1) == self.nodes[1] - 1
@@ -99,8 +94,8 @@ class Intervals:
             first, last = inside[0], inside[-1]
             if first > 0 and last < self.nodes[0] - 1:
                 sides = (first, first - 1), (last, last + 1)
-                ends[row] = [np.interp(0.0, roots[row, [near, far]], self.v50[[near, far]]) for near, far in sides]
-        return ends + self.centre
+                found[row] = [np.interp(0.0, roots[row, [near, far]], self.v50[[near, far]]) for near, far in sides]
+        return found + self.centre
 
     def keep(self, which: Bools) -> None:
         """Keep some of the firings."""
@@ -117,13 +112,13 @@ def _vertex(value: Floats) -> Floats:
     return np.where(np.maximum(low, high) > top, np.maximum(low, high), top + gain)
 
 
-class ClassicFirings:
+class Classic:
     """Firings of a procedure that knows no prior."""
 
-    def __init__(self, procedure: str, settings: ShotSettings, count: int, centre: float) -> None:
+    def __init__(self, procedure: str, settings: ShotSettings, truths: Floats) -> None:
         self.rule, self.settings = PROCEDURES[procedure.removesuffix(WITHOUT)], settings
-        self.fired = [Shots((), ())] * count
-        self.estimates = Intervals(count, centre, confidence=settings.confidence)
+        self.fired = [Shots((), ()) for _ in truths]
+        self.grids = Intervals(len(truths), float(truths.mean()), confidence=settings.confidence)
 
     def aims(self) -> Floats:
         """Return the velocities of the next shots."""
@@ -135,22 +130,22 @@ class ClassicFirings:
             Shots((*shots.velocities_m_s, velocity), (*shots.complete, result))
             for shots, velocity, result in zip(self.fired, velocities.tolist(), complete.tolist(), strict=True)
         ]
-        self.estimates.add(velocities, complete)
+        self.grids.add(velocities, complete)
 
     def intervals(self, _confidence: float) -> Floats:
-        """Return the ends of the interval of V50 of each firing, (n, 2)."""
-        return self.estimates.ends()
+        """Return the ends of the interval of each firing, (n, 2)."""
+        return self.grids.ends()
 
     def keep(self, which: Bools) -> None:
         """Keep some of the firings."""
-        self.fired = [*compress(self.fired, which)]
-        self.estimates.keep(which)
+        self.fired = [shots for shots, kept in zip(self.fired, which, strict=True) if kept]
+        self.grids.keep(which)
 
 
-def ended(
-    firings: Firings | ClassicFirings, truths: Floats, scatters: Floats, dice: np.random.Generator, confidence: float
+def fired(
+    firings: Firings | Classic, confidence: float, truths: Floats, scatters: Floats, dice: np.random.Generator
 ) -> Outcome:
-    """Simulate firings to their ends."""
+    """Fire until the interval of each firing is short enough."""
     count = len(truths)
     shots, held, going = np.full(count, MOST), np.zeros(count, dtype=bool), np.arange(count)
     for number in range(1, MOST + 1):
@@ -209,9 +204,9 @@ def requirement(
         prior=prior,
     )
     v50 = REQUIRED * prior.limit_m_s + (distance - float(ndtri(fraction))) * scatter
-    dice = np.random.default_rng([seed, firings])
-    missed = Missed(posterior(Shots((), ()), settings), settings, firings, CANDIDATES)
-    shots, decided, _ = fire(missed, np.full(firings, v50), np.full(firings, scatter), dice)
+    known, dice = posterior(Shots((), ()), settings), np.random.default_rng([seed, firings])
+    many = Missed(known, settings, firings, CANDIDATES)
+    shots, decided, _ = fire(many, np.full(firings, v50), np.full(firings, scatter), dice)
     return float((decided > 0).mean()), float((decided < 0).mean()), float(np.minimum(shots, MOST_SHOTS).mean())
 
 
@@ -219,7 +214,7 @@ def simulate(
     procedure: str,
     deviations: float,
     scatter: float | None,
-    count: int,
+    firings: int,
     seed: int,
     confidence: float = CONFIDENCE,
 ) -> Outcome:
@@ -230,66 +225,46 @@ def simulate(
     settings = ShotSettings(limit, guess, limits_of(prior), HALF_WIDTH_M_S, confidence, prior=prior)
     if procedure.endswith(WITHOUT):
         settings = settings._replace(estimate_m_s=START * limit, limits_m_s=(WIDE[0] * limit, WIDE[1] * limit))
-    blocks = []
-    for start in range(0, count, BLOCK):
+    found = []
+    for start in range(0, firings, BLOCK):
         # Above the limit in one block, below in the next: the grids of a block have one centre.
         number = start // BLOCK
         offset = (1.0 if number % 2 == 0 else -1.0) * deviations * deviation_percent(prior) / 100.0
-        truths = np.full(min(BLOCK, count - start), prior.error.median(limit) + limit * offset)
+        truths = np.full(min(BLOCK, firings - start), prior.error.median(limit) + limit * offset)
         dice = np.random.default_rng([seed, number, round(10.0 * deviations), round(scatter or 0.0)])
         scatters = np.full(len(truths), scatter or 0.0)
         if scatter is None:
             scatters = prior.scatter_percent / 100.0 * truths * prior.scatter_factor ** dice.normal(size=len(truths))
-        firings: Firings | ClassicFirings
+        many: Firings | Classic
         if procedure.removesuffix(WITHOUT) in CLASSIC:
-            firings = ClassicFirings(procedure, settings, len(truths), float(truths.mean()))
+            many = Classic(procedure, settings, truths)
         else:
-            firings = Firings(posterior_of(prior, (), (), NODES), settings, len(truths), CANDIDATES)
-        blocks.append(ended(firings, truths, scatters, dice, confidence))
-    return Outcome(*(np.concatenate(column) for column in zip(*blocks, strict=True)))
+            many = Firings(posterior_of(prior, (), (), NODES), settings, len(truths), CANDIDATES)
+        found.append(fired(many, confidence, truths, scatters, dice))
+    return Outcome(*(np.concatenate(column) for column in zip(*found, strict=True)))
 
 
-def main() -> int:
-    """Print tables of shots and coverage, and of decisions on a requirement."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--firings", type=int, default=250)
-    parser.add_argument("--seed", type=int, default=1)
-    given = parser.parse_args()
-    print(
-        f"limits of V50 for langlie and neyer: the interval of the model with a probability of {LIMITS_PROBABILITY:g}"
-    )
-    print("confidence | scatter, m/s | deviations | procedure | mean shots | held, % | not ended | s")
-    right, by_prior = True, []
+def shares(firings: int, seed: int) -> Iterator[Share]:
+    """Print mean numbers of shots; yield the shares of the firings that end whose interval contains V50."""
     for level in CONFIDENCES:
         others = ("neyer", *(name + WITHOUT for name in CLASSIC)) if level == CONFIDENCE else ()
         cases = [(scatter, name) for scatter in SCATTERS_M_S for name in (*COMPARED, *others)]
         for scatter, procedure in [*cases, (None, "bayesian")]:
+            least = 100.0 * level - SLACK if scatter is None else None
             for deviations in DEVIATIONS:
-                start = time.perf_counter()
-                outcome = simulate(procedure, deviations, scatter, given.firings, given.seed, level)
-                over = outcome.shots < MOST
-                held = 100.0 * float(outcome.held[over].mean())
-                case = f"{level:g} | {scatter or 'of the prior'} | {deviations:g} | {procedure}"
-                counts = f"{outcome.shots.mean():.1f} | {held:.1f} | {(~over).sum()}"
-                print(f"{case} | {counts} | {time.perf_counter() - start:.0f}", flush=True)
-                if scatter is None:
-                    by_prior.append(f"{held:.1f}")
-                    right &= held > 100.0 * (level - 2.0 * sqrt(level * (1.0 - level) / given.firings))
-    risks = []
-    print("scatter, m/s | fraction | scatters from the requirement | met, % | not met, % | mean shots")
+                outcome = simulate(procedure, deviations, scatter, firings, seed, level)
+                ended = outcome.shots < MOST
+                case = f"{level:g}, scatter {scatter or 'of the prior'}, {deviations:g} deviations away, {procedure}"
+                print(f"{case}: mean shots: {outcome.shots.mean():.1f}")
+                yield Share(case, "V50", int(outcome.held[ended].sum()), int(ended.sum()), least)
+
+
+def decisions(firings: int, seed: int) -> Iterator[Share]:
+    """Yield the shares of firings whose decision on a requirement is right or open; print both kinds of decisions."""
     for scatter, fraction in ((15.0, 0.5), (30.0, 0.5), (15.0, 0.05)):
         for distance in DISTANCES:
-            met, not_met, shots = requirement(distance, scatter, given.firings, given.seed, fraction)
-            case = f"{scatter:g} | {fraction:g} | {distance:+.1f}"
-            print(f"{case} | {100.0 * met:.1f} | {100.0 * not_met:.1f} | {shots:.1f}", flush=True)
-            risks += [100.0 * met] if distance <= 0.0 else []
-            risks += [100.0 * not_met] if distance >= 0.0 else []
-    return verdict(
-        f"Bayesian intervals of 95 and 90 % contain V50 in {', '.join(by_prior)} % of {given.firings} firings; "
-        f"risks of a wrong decision up to {max(risks):.1f} %",
-        right=right and max(risks) <= RISK_PERCENT,
-    )
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+            met, not_met, shots = requirement(distance, scatter, firings, seed, fraction)
+            case = f"scatter {scatter:g}, fraction {fraction:g}, {distance:+.1f} scatters from the requirement"
+            print(f"{case}: met {100.0 * met:.1f} %, not met {100.0 * not_met:.1f} %, mean shots {shots:.1f}")
+            wrong = max(met if distance <= 0.0 else 0.0, not_met if distance >= 0.0 else 0.0)
+            yield Share(case, "not decided wrongly", round(firings * (1.0 - wrong)), firings, RIGHT)

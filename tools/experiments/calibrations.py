@@ -1,16 +1,12 @@
-"""Count how often the 95 % intervals of `armour calibrate` hold the true values, in simulated tests.
-
-    python -m tools.campaigns.coverage_calibration
+"""How often the 95 % intervals of `armour calibrate` contain the true values, in simulated tests.
 
 The tests are Wilkins' armours with a known flow stress of the ceramic or, with a prior, one that is drawn from it.
 Ballistic limits are normal about the model's, with a standard deviation of 15 m/s where it is given to the fit, and of
 2 % where it is not.  Limits are interpolated between those of a table, to 0.01 m/s.
 """
 
-import argparse
-import sys
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -28,7 +24,7 @@ from armour.statistics import likelihood as likelihood_fit
 from armour.statistics.calibration import FLOW_STRESS, LAWS, Law, with_ceramic, with_law
 from armour.statistics.measured import LIMIT, Measurement, Tests, read_tests
 from armour.units import GPA
-from tools.campaigns import verdict
+from tools.experiments.share import Share
 
 ROOT = Path(__file__).resolve().parents[2]
 TRUE_GPA, TRUE_EXPONENT = 5.2, 0.3
@@ -165,25 +161,13 @@ class Simulation:
                 yield f"open intervals of {found.name}"
 
 
-def main() -> int:
-    """Print the shares, per cent."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--samples", type=int, default=300)
-    parser.add_argument("--seed", type=int, default=1)
-    given = parser.parse_args()
-    likelihood_fit.MODELS[LIMIT] = Table(likelihood_fit.MODELS[LIMIT])
-    shares = []
+def shares(samples: int, seed: int) -> Iterator[Share]:
+    """Yield the shares of intervals that contain the true value, by case and coefficient."""
+    exact = likelihood_fit.MODELS[LIMIT]
+    likelihood_fit.MODELS[LIMIT] = Table(exact)
     for case in CASES:
-        simulation, dice = Simulation(case), np.random.default_rng(given.seed)
-        count = Counter(name for _ in range(given.samples) for name in simulation.held(dice))
-        print(case.name, flush=True)
-        for name, number in sorted(count.items()):
-            share = 100.0 * number / given.samples
-            print(f"  {name}: {share:.1f} %", flush=True)
-            if name in simulation.truth:
-                shares.append(share)
-    return verdict.coverage(shares, given.samples, LEAST)
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+        simulation, dice = Simulation(case), np.random.default_rng(seed)
+        counts = Counter(name for _ in range(samples) for name in simulation.held(dice))
+        for name, count in sorted(counts.items()):
+            yield Share(case.name, name, count, samples, LEAST if name in simulation.truth else None)
+    likelihood_fit.MODELS[LIMIT] = exact

@@ -1,12 +1,9 @@
-"""Count how often the 95 % intervals of `armour uncertainty` contain the truth.
+"""How often the 95 % intervals of `armour uncertainty` contain the truth.
 
 The truth is that of 2^18 samples, whose error is about a tenth of the intervals', with first-order indices by a linear
 spline in place of the polynomials, and that of the model error by the mean limits of its laws.
-
-    python -m tools.campaigns.coverage_uncertainty [SEEDS]
 """
 
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -21,10 +18,9 @@ from armour.evidence.sampling import columns_of, points_of
 from armour.scenario.inputs import ERROR, VELOCITY
 from armour.scenario.scenario import Scenario, load_scenario
 from armour.statistics.uncertainty import QUANTILES, SAMPLES_AT_A_TIME, TAIL, sample_limits, uncertainty
-from tools.campaigns.verdict import standard_error, verdict
+from tools.experiments.share import Share
 
 SHIPPED = Path(__file__).resolve().parents[2] / "scenarios" / "uncertain.toml"
-SEEDS = 200
 # Least share of the intervals of a method that must contain the truth, per cent.
 LEAST = 93.0
 REFERENCE = {"uncertainty.samples": 2**18, "uncertainty.seed": 1_000_000}
@@ -92,32 +88,18 @@ def estimates(scenario: Scenario) -> Iterator[tuple[str, Estimate]]:
         yield index.input, index.first
 
 
-def count(name: str, scenario: Scenario, seeds: int) -> Iterator[float]:
-    """Print how many intervals of each quantity hold the truth; yield the share of all, per cent, by each method."""
-    true = truths(scenario)
-    for method in ("sobol", "latin hypercube"):
-        held = dict.fromkeys(true, 0)
-        for seed in range(seeds):
-            replaced = scenario.replaced({"uncertainty.method": method, "uncertainty.seed": seed})
-            for key, estimate in estimates(replaced):
-                held[key] += estimate.low <= true[key] <= estimate.high
-        print(f"{name} inputs, {method}: {sum(held.values())} of {seeds * len(held)}", flush=True)
-        for key, found in held.items():
-            print(f"  {key:40} {true[key]:10.5f} {found} of {seeds}", flush=True)
-        yield 100.0 * sum(held.values()) / (seeds * len(held))
-
-
-def main() -> int:
-    """Count the intervals that hold the truth with independent and with correlated inputs."""
-    seeds = int(sys.argv[1]) if len(sys.argv) > 1 else SEEDS
-    scenario = load_scenario(SHIPPED)
-    shares = [*count("independent", scenario, seeds), *count("correlated", scenario.replaced(CORRELATED), seeds)]
-    return verdict(
-        f"{min(shares):.1f} to {max(shares):.1f} % of the intervals of ten quantities in {seeds} runs, by two methods, "
-        f"standard error of a quantity {standard_error(seeds):.1f} %",
-        right=min(shares) >= LEAST,
-    )
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+def shares(seeds: int, first: int) -> Iterator[Share]:
+    """Yield the shares of runs whose interval contains the truth, by method and quantity, and those of all together."""
+    shipped = load_scenario(SHIPPED)
+    for name, scenario in (("independent", shipped), ("correlated", shipped.replaced(CORRELATED))):
+        true = truths(scenario)
+        for method in ("sobol", "latin hypercube"):
+            counts = dict.fromkeys(true, 0)
+            for seed in range(first, first + seeds):
+                replaced = scenario.replaced({"uncertainty.method": method, "uncertainty.seed": seed})
+                for key, estimate in estimates(replaced):
+                    counts[key] += estimate.low <= true[key] <= estimate.high
+            case = f"{name} inputs, {method}"
+            for key, count in counts.items():
+                yield Share(case, f"{key}, {true[key]:.5f}", count, seeds)
+            yield Share(case, "all", sum(counts.values()), seeds * len(counts), LEAST)

@@ -1,7 +1,5 @@
 """Compare planned tests with Wilkins' 13 armours: intervals of the flow stress and of the limit of a design.
 
-    python -m tools.campaigns.optimal_tests
-
 For each law of the flow stress the true inputs are those of the fit to Wilkins' tests.  The sets of 13 tests are
 Wilkins' armours, and those that `armour plan tests` chooses from ceramics of 4 to 12 mm and back plates of 3 to 10 mm,
 in steps of 0.5 mm, at the true inputs: D-optimal and, for the limit of the paper's 7.62 mm optimum, I-optimal.  A
@@ -10,8 +8,6 @@ measured limit is normal about the model's with a standard deviation of 3 %, whi
 value.  In the simulation limits are interpolated between those of a table.
 """
 
-import argparse
-import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import sqrt
@@ -22,15 +18,14 @@ from scipy.stats import t
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import ignore_progress
 from armour.analysis.variants import Floats
-from armour.planning.candidates import LimitModel
 from armour.planning.plan_tests import plan_tests
 from armour.scenario.inputs import BACKING, CERAMIC
 from armour.scenario.scenario import Scenario, load_scenario
 from armour.statistics import likelihood as likelihood_fit
 from armour.statistics.calibration import FLOW_STRESS, LAWS, Law, calibrate, with_ceramic, with_law
-from armour.statistics.measured import LIMIT, MaterialGroup, read_tests
-from tools.campaigns import verdict
-from tools.campaigns.coverage_calibration import ROOT, Table
+from armour.statistics.measured import LIMIT, MaterialGroup, Measurement, Tests, read_tests
+from tools.experiments.calibrations import ROOT, Table
+from tools.experiments.share import Share
 
 SCATTER, NUMBER = 0.03, 13
 # Least share of intervals that must contain the truth, per cent.
@@ -127,33 +122,23 @@ def sets_of(law: Law) -> Iterator[Set]:
         yield Set(f"{criterion}-optimal", law, armours, true, design)
 
 
-def main() -> int:
-    """Print half-widths."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--samples", type=int, default=200)
-    parser.add_argument("--seed", type=int, default=1)
-    given = parser.parse_args()
+def shares(samples: int, seed: int) -> Iterator[Share]:
+    """Print half-widths; yield the shares of intervals that contain the true value."""
     exact, table = likelihood_fit.MODELS[LIMIT], Table(likelihood_fit.MODELS[LIMIT])
-    print("half-widths of the flow stress, GPa, and of the limit, m/s: formula; mean and share that holds the truth")
-    shares = []
     for law in LAWS:
-        likelihood_fit.MODELS[LIMIT] = exact
         for tests in sets_of(law):
-            likelihood_fit.MODELS[LIMIT] = exact
-            stress, limit = tests.expected()
+            expected = tests.expected()
             likelihood_fit.MODELS[LIMIT] = table
-            samples = np.array([*tests.simulated(given.samples, given.seed)], dtype=float)
-            means = samples.mean(axis=0)
-            shares += [100.0 * float(means[1]), 100.0 * float(means[3])]
-            pairs, counts = np.unique(np.column_stack([*tests.armours.values()]), axis=0, return_counts=True)
+            simulated = np.array([*tests.simulated(samples, seed)], dtype=float)
+            likelihood_fit.MODELS[LIMIT] = exact
+            stress, stress_held, limit, limit_held = simulated.mean(axis=0)
+            case = f"{law}, {tests.name}"
             print(
-                f"{law:9} {tests.name:10} {stress:.3f}  {means[0]:.3f}  {100 * means[1]:.1f} %   "
-                f"{limit:.2f}  {means[2]:.2f}  {100 * means[3]:.1f} %   {len(samples)} samples"
+                f"{case}: half-widths by the formula, and their means: "
+                f"flow stress {expected[0]:.3f} and {stress:.3f} GPa, limit {expected[1]:.2f} and {limit:.2f} m/s"
             )
             if tests.name != "Wilkins":
+                pairs, counts = np.unique(np.column_stack([*tests.armours.values()]), axis=0, return_counts=True)
                 print("   ", "; ".join(f"{n} x {c:g}/{b:g}" for (c, b), n in zip(pairs, counts, strict=True)))
-    return verdict.coverage(shares, given.samples, LEAST)
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+            for name, held in (("flow stress", stress_held), ("limit", limit_held)):
+                yield Share(case, name, round(held * len(simulated)), len(simulated), LEAST)

@@ -1,0 +1,96 @@
+"""How often the intervals of `armour v50` contain the true values, in simulated firings of a normal curve.
+
+V50 is 720 m/s and the scale 10 m/s.  The velocities are those of an up-and-down rule, with steps of 15 m/s from a start
+that misses V50 by 15 m/s and velocities that miss their aim by 5 m/s (standard deviations), or of five levels from two
+scales below V50 to two scales above it.  Samples for which the program gives no V50 are counted apart.
+"""
+
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+
+import numpy as np
+
+from armour.errors import NoAnswerError
+from armour.statistics.curves import Z95, FittedCurve, Interval, fit_curve
+from armour.statistics.v50 import Shots
+from tools.experiments.share import Share
+
+V50, SCALE = 720.0, 10.0
+TRUE = {"V50": V50, "scale": SCALE, "V05": V50 - Z95["probit"] * SCALE, "V95": V50 + Z95["probit"] * SCALE}
+START, STEP, MISS = 15.0, 15.0, 5.0
+LEVELS = (700.0, 710.0, 720.0, 730.0, 740.0)
+# Least share of intervals that must contain the truth, per cent.
+LEAST = 92.0
+
+
+def up_and_down(shots: int, dice: np.random.Generator) -> Shots:
+    """Fire shots one after the other, slower after a complete and faster after a partial penetration."""
+    aim, velocities, complete = dice.normal(V50, START), [], []
+    for _ in range(shots):
+        velocities.append(float(dice.normal(aim, MISS)))
+        complete.append(bool(dice.normal(V50, SCALE) < velocities[-1]))
+        aim += -STEP if complete[-1] else STEP
+    return Shots(tuple(velocities), tuple(complete))
+
+
+def fixed_levels(shots: int, dice: np.random.Generator) -> Shots:
+    """Fire shots at five velocities."""
+    velocities = tuple(np.resize(LEVELS, shots).tolist())
+    return Shots(velocities, tuple((dice.normal(V50, SCALE, shots) < velocities).tolist()))
+
+
+RULES: dict[str, Callable[[int, np.random.Generator], Shots]] = {"up and down": up_and_down, "levels": fixed_levels}
+
+
+def held(fit: FittedCurve) -> list[str]:
+    """Return the names of the intervals, and of the one-sided bounds, that hold the true value."""
+    intervals = {
+        "V50": fit.v50_interval_m_s,
+        "scale": fit.scale_interval_m_s,
+        "V05": fit.v05_interval_m_s,
+        "V95": fit.v95_interval_m_s,
+    }
+    found = [name for name, interval in intervals.items() if interval and _holds(interval, TRUE[name])]
+    if fit.method == "penalised likelihood":
+        bounds = {"V50": fit.v50_lower_m_s, "V05": fit.v05_lower_m_s}
+        found += [f"lower bound of {name}" for name, low in bounds.items() if _holds((low, None), TRUE[name])]
+    return found
+
+
+def _holds(interval: Interval, value: float) -> bool:
+    low, high = interval
+    return (low is None or low <= value) and (high is None or value <= high)
+
+
+def simulate(rule: str, shots: int, samples: int, seed: int) -> Counter[str]:
+    """Count how often each interval of each method holds the true value, and the samples that have no V50."""
+    dice, found = np.random.default_rng([seed, shots]), Counter({"no V50": 0})
+    fitted = 0
+    while fitted < samples:
+        fired = RULES[rule](shots, dice)
+        partial, complete = fired.of(complete=False), fired.of(complete=True)
+        penalised = None
+        if partial and complete:
+            with suppress(NoAnswerError):
+                penalised = fit_curve(partial, complete, "probit", penalised=True)
+        if penalised is None:
+            found["no V50"] += 1
+            continue
+        fitted += 1
+        found["separated"] += partial[-1] < complete[0]
+        found["V50 not bounded"] += None in penalised.v50_interval_m_s
+        for fit in (penalised, fit_curve(partial, complete, "probit")):
+            assert fit is not None
+            found.update(f"{fit.method}: {name}" for name in held(fit))
+    return found
+
+
+def shares(samples: int, seed: int) -> Iterator[Share]:
+    """Yield the shares of intervals that contain the true value, by rule, number of shots and method."""
+    for rule in RULES:
+        for shots in (10, 20, 60):
+            counts = simulate(rule, shots, samples, seed)
+            for name, count in sorted(counts.items()):
+                judged = name.removeprefix("penalised likelihood: ") in TRUE
+                yield Share(f"{rule}, {shots} shots", name, count, samples, LEAST if judged else None)
