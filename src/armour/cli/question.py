@@ -252,6 +252,7 @@ def _respond(
     of_threats: bool,
 ) -> None:
     """Write and show an answer."""
+    from armour.reporting.show import plot as plot_of
     from armour.reporting.show import view_of
 
     result = answer.result.of(every_row=verbose)
@@ -266,7 +267,7 @@ def _respond(
             of=result.heading(),
             files=contents.items(),
             plot=plot,
-            chart=lambda: view.chart(result),
+            draw=lambda: plot_of(result),
             warnings=warnings_of(scenario, warnings, answer.file, of_threats=of_threats, verbose=verbose),
         )
     if answer.then:
