@@ -177,11 +177,11 @@ def test_a_map_has_the_frontiers_and_the_lightest_designs():
 def test_a_frontier_is_where_the_probability_is_that_of_its_line():
     """The lightest design lies on the side of the line on which it is stopped, its thinner neighbours on the other."""
     found = designs(0.9)
-    [drawing] = design._drawings(found).of_pairs
-    [frontier] = [each for each in drawing.frontiers if each.label == "stopped in 90 % of cases or more"]
+    [pair_map] = design._maps(found).of_pairs
+    [frontier] = [each for each in pair_map.frontiers if each.label == "stopped in 90 % of cases or more"]
     for each, stops in ((best_of(found), True), (replace(best_of(found), ceramic_thickness_mm=2.0), False)):
-        by_row = [np.interp(each.backing_thickness_mm, drawing.grid.backing_mm, row) for row in frontier.values]
-        assert (np.interp(each.ceramic_thickness_mm, drawing.grid.ceramic_mm, by_row) > -1.0) == stops
+        by_row = [np.interp(each.backing_thickness_mm, pair_map.grid.backing_mm, row) for row in frontier.values]
+        assert (np.interp(each.ceramic_thickness_mm, pair_map.grid.ceramic_mm, by_row) > -1.0) == stops
 
 
 def test_without_a_confidence_the_map_shows_the_usual_one():

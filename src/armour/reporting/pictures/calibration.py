@@ -5,7 +5,8 @@ from collections.abc import Mapping, Sequence
 from matplotlib.axes import Axes
 
 from armour.analysis.quantities import label_and_unit
-from armour.reporting.pictures.drawing import Compared, Picture, Sheet, agreement, rows, rows_height
+from armour.reporting.pictures import drawing
+from armour.reporting.pictures.drawing import Compared, Picture, Sheet
 from armour.reporting.table import deviation_percent
 from armour.reporting.text import number
 from armour.reporting.views.suite import grouped
@@ -32,7 +33,7 @@ def draw(result: CalibrationResult, sheet: Sheet) -> Picture:
     for residuals in measured.values():
         heights.append(sheet.across() - 0.3)
         if residuals:
-            heights.append(rows_height([names[r.test] for r in _largest(residuals)], titled=True))
+            heights.append(drawing.rows_height([names[r.test] for r in _largest(residuals)], titled=True))
     note = "Error bars: ± one standard deviation of the measured value." if given else ""
     picture = sheet.panels(title, *heights, note=note)
     panels = iter(picture.axes)
@@ -46,7 +47,7 @@ def draw(result: CalibrationResult, sheet: Sheet) -> Picture:
             for bound in WORDS
             if any(r.bound == bound for r in residuals)
         }
-        agreement(next(panels), quantity, "measured", groups)
+        drawing.agreement(next(panels), quantity, "measured", groups)
         if measured[quantity]:
             _draw_deviations(next(panels), quantity, measured[quantity], names)
     return picture
@@ -77,5 +78,5 @@ def _draw_deviations(axes: Axes, quantity: str, residuals: Sequence[Residual], n
         "fitted": [deviation_percent(residual.computed, residual.measured) for residual in shown],
         "leave-one-out": [deviation_percent(residual.left_out, residual.measured) for residual in shown],
     }
-    rows(axes, [names[residual.test] for residual in shown], values, 0.0)
+    drawing.rows(axes, [names[residual.test] for residual in shown], values, 0.0)
     axes.set(title=title, xlabel="deviation, %")

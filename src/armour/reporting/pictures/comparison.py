@@ -1,17 +1,8 @@
 """Picture of a comparison: the residual velocity by the model and by fits to it, with the limits of formulas."""
 
 from armour.analysis.closed_forms import residual_velocity
-from armour.reporting.pictures.drawing import (
-    COLOURS,
-    PANEL,
-    RULE,
-    STYLES,
-    Picture,
-    Sheet,
-    legible,
-    residual_axes,
-    widened,
-)
+from armour.reporting.pictures import drawing
+from armour.reporting.pictures.drawing import Picture, Sheet
 from armour.validation.comparison import Comparison
 
 
@@ -25,15 +16,17 @@ def draw(result: Comparison, sheet: Sheet) -> Picture:
     title = f"Ballistic limit {limit:.0f} m/s by this model"
     if limits:
         title += f", {min(limits.values()):.0f} to {max(limits.values()):.0f} m/s by formulas"
-    picture = sheet.panels(title, 1.2 * PANEL, note=f"Not drawn: {', '.join(beyond)}." if beyond else "")
+    picture = sheet.panels(title, 1.2 * drawing.PANEL, note=f"Not drawn: {', '.join(beyond)}." if beyond else "")
     [axes] = picture.axes
-    axes.plot(impact, [each.residual_velocity_m_s for each in result.curve], color=COLOURS[0], label="this model")
-    for fit, colour, style in zip(result.fits, COLOURS[1:], STYLES[1:], strict=False):
+    axes.plot(
+        impact, [each.residual_velocity_m_s for each in result.curve], color=drawing.COLOURS[0], label="this model"
+    )
+    for fit, colour, style in zip(result.fits, drawing.COLOURS[1:], drawing.STYLES[1:], strict=False):
         fitted = [residual_velocity(velocity, limit, fit.ratio, fit.exponent) for velocity in impact]
         label = f"{fit.name}: ratio {fit.ratio:.3f}, exponent {fit.exponent:.2f}"
         axes.plot(impact, fitted, linestyle=style, color=colour, label=label)
-    for (name, at), style in zip(limits.items(), STYLES[1:], strict=False):
+    for (name, at), style in zip(limits.items(), drawing.STYLES[1:], strict=False):
         if impact[0] <= at <= impact[-1]:
-            axes.axvline(at, linestyle=style, label=legible(f"{name}: {at:.0f} m/s"), **RULE)
-    residual_axes(axes, widened([impact[0], impact[-1]]))
+            axes.axvline(at, linestyle=style, label=drawing.legible(f"{name}: {at:.0f} m/s"), **drawing.RULE)
+    drawing.residual_axes(axes, drawing.widened([impact[0], impact[-1]]))
     return picture

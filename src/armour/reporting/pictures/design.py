@@ -1,6 +1,6 @@
 """Pictures of a design search: a map of designs or their limits over a thickness, the best pairs, the Pareto front."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
@@ -19,29 +19,8 @@ from armour.design.map import (
     with_edges_of_known,
 )
 from armour.design.optimise import OBJECTIVES, Design, DesignResult
-from armour.reporting.pictures.drawing import (
-    BLUE,
-    COLOURS,
-    GREEN,
-    INK,
-    PANEL,
-    RULE,
-    SOFT,
-    VERMILION,
-    WIDTH,
-    Picture,
-    Sheet,
-    contours,
-    legible,
-    look_of,
-    name_point,
-    name_rows,
-    needed,
-    points,
-    rows_height,
-    value_text,
-    widened,
-)
+from armour.reporting.pictures import drawing
+from armour.reporting.pictures.drawing import Picture, Sheet
 from armour.reporting.table import in_words
 from armour.reporting.text import percent
 from armour.reporting.views.confidence import chance
@@ -57,7 +36,15 @@ USUAL = 0.95
 EVEN = "perforated more often than not"
 # Difference of two frontiers, m/s, below which one line is drawn, and what tints a region.
 SAME_M_S, TINT = 1.0, 0.14
-MAP_INCHES = 1.6 * PANEL
+
+
+class _Panel(NamedTuple):
+    """A panel: its height, inches, title, what draws it, and a note."""
+
+    height: float
+    title: str
+    draw: Callable[[Axes], None]
+    note: str
 
 
 def draw(result: DesignResult, sheet: Sheet) -> Picture:
@@ -65,63 +52,67 @@ def draw(result: DesignResult, sheet: Sheet) -> Picture:
 
     Beside the map are the best design of each pair, and the Pareto front.
     """
-    drawings = _drawings(result)
-    if drawings.layer:
-        return _draw_lines(result, drawings, sheet)
-    [drawing] = drawings.of_pairs
-    pairs = [pair.best for pair in result.pairs if pair.best is not None]
-    rest: list[Any] = []
-    if len(pairs) > 1:
-        rest.append((_draw_pairs, _pairs_title(result), _pairs_height(result), _pairs_note(result)))
+    maps = _maps(result)
+    if maps.layer:
+        return _draw_lines(result, maps, sheet)
+    panels = [_map_panel(maps)]
+    if sum(pair.best is not None for pair in result.pairs) > 1:
+        panels.append(_pairs_panel(result))
     if result.pareto:
-        rest.append((_draw_front, FRONT, PANEL, _front_note(result)))
-    notes = " ".join(filter(None, (drawing.note(), *(note for *_, note in rest))))
-    picture = sheet.panels(title(result), MAP_INCHES, *(height for _, _, height, _ in rest), note=notes)
-    drawing.draw(picture.axes[0])
-    for axes, (draw_panel, heading, *_) in zip(picture.axes[1:], rest, strict=True):
-        draw_panel(axes, result)
-        axes.set_title(heading)
-    return picture
+        panels.append(_front_panel(result))
+    return _draw_panels(title(result), panels, sheet)
 
 
 def draw_map(result: DesignResult, sheet: Sheet) -> Picture:
     """Draw the designs of the best pair over both thicknesses, or those of all pairs over the one that differs."""
-    drawings = _drawings(result)
-    if drawings.layer:
-        return _draw_lines(result, drawings, sheet, beside=False)
-    [drawing] = drawings.of_pairs
-    picture = sheet.panels(title(result), MAP_INCHES, note=drawing.note())
-    drawing.draw(picture.axes[0])
+    maps = _maps(result)
+    if maps.layer:
+        return _draw_lines(result, maps, sheet, beside=False)
+    return _draw_panels(title(result), [_map_panel(maps)], sheet)
+
+
+def draw_front(result: DesignResult, sheet: Sheet) -> Picture:
+    """Draw the Pareto front."""
+    panel = _front_panel(result)
+    return _draw_panels(panel.title, [panel._replace(title="")], sheet)
+
+
+def _draw_panels(answer: str, panels: Sequence[_Panel], sheet: Sheet) -> Picture:
+    notes = " ".join(filter(None, (panel.note for panel in panels)))
+    picture = sheet.panels(answer, *(panel.height for panel in panels), note=notes)
+    for axes, panel in zip(picture.axes, panels, strict=True):
+        panel.draw(axes)
+        axes.set_title(panel.title)
     return picture
 
 
-class _Drawings(NamedTuple):
+class _Maps(NamedTuple):
     """The layer whose thickness alone differs, if that is so, and the pairs that are drawn."""
 
     layer: str
-    of_pairs: "list[_MapDrawing]"
+    of_pairs: "list[_Map]"
 
 
-def _drawings(result: DesignResult) -> _Drawings:
-    catalogue = catalogue_of(needed(result, "scenario"))
+def _maps(result: DesignResult) -> _Maps:
+    catalogue = catalogue_of(drawing.needed(result, "scenario"))
     names = [(offer.ceramic.material, offer.backing.material) for offer in catalogue.offers]
     design = result.shown or next((pair.best for pair in result.pairs if pair.best is not None), None)
     best = 0 if design is None else names.index((design.ceramic, design.backing))
     confidences = tuple(1.0 - bound if bound < NO_BOUND else None for bound in catalogue.bounds.tolist())
     probabilities = tuple({1.0 - USUAL, 0.5, USUAL, *(c for c in confidences if c is not None)})
 
-    def drawing(pair: int) -> _MapDrawing:
+    def pair_map(pair: int) -> _Map:
         layers = (np.array(layer.thicknesses()) for layer in catalogue.offers[pair][:2])
         grid = with_edges_of_known(catalogue, pair, *(_nodes(layer) for layer in layers))
-        return _MapDrawing(result, catalogue, design_map(catalogue, pair, *grid, probabilities), confidences)
+        return _Map(result, catalogue, design_map(catalogue, pair, *grid, probabilities), confidences)
 
     single = [tuple(len(layer.thicknesses()) == 1 for layer in offer[:2]) for offer in catalogue.offers]
     if not any(single[best]):
-        return _Drawings("", [drawing(best)])
+        return _Maps("", [pair_map(best)])
     layer = "backing" if single[best][0] and not single[best][1] else "ceramic"
     alike = [pair for pair, of in enumerate(single) if of[layer == "ceramic"]]
     alike.sort(key=lambda pair: pair != best)
-    return _Drawings(layer, [drawing(pair) for pair in alike[:MAX_LINES]])
+    return _Maps(layer, [pair_map(pair) for pair in alike[:MAX_LINES]])
 
 
 def _nodes(offered: Any) -> Any:
@@ -130,23 +121,23 @@ def _nodes(offered: Any) -> Any:
     return np.union1d(even, offered) if len(offered) <= NODES else even
 
 
-def _draw_lines(result: DesignResult, drawings: _Drawings, sheet: Sheet, *, beside: bool = True) -> Picture:
+def _draw_lines(result: DesignResult, maps: _Maps, sheet: Sheet, *, beside: bool = True) -> Picture:
     """Draw the limits of pairs of materials over one thickness, a panel for each threat."""
-    layer, of_pairs = drawings
+    layer, of_pairs = maps
     catalogue, count = of_pairs[0].catalogue, len(result.threats)
     beside = beside and count in (2, 3)
     stop = "as required." if any(of_pairs[0].confidences) else "by the model."
-    if any(drawing.over_sources is not None for drawing in of_pairs):
+    if any(pair_map.over_sources is not None for pair_map in of_pairs):
         stop = "untested ones even with the least flow stress of their sources, which bands show."
     note = f"Filled dots are designs on offer that stop the threat{',' * stop.startswith('untested')} {stop}"
-    width = 3.4 * count if beside else WIDTH
-    picture = sheet.panels(title(result), *[PANEL] * count, note=note, width=width, beside=beside, sharex=True)
+    width = 3.4 * count if beside else drawing.WIDTH
+    picture = sheet.panels(title(result), *[drawing.PANEL] * count, note=note, width=width, beside=beside, sharex=True)
     for place, (axes, threat) in enumerate(zip(picture.axes, catalogue.threats, strict=True)):
-        limits = np.concatenate([drawing.limits_m_s[..., place].ravel() for drawing in of_pairs])
-        axes.set_ylim(widened([threat.required_m_s, *limits], 0.12))
-        for index, drawing in enumerate(of_pairs):
-            drawing.draw_line(axes, layer, place, COLOURS[index % len(COLOURS)])
-        axes.axhline(threat.required_m_s, linestyle="--", label=f"{threat.required_m_s:g} m/s required", **RULE)
+        limits = np.concatenate([pair_map.limits_m_s[..., place].ravel() for pair_map in of_pairs])
+        axes.set_ylim(drawing.widened([threat.required_m_s, *limits], 0.12))
+        for index, pair_map in enumerate(of_pairs):
+            pair_map.draw_line(axes, layer, place, drawing.COLOURS[index % len(drawing.COLOURS)])
+        axes.axhline(threat.required_m_s, linestyle="--", label=f"{threat.required_m_s:g} m/s required", **drawing.RULE)
         axes.set(title=result.threats[place], ylabel=in_words("ballistic_limit_m_s"))
         if beside or place == count - 1:
             axes.set_xlabel(in_words(f"armour.{layer}_thickness_mm"))
@@ -163,7 +154,7 @@ class _Frontier(NamedTuple):
 
 
 @dataclass(frozen=True)
-class _MapDrawing:
+class _Map:
     """A map of designs as it is drawn, with the confidences asked for against each threat, None where none is."""
 
     result: DesignResult
@@ -203,14 +194,14 @@ class _MapDrawing:
             if len(set(self.confidences)) > 1 or margin:
                 label = "meets the requirements"
         frontiers = [
-            _Frontier(even, {"color": VERMILION, "linestyle": "--"}, (-np.inf, 0.0), EVEN),
-            _Frontier(wanted, {"color": BLUE, "linestyle": "-"}, (0.0, np.inf), label),
+            _Frontier(even, {"color": drawing.VERMILION, "linestyle": "--"}, (-np.inf, 0.0), EVEN),
+            _Frontier(wanted, {"color": drawing.BLUE, "linestyle": "-"}, (0.0, np.inf), label),
         ]
         if not any(self.confidences):
             with np.errstate(invalid="ignore"):
                 if not np.nanmax(abs(self.above_m_s - even), initial=0.0) < SAME_M_S or np.isnan(wanted).all():
                     label = f"ballistic limit by the model = velocity{' + margin' if margin else ''}"
-                    frontiers.append(_Frontier(self.above_m_s, {"color": INK, "linestyle": "-"}, None, label))
+                    frontiers.append(_Frontier(self.above_m_s, {"color": drawing.INK, "linestyle": "-"}, None, label))
         return [frontier for frontier in frontiers if not np.isnan(frontier.values).all()]
 
     def draw(self, axes: Axes) -> None:
@@ -220,30 +211,32 @@ class _MapDrawing:
         axes.set(xlabel=in_words("armour.backing_thickness_mm"), ylabel=in_words("armour.ceramic_thickness_mm"))
         for frontier in self.frontiers:
             if frontier.tinted is not None:
-                _tint(axes, x, y, frontier.values, *frontier.tinted, frontier.label, frontier.look)
+                _tint(axes, x, y, frontier.values, *frontier.tinted, frontier.label, **frontier.look)
         unknown = np.isnan(self.grid.stopped_m_s).any(axis=(-2, -1))
         if not unknown.all():
-            _tint(axes, x, y, unknown, 1e-3, np.inf, "probability unknown: too unlike tests", {"color": SOFT})
+            _tint(axes, x, y, unknown, 1e-3, np.inf, "probability unknown: too unlike tests", color=drawing.SOFT)
         column = CRITERIA[self.result.minimised]
         objective = self.grid.on_grid(self.catalogue.objective(self.grid.candidates))
         limits = self.grid.limits_m_s[..., self.governing]
         against = f" against {self.result.threats[self.governing]}" if len(self.result.threats) > 1 else ""
-        dotted: dict[str, Any] = {"linestyle": ":", "color": SOFT}
-        contours(axes, x, y, objective, 5, at=-0.55, label=f"equal {column.heading}", **dotted)
-        contours(axes, x, y, limits, 9, at=0.55, label=f"equal ballistic limit{against}, m/s", color=SOFT)
+        dotted: dict[str, Any] = {"linestyle": ":", "color": drawing.SOFT}
+        drawing.contours(axes, x, y, objective, 5, at=-0.55, label=f"equal {column.heading}", **dotted)
+        drawing.contours(
+            axes, x, y, limits, 9, at=0.55, label=f"equal ballistic limit{against}, m/s", color=drawing.SOFT
+        )
         self._draw_tested(axes)
         self._draw_offered(axes)
         for values, look, tinted, label in self.frontiers:
             name = "" if tinted else label
-            contours(axes, x, y, values, [0.0], at=0.0, label=name, fmt=None, linewidth=1.9, **look)
+            drawing.contours(axes, x, y, values, [0.0], at=0.0, label=name, fmt=None, linewidth=1.9, **look)
         for design, look in self._marked():
             value = getattr(design, self.result.minimised)
             place, name = (design.backing_thickness_mm, design.ceramic_thickness_mm), look.pop("name")
             if name:
                 line: Any = {"linestyle": ":", "color": look["color"]}
-                contours(axes, x, y, objective, [value], at=0.0, fmt=None, **line)
-                name_point(axes, *place, name, above=look.get("filled", True))
-            points(axes, place[:1], place[1:], [name or look["label"]], **look)
+                drawing.contours(axes, x, y, objective, [value], at=0.0, fmt=None, **line)
+                drawing.name_point(axes, *place, name, above=look.get("filled", True))
+            drawing.points(axes, place[:1], place[1:], [name or look["label"]], **look)
 
     @cached_property
     def over_sources(self) -> Any:
@@ -276,7 +269,7 @@ class _MapDrawing:
         if not np.isnan(self.grid.stopped_m_s[..., threat, :]).all():
             low, high = (self.grid.stopped_with(p)[..., threat].ravel() for p in (USUAL, 1.0 - USUAL))
             axes.fill_between(x, low, high, **band)
-        axes.plot(x, limits, color=colour, label=legible(self.name(layer)))
+        axes.plot(x, limits, color=colour, label=drawing.legible(self.name(layer)))
         layers = dict(zip(("ceramic", "backing"), self.catalogue.offers[self.grid.pair][:2], strict=True))
         if layers[layer].free_range():
             return
@@ -289,7 +282,7 @@ class _MapDrawing:
         for filled in (True, False):
             places = [place for place in offered.tolist() if stops[place] == filled]
             words = [f"{x[place]:g} mm: limit by the model {limits[place]:.0f} m/s" for place in places]
-            points(axes, x[places], limits[places], words, filled=filled, color=colour)
+            drawing.points(axes, x[places], limits[places], words, filled=filled, color=colour)
 
     def _marked(self) -> Iterator[tuple[Design, dict[str, Any]]]:
         """Give the lightest designs: as asked for, as likely perforated as not, and between the values of the grid."""
@@ -298,19 +291,22 @@ class _MapDrawing:
         if any(self.confidences) and not np.isnan(self.grid.stopped_m_s).all():
             even = lightest(self.catalogue, self.grid, 0.5)
             if even is not None:
-                yield even, {**large, "name": self._named(even, "50 % or more"), "filled": False, "color": VERMILION}
+                yield (
+                    even,
+                    {**large, "name": self._named(even, "50 % or more"), "filled": False, "color": drawing.VERMILION},
+                )
         if (refined := self.result.refined) is not None:
             label = f"refined: {_design_text(refined, self.result.minimised)}"
-            yield refined, {"marker": "D", "color": GREEN, "label": label, "name": ""}
+            yield refined, {"marker": "D", "color": drawing.GREEN, "label": label, "name": ""}
         if best is not None:
             name = self._named(best, "probability unknown" if sure is None else f"{chance(sure)} stopped")
-            colour = VERMILION if self.result.reason else BLUE if any(self.confidences) else INK
+            colour = drawing.VERMILION if self.result.reason else drawing.BLUE if any(self.confidences) else drawing.INK
             yield best, {**large, "name": name, "color": colour}
 
     def _named(self, design: Design, sure: str) -> str:
         """Return the name of a design: thicknesses, objective, and how surely it stops."""
         thicknesses = f"{design.ceramic_thickness_mm:.4g} on " if design.ceramic else ""
-        objective = value_text(CRITERIA[self.result.minimised], getattr(design, self.result.minimised))
+        objective = drawing.value_text(CRITERIA[self.result.minimised], getattr(design, self.result.minimised))
         return f"{thicknesses}{design.backing_thickness_mm:.4g} mm\n{objective}, {sure}"
 
     def _draw_offered(self, axes: Axes) -> None:
@@ -320,8 +316,8 @@ class _MapDrawing:
         if len(offered) <= MAX_DOTS and not any(layer.free_range() for layer in layers):
             words = [f"{ceramic:g} on {backing:g} mm" for ceramic, backing in offered]
             y, x = zip(*offered, strict=True)
-            look: Any = {"markersize": 2.5, "color": SOFT, "label": "thicknesses on offer"}
-            points(axes, x, y, words, filled=False, **look)
+            look: Any = {"markersize": 2.5, "color": drawing.SOFT, "label": "thicknesses on offer"}
+            drawing.points(axes, x, y, words, filled=False, **look)
 
     def _draw_tested(self, axes: Axes) -> None:
         """Draw the outline of the thicknesses that were tested, as far as it is within the map."""
@@ -332,7 +328,7 @@ class _MapDrawing:
             (left, right), (low, high) = ends["backing"], ends["ceramic"]
             if left < right and low < high:
                 x, y = [left, right, right, left, left], [low, low, high, high, low]
-                axes.plot(x, y, linestyle="-.", linewidth=1.0, color=GREEN, label="thicknesses tested")
+                axes.plot(x, y, linestyle="-.", linewidth=1.0, color=drawing.GREEN, label="thicknesses tested")
 
     def note(self) -> str:
         """Return what the map does not show."""
@@ -346,85 +342,70 @@ class _MapDrawing:
         return " ".join(notes)
 
 
-def _tint(axes: Axes, x: Any, y: Any, values: Any, low: float, high: float, label: str, look: dict[str, Any]) -> None:
-    """Tint where values are between two; the region has its edge in the legend."""
+def _tint(axes: Axes, x: Any, y: Any, values: Any, low: float, high: float, label: str, **look: Any) -> None:
+    """Tint where values are between two; the region has its edge, if that is drawn, in the legend."""
     z = np.ma.masked_invalid(np.array(values, float))
     low, high = max(low, z.min() - 1.0), min(high, z.max() + 1.0)
     if low < z.max() and high > z.min():
-        colour = look["color"]
-        axes.contourf(x, y, z, levels=[low, high], colors=[colour], alpha=TINT)
-        edge: Any = {"edgecolor": colour, "linestyle": look.get("linestyle", "-"), "linewidth": 1.2}
-        [patch] = axes.fill([], [], facecolor=(colour, TINT), label=label, **edge if "linestyle" in look else {})
-        patch.set_linewidth(edge["linewidth"] if "linestyle" in look else 0.0)
+        axes.contourf(x, y, z, levels=[low, high], colors=[look["color"]], alpha=TINT)
+        edge: Any = {"edgecolor": look["color"], "linewidth": 1.2 if "linestyle" in look else 0.0}
+        axes.fill([], [], facecolor=(look["color"], TINT), label=label, linestyle=look.get("linestyle", "-"), **edge)
 
 
-def _pairs_title(result: DesignResult) -> str:
-    return f"{OBJECTIVES[result.minimised].least.capitalize()} design of each pair of materials"
+def _map_panel(maps: _Maps) -> _Panel:
+    """Return the panel of the map of a pair."""
+    [pair_map] = maps.of_pairs
+    return _Panel(1.6 * drawing.PANEL, "", pair_map.draw, pair_map.note())
 
 
-def _pairs_height(result: DesignResult) -> float:
+def _pairs_panel(result: DesignResult) -> _Panel:
+    """Return the panel of the best design of each pair of materials."""
     best = [pair.best for pair in result.pairs if pair.best is not None]
-    return rows_height([pair_words(design) for design in best[:MAX_PAIRS]], titled=True)
+    shown = best[:MAX_PAIRS]
+    names = [pair_words(design) for design in shown]
+
+    def draw_pairs(axes: Axes) -> None:
+        drawing.name_rows(axes, names)
+        for tested, label in ((True, ""), (False, "no test of such an armour")):
+            places = [place for place, design in enumerate(shown) if (design.model_error is not None) == tested]
+            values = [getattr(shown[place], result.minimised) for place in places]
+            words = [f"{names[place]}\n{_design_text(shown[place], result.minimised)}" for place in places]
+            look: Any = {"filled": tested, "label": label, "markersize": 6.0, "color": drawing.BLUE}
+            drawing.points(axes, values, places, words, **look)
+        axes.set_xlabel(CRITERIA[result.minimised].heading)
+
+    note = f"The best {MAX_PAIRS} of {len(best)} pairs of materials are shown." if len(best) > MAX_PAIRS else ""
+    heading = f"{OBJECTIVES[result.minimised].least.capitalize()} design of each pair of materials"
+    return _Panel(drawing.rows_height(names, titled=True), heading, draw_pairs, note)
 
 
-def _pairs_note(result: DesignResult) -> str:
-    count = sum(pair.best is not None for pair in result.pairs)
-    return f"The best {MAX_PAIRS} of {count} pairs of materials are shown." if count > MAX_PAIRS else ""
+def _front_panel(result: DesignResult) -> _Panel:
+    """Return the panel of the Pareto front over its first two criteria, a series for each pair of materials."""
+    keys = result.criteria[:2]
 
-
-def _draw_pairs(axes: Axes, result: DesignResult) -> None:
-    """Draw the best design of each pair of materials."""
-    shown = [pair.best for pair in result.pairs if pair.best is not None][:MAX_PAIRS]
-    name_rows(axes, [pair_words(design) for design in shown])
-    for tested, label in ((True, ""), (False, "no test of such an armour")):
-        places = [place for place, design in enumerate(shown) if (design.model_error is not None) == tested]
-        alike = [shown[place] for place in places]
-        words = [f"{pair_words(design)}\n{_design_text(design, result.minimised)}" for design in alike]
-        values = [getattr(design, result.minimised) for design in alike]
-        points(axes, values, places, words, label=label, filled=tested, markersize=6.0, color=BLUE)
-    axes.set_xlabel(CRITERIA[result.minimised].heading)
-
-
-FRONT = "Pareto front"
-
-
-def draw_front(result: DesignResult, sheet: Sheet) -> Picture:
-    """Draw the Pareto front."""
-    picture = sheet.panels(FRONT, PANEL, note=_front_note(result))
-    _draw_front(picture.axes[0], result)
-    return picture
-
-
-def _draw_front(axes: Axes, result: DesignResult) -> None:
-    """Draw the Pareto front over its first two criteria, a series for each pair of materials."""
-    x, y = result.criteria[:2]
-    for index, (name, designs) in enumerate(grouped(result.pareto, pair_words).items()):
+    def draw_designs(axes: Axes, designs: Sequence[Design], name: str, **look: Any) -> None:
+        x, y = ([getattr(design, key) for design in designs] for key in keys)
         words = [f"{name}\n{_design_text(design, *result.criteria)}" for design in designs]
-        points(axes, *_at(designs, x, y), words, filled=False, label=legible(name), **look_of(index))
-    if result.shown is not None:
-        label = "nearest" if result.reason else "best"
-        words = [f"{label}\n{_design_text(result.shown, *result.criteria)}"]
-        points(axes, *_at([result.shown], x, y), words, markersize=3.0, label=label, color=INK)
-    axes.set(xlabel=CRITERIA[x].heading, ylabel=CRITERIA[y].heading)
+        drawing.points(axes, x, y, words, label=drawing.legible(name), **look)
 
+    def draw_all(axes: Axes) -> None:
+        for index, (name, designs) in enumerate(grouped(result.pareto, pair_words).items()):
+            draw_designs(axes, designs, name, filled=False, **drawing.look_of(index))
+        if result.shown is not None:
+            name = "nearest" if result.reason else "best"
+            draw_designs(axes, [result.shown], name, markersize=3.0, color=drawing.INK)
+        axes.set(xlabel=CRITERIA[keys[0]].heading, ylabel=CRITERIA[keys[1]].heading)
 
-def _front_note(result: DesignResult) -> str:
-    """Return what the picture of the front does not show."""
     notes = []
     if len(result.criteria) > 2:
         hidden = " and ".join(CRITERIA[key].label for key in result.criteria[2:])
         notes.append(f"Designs that others beat in both criteria drawn are better in {hidden}.")
-    if COST.key in result.criteria[:2]:
+    if COST.key in keys:
         notes.append("Costs are in the currency of the scenario.")
-    return " ".join(notes)
-
-
-def _at(designs: Sequence[Design], x: str, y: str) -> tuple[list[float], list[float]]:
-    """Return two quantities of designs."""
-    return [getattr(design, x) for design in designs], [getattr(design, y) for design in designs]
+    return _Panel(drawing.PANEL, "Pareto front", draw_all, " ".join(notes))
 
 
 def _design_text(design: Design, *criteria: str) -> str:
     """Return the thicknesses of a design and its values of criteria."""
-    values = (f"{CRITERIA[key].label} {value_text(CRITERIA[key], getattr(design, key))}" for key in criteria)
+    values = (f"{CRITERIA[key].label} {drawing.value_text(CRITERIA[key], getattr(design, key))}" for key in criteria)
     return ", ".join([f"{design.ceramic_thickness_mm:.4g} on {design.backing_thickness_mm:.4g} mm", *values])

@@ -3,19 +3,8 @@
 import numpy as np
 
 from armour.errors import mistake
-from armour.reporting.pictures.drawing import (
-    BLUE,
-    INK,
-    PANEL,
-    PURPLE,
-    SOFT,
-    VERMILION,
-    Picture,
-    Sheet,
-    needed,
-    points,
-    ranges,
-)
+from armour.reporting.pictures import drawing
+from armour.reporting.pictures.drawing import Picture, Sheet
 from armour.reporting.pictures.shot_plan import draw_shots
 from armour.reporting.table import in_words
 from armour.reporting.text import interval, percent
@@ -29,7 +18,7 @@ POSTERIOR = 0.4
 
 def draw(result: FiringResult, sheet: Sheet) -> Picture:
     """Draw the probability of a complete penetration over the velocity."""
-    shots = needed(result, "shots")
+    shots = drawing.needed(result, "shots")
     if not result.fits:
         raise mistake(shots.file, "", "must have a curve to draw, and these shots have none")
     fit, after, model = result.recommended or result.fits[0], result.posterior, result.model_ballistic_limit_m_s
@@ -48,31 +37,31 @@ def draw(result: FiringResult, sheet: Sheet) -> Picture:
         notes.append(f"Posterior, with the model as prior: {level} interval {after_ends} m/s.")
     if model is not None and not low <= model <= high:
         notes.append(f"The model's ballistic limit, {model:.1f} m/s, lies outside the axis.")
-    picture = sheet.panels(words, 1.1 * PANEL, note=" ".join(notes))
+    picture = sheet.panels(words, 1.1 * drawing.PANEL, note=" ".join(notes))
     [axes] = picture.axes
     axes.set(xlabel=in_words(VELOCITY), ylabel="probability of complete penetration")
     axes.set(xlim=(low, high), ylim=(-0.02, 1.02))
     x = np.linspace(low, high, 400).tolist()
     if fit is result.recommended:
         band = penalised_band(shots.of(complete=False), shots.of(complete=True), fit.curve, x, result.confidence)
-        axes.fill_between(x, *band, color=BLUE, alpha=0.3, linewidth=0)
+        axes.fill_between(x, *band, color=drawing.BLUE, alpha=0.3, linewidth=0)
     draw_shots(axes, shots)
-    axes.plot(x, [fit.probability(v) for v in x], color=BLUE, label=f"{fit.curve}, {fit.method}")
+    axes.plot(x, [fit.probability(v) for v in x], color=drawing.BLUE, label=f"{fit.curve}, {fit.method}")
     if low <= fit.v50_m_s <= high:
         if bounded:
             start, end = (edge if e is None else e for e, edge in zip(ends or (), (low, high), strict=True))
-            ranges(axes, [fit.v50_m_s], [0.5], [(start, end)], BLUE)
-        points(axes, [fit.v50_m_s], [0.5], [words], color=BLUE)
+            drawing.ranges(axes, [fit.v50_m_s], [0.5], [(start, end)], drawing.BLUE)
+        drawing.points(axes, [fit.v50_m_s], [0.5], [words], color=drawing.BLUE)
     if after is not None:
         name = f"posterior, V50 {after.v50_m_s:.1f} m/s"
-        ranges(axes, [after.v50_m_s], [POSTERIOR], [after.v50_interval_m_s], PURPLE)
-        points(axes, [after.v50_m_s], [POSTERIOR], [name], marker="D", color=PURPLE, label=name)
+        drawing.ranges(axes, [after.v50_m_s], [POSTERIOR], [after.v50_interval_m_s], drawing.PURPLE)
+        drawing.points(axes, [after.v50_m_s], [POSTERIOR], [name], marker="D", color=drawing.PURPLE, label=name)
     mean = None if result.mean is None else result.mean.v50_m_s
     standard = result.mean is not None and result.mean.rule != "no usual rule"
     for name, at, colour, style in (
-        ("MIL-STD-662F" if standard else "mean of shots", mean, SOFT, "-"),
-        (f"{result.decision}: required", result.requirement_m_s, VERMILION, "--"),
-        ("limit by this model", model, INK, ":"),
+        ("MIL-STD-662F" if standard else "mean of shots", mean, drawing.SOFT, "-"),
+        (f"{result.decision}: required", result.requirement_m_s, drawing.VERMILION, "--"),
+        ("limit by this model", model, drawing.INK, ":"),
     ):
         if at is not None and low <= at <= high:
             axes.axvline(at, linestyle=style, linewidth=1.0, color=colour, label=f"{name} {at:.1f} m/s")

@@ -13,40 +13,28 @@ from armour.analysis.impact import ImpactResult
 from armour.core.equations import crack_velocity
 from armour.core.state import Parameters
 from armour.errors import mistake
-from armour.reporting.pictures.drawing import (
-    BLUE,
-    CHARACTER,
-    GREEN,
-    INK,
-    ORANGE,
-    PANEL,
-    PURPLE,
-    SHADE,
-    SMALL,
-    STYLES,
-    VERMILION,
-    Picture,
-    Sheet,
-    points,
-)
+from armour.reporting.pictures import drawing
+from armour.reporting.pictures.drawing import Picture, Sheet
 from armour.reporting.text import wrapped
 from armour.reporting.views.impact import STAGES
 from armour.units import MM
 
-# Panels over time: y axis, height, and curves by label with their colours.
+# Panels over time: y axis, height, and curves by label.
 PANELS: Any = (
     (
         "velocity, m/s",
-        1.1 * PANEL,
+        1.1 * drawing.PANEL,
         {
-            "projectile V": ("velocity_m_s", BLUE),
-            "penetration U": ("penetration_velocity_m_s", ORANGE),
-            "target W": ("target_velocity_m_s", GREEN),
+            "projectile V": "velocity_m_s",
+            "penetration U": "penetration_velocity_m_s",
+            "target W": "target_velocity_m_s",
         },
     ),
-    ("penetrator length L, mm", 0.75 * PANEL, {"": ("length_mm", INK)}),
-    ("depth, bulge, mm", 0.75 * PANEL, {"depth Z": ("depth_mm", PURPLE), "bulge h": ("bulge_height_mm", VERMILION)}),
+    ("penetrator length L, mm", 0.75 * drawing.PANEL, {"": "length_mm"}),
+    ("depth, bulge, mm", 0.75 * drawing.PANEL, {"depth Z": "depth_mm", "bulge h": "bulge_height_mm"}),
 )
+# Colours of all curves one after the other.
+COLOURS = (drawing.BLUE, drawing.ORANGE, drawing.GREEN, drawing.INK, drawing.PURPLE, drawing.VERMILION)
 CERAMIC, METAL, ROD = "#d9c48f", "#a9b8c6", "#5c6875"
 # Pictures of an impact at most, the least height of armour that they show, in diameters of the penetrator and as a part
 # of their length, and the scale drawn, mm.
@@ -73,14 +61,15 @@ def draw(result: ImpactResult, sheet: Sheet) -> Picture:
     scenes = [] if scene is None else [scene.high_inches(sheet.across(INCHES))]
     picture = sheet.panels(title, *scenes, *(height for _, height, _ in PANELS), note=note, width=INCHES)
     over_time = picture.axes[len(scenes) :]
-    seen = history.time_us <= shown
+    seen, colours = history.time_us <= shown, iter(COLOURS)
     for axes, (label, _, curves) in zip(over_time, PANELS, strict=True):
         axes.sharex(over_time[-1])
         axes.tick_params(labelbottom=axes is over_time[-1])
         for stage in result.stages[::2]:
-            axes.axvspan(stage.start_us, stage.end_us, **SHADE)
-        for (name, (key, colour)), style in zip(curves.items(), STYLES, strict=False):
-            axes.plot(history.time_us[seen], getattr(history, key)[seen], linestyle=style, color=colour, label=name)
+            axes.axvspan(stage.start_us, stage.end_us, **drawing.SHADE)
+        for (name, key), style in zip(curves.items(), drawing.STYLES, strict=False):
+            look: Any = {"linestyle": style, "color": next(colours), "label": name}
+            axes.plot(history.time_us[seen], getattr(history, key)[seen], **look)
         axes.set_ylabel(label)
     over_time[1].set_ylim(bottom=0.0)
     over_time[2].legend(loc="upper left")  # both rise from 0
@@ -98,14 +87,14 @@ def _name_stages(axes: Axes, result: ImpactResult, shown: float, inches: float) 
     for stage in result.stages:
         if stage.start_us < shown:
             start, end = stage.start_us, min(stage.end_us, shown)
-            room = int((end - start) / shown * inches * 72.0 / (CHARACTER * SMALL))
+            room = int((end - start) / shown * inches * 72.0 / (drawing.CHARACTER * drawing.SMALL))
             words = STAGES[stage.stage].name
             fits = max(map(len, words.split())) <= room
             lines = [stage.stage, *wrapped(words, room)] if fits else [stage.stage] * (len(stage.stage) <= room)
-            place: Any = {"transform": axes.get_xaxis_transform(), "ha": "center", "va": "bottom", "fontsize": SMALL}
-            axes.text(0.5 * (start + end), 1.01, "\n".join(lines), **place)
+            place: Any = {"transform": axes.get_xaxis_transform(), "ha": "center", "va": "bottom"}
+            axes.text(0.5 * (start + end), 1.01, "\n".join(lines), fontsize=drawing.SMALL, **place)
             text = f"stage {stage.stage}: {STAGES[stage.stage].words}\n{stage.start_us:.4g} to {stage.end_us:.4g} µs"
-            points(axes, [0.5 * (start + end)], [high], [text], marker="None")
+            drawing.points(axes, [0.5 * (start + end)], [high], [text], marker="None")
 
 
 class _Scene:
@@ -137,7 +126,7 @@ class _Scene:
     def high_inches(self, inches: float) -> float:
         """Return the height of the pictures in a width, inches."""
         lines = max(words.count("\n") + 1 for words in self.words)
-        return (inches - 0.1) * 3.65 * self.high / self.width + 1.3 * SMALL / 72.0 * lines
+        return (inches - 0.1) * 3.65 * self.high / self.width + 1.3 * drawing.SMALL / 72.0 * lines
 
     def draw(self, axes: Axes, inches: float) -> None:
         """Draw the pictures in a width, inches."""
@@ -146,10 +135,10 @@ class _Scene:
             self.moments, self.starts, self.depths, self.lengths, self.bulges, strict=True
         ):
             self._draw_moment(axes, start, *state, broken=time >= self.fragmented_us - AT_ONCE_US)
-        axes.add_patch(Rectangle((0.0, -2.6 * high), SCALE_MM, 0.02 * high, facecolor=INK))
+        axes.add_patch(Rectangle((0.0, -2.6 * high), SCALE_MM, 0.02 * high, facecolor=drawing.INK))
         longest = max(len(line) for words in self.words for line in [*words.splitlines(), "penetrator"])
         room = 72.0 * inches / self.width * np.diff(self.middles).min(initial=self.width)
-        look: Any = {"ha": "center", "fontsize": min(SMALL, room / (CHARACTER * (longest + 1)))}
+        look: Any = {"ha": "center", "fontsize": min(drawing.SMALL, room / (drawing.CHARACTER * (longest + 1)))}
         rods = [self.starts[0] - 0.5 * self.rod, *self.middles[1:]]
         for middle, words, rod, length in zip(self.middles, self.words, rods, self.lengths, strict=True):
             axes.text(middle, high, words, va="bottom", **look)
@@ -165,7 +154,7 @@ class _Scene:
     ) -> None:
         """Draw what is seen of layers and penetrator; one of a broken material is hatched."""
         half, high, total = 0.5 * self.diameter, self.high, self.ceramic + self.backing
-        edge: Any = {"edgecolor": INK, "linewidth": 0.5}
+        edge: Any = {"edgecolor": drawing.INK, "linewidth": 0.5}
         for colour, near, far, hatch in (
             (CERAMIC, 0.0, self.ceramic, "xxx" if broken else None),
             (METAL, self.ceramic, total, None),

@@ -9,19 +9,8 @@ from matplotlib.axes import Axes
 
 from armour.analysis.quantities import label_and_unit
 from armour.planning.plan_tests import PlannedTests
-from armour.reporting.pictures.drawing import (
-    BLUE,
-    PANEL,
-    SOFT,
-    VERMILION,
-    Picture,
-    Sheet,
-    colours_of,
-    name_point,
-    on_grid,
-    points,
-    widened,
-)
+from armour.reporting.pictures import drawing
+from armour.reporting.pictures.drawing import Picture, Sheet
 from armour.reporting.table import in_words
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, VELOCITY
 
@@ -47,18 +36,18 @@ def draw(result: PlannedTests, sheet: Sheet) -> Picture:
     steps = result.planned[1:]
     places: list[tuple[Any, ...]] = [tuple(step.inputs[key] for key in keys) for step in steps]
     velocities = [float(step.inputs[VELOCITY]) for step in steps] if result.measure == "outcome" else []
-    picture = sheet.panels(_title(result), 1.2 * PANEL, note=_note(result, velocities))
+    picture = sheet.panels(_title(result), 1.2 * drawing.PANEL, note=_note(result, velocities))
     [axes] = picture.axes
     axes.set(xlabel=in_words(keys[0]), ylabel=GAIN if len(keys) == 1 else in_words(keys[1]))
     if len(keys) == 1:
         x = np.unique(columns[0])
         greatest = [float(np.nanmax(gains[columns[0] == value])) if result.sensitivities else np.nan for value in x]
-        axes.plot(x, greatest, color=BLUE, marker="." if len(x) < 40 else "", label="candidates")
+        axes.plot(x, greatest, color=drawing.BLUE, marker="." if len(x) < 40 else "", label="candidates")
         places = [(value, greatest[int(np.searchsorted(x, value))]) for (value,) in places]
     else:
-        axes.set(xlim=widened(columns[0], 0.15), ylim=widened(columns[1], 0.15))
+        axes.set(xlim=drawing.widened(columns[0], 0.15), ylim=drawing.widened(columns[1], 0.15))
         order = np.argsort(gains, kind="stable")  # the greatest is written last
-        _draw_candidates(axes, *on_grid(columns[0][order], columns[1][order], gains[order]))
+        _draw_candidates(axes, *drawing.on_grid(columns[0][order], columns[1][order], gains[order]))
     _draw_planned(axes, places, velocities)
     return picture
 
@@ -90,9 +79,9 @@ def _draw_planned(axes: Axes, places: Sequence[tuple[Any, ...]], velocities: Seq
         shots = [[v for other, v in zip(places, velocities, strict=False) if other == place] for place in alike]
         words = [f"at {velocities_in_words(of_place)}" for of_place in shots] if velocities else []
         rank = min(times, len(MARKERS))
-        look: Any = {"label": "one test" if times == 1 else f"{times} tests", "color": VERMILION}
+        look: Any = {"label": "one test" if times == 1 else f"{times} tests", "color": drawing.VERMILION}
         x, y = zip(*alike, strict=True)
-        points(axes, x, y, words, marker=MARKERS[rank - 1], markersize=5.0 + rank, **look)
+        drawing.points(axes, x, y, words, marker=MARKERS[rank - 1], markersize=5.0 + rank, **look)
 
 
 def velocities_in_words(velocities: Iterable[float]) -> str:
@@ -106,11 +95,11 @@ def velocities_in_words(velocities: Iterable[float]) -> str:
 def _draw_candidates(axes: Axes, x: Any, y: Any, z: Any) -> None:
     """Draw the gains of candidates: numbers beside points or, where they are many and a grid, colours."""
     if len(x) * len(y) > MAX_NUMBERS and np.isfinite(z).all():
-        colours_of(axes, x, y, z, GAIN)
+        drawing.colours_of(axes, x, y, z, GAIN)
         return
     rows, columns = np.nonzero(np.isfinite(z) if np.isfinite(z).any() else np.isnan(z))
     words = [f"{value:.2f}" if np.isfinite(value) else "" for value in z[rows, columns]]
-    points(axes, x[columns], y[rows], words, filled=False, label=GAIN, color=SOFT)
+    drawing.points(axes, x[columns], y[rows], words, filled=False, label=GAIN, color=drawing.SOFT)
     if len(words) <= MAX_NUMBERS:
         for column, row, name in zip(columns, rows, words, strict=True):
-            name_point(axes, x[column], y[row], name, above=False)
+            drawing.name_point(axes, x[column], y[row], name, above=False)

@@ -1,7 +1,8 @@
 """Picture of a sensitivity analysis: the elasticities of every answer, side by side."""
 
 from armour.analysis.quantities import label_and_unit
-from armour.reporting.pictures.drawing import Picture, Sheet, rows, rows_height
+from armour.reporting.pictures import drawing
+from armour.reporting.pictures.drawing import Picture, Sheet
 from armour.statistics.sensitivity import SensitivityResult
 
 
@@ -18,9 +19,9 @@ def draw(result: SensitivityResult, sheet: Sheet) -> Picture:
     if inputs:
         most = inputs[0].elasticities[answers[0]] or 0.0
         title = f"The {titles[0]} depends most on the {names[0]}: {most:+.2f} % for 1 % more"
-    heights = [rows_height(names, titled=True)] * len(answers)
+    heights = [drawing.rows_height(names, titled=True)] * len(answers)
     picture = sheet.panels(title, *heights, note=note, beside=True, sharey=True)
     for axes, answer, heading in zip(picture.axes, answers, titles, strict=True):
-        rows(axes, names, {"": [item.elasticities[answer] for item in inputs]}, 0.0)
+        drawing.rows(axes, names, {"": [item.elasticities[answer] for item in inputs]}, 0.0)
         axes.set(title=heading, xlabel="change, %")
     return picture

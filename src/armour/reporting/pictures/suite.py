@@ -7,21 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from armour.errors import mistake
-from armour.reporting.pictures.drawing import (
-    COLOURS,
-    COLUMN,
-    PANEL,
-    RULE,
-    SOFT,
-    STYLES,
-    Compared,
-    Picture,
-    Sheet,
-    agreement,
-    legible,
-    points,
-    ranges,
-)
+from armour.reporting.pictures import drawing
+from armour.reporting.pictures.drawing import Compared, Picture, Sheet
 from armour.reporting.views.suite import drawn_checks, grouped
 from armour.scenario.sections import TINY
 from armour.validation.figures import Figure
@@ -43,8 +30,8 @@ def draw(result: SuiteResult, sheet: Sheet) -> Picture:
         rms = sqrt(sum(part * part for part in relative) / len(relative))
         title = f"{len(relative)} computed values deviate by {rms:.1f} % (RMS) from those expected"
     note = f"{left_out} of {len(result.checks)} cases are not shown: {LEFT_OUT}." if left_out else ""
-    heights = [sheet.across(COLUMN) - 0.3] * len(by_quantity)
-    picture = sheet.panels(title, *heights, note=note, width=COLUMN)
+    heights = [sheet.across(drawing.COLUMN) - 0.3] * len(by_quantity)
+    picture = sheet.panels(title, *heights, note=note, width=drawing.COLUMN)
     for axes, (quantity, same) in zip(picture.axes, by_quantity.items(), strict=True):
         groups = {
             group or CASES: [Compared(c.case.name, "expected", c.case.expected, c.computed) for c in of_group]
@@ -53,13 +40,13 @@ def draw(result: SuiteResult, sheet: Sheet) -> Picture:
         # A band that all have in common, as a part of the expected values; else a tenth.
         bands = {round((c.case.band or 0.0) / abs(c.case.expected), 4) for c in same if abs(c.case.expected) > TINY}
         [part] = bands if len(bands) == 1 else [0.0]
-        agreement(axes, quantity, "expected", groups, part or 0.1)
+        drawing.agreement(axes, quantity, "expected", groups, part or 0.1)
     return picture
 
 
 def draw_figure(panels: Sequence[Figure], sheet: Sheet) -> Picture:
     """Draw a figure of the paper: the model's curves, with the numbers of the paper's text as marks."""
-    picture = sheet.panels(panels[0].section.title, *[PANEL] * len(panels), width=COLUMN)
+    picture = sheet.panels(panels[0].section.title, *[drawing.PANEL] * len(panels), width=drawing.COLUMN)
     named: set[str] = set()
     for axes, figure in zip(picture.axes, panels, strict=True):
         _draw_panel(axes, figure)
@@ -76,17 +63,21 @@ def _draw_panel(axes: Axes, figure: Figure) -> None:
     axes.set(xlabel=section.x_label, ylabel=section.y_label, xlim=(figure.x[0], figure.x[-1]))
     for index, (label, values) in enumerate(figure.curves.items()):
         axes.plot(
-            figure.x, np.array(values, float), linestyle=STYLES[index], color=COLOURS[index], label=legible(label)
+            figure.x,
+            np.array(values, float),
+            linestyle=drawing.STYLES[index],
+            color=drawing.COLOURS[index],
+            label=drawing.legible(label),
         )
     for level in section.level:
-        axes.axhline(level.value, linestyle=":", label=legible(level.label), **RULE)
-    colours = dict(zip(figure.curves, COLOURS, strict=False))
+        axes.axhline(level.value, linestyle=":", label=drawing.legible(level.label), **drawing.RULE)
+    colours = dict(zip(figure.curves, drawing.COLOURS, strict=False))
     for mark, marker, size in zip(section.mark, ("*", "D", "s"), (9.0, 5.0, 5.0), strict=False):
         xs, ys = zip(*mark.points, strict=True)
-        colour = colours.get(mark.of, SOFT)
+        colour = colours.get(mark.of, drawing.SOFT)
         if mark.x_ends:
-            ranges(axes, xs, ys, [(low, high) for low, high in mark.x_ends], colour)
-        points(axes, xs, ys, marker=marker, markersize=size, color=colour, label=legible(mark.label))
+            drawing.ranges(axes, xs, ys, [(low, high) for low, high in mark.x_ends], colour)
+        drawing.points(axes, xs, ys, marker=marker, markersize=size, color=colour, label=drawing.legible(mark.label))
     shown = [value for values in figure.curves.values() for value in values if value is not None]
     if shown and min(shown) < 0.3 * max(shown):
         axes.set_ylim(bottom=0.0)

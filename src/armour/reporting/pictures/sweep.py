@@ -7,21 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from armour.errors import mistake
-from armour.reporting.pictures.drawing import (
-    PANEL,
-    VERMILION,
-    Picture,
-    Sheet,
-    colours_of,
-    contours,
-    legible,
-    look_of,
-    on_grid,
-    rows,
-    rows_height,
-    value_text,
-    widened,
-)
+from armour.reporting.pictures import drawing
+from armour.reporting.pictures.drawing import Picture, Sheet
 from armour.reporting.table import Column, column_of, in_words
 from armour.reporting.text import number
 from armour.scenario.inputs import BACKING, CERAMIC
@@ -56,16 +43,16 @@ def draw_columns(table: Mapping[str, Any], keys: Sequence[str], name: str, scena
     answer, values = column_of(name, ".4g"), table[name]
     title = _title(answer.label, *(column_of(key).label for key in keys))
     if np.nanmin(values) < np.nanmax(values):
-        title += f": {number(np.nanmin(values), '.4g')} to {value_text(answer, np.nanmax(values))}"
+        title += f": {number(np.nanmin(values), '.4g')} to {drawing.value_text(answer, np.nanmax(values))}"
     missing = np.count_nonzero(np.isnan(values))
     notes = [f"{missing} of {len(values)} rows have no {answer.label}."] if missing else []
     named = [key for key in keys if not _is_number(table[key])]
     is_map = not named and len(keys) == 2
     if is_map and name in RESIDUALS and (stopped := np.count_nonzero(values == 0.0)):
         notes.append(f"White: {stopped} cases that are stopped.")
-    height = 1.2 * PANEL
+    height = 1.2 * drawing.PANEL
     if len(named) == len(keys):
-        height = rows_height(dict.fromkeys(table[named[0]].tolist()))
+        height = drawing.rows_height(dict.fromkeys(table[named[0]].tolist()))
     picture = sheet.panels(title, height, note=" ".join(notes))
     [axes] = picture.axes
     if len(named) == len(keys):
@@ -84,11 +71,11 @@ def _is_number(values: Any) -> bool:
 def _draw_names(axes: Axes, table: Mapping[str, Any], named: Sequence[str], answer: Column, values: Any) -> None:
     """Draw values by the names of one key or of two."""
     names = list(dict.fromkeys(table[named[0]].tolist()))
-    by_name = {
-        label: list(map(dict(zip(table[named[0]][rows].tolist(), values[rows].tolist(), strict=True)).get, names))
-        for label, rows in _by_name(table, named[1:])
-    }
-    rows(axes, names, by_name)
+    by_name = {}
+    for label, mask in _by_name(table, named[1:]):
+        answers = dict(zip(table[named[0]][mask].tolist(), values[mask].tolist(), strict=True))
+        by_name[label] = [answers.get(name) for name in names]
+    drawing.rows(axes, names, by_name)
     axes.set_xlabel(answer.heading)
 
 
@@ -97,30 +84,30 @@ def _draw_curves(axes: Axes, table: Mapping[str, Any], key: str, named: Sequence
     x, values = table[key], table[answer.key]
     for index, (label, mask) in enumerate(_by_name(table, named)):
         order = np.flatnonzero(mask)[np.argsort(x[mask], kind="stable")]
-        look = look_of(index) | {"markerfacecolor": "none", "label": legible(label)}
+        look = drawing.look_of(index) | {"markerfacecolor": "none", "label": drawing.legible(label)}
         if len(order) > MAX_MARKERS:
             look["marker"] = ""
         axes.plot(x[order], values[order], **look)
     axes.set(xlabel=in_words(key), ylabel=answer.heading)
     # The axis reaches rows without an answer too, and a single row has a point.
     if np.isnan(values).any() or len(set(x)) == 1:
-        axes.set_xlim(widened(x.tolist()))
+        axes.set_xlim(drawing.widened(x.tolist()))
 
 
 def _draw_map(axes: Axes, table: Mapping[str, Any], keys: Sequence[str], answer: Column, scenario: Scenario) -> None:
     """Draw a quantity over two keys of numbers."""
-    x, y, z = on_grid(table[keys[0]], table[keys[1]], table[answer.key])
+    x, y, z = drawing.on_grid(table[keys[0]], table[keys[1]], table[answer.key])
     # A residual velocity of zero is no level of the perforated ones: contours towards it would follow the cells.
     shown: Any = np.where(z > 0.0, z, np.nan) if answer.key in RESIDUALS else z
-    colours_of(axes, x, y, shown, answer.heading)
+    drawing.colours_of(axes, x, y, shown, answer.heading)
     if min(z.shape) > 1 and np.isfinite(shown).any() and np.nanmin(shown) < np.nanmax(shown):
-        contours(axes, x, y, shown, CONTOURS, at=0.2)
+        drawing.contours(axes, x, y, shown, CONTOURS, at=0.2)
     if set(keys) == {CERAMIC, BACKING} and min(z.shape) > 1:
         ceramic, backing = np.meshgrid(x, y) if keys[0] == CERAMIC else np.meshgrid(x, y)[::-1]
         armour = scenario.core_armour()
         areal = armour.rho_c * MM * ceramic + armour.rho_B * MM * backing
         label = f"lines of equal {in_words('areal_density_kg_m2')}"
-        contours(axes, x, y, areal, 5, at=-0.2, label=label, linestyle="--", color=VERMILION)
+        drawing.contours(axes, x, y, areal, 5, at=-0.2, label=label, linestyle="--", color=drawing.VERMILION)
     axes.set(xlabel=in_words(keys[0]), ylabel=in_words(keys[1]))
 
 
