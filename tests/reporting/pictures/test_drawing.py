@@ -121,11 +121,11 @@ def test_curves_are_named_at_their_ends_where_these_are_apart():
 
 def test_a_curve_that_leaves_its_panel_has_a_legend():
     def leaves(sheet: Sheet) -> Picture:
-        picture = lines(sheet, ([0, 1, 9], "up", BLUE))
+        picture = lines(sheet, ([0, 1, 9], "up", BLUE), ([1, 1, 1], "even", ORANGE))
         picture.axes[0].set_ylim(0.0, 2.0)
         return picture
 
-    assert legend_of(drawn(leaves, Sheet())) == ["up"]
+    assert legend_of(drawn(leaves, Sheet())) == ["up", "even"]
 
 
 def test_a_range_need_not_contain_its_point():

@@ -177,12 +177,12 @@ def _lines(texts: Iterable[str], width: float, size: float, character: float = C
 
 
 def _name(axes: Axes) -> list[Any]:
-    """Name the curves of a panel at their ends where these are apart, and the rest in a legend below it, if any."""
+    """Name several curves at their ends where these are apart, and the rest in a legend below the panel, if any."""
     handles: list[Any] = [] if axes.get_legend() else axes.get_legend_handles_labels()[0]
     curves, scale = list(filter(is_curve, handles)), 72.0 / axes.figure.dpi
     ends = [_end(line, axes) for line in curves]
     heights = np.sort([scale * axes.transData.transform(end)[1] for end in ends if end is not None])
-    apart = len(heights) == len(curves) > 0 and np.diff(heights).min(initial=np.inf) > 1.3 * NAME
+    apart = len(heights) == len(curves) > 1 and np.diff(heights).min() > 1.3 * NAME and axes.get_aspect() == "auto"
     if apart and all(len(line.get_label()) <= END_CHARACTERS for line in curves):
         for line, end in zip(curves, ends, strict=True):
             colour = INK if line.get_color() in PALE else line.get_color()
