@@ -22,7 +22,7 @@ from armour.design.optimise import OBJECTIVES, Design, DesignResult
 from armour.reporting.pictures import drawing
 from armour.reporting.pictures.drawing import Picture, Sheet
 from armour.reporting.table import in_words
-from armour.reporting.text import percent
+from armour.reporting.text import percent, wrapped
 from armour.reporting.views.confidence import chance
 from armour.reporting.views.design import COST, CRITERIA, least_sure, pair_words, required_margins, title
 from armour.reporting.views.suite import grouped
@@ -30,6 +30,8 @@ from armour.reporting.views.suite import grouped
 # Pairs of materials that are shown, by a point and by a line; nodes of the grid along an axis, and designs on offer up
 # to which each is a dot.
 MAX_PAIRS, MAX_LINES, NODES, MAX_DOTS = 12, 6, 25, 250
+# Characters in a line of the title of a panel that has others beside it.
+TITLE_CHARACTERS = 34
 # Probability that a map shows where no confidence is asked for.
 USUAL = 0.95
 # Words of designs between the velocity and the limit of half of them.
@@ -138,7 +140,8 @@ def _draw_lines(result: DesignResult, maps: _Maps, sheet: Sheet, *, beside: bool
         for index, pair_map in enumerate(of_pairs):
             pair_map.draw_line(axes, layer, place, drawing.COLOURS[index % len(drawing.COLOURS)])
         axes.axhline(threat.required_m_s, linestyle="--", label=f"{threat.required_m_s:g} m/s required", **drawing.RULE)
-        axes.set(title=result.threats[place], ylabel=in_words("ballistic_limit_m_s"))
+        words = "\n".join(wrapped(result.threats[place], TITLE_CHARACTERS if beside else 100))
+        axes.set(title=words, ylabel=in_words("ballistic_limit_m_s"))
         if beside or place == count - 1:
             axes.set_xlabel(in_words(f"armour.{layer}_thickness_mm"))
     return picture
