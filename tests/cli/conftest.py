@@ -1,11 +1,18 @@
 from pathlib import Path
 
 import pytest
+from matplotlib.figure import Figure
+from matplotlib.text import Text
 from typer.testing import Result
 
 from armour.engine.cache import kernel
-from armour.reporting.charts import printable_chart
 from tests.helpers.commands import invoke
+
+
+def words_in(figure: Figure, _: str) -> bytes:
+    """What is written in a figure, in place of its file."""
+    lines = "\n".join(" ".join(text.get_text().split("\n")) for text in figure.findobj(Text))
+    return lines.encode()
 
 
 class Cli:
@@ -32,15 +39,15 @@ def silent(compiled: None) -> None:  # noqa: ARG001 (in this order)
 
 @pytest.fixture
 def drawn() -> None:
-    """Ask for files of charts that are drawn."""
+    """Ask for files of pictures."""
 
 
 @pytest.fixture(autouse=True)
 def described(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Files of charts hold their descriptions where a test does not ask for `drawn`: tests/reporting draws them all."""
+    """Files of pictures hold their words where a test does not ask for `drawn`: tests/reporting writes them all."""
     if "drawn" not in request.fixturenames:
-        monkeypatch.setattr("armour.reporting.draw.rendered", lambda chart, _: repr(printable_chart(chart)).encode())
-        monkeypatch.setattr("armour.reporting.html.inline_svg", lambda _, name: f'<svg id="{name}"></svg>')
+        monkeypatch.setattr("armour.reporting.pictures.drawing.saved", words_in)
+        monkeypatch.setattr("armour.reporting.html.inline_svg", lambda _, __, name: f'<svg id="{name}"></svg>')
 
 
 @pytest.fixture

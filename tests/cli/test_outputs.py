@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from armour.errors import InputError, Problem
-from armour.reporting import draw
+from armour.reporting.pictures import drawing
 from armour.validation import figures
 from tests.helpers.cases import SCENARIOS
 
@@ -40,7 +40,7 @@ def test_no_file_is_written_where_one_cannot_be_drawn(cli, own: Path, monkeypatc
     def fails(*_: object) -> bytes:
         raise InputError([Problem("p.svg", "", "cannot be drawn")])
 
-    monkeypatch.setattr(draw, "rendered", fails)
+    monkeypatch.setattr(drawing, "saved", fails)
     before = contents(own)
     result = cli("simulate", "own.toml", "--history", "h.csv", "--plot", "p.svg")
     assert (result.exit_code, result.stderr) == (2, "p.svg: cannot be drawn\n")

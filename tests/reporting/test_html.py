@@ -2,27 +2,31 @@
 
 import itertools
 import re
+from collections.abc import Callable
 from functools import cache
 from math import dist
 from xml.etree import ElementTree
 
 import pytest
+from matplotlib.axes import Axes
 
-from armour.reporting.charts import PALETTE, Axis, Chart, Line, Panel, Points, Spans
-from armour.reporting.html import MAX_POINTS, html_report, inline_svg
+from armour.reporting.html import MAX_POINTS, WIDTH_INCHES, html_report, inline_svg
+from armour.reporting.lookup import drawing_of
+from armour.reporting.pictures.drawing import BLUE, INK, PANEL, SOFT, VERMILION, Picture, Sheet, drawn, points
 from armour.reporting.report import Card, Report, Section
 from armour.reporting.scenario_report import contents_of, scenario_report
 from armour.reporting.table import Column, Table
-from armour.reporting.views import design as design_view
-from armour.reporting.views import impact as impact_view
 from armour.reporting.views import suite as suite_view
+from armour.scenario.inputs import CERAMIC
 from armour.scenario.scenario import load_scenario
+from armour.statistics.sensitivity import Elasticity, SensitivityResult
 from tests.helpers.cases import scenario
 from tests.helpers.results import design_result, impact
 from tests.helpers.suites import TABLE, case, result
 
 pytestmark = pytest.mark.slow
 
+LIMIT = {"ballistic_limit_m_s": -0.4}
 NO_BREAK = "\N{NO-BREAK SPACE}"
 
 
@@ -40,7 +44,8 @@ def page_of(name: str) -> str:
 
 @cache
 def impact_svg() -> str:
-    return inline_svg(impact_view.chart(impact()), "a")
+    picture = drawn(drawing_of(impact().of(scenario=scenario())), Sheet(WIDTH_INCHES), bare=True)
+    return inline_svg(picture, "an impact", "a")
 
 
 def headings(content: str) -> list[str]:
@@ -127,61 +132,79 @@ def test_a_suite(folder):
 SVG = "{http://www.w3.org/2000/svg}"
 
 
-def one(*series, **panel) -> Chart:
-    """A chart of one panel."""
-    y = panel.pop("y", Axis("mass", "g", limits=(0.0, 10.0)))
-    return Chart("T", (Panel(Axis("length", "mm", limits=(0.0, 10.0)), y, series, **panel),))
+def one(*series: Callable[[Axes], object]) -> str:
+    """A picture of one panel, with series that are drawn in it."""
+
+    def draw(sheet: Sheet) -> Picture:
+        picture = sheet.panels("T", PANEL)
+        picture.axes[0].set(xlabel="length, mm", ylabel="mass, g", xlim=(0.0, 10.0), ylim=(0.0, 10.0))
+        for item in series:
+            item(picture.axes[0])
+        return picture
+
+    return inline_svg(drawn(draw, Sheet(WIDTH_INCHES), bare=True), "T", "c")
 
 
-def words(chart: Chart) -> list[str]:
+def words(svg: str) -> list[str]:
     """Texts shown on hover."""
-    root = ElementTree.fromstring(inline_svg(chart, "c"))
+    root = ElementTree.fromstring(svg)
     return ["\n".join(text.itertext()) for text in root.findall(f"{SVG}g[@class='point']/{SVG}text")]
 
 
-def circles(chart: Chart) -> list[tuple[float, float]]:
-    root = ElementTree.fromstring(inline_svg(chart, "c"))
-    found = root.findall(f"{SVG}g[@class='point']/{SVG}circle")
+def circles(svg: str) -> list[tuple[float, float]]:
+    found = ElementTree.fromstring(svg).findall(f"{SVG}g[@class='point']/{SVG}circle")
     return [(float(circle.attrib["cx"]), float(circle.attrib["cy"])) for circle in found]
 
 
 def test_points_tell_their_values_with_units():
-    chart = one(Points([2.0, 4.0], [3.25, 123.456], label="p"), Points([5.0], [5.0], text=("first\nsecond",)))
-    assert words(chart) == ["p: 3.25 g\nlength 2 mm", "first\nsecond"]  # the other is outside the axes
+    svg = one(
+        lambda axes: points(axes, [2.0, 4.0], [3.25, 123.456], label="p"),
+        lambda axes: points(axes, [5.0], [5.0], ["first\nsecond"]),
+        lambda axes: points(axes, [6.0], [7.0]),
+        lambda axes: axes.plot([8.0, 8.0], [1.0, 9.0], label="steep"),
+    )
+    assert words(svg) == [
+        "p: 3.25 g\nlength 2 mm",  # the other is outside the axes
+        "first\nsecond",
+        "mass: 7 g\nlength 6 mm",
+        "steep: 1 g\nlength 8 mm",
+        "steep: 9 g\nlength 8 mm",
+    ]
 
 
 def test_points_are_where_they_are_drawn():
     """Markers of matplotlib and circles have the same place."""
-    chart = one(Points([2.0, 4.0], [3.0, 7.0], label="p", colour="vermilion"))
-    root = ElementTree.fromstring(inline_svg(chart, "c"))
-    markers = [use for use in root.iter(f"{SVG}use") if PALETTE["vermilion"] in use.attrib["style"]]
-    drawn = [(float(use.attrib["x"]), float(use.attrib["y"])) for use in markers]
-    for circle, marker in zip(circles(chart), drawn[:2], strict=True):
+    svg = one(lambda axes: points(axes, [2.0, 4.0], [3.0, 7.0], label="p", color=VERMILION))
+    markers = [use for use in ElementTree.fromstring(svg).iter(f"{SVG}use") if VERMILION in use.attrib["style"]]
+    drawn_at = [(float(use.attrib["x"]), float(use.attrib["y"])) for use in markers]
+    for circle, marker in zip(circles(svg), drawn_at[:2], strict=True):
         assert dist(circle, marker) < 0.2
 
 
 def test_points_of_a_curve_keep_a_distance_and_are_bounded():
     x = [i / 200.0 for i in range(2_001)]
-    curve, zigzag = one(Line(x, x)), one(Line(x, [10.0 * (i % 2) for i in range(2_001)]))
-    found = circles(curve)
+    found = circles(one(lambda axes: axes.plot(x, x)))
     assert 40 < len(found) < MAX_POINTS
     assert min(dist(a, b) for a, b in itertools.pairwise(found)) > 3.8
-    assert len(circles(zigzag)) == MAX_POINTS
+    assert len(circles(one(lambda axes: axes.plot(x, [10.0 * (i % 2) for i in range(2_001)])))) == MAX_POINTS
 
 
-def test_spans_have_their_words():
-    spans = Spans([0.0, 5.0], [5.0, 10.0], ("i", "ii"), text=("stage i", "stage ii"))
-    assert words(one(spans)) == ["stage i", "stage ii"]
+def test_rows_and_stages_have_their_words():
+    found = words(impact_svg())
+    assert any(text.startswith("stage i: intact ceramic; penetrator erodes\n") for text in found)
+    sensitivity = SensitivityResult({"ballistic_limit_m_s": 700.0}, (Elasticity(CERAMIC, 6.0, LIMIT),))
+    picture = drawn(drawing_of(sensitivity), Sheet(WIDTH_INCHES), bare=True)
+    assert words(inline_svg(picture, "T", "c")) == ["ceramic thickness\nchange -0.4 %"]
 
 
 def test_colours_follow_the_theme():
     content = impact_svg()
-    assert not [colour for colour in ("ink", "soft", "blue") if PALETTE[colour] in content]
+    assert not [colour for colour in (INK, SOFT, BLUE) if colour in content]
     assert {"var(--ink)", "var(--soft)", "var(--blue)"} <= set(re.findall(r"var\(--[a-z]+\)", content))
 
 
 def test_identifiers_of_two_charts_differ_and_refer_to_each_other():
-    first, second = impact_svg(), inline_svg(one(Line([0.0, 10.0], [0.0, 10.0])), "b")
+    first, second = impact_svg(), one(lambda axes: axes.plot([0.0, 10.0], [0.0, 10.0]))
     ids = [set(re.findall(r' id="([^"]*)"', content)) for content in (first, second)]
     assert ids[0]
     assert not ids[0] & ids[1]
@@ -192,8 +215,8 @@ def test_identifiers_of_two_charts_differ_and_refer_to_each_other():
 
 @pytest.mark.parametrize("name", ["<!--</svg><script>alert(1)</script>url(#x)", "a\x08\x00\u2028b"])
 def test_names_are_text(name: str):
-    chart = design_view.pareto_chart(design_result(ceramic=name, pareto=True))
-    content = inline_svg(chart, "c")
+    drawing = drawing_of(design_result(ceramic=name, pareto=True), "draw_front")
+    content = inline_svg(drawn(drawing, Sheet(WIDTH_INCHES), bare=True), name, "c")
     assert "<script" not in content
     assert "<!--" not in content
     shown = "".join(ElementTree.fromstring(content).itertext())
@@ -202,8 +225,7 @@ def test_names_are_text(name: str):
 
 def test_words_stay_within_the_picture():
     long = "a name of very many words " * 6
-    points = Points([0.0, 5.0, 10.0], [5.0, 5.0, 10.0], text=(long,) * 3)
-    root = ElementTree.fromstring(inline_svg(one(points), "c"))
+    root = ElementTree.fromstring(one(lambda axes: points(axes, [0.0, 5.0, 10.0], [5.0, 5.0, 10.0], [long] * 3)))
     _, _, width, height = map(float, root.attrib["viewBox"].split())
     for text in root.findall(f"{SVG}g[@class='point']/{SVG}text"):
         lines = list(text.itertext())

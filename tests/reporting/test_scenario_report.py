@@ -12,10 +12,8 @@ from armour.design.check import CheckedThreat, check, verdict_of
 from armour.design.optimise import DesignResult, optimise
 from armour.errors import Note
 from armour.evidence.model_error import NO_TEST
-from armour.reporting.charts import Chart
 from armour.reporting.report import Report, Section, markdown_report
 from armour.reporting.scenario_report import Contents, contents_of, scenario_report
-from armour.reporting.views import design as design_view
 from armour.reporting.views.confidence import SAMPLED_ALONE, chance, from_tests
 from armour.reporting.views.design import AREAL_DENSITY, COST, frontier_table
 from armour.scenario.scenario import load_scenario
@@ -143,12 +141,6 @@ SAMPLED = {
 @cache
 def wilkins() -> Contents:
     return contents_of(scenario(title="A title"))
-
-
-@pytest.fixture(autouse=True)
-def without_map(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Results made by hand have no map; that of others takes time, and is tested with their view."""
-    monkeypatch.setattr(design_view, "map_chart", lambda result: Chart(f"map of {best_of(result).ceramic}", ()))
 
 
 def asked(*given: tuple[float | None, float | None]) -> Contents:

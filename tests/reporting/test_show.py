@@ -38,7 +38,7 @@ OFFERED = {f"{layer}_thickness_mm": {"min": 5.0, "max": 9.0, "step": 1.0} for la
 
 @pytest.fixture(scope="module")
 def results(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Any, dict[str, Any]]]:
-    """A result of each kind, with what its chart needs beside it."""
+    """A result of each kind, with what its picture needs beside it."""
     folder = tmp_path_factory.mktemp("results")
     save_scenario(scenario(), folder / "wilkins.toml")
     residual = Residual("1", LIMIT, 700.0, 710.0, 712.0, "")
@@ -103,7 +103,7 @@ def test_what_cannot_be_drawn(results):
         plot(simulate(scenario()))
     history = impact().history
     assert isinstance(history, History)
-    with pytest.raises(InputError, match="must be one that has a chart, found History"):
+    with pytest.raises(InputError, match="must be one that is drawn, found History"):
         plot(history)
     for result, rest in results.values():
         for key in rest:

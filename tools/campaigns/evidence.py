@@ -19,8 +19,7 @@ from armour.analysis.variants import Bools, Floats
 from armour.evidence.fit import CONSTRAINT, CORE
 from armour.evidence.mixture import Mixture
 from armour.evidence.model_error import DOUBTED
-from armour.reporting.charts import Axis, Band, Chart, Line, Panel, Points, Rule
-from armour.reporting.draw import rendered
+from armour.reporting.pictures.drawing import BLUE, PANEL, RULE, VERMILION, Picture, Sheet, drawn, points, saved
 from tools.campaigns.verdict import verdict
 from tools.evidence import (
     GROUPS,
@@ -239,8 +238,8 @@ def series() -> Iterator[list[str]]:
             yield [method, words, f"{where.sum()}", f"{rms:.1f}", f"{width:.0f}", *counts]
 
 
-def picture() -> Chart:
-    """Describe the tests of cores on aluminium over the thickness, with the median and the interval of the model."""
+def picture(sheet: Sheet) -> Picture:
+    """Draw the tests of cores on aluminium over the thickness, with the median and the interval of the model."""
     group = GROUPS["cores_aluminium"]
     plates = plates_of(group.kind, group.metal)
     of, fit = plates.quantities, fitted(group, plates)
@@ -251,15 +250,15 @@ def picture() -> Chart:
     half = t.ppf(0.975, fit.degrees_of_freedom) * scale
     measured = (100.0 * np.expm1(plates.error)).tolist()
     low, middle, high = (100.0 * np.expm1(location + side * half) for side in (-1.0, 0.0, 1.0))
-    series = (
-        Band(x.tolist(), low.tolist(), high.tolist(), label="95 % interval, a new alloy and round, 300 MPa"),
-        Points(of["backing_thickness_ratio"].tolist(), measured, size=2.5, filled=False, label="516 tests"),
-        Line(x.tolist(), middle.tolist(), label="median, 300 MPa", colour="vermilion"),
-        Rule(0.0, ":", vertical=False, colour="ink"),
-    )
-    horizontal = Axis("thickness along the line of fire over core diameter")
-    panel = Panel(horizontal, Axis("measured less computed limit", "%"), series)
-    return Chart("Armour-piercing cores on aluminium", (panel,))
+    shown = sheet.panels("Armour-piercing cores on aluminium", PANEL)
+    [axes] = shown.axes
+    words = "95 % interval, a new alloy and round, 300 MPa"
+    axes.fill_between(x, low, high, color=BLUE, alpha=0.3, linewidth=0, label=words)
+    points(axes, of["backing_thickness_ratio"], measured, filled=False, markersize=2.5, color=BLUE, label="516 tests")
+    axes.plot(x, middle, color=VERMILION, label="median, 300 MPa")
+    axes.axhline(0.0, linestyle=":", **RULE)
+    axes.set(xlabel="thickness along the line of fire over core diameter", ylabel="measured less computed limit, %")
+    return shown
 
 
 TEXT = """# Tests left out
@@ -348,7 +347,7 @@ def main() -> int:
         series=table(("method", "series", "tests", "RMS, %", "half-width, %", "within 90", "within 95"), [*series()]),
     )
     PAGE.write_text(page, encoding="utf-8")
-    PICTURE.write_bytes(rendered(picture(), ".png"))
+    PICTURE.write_bytes(saved(drawn(picture, Sheet()).figure, ".png"))
     text = f"95 % intervals contain {min(within):.0f} to {max(within):.0f} % of the tests of alloys left out, by group"
     return verdict(text, right=min(within) >= LEAST_PERCENT)
 

@@ -18,12 +18,13 @@ from scipy.stats import t
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import ignore_progress
 from armour.analysis.variants import Floats
+from armour.planning.candidates import LimitModel
 from armour.planning.plan_tests import plan_tests
 from armour.scenario.inputs import BACKING, CERAMIC
 from armour.scenario.scenario import Scenario, load_scenario
 from armour.statistics import likelihood as likelihood_fit
 from armour.statistics.calibration import FLOW_STRESS, LAWS, Law, calibrate, with_ceramic, with_law
-from armour.statistics.measured import LIMIT, MaterialGroup, Measurement, Tests, read_tests
+from armour.statistics.measured import LIMIT, MaterialGroup, read_tests
 from tools.experiments.calibrations import ROOT, Table
 from tools.experiments.share import Share
 

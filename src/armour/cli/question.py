@@ -275,6 +275,7 @@ def _arguments(
 
 def _respond(answer: Answer, scenario: "Scenario | None", values: Mapping[str, Any], *, of_threats: bool) -> None:
     """Show and write an answer, and end with its exit code."""
+    from armour.reporting.show import plot as plot_of
     from armour.reporting.show import view_of
 
     verbose = values["verbose"]
@@ -289,7 +290,7 @@ def _respond(answer: Answer, scenario: "Scenario | None", values: Mapping[str, A
             of=result.heading(),
             files=answer.contents.items(),
             plot=values["plot"],
-            chart=lambda: view.chart(result),
+            draw=lambda: plot_of(result),
             warnings=warnings_of(scenario, warnings, answer.file, of_threats=of_threats, verbose=verbose),
         )
     if answer.then:

@@ -143,19 +143,19 @@ def respond(
     of: Sequence[str] = (),
     files: Iterable[tuple[Path | None, Callable[[], str | bytes | None]]] = (),
     plot: Path | None = None,
-    chart: Callable[[], Any] | None = None,
+    draw: Callable[[], Any] | None = None,
     warnings: Iterable[str] = (),
 ) -> None:
     """Show an answer as tables or JSON, write the files that are asked for, and warn.
 
-    ``files`` are paths with functions that make the contents, or None if there is nothing to write.  ``chart`` makes
-    the chart for ``plot``.  ``of`` are the lines above tables and chart that say what was computed.
+    ``files`` are paths with functions that make the contents, or None if there is nothing to write.  ``draw`` makes
+    the picture for ``plot``.  ``of`` are the lines above the tables that say what was computed.
     """
 
     def drawn() -> bytes | None:
-        from armour.reporting import draw
+        from armour.reporting.pictures import drawing
 
-        return None if plot is None or chart is None else draw.rendered(chart().about(of), plot.suffix.lower())
+        return None if plot is None or draw is None else drawing.saved(draw(), plot.suffix.lower())
 
     if as_json:
         show_json(data)

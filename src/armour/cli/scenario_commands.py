@@ -261,7 +261,7 @@ def sweep(
     as_json: AsJson = False,
 ) -> None:
     """Compute quantities over a grid or a table of cases; resume if interrupted."""
-    from armour.reporting.views.sweep import SWEEP_ROWS, first_rows, sweep_chart
+    from armour.reporting.views.sweep import SWEEP_ROWS, first_rows
     from armour.scenario.scenario import heading
     from armour.sweeps.cases import Cases
     from armour.sweeps.cluster import connected, workers_of
@@ -304,13 +304,22 @@ def sweep(
             tell=say,
         )
     say(f"wrote {output}: {rows} rows", *_notes(names, drawn=plot is not None))
+    of = heading(subject_of(loaded, source, names), loaded.title)
+
+    def draw() -> Any:
+        from armour.reporting.pictures.drawing import Sheet, drawn
+        from armour.reporting.pictures.sweep import draw_columns
+
+        table = read_table(output)
+        return drawn(lambda sheet: draw_columns(table, source.keys, names[0], loaded, sheet), Sheet(), of).figure
+
     respond(
         {"rows": rows, "output": str(output)},
         [first_rows(read_table(output))] if rows <= SWEEP_ROWS else (),
         as_json=as_json,
-        of=heading(subject_of(loaded, source, names), loaded.title),
+        of=of,
         plot=plot,
-        chart=lambda: sweep_chart(read_table(output), source.keys, names[0], loaded),
+        draw=draw,
     )
 
 

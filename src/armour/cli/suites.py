@@ -1,6 +1,7 @@
 """Commands on suites of published values, and on the paper's figures."""
 
 import os
+from functools import partial
 from itertools import groupby
 from operator import attrgetter
 from pathlib import Path
@@ -130,7 +131,8 @@ def figures(
 
     These are figs. 3 to 14, and parity plots of table 3 and of bare plates. The values of each are also written as CSV.
     """
-    from armour.reporting import draw
+    from armour.reporting.pictures import drawing
+    from armour.reporting.pictures import suite as pictures
     from armour.reporting.table import csv_text
     from armour.reporting.views import suite
     from armour.validation.figures import PARITIES, compute_figure, paper_figures, parity, read_figures
@@ -154,11 +156,11 @@ def figures(
         for name in chosen:
             if name in PARITIES:
                 result = parity(name)
-                table, chart = suite.parity_table(result), suite.chart(result)
+                table, draw = suite.parity_table(result), partial(pictures.draw, result)
             else:
                 figures = [compute_figure(section, path.parent) for section in panels[name]]
-                table, chart = suite.figure_table(figures), suite.figure_chart(figures)
-            drawn = draw.rendered(chart, f".{image}")
+                table, draw = suite.figure_table(figures), partial(pictures.draw_figure, figures)
+            drawn = drawing.saved(drawing.drawn(draw, drawing.Sheet()).figure, f".{image}")
             folder.mkdir(parents=True, exist_ok=True)
             write({folder / f"{name}.csv": csv_text(table), folder / f"{name}.{image}": drawn})
             count(1)

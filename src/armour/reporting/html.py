@@ -1,27 +1,29 @@
-"""Reports and tables as HTML: one self-contained page without scripts, with its charts as SVG.
+"""Reports and tables as HTML: one self-contained page without scripts, with its pictures as SVG.
 
-The charts have the page's colours, and show the values of points on hover, focus and touch.
+The pictures have the page's colours, and show the values of points on hover, focus and touch.
 """
 
 import re
-from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from collections.abc import Callable, Iterable
 from itertools import count
-from math import dist, inf, isfinite
+from math import dist, inf
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 from xml.etree import ElementTree
 
+import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
-from armour.reporting.charts import PALETTE, Chart, Line, Panel, Points, Series, Spans, printable_chart
 from armour.reporting.report import Report
 from armour.reporting.table import Table
-from armour.reporting.text import printable_lines, unbroken, wrapped
+from armour.reporting.text import number, printable_lines, unbroken, wrapped
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.lines import Line2D
+
+    from armour.reporting.pictures.drawing import Picture, Sheet
 
 # Options of the command line, and names with a number, such as "6061-T6", at whose hyphens no line may end.
 OPTION = re.compile(r"(?<![\w-])--[a-z]+(-[a-z]+)*(?![\w-])")
@@ -29,8 +31,8 @@ NAME = re.compile(r"(?<![\w-])(?=[\w-]*\d)\w+(-\w+)+(?![\w-])")
 SVG, XLINK = "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"
 TEMPLATES = Path(__file__).parent / "templates"
 WIDTH_INCHES, POINTS_PER_INCH = 4.2, 72
-# Colours that follow the theme of the page.
-THEME = {PALETTE[name]: f"var(--{name})" for name in ("ink", "soft", "blue", "paper")}
+# Colours of pictures that follow the theme of the page.
+THEME = {"#16191c": "var(--ink)", "#6a7178": "var(--soft)", "#0072b2": "var(--blue)", "#ffffff": "var(--paper)"}
 # Points of a series with a tooltip, and their least distance on a curve and radius, points of 1/72 inch.
 MAX_POINTS, SPACING, RADIUS = 200, 4.0, 6.0
 # Height of a line of a tooltip and its distance from the point, points.
@@ -39,14 +41,26 @@ LINE_HEIGHT, ABOVE = 10.5, 8.0
 CHARACTER, LINE_CHARACTERS = 5.0, 54
 
 
+class ShownPicture(NamedTuple):
+    """A picture of a page: its title, the SVG element, and a note."""
+
+    title: str
+    svg: Markup
+    note: str
+
+
 def html_report(report: Report) -> str:
     """Format a report as HTML."""
     numbers = count(1)
 
-    def svg(chart: Chart) -> Markup:
-        return Markup(inline_svg(chart, f"chart{next(numbers)}"))
+    def shown(draw: "Callable[[Sheet], Picture]", heading: str) -> ShownPicture:
+        from armour.reporting.pictures.drawing import Sheet, drawn
 
-    return rendered("report.html", report=report, svg=svg)
+        picture = drawn(draw, Sheet(WIDTH_INCHES), bare=True)
+        svg = inline_svg(picture, picture.title or heading, f"chart{next(numbers)}")
+        return ShownPicture(picture.title, Markup(svg), picture.note)
+
+    return rendered("report.html", report=report, shown=shown)
 
 
 def html_tables(tables: Iterable[Table | str]) -> str:
@@ -75,16 +89,15 @@ def _whole(text: str) -> Markup:
     return Markup(OPTION.sub(r"<code>\g<0></code>", marked))
 
 
-def inline_svg(chart: Chart, name: str) -> str:
-    """Return a chart without its title and note as an SVG element.
+def inline_svg(picture: "Picture", label: str, name: str) -> str:
+    """Return a picture of `drawn` as an SVG element with a label.
 
-    The name is the prefix of the element's identifiers, different for every chart of a page.
+    The name is the prefix of the element's identifiers, different for every picture of a page.
     """
-    # Imported here, as it is slow, and not every page has charts.
-    from armour.reporting.draw import draw, saved
+    # Imported here, as it is slow, and not every page has pictures.
+    from armour.reporting.pictures.drawing import saved
 
-    chart = printable_chart(chart)
-    figure = draw(replace(chart, title="", note=""), WIDTH_INCHES)
+    figure = picture.figure
     figure.set_dpi(POINTS_PER_INCH)
     root = ElementTree.fromstring(saved(figure, ".svg", dpi=POINTS_PER_INCH, transparent=True))
     for part in root.findall(f"{{{SVG}}}metadata") + root.findall(f"{{{SVG}}}defs[{{{SVG}}}style]"):
@@ -94,30 +107,50 @@ def inline_svg(chart: Chart, name: str) -> str:
             element.set(key, _attribute(key, value, name))
     for size in ("width", "height"):
         del root.attrib[size]
-    root.attrib |= {"role": "group", "aria-label": " ".join(chart.title.splitlines())}
-    for axes, panel in zip(figure.axes, chart.panels, strict=False):
-        for item in panel.series:
-            root.extend(_points(axes, panel, item, float(figure.bbox.height)))
+    root.attrib |= {"role": "group", "aria-label": printable_lines(label)}
+    for axes in picture.axes:
+        for line in axes.lines:
+            root.extend(_points(axes, line, float(figure.bbox.height)))
     ElementTree.register_namespace("", SVG)
     ElementTree.register_namespace("xlink", XLINK)
     return ElementTree.tostring(root, encoding="unicode")
 
 
-def _points(axes: "Axes", panel: Panel, item: Series, height: float) -> list[ElementTree.Element]:
-    """Return the points of a series that have words, at a distance from each other on a curve."""
-    found: list[ElementTree.Element] = []
-    curve = isinstance(item, Line) and not item.marker
-    window = axes.bbox.padded(1.0)
-    last = inf, inf
-    for x, y, text in _values(panel, item):
-        across, up = axes.transData.transform((x, y)).tolist()
-        if isinstance(item, Spans):
-            up = axes.bbox.y1 - SPACING
-        near = curve and dist((across, up), last) < SPACING
-        if text and window.contains(across, up) and not near:
-            last = across, up
-            found.append(_point(across, height - up, text))
-    return found[:MAX_POINTS]
+def _points(axes: "Axes", line: "Line2D", height: float) -> list[ElementTree.Element]:
+    """Return the points of a line with their words or their values, at a distance from each other on a curve."""
+    from armour.reporting.pictures.drawing import Points, is_curve
+
+    if not isinstance(line, Points) and not is_curve(line):
+        return []
+    points: list[ElementTree.Element] = []
+    window, last = axes.bbox.padded(1.0), (inf, inf)
+    for index, (x, y) in enumerate(np.asarray(line.get_xydata(), float).tolist()):
+        place = across, up = axes.transData.transform((x, y)).tolist()
+        near = not isinstance(line, Points) and dist(place, last) < SPACING
+        if window.contains(across, up) and not near:
+            last = place
+            words = line.words[index] if isinstance(line, Points) and line.words else _values(axes, line, x, y)
+            points.append(_point(across, height - up, printable_lines(words)))
+    return points[:MAX_POINTS]
+
+
+def _values(axes: "Axes", line: "Line2D", x: float, y: float) -> str:
+    """Return the values of a point in words, by the names of the line and of the axes."""
+    name = str(line.get_label())
+    (across, x_unit), (up, y_unit) = (_label_and_unit(text) for text in (axes.get_xlabel(), axes.get_ylabel()))
+    if len(axes.get_yticklabels()) and not up:  # rows of names
+        row = axes.get_yticklabels()[round(y)].get_text().replace("\n", " ")
+        return f"{row}\n{'' if name.startswith('_') else f'{name}: '}{across} {number(x, '.4g')} {x_unit}".rstrip()
+    return (
+        f"{up if name.startswith('_') else name}: {number(y, '.4g')} {y_unit}".rstrip()
+        + f"\n{across} {number(x, '.4g')} {x_unit}".rstrip()
+    )
+
+
+def _label_and_unit(label: str) -> tuple[str, str]:
+    """Return the two parts of the label of an axis."""
+    words, _, unit = label.rpartition(", ")
+    return (words, unit) if words else (unit, "")
 
 
 def _attribute(key: str, value: str, name: str) -> str:
@@ -132,18 +165,6 @@ def _attribute(key: str, value: str, name: str) -> str:
         for colour, themed in THEME.items():
             value = value.replace(colour, themed)
     return value
-
-
-def _values(panel: Panel, item: Series) -> Iterator[tuple[float, float, str]]:
-    """Give the points of a series in data coordinates, with their words: those of the series, or else their values."""
-    if isinstance(item, Line | Points):
-        for index, (x, y) in enumerate(zip(item.x, item.y, strict=True)):
-            if x is not None and y is not None and isfinite(y):
-                values = f"{item.label or panel.y.label}: {panel.y.text(y)}\n{panel.x.label} {panel.x.text(x)}"
-                yield x, y, item.text[index] if item.text else values
-    elif isinstance(item, Spans):
-        for start, end, words in zip(item.starts, item.ends, item.text, strict=False):
-            yield 0.5 * (start + end), 0.0, words
 
 
 def _point(across: float, down: float, words: str) -> ElementTree.Element:

@@ -2,15 +2,14 @@
 
 import re
 import sys
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from importlib.metadata import version
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from armour import MODEL_VERSION, __version__
 from armour.errors import in_two_lines
 from armour.files import printable, read_toml, shipped
-from armour.reporting.charts import Chart
 from armour.reporting.table import Column, Table
 from armour.reporting.text import printable_lines
 from armour.scenario.scenario import Scenario
@@ -29,25 +28,25 @@ class Card(NamedTuple):
 
 @dataclass(frozen=True)
 class Section:
-    """A heading with paragraphs, text of a file or a command, charts, tables, and notes on named things, in this order.
+    """A heading with paragraphs, text of a file or a command, pictures, tables, and notes on named things, in order.
 
-    Tables have their titles where there are several.  HTML has the charts, and folds what only explains the answer.
+    Tables have their titles where there are several.  HTML has the pictures, and folds what only explains the answer.
     """
 
     heading: str
     paragraphs: tuple[str, ...] = ()
     code: str = ""
     language: str = ""
-    charts: tuple[Chart, ...] = ()
+    pictures: tuple[Callable[[Any], Any], ...] = ()  # each is drawn on a sheet
     tables: tuple[Table, ...] = ()
     notes: tuple[tuple[str, str], ...] = ()
     folded: bool = False
-    drawn: bool = False  # whether the charts show what is in the tables, which HTML then leaves out
+    drawn: bool = False  # whether the pictures show what is in the tables, which HTML then leaves out
 
 
 @dataclass(frozen=True)
 class Report:
-    """A report: a verdict, the answer, and sections; cross-section and charts are in HTML only."""
+    """A report: a verdict, the answer, and sections; cross-section and pictures are in HTML only."""
 
     title: str
     lead: str  # the verdict, if there is one
@@ -104,7 +103,7 @@ def markdown_text(text: str) -> str:
 
 
 def markdown_report(report: Report) -> str:
-    """Format a report as Markdown, without its charts."""
+    """Format a report as Markdown, without its pictures."""
     parts = [f"# {markdown_text(report.title)}"]
     if report.byline:
         parts.append(", ".join(markdown_text(f"{name}: {text}") for name, text in report.byline))

@@ -20,7 +20,7 @@ from armour.design.optimise import OBJECTIVES, DesignResult, optimise
 from armour.errors import NoLimitError, Note
 from armour.evidence.model_error import given_error
 from armour.evidence.tests import armour_of
-from armour.reporting.charts import Chart
+from armour.reporting.lookup import drawing_of
 from armour.reporting.report import Card, Report, Section, origin_section, reference_notes
 from armour.reporting.table import Column, Table, column_of, in_words, listing
 from armour.reporting.text import interval, percent
@@ -315,8 +315,8 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Se
     if design is not None:
         hint = ("This command makes an interactive page of all designs:",) if map_command else ()
         # The title of the map is the answer, which the report begins with.
-        chart = replace(design_view.map_chart(design), title="", beside=False)
-        yield Section("Map of the designs", hint, map_command, "console", charts=(chart,))
+        drawing = drawing_of(design, "draw_map", title="")
+        yield Section("Map of the designs", hint, map_command, "console", pictures=(drawing,))
     yield Section("Assumptions and limits", notes=ASSUMPTIONS)
     entries = list(filter(None, map(answer.entry_of, ROLES)))
     [(evidence, _)] = armour_of(answer).by_evidence()
@@ -330,12 +330,12 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Se
     if design is not None:
         yield _search(design)
     if (sampled := contents.uncertainty) is not None:
-        chart, table = uncertainty_view.chart(sampled), uncertainty_view.estimate_table(sampled)
-        yield Section("Results under uncertain inputs", charts=(chart,), tables=(table,), folded=True)
+        table = uncertainty_view.estimate_table(sampled)
+        yield Section("Results under uncertain inputs", pictures=(drawing_of(sampled),), tables=(table,), folded=True)
     yield _impact(contents)
     elasticities = sensitivity_view.elasticity_table(contents.sensitivity)
-    chart = replace(sensitivity_view.chart(contents.sensitivity), title="")
-    yield Section("Sensitivity to the inputs", charts=(chart,), tables=(elasticities,), folded=True, drawn=True)
+    drawing = drawing_of(contents.sensitivity, title="")
+    yield Section("Sensitivity to the inputs", pictures=(drawing,), tables=(elasticities,), folded=True, drawn=True)
     values = Column("quantity", prose=True)
     tables = (
         replace(entry_table(entry, values, in_words), title=f"{entry.kind.capitalize()}: {entry.name}")
@@ -376,12 +376,11 @@ def _required(found: CheckedThreat) -> str:
 def _search(design: DesignResult) -> Section:
     """Return how the best design compares with others."""
     tables = [design_view.pair_table(design) if len(design.pairs) > 1 else design_view.frontier_table(design)]
-    charts: tuple[Chart, ...] = ()
     heading = "Pairs of materials" if len(design.pairs) > 1 else "Required ceramic for each back plate"
     if design.pareto:
-        charts = (design_view.pareto_chart(design),)
         tables.append(design_view.pareto_table(design))
-    return Section(heading, charts=charts, tables=tuple(tables), folded=True)
+    pictures = (drawing_of(design, "draw_front"),) if design.pareto else ()
+    return Section(heading, pictures=pictures, tables=tuple(tables), folded=True)
 
 
 def _impact(contents: Contents) -> Section:
@@ -403,8 +402,8 @@ def _impact(contents: Contents) -> Section:
         (Column("energy lost in braking the penetrator", "J", ".1f"), lambda of: of[1].braked),
     )
     # The table has the stages in words.
-    chart = replace(impact_view.chart(contents.impact), note="")
-    return Section("The impact, stage by stage", (words,), charts=(chart,), tables=(table,), folded=True)
+    drawing = drawing_of(contents.impact, note="")
+    return Section("The impact, stage by stage", (words,), pictures=(drawing,), tables=(table,), folded=True)
 
 
 def _which_armour(contents: Contents) -> str:

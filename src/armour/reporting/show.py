@@ -1,20 +1,18 @@
 """Results as figures, as reports and in notebooks, each by the view of its class."""
 
-import re
 from copy import copy
-from dataclasses import replace
-from importlib import import_module
-from importlib.util import find_spec
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from armour.analysis.results import OnProgress, ignore_progress
-from armour.errors import InputError, Problem, refuse
+from armour.errors import mistake, refuse
 from armour.files import unwritable, write_file, wrong_ending
+from armour.reporting.lookup import drawing_of, module_of
 from armour.scenario.scenario import Scenario
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from armour.analysis.results import Result
@@ -30,16 +28,18 @@ REPORT_ENDINGS = (".html", ".md")
 def view_of(result: object) -> Any:
     """Return the module that shows a result; None for what is not shown by itself, such as a history.
 
-    It has the name of the result's class, and ``tables(result)``; where a result is drawn or written also
-    ``chart(result)`` and ``csv(result)``.
+    It has ``tables(result)``; where a result is written also ``csv(result)``.
     """
-    words = re.findall("[A-Z][a-z]+", type(result).__name__.removesuffix("Result"))
-    name = f"armour.reporting.views.{'_'.join(words).lower()}"
-    return import_module(name) if find_spec(name) else None
+    return module_of(result, "views")
 
 
 def plot(
-    result: "Result", scenario: "Scenario | None" = None, *, shots: "Shots | None" = None, title: str | None = None
+    result: "Result",
+    scenario: "Scenario | None" = None,
+    *,
+    shots: "Shots | None" = None,
+    title: str | None = None,
+    ax: "Axes | None" = None,
 ) -> "Figure":
     """Draw a result as its command does with ``--plot``.
 
@@ -55,11 +55,14 @@ CalibrationResult, FiringResult, PlannedTests, ShotPlan, SuiteResult or SweepRes
     shots : Shots, optional
         Shots of a V50.  Only a result that is made by hand needs them.
     title : str, optional
-        In place of the chart's own.
+        In place of the picture's own.
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw into, of a picture with one panel, in place of a new figure.
 
     Returns
     -------
     matplotlib.figure.Figure
+        A new one, or that of the axes given.
 
     Raises
     ------
@@ -73,30 +76,25 @@ CalibrationResult, FiringResult, PlannedTests, ShotPlan, SuiteResult or SweepRes
     >>> figure = armour.plot(armour.simulate(scenario, history=True))
     >>> figure.savefig("impact.png")
     """
-    from armour.reporting.draw import draw
+    if module_of(result, "pictures") is None:
+        raise mistake("plot", "result", f"must be one that is drawn, found {type(result).__name__}")
+    from armour.reporting.pictures.drawing import Sheet, drawn
 
-    view = view_of(result)
-    if not hasattr(view, "chart"):
-        raise _wrong("result", f"must be one that has a chart, found {type(result).__name__}")
     own = result.question
     if scenario is not None and "scenario" in own and not _same(scenario, own["scenario"]):
-        raise _wrong("scenario", "must be the scenario of the result, found another; it can be left out")
+        raise mistake("plot", "scenario", "must be the scenario of the result, found another; it can be left out")
     if shots is not None and shots != own.get("shots", shots):
-        raise _wrong("shots", "must be the shots of the result, found others; they can be left out")
+        raise mistake("plot", "shots", "must be the shots of the result, found others; they can be left out")
     given: dict[str, Any] = {"scenario": scenario, "shots": shots}
     result = copy(result).of(**{key: value for key, value in given.items() if value is not None})
-    chart = view.chart(result)
-    return draw(chart.about(result.heading()) if title is None else replace(chart, title=title))
+    figure: Figure = drawn(drawing_of(result), Sheet(ax=ax), result.heading(), title=title).figure
+    return figure
 
 
 def _same(scenario: Scenario, other: Scenario) -> bool:
     """Return whether two scenarios give the same results."""
     first, second = (item.model_dump(exclude=TEXTS | {"library"}) for item in (scenario, other))
     return first == second and scenario.inputs() == other.inputs()
-
-
-def _wrong(key: str, message: str) -> InputError:
-    return InputError([Problem("plot", key, message)])
 
 
 def in_html(result: "Result") -> str | None:
@@ -124,7 +122,7 @@ def report(
     subject : Scenario or SuiteResult
         The report on a scenario has its answer, with uncertainty, sensitivity and the sources of all values.
     path : path-like
-        File to write: one self-contained .html file with charts, or .md for Markdown without them.
+        File to write: one self-contained .html file with pictures, or .md for Markdown without them.
     as_is : bool, default False
         Whether to report on the scenario's own armour, also where the scenario asks for a design.
     confidence : float, optional

@@ -1,11 +1,8 @@
 from armour.analysis.ballistic_limit import Crossing, LimitResult
-from armour.analysis.impact import simulate
 from armour.core.stages import stage_name
 from armour.core.state import Medium, Stage
-from armour.reporting import charts
-from armour.reporting.views.impact import STAGES, chart
+from armour.reporting.views.impact import STAGES
 from armour.reporting.views.limit import crossing_table, tables
-from armour.scenario.scenario import load_scenario
 
 
 def test_every_stage_is_described():
@@ -16,14 +13,6 @@ def test_every_stage_is_described():
         for penetrated in (False, True)
     }
     assert names == set(STAGES)
-
-
-def test_the_end_of_dwell_is_named_as_that():
-    scene = chart(simulate(load_scenario("dwell"), history=True)).panels[0]
-    words = [text for item in scene.series if isinstance(item, charts.Words) for text in item.words]
-    assert [text for text in words if text.endswith("dwell ends")]
-    [fragments] = [text for text in words if "fragments" in text]
-    assert fragments.startswith("6.41 µs")
 
 
 ONE = (Crossing((700.0, 700.01), "perforated"),)

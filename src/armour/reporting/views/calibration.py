@@ -1,9 +1,6 @@
 """A calibration."""
 
-from collections.abc import Mapping, Sequence
-
 from armour.analysis.quantities import label_and_unit
-from armour.reporting import charts
 from armour.reporting.table import (
     Cell,
     Column,
@@ -16,9 +13,8 @@ from armour.reporting.table import (
     listing,
     record,
 )
-from armour.reporting.text import interval, number
-from armour.scenario.inputs import BACKING, CERAMIC
-from armour.statistics.calibration import CalibrationResult, Residual
+from armour.reporting.text import interval
+from armour.statistics.calibration import CalibrationResult
 
 
 def calibration_table(result: CalibrationResult) -> Table:
@@ -125,60 +121,3 @@ def tables(result: CalibrationResult) -> list[Table | str]:
     if len(result.coefficients) > 1:
         found.append(correlation_table(result))
     return [*found, residual_table(result)]
-
-
-# Rows of deviations.
-MAX_ROWS = 40
-
-
-def chart(result: CalibrationResult) -> charts.Chart:
-    """Describe computed over measured values, and the deviations test by test, fitted and left out."""
-    words = {"": "measured", "at least": "stopped at", "at most": "perforated at"}
-    panels = []
-    names = _test_names(result)
-    for quantity, residuals in charts.grouped(result.residuals, lambda residual: residual.quantity).items():
-        by_bound = charts.grouped(residuals, lambda residual: residual.bound)
-        groups = {
-            words[bound] if bound else "tests": [
-                charts.Compared(names[r.test], words[bound], r.measured, r.computed, r.uncertainty or 0.0)
-                for r in by_bound[bound]
-            ]
-            for bound in words
-            if bound in by_bound
-        }
-        panels.append(charts.agreement_panel(quantity, "measured", groups))
-        if "" in by_bound:
-            panels.append(_deviation_panel(quantity, by_bound[""], names))
-    given = any(residual.uncertainty for residual in result.residuals)
-    note = "Error bars: ± one standard deviation of the measured value." if given else ""
-    title = f"Calibration to {len(names)} tests"
-    if result.mean_error_percent is not None:
-        title += f": mean error {result.mean_error_percent:.1f} %"
-    if result.left_out_error_percent is not None:
-        title += f", {result.left_out_error_percent:.1f} % leave-one-out"
-    return charts.Chart(title, tuple(panels), note)
-
-
-def _test_names(result: CalibrationResult) -> dict[str, str]:
-    """Return the name of each test or, where it has none, its armour."""
-    names = {residual.test: residual.test for residual in result.residuals}
-    tests = result.question.get("tests")
-    for name, place, cells in zip(tests.names, tests.places, tests.cells, strict=True) if tests else ():
-        layers = [number(float(cells[key]), "g") for key in (CERAMIC, BACKING) if key in cells]
-        if name == place and layers:
-            names[name] = f"{' on '.join(layers)} mm"
-    return names
-
-
-def _deviation_panel(quantity: str, residuals: Sequence[Residual], names: Mapping[str, str]) -> charts.Panel:
-    """Describe deviations from measured values; of many tests those with the largest."""
-    title = f"Deviation of the computed {charts.quantity_axis(quantity).label}"
-    shown = sorted(residuals, key=lambda r: -abs(deviation_percent(r.computed, r.measured) or 0.0))[:MAX_ROWS]
-    if len(shown) < len(residuals):
-        title += f", the {MAX_ROWS} largest of {len(residuals)}"
-    values = {
-        "fitted": [deviation_percent(residual.computed, residual.measured) for residual in shown],
-        "leave-one-out": [deviation_percent(residual.left_out, residual.measured) for residual in shown],
-    }
-    x = charts.Axis("deviation", "%", spec="+.2f")
-    return charts.rows_panel(x, tuple(names[residual.test] for residual in shown), values, title, 0.0)

@@ -4,7 +4,6 @@ from math import inf
 
 from armour.design.check import CheckedThreat, CheckResult
 from armour.errors import listed
-from armour.reporting import charts
 from armour.reporting.junit import junit_xml
 from armour.reporting.table import Column, Table, column_of, listing
 from armour.reporting.text import Verdict, interval, percent, with_interval
@@ -130,31 +129,6 @@ def _rests_on(result: CheckResult, threat: CheckedThreat) -> list[str]:
         return [error_note(result, threat.model_error)]
     unknown = why_unknown(threat.reason, threat.probability_at_normal_incidence)
     return [*flow_stress_notes(threat.flow_stress), unknown]
-
-
-def chart(result: CheckResult) -> charts.Chart:
-    """Describe the ballistic limits with their intervals, change by change, beside the velocity of each threat."""
-    panels = tuple(_panel(threat, named=not place) for place, threat in enumerate(result.threats))
-    return charts.Chart(outcome(result), panels, "Percentages: probability that the armour stops the projectile.")
-
-
-def _panel(threat: CheckedThreat, *, named: bool) -> charts.Panel:
-    rows = (threat.as_given(), *threat.what_ifs)
-    names = tuple(f"{of.change}: {chance(of.probability_of_stopping)}" for of in rows)
-    # An interval that is not known is drawn as the limit.
-    known = [
-        (limit, float(place), of.interval_m_s or (limit, limit))
-        for place, of in enumerate(rows)
-        if (limit := of.ballistic_limit_m_s) is not None
-    ]
-    limits, ends = [limit for limit, *_ in known], tuple(of for *_, of in known)
-    velocity, name = ("velocity of the round", "ballistic limit, 95 % interval") if named else ("", "")
-    series = (
-        charts.Points(limits, [place for _, place, _ in known], label=name, x_ends=ends),
-        charts.Points([of.velocity_m_s for of in rows], range(len(rows)), "D", label=velocity, colour="vermilion"),
-    )
-    x = charts.Axis("velocity", "m/s")
-    return charts.Panel(x, charts.Axis(categories=names), series, f"{threat.threat}: {verdict(threat)}")
 
 
 def junit(result: CheckResult) -> bytes:

@@ -2,8 +2,7 @@
 
 from typing import Any
 
-from armour.analysis.closed_forms import FlorenceResult, residual_velocity
-from armour.reporting import charts
+from armour.analysis.closed_forms import FlorenceResult
 from armour.reporting.table import Column, Table, column_of, deviation_percent, listing, record
 from armour.reporting.views.suite import error_tables
 from armour.validation.comparison import Comparison
@@ -78,28 +77,3 @@ def tables(result: Comparison) -> list[Table | str]:
         fit_table(result),
         f"fitted to the model's residual velocities from {low:.0f} to {high:.0f} m/s",
     ]
-
-
-def chart(result: Comparison) -> charts.Chart:
-    """Describe the residual velocity by the model and by fits to it, with the limits of formulas that are near."""
-    found = result.limit.ballistic_limit_m_s
-    impact = [impact.impact_velocity_m_s for impact in result.curve]
-    residual = [impact.residual_velocity_m_s for impact in result.curve]
-    series: list[charts.Series] = [charts.Line(impact, residual, label="this model")]
-    for fit, colour, style in zip(result.fits, charts.COLOURS[1:], charts.STYLES[1:], strict=False):
-        fitted = [residual_velocity(velocity, found, fit.ratio, fit.exponent) for velocity in impact]
-        label = f"{fit.name}: ratio {fit.ratio:.3f}, exponent {fit.exponent:.2f}"
-        series.append(charts.Line(impact, fitted, style, label=label, colour=colour))
-    limits = {f"Florence, {each.projectile}": each.ballistic_limit_m_s for each in result.florence}
-    limits |= {f"areal density rule, p = {rule.p:.4g}": rule.ballistic_limit_m_s for rule in result.rules}
-    for (name, limit), style in zip(limits.items(), charts.STYLES[1:], strict=False):
-        if impact[0] <= limit <= impact[-1]:
-            series.append(charts.Rule(limit, style, label=f"{name}: {limit:.0f} m/s", colour="ink"))
-    beyond = [f"{name} {limit:.0f} m/s" for name, limit in limits.items() if not impact[0] <= limit <= impact[-1]]
-    title = f"Ballistic limit {found:.0f} m/s by this model"
-    if limits:
-        title += f", {min(limits.values()):.0f} to {max(limits.values()):.0f} m/s by formulas"
-    note = f"Not drawn: {', '.join(beyond)}." if beyond else ""
-    return charts.Chart(
-        title, (charts.residual_velocity_panel(series, limits=charts.widened([impact[0], impact[-1]])),), note
-    )

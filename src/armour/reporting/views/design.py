@@ -1,24 +1,18 @@
 """A design search."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
-from itertools import product
+from collections.abc import Mapping
+from dataclasses import replace
 from math import inf
-from typing import TYPE_CHECKING, Any, NamedTuple
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from armour.design.optimise import OBJECTIVES, BestDesign, Design, DesignResult, Pair
-from armour.reporting import charts
 from armour.reporting.table import Column, Source, Table, column_of, csv_text, listing, record
 from armour.reporting.text import Verdict, interval, number, percent
 from armour.reporting.views.confidence import STOPPING, chance, error_note, flow_stress_notes, risk, with_error
 from armour.scenario.scenario import Scenario
 
 if TYPE_CHECKING:
-    from armour.design.catalogue import Catalogue
-    from armour.design.map import DesignMap
+    pass
 
 # Probability of stopping the projectile below which the notes say how to ask for more, and how.
 LOW, ASK = 0.75, "--confidence 0.95 designs for 95 %"
@@ -143,7 +137,7 @@ def frontier_table(result: DesignResult) -> Table:
         MARGIN,
         (GOVERNED_BY, lambda design: governing[_thicknesses(design)] if several else None),
         (Column("note"), note),
-        title=f"{_pair(_shown(result))}: thinnest ceramic for each back plate" if len(result.pairs) > 1 else "",
+        title=f"{pair_words(_shown(result))}: thinnest ceramic for each back plate" if len(result.pairs) > 1 else "",
     )
     return _aligned(table)
 
@@ -318,103 +312,11 @@ def margin_notes(best: BestDesign) -> list[str]:
     return [f"perforated with a probability of {risk(least)}; {ASK}"] if least < LOW else []
 
 
-# Looks of the best designs, on the grid and between its values.
-BEST: dict[str, Any] = {"marker": "o", "size": 9.0}
-REFINED: dict[str, Any] = {"marker": "D", "colour": "green"}
-# Pairs of materials that are shown, by a point and by a line; nodes of the grid along an axis, and designs on offer up
-# to which each is a dot.
-MAX_PAIRS, MAX_LINES, NODES, MAX_DOTS = 12, 6, 25, 250
-# Probability that a map shows where no confidence is asked for.
-USUAL = 0.95
-# Words of designs between the velocity and the limit of half of them.
-EVEN = "perforated more often than not"
-# Difference of two frontiers, m/s, below which one line is drawn.
-SAME_M_S = 1.0
 # What designs are compared by, named as in their tables.
 CRITERIA = {
-    column.key: charts.Axis(column.label, column.unit, spec=spec)
+    column.key: replace(column, spec=spec)
     for column, spec in ((AREAL_DENSITY, ".2f"), (THICKNESS, ".5g"), (COST, ".2f"), (MARGIN, "+.1f"))
 }
-
-
-def chart(result: DesignResult) -> charts.Chart:
-    """Describe the designs of a search: limits over one thickness, or the map of the best pair with what is beside it.
-
-    Beside the map are the best design of each pair, and the Pareto front.
-    """
-    first = map_chart(result)
-    if len(first.panels) > 1 or first.panels[0].title:
-        return first
-    rest = [pair_chart(result)] if sum(pair.best is not None for pair in result.pairs) > 1 else []
-    rest += [pareto_chart(result)] if result.pareto else []
-    titled = [replace(panel, title=other.title) for other in rest for panel in other.panels]
-    notes = " ".join(filter(None, (each.note for each in (first, *rest))))
-    return replace(first, panels=(*first.panels, *titled), note=notes)
-
-
-def map_chart(result: DesignResult) -> charts.Chart:
-    """Describe the designs of the best pair over both thicknesses, or those of all pairs over the one that differs."""
-    # Imported here because the tables of a search do not need it.
-    from armour.design.catalogue import NO_BOUND, catalogue_of
-    from armour.design.map import design_map, with_edges_of_known
-
-    catalogue = catalogue_of(charts.needed(result, "scenario"))
-    names = [(offer.ceramic.material, offer.backing.material) for offer in catalogue.offers]
-    design = result.shown or next((pair.best for pair in result.pairs if pair.best is not None), None)
-    best = 0 if design is None else names.index((design.ceramic, design.backing))
-    asked = tuple(1.0 - bound if bound < NO_BOUND else None for bound in catalogue.bounds.tolist())
-    probabilities = tuple({1.0 - USUAL, 0.5, USUAL, *(c for c in asked if c is not None)})
-
-    def drawing(pair: int) -> _MapDrawing:
-        layers = (np.array(layer.thicknesses()) for layer in catalogue.offers[pair][:2])
-        grid = with_edges_of_known(catalogue, pair, *(_nodes(layer) for layer in layers))
-        return _MapDrawing(result, catalogue, design_map(catalogue, pair, *grid, probabilities), asked)
-
-    single = [tuple(len(layer.thicknesses()) == 1 for layer in offer[:2]) for offer in catalogue.offers]
-    if any(single[best]):
-        layer = "backing" if single[best][0] and not single[best][1] else "ceramic"
-        alike = [pair for pair, of in enumerate(single) if of[layer == "ceramic"]]
-        alike.sort(key=lambda pair: pair != best)
-        return _line_chart(result, [drawing(pair) for pair in alike[:MAX_LINES]], layer)
-    drawn = drawing(best)
-    return charts.Chart(title(result), (drawn.panel(),), drawn.note())
-
-
-def _nodes(offered: Any) -> Any:
-    """Return nodes of a map between the thicknesses on offer, which are among them where these are few."""
-    even = np.linspace(offered[0], offered[-1], NODES) if len(offered) > 1 else offered
-    return np.union1d(even, offered) if len(offered) <= NODES else even
-
-
-def _line_chart(result: DesignResult, drawings: "Sequence[_MapDrawing]", layer: str) -> charts.Chart:
-    """Describe the limits of pairs of materials over one thickness, a panel for each threat."""
-    catalogue, threats = drawings[0].catalogue, result.threats
-    names = [drawing.name(layer) for drawing in drawings]
-    panels = []
-    for place, threat in enumerate(catalogue.threats):
-        series: list[charts.Series] = []
-        for index, (drawing, name) in enumerate(zip(drawings, names, strict=True)):
-            series += drawing.lines(layer, place, name, charts.COLOURS[index % len(charts.COLOURS)])
-        words = f"{threat.required_m_s:g} m/s required"
-        series.append(charts.Rule(threat.required_m_s, "--", vertical=False, label=words, colour="ink"))
-        x = charts.quantity_axis(f"armour.{layer}_thickness_mm")
-        shown = [threat.required_m_s, *(drawing.limits_m_s[..., place] for drawing in drawings)]
-        y = charts.quantity_axis(
-            "ballistic_limit_m_s", limits=charts.widened(np.concatenate([np.ravel(of) for of in shown]), 0.12)
-        )
-        panels.append(charts.Panel(x, y, tuple(series), threats[place]))
-    beside = len(panels) in (2, 3)
-    shared = [replace(panel, shares_x=bool(place) and not beside) for place, panel in enumerate(panels)]
-    notes = ["Filled dots are designs on offer that stop the threat"]
-    notes[0] += " as required." if any(drawings[0].asked) else " by the model."
-    if any(drawing.over_sources is not None for drawing in drawings):
-        notes = [
-            "Filled dots are designs on offer that stop the threat, untested ones even with the least flow stress of"
-        ]
-        notes.append("their sources, which bands show.")
-    return charts.Chart(
-        title(result), tuple(shared), " ".join(notes), width=3.4 * len(panels) if beside else 5.2, beside=beside
-    )
 
 
 def title(result: DesignResult) -> str:
@@ -422,13 +324,14 @@ def title(result: DesignResult) -> str:
     if result.reason:
         words = str(verdict(result)[0])
         return words[:1].upper() + words[1:]
-    best, sure = _shown(result), _least_sure(result)
+    best, sure = _shown(result), least_sure(result)
     stops = "" if sure is None else f", stops with {chance(sure)}"
-    value = CRITERIA[result.minimised].text(getattr(best, result.minimised))
+    column = CRITERIA[result.minimised]
+    value = f"{column.text(getattr(best, result.minimised))} {column.unit}".rstrip()
     return f"{OBJECTIVES[result.minimised].least.capitalize()}: {armour_in_words(best)}, {value}{stops}"
 
 
-def _least_sure(result: DesignResult) -> float | None:
+def least_sure(result: DesignResult) -> float | None:
     """Return the least of the probabilities that the best design stops each threat; None where one is unknown."""
     if result.shown is None:
         return None
@@ -436,264 +339,6 @@ def _least_sure(result: DesignResult) -> float | None:
     return None if None in found else min(p for p in found if p is not None)
 
 
-class _Frontier(NamedTuple):
-    """A line on a map, where values are 0: its words, its look, and the region on one side of it, if that is tinted."""
-
-    words: str
-    values: Any
-    look: dict[str, Any]
-    region: dict[str, Any] | None = None
-
-
-@dataclass(frozen=True)
-class _MapDrawing:
-    """A map of designs as it is drawn, with the confidences asked for against each threat, None where none is."""
-
-    result: DesignResult
-    catalogue: "Catalogue"
-    grid: "DesignMap"
-    asked: tuple[float | None, ...]
-
-    @cached_property
-    def governing(self) -> int:
-        """The governing threat of the design that is named."""
-        return self.result.threats.index(self.result.shown.governing) if self.result.shown else 0
-
-    @cached_property
-    def shown(self) -> float:
-        """Confidence of the line of a probability: the greatest that is asked for."""
-        return max((c for c in self.asked if c is not None), default=USUAL)
-
-    @cached_property
-    def above_m_s(self) -> Any:
-        """How far the limits exceed the velocities required, m/s, (ceramics, back plates): the least of the threats."""
-        required = np.array([threat.required_m_s for threat in self.catalogue.threats])
-        return (self.grid.limits_m_s - required).min(axis=-1)
-
-    def surely_m_s(self, confidences: Sequence[float]) -> Any:
-        """How far velocities stopped with confidences exceed those of the threats, m/s, (ceramics, back plates)."""
-        stopped = [self.grid.stopped_with(c)[..., i] for i, c in enumerate(confidences)]
-        return (np.stack(stopped, axis=-1) - self.catalogue.velocities_m_s).min(axis=-1)
-
-    @cached_property
-    def frontiers(self) -> list[_Frontier]:
-        """Where as many are stopped as not, where the probability is that shown, and the limit is that required."""
-        even = self.surely_m_s([0.5] * len(self.asked))
-        wanted = self.surely_m_s([self.shown if of is None else of for of in self.asked])
-        words, label = percent(self.shown), f"stopped in {percent(self.shown)} of cases or more"
-        if any(self.asked):
-            wanted = np.minimum(wanted, self.above_m_s)
-            if len(set(self.asked)) > 1 or required_margins(self.catalogue.scenario):
-                words, label = "required", "meets the requirements"
-        found = [
-            _Frontier("50 %", even, {"colour": "vermilion", "style": "dashed"}, {"high": 0.0, "label": EVEN}),
-            _Frontier(words, wanted, {"colour": "blue"}, {"low": 0.0, "label": label}),
-        ]
-        if not any(self.asked):
-            with np.errstate(invalid="ignore"):
-                if not np.nanmax(abs(self.above_m_s - even), initial=0.0) < SAME_M_S or np.isnan(wanted).all():
-                    found.append(_Frontier("", self.above_m_s, {"colour": "ink"}))
-        return [frontier for frontier in found if not np.isnan(frontier.values).all()]
-
-    def regions(self) -> Iterator[charts.Region]:
-        """Give designs that stop surely enough, that are perforated more often than not, and of unknown probability."""
-        for frontier in self.frontiers:
-            if frontier.region is not None:
-                yield charts.Region(*self.at(frontier.values), colour=frontier.look["colour"], **frontier.region)
-        unknown = np.isnan(self.grid.stopped_m_s).any(axis=(-2, -1))
-        if not unknown.all():
-            label = "probability unknown: too unlike tests"
-            yield charts.Region(*self.at(unknown), low=1e-3, colour="soft", label=label)
-
-    def at(self, values: Any) -> tuple[Any, Any, Any]:
-        """Return values with their thicknesses of back plate and ceramic, as a chart has them."""
-        return self.grid.backing_mm, self.grid.ceramic_mm, values
-
-    def panel(self) -> charts.Panel:
-        """Return the map."""
-        objective = self.grid.on_grid(self.catalogue.objective(self.grid.candidates))
-        limits = self.grid.limits_m_s[..., self.governing]
-        axis = CRITERIA[self.result.minimised]
-        of = f" against {self.result.threats[self.governing]}" if len(self.result.threats) > 1 else ""
-        dotted: dict[str, Any] = {"style": "dotted", "colour": "soft"}
-        series: list[charts.Series] = [
-            *self.regions(),
-            charts.Contours(*self.at(objective), levels=5, label=f"equal {axis.heading}", **dotted),
-            charts.Contours(*self.at(limits), levels=9, label=f"equal ballistic limit{of}, m/s", colour="soft"),
-            *self.tested(),
-            *self.dots(),
-        ]
-        for words, values, look, _ in self.frontiers:
-            margin = " + margin" if required_margins(self.catalogue.scenario) else ""
-            label = "" if words else f"ballistic limit by the model = velocity{margin}"
-            series.append(charts.Contours(*self.at(values), at=(0.0,), words=words, label=label, width=1.9, **look))
-        for design, look in self.marked():
-            if "names" in look:
-                value = getattr(design, self.result.minimised)
-                line: dict[str, Any] = {"at": (value,), "words": number(value, axis.spec), "colour": look["colour"]}
-                series.append(charts.Contours(*self.at(objective), "dotted", **line))
-            series.append(charts.Points([design.backing_thickness_mm], [design.ceramic_thickness_mm], **look))
-        x = charts.quantity_axis("armour.backing_thickness_mm")
-        y = charts.quantity_axis("armour.ceramic_thickness_mm")
-        return charts.Panel(x, y, tuple(series), height=1.6)
-
-    @cached_property
-    def over_sources(self) -> Any:
-        """Limits with the flow stresses of sources, (sources, ceramics, back plates, threats); None without them."""
-        from armour.design.map import limits_over_sources
-
-        return limits_over_sources(self.catalogue, self.grid)
-
-    @property
-    def limits_m_s(self) -> Any:
-        """Limits by the model and with the flow stresses of sources, (..., ceramics, back plates, threats)."""
-        over = () if self.over_sources is None else self.over_sources
-        return np.stack([self.grid.limits_m_s, *over])
-
-    def name(self, layer: str) -> str:
-        """Return what tells the pair from others: the material of the layer, and of the other one if they differ."""
-        ceramic, backing = (of.material for of in self.catalogue.offers[self.grid.pair][:2])
-        ceramic += " (untested)" * self.catalogue.untested[self.grid.pair]
-        one_metal = len(self.catalogue.section.backing) == 1
-        return (
-            ceramic
-            if ceramic and one_metal and layer == "ceramic"
-            else f"{ceramic} on {backing}"
-            if ceramic
-            else backing
-        )
-
-    def lines(self, layer: str, threat: int, name: str, colour: str) -> Iterator[charts.Series]:
-        """Give the limits against a threat over a thickness, what is known of them, and the designs on offer."""
-        x = getattr(self.grid, f"{layer}_mm")
-        limits = self.grid.limits_m_s[..., threat].ravel()
-        ends = None if self.over_sources is None else self.over_sources[..., threat].reshape(-1, len(x))
-        if ends is not None and len(ends) > 1:
-            yield charts.Band(x.tolist(), ends[0].tolist(), ends[-1].tolist(), colour=colour)
-        if not np.isnan(self.grid.stopped_m_s[..., threat, :]).all():
-            low, high = (self.grid.stopped_with(p)[..., threat].ravel().tolist() for p in (USUAL, 1.0 - USUAL))
-            yield charts.Band(x.tolist(), low, high, colour=colour)
-        yield charts.Line(x.tolist(), limits.tolist(), label=name, colour=colour)
-        layers = dict(zip(("ceramic", "backing"), self.catalogue.offers[self.grid.pair][:2], strict=True))
-        if layers[layer].free_range():
-            return
-        offered = np.searchsorted(x, layers[layer].thicknesses())
-        least = limits if ends is None else ends[0]
-        stops = least >= self.catalogue.threats[threat].required_m_s
-        if (asked := self.asked[threat]) is not None:
-            sure = self.grid.stopped_with(asked)[..., threat].ravel()
-            stops &= np.isnan(sure) | (sure >= self.catalogue.threats[threat].velocity_m_s)
-        for filled in (True, False):
-            some = [place for place in offered.tolist() if stops[place] == filled]
-            words = tuple(f"{x[place]:g} mm: limit by the model {limits[place]:.0f} m/s" for place in some)
-            yield charts.Points(x[some].tolist(), limits[some].tolist(), filled=filled, colour=colour, text=words)
-
-    def marked(self) -> Iterator[tuple[Design, dict[str, Any]]]:
-        """Give the lightest designs: as asked for, as likely perforated as not, and between the values of the grid."""
-        from armour.design.map import lightest
-
-        best, sure = self.result.shown, _least_sure(self.result)
-        if any(self.asked) and not np.isnan(self.grid.stopped_m_s).all():
-            even = lightest(self.catalogue, self.grid, 0.5)
-            if even is not None:
-                yield even, {**BEST, **self.named(even, "50 % or more"), "filled": False, "colour": "vermilion"}
-        if (refined := self.result.refined) is not None:
-            label = f"refined: {_design_text(refined, self.result.minimised)}"
-            yield refined, {**REFINED, "label": label, "text": (label,)}
-        if best is not None:
-            named = self.named(best, "probability unknown" if sure is None else f"{chance(sure)} stopped")
-            colour = "vermilion" if self.result.reason else "blue" if any(self.asked) else "ink"
-            yield best, {**BEST, **named, "colour": colour}
-
-    def named(self, design: Design, sure: str) -> dict[str, Any]:
-        """Return the name of a design, which is also its text: thicknesses, objective, and how surely it stops."""
-        thicknesses = f"{design.ceramic_thickness_mm:.4g} on " if design.ceramic else ""
-        objective = CRITERIA[self.result.minimised].text(getattr(design, self.result.minimised))
-        words = (f"{thicknesses}{design.backing_thickness_mm:.4g} mm\n{objective}, {sure}",)
-        return {"names": words, "text": words}
-
-    def dots(self) -> Iterator[charts.Points]:
-        """Give the thicknesses on offer, where there are few."""
-        layers = self.catalogue.offers[self.grid.pair][:2]
-        offered = list(product(*(layer.thicknesses() for layer in layers)))
-        if len(offered) <= MAX_DOTS and not any(layer.free_range() for layer in layers):
-            words = tuple(f"{ceramic:g} on {backing:g} mm" for ceramic, backing in offered)
-            y, x = zip(*offered, strict=True)
-            yield charts.Points(x, y, size=2.5, filled=False, colour="soft", label="thicknesses on offer", text=words)
-
-    def tested(self) -> Iterator[charts.Line]:
-        """Give the outline of the thicknesses that were tested, as far as it is within the map."""
-        from armour.design.map import thicknesses_tested
-
-        found = thicknesses_tested(self.catalogue, self.grid.pair, self.governing)
-        if len(found) == 2:
-            of = {"ceramic": self.grid.ceramic_mm, "backing": self.grid.backing_mm}
-            ends = {name: np.clip(found[name], values[0], values[-1]).tolist() for name, values in of.items()}
-            (left, right), (low, high) = ends["backing"], ends["ceramic"]
-            if left < right and low < high:
-                x, y = [left, right, right, left, left], [low, low, high, high, low]
-                look: dict[str, Any] = {"colour": "green", "label": "thicknesses tested", "text": ("",) * 5}
-                yield charts.Line(x, y, "-.", 1.0, **look)
-
-    def note(self) -> str:
-        """Return what the map does not show."""
-        if np.isnan(self.grid.stopped_m_s).all():
-            return "No probability is known for these designs."
-        notes = []
-        if len(self.result.threats) > 1:
-            notes.append("Probabilities are those of the threat that is most likely to perforate.")
-        if self.catalogue.sampled:
-            notes.append("Lines and regions include the model error only, not the distributions of the inputs.")
-        return " ".join(notes)
-
-
-def pair_chart(result: DesignResult) -> charts.Chart:
-    """Describe the best design of each pair of materials."""
-    found = [pair.best for pair in result.pairs if pair.best is not None]
-    shown = found[:MAX_PAIRS]
-    series = []
-    for known, label in ((True, ""), (False, "no test of such an armour")):
-        places = [float(place) for place, design in enumerate(shown) if (design.model_error is not None) == known]
-        some = [shown[int(place)] for place in places]
-        values = [getattr(design, result.minimised) for design in some]
-        words = tuple(f"{_pair(design)}\n{_design_text(design, result.minimised)}" for design in some)
-        series.append(charts.Points(values, places, text=words, label=label, filled=known, size=6.0))
-    axis = charts.Axis(categories=tuple(map(_pair, shown)))
-    note = f"The best {MAX_PAIRS} of {len(found)} pairs of materials are shown." if len(found) > MAX_PAIRS else ""
-    title = f"{OBJECTIVES[result.minimised].least.capitalize()} design of each pair of materials"
-    return charts.Chart(title, (charts.Panel(CRITERIA[result.minimised], axis, tuple(series)),), note)
-
-
-def pareto_chart(result: DesignResult) -> charts.Chart:
-    """Describe the Pareto front over its first two criteria, a series for each pair of materials."""
-    x, y = result.criteria[:2]
-    series: list[charts.Series] = []
-    for index, (name, designs) in enumerate(charts.grouped(result.pareto, _pair).items()):
-        text = tuple(f"{name}\n{_design_text(design, *result.criteria)}" for design in designs)
-        series.append(charts.Points(*_at(designs, x, y), filled=False, label=name, text=text, **charts.look_of(index)))
-    if result.shown is not None:
-        label = "nearest" if result.reason else "best"
-        words = (f"{label}\n{_design_text(result.shown, *result.criteria)}",)
-        series.append(charts.Points(*_at([result.shown], x, y), size=3.0, label=label, text=words, colour="ink"))
-    notes = []
-    if len(result.criteria) > 2:
-        hidden = " and ".join(CRITERIA[key].label for key in result.criteria[2:])
-        notes.append(f"Designs that others beat in both criteria drawn are better in {hidden}.")
-    if COST.key in result.criteria[:2]:
-        notes.append("Costs are in the currency of the scenario.")
-    return charts.Chart("Pareto front", (charts.Panel(CRITERIA[x], CRITERIA[y], tuple(series)),), " ".join(notes))
-
-
-def _at(designs: Sequence[Design], x: str, y: str) -> tuple[list[float], list[float]]:
-    """Return two quantities of designs."""
-    return [getattr(design, x) for design in designs], [getattr(design, y) for design in designs]
-
-
-def _pair(design: Design) -> str:
+def pair_words(design: Design) -> str:
+    """Return the materials of a design."""
     return f"{design.ceramic} on {design.backing}" if design.ceramic else design.backing
-
-
-def _design_text(design: Design, *criteria: str) -> str:
-    """Return the thicknesses of a design and its values of criteria."""
-    values = (f"{CRITERIA[key].label} {CRITERIA[key].text(getattr(design, key))}" for key in criteria)
-    return ", ".join([f"{design.ceramic_thickness_mm:.4g} on {design.backing_thickness_mm:.4g} mm", *values])

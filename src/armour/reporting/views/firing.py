@@ -1,18 +1,12 @@
 """V50 from firing results."""
 
 from math import ceil
-from typing import Any
 
-import numpy as np
-
-from armour.errors import InputError, Problem
-from armour.reporting import charts
 from armour.reporting.table import Cell, Column, Source, Table, column_of, listing, record
 from armour.reporting.text import Verdict, interval, percent, with_interval
-from armour.reporting.views.shot_plan import SCATTER_ASSUMED, prior_table, share_note, shot_points
-from armour.scenario.inputs import VELOCITY
-from armour.statistics.curves import FittedCurve, penalised_band
-from armour.statistics.v50 import FiringResult, Shots
+from armour.reporting.views.shot_plan import SCATTER_ASSUMED, prior_table, share_note
+from armour.statistics.curves import FittedCurve
+from armour.statistics.v50 import FiringResult
 
 
 def v50_table(result: FiringResult) -> Table:
@@ -157,65 +151,3 @@ def tables(result: FiringResult) -> list[Table | str]:
             "them is equally likely, and the scatter is 0"
         )
     return shown
-
-
-# Height of the posterior's interval of V50, below that of the shots alone.
-POSTERIOR = 0.4
-
-
-def chart(result: FiringResult) -> charts.Chart:
-    """Describe shots, the recommended curve with its band, V50, and the model's ballistic limit where there is one."""
-    shots = charts.needed(result, "shots")
-    if not result.fits:
-        raise InputError([Problem(shots.file, "", "must have a curve to draw, and these shots have none")])
-    fit, after, model = result.recommended or result.fits[0], result.posterior, result.model_ballistic_limit_m_s
-    low, high = _velocities(result, fit, shots)
-    x = np.linspace(low, high, 400).tolist()
-    level = percent(result.confidence)
-    curve = charts.Line(x, [fit.probability(v) for v in x], label=f"{fit.curve}, {fit.method}")
-    series: list[charts.Series] = [*shot_points(shots), curve]
-    notes = []
-    if fit is result.recommended:
-        band = penalised_band(shots.of(complete=False), shots.of(complete=True), fit.curve, x, result.confidence)
-        series.insert(0, charts.Band(x, *(edge.tolist() for edge in band)))
-        notes.append(f"Band: {level} band of the curve.")
-    shown, own = (result.bounded_confidence, result.bounded_interval_m_s), fit is result.recommended
-    of_v50, found = (percent(shown[0]), shown[1]) if own and shown[0] is not None else (level, fit.v50_interval_m_s)
-    bounded = found is not None and found != (None, None)
-    ends = interval(found, ".1f") + (" m/s" if bounded else "")
-    if low <= fit.v50_m_s <= high:
-        start, end = (edge if e is None else e for e, edge in zip(found or (None, None), (low, high), strict=True))
-        words = (f"V50 {fit.v50_m_s:.1f} m/s\n{of_v50} interval {ends}",)
-        series.append(charts.Points([fit.v50_m_s], [0.5], x_ends=((start, end),) if bounded else (), text=words))
-    if after is not None:
-        name = f"posterior, V50 {after.v50_m_s:.1f} m/s"
-        look: Any = {"x_ends": (after.v50_interval_m_s,), "colour": "purple", "label": name, "text": (name,)}
-        series.append(charts.Points([after.v50_m_s], [POSTERIOR], "D", **look))
-        after_ends = interval(after.v50_interval_m_s, ".1f")
-        notes.append(f"Posterior, with the model as prior: {level} interval {after_ends} m/s.")
-    if (mean := result.mean) is not None:
-        name = "mean of shots" if mean.rule == "no usual rule" else "MIL-STD-662F"
-        series.append(charts.velocity_rule(name, mean.v50_m_s, "soft"))
-    if result.requirement_m_s is not None and low <= result.requirement_m_s <= high:
-        series.append(charts.velocity_rule(f"{result.decision}: required", result.requirement_m_s, "vermilion", "--"))
-    if model is not None and low <= model <= high:
-        series.append(charts.velocity_rule("limit by this model", model, "ink", ":"))
-    elif model is not None:
-        notes.append(f"The model's ballistic limit, {model:.1f} m/s, lies outside the axis.")
-    velocity = charts.quantity_axis(VELOCITY, limits=(low, high))
-    probability = charts.Axis("probability of complete penetration", limits=(-0.02, 1.02))
-    title = f"V50 {fit.v50_m_s:.1f} m/s, {of_v50} interval {ends}"
-    return charts.Chart(title, (charts.Panel(velocity, probability, tuple(series), height=1.1),), " ".join(notes))
-
-
-def _velocities(result: FiringResult, fit: FittedCurve, shots: Shots) -> tuple[float, float]:
-    """Return the range of velocities that is drawn: that of the shots, and of V50 and limits that are near them."""
-    slowest, fastest = min(shots.velocities_m_s), max(shots.velocities_m_s)
-    reach, margin = fastest - slowest or 0.01 * fastest, 0.1 * (fastest - slowest)
-    near = (slowest, fastest, fit.v50_m_s, *fit.v50_interval_m_s, result.model_ballistic_limit_m_s)
-    wanted = [velocity for velocity in near if velocity is not None]
-    low, high = max(slowest - reach, min(wanted) - margin), min(fastest + reach, max(wanted) + margin)
-    if result.posterior is None:
-        return low, high
-    start, end = result.posterior.v50_interval_m_s
-    return min(low, start - margin), max(high, end + margin)

@@ -1,19 +1,12 @@
 """Planned tests among their candidates."""
 
 import re
-from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
-from typing import Any
-
-import numpy as np
 
 from armour.analysis.quantities import label_and_unit
 from armour.planning.plan_tests import PlannedTests
-from armour.reporting import charts
 from armour.reporting.table import Cell, Column, Table, column_of, listing, record
 from armour.reporting.text import percent
-from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, VELOCITY
+from armour.scenario.inputs import INPUTS, VELOCITY
 from armour.statistics.measured import LIMIT, MEASURED, OUTCOME, Tests
 
 CRITERIA = {
@@ -125,84 +118,3 @@ def form_table(result: PlannedTests) -> Table:
         tuple(Column(label_and_unit(key)[0], key=key) for key in columns),
         tuple(tuple(row.get(key) for key in columns) for row in rows),
     )
-
-
-GAIN = "relative gain of one more test"
-GAINS = "Gain of one more test{}, relative to the average planned test (1: as good)."
-# Velocities that a note names one by one, and candidates up to which each has its gain as a number.
-MAX_LISTED, MAX_NUMBERS = 6, 60
-# Markers of candidates that are tested once, twice, and so on; those tested more often have the last.
-MARKERS = "os^D*"
-
-
-def chart(result: PlannedTests) -> charts.Chart:
-    """Describe the gain of one more test over the inputs that vary, with the planned tests and their numbers.
-
-    It is a map over two of them, by preference the thicknesses, or a curve over one; the greatest gain is shown where
-    candidates differ in more.
-    """
-    varied = [key for key in result.candidates if key in INPUTS and len(set(result.candidates[key])) > 1]
-    keys = [key for key in (CERAMIC, BACKING) if key in varied] or varied[:1] or [next(iter(result.candidates))]
-    keys += [key for key in varied if key not in keys][: 2 - len(keys)]
-    columns = [np.array(result.candidates[key]) for key in keys]
-    gains = np.array(result.sensitivities or [np.nan] * len(columns[0]))
-    axes = [charts.quantity_axis(key) for key in keys]
-    steps = result.planned[1:]
-    points: list[tuple[Any, ...]] = [tuple(step.inputs[key] for key in keys) for step in steps]
-    if len(keys) == 1:
-        x = np.unique(columns[0])
-        greatest = [float(np.nanmax(gains[columns[0] == value])) if result.sensitivities else None for value in x]
-        marker = "." if len(x) < 40 else ""
-        series: list[charts.Series] = [charts.Line(x.tolist(), greatest, label="candidates", marker=marker)]
-        points = [(value, greatest[int(np.searchsorted(x, value))]) for (value,) in points]
-        axes.append(charts.Axis(GAIN, spec=".2f"))
-    else:
-        order = np.argsort(gains, kind="stable")  # the greatest is written last
-        series = _candidates(*charts.on_grid(columns[0][order], columns[1][order], gains[order]))
-        axes = [replace(axis, limits=charts.widened(of, 0.15)) for axis, of in zip(axes, columns, strict=True)]
-    velocities = [float(step.inputs[VELOCITY]) for step in steps] if result.measure == "outcome" else []
-    series += _planned(points, velocities)
-    note = GAINS.format("" if result.planned[-1].total_cost is None else " per unit cost")
-    if not result.sensitivities:
-        note = "The planned tests do not determine the inputs, so no gain is shown."
-    if velocities:
-        note += f" The planned shots are at {velocities_in_words(velocities)}."
-    title = f"Planned: {len(steps)} test{'s' if len(steps) > 1 else ''}"
-    for name, half_width in result.planned[-1].half_widths.items():
-        if half_width is not None:
-            words, unit = label_and_unit(name)
-            title += f", after which {words} ± {half_width:.2g} {unit}".rstrip()
-            break
-    return charts.Chart(title, (charts.Panel(axes[0], axes[1], tuple(series), height=1.2),), note)
-
-
-def _planned(points: Sequence[tuple[Any, ...]], velocities: Sequence[float]) -> Iterator[charts.Points]:
-    """Give the points of planned tests, those with the same number of tests together, and the velocities of shots."""
-    repeats = Counter(points)
-    for times in sorted(set(repeats.values())):
-        some = [point for point, count in repeats.items() if count == times]
-        shots = [[v for place, v in zip(points, velocities, strict=False) if place == point] for point in some]
-        text = tuple(f"at {velocities_in_words(of_point)}" for of_point in shots) if velocities else ()
-        rank = min(times, len(MARKERS))
-        look: Any = {"label": "one test" if times == 1 else f"{times} tests", "colour": "vermilion", "text": text}
-        xs, ys = zip(*some, strict=True)
-        yield charts.Points(xs, ys, MARKERS[rank - 1], 5.0 + rank, **look)
-
-
-def velocities_in_words(velocities: Iterable[float]) -> str:
-    """Return different velocities in words, or their range where they are many."""
-    found = [f"{velocity:.4g}" for velocity in sorted(set(velocities))]
-    if len(found) > MAX_LISTED:
-        return f"{len(found)} velocities, {found[0]} to {found[-1]} m/s"
-    return f"{', '.join([*found[:-2], ' and '.join(found[-2:])])} m/s"
-
-
-def _candidates(x: Any, y: Any, z: Any) -> list[charts.Series]:
-    """Describe the gains of candidates: numbers beside points or, where they are many and a grid, colours."""
-    if len(x) * len(y) > MAX_NUMBERS and np.isfinite(z).all():
-        return [charts.Map(x, y, z, GAIN)]
-    js, i = np.nonzero(np.isfinite(z)) if np.isfinite(z).any() else np.nonzero(np.isnan(z))
-    words = tuple(f"{value:.2f}" if np.isfinite(value) else "" for value in z[js, i])
-    places = x[i].tolist(), y[js].tolist()
-    few = words if len(words) <= MAX_NUMBERS else ()
-    return [charts.Points(*places, label=GAIN, filled=False, colour="soft", names=few, text=words)]

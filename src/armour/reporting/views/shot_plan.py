@@ -1,18 +1,12 @@
 """A plan of shots."""
 
-from collections.abc import Iterator
 from itertools import zip_longest
 
-import numpy as np
-
 from armour.planning.firing import ShotPlan
-from armour.reporting import charts
 from armour.reporting.table import Column, Table, column_of, listing, record
 from armour.reporting.text import interval, percent, with_interval
 from armour.reporting.views.confidence import chance, error_note
-from armour.scenario.inputs import VELOCITY
 from armour.statistics.posterior import FiringEstimate
-from armour.statistics.v50 import Shots
 
 SCATTER_ASSUMED = "the prior for the scatter is assumed; the model does not predict scatter"
 
@@ -167,89 +161,3 @@ def _shot_table(plan: ShotPlan) -> Table:
         (Column("velocity", "m/s", f".{max(decimals, 1)}f"), lambda row: row[1]),
         (Column("penetration"), lambda row: "complete" if row[2] else "partial"),
     )
-
-
-KINDS = (("partial penetration", False, "green", "o"), ("complete penetration", True, "vermilion", "^"))
-
-
-def chart(plan: ShotPlan) -> charts.Chart:
-    """Describe prior and posterior of V50, the shots, and the next velocity."""
-    known = [*plan.fired.velocities_m_s, plan.model_ballistic_limit_m_s, *(plan.limits_m_s or ())]
-    x = list(plan.curve.velocity_m_s) if plan.curve else np.linspace(0.9 * min(known), 1.1 * max(known), 201).tolist()
-    limits = (x[0], x[-1])
-    velocity, fired = charts.quantity_axis(VELOCITY, limits=limits), bool(plan.fired.complete)
-    curve: list[charts.Series] = []
-    panels = []
-    if plan.curve and plan.posterior:
-        label = "by the posterior" if fired else "by the prior"
-        curve.append(charts.Line(x, plan.curve.probability, label=label))
-        prior = charts.Line(
-            x,
-            plan.curve.prior,
-            "--",
-            label="prior, the model with its error" if plan.model_error else "prior",
-            colour="purple",
-        )
-        v50 = [prior, *[charts.Line(x, plan.curve.posterior, label="posterior, with the shots")] * fired]
-        density = charts.Axis("probability density of V50", "s/m", from_zero=True)
-        panels.append(charts.Panel(velocity, density, (*v50, *_rules(plan, limits, label=True))))
-    elif fit := plan.recommended:
-        curve.append(charts.Line(x, [fit.probability(v) for v in x], label=f"{fit.curve}, {fit.method}"))
-    if plan.operating_characteristic:
-        panels.append(_operating_panel(plan))
-    else:
-        probability = charts.Axis("probability of complete penetration", limits=(-0.05, 1.05))
-        series = (*curve, *shot_points(plan.fired), *_rules(plan, limits, label=not panels))
-        panels.append(charts.Panel(velocity, probability, series, shares_x=bool(panels)))
-    return charts.Chart(_title(plan), tuple(panels), f"{plan.stopped}." if plan.stopped else "")
-
-
-def _title(plan: ShotPlan) -> str:
-    """Return what is next, and what is known after the shots so far."""
-    fired = len(plan.fired.complete)
-    following = "Firing ended" if plan.next_velocity_m_s is None else f"Next shot at {plan.next_velocity_m_s:.1f} m/s"
-    known = f"after {fired} shot{'' if fired == 1 else 's'}" if fired else "by the prior"
-    if plan.posterior is not None:
-        ends = interval(plan.posterior.v50_interval_m_s, ".0f")
-        known += f" V50 {plan.posterior.v50_m_s:.0f} m/s, {percent(plan.confidence)} interval {ends} m/s"
-    return f"{following}; {known}"
-
-
-def _operating_panel(plan: ShotPlan) -> charts.Panel:
-    """Describe the fractions of simulated firings that accept and reject armours around the requirement."""
-    points = plan.operating_characteristic
-    v50 = [point.v50_m_s for point in points]
-    lines: list[charts.Series] = [
-        charts.Line(v50, [getattr(point, key) for point in points], label=label, colour=colour, style=style, marker="o")
-        for key, label, colour, style in (("met", "met", "green", "-"), ("not_met", "not met", "vermilion", "--"))
-    ]
-    if plan.consumers_risk is not None:
-        risk = plan.consumers_risk
-        lines.append(charts.Rule(risk, ":", vertical=False, label=f"either risk {percent(risk)}", colour="soft"))
-    if (at := plan.requirement_m_s) is not None and v50[0] <= at <= v50[-1]:
-        lines.append(charts.Rule(at, "-.", colour="soft"))
-    fraction = charts.Axis("fraction of firings", limits=(-0.05, 1.05))
-    title = f"operating characteristic at a scatter of {points[0].scatter_m_s:.0f} m/s"
-    return charts.Panel(charts.Axis("V50 of the armour", "m/s"), fraction, tuple(lines), title)
-
-
-def shot_points(shots: Shots) -> Iterator[charts.Points]:
-    """Describe the shots of each kind, as points at their probabilities, 0 and 1."""
-    for kind, complete, colour, marker in KINDS:
-        if velocities := shots.of(complete=complete):
-            words = tuple(f"{kind} at {velocity:g} m/s" for velocity in velocities)
-            heights = [float(complete)] * len(velocities)
-            yield charts.Points(velocities, heights, marker, label=kind, colour=colour, text=words)
-
-
-def _rules(plan: ShotPlan, limits: tuple[float, float], *, label: bool) -> list[charts.Series]:
-    """Return lines at the next velocity and the required one, named once."""
-    lines = (
-        ("next shot", plan.next_velocity_m_s, "ink", ":"),
-        ("requirement", plan.requirement_m_s, "soft", "-."),
-    )
-    return [
-        charts.Rule(at, style, label=f"{name} {at:.1f} m/s" if label else "", colour=colour)
-        for name, at, colour, style in lines
-        if at is not None and limits[0] <= at <= limits[1]
-    ]

@@ -1,18 +1,17 @@
 """A suite of cases, and the figures of the paper."""
 
-from collections.abc import Sequence
-from dataclasses import replace
-from math import floor, log10, sqrt
+from collections.abc import Callable, Iterable, Sequence
+from math import floor, log10
 from operator import itemgetter
+from typing import Any
 
 from armour import __version__
 from armour.analysis.quantities import QUANTITIES
-from armour.reporting import charts
 from armour.reporting.junit import junit_xml
+from armour.reporting.lookup import drawing_of
 from armour.reporting.report import Report, Section, origin_section
 from armour.reporting.table import Column, Table, column_of, listing
 from armour.reporting.text import Verdict, number
-from armour.scenario.sections import TINY
 from armour.statistics.measured import LIMIT
 from armour.validation.figures import Figure
 from armour.validation.rivals import Error
@@ -20,9 +19,17 @@ from armour.validation.suite import CASES, Case
 from armour.validation.validate import FAILED, Check, SuiteResult, TableSummary
 
 
+def grouped(items: Iterable[Any], key: Callable[[Any], str]) -> dict[str, list[Any]]:
+    """Return items by a key."""
+    groups: dict[str, list[Any]] = {}
+    for item in items:
+        groups.setdefault(key(item), []).append(item)
+    return groups
+
+
 def check_groups(result: SuiteResult) -> dict[str, list[Check]]:
     """Return the checks of a suite by table."""
-    return charts.grouped(result.checks, lambda check: check.case.group or CASES)
+    return grouped(result.checks, lambda check: check.case.group or CASES)
 
 
 def check_table(checks: Sequence[Check], title: str = "") -> Table:
@@ -117,7 +124,7 @@ def error_tables(errors: Sequence[Error]) -> list[Table]:
             column_of("fitted", prose=True),
             title=f"errors, {table}, {same[0].count} rows",
         )
-        for table, same in charts.grouped(errors, lambda error: error.table).items()
+        for table, same in grouped(errors, lambda error: error.table).items()
     ]
 
 
@@ -237,31 +244,10 @@ def parity_table(result: SuiteResult) -> Table:
     )
 
 
-# Cases that the chart of a suite does not show.
-LEFT_OUT = "outcomes, relative differences, and those of no table or without an answer"
-
-
-def chart(result: SuiteResult) -> charts.Chart:
-    """Describe computed over expected values of a suite's tables, or else of its cases, a panel for each quantity."""
+def drawn_checks(result: SuiteResult) -> list[Check]:
+    """Return what a picture of a suite shows: the numbers of its tables, or else of its cases."""
     numbers = [check for check in result.checks if check.deviation is not None and check.case.measured is None]
-    checks = [check for check in numbers if check.case.group] or numbers
-    panels = []
-    for quantity, same in charts.grouped(checks, lambda check: check.case.quantity).items():
-        groups = {
-            group or CASES: [charts.Compared(c.case.name, "expected", c.case.expected, c.computed) for c in found]
-            for group, found in charts.grouped(same, lambda check: check.case.group).items()
-        }
-        # A band that all have in common, as a part of the expected values; else a tenth.
-        bands = {round((c.case.band or 0.0) / abs(c.case.expected), 4) for c in same if abs(c.case.expected) > TINY}
-        [part] = bands if len(bands) == 1 else [0.0]
-        panels.append(charts.agreement_panel(quantity, "expected", groups, part or 0.1))
-    left_out = len(result.checks) - len(checks)
-    note = f"{left_out} of {len(result.checks)} cases are not shown: {LEFT_OUT}." if left_out else ""
-    title = "Computed and expected values"
-    if relative := [check.deviation_percent for check in checks if check.deviation_percent is not None]:
-        rms = sqrt(sum(part * part for part in relative) / len(relative))
-        title = f"{len(relative)} computed values deviate by {rms:.1f} % (RMS) from those expected"
-    return charts.Chart(title, tuple(panels), note, width=charts.COLUMN_INCHES)
+    return [check for check in numbers if check.case.group] or numbers
 
 
 # Part of the tests whose limits an allowance covers.
@@ -315,7 +301,8 @@ def report(result: SuiteResult, command: str = "") -> Report:
     sections = []
     if (usable := usable_table(result)).rows:
         sections.append(Section("Errors of computed limits", (USABLE,), tables=(usable,)))
-    sections.append(Section("Computed and expected values", charts=(chart(result),)))
+    if drawn_checks(result):
+        sections.append(Section("Computed and expected values", pictures=(drawing_of(result),)))
     sections += [
         Section(table.title[:1].upper() + table.title[1:], sources.get(table.title, ()), tables=(table,), folded=True)
         for table in suite_tables(result)
@@ -377,36 +364,3 @@ def figure_table(panels: Sequence[Figure]) -> Table:
     return Table(
         tuple(Column(label, spec="g", key=label) for label in columns), tuple(zip(*columns.values(), strict=True))
     )
-
-
-def figure_chart(panels: Sequence[Figure]) -> charts.Chart:
-    """Describe a figure of the paper: the model's curves, with the numbers of the paper's text as marks."""
-    drawn: list[charts.Panel] = []
-    for panel in map(_figure_panel, panels):
-        named = {item.label for other in drawn for item in other.series}
-        series = (replace(item, label="") if item.label in named else item for item in panel.series)
-        drawn.append(replace(panel, series=tuple(series)))
-    return charts.Chart(panels[0].section.title, tuple(drawn), width=charts.COLUMN_INCHES)
-
-
-def _figure_panel(figure: Figure) -> charts.Panel:
-    section = figure.section
-    series: list[charts.Series] = [
-        charts.Line(figure.x, values, charts.STYLES[index], label=label, colour=charts.COLOURS[index])
-        for index, (label, values) in enumerate(figure.curves.items())
-    ]
-    series += (
-        charts.Rule(level.value, ":", vertical=False, label=level.label, colour="ink") for level in section.level
-    )
-    colours = dict(zip(figure.curves, charts.COLOURS, strict=False))
-    for mark, marker, size in zip(section.mark, ("*", "D", "s"), (9.0, 5.0, 5.0), strict=False):
-        xs, ys = zip(*mark.points, strict=True)
-        ends, colour = tuple((low, high) for low, high in mark.x_ends), colours.get(mark.of, "soft")
-        series.append(charts.Points(xs, ys, marker, size, x_ends=ends, label=mark.label, colour=colour))
-    shown = [value for values in figure.curves.values() for value in values if value is not None]
-    from_zero = bool(shown) and min(shown) < 0.3 * max(shown)
-    x, y = (
-        charts.Axis(section.x_label, limits=(figure.x[0], figure.x[-1])),
-        charts.Axis(section.y_label, from_zero=from_zero),
-    )
-    return charts.Panel(x, y, tuple(series))

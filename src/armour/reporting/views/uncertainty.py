@@ -1,12 +1,9 @@
 """A propagated uncertainty."""
 
-from dataclasses import replace
-
 from armour.analysis.estimates import Estimate
-from armour.reporting import charts
 from armour.reporting.table import Column, Table, column_of, in_words, listing, record
 from armour.reporting.text import interval, percent, with_interval
-from armour.reporting.views.confidence import SAMPLED_ALONE, STOPPING, error_note, risk, rounded_down
+from armour.reporting.views.confidence import SAMPLED_ALONE, STOPPING, error_note, rounded_down
 from armour.statistics.uncertainty import UncertaintyResult
 
 SAMPLING_NOTE = "more samples make the intervals narrower; the spread of the ballistic limit is V05 to V95"
@@ -70,50 +67,3 @@ def tables(result: UncertaintyResult) -> list[Table | str]:
             "indices may sum to more than 1; total indices are not given"
         )
     return found
-
-
-# Probabilities between which the curve of a chart is shown whole.
-SHOWN_PROBABILITY = 0.002
-
-
-def chart(result: UncertaintyResult) -> charts.Chart:
-    """Describe the probability of perforation over velocity, and the ballistic limits at quantiles of each input."""
-    curve, p = result.curve, result.probability_of_perforation
-    at = charts.needed(result, "scenario").impact.velocity_m_s
-    found, level = result.deterministic_m_s, percent(result.confidence)
-    points = list(zip(curve.velocity_m_s, curve.probability, curve.low, curve.high, strict=True))
-    text = tuple(
-        f"perforated in {100.0 * value:.1f} % at {velocity:.1f} m/s\n{level} interval {low:.3f} to {high:.3f}"
-        for velocity, value, low, high in points
-    )
-    label = f"{p.value:.3f} at {at:g} m/s"
-    quantiles = {name: result.ballistic_limit_m_s[name].value for name in ("V05", "V50", "V95")}
-    series: list[charts.Series] = [
-        charts.Band(curve.velocity_m_s, curve.low, curve.high),
-        charts.Line(curve.velocity_m_s, curve.probability, text=text),
-        charts.velocity_rule("nominal ballistic limit", found, "ink", ":"),
-        *(
-            charts.velocity_rule(*item, "soft", style)
-            for item, style in zip(quantiles.items(), ("-.", "-", "--"), strict=True)
-        ),
-        charts.Points(
-            [at], [p.value], y_ends=((p.low, p.high),), label=label, colour="vermilion", text=(f"perforated {label}",)
-        ),
-    ]
-    uncertain = [velocity for velocity, value, *_ in points if SHOWN_PROBABILITY < value < 1.0 - SHOWN_PROBABILITY]
-    changed = [limit for index in result.inputs for limit in index.limits_m_s]
-    limits = charts.widened([at, found, quantiles["V05"], quantiles["V95"], *uncertain, *changed])
-    x = charts.Axis("velocity", "m/s", spec=".1f", limits=limits)
-    panels = [charts.Panel(x, charts.Axis("probability of perforation", limits=(0.0, 1.0)), tuple(series))]
-    if result.inputs:
-        names = tuple(charts.quantity_axis(index.input).label for index in result.inputs)
-        values = {
-            f"input at its {quantile} quantile": [index.limits_m_s[side] for index in result.inputs]
-            for side, quantile in enumerate(("5 %", "95 %"))
-        }
-        title = "Ballistic limit with one input changed"
-        swings = charts.rows_panel(x, names, values, title, found)
-        panels.append(replace(swings, shares_x=True))
-    title = f"Perforated with a probability of {risk(1.0 - p.value)} at {at:g} m/s"
-    note = f"{level} intervals by sampling: {p.low:.3f} to {p.high:.3f} at {at:g} m/s; the band for the curve."
-    return charts.Chart(title, tuple(panels), note)

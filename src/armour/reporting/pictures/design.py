@@ -1,0 +1,414 @@
+"""Pictures of a design search: a map of designs or their limits over a thickness, the best pairs, the Pareto front."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from armour.design.catalogue import NO_BOUND, Catalogue, catalogue_of
+from armour.design.map import (
+    DesignMap,
+    design_map,
+    lightest,
+    limits_over_sources,
+    thicknesses_tested,
+    with_edges_of_known,
+)
+from armour.design.optimise import OBJECTIVES, Design, DesignResult
+from armour.reporting.pictures import drawing
+from armour.reporting.pictures.drawing import Picture, Sheet
+from armour.reporting.table import in_words
+from armour.reporting.text import percent, wrapped
+from armour.reporting.views.confidence import chance
+from armour.reporting.views.design import COST, CRITERIA, least_sure, pair_words, required_margins, title
+from armour.reporting.views.suite import grouped
+
+# Pairs of materials that are shown, by a point and by a line; nodes of the grid along an axis, and designs on offer up
+# to which each is a dot.
+MAX_PAIRS, MAX_LINES, NODES, MAX_DOTS = 12, 6, 25, 250
+# Characters in a line of the title of a panel that has others beside it.
+TITLE_CHARACTERS = 34
+# Probability that a map shows where no confidence is asked for.
+USUAL = 0.95
+# Words of designs between the velocity and the limit of half of them.
+EVEN = "perforated more often than not"
+# Difference of two frontiers, m/s, below which one line is drawn, and what tints a region.
+SAME_M_S, TINT = 1.0, 0.14
+
+
+class _Panel(NamedTuple):
+    """A panel: its height, inches, title, what draws it, and a note."""
+
+    height: float
+    title: str
+    draw: Callable[[Axes], None]
+    note: str
+
+
+def draw(result: DesignResult, sheet: Sheet) -> Picture:
+    """Draw the designs: limits over one thickness, or the map of the best pair with what is beside it.
+
+    Beside the map are the best design of each pair, and the Pareto front.
+    """
+    maps = _maps(result)
+    if maps.layer:
+        return _draw_lines(result, maps, sheet)
+    panels = [_map_panel(maps)]
+    if sum(pair.best is not None for pair in result.pairs) > 1:
+        panels.append(_pairs_panel(result))
+    if result.pareto:
+        panels.append(_front_panel(result))
+    return _draw_panels(title(result), panels, sheet)
+
+
+def draw_map(result: DesignResult, sheet: Sheet) -> Picture:
+    """Draw the designs of the best pair over both thicknesses, or those of all pairs over the one that differs."""
+    maps = _maps(result)
+    if maps.layer:
+        return _draw_lines(result, maps, sheet, beside=False)
+    return _draw_panels(title(result), [_map_panel(maps)], sheet)
+
+
+def draw_front(result: DesignResult, sheet: Sheet) -> Picture:
+    """Draw the Pareto front."""
+    panel = _front_panel(result)
+    return _draw_panels(panel.title, [panel._replace(title="")], sheet)
+
+
+def _draw_panels(answer: str, panels: Sequence[_Panel], sheet: Sheet) -> Picture:
+    notes = " ".join(filter(None, (panel.note for panel in panels)))
+    picture = sheet.panels(answer, *(panel.height for panel in panels), note=notes)
+    for axes, panel in zip(picture.axes, panels, strict=True):
+        panel.draw(axes)
+        axes.set_title(panel.title)
+    return picture
+
+
+class _Maps(NamedTuple):
+    """The layer whose thickness alone differs, if that is so, and the pairs that are drawn."""
+
+    layer: str
+    of_pairs: "list[_Map]"
+
+
+def _maps(result: DesignResult) -> _Maps:
+    catalogue = catalogue_of(drawing.needed(result, "scenario"))
+    names = [(offer.ceramic.material, offer.backing.material) for offer in catalogue.offers]
+    design = result.shown or next((pair.best for pair in result.pairs if pair.best is not None), None)
+    best = 0 if design is None else names.index((design.ceramic, design.backing))
+    confidences = tuple(1.0 - bound if bound < NO_BOUND else None for bound in catalogue.bounds.tolist())
+    probabilities = tuple({1.0 - USUAL, 0.5, USUAL, *(c for c in confidences if c is not None)})
+
+    def pair_map(pair: int) -> _Map:
+        layers = (np.array(layer.thicknesses()) for layer in catalogue.offers[pair][:2])
+        grid = with_edges_of_known(catalogue, pair, *(_nodes(layer) for layer in layers))
+        return _Map(result, catalogue, design_map(catalogue, pair, *grid, probabilities), confidences)
+
+    single = [tuple(len(layer.thicknesses()) == 1 for layer in offer[:2]) for offer in catalogue.offers]
+    if not any(single[best]):
+        return _Maps("", [pair_map(best)])
+    layer = "backing" if single[best][0] and not single[best][1] else "ceramic"
+    alike = [pair for pair, of in enumerate(single) if of[layer == "ceramic"]]
+    alike.sort(key=lambda pair: pair != best)
+    return _Maps(layer, [pair_map(pair) for pair in alike[:MAX_LINES]])
+
+
+def _nodes(offered: Any) -> Any:
+    """Return nodes of a map between the thicknesses on offer, which are among them where these are few."""
+    even = np.linspace(offered[0], offered[-1], NODES) if len(offered) > 1 else offered
+    return np.union1d(even, offered) if len(offered) <= NODES else even
+
+
+def _draw_lines(result: DesignResult, maps: _Maps, sheet: Sheet, *, beside: bool = True) -> Picture:
+    """Draw the limits of pairs of materials over one thickness, a panel for each threat."""
+    layer, of_pairs = maps
+    catalogue, count = of_pairs[0].catalogue, len(result.threats)
+    beside = beside and count in (2, 3)
+    stop = "as required." if any(of_pairs[0].confidences) else "by the model."
+    if any(pair_map.over_sources is not None for pair_map in of_pairs):
+        stop = "untested ones even with the least flow stress of their sources, which bands show."
+    note = f"Filled dots are designs on offer that stop the threat{',' * stop.startswith('untested')} {stop}"
+    width = 3.4 * count if beside else drawing.WIDTH
+    picture = sheet.panels(title(result), *[drawing.PANEL] * count, note=note, width=width, beside=beside, sharex=True)
+    for place, (axes, threat) in enumerate(zip(picture.axes, catalogue.threats, strict=True)):
+        limits = np.concatenate([pair_map.limits_m_s[..., place].ravel() for pair_map in of_pairs])
+        axes.set_ylim(drawing.widened([threat.required_m_s, *limits], 0.12))
+        for index, pair_map in enumerate(of_pairs):
+            pair_map.draw_line(axes, layer, place, drawing.COLOURS[index % len(drawing.COLOURS)])
+        axes.axhline(threat.required_m_s, linestyle="--", label=f"{threat.required_m_s:g} m/s required", **drawing.RULE)
+        words = "\n".join(wrapped(result.threats[place], TITLE_CHARACTERS if beside else 100))
+        axes.set(title=words, ylabel=in_words("ballistic_limit_m_s"))
+        if beside or place == count - 1:
+            axes.set_xlabel(in_words(f"armour.{layer}_thickness_mm"))
+    return picture
+
+
+class _Frontier(NamedTuple):
+    """A line on a map, where values are 0: its look, the range of values tinted on one side of it, and their name."""
+
+    values: Any
+    look: dict[str, Any]
+    tinted: tuple[float, float] | None = None
+    label: str = ""
+
+
+@dataclass(frozen=True)
+class _Map:
+    """A map of designs as it is drawn, with the confidences asked for against each threat, None where none is."""
+
+    result: DesignResult
+    catalogue: Catalogue
+    grid: DesignMap
+    confidences: tuple[float | None, ...]
+
+    @cached_property
+    def governing(self) -> int:
+        """The governing threat of the design that is named."""
+        return self.result.threats.index(self.result.shown.governing) if self.result.shown else 0
+
+    @cached_property
+    def shown(self) -> float:
+        """Confidence of the line of a probability: the greatest that is asked for."""
+        return max((c for c in self.confidences if c is not None), default=USUAL)
+
+    @cached_property
+    def above_m_s(self) -> Any:
+        """How far the limits exceed the velocities required, m/s, (ceramics, back plates): the least of the threats."""
+        required = np.array([threat.required_m_s for threat in self.catalogue.threats])
+        return (self.grid.limits_m_s - required).min(axis=-1)
+
+    def surely_m_s(self, confidences: Sequence[float]) -> Any:
+        """How far velocities stopped with confidences exceed those of the threats, m/s, (ceramics, back plates)."""
+        stopped = [self.grid.stopped_with(c)[..., i] for i, c in enumerate(confidences)]
+        return (np.stack(stopped, axis=-1) - self.catalogue.velocities_m_s).min(axis=-1)
+
+    @cached_property
+    def frontiers(self) -> list[_Frontier]:
+        """Where as many are stopped as not, where the probability is that shown, and the limit is that required."""
+        even = self.surely_m_s([0.5] * len(self.confidences))
+        wanted = self.surely_m_s([self.shown if c is None else c for c in self.confidences])
+        label, margin = f"stopped in {percent(self.shown)} of cases or more", required_margins(self.catalogue.scenario)
+        if any(self.confidences):
+            wanted = np.minimum(wanted, self.above_m_s)
+            if len(set(self.confidences)) > 1 or margin:
+                label = "meets the requirements"
+        frontiers = [
+            _Frontier(even, {"color": drawing.VERMILION, "linestyle": "--"}, (-np.inf, 0.0), EVEN),
+            _Frontier(wanted, {"color": drawing.BLUE, "linestyle": "-"}, (0.0, np.inf), label),
+        ]
+        if not any(self.confidences):
+            with np.errstate(invalid="ignore"):
+                if not np.nanmax(abs(self.above_m_s - even), initial=0.0) < SAME_M_S or np.isnan(wanted).all():
+                    label = f"ballistic limit by the model = velocity{' + margin' if margin else ''}"
+                    frontiers.append(_Frontier(self.above_m_s, {"color": drawing.INK, "linestyle": "-"}, None, label))
+        return [frontier for frontier in frontiers if not np.isnan(frontier.values).all()]
+
+    def draw(self, axes: Axes) -> None:
+        """Draw the map."""
+        x, y = self.grid.backing_mm, self.grid.ceramic_mm
+        axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
+        axes.set(xlabel=in_words("armour.backing_thickness_mm"), ylabel=in_words("armour.ceramic_thickness_mm"))
+        for frontier in self.frontiers:
+            if frontier.tinted is not None:
+                _tint(axes, x, y, frontier.values, *frontier.tinted, frontier.label, **frontier.look)
+        unknown = np.isnan(self.grid.stopped_m_s).any(axis=(-2, -1))
+        if not unknown.all():
+            _tint(axes, x, y, unknown, 1e-3, np.inf, "probability unknown: too unlike tests", color=drawing.SOFT)
+        column = CRITERIA[self.result.minimised]
+        objective = self.grid.on_grid(self.catalogue.objective(self.grid.candidates))
+        limits = self.grid.limits_m_s[..., self.governing]
+        against = f" against {self.result.threats[self.governing]}" if len(self.result.threats) > 1 else ""
+        dotted: dict[str, Any] = {"linestyle": ":", "color": drawing.SOFT}
+        drawing.contours(axes, x, y, objective, 5, at=-0.55, label=f"equal {column.heading}", **dotted)
+        drawing.contours(
+            axes, x, y, limits, 9, at=0.55, label=f"equal ballistic limit{against}, m/s", color=drawing.SOFT
+        )
+        self._draw_tested(axes)
+        self._draw_offered(axes)
+        for values, look, tinted, label in self.frontiers:
+            name = "" if tinted else label
+            drawing.contours(axes, x, y, values, [0.0], at=0.0, label=name, fmt=None, linewidth=1.9, **look)
+        for design, look in self._marked():
+            value = getattr(design, self.result.minimised)
+            place, name = (design.backing_thickness_mm, design.ceramic_thickness_mm), look.pop("name")
+            if name:
+                line: Any = {"linestyle": ":", "color": look["color"]}
+                drawing.contours(axes, x, y, objective, [value], at=0.0, fmt=None, **line)
+                drawing.name_point(axes, *place, name, above=look.get("filled", True))
+            drawing.points(axes, place[:1], place[1:], [name or look["label"]], **look)
+
+    @cached_property
+    def over_sources(self) -> Any:
+        """Limits with the flow stresses of sources, (sources, ceramics, back plates, threats); None without them."""
+        return limits_over_sources(self.catalogue, self.grid)
+
+    @property
+    def limits_m_s(self) -> Any:
+        """Limits by the model and with the flow stresses of sources, (..., ceramics, back plates, threats)."""
+        over = () if self.over_sources is None else self.over_sources
+        return np.stack([self.grid.limits_m_s, *over])
+
+    def name(self, layer: str) -> str:
+        """Return what tells the pair from others: the material of the layer, and of the other one if they differ."""
+        ceramic, backing = (of.material for of in self.catalogue.offers[self.grid.pair][:2])
+        if not ceramic:
+            return backing
+        ceramic += " (untested)" * self.catalogue.untested[self.grid.pair]
+        one_metal = len(self.catalogue.section.backing) == 1
+        return ceramic if one_metal and layer == "ceramic" else f"{ceramic} on {backing}"
+
+    def draw_line(self, axes: Axes, layer: str, threat: int, colour: str) -> None:
+        """Draw the limits against a threat over a thickness, what is known of them, and the designs on offer."""
+        x = getattr(self.grid, f"{layer}_mm")
+        limits = self.grid.limits_m_s[..., threat].ravel()
+        ends = None if self.over_sources is None else self.over_sources[..., threat].reshape(-1, len(x))
+        band: Any = {"color": colour, "alpha": 0.3, "linewidth": 0}
+        if ends is not None and len(ends) > 1:
+            axes.fill_between(x, ends[0], ends[-1], **band)
+        if not np.isnan(self.grid.stopped_m_s[..., threat, :]).all():
+            low, high = (self.grid.stopped_with(p)[..., threat].ravel() for p in (USUAL, 1.0 - USUAL))
+            axes.fill_between(x, low, high, **band)
+        axes.plot(x, limits, color=colour, label=drawing.legible(self.name(layer)))
+        layers = dict(zip(("ceramic", "backing"), self.catalogue.offers[self.grid.pair][:2], strict=True))
+        if layers[layer].free_range():
+            return
+        offered = np.searchsorted(x, layers[layer].thicknesses())
+        least = limits if ends is None else ends[0]
+        stops = least >= self.catalogue.threats[threat].required_m_s
+        if (confidence := self.confidences[threat]) is not None:
+            sure = self.grid.stopped_with(confidence)[..., threat].ravel()
+            stops &= np.isnan(sure) | (sure >= self.catalogue.threats[threat].velocity_m_s)
+        for filled in (True, False):
+            places = [place for place in offered.tolist() if stops[place] == filled]
+            words = [f"{x[place]:g} mm: limit by the model {limits[place]:.0f} m/s" for place in places]
+            drawing.points(axes, x[places], limits[places], words, filled=filled, color=colour)
+
+    def _marked(self) -> Iterator[tuple[Design, dict[str, Any]]]:
+        """Give the lightest designs: as asked for, as likely perforated as not, and between the values of the grid."""
+        best, sure = self.result.shown, least_sure(self.result)
+        large = {"markersize": 9.0}
+        if any(self.confidences) and not np.isnan(self.grid.stopped_m_s).all():
+            even = lightest(self.catalogue, self.grid, 0.5)
+            if even is not None:
+                yield (
+                    even,
+                    {**large, "name": self._named(even, "50 % or more"), "filled": False, "color": drawing.VERMILION},
+                )
+        if (refined := self.result.refined) is not None:
+            label = f"refined: {_design_text(refined, self.result.minimised)}"
+            yield refined, {"marker": "D", "color": drawing.GREEN, "label": label, "name": ""}
+        if best is not None:
+            name = self._named(best, "probability unknown" if sure is None else f"{chance(sure)} stopped")
+            colour = drawing.VERMILION if self.result.reason else drawing.BLUE if any(self.confidences) else drawing.INK
+            yield best, {**large, "name": name, "color": colour}
+
+    def _named(self, design: Design, sure: str) -> str:
+        """Return the name of a design: thicknesses, objective, and how surely it stops."""
+        thicknesses = f"{design.ceramic_thickness_mm:.4g} on " if design.ceramic else ""
+        objective = drawing.value_text(CRITERIA[self.result.minimised], getattr(design, self.result.minimised))
+        return f"{thicknesses}{design.backing_thickness_mm:.4g} mm\n{objective}, {sure}"
+
+    def _draw_offered(self, axes: Axes) -> None:
+        """Draw the thicknesses on offer, where there are few."""
+        layers = self.catalogue.offers[self.grid.pair][:2]
+        offered = list(product(*(layer.thicknesses() for layer in layers)))
+        if len(offered) <= MAX_DOTS and not any(layer.free_range() for layer in layers):
+            words = [f"{ceramic:g} on {backing:g} mm" for ceramic, backing in offered]
+            y, x = zip(*offered, strict=True)
+            look: Any = {"markersize": 2.5, "color": drawing.SOFT, "label": "thicknesses on offer"}
+            drawing.points(axes, x, y, words, filled=False, **look)
+
+    def _draw_tested(self, axes: Axes) -> None:
+        """Draw the outline of the thicknesses that were tested, as far as it is within the map."""
+        tested = thicknesses_tested(self.catalogue, self.grid.pair, self.governing)
+        if len(tested) == 2:
+            on_map = {"ceramic": self.grid.ceramic_mm, "backing": self.grid.backing_mm}
+            ends = {name: np.clip(tested[name], values[0], values[-1]) for name, values in on_map.items()}
+            (left, right), (low, high) = ends["backing"], ends["ceramic"]
+            if left < right and low < high:
+                x, y = [left, right, right, left, left], [low, low, high, high, low]
+                axes.plot(x, y, linestyle="-.", linewidth=1.0, color=drawing.GREEN, label="thicknesses tested")
+
+    def note(self) -> str:
+        """Return what the map does not show."""
+        if np.isnan(self.grid.stopped_m_s).all():
+            return "No probability is known for these designs."
+        notes = []
+        if len(self.result.threats) > 1:
+            notes.append("Probabilities are those of the threat that is most likely to perforate.")
+        if self.catalogue.sampled:
+            notes.append("Lines and regions include the model error only, not the distributions of the inputs.")
+        return " ".join(notes)
+
+
+def _tint(axes: Axes, x: Any, y: Any, values: Any, low: float, high: float, label: str, **look: Any) -> None:
+    """Tint where values are between two; the region has its edge, if that is drawn, in the legend."""
+    z = np.ma.masked_invalid(np.array(values, float))
+    low, high = max(low, z.min() - 1.0), min(high, z.max() + 1.0)
+    if low < z.max() and high > z.min():
+        axes.contourf(x, y, z, levels=[low, high], colors=[look["color"]], alpha=TINT)
+        edge: Any = {"edgecolor": look["color"], "linewidth": 1.2 if "linestyle" in look else 0.0}
+        axes.fill([], [], facecolor=(look["color"], TINT), label=label, linestyle=look.get("linestyle", "-"), **edge)
+
+
+def _map_panel(maps: _Maps) -> _Panel:
+    """Return the panel of the map of a pair."""
+    [pair_map] = maps.of_pairs
+    return _Panel(1.6 * drawing.PANEL, "", pair_map.draw, pair_map.note())
+
+
+def _pairs_panel(result: DesignResult) -> _Panel:
+    """Return the panel of the best design of each pair of materials."""
+    best = [pair.best for pair in result.pairs if pair.best is not None]
+    shown = best[:MAX_PAIRS]
+    names = [pair_words(design) for design in shown]
+
+    def draw_pairs(axes: Axes) -> None:
+        drawing.name_rows(axes, names)
+        for tested, label in ((True, ""), (False, "no test of such an armour")):
+            places = [place for place, design in enumerate(shown) if (design.model_error is not None) == tested]
+            values = [getattr(shown[place], result.minimised) for place in places]
+            words = [f"{names[place]}\n{_design_text(shown[place], result.minimised)}" for place in places]
+            look: Any = {"filled": tested, "label": label, "markersize": 6.0, "color": drawing.BLUE}
+            drawing.points(axes, values, places, words, **look)
+        axes.set_xlabel(CRITERIA[result.minimised].heading)
+
+    note = f"The best {MAX_PAIRS} of {len(best)} pairs of materials are shown." if len(best) > MAX_PAIRS else ""
+    heading = f"{OBJECTIVES[result.minimised].least.capitalize()} design of each pair of materials"
+    return _Panel(drawing.rows_height(names, titled=True), heading, draw_pairs, note)
+
+
+def _front_panel(result: DesignResult) -> _Panel:
+    """Return the panel of the Pareto front over its first two criteria, a series for each pair of materials."""
+    keys = result.criteria[:2]
+
+    def draw_designs(axes: Axes, designs: Sequence[Design], name: str, **look: Any) -> None:
+        x, y = ([getattr(design, key) for design in designs] for key in keys)
+        words = [f"{name}\n{_design_text(design, *result.criteria)}" for design in designs]
+        drawing.points(axes, x, y, words, label=drawing.legible(name), **look)
+
+    def draw_all(axes: Axes) -> None:
+        for index, (name, designs) in enumerate(grouped(result.pareto, pair_words).items()):
+            draw_designs(axes, designs, name, filled=False, **drawing.look_of(index))
+        if result.shown is not None:
+            name = "nearest" if result.reason else "best"
+            draw_designs(axes, [result.shown], name, markersize=3.0, color=drawing.INK)
+        axes.set(xlabel=CRITERIA[keys[0]].heading, ylabel=CRITERIA[keys[1]].heading)
+
+    notes = []
+    if len(result.criteria) > 2:
+        hidden = " and ".join(CRITERIA[key].label for key in result.criteria[2:])
+        notes.append(f"Designs that others beat in both criteria drawn are better in {hidden}.")
+    if COST.key in keys:
+        notes.append("Costs are in the currency of the scenario.")
+    return _Panel(drawing.PANEL, "Pareto front", draw_all, " ".join(notes))
+
+
+def _design_text(design: Design, *criteria: str) -> str:
+    """Return the thicknesses of a design and its values of criteria."""
+    values = (f"{CRITERIA[key].label} {drawing.value_text(CRITERIA[key], getattr(design, key))}" for key in criteria)
+    return ", ".join([f"{design.ceramic_thickness_mm:.4g} on {design.backing_thickness_mm:.4g} mm", *values])

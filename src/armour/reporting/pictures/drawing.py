@@ -1,0 +1,427 @@
+"""What all pictures share: colours, sheets with panels, marks, legends, titles and files."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from io import BytesIO
+from typing import Any, NamedTuple
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.text import Text
+from matplotlib.ticker import MaxNLocator
+from matplotlib.transforms import offset_copy
+
+from armour.analysis.results import Result
+from armour.errors import mistake
+from armour.reporting.table import column_of, in_words
+from armour.reporting.text import number, percent, printable_lines, wrapped
+from armour.scenario.inputs import VELOCITY
+
+# The palette of Okabe and Ito, which colour-blind readers can tell apart, and the colours of text and reference lines.
+BLUE, VERMILION, GREEN, ORANGE, PURPLE = "#0072b2", "#d55e00", "#009e73", "#e69f00", "#cc79a7"
+INK, SOFT, PAPER = "#16191c", "#6a7178", "#ffffff"
+# Colours, line styles and markers of series one after the other, so that they differ in more than colour.
+COLOURS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, INK)
+STYLES: Any = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (8, 2)))
+MARKERS = "os^DvP"
+# Colours in which text is hard to read on paper.
+PALE = {ORANGE, PURPLE}
+# Sizes of text, points.
+FONT, TITLE, NAME, SMALL = 9.0, 10.5, 8.0, 7.0
+STYLE: Any = {
+    "axes.axisbelow": True,
+    "axes.edgecolor": INK,
+    "axes.grid": True,
+    "axes.labelcolor": INK,
+    "axes.spines.right": False,
+    "axes.spines.top": False,
+    "axes.titlesize": FONT,
+    "figure.constrained_layout.use": True,
+    "font.size": FONT,
+    "grid.alpha": 0.25,
+    "grid.color": SOFT,
+    "legend.fontsize": NAME,
+    "legend.frameon": False,
+    "lines.linewidth": 1.6,
+    "lines.markersize": 5.0,
+    "svg.fonttype": "none",
+    "svg.hashsalt": "armour",
+    "text.color": INK,
+    "text.parse_math": False,  # titles are the user's
+    "xtick.color": INK,
+    "ytick.color": INK,
+}
+# Formats of files, with what keeps two files of a picture the same.
+METADATA: dict[str, Any] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+# Widths of a picture and of one in a column of a page, and the height of a panel, inches.
+WIDTH, COLUMN, PANEL = 5.2, 3.45, 2.6
+# Width of a character as a part of the size of the font, and of a bold one; characters of a name at the end of a curve.
+CHARACTER, BOLD, END_CHARACTERS = 0.56, 0.64, 20
+# Points of a panel up to which their marks are large.
+MANY = 100
+# Looks of a reference line, of a shaded range, and of the paper behind a name.
+RULE: Any = {"linewidth": 1.0, "color": INK}
+SHADE: Any = {"color": SOFT, "alpha": 0.18, "linewidth": 0}
+BEHIND: Any = {"facecolor": PAPER, "alpha": 0.75, "linewidth": 0, "pad": 0.5}
+
+
+class NotebookFigure(Figure):
+    """A figure that a notebook shows."""
+
+    def _repr_png_(self) -> bytes:
+        return saved(self, ".png", dpi=100)
+
+
+class Points(Line2D):
+    """Separate points, of which a page shows the words on hover, or else the values."""
+
+    words: Sequence[str] = ()
+
+
+@dataclass(frozen=True)
+class Picture:
+    """Panels that are drawn, with a title, which is the answer, and a note."""
+
+    axes: list[Axes]
+    title: str
+    note: str = ""
+
+    @property
+    def figure(self) -> Any:
+        """The figure of the panels."""
+        return self.axes[0].figure
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """What a picture is drawn on: a figure of a width, inches, or of the picture's own; or axes of a user."""
+
+    width: float | None = None
+    ax: Axes | None = None
+
+    def across(self, width: float = WIDTH) -> float:
+        """Return the width of a picture that has one of its own, inches."""
+        return self.width or width
+
+    def panels(
+        self, title: str, *heights: float, note: str = "", width: float = WIDTH, beside: bool = False, **subplots: Any
+    ) -> Picture:
+        """Return a picture with empty panels of heights in inches, below or beside each other."""
+        if self.ax is not None:
+            if len(heights) > 1:
+                raise mistake("plot", "ax", f"must not be given for a picture of {len(heights)} panels")
+            return Picture([self.ax], title, note)
+        figure = NotebookFigure(figsize=(self.across(width), max(heights) if beside else sum(heights)))
+        if beside:
+            grid = figure.subplots(1, len(heights), squeeze=False, **subplots)
+        else:
+            grid = figure.subplots(len(heights), 1, squeeze=False, height_ratios=heights, **subplots)
+        return Picture(grid.ravel().tolist(), title, note)
+
+
+def drawn(
+    draw: Callable[[Sheet], Picture],
+    sheet: Sheet,
+    heading: Sequence[str] = (),
+    *,
+    title: str | None = None,
+    bare: bool = False,
+) -> Picture:
+    """Return a picture with legends, title, what it is about, which is the first line of a heading, and note.
+
+    A bare one has only the legends, and one in axes of a user no note.
+    """
+    with mpl.rc_context(STYLE):
+        picture = draw(sheet)
+        lines = [picture.title, *heading[:1]] if title is None else [title]
+        for text in (text for axes in picture.axes for text in axes.findobj(Text)):
+            text.set_text(printable_lines(text.get_text()))
+        if sheet.ax is not None:
+            room = sheet.ax.bbox.width / sheet.ax.figure.dpi
+            sheet.ax.set_title("\n".join(_lines([lines[0]], room, FONT)))
+            if sheet.ax.get_legend_handles_labels()[0]:
+                sheet.ax.legend()
+            return picture
+        if not bare:
+            _make_room(picture.figure, _write(picture.figure, list(filter(None, lines)), picture.note))
+        picture.figure.draw_without_rendering()  # places the panels
+        _make_room(picture.figure, [legend for axes in picture.axes for legend in _name(axes)])
+    return picture
+
+
+def _make_room(figure: Any, parts: Sequence[Any]) -> None:
+    """Make a figure higher by what is written about its panels, which takes none of their height."""
+    more = sum(part.get_window_extent().height for part in parts) / figure.dpi
+    figure.set_figheight(figure.get_figheight() + more)
+
+
+def _write(figure: Figure, lines: Sequence[str], note: str) -> list[Any]:
+    """Write the title, bold, beneath it what it is about, and the note below the panels, at the left edge."""
+    width, (title, *subject) = figure.get_figwidth(), lines
+    bold, plain = _lines([title], width, TITLE, BOLD), _lines(subject, width, FONT)
+    look: Any = {"x": 0.05 / width, "ha": "left", "linespacing": 1.25}
+    above = figure.suptitle("\n".join([*bold, *([""] * len(plain))]), fontsize=TITLE, fontweight="bold", **look)
+    # At a distance from the edge: what is below makes the figure higher.
+    place = offset_copy(figure.transFigure, figure, y=-0.05 - 1.25 * TITLE * len(bold) / 72.0, units="inches")
+    figure.text(y=1.0, s="\n".join(plain), va="top", transform=place, **look)
+    return [above, figure.supxlabel("\n".join(_lines([note], width, NAME)), fontsize=NAME, **look)]
+
+
+def _lines(texts: Iterable[str], width: float, size: float, character: float = CHARACTER) -> list[str]:
+    """Return the lines of texts of a size within a width, inches."""
+    room = max(10, int(72.0 * (width - 0.1) / (character * size)))
+    return [line for text in texts for part in printable_lines(text).splitlines() for line in wrapped(part, room)]
+
+
+def _name(axes: Axes) -> list[Any]:
+    """Name several curves at their ends where these are apart, and the rest in a legend below the panel, if any."""
+    handles: list[Any] = [] if axes.get_legend() else axes.get_legend_handles_labels()[0]
+    curves, scale = list(filter(is_curve, handles)), 72.0 / axes.figure.dpi
+    ends = [_end(line, axes) for line in curves]
+    heights = np.sort([scale * axes.transData.transform(end)[1] for end in ends if end is not None])
+    apart = len(heights) == len(curves) > 1 and np.diff(heights).min() > 1.3 * NAME and axes.get_aspect() == "auto"
+    if apart and all(len(line.get_label()) <= END_CHARACTERS for line in curves):
+        for line, end in zip(curves, ends, strict=True):
+            colour = INK if line.get_color() in PALE else line.get_color()
+            look: Any = {"color": colour, "fontsize": NAME, "annotation_clip": False}
+            axes.annotate(line.get_label(), end, (4.0, 0.0), textcoords="offset points", va="center", **look)
+        handles = [handle for handle in handles if handle not in curves]
+    if not handles:
+        return []
+    box: Any = axes.get_tightbbox()
+    room = int(scale * box.width / (CHARACTER * NAME))  # characters
+    labels = ["\n".join(wrapped(handle.get_label(), room - 7)) for handle in handles]
+    columns = room // (max(len(line) for label in labels for line in label.splitlines()) + 7)
+    # Measured from the panel, which keeps its height.
+    left, down = (box.x0 - axes.bbox.x0) / axes.figure.dpi, (axes.bbox.y0 - box.y0) / axes.figure.dpi
+    figure: Any = axes.figure
+    place = offset_copy(axes.transAxes, figure, x=left, y=-down, units="inches")
+    look = {"loc": "upper left", "bbox_to_anchor": (0.0, 0.0), "bbox_transform": place, "borderaxespad": 0.4}
+    return [axes.legend(handles, labels, ncols=max(1, min(3, columns, len(handles))), **look)]
+
+
+def is_curve(artist: Any) -> bool:
+    """Return whether an artist is a line of values, and no mark or line across the panel."""
+    return (
+        isinstance(artist, Line2D)
+        and artist.get_linestyle() != "None"
+        and artist.axes is not None
+        and artist.get_transform() == artist.axes.transData
+        and np.size(artist.get_xydata()) > 0
+    )
+
+
+def _end(line: Any, axes: Axes) -> Any:
+    """Return the last point of a curve within its panel; None if it is none over x, or leaves the panel before."""
+    points = np.asarray(line.get_xydata(), float)
+    points = points[np.isfinite(points).all(axis=1)]
+    points = points[points[:, 0] <= axes.get_xlim()[1]]
+    whole = len(points) and (np.diff(points[:, 0]) >= 0.0).all() and points[0, 0] < points[-1, 0]
+    return points[-1] if whole and axes.bbox.padded(1.0).contains(*axes.transData.transform(points[-1])) else None
+
+
+def saved(figure: Figure, suffix: str, **options: Any) -> bytes:
+    """Return a figure as a file of the format that the suffix names, a key of `METADATA`."""
+    content = BytesIO()
+    with mpl.rc_context(STYLE):
+        figure.savefig(content, format=suffix[1:], metadata=METADATA[suffix], **{"dpi": 160, **options})
+    return content.getvalue()
+
+
+def needed(result: Result, key: str) -> Any:
+    """Return what a picture shows beside the result, its scenario or shots; only a result made by hand has none."""
+    if (value := result.question.get(key)) is None:
+        raise mistake("plot", key, "must be given to draw this result")
+    return value
+
+
+def legible(label: str) -> str:
+    """Return a label of the user's for a legend, in which it must not begin with an underscore."""
+    return printable_lines(f" {label}" if label.startswith("_") else label)
+
+
+def look_of(index: int) -> dict[str, Any]:
+    """Return colour and marker of one of several series; when colours repeat, they have other markers."""
+    turn, colour = divmod(index, len(COLOURS))
+    return {"color": COLOURS[colour], "marker": MARKERS[(colour + turn) % len(MARKERS)]}
+
+
+def points(axes: Axes, x: Any, y: Any, words: Sequence[str] = (), *, filled: bool = True, **look: Any) -> None:
+    """Draw separate points; those beyond fixed limits are left out, as a mark on an edge is not cut."""
+    x, y = np.array(x, float), np.array(y, float)
+    for values, (low, high), free in (
+        (x, sorted(axes.get_xlim()), axes.get_autoscalex_on()),
+        (y, sorted(axes.get_ylim()), axes.get_autoscaley_on()),
+    ):
+        values[[] if free else (values < low) | (values > high)] = np.nan
+    if np.isfinite(x + y).any():
+        style: Any = {"marker": "o", "linestyle": "none", "clip_on": False, "zorder": 4, "markeredgewidth": 0.6}
+        style |= {"markeredgecolor": INK} if filled else {"markerfacecolor": "none", "markeredgewidth": 1.0}
+        line = Points(x, y, **style | look)
+        line.words = words
+        axes.add_line(line)
+        axes.autoscale_view()
+
+
+def ranges(axes: Axes, x: Any, y: Any, ends: Sequence[tuple[float, float]], colour: str, along: str = "x") -> None:
+    """Draw ranges along an axis through points; a range need not contain its point."""
+    low, high = np.sort(np.array(ends, float), axis=1).T
+    # As lists: matplotlib 3.10 converts arrays of one element in a way that numpy deprecates.
+    given = {
+        "x": list(x),
+        "y": list(y),
+        along: (0.5 * (low + high)).tolist(),
+        f"{along}err": (0.5 * (high - low)).tolist(),
+    }
+    axes.errorbar(**given, fmt="none", ecolor=colour, capsize=3.0)
+
+
+def name_point(axes: Axes, x: float, y: float, name: str, *, above: bool = True) -> None:
+    """Write the name of a point above it to the right, or below it to the left, as far as there is room."""
+    [(across, up)] = axes.transAxes.inverted().transform(axes.transData.transform([(x, y)])).tolist()
+    right = across < 0.67 if above else across < 0.33
+    above = above or up < 0.1
+    offset = (6.0 if right else -6.0, 5.0 if above else -5.0)
+    look: Any = {"ha": "left" if right else "right", "va": "bottom" if above else "top", "fontsize": NAME, "zorder": 5}
+    axes.annotate(name, (x, y), offset, textcoords="offset points", bbox=BEHIND, **look)
+
+
+def contours(
+    axes: Axes, x: Any, y: Any, z: Any, levels: Any, at: float, label: str = "", fmt: Any = "%g", **look: Any
+) -> None:
+    """Draw lines of equal value, at given values or about so many, named on a rising diagonal of the panel.
+
+    ``at`` is how far above the middle one the diagonal lies, as a part of the panel: lines of several quantities, which
+    all fall, are named at different places.
+    """
+    z = np.ma.masked_invalid(np.array(z, float))
+    if np.ndim(levels) == 0:
+        levels = MaxNLocator(levels).tick_values(z.min(), z.max())
+    axes.grid(visible=False)
+    inside = [level for level in levels if z.min() < level < z.max()]
+    style: Any = {"color": INK, "linewidth": 0.8, "linestyle": "-"} | look
+    if inside:
+        lines = axes.contour(
+            x, y, z, levels=inside, colors=style["color"], linewidths=style["linewidth"], linestyles=style["linestyle"]
+        )
+        places = [_on_diagonal(path.vertices, axes, at) for path in lines.get_paths() if len(path)] if fmt else []
+        axes.clabel(lines, fontsize=SMALL, fmt=fmt, manual=places) if places else None
+    if label:
+        axes.plot([], [], label=label, **style)
+
+
+def _on_diagonal(vertices: Any, axes: Axes, at: float) -> Any:
+    """Return the point of a line that is nearest to a rising diagonal, not at an edge unless the whole line is."""
+    parts = axes.transLimits.transform(vertices)
+    distance = abs(parts[:, 1] - parts[:, 0] - at) + 10.0 * (np.minimum(parts, 1.0 - parts).min(axis=1) < 0.06)
+    return tuple(vertices[distance.argmin()])
+
+
+def colours_of(axes: Axes, x: Any, y: Any, z: Any, heading: str) -> None:
+    """Draw a quantity over a grid as colours, in the light part of a scale, on which lines and names are legible."""
+    colours = mpl.colors.ListedColormap(mpl.colormaps["Blues"](np.linspace(0.02, 0.5, 256)))
+    axes.grid(visible=False)
+    mesh = axes.pcolormesh(x, y, np.ma.masked_invalid(z), cmap=colours, shading="nearest", rasterized=True)
+    axes.figure.colorbar(mesh, ax=axes, label=heading)
+
+
+def residual_axes(axes: Axes, limits: tuple[float, float]) -> None:
+    """Name the axes of residual over impact velocity."""
+    axes.set(xlabel=in_words(VELOCITY), ylabel=in_words("residual_velocity_m_s"), xlim=limits)
+    axes.set_ylim(bottom=0.0)
+
+
+def rows_height(names: Iterable[str], *, titled: bool = False) -> float:
+    """Return the height of a panel with a row for each name, inches."""
+    lines = max((len(wrapped(name, 22)) for name in names), default=1)
+    return 0.6 + 0.2 * titled + max(0.21, 0.16 * lines) * len(list(names))
+
+
+def rows(
+    axes: Axes, names: Sequence[str], values: Mapping[str, Sequence[float | None]], start: float | None = None
+) -> None:
+    """Draw values of each name as marks in its row, from a start on with stems."""
+    name_rows(axes, names)
+    if start is not None:
+        axes.axvline(start, **RULE)
+    for index, (label, series) in enumerate(values.items()):
+        numbers, look = np.array(series, float), look_of(index)
+        places = np.flatnonzero(np.isfinite(numbers))
+        if start is not None:
+            ranges(axes, places, places, [(start, number) for number in numbers[places]], look["color"])
+        points(axes, numbers[places], places, label=legible(label), filled=not index, **look)
+
+
+def name_rows(axes: Axes, names: Sequence[str]) -> None:
+    """Name the rows of a panel, the first on top."""
+    axes.set_yticks(range(len(names)), ["\n".join(wrapped(printable_lines(name), 22)) for name in names])
+    axes.set_ylim(len(names) - 0.5, -0.5)
+    axes.grid(visible=False, axis="y")
+    axes.tick_params(axis="y", length=0.0)
+    axes.margins(x=0.08)
+
+
+class Compared(NamedTuple):
+    """A known and a computed value, with their name, the word for the known one and its standard deviation, if any."""
+
+    name: str
+    word: str
+    known: float
+    computed: float
+    deviation: float = 0.0
+
+
+def agreement(
+    axes: Axes, quantity: str, word: str, groups: Mapping[str, Sequence[Compared]], part: float = 0.0
+) -> None:
+    """Draw computed over known values, with lines of agreement and, on request, a part away from it."""
+    column = column_of(quantity, ".5g")
+    every = [point for group in groups.values() for point in group]
+    low, high = widened(value for p in every for value in (p.known - p.deviation, p.known + p.deviation, p.computed))
+    # Few points that are near each other are shown with the lines beside them.
+    margin = part * high if high - low < part * high else 0.0
+    span = low - margin, high + margin
+    axes.set(xlabel=f"{word} {column.heading}", ylabel=f"computed {column.heading}", xlim=span, ylim=span)
+    axes.set_aspect("equal")
+    for index, (label, group) in enumerate(groups.items()):
+        known, computed = [p.known for p in group], [p.computed for p in group]
+        words = [
+            f"{p.name}\n{p.word} {value_text(column, p.known)}"
+            + (f" ± {value_text(column, p.deviation)}" if p.deviation else "")
+            + f", computed {value_text(column, p.computed)}"
+            for p in group
+        ]
+        look = look_of(index) | {"label": legible(label), "markersize": 5.0 if len(every) <= MANY else 3.0}
+        if any(p.deviation for p in group):
+            ends = [(p.known - p.deviation, p.known + p.deviation) for p in group]
+            ranges(axes, known, computed, ends, look["color"])
+        points(axes, known, computed, words, filled=False, **look)
+    lines = [
+        (1.0, "agreement", "-"),
+        *([(1.0 - part, f"± {percent(part)}", ":"), (1.0 + part, "", ":")] if part else []),
+    ]
+    for factor, label, style in lines:
+        axes.plot(span, [factor * end for end in span], linestyle=style, color=INK, linewidth=0.8, label=label)
+
+
+def value_text(column: Any, value: float) -> str:
+    """Return a value of a column with its unit."""
+    return f"{number(value, column.spec)} {column.unit}".rstrip()
+
+
+def widened(values: Iterable[float], part: float = 0.05) -> tuple[float, float]:
+    """Return the range of values, wider by a part of it at each end."""
+    numbers = list(values)
+    margin = part * (max(numbers) - min(numbers)) or 0.05 * abs(numbers[0]) or 1.0
+    return min(numbers) - margin, max(numbers) + margin
+
+
+def on_grid(x: Any, y: Any, values: Any) -> tuple[Any, Any, Any]:
+    """Return the different x and y of points in order, and their values, z[j, i] at x[i] and y[j]; NaN without one."""
+    xs, ys = np.unique(x), np.unique(y)
+    z = np.full((len(ys), len(xs)), np.nan)
+    z[np.searchsorted(ys, y), np.searchsorted(xs, x)] = values
+    return xs, ys, z

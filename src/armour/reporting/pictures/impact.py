@@ -1,0 +1,193 @@
+"""Picture of an impact: penetrator and armour at the ends of its stages, and its history."""
+
+from itertools import pairwise
+from math import inf
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Rectangle
+
+from armour.analysis.history import History
+from armour.analysis.impact import ImpactResult
+from armour.core.equations import crack_velocity
+from armour.core.state import Parameters
+from armour.errors import mistake
+from armour.reporting.pictures import drawing
+from armour.reporting.pictures.drawing import Picture, Sheet
+from armour.reporting.text import wrapped
+from armour.reporting.views.impact import STAGES
+from armour.units import MM
+
+# Panels over time: y axis, height, and curves by label.
+PANELS: Any = (
+    (
+        "velocity, m/s",
+        1.1 * drawing.PANEL,
+        {
+            "projectile V": "velocity_m_s",
+            "penetration U": "penetration_velocity_m_s",
+            "target W": "target_velocity_m_s",
+        },
+    ),
+    ("penetrator length L, mm", 0.75 * drawing.PANEL, {"": "length_mm"}),
+    ("depth, bulge, mm", 0.75 * drawing.PANEL, {"depth Z": "depth_mm", "bulge h": "bulge_height_mm"}),
+)
+# Colours of all curves one after the other.
+COLOURS = (drawing.BLUE, drawing.ORANGE, drawing.GREEN, drawing.INK, drawing.PURPLE, drawing.VERMILION)
+CERAMIC, METAL, ROD = "#d9c48f", "#a9b8c6", "#5c6875"
+# Pictures of an impact at most, the least height of armour that they show, in diameters of the penetrator and as a part
+# of their length, and the scale drawn, mm.
+PICTURES, SHOWN_DIAMETERS, SHOWN_PART, SCALE_MM = 6, 3.6, 0.6, 10.0
+# Part of the width of a picture that a panel takes at least.
+PART = 0.8
+# Width of a picture, inches, characters in a line of words above it, and the time between events of one at most, µs.
+INCHES, EVENT_CHARACTERS, AT_ONCE_US = 6.0, 12, 1e-3
+
+
+def draw(result: ImpactResult, sheet: Sheet) -> Picture:
+    """Draw the armour and the penetrator, and below them velocities, length and depths over time."""
+    history = result.history
+    if history is None:
+        raise mistake("plot", "result", "must have its history: simulate(scenario, history=True)")
+    # Below 5 % of the impact velocity the projectile hardly moves; 1.5 times the time until then is shown.
+    slow = history.time_us[history.velocity_m_s <= 0.05 * result.impact_velocity_m_s]
+    shown = min(result.duration_us, 1.5 * float(slow[0])) if slow.size else result.duration_us
+    title = f"Stopped at a depth of {result.penetration_depth_mm:.3g} mm"
+    if result.outcome == "perforated":
+        title = f"Perforated: residual velocity {result.residual_velocity_m_s:.0f} m/s"
+    note = f"Drawn up to {shown:.3g} µs of {result.duration_us:.3g} µs." if shown < result.duration_us else ""
+    scene = None if result.question.get("scenario") is None else _Scene(result, history)
+    scenes = [] if scene is None else [scene.high_inches(sheet.across(INCHES))]
+    picture = sheet.panels(title, *scenes, *(height for _, height, _ in PANELS), note=note, width=INCHES)
+    over_time = picture.axes[len(scenes) :]
+    seen, colours = history.time_us <= shown, iter(COLOURS)
+    for axes, (label, _, curves) in zip(over_time, PANELS, strict=True):
+        axes.sharex(over_time[-1])
+        axes.tick_params(labelbottom=axes is over_time[-1])
+        for stage in result.stages[::2]:
+            axes.axvspan(stage.start_us, stage.end_us, **drawing.SHADE)
+        for (name, key), style in zip(curves.items(), drawing.STYLES, strict=False):
+            look: Any = {"linestyle": style, "color": next(colours), "label": name}
+            axes.plot(history.time_us[seen], getattr(history, key)[seen], **look)
+        axes.set_ylabel(label)
+    over_time[1].set_ylim(bottom=0.0)
+    over_time[2].legend(loc="upper left")  # both rise from 0
+    over_time[-1].set(xlabel="time since impact, µs", xlim=(0.0, max(shown, 1e-9)))
+    _name_stages(over_time[0], result, shown, PART * sheet.across(INCHES))
+    if scene is not None:
+        scene.draw(picture.axes[0], PART * sheet.across(INCHES))
+    return picture
+
+
+def _name_stages(axes: Axes, result: ImpactResult, shown: float, inches: float) -> None:
+    """Name the stages above a panel of a width, in words where there is room, or by their codes."""
+    low, high = axes.get_ylim()
+    axes.set_ylim(low, high)
+    for stage in result.stages:
+        if stage.start_us < shown:
+            start, end = stage.start_us, min(stage.end_us, shown)
+            room = int((end - start) / shown * inches * 72.0 / (drawing.CHARACTER * drawing.SMALL))
+            words = STAGES[stage.stage].name
+            fits = max(map(len, words.split())) <= room
+            lines = [stage.stage, *wrapped(words, room)] if fits else [stage.stage] * (len(stage.stage) <= room)
+            place: Any = {"transform": axes.get_xaxis_transform(), "ha": "center", "va": "bottom"}
+            axes.text(0.5 * (start + end), 1.01, "\n".join(lines), fontsize=drawing.SMALL, **place)
+            text = f"stage {stage.stage}: {STAGES[stage.stage].words}\n{stage.start_us:.4g} to {stage.end_us:.4g} µs"
+            drawing.points(axes, [0.5 * (start + end)], [high], [text], marker="None")
+
+
+class _Scene:
+    """Pictures to scale along the line of fire, side by side: at the start and at the end of each stage."""
+
+    def __init__(self, result: ImpactResult, history: History) -> None:
+        p = result.question["scenario"].core_armour()
+        self.rod, self.diameter, self.ceramic, self.backing = (value / MM for value in (p.L0, p.D0, p.Hc0, p.Hb))
+        self.fragmented_us = _fragmented_us(p, history)
+        self.moments = _moments(result, self.fragmented_us)
+        times = [time for time, _ in self.moments]
+        self.depths, self.lengths, self.bulges, self.velocities = (
+            np.interp(times, history.time_us, values)
+            for values in (history.depth_mm, history.length_mm, history.bulge_height_mm, history.velocity_m_s)
+        )
+        left = np.minimum(self.depths - self.lengths, 0.0)
+        right = self.ceramic + self.backing + self.bulges
+        # Each has its width, but for those too narrow for words.
+        mean = (right - left).mean()
+        slots = (right - left).clip(min=0.85 * mean) + 0.15 * mean
+        self.middles, self.width = np.cumsum(slots) - 0.5 * slots, float(slots.sum())
+        self.starts = self.middles - 0.5 * (left + right)  # of the armour
+        self.high = 0.5 * max(SHOWN_DIAMETERS * self.diameter, SHOWN_PART * (self.rod + self.ceramic + self.backing))
+        self.words = [
+            f"{time:.3g} µs\n{velocity:.0f} m/s\n" + "\n".join(wrapped(event, EVENT_CHARACTERS))
+            for (time, event), velocity in zip(self.moments, self.velocities, strict=True)
+        ]
+
+    def high_inches(self, inches: float) -> float:
+        """Return the height of the pictures in a width, inches."""
+        lines = max(words.count("\n") + 1 for words in self.words)
+        return (inches - 0.1) * 3.65 * self.high / self.width + 1.3 * drawing.SMALL / 72.0 * lines
+
+    def draw(self, axes: Axes, inches: float) -> None:
+        """Draw the pictures in a width, inches."""
+        high = self.high
+        for (time, _), start, *state in zip(
+            self.moments, self.starts, self.depths, self.lengths, self.bulges, strict=True
+        ):
+            self._draw_moment(axes, start, *state, broken=time >= self.fragmented_us - AT_ONCE_US)
+        axes.add_patch(Rectangle((0.0, -2.6 * high), SCALE_MM, 0.02 * high, facecolor=drawing.INK))
+        longest = max(len(line) for words in self.words for line in [*words.splitlines(), "penetrator"])
+        room = 72.0 * inches / self.width * np.diff(self.middles).min(initial=self.width)
+        look: Any = {"ha": "center", "fontsize": min(drawing.SMALL, room / (drawing.CHARACTER * (longest + 1)))}
+        rods = [self.starts[0] - 0.5 * self.rod, *self.middles[1:]]
+        for middle, words, rod, length in zip(self.middles, self.words, rods, self.lengths, strict=True):
+            axes.text(middle, high, words, va="bottom", **look)
+            axes.text(rod, -1.05 * high, f"penetrator\n{length:.3g} mm", va="top", **look)
+        axes.text(0.5 * SCALE_MM, -2.6 * high, f"{SCALE_MM:g} mm", va="bottom", **look)
+        layers = "ceramic, plate" if self.ceramic else "plate"
+        axes.text(self.starts[0] + 0.5 * (self.ceramic + self.backing), -1.8 * high, layers, va="top", **look)
+        axes.set(xlim=(0.0, self.width), ylim=(-2.65 * high, high), aspect="equal")
+        axes.set_axis_off()
+
+    def _draw_moment(
+        self, axes: Axes, start: float, depth: float, length: float, bulge: float, *, broken: bool
+    ) -> None:
+        """Draw what is seen of layers and penetrator; one of a broken material is hatched."""
+        half, high, total = 0.5 * self.diameter, self.high, self.ceramic + self.backing
+        edge: Any = {"edgecolor": drawing.INK, "linewidth": 0.5}
+        for colour, near, far, hatch in (
+            (CERAMIC, 0.0, self.ceramic, "xxx" if broken else None),
+            (METAL, self.ceramic, total, None),
+        ):
+            ahead = max(near + (bulge if near else 0.0), depth)
+            beside = [(near, far, -high, -half), (near, far, half, high)]
+            for first, last, low, top in [*beside, (ahead, far + bulge, -half, half)]:
+                if far > near and last > first:
+                    corner = start + first, low
+                    axes.add_patch(Rectangle(corner, last - first, top - low, facecolor=colour, hatch=hatch, **edge))
+        if length > 0.0:
+            axes.add_patch(Rectangle((start + depth - length, -half), length, 2.0 * half, facecolor=ROD, **edge))
+
+
+def _moments(result: ImpactResult, fragmented_us: float) -> list[tuple[float, str]]:
+    """Return the times of the pictures, µs, and what happens then: the first events, and the last."""
+    events = [(0.0, "impact")]
+    for stage, after in pairwise(result.stages):
+        event = STAGES[after.stage].begins
+        if after.stage in ("iii.1", "iii.2", "iii.3") and stage.stage[:3] != "iii":
+            event = "ceramic penetrated"
+        elif (stage.stage, after.stage) == ("ii.2", "ii.1"):
+            event = "dwell ends"
+        events.append((stage.end_us, event))
+    events.append((result.duration_us, result.outcome))
+    if fragmented_us < result.duration_us and min(abs(time - fragmented_us) for time, _ in events) > AT_ONCE_US:
+        events = sorted([*events, (fragmented_us, STAGES["ii.1"].begins)])
+    return [*events[: PICTURES - 1], *events[PICTURES - 1 :][-1:]]
+
+
+def _fragmented_us(p: Parameters, history: History) -> float:
+    """Return when the crack meets the penetrator (7), µs, which begins no stage in dwell; infinite if it does not."""
+    if not p.Hc0:
+        return inf
+    crossed = history.depth_mm + history.time_us * 1e-6 * crack_velocity(p.Ec, p.rho_c) / MM
+    return float(np.interp(p.Hc0 / MM, crossed, history.time_us, right=inf))

@@ -1,0 +1,105 @@
+"""Picture of a plan of shots: prior and posterior of V50, the shots, and the next velocity."""
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from armour.planning.firing import ShotPlan
+from armour.reporting.pictures import drawing
+from armour.reporting.pictures.drawing import Picture, Sheet
+from armour.reporting.table import in_words
+from armour.reporting.text import interval, percent
+from armour.scenario.inputs import VELOCITY
+from armour.statistics.v50 import Shots
+
+KINDS = (("partial penetration", False, drawing.GREEN, "o"), ("complete penetration", True, drawing.VERMILION, "^"))
+
+
+def draw(plan: ShotPlan, sheet: Sheet) -> Picture:
+    """Draw the densities of V50, and beneath them the shots or the operating characteristic of their procedure."""
+    reach = [*plan.fired.velocities_m_s, plan.model_ballistic_limit_m_s, *(plan.limits_m_s or ())]
+    x = list(plan.curve.velocity_m_s) if plan.curve else np.linspace(0.9 * min(reach), 1.1 * max(reach), 201).tolist()
+    simulated, dense = bool(plan.operating_characteristic), bool(plan.curve and plan.posterior)
+    note = f"{plan.stopped}." if plan.stopped else ""
+    heights = [drawing.PANEL] * (2 if dense else 1)
+    picture = sheet.panels(_title(plan), *heights, note=note, sharex=dense and not simulated)
+    last = picture.axes[-1]
+    if dense:
+        _draw_densities(picture.axes[0], plan, x)
+    if simulated:
+        _draw_operating(last, plan)
+        return picture
+    last.set(xlabel=in_words(VELOCITY), xlim=(x[0], x[-1]))
+    last.set(ylabel="probability of complete penetration", ylim=(-0.05, 1.05))
+    if dense:
+        label = "by the posterior" if plan.fired.complete else "by the prior"
+        last.plot(x, plan.curve.probability, color=drawing.BLUE, label=label)
+    elif fit := plan.recommended:
+        last.plot(x, [fit.probability(v) for v in x], color=drawing.BLUE, label=f"{fit.curve}, {fit.method}")
+    draw_shots(last, plan.fired)
+    _draw_velocities(last, plan, x, named=not dense)
+    return picture
+
+
+def _title(plan: ShotPlan) -> str:
+    """Return what is next, and what is known after the shots so far."""
+    fired = len(plan.fired.complete)
+    following = "Firing ended" if plan.next_velocity_m_s is None else f"Next shot at {plan.next_velocity_m_s:.1f} m/s"
+    basis = f"after {fired} shot{'' if fired == 1 else 's'}" if fired else "by the prior"
+    if plan.posterior is not None:
+        ends = interval(plan.posterior.v50_interval_m_s, ".0f")
+        basis += f" V50 {plan.posterior.v50_m_s:.0f} m/s, {percent(plan.confidence)} interval {ends} m/s"
+    return f"{following}; {basis}"
+
+
+def _draw_densities(axes: Axes, plan: ShotPlan, x: list[float]) -> None:
+    """Draw what is known of V50 before and after the shots."""
+    label = "prior, the model with its error" if plan.model_error else "prior"
+    axes.plot(x, plan.curve.prior, linestyle="--", color=drawing.PURPLE, label=label)
+    if plan.fired.complete:
+        axes.plot(x, plan.curve.posterior, color=drawing.BLUE, label="posterior, with the shots")
+    _draw_velocities(axes, plan, x, named=True)
+    axes.set(xlabel=in_words(VELOCITY), ylabel="probability density of V50, s/m", xlim=(x[0], x[-1]))
+    axes.set_ylim(bottom=0.0)
+    axes.label_outer()
+
+
+def _draw_operating(axes: Axes, plan: ShotPlan) -> None:
+    """Draw the fractions of simulated firings that accept and reject armours around the requirement."""
+    armours = plan.operating_characteristic
+    v50 = [armour.v50_m_s for armour in armours]
+    for key, label, colour, style in (
+        ("met", "met", drawing.GREEN, "-"),
+        ("not_met", "not met", drawing.VERMILION, "--"),
+    ):
+        look: Any = {"marker": "o", "markerfacecolor": "none", "linestyle": style, "color": colour, "label": label}
+        axes.plot(v50, [getattr(armour, key) for armour in armours], **look)
+    if (accepted := plan.consumers_risk) is not None:
+        label = f"either risk {percent(accepted)}"
+        axes.axhline(accepted, linestyle=":", linewidth=1.0, color=drawing.SOFT, label=label)
+    if (at := plan.requirement_m_s) is not None and v50[0] <= at <= v50[-1]:
+        axes.axvline(at, linestyle="-.", linewidth=1.0, color=drawing.SOFT)
+    axes.set(xlabel="V50 of the armour, m/s", ylabel="fraction of firings", ylim=(-0.05, 1.05))
+    axes.set_title(f"operating characteristic at a scatter of {armours[0].scatter_m_s:.0f} m/s")
+
+
+def draw_shots(axes: Axes, shots: Shots) -> None:
+    """Draw the shots of each kind, as points at their probabilities, 0 and 1."""
+    for kind, complete, colour, marker in KINDS:
+        if velocities := shots.of(complete=complete):
+            words = [f"{kind} at {velocity:g} m/s" for velocity in velocities]
+            drawing.points(
+                axes, velocities, [complete] * len(velocities), words, marker=marker, label=kind, color=colour
+            )
+
+
+def _draw_velocities(axes: Axes, plan: ShotPlan, x: list[float], *, named: bool) -> None:
+    """Draw lines at the next velocity and the required one, perhaps with their names."""
+    for name, at, colour, style in (
+        ("next shot", plan.next_velocity_m_s, drawing.INK, ":"),
+        ("requirement", plan.requirement_m_s, drawing.SOFT, "-."),
+    ):
+        if at is not None and x[0] <= at <= x[-1]:
+            label = f"{name} {at:.1f} m/s" if named else ""
+            axes.axvline(at, linestyle=style, linewidth=1.0, color=colour, label=label)

@@ -1,0 +1,83 @@
+"""Pictures of a suite, and of the figures of the paper."""
+
+from collections.abc import Sequence
+from math import sqrt
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from armour.errors import mistake
+from armour.reporting.pictures import drawing
+from armour.reporting.pictures.drawing import Compared, Picture, Sheet
+from armour.reporting.views.suite import drawn_checks, grouped
+from armour.scenario.sections import TINY
+from armour.validation.figures import Figure
+from armour.validation.suite import CASES
+from armour.validation.validate import SuiteResult
+
+# Cases that are not drawn.
+LEFT_OUT = "outcomes, relative differences, and those of no table or without an answer"
+
+
+def draw(result: SuiteResult, sheet: Sheet) -> Picture:
+    """Draw computed over expected values of a suite's tables, or else of its cases, a panel for each quantity."""
+    if not (checks := drawn_checks(result)):
+        raise mistake("plot", "result", "must have a case whose value is a number, found none")
+    by_quantity = grouped(checks, lambda check: check.case.quantity)
+    left_out = len(result.checks) - len(checks)
+    title = "Computed and expected values"
+    if relative := [check.deviation_percent for check in checks if check.deviation_percent is not None]:
+        rms = sqrt(sum(part * part for part in relative) / len(relative))
+        title = f"{len(relative)} computed values deviate by {rms:.1f} % (RMS) from those expected"
+    note = f"{left_out} of {len(result.checks)} cases are not shown: {LEFT_OUT}." if left_out else ""
+    heights = [sheet.across(drawing.COLUMN) - 0.3] * len(by_quantity)
+    picture = sheet.panels(title, *heights, note=note, width=drawing.COLUMN)
+    for axes, (quantity, same) in zip(picture.axes, by_quantity.items(), strict=True):
+        groups = {
+            group or CASES: [Compared(c.case.name, "expected", c.case.expected, c.computed) for c in of_group]
+            for group, of_group in grouped(same, lambda check: check.case.group).items()
+        }
+        # A band that all have in common, as a part of the expected values; else a tenth.
+        bands = {round((c.case.band or 0.0) / abs(c.case.expected), 4) for c in same if abs(c.case.expected) > TINY}
+        [part] = bands if len(bands) == 1 else [0.0]
+        drawing.agreement(axes, quantity, "expected", groups, part or 0.1)
+    return picture
+
+
+def draw_figure(panels: Sequence[Figure], sheet: Sheet) -> Picture:
+    """Draw a figure of the paper: the model's curves, with the numbers of the paper's text as marks."""
+    picture = sheet.panels(panels[0].section.title, *[drawing.PANEL] * len(panels), width=drawing.COLUMN)
+    named: set[str] = set()
+    for axes, figure in zip(picture.axes, panels, strict=True):
+        _draw_panel(axes, figure)
+        # Of series that several panels have, the first alone is named.
+        handles, labels = axes.get_legend_handles_labels()
+        for handle, label in zip(handles, labels, strict=True):
+            handle.set_label("" if label in named else label)
+        named.update(labels)
+    return picture
+
+
+def _draw_panel(axes: Axes, figure: Figure) -> None:
+    section = figure.section
+    axes.set(xlabel=section.x_label, ylabel=section.y_label, xlim=(figure.x[0], figure.x[-1]))
+    for index, (label, values) in enumerate(figure.curves.items()):
+        axes.plot(
+            figure.x,
+            np.array(values, float),
+            linestyle=drawing.STYLES[index],
+            color=drawing.COLOURS[index],
+            label=drawing.legible(label),
+        )
+    for level in section.level:
+        axes.axhline(level.value, linestyle=":", label=drawing.legible(level.label), **drawing.RULE)
+    colours = dict(zip(figure.curves, drawing.COLOURS, strict=False))
+    for mark, marker, size in zip(section.mark, ("*", "D", "s"), (9.0, 5.0, 5.0), strict=False):
+        xs, ys = zip(*mark.points, strict=True)
+        colour = colours.get(mark.of, drawing.SOFT)
+        if mark.x_ends:
+            drawing.ranges(axes, xs, ys, [(low, high) for low, high in mark.x_ends], colour)
+        drawing.points(axes, xs, ys, marker=marker, markersize=size, color=colour, label=drawing.legible(mark.label))
+    shown = [value for values in figure.curves.values() for value in values if value is not None]
+    if shown and min(shown) < 0.3 * max(shown):
+        axes.set_ylim(bottom=0.0)

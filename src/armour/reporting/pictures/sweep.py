@@ -1,0 +1,129 @@
+"""Picture of a sweep: a quantity over one key or two."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from armour.errors import mistake
+from armour.reporting.pictures import drawing
+from armour.reporting.pictures.drawing import Picture, Sheet
+from armour.reporting.table import Column, column_of, in_words
+from armour.reporting.text import number
+from armour.scenario.inputs import BACKING, CERAMIC
+from armour.scenario.scenario import Scenario
+from armour.sweeps.sweep import SweepResult
+from armour.units import MM
+
+# Quantities that are zero where the projectile is stopped, and lines of equal value on a map, about.
+RESIDUALS, CONTOURS = ("residual_velocity_m_s", "residual_mass_g"), 10
+# Rows of a sweep whose points are marked on a curve.
+MAX_MARKERS = 40
+
+
+def draw(result: SweepResult, sheet: Sheet) -> Picture:
+    """Draw the first quantity of a sweep that is a number."""
+    if len(result.keys) > 2:
+        raise mistake("plot", "result", f"must be a sweep over one or two keys, found {len(result.keys)}")
+    numbers = [name for name in result.quantities if _is_number(result[name])]
+    if not numbers:
+        message = f"must have a quantity that is a number, found only {', '.join(result.quantities)}"
+        raise mistake("plot", "result", message)
+    if np.isnan(result[numbers[0]]).all():
+        raise mistake("plot", "result", f"must have a value of {numbers[0]} in at least one row, found none")
+    return draw_columns(result.columns, result.keys, numbers[0], result.scenario, sheet)
+
+
+def draw_columns(table: Mapping[str, Any], keys: Sequence[str], name: str, scenario: Scenario, sheet: Sheet) -> Picture:
+    """Draw a quantity over one key of a sweep, as a curve, or two, as a map; thicknesses have areal densities.
+
+    Over a key of names there is a mark for each name, and over such a key and numbers a curve for each.
+    """
+    answer, values = column_of(name, ".4g"), table[name]
+    title = _title(answer.label, *(column_of(key).label for key in keys))
+    if np.nanmin(values) < np.nanmax(values):
+        title += f": {number(np.nanmin(values), '.4g')} to {drawing.value_text(answer, np.nanmax(values))}"
+    missing = np.count_nonzero(np.isnan(values))
+    notes = [f"{missing} of {len(values)} rows have no {answer.label}."] if missing else []
+    named = [key for key in keys if not _is_number(table[key])]
+    is_map = not named and len(keys) == 2
+    if is_map and name in RESIDUALS and (stopped := np.count_nonzero(values == 0.0)):
+        notes.append(f"White: {stopped} cases that are stopped.")
+    height = 1.2 * drawing.PANEL
+    if len(named) == len(keys):
+        height = drawing.rows_height(dict.fromkeys(table[named[0]].tolist()))
+    picture = sheet.panels(title, height, note=" ".join(notes))
+    [axes] = picture.axes
+    if len(named) == len(keys):
+        _draw_names(axes, table, named, answer, values)
+    elif is_map:
+        _draw_map(axes, table, keys, answer, scenario)
+    else:
+        _draw_curves(axes, table, next(key for key in keys if key not in named), named, answer)
+    return picture
+
+
+def _is_number(values: Any) -> bool:
+    return values.dtype.kind in "iuf"
+
+
+def _draw_names(axes: Axes, table: Mapping[str, Any], named: Sequence[str], answer: Column, values: Any) -> None:
+    """Draw values by the names of one key or of two."""
+    names = list(dict.fromkeys(table[named[0]].tolist()))
+    by_name = {}
+    for label, mask in _by_name(table, named[1:]):
+        answers = dict(zip(table[named[0]][mask].tolist(), values[mask].tolist(), strict=True))
+        by_name[label] = [answers.get(name) for name in names]
+    drawing.rows(axes, names, by_name)
+    axes.set_xlabel(answer.heading)
+
+
+def _draw_curves(axes: Axes, table: Mapping[str, Any], key: str, named: Sequence[str], answer: Column) -> None:
+    """Draw values over a key of numbers, a curve for each name of another key."""
+    x, values = table[key], table[answer.key]
+    for index, (label, mask) in enumerate(_by_name(table, named)):
+        order = np.flatnonzero(mask)[np.argsort(x[mask], kind="stable")]
+        look = drawing.look_of(index) | {"markerfacecolor": "none", "label": drawing.legible(label)}
+        if len(order) > MAX_MARKERS:
+            look["marker"] = ""
+        axes.plot(x[order], values[order], **look)
+    axes.set(xlabel=in_words(key), ylabel=answer.heading)
+    # The axis reaches rows without an answer too, and a single row has a point.
+    if np.isnan(values).any() or len(set(x)) == 1:
+        axes.set_xlim(drawing.widened(x.tolist()))
+
+
+def _draw_map(axes: Axes, table: Mapping[str, Any], keys: Sequence[str], answer: Column, scenario: Scenario) -> None:
+    """Draw a quantity over two keys of numbers."""
+    x, y, z = drawing.on_grid(table[keys[0]], table[keys[1]], table[answer.key])
+    # A residual velocity of zero is no level of the perforated ones: contours towards it would follow the cells.
+    shown: Any = np.where(z > 0.0, z, np.nan) if answer.key in RESIDUALS else z
+    drawing.colours_of(axes, x, y, shown, answer.heading)
+    if min(z.shape) > 1 and np.isfinite(shown).any() and np.nanmin(shown) < np.nanmax(shown):
+        drawing.contours(axes, x, y, shown, CONTOURS, at=0.2)
+    if set(keys) == {CERAMIC, BACKING} and min(z.shape) > 1:
+        ceramic, backing = np.meshgrid(x, y) if keys[0] == CERAMIC else np.meshgrid(x, y)[::-1]
+        armour = scenario.core_armour()
+        areal = armour.rho_c * MM * ceramic + armour.rho_B * MM * backing
+        label = f"lines of equal {in_words('areal_density_kg_m2')}"
+        drawing.contours(axes, x, y, areal, 5, at=-0.2, label=label, linestyle="--", color=drawing.VERMILION)
+    axes.set(xlabel=in_words(keys[0]), ylabel=in_words(keys[1]))
+
+
+def _by_name(table: Mapping[str, Any], keys: Sequence[str]) -> list[tuple[str, Any]]:
+    """Return each name of a key with its rows, as a mask; without a key all rows."""
+    if not keys:
+        return [("", np.ones(len(next(iter(table.values()))), dtype=bool))]
+    names = table[keys[0]]
+    return [(name, names == name) for name in dict.fromkeys(names.tolist())]
+
+
+def _title(answer: str, first: str, second: str = "") -> str:
+    """Return the title of a sweep, in which words that both keys end in stand once."""
+    words, others = first.split(" "), second.split(" ")
+    # Of each, one word at least remains.
+    while second and len(words) > 1 and len(others) > 1 and words[-1] == others[-1]:
+        words, others = words[:-1], others[:-1]
+    over = f"{' '.join(words)} and {second}" if second else first
+    return f"{answer[:1].upper()}{answer[1:]} over {over}"

@@ -1,0 +1,240 @@
+import warnings
+from collections.abc import Callable
+from itertools import combinations
+from typing import Any
+from xml.etree import ElementTree
+
+import matplotlib as mpl
+import pytest
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.transforms import Bbox
+
+from armour.design.optimise import optimise
+from armour.errors import InputError
+from armour.reporting.lookup import drawing_of
+from armour.reporting.pictures.drawing import (
+    BLUE,
+    INK,
+    METADATA,
+    ORANGE,
+    PANEL,
+    STYLE,
+    Picture,
+    Points,
+    Sheet,
+    colours_of,
+    contours,
+    drawn,
+    legible,
+    name_point,
+    points,
+    ranges,
+    rows,
+    rows_height,
+    saved,
+)
+from armour.reporting.show import plot
+from armour.sweeps.sweep import sweep
+from tests.helpers.cases import scenario, shipped_scenario
+from tests.helpers.results import impact, uncertainty_result
+
+pytestmark = pytest.mark.slow
+
+MAGIC = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}
+NAMES = ["first", "second with a name that takes two lines"]
+
+
+def named_rows(sheet: Sheet) -> Picture:
+    """A picture of two rows."""
+    picture = sheet.panels("T", rows_height(NAMES), note="N")
+    rows(picture.axes[0], NAMES, {"one": [1.0, -1.0], "two": [2.0, None]}, 0.0)
+    return picture
+
+
+def a_map(sheet: Sheet) -> Picture:
+    """A picture of a quantity over a grid."""
+    picture = sheet.panels("T", PANEL)
+    x, y, z = [4.0, 6.0, 8.0], [5.0, 7.0], [[0.0, 30.0, 60.0], [20.0, float("nan"), 80.0]]
+    colours_of(picture.axes[0], x, y, z, "speed, m/s")
+    contours(picture.axes[0], x, y, z, 6, at=0.0, label="l")
+    return picture
+
+
+DRAWINGS: dict[str, Callable[[], Callable[[Sheet], Picture]]] = {
+    "impact": lambda: drawing_of(impact().of(scenario=scenario())),
+    "design": lambda: drawing_of(optimise(shipped_scenario("catalogue"))),
+    "uncertainty": lambda: drawing_of(uncertainty_result().of(scenario=scenario(velocity=700.0))),
+    "map": lambda: a_map,
+    "rows": lambda: named_rows,
+}
+
+
+def lines(sheet: Sheet, *series: tuple[list[float], str, str]) -> Picture:
+    """A picture of one panel with curves: their heights, names and colours."""
+    picture = sheet.panels("T", PANEL)
+    for y, label, colour in series:
+        picture.axes[0].plot([0.0, 1.0, 2.0], y, color=colour, label=label)
+    return picture
+
+
+def end_names(picture: Picture) -> dict[str, Any]:
+    return {text.get_text(): text.get_color() for text in picture.axes[0].texts}
+
+
+def legend_of(picture: Picture) -> list[str]:
+    legend = picture.axes[0].get_legend()
+    return [text.get_text() for text in legend.get_texts()] if legend else []
+
+
+@pytest.mark.parametrize("suffix", METADATA)
+def test_the_same_picture_is_the_same_file(suffix: str):
+    content = saved(drawn(named_rows, Sheet(), ["it"]).figure, suffix)
+    assert content.startswith(MAGIC[suffix])
+    assert content == saved(drawn(named_rows, Sheet(), ["it"]).figure, suffix)
+
+
+@pytest.mark.parametrize("width", [None, 4.2])
+@pytest.mark.parametrize("name", DRAWINGS)
+def test_no_text_is_cut_and_no_panel_overlaps_another(name: str, width: float | None):
+    figure = drawn(DRAWINGS[name](), Sheet(width), ["what it is about"]).figure
+    figure.draw_without_rendering()
+    whole, (across, up) = figure.get_tightbbox(), figure.get_size_inches()
+    assert min(whole.x0, whole.y0) > -0.02
+    assert whole.x1 < across + 0.02
+    assert whole.y1 < up + 0.02
+    # The box of a panel has its legend.
+    for first, second in combinations([axes.get_tightbbox() for axes in figure.axes], 2):
+        shared = Bbox.intersection(first, second)
+        assert shared is None or min(shared.width, shared.height) < 2.0
+
+
+def test_curves_are_named_at_their_ends_where_these_are_apart():
+    apart = drawn(lambda s: lines(s, ([0, 1, 2], "up", BLUE), ([2, 1, 0], "down", ORANGE)), Sheet())
+    # A name has the colour of its curve unless that is pale.
+    assert end_names(apart) == {"up": BLUE, "down": INK}
+    assert not legend_of(apart)
+    near = drawn(lambda s: lines(s, ([0, 1, 2], "up", BLUE), ([2, 1, 1.99], "other", ORANGE)), Sheet())
+    assert not end_names(near)
+    assert legend_of(near) == ["up", "other"]
+
+
+def test_a_curve_that_leaves_its_panel_has_a_legend():
+    def leaves(sheet: Sheet) -> Picture:
+        picture = lines(sheet, ([0, 1, 9], "up", BLUE), ([1, 1, 1], "even", ORANGE))
+        picture.axes[0].set_ylim(0.0, 2.0)
+        return picture
+
+    assert legend_of(drawn(leaves, Sheet())) == ["up", "even"]
+
+
+def test_a_range_need_not_contain_its_point():
+    picture = Sheet().panels("T", PANEL)
+    ranges(picture.axes[0], [1.0, 5.0], [1.0, 3.0], [(2.0, 4.0), (5.5, 4.0)], BLUE)
+    [bars] = [item for item in picture.axes[0].collections if isinstance(item, LineCollection)]
+    assert [[x for x, _ in ends] for ends in bars.get_segments()] == [[2.0, 4.0], [4.0, 5.5]]
+
+
+def test_points_beyond_fixed_limits_are_left_out():
+    axes = Sheet().panels("T", PANEL).axes[0]
+    axes.set_xlim(0.0, 6.0)
+    points(axes, [1.0, 9.0], [1.0, 2.0], label="p")
+    points(axes, [9.0], [2.0], label="none")
+    [line] = axes.lines
+    assert isinstance(line, Points)
+    assert line.get_xdata()[0] == 1.0  # type: ignore[index]
+    assert line.get_xdata()[1] != line.get_xdata()[1]  # type: ignore[index]
+
+
+def test_the_name_of_a_point_at_the_lower_edge_is_above_it():
+    axes = Sheet().panels("T", PANEL).axes[0]
+    axes.set_ylim(0.0, 1.0)
+    for y in (0.0, 0.9):
+        name_point(axes, 0.5, y, str(y), above=False)
+    low, high = axes.texts
+    assert (low.get_verticalalignment(), high.get_verticalalignment()) == ("bottom", "top")
+
+
+def test_names_are_rows_with_the_first_on_top():
+    [axes] = drawn(named_rows, Sheet()).axes
+    labels = [label.get_text() for label in axes.get_yticklabels()]
+    assert labels == ["first", "second with a name\nthat takes two lines"]
+    assert axes.get_ylim()[0] > axes.get_ylim()[1]
+    marks = {line.get_label(): line.get_ydata() for line in axes.lines if isinstance(line, Points)}
+    assert {label: list(y) for label, y in marks.items()} == {"one": [0.0, 1.0], "two": [0.0]}  # type: ignore[arg-type]
+
+
+def test_the_title_is_the_answer_above_what_it_is_about():
+    figure = drawn(named_rows, Sheet(), ["armour and round", "scenario"]).figure
+    assert figure.get_suptitle().strip() == "T"
+    assert "armour and round" in [text.get_text() for text in figure.texts]
+    assert drawn(named_rows, Sheet(), ["armour"], title="mine").figure.get_suptitle() == "mine"
+    bare = drawn(named_rows, Sheet(4.2), bare=True).figure
+    assert not bare.texts
+    assert bare.get_figwidth() == 4.2
+
+
+@pytest.mark.parametrize("text", ["_ $\\frac{1}{0}$ <&>", "a\x08b"])
+def test_no_text_is_markup_and_none_has_control_characters(text: str):
+    def draw(sheet: Sheet) -> Picture:
+        picture = sheet.panels(text, PANEL, note=text)
+        rows(picture.axes[0], [text], {text: [1.0]})
+        picture.axes[0].set(title=text, xlabel=text)
+        return picture
+
+    root = ElementTree.fromstring(saved(drawn(draw, Sheet(), [text]).figure, ".svg"))
+    shown = ["".join(element.itertext()).strip() for element in root.iter("{http://www.w3.org/2000/svg}text")]
+    # Title, subject, note, legend, row, x axis and panel.
+    assert shown.count(text.replace("\x08", "\\x08")) == 7
+    assert legible("_a") == " _a"
+
+
+def test_no_line_ends_between_a_number_and_its_unit():
+    for length in range(40, 80, 4):
+        figure = drawn(named_rows, Sheet(), title=f"{length * 'a'} 6.35 mm").figure
+        assert figure.get_suptitle().splitlines()[-1].endswith("6.35 mm")
+
+
+def test_contours_of_two_quantities_are_named_apart():
+    x = y = [float(i) for i in range(2, 13)]
+
+    def draw(sheet: Sheet) -> Picture:
+        picture = sheet.panels("T", PANEL)
+        axes = picture.axes[0]
+        contours(axes, x, y, [[200.0 * (a * b) ** 0.4 for a in x] for b in y], 8, at=0.4, label="l")
+        contours(axes, x, y, [[3.4 * a + 2.7 * b for a in x] for b in y], 5, at=-0.4, label="m", linestyle="--")
+        return picture
+
+    picture = drawn(draw, Sheet())
+    assert legend_of(picture) == ["l", "m"]
+    picture.figure.draw_without_rendering()
+    boxes = [text.get_window_extent() for text in picture.axes[0].texts]
+    assert len(boxes) > 8
+    assert not [pair for pair in combinations(boxes, 2) if Bbox.intersection(*pair) is not None]
+
+
+def test_a_flat_map_has_no_contours():
+    axes = Sheet().panels("T", PANEL).axes[0]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        contours(axes, [4.0, 6.0], [5.0, 7.0], [[1.0, 1.0], [1.0, 1.0]], 6, at=0.0)
+    assert not axes.collections
+
+
+def test_a_picture_of_one_panel_is_drawn_into_axes_of_a_user():
+    figure = Figure()
+    left, right = figure.subplots(1, 2)
+    limit = sweep(scenario(), {"armour.ceramic_thickness_mm": [6.0, 7.0]}, "areal_density_kg_m2")
+    assert plot(limit, ax=right) is figure
+    assert right.get_title().startswith("Areal density over")
+    assert right.get_xlabel() == "ceramic thickness, mm"
+    assert not left.lines
+    assert figure.axes == [left, right]
+    with pytest.raises(InputError, match="plot: ax: must not be given for a picture of 4 panels"):
+        plot(impact().of(scenario=scenario()), ax=left)
+
+
+def test_the_settings_of_a_user_stay_as_they_are():
+    before = mpl.rcParams.copy()
+    drawn(named_rows, Sheet())
+    assert {key: mpl.rcParams[key] for key in STYLE} == {key: before[key] for key in STYLE}

@@ -1,0 +1,546 @@
+"""What the picture of each result shows."""
+
+from dataclasses import replace
+from functools import cache, partial
+from math import nan
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection, QuadMesh
+from matplotlib.colors import to_hex
+from matplotlib.contour import ContourSet
+from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
+
+from armour.analysis.impact import simulate
+from armour.design.optimise import DesignResult, optimise
+from armour.planning.firing import plan_shots
+from armour.planning.plan_tests import PlannedTests, plan_tests
+from armour.planning.procedures import OperatingPoint
+from armour.reporting.lookup import drawing_of
+from armour.reporting.pictures import calibration, design, impact, planned_tests, suite, sweep
+from armour.reporting.pictures.drawing import BLUE, COLUMN, INK, VERMILION, Picture, Points, Sheet, drawn
+from armour.scenario.inputs import BACKING, CERAMIC, VELOCITY
+from armour.scenario.scenario import load_scenario
+from armour.statistics.calibration import CalibrationResult, Residual
+from armour.statistics.sensitivity import Elasticity, SensitivityResult
+from armour.statistics.v50 import Shots, v50
+from armour.validation.figures import Figure, FigureLevel, FigureMark, FigureSection
+from tests.helpers.cases import scenario, shipped_scenario
+from tests.helpers.results import OTHER, THREAT, best_of, design_result, uncertainty_result
+from tests.helpers.results import impact as impact_result
+from tests.helpers.suites import TABLE, WILKINS_LIMIT, case, result
+
+
+def picture_of(result: Any, function: str = "draw") -> Picture:
+    """The picture of a result, with its legends."""
+    return drawn(drawing_of(result, function), Sheet())
+
+
+def marks(axes: Axes) -> dict[str, Points]:
+    """Points by their labels; those without one by their order."""
+    return {str(line.get_label()): line for line in axes.lines if isinstance(line, Points)}
+
+
+def curves(axes: Axes) -> dict[str, Line2D]:
+    """Curves, and lines across the panel, by their labels."""
+    return {
+        str(line.get_label()): line
+        for line in axes.lines
+        if not isinstance(line, Points) and line.get_linestyle() != "None" and np.size(line.get_xdata())
+    }
+
+
+def x_of(line: Line2D) -> list[float]:
+    return np.asarray(line.get_xdata(), float).tolist()
+
+
+def y_of(line: Line2D) -> list[float]:
+    return np.asarray(line.get_ydata(), float).tolist()
+
+
+def labels(*panels: Axes) -> list[str]:
+    """What curves, points, lines and regions are named, at their ends or in a legend."""
+    return [label for axes in panels for label in axes.get_legend_handles_labels()[1]]
+
+
+def headings(picture: Picture) -> list[tuple[str, str]]:
+    return [(axes.get_xlabel(), axes.get_ylabel()) for axes in picture.axes]
+
+
+def rows_of(axes: Axes) -> list[str]:
+    return [label.get_text().replace("\n", " ") for label in axes.get_yticklabels()]
+
+
+def words_in(axes: Axes) -> list[str]:
+    return [text.get_text() for text in axes.texts]
+
+
+def test_an_impact():
+    found = impact_result().of(scenario=scenario())
+    picture = picture_of(found)
+    assert picture.title == f"Perforated: residual velocity {found.residual_velocity_m_s:.0f} m/s"
+    scene, velocities, lengths, depths = picture.axes
+    assert [axes.get_ylabel() for axes in picture.axes[1:]] == [
+        "velocity, m/s",
+        "penetrator length L, mm",
+        "depth, bulge, mm",
+    ]
+    assert depths.get_xlabel() == "time since impact, µs"
+    assert labels(*picture.axes) == ["projectile V", "penetration U", "target W", "depth Z", "bulge h"]
+    stages = [words.splitlines() for words in words_in(velocities)]
+    assert [code for code, *_ in stages] == [stage.stage for stage in found.stages]
+    assert ["ii.1", "fragmented ceramic"] in stages
+    [words] = next(line.words for line in velocities.lines if isinstance(line, Points))
+    assert words.startswith("stage i: intact ceramic; penetrator erodes")
+    events = [words.splitlines()[2:] for words in words_in(scene) if "µs" in words]
+    assert [" ".join(words) for words in events] == [
+        "impact",
+        "ceramic fragments",
+        "ceramic penetrated",
+        "plug moves along",
+        "perforated",
+    ]
+    assert y_of(curves(velocities)["projectile V"])[0] == 800.0
+    # At every end of a stage the rod is where the history has it.
+    assert found.history is not None
+    boxes = [patch for patch in scene.patches if isinstance(patch, Rectangle)]
+    rods = [box.get_width() for box in boxes if to_hex(box.get_facecolor()) == impact.ROD]
+    assert rods[1:] == pytest.approx(
+        [np.interp(stage.end_us, found.history.time_us, found.history.length_mm) for stage in found.stages]
+    )
+    assert lengths.get_ylim()[0] == 0.0
+
+
+def test_stages_without_room_for_words_have_their_codes_or_nothing():
+    found = impact_result().of(scenario=scenario())
+    shown = list(filter(None, words_in(drawn(drawing_of(found), Sheet(1.5)).axes[1])))
+    assert 0 < len(shown) < len(found.stages)
+
+
+def test_the_end_of_dwell_is_named_as_that():
+    words = words_in(picture_of(simulate(load_scenario("dwell"), history=True)).axes[0])
+    assert [text for text in words if text.endswith("dwell ends")]
+    [fragments] = [text for text in words if "fragments" in text]
+    assert fragments.startswith("6.41 µs")
+
+
+def test_a_long_tail_is_left_out():
+    slow = simulate(scenario(ceramic_mm=12.0, velocity=300.0), history=True)
+    picture = picture_of(slow)
+    assert picture.title == f"Stopped at a depth of {slow.penetration_depth_mm:.3g} mm"
+    shown = picture.axes[-1].get_xlim()[1]
+    assert shown < 0.3 * slow.duration_us
+    assert picture.note.startswith(f"Drawn up to {shown:.3g} µs of {slow.duration_us:.3g} µs.")
+    for axes in picture.axes[1:]:
+        assert all(max(x_of(line)) <= shown for line in curves(axes).values())
+
+
+OFFERED = {"ceramic_thickness_mm": {"min": 4.0, "max": 14.0, "step": 2.0}}
+OFFERED["backing_thickness_mm"] = OFFERED["ceramic_thickness_mm"]
+
+
+@cache
+def designs(confidence: float | None = None, ceramic: str | None = "AD85") -> DesignResult:
+    """Designs against one impact; a bare plate where there is no ceramic."""
+    grid = OFFERED if ceramic else {**OFFERED, "ceramic_thickness_mm": {"min": 0.0, "max": 0.0, "step": 1.0}}
+    name = "6061-T6" if ceramic else "AA6082-T651"
+    changes = {} if confidence is None else {"design": {"confidence": confidence}}
+    velocity = 800.0 if ceramic else 300.0
+    return optimise(
+        scenario(ceramic=ceramic, ceramic_mm=0.0, backing=name, velocity=velocity, optimise=grid, **changes)
+    )
+
+
+def frontiers(axes: Axes) -> list[ContourSet]:
+    """Lines on a map where a quantity is 0."""
+    sets = (lines for lines in axes.collections if isinstance(lines, ContourSet) and not lines.filled)
+    return [lines for lines in sets if list(lines.levels) == [0.0]]
+
+
+def test_a_map_has_the_frontiers_and_the_lightest_designs():
+    found = designs(0.9)
+    [axes] = picture_of(found, "draw_map").axes
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("back plate thickness, mm", "ceramic thickness, mm")
+    assert [to_hex(np.asarray(lines.get_edgecolor())[0]) for lines in frontiers(axes)] == [VERMILION, BLUE]
+    assert labels(axes)[:2] == ["perforated more often than not", "stopped in 90 % of cases or more"]
+    assert {"thicknesses tested", "thicknesses on offer"} <= set(labels(axes))
+    even, best = [line for line in axes.lines if isinstance(line, Points) and line.get_markersize() == 9.0]
+    assert even.get_markerfacecolor() == "none"
+    thicknesses = best_of(found).backing_thickness_mm, best_of(found).ceramic_thickness_mm
+    assert (x_of(best)[0], y_of(best)[0]) == thicknesses
+    assert f"{thicknesses[1]:g} on {thicknesses[0]:g} mm\n" in "".join(words_in(axes))
+
+
+def test_a_frontier_is_where_the_probability_is_that_of_its_line():
+    """The lightest design lies on the side of the line on which it is stopped, its thinner neighbours on the other."""
+    found = designs(0.9)
+    [pair_map] = design._maps(found).of_pairs
+    [frontier] = [each for each in pair_map.frontiers if each.label == "stopped in 90 % of cases or more"]
+    for each, stops in ((best_of(found), True), (replace(best_of(found), ceramic_thickness_mm=2.0), False)):
+        by_row = [np.interp(each.backing_thickness_mm, pair_map.grid.backing_mm, row) for row in frontier.values]
+        assert (np.interp(each.ceramic_thickness_mm, pair_map.grid.ceramic_mm, by_row) > -1.0) == stops
+
+
+def test_without_a_confidence_the_map_shows_the_usual_one():
+    [axes] = picture_of(designs(), "draw_map").axes
+    assert "stopped in 95 % of cases or more" in labels(axes)
+    [best] = [line for line in axes.lines if isinstance(line, Points) and line.get_markersize() == 9.0]
+    assert best.get_color() == INK
+    assert best.words[0].endswith(" stopped")
+
+
+def test_designs_of_bare_plates_are_drawn_over_their_thickness():
+    [axes] = picture_of(designs(0.9, None)).axes
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("back plate thickness, mm", "ballistic limit, m/s")
+    assert [item for item in axes.collections if isinstance(item, PolyCollection)]
+    stop, others = [line for line in axes.lines if isinstance(line, Points)]
+    assert stop.get_markerfacecolor() != others.get_markerfacecolor() == "none"
+
+
+def test_designs_of_which_no_probability_is_known_have_the_line_of_the_limit():
+    picture = picture_of(optimise(scenario(ceramic="SiC", optimise=OFFERED)), "draw_map")
+    assert picture.note == "No probability is known for these designs."
+    assert "ballistic limit by the model = velocity" in labels(*picture.axes)
+    assert not [lines for lines in picture.axes[0].collections if isinstance(lines, ContourSet) and lines.filled]
+
+
+def test_beside_the_map_are_the_best_of_every_pair_up_to_a_limit_and_the_front():
+    found = optimise(shipped_scenario("catalogue"))
+    count = design.MAX_PAIRS + 5
+    [first, *_] = (pair for pair in found.pairs if pair.best is not None)
+    picture = picture_of(replace(found, pairs=(first,) * count).of(scenario=shipped_scenario("catalogue")))
+    _, pairs, front = picture.axes
+    assert (pairs.get_title(), front.get_title()) == ("Lightest design of each pair of materials", "Pareto front")
+    assert len(rows_of(pairs)) == design.MAX_PAIRS
+    [points] = marks(pairs).values()
+    assert len(x_of(points)) == len(points.words) == design.MAX_PAIRS
+    assert f"The best {design.MAX_PAIRS} of {count} pairs of materials are shown." in picture.note
+
+
+def test_designs_of_a_front_are_not_joined():
+    [axes] = picture_of(design_result(threats=(THREAT, OTHER), pareto=True), "draw_front").axes
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("areal density, kg/m²", "cost per m²")
+    assert labels(axes) == ["AD85 on 6061-T6", "AD99.5 on 6061-T6", "best"]
+    assert not curves(axes)
+
+
+def figure() -> Figure:
+    curves = {"A": (1.0, None, 9.0), "B": (2.0, 3.0, 4.0)}
+    printed = FigureMark(label="printed", of="B", points=[[5.0, 3.0]], x_ends=[[4.5, 5.5]])
+    marks = [printed, FigureMark(label="another", points=[[6.0, 2.0]])]
+    levels = [FigureLevel(label="L", value=5.0)]
+    words: dict[str, Any] = {"title": "T", "x_label": "each, mm", "y_label": "residual velocity, m/s"}
+    section = FigureSection.model_construct(mark=marks, level=levels, **words)
+    return Figure(section, (4.0, 6.0, 8.0), curves)
+
+
+def test_a_figure_of_the_paper():
+    picture = drawn(partial(suite.draw_figure, [figure()]), Sheet())
+    [axes] = picture.axes
+    assert labels(axes) == ["A", "B", "L", "printed", "another"]
+    assert headings(picture) == [("each, mm", "residual velocity, m/s")]
+    assert axes.get_xlim() == (4.0, 8.0)
+    assert axes.get_ylim()[0] == 0.0
+    printed, another = marks(axes).values()
+    assert printed.get_color() == curves(axes)["B"].get_color()
+    assert another.get_color() not in [line.get_color() for line in curves(axes).values()]
+    assert len(axes.containers) == 1  # the range of one of them
+    assert picture.figure.get_figwidth() == COLUMN
+
+
+def test_a_series_of_several_panels_is_named_once():
+    first, second = drawn(partial(suite.draw_figure, [figure(), figure()]), Sheet()).axes
+    assert labels(first) == ["A", "B", "L", "printed", "another"]
+    assert not labels(second)
+
+
+def test_parity_of_the_tables_of_a_suite(folder):
+    picture = picture_of(result(folder, TABLE + case("own", 700.0, "band = 100.0")))
+    [axes] = picture.axes
+    points = marks(axes)["t"]
+    assert headings(picture) == [("expected ballistic limit, m/s", "computed ballistic limit, m/s")]
+    assert x_of(points) == [720.0, 730.0]
+    assert y_of(points) == pytest.approx([WILKINS_LIMIT] * 2)
+    assert axes.get_xlim() == axes.get_ylim()
+    assert axes.get_aspect() == 1.0
+    assert points.words[0] == "ceramic thickness 6.35 mm\nexpected 720 m/s, computed 723.78 m/s"
+    assert labels(axes) == ["t", "agreement", "± 10 %"]
+    assert picture.note.startswith("1 of 3 cases are not shown")
+
+
+def calibrated(count: int = 3) -> CalibrationResult:
+    residuals = [
+        Residual(f"test {i}", "ballistic_limit_m_s", 700.0 + 10.0 * i, 705.0 + 9.0 * i, 707.0 + 9.0 * i, "")
+        for i in range(count)
+    ]
+    residuals.append(Residual("bound", "ballistic_limit_m_s", 690.0, 700.0, None, "at least"))
+    return CalibrationResult("t.csv", "", "relative", (), (), tuple(residuals), 1.0, 2.0, 1, 0.1, 8, 8, 0.95)
+
+
+def test_a_calibration():
+    picture = picture_of(calibrated())
+    parity, deviations = picture.axes
+    assert picture.title == "Calibration to 4 tests: mean error 1.0 %, 2.0 % leave-one-out"
+    assert headings(picture)[0] == ("measured ballistic limit, m/s", "computed ballistic limit, m/s")
+    assert labels(parity) == ["tests", "stopped at", "agreement"]
+    assert marks(parity)["tests"].words[0] == "test 0\nmeasured 700 m/s, computed 705 m/s"
+    assert rows_of(deviations) == ["test 0", "test 1", "test 2"]
+    fitted, left_out = marks(deviations)["fitted"], marks(deviations)["leave-one-out"]
+    assert x_of(fitted)[0] == pytest.approx(100.0 * (705.0 / 700.0 - 1.0))
+    assert fitted.get_marker() != left_out.get_marker()
+
+
+def test_a_calibration_to_tests_with_uncertainties_has_error_bars():
+    found = calibrated()
+    assert picture_of(found).note == ""
+    first, *others = found.residuals
+    picture = picture_of(replace(found, residuals=(replace(first, uncertainty=30.0), *others)))
+    parity = picture.axes[0]
+    [bars] = parity.containers
+    assert bars.lines[2][0].get_segments()[0][:, 0].tolist() == [670.0, 730.0]  # type: ignore[attr-defined]
+    assert marks(parity)["tests"].words[0] == "test 0\nmeasured 700 m/s ± 30 m/s, computed 705 m/s"
+    assert parity.get_xlim()[0] < 670.0
+    assert "one standard deviation" in picture.note
+
+
+def test_a_calibration_to_many_tests_shows_the_largest_deviations():
+    _, deviations = picture_of(calibrated(60)).axes
+    assert len(rows_of(deviations)) == calibration.MAX_ROWS
+    assert deviations.get_title() == "Deviation of the computed ballistic limit, the 40 largest of 60"
+    assert rows_of(deviations)[0] == "test 59"
+
+
+def test_a_sensitivity_is_ordered_by_the_ballistic_limit():
+    def item(name: str, limit: float | None, residual: float | None) -> Elasticity:
+        return Elasticity(name, 1.0, {"ballistic_limit_m_s": limit, "residual_velocity_m_s": residual})
+
+    found = SensitivityResult(
+        {"ballistic_limit_m_s": 700.0, "residual_velocity_m_s": 50.0},
+        (
+            item("ceramic.flow_stress_GPa", 0.5, -0.4),
+            item("impact.velocity_m_s", 0.0, 1.7),
+            item(CERAMIC, -0.6, None),
+            item(BACKING, None, None),
+        ),
+    )
+    picture = picture_of(found)
+    limit, residual = picture.axes
+    assert rows_of(limit) == ["ceramic thickness", "ceramic flow stress", "impact velocity"]
+    assert (limit.get_title(), residual.get_title()) == ("ballistic limit", "residual velocity")
+    assert [x_of(line) for axes in picture.axes for line in marks(axes).values()] == [[-0.6, 0.5, 0.0], [-0.4, 1.7]]
+    assert picture.title == "The ballistic limit depends most on the ceramic thickness: -0.60 % for 1 % more"
+
+
+VELOCITIES = (700.0, 710.0, 715.0, 720.0, 725.0, 730.0)
+SHOTS = Shots(VELOCITIES, (False, False, True, False, True, True), "folder/shots.csv")
+
+
+def test_a_v50():
+    found = v50(SHOTS, scenario())
+    picture = picture_of(found.of(shots=SHOTS))
+    [axes] = picture.axes
+    assert f"limit by this model {WILKINS_LIMIT:.1f} m/s" in labels(axes)
+    assert marks(axes)["partial penetration"].words[0] == "partial penetration at 700 m/s"
+    assert marks(axes)["complete penetration"].words[0] == "complete penetration at 715 m/s"
+    [curve] = [y_of(line) for label, line in curves(axes).items() if "probit" in label]
+    assert (np.diff(curve) >= 0.0).all()
+    assert [item for item in axes.collections if isinstance(item, PolyCollection)]
+    assert found.recommended is not None
+    assert picture.title == f"V50 {found.recommended.v50_m_s:.1f} m/s, 80 % interval 702.1 to 730.8 m/s"
+    [bars] = axes.containers
+    ends = bars.lines[2][0].get_segments()[0][:, 0].tolist()  # type: ignore[attr-defined]
+    assert ends == pytest.approx(found.bounded_interval_m_s)
+
+
+def test_the_posterior_of_a_v50_is_drawn():
+    found = v50(SHOTS, shipped_scenario("wilkins"), prior=True)
+    picture = picture_of(found.of(shots=SHOTS))
+    [axes] = picture.axes
+    assert found.posterior is not None
+    [bar] = [line for label, line in marks(axes).items() if "posterior" in label]
+    assert x_of(bar) == [found.posterior.v50_m_s]
+    low, high = axes.get_xlim()
+    assert low < found.posterior.v50_interval_m_s[0] < found.posterior.v50_interval_m_s[1] < high
+    assert "Posterior, with the model as prior: 95 % interval" in picture.note
+
+
+def test_a_limit_outside_the_axis_of_a_v50_is_in_the_note_and_not_in_the_legend():
+    found = v50(SHOTS, scenario(ceramic_mm=9.0))
+    picture = picture_of(found.of(shots=SHOTS))
+    [axes] = picture.axes
+    assert found.model_ballistic_limit_m_s is not None
+    assert found.model_ballistic_limit_m_s > axes.get_xlim()[1]
+    assert not any("this model" in label for label in labels(axes))
+    assert f"{found.model_ballistic_limit_m_s:.1f} m/s, lies outside the axis" in picture.note
+
+
+def test_an_uncertainty():
+    picture = picture_of(uncertainty_result().of(scenario=scenario(velocity=700.0)))
+    curve, swings = picture.axes
+    assert "0.210 at 700 m/s" in labels(curve)
+    assert picture.title == "Perforated with a probability of 21 % at 700 m/s"
+    assert rows_of(swings) == ["ceramic flow stress", "penetrator mass"]
+    assert [x_of(line) for line in marks(swings).values()] == [[677.0, 729.0], [769.0, 718.0]]
+    low, high = curve.get_xlim()
+    assert 640.0 < low < 677.0
+    assert 770.0 < high < 810.0
+
+
+def table(*keys: str) -> dict[str, Any]:
+    first, second = (values.ravel() for values in np.meshgrid([4.0, 6.0, 8.0], [5.0, 7.0], indexing="ij"))
+    answer = 100.0 * first + second
+    return {keys[0]: first, keys[1]: second, "ballistic_limit_m_s": answer}
+
+
+def sweep_picture(columns: dict[str, Any], *keys: str) -> Picture:
+    return drawn(lambda sheet: sweep.draw_columns(columns, keys, "ballistic_limit_m_s", scenario(), sheet), Sheet())
+
+
+def test_a_sweep_over_one_key():
+    columns = {CERAMIC: np.array([4.0, 6.0]), "ballistic_limit_m_s": np.array([500.0, np.nan])}
+    picture = sweep_picture(columns, CERAMIC)
+    [axes] = picture.axes
+    assert picture.title == "Ballistic limit over ceramic thickness"
+    assert headings(picture) == [("ceramic thickness, mm", "ballistic limit, m/s")]
+    [curve] = curves(axes).values()
+    assert y_of(curve) == pytest.approx([500.0, nan], nan_ok=True)
+    assert picture.note == "1 of 2 rows have no ballistic limit."
+    assert axes.get_xlim()[1] > 6.0
+
+
+def test_a_sweep_over_names_has_rows_and_one_over_names_and_numbers_curves():
+    names, limits = ["AD85", "AD85", "Al-N", "Al-N"], np.array([5.0, 7.0, 6.0, np.nan])
+    columns = {"armour.ceramic": np.array(names), CERAMIC: np.array([4.0, 6.0] * 2), "ballistic_limit_m_s": limits}
+    [axes] = sweep_picture(columns, "armour.ceramic", CERAMIC).axes
+    lines = {label: y_of(line) for label, line in curves(axes).items()}
+    assert lines == {"AD85": [5.0, 7.0], "Al-N": pytest.approx([6.0, nan], nan_ok=True)}
+    columns["armour.backing"] = np.array(["a", "b"] * 2)
+    for keys, ends in (
+        (("armour.ceramic", "armour.backing"), {"a": [5.0, 6.0], "b": [7.0]}),
+        (("armour.backing", "armour.ceramic"), {"AD85": [5.0, 7.0], "Al-N": [6.0]}),
+    ):
+        [axes] = sweep_picture(columns, *keys).axes
+        assert {label: x_of(line) for label, line in marks(axes).items()} == ends
+    first = {key: values[::2] for key, values in columns.items()}
+    [axes] = sweep_picture(first, "armour.ceramic").axes
+    [points] = marks(axes).values()
+    assert (rows_of(axes), x_of(points)) == (["AD85", "Al-N"], [5.0, 6.0])
+
+
+@pytest.mark.parametrize("keys", [(CERAMIC, BACKING), (BACKING, CERAMIC)])
+def test_a_sweep_over_both_thicknesses(keys: tuple[str, str]):
+    picture = sweep_picture(table(*keys), *keys)
+    [axes] = picture.axes
+    [colours] = [item for item in axes.collections if isinstance(item, QuadMesh)]
+    assert np.asarray(colours.get_array()).ravel().tolist() == [405.0, 605.0, 805.0, 407.0, 607.0, 807.0]
+    limits, areal = [lines for lines in axes.collections if isinstance(lines, ContourSet)]
+    densities = [scenario().replaced(dict(zip(keys, of, strict=True))).areal_density_kg_m2() for of in ((4, 5), (8, 7))]
+    assert densities[0] < min(areal.levels) < max(areal.levels) < densities[1]
+    assert 405.0 < min(limits.levels) < max(limits.levels) < 807.0
+    assert labels(axes) == ["lines of equal areal density, kg/m²"]
+    words = {CERAMIC: "ceramic", BACKING: "back plate"}
+    over = f"{words[keys[0]]} and {words[keys[1]]} thickness"
+    assert picture.title == f"Ballistic limit over {over}: 405 to 807 m/s"
+
+
+def test_a_front_over_three_criteria_says_what_is_not_drawn():
+    criteria = ("areal_density_kg_m2", "cost_per_m2", "margin_m_s")
+    front = tuple(replace(each, margin_m_s=5.0) for each in design_result(pareto=True).pareto)
+    found = replace(design_result(pareto=True), criteria=criteria, pareto=front)
+    note = "Designs that others beat in both criteria drawn are better in margin by the model."
+    assert note in picture_of(found, "draw_front").note
+
+
+GRID = {CERAMIC: [5.0, 8.0, 11.0], BACKING: [4.0, 8.0]}
+
+
+@pytest.fixture(scope="module")
+def planned() -> PlannedTests:
+    return plan_tests(shipped_scenario("wilkins"), GRID, law="backing", number=5, scatter_percent=3.0, cost=10.0)
+
+
+def test_a_map_with_the_number_of_tests_of_each_armour(planned: PlannedTests):
+    picture = picture_of(planned)
+    [axes] = picture.axes
+    assert headings(picture) == [("ceramic thickness, mm", "back plate thickness, mm")]
+    counts = {label: len(x_of(line)) for label, line in marks(axes).items()}
+    assert counts == {planned_tests.GAIN: 6, "2 tests": 1, "3 tests": 1}
+    assert sorted(words_in(axes)) == sorted(f"{gain:.2f}" for gain in planned.sensitivities)
+
+
+def test_gains_are_per_cost_where_tests_have_one(planned: PlannedTests):
+    assert "per unit cost" in picture_of(planned).note
+    free = tuple(replace(step, cost=None, total_cost=None) for step in planned.planned)
+    assert "per unit cost" not in picture_of(replace(planned, planned=free)).note
+
+
+def test_gains_over_one_input_are_a_curve(planned: PlannedTests):
+    one = replace(planned, candidates={CERAMIC: planned.candidates[CERAMIC], BACKING: (4.0,) * 6})
+    [curve] = curves(picture_of(one).axes[0]).values()
+    assert len(x_of(curve)) == 3
+
+
+def test_candidates_that_are_no_grid(planned: PlannedTests):
+    few = {key: values[:3] + values[5:] for key, values in planned.candidates.items()}
+    some = replace(planned, candidates=few, sensitivities=planned.sensitivities[:3] + planned.sensitivities[5:])
+    assert len(x_of(marks(picture_of(some).axes[0])[planned_tests.GAIN])) == 4
+
+
+def test_tests_that_do_not_determine_the_inputs_have_no_gain(planned: PlannedTests):
+    assert "no gain" in picture_of(replace(planned, sensitivities=())).note
+
+
+def test_planned_shots_have_their_velocities():
+    grid = {CERAMIC: [5.0, 6.0], BACKING: [6.0, 8.0], VELOCITY: np.arange(600.0, 900.0, 25.0)}
+    wilkins = shipped_scenario("wilkins")
+    shots = plan_tests(wilkins, grid, law="backing", number=2, scatter_percent=3.0, measure="outcome")
+    picture = picture_of(shots)
+    slow, fast = sorted(step.inputs[VELOCITY] for step in shots.planned[1:])
+    assert picture.note.endswith(f"The planned shots are at {slow:g} and {fast:g} m/s.")
+    texts = [
+        text for label, line in marks(picture.axes[0]).items() if label != planned_tests.GAIN for text in line.words
+    ]
+    assert sorted(texts) == [f"at {slow:g} m/s", f"at {fast:g} m/s"]
+
+
+def test_many_velocities_are_a_range():
+    assert planned_tests.velocities_in_words([720.0, 700.0, 750.0]) == "700, 720 and 750 m/s"
+    assert planned_tests.velocities_in_words(range(700, 780, 10)) == "8 velocities, 700 to 770 m/s"
+
+
+FIVE = Shots((700.0, 720.0, 760.0, 710.0, 740.0), (False, True, True, False, False), "f.csv")
+
+
+def test_prior_posterior_shots_and_the_next_velocity():
+    plan = plan_shots(scenario(), FIVE)
+    picture = picture_of(plan)
+    assert picture.title.startswith(f"Next shot at {plan.next_velocity_m_s:.1f} m/s; after 5 shots V50 ")
+    assert "95 % interval" in picture.title
+    density, response = picture.axes
+    prior, posterior, following = curves(density).values()
+    assert max(y_of(posterior)) > max(y_of(prior))
+    assert {label: x_of(line) for label, line in marks(response).items()} == {
+        "partial penetration": [700.0, 710.0, 740.0],
+        "complete penetration": [720.0, 760.0],
+    }
+    assert set(x_of(following)) == {plan.next_velocity_m_s}
+
+
+def test_a_requirement_is_drawn_with_its_operating_characteristic_before_the_first_shot():
+    armours = (OperatingPoint(660.0, 14.0, 0.0, 1.0, 9.0), OperatingPoint(740.0, 14.0, 1.0, 0.0, 9.0))
+    plan = plan_shots(scenario(), requirement_m_s=700.0, procedure="up-and-down")
+    axes = picture_of(replace(plan, operating_characteristic=armours)).axes[-1]
+    assert axes.get_title() == "operating characteristic at a scatter of 14 m/s"
+    assert y_of(curves(axes)["met"]) == [0.0, 1.0]
+    assert y_of(curves(axes)["not met"]) == [1.0, 0.0]
+    assert picture_of(plan_shots(scenario(), FIVE, requirement_m_s=700.0)).axes[-1].get_title() == ""
+
+
+def test_without_a_model_error_the_prior_is_no_models():
+    unknown = scenario(uncertainty={"model": {"included": False}})
+    plan = plan_shots(unknown, FIVE, procedure="up-and-down", half_width_m_s=100.0, requirement_m_s=730.0)
+    shown = labels(*picture_of(plan).axes)
+    assert {"prior", "requirement 730.0 m/s"} <= set(shown)
