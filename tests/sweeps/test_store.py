@@ -109,6 +109,13 @@ def test_rows_with_any_byte_changed_never_make_another_table(tmp_path: Path):
     assert any("damaged, all but the first 3 rows are computed again" in line for line in told)
 
 
+def test_a_damaged_job_is_not_taken_for_another(output: Path):
+    filled(output, 2)
+    content = rows_of(output).read_bytes()
+    rows_of(output).write_bytes(content.replace(b'"quantities"', b'"quamtities"'))
+    assert finished(output) == [f"{rows_of(output)}: damaged, all rows are computed again"]
+
+
 @pytest.mark.parametrize("size", [0, 5000, 9000])
 def test_rows_that_are_cut_are_computed_again(output: Path, size: int):
     filled(output, 3)

@@ -33,7 +33,7 @@ RESUME = "repeat the same command to resume"
 # The database, its journal, and what is being written.
 OWN_NAME = re.compile(r"rows|rows-journal|\.armour-[0-9a-f]{16}")
 TABLES = """
-create table if not exists job (name primary key, value);
+create table if not exists job (checksum, content);
 create table if not exists chunk (start integer primary key, checksum, content);
 """
 
@@ -138,7 +138,10 @@ class Store:
             self._database.executescript(f"begin exclusive; {TABLES} commit")
             if self._database.execute("select start from chunk").fetchone():
                 self._check_job()
-            self._database.executemany("insert or replace into job values (?, ?)", self.job.items())
+            else:
+                job = json.dumps(self.job)
+                self._database.execute("delete from job")
+                self._database.execute("insert into job values (?, ?)", [checksum_of(job), job])
             with suppress(sqlite3.DataError):
                 for chunk in self._chunks():
                     self._count(chunk)
@@ -150,7 +153,10 @@ class Store:
 
     def _check_job(self) -> None:
         """Check that the rows are those of this job."""
-        known = dict(self._database.execute("select name, value from job"))
+        checksum, content = self._database.execute("select * from job").fetchone() or ("", "")
+        if checksum != checksum_of(content):
+            raise sqlite3.DatabaseError("damaged job")
+        known = json.loads(content)
         others = [name for name, value in self.job.items() if known.get(name) != value]
         if others:
             message = (
@@ -229,6 +235,11 @@ def has_locks(folder: Path) -> bool:
 def new_file(folder: Path) -> Path:
     """Return the path of a new file in the folder of a sweep."""
     return folder / f".armour-{secrets.token_hex(8)}"
+
+
+def checksum_of(job: object) -> str:
+    """Return a checksum of a job."""
+    return sha256(f"{job}".encode()).hexdigest()
 
 
 def packed(chunk: Chunk) -> bytes:
