@@ -112,7 +112,7 @@ def client_times(client: Client, chunks: int, size: int, output: Path) -> list[f
 
 def measured() -> Cluster:
     """Measure sweeps on a cluster with one thread for each worker."""
-    local = partial(LocalCluster, threads_per_worker=1, dashboard_address=":0")
+    local = partial(LocalCluster, threads_per_worker=1, dashboard_address="127.0.0.1:0")
     with TemporaryDirectory() as name, local(n_workers=1) as one, local(n_workers=2) as two:
         output = Path(name) / "table.csv"
         with (
