@@ -71,7 +71,10 @@ def test_an_address_without_a_scheduler(address: str, message: str):
 @pytest.fixture(scope="module")
 def client() -> Iterator[Client]:
     """A cluster in this process, without workers."""
-    with LocalCluster(n_workers=0, processes=False, dashboard_address="127.0.0.1:0") as cluster, Client(cluster) as client:
+    with (
+        LocalCluster(n_workers=0, processes=False, dashboard_address="127.0.0.1:0") as cluster,
+        Client(cluster) as client,
+    ):
         yield client
 
 
