@@ -31,7 +31,7 @@ def test_a_worker_that_is_killed_costs_nothing_but_time(tmp_path: Path):
     write_sweep(case, source, QUANTITIES, tmp_path / "here.csv", size=10)
     killed: list[int] = []
     with (
-        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster,
+        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address="127.0.0.1:0") as cluster,
         Client(cluster) as client,
     ):
 
@@ -71,7 +71,10 @@ def test_an_address_without_a_scheduler(address: str, message: str):
 @pytest.fixture(scope="module")
 def client() -> Iterator[Client]:
     """A cluster in this process, without workers."""
-    with LocalCluster(n_workers=0, processes=False, dashboard_address=":0") as cluster, Client(cluster) as client:
+    with (
+        LocalCluster(n_workers=0, processes=False, dashboard_address="127.0.0.1:0") as cluster,
+        Client(cluster) as client,
+    ):
         yield client
 
 

@@ -171,7 +171,7 @@ def table_of(scenario: Scenario, source: Grid | Cases, output: Path) -> bytes | 
     return output.read_bytes()
 
 
-REFUSED = "contains chunks of another sweep, which differs in "
+REFUSED = "contains rows of another sweep, which differs in "
 
 
 def check_resumed(scenario: Scenario, source: Grid | Cases, begun: Path, what: str) -> bool:

@@ -14,9 +14,9 @@ from armour.analysis.quantities import QUANTITIES
 from armour.errors import InputError
 from armour.sweeps import sweep as sweeps
 from armour.sweeps.cases import Cases
-from armour.sweeps.store import Chunk, Store, read_table
 from armour.sweeps.sweep import duration, job_of, write_sweep
 from armour.sweeps.sweep import sweep as sweep_in_python
+from armour.sweeps.tables import read_table
 from tests.helpers.cases import csv_file, sweep_grid, sweep_scenario
 from tests.helpers.exotic import narrow_ranges
 
@@ -73,8 +73,6 @@ def test_a_sweep_is_resumed_as_often_as_it_is_interrupted(tmp_path: Path):
             with pytest.raises(KeyboardInterrupt, match="of 505 rows are done"):
                 write_sweep(case, source, ["outcome"], tmp_path / "a.csv", size=size, on_chunk=stop)
             assert not (tmp_path / "a.csv").exists()
-            chunks = sorted(tmp_path.glob("a.csv.parts/*.npz"))
-            chunks[len(chunks) // 2].unlink()
         told: list[str] = []
         write_sweep(
             case,
@@ -88,19 +86,6 @@ def test_a_sweep_is_resumed_as_often_as_it_is_interrupted(tmp_path: Path):
         assert any(after)
         assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "whole.csv").read_bytes()
         (tmp_path / "a.csv").unlink()
-
-
-def test_a_chunk_of_other_values_is_computed_anew(tmp_path: Path):
-    case, source, output = sweep_scenario(), sweep_grid("impact.velocity_m_s=700:900:50"), tmp_path / "a.csv"
-    with Store(output, job_of(case, source, ["outcome"])) as store:
-        store.begin(2)
-        columns = {"impact.velocity_m_s": np.array([700.0, 751.0]), "outcome": np.array(["perforated"] * 2)}
-        store.save(0, Chunk(columns, {}))
-    told: list[str] = []
-    write_sweep(case, source, ["outcome"], output, tell=told.append)
-    assert told[0].endswith("0000000000000.npz: damaged, computed again")
-    write_sweep(case, source, ["outcome"], tmp_path / "b.csv")
-    assert output.read_bytes() == (tmp_path / "b.csv").read_bytes()
 
 
 @pytest.mark.parametrize(

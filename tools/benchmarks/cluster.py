@@ -19,7 +19,7 @@ from armour.scenario.scenario import load_scenario
 from armour.sweeps.cases import Axis, Grid
 from armour.sweeps.cluster import workers_of
 from armour.sweeps.store import Chunk, Store
-from armour.sweeps.sweep import Workers, write_sweep
+from armour.sweeps.sweep import Workers, computed, write_sweep
 
 SCENARIO = load_scenario("wilkins")
 LIMIT = "ballistic_limit_m_s"
@@ -90,17 +90,17 @@ def client_times(client: Client, chunks: int, size: int, output: Path) -> list[f
     """Return the times of checking, sending and joining of a sweep whose chunks are not computed, s; and its bytes."""
     marks = []
 
-    def marked(function: Callable[..., None]) -> Callable[..., None]:
-        def call(*args: Any) -> None:
+    def marked(function: Callable[..., Any]) -> Callable[..., Any]:
+        def call(*args: Any) -> Any:
             marks.append(process_time())
-            function(*args)
+            return function(*args)
 
         return call
 
     client.run(limits, size)
     with (
         patch("armour.sweeps.sweep.chunk_of", not_computed),
-        patch.object(Store, "begin", marked(Store.begin)),  # rows are checked
+        patch("armour.sweeps.sweep.computed", marked(computed)),  # rows are checked
         patch.object(Store, "finish", marked(Store.finish)),  # chunks are written
         workers_of(client) as workers,
     ):
@@ -112,7 +112,7 @@ def client_times(client: Client, chunks: int, size: int, output: Path) -> list[f
 
 def measured() -> Cluster:
     """Measure sweeps on a cluster with one thread for each worker."""
-    local = partial(LocalCluster, threads_per_worker=1, dashboard_address=":0")
+    local = partial(LocalCluster, threads_per_worker=1, dashboard_address="127.0.0.1:0")
     with TemporaryDirectory() as name, local(n_workers=1) as one, local(n_workers=2) as two:
         output = Path(name) / "table.csv"
         with (

@@ -1,4 +1,4 @@
-"""Kill sweeps, damage their chunks, start two to one output, and fill disks: each ends right or with a message.
+"""Kill sweeps, damage their rows, start two to one output, fill disks, kill workers: each ends right or with a message.
 
     python -m tools.campaigns.sweeps [NAME]...
 
@@ -7,7 +7,6 @@ runs the named campaigns, by default all; it counts how the trials ended, and ex
 
 import os
 import random
-import shutil
 import signal
 import subprocess
 import sys
@@ -16,25 +15,24 @@ import time
 import traceback
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import redirect_stderr, redirect_stdout
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from itertools import count
 from pathlib import Path
+from unittest.mock import patch
+
+from distributed import LocalCluster
 
 from armour.cli.app import app
 from armour.engine.cache import kernel
 from armour.sweeps import sweep as sweeps
+from armour.sweeps.store import Chunk, Store
 from tests.helpers.cases import SCENARIOS
-from tests.helpers.faults import Fault, faults, full_disk
 from tools.campaigns.verdict import verdict
 
 OVER = ["--over", "armour.ceramic_thickness_mm=2:12:0.05", "--over", "impact.velocity_m_s=700:900:20"]
 QUANTITIES = ("residual_velocity_m_s,outcome", "penetration_depth_mm")
 ENDINGS = ("csv", "parquet")
-KILLS = 100
-DAMAGES = 50
-PAIRS = 60
-# Most that a kill may cost on a busy machine.
-LOST_S = 3.0
+KILLS, DAMAGES, PAIRS, CLUSTERS = 100, 50, 60, 5
 # Rows of a chunk: a sweep has twelve.
 CHUNK = 200
 WRONG = "WRONG"
@@ -53,13 +51,6 @@ def sweep(output: Path, quantities: str = QUANTITIES[0], *more: str) -> int:
         except BaseException:
             traceback.print_exc()
     return 70
-
-
-def faulty_sweep(output: Path, step: int, fault: Fault) -> int:
-    """Run a sweep with a fault at a step on files; return -1 if it has not so many steps."""
-    with faults(step, fault) as steps:
-        code = sweep(output)
-    return code if len(steps) > step else -1
 
 
 def forked(run: Callable[..., int], *args: object) -> int:
@@ -81,17 +72,23 @@ def exit_code(child: int) -> int:
     return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
 
 
+def killed(output: Path, after_s: float) -> None:
+    """Begin a sweep and kill it after a time."""
+    child = forked(sweep, output)
+    time.sleep(after_s)
+    os.kill(child, signal.SIGKILL)
+    exit_code(child)
+
+
 def resumed(output: Path) -> str:
     """Resume a sweep and say how that ended."""
-    done = output.exists()
+    was_complete = output.exists()
     code = exit_code(forked(sweep, output))
-    if done:  # a kill between the last two steps leaves the folder
-        shutil.rmtree(output.with_name(f"{output.name}.parts"), ignore_errors=True)
-    if "Traceback" in messages(output) or list(output.parent.iterdir()) != [output] or wrong(output):
-        return f"{WRONG}: {code} {messages(output)}"
-    if code == 2 and done:
+    if was_complete and code == 2 and "exists already" in messages(output) and not wrong(output):
         return "complete before"
-    return "resumed, equal" if code == 0 else f"{WRONG}: {code} {messages(output)}"
+    if code or "Traceback" in messages(output) or list(output.parent.iterdir()) != [output] or wrong(output):
+        return f"{WRONG}: {code} {messages(output)}"
+    return "resumed, equal"
 
 
 def messages(output: Path) -> str:
@@ -113,175 +110,96 @@ def outputs(folder: Path) -> Iterator[Path]:
 
 
 def kills(folder: Path) -> Iterator[str]:
-    """Kill sweeps at random moments until they end, and resume them."""
-    new = outputs(folder)
-    output = next(new)
-    for _ in range(KILLS):
-        child = forked(sweep, output)
-        time.sleep(random.uniform(0.2, 0.9) * TIME_S)
-        os.kill(child, signal.SIGKILL)
-        exit_code(child)
-        if random.random() < 0.5:
-            state = "no folder" if not output.parent.joinpath(output.name + ".parts").exists() else "in work"
-            yield f"killed with {state}; {resumed(output)}"
-            output = next(new)
-        elif output.exists():
-            yield f"killed once complete; {resumed(output)}"
-            output = next(new)
-        else:
-            yield "killed again before it was resumed"
-    yield f"at the end: {resumed(output)}"
-
-
-def losses(folder: Path) -> Iterator[str]:
-    """Kill or interrupt sweeps of fast and slow rows, and tell how much of their work is lost."""
-    for quantity in (
-        "areal_density_kg_m2",
-        "residual_velocity_m_s",
-        "ballistic_limit_m_s",
-        "required_total_thickness_mm",
-    ):
-        over = ["--over", "armour.backing_thickness_mm=2:12:0.001", "--over", "projectile.flow_stress_GPa=1:3:0.01"]
-        output = folder / quantity / "t.csv"
-        output.parent.mkdir()
-        command = [
-            sys.executable,
-            "-m",
-            "armour",
-            "sweep",
-            "paper/optimum_7.62mm_AP",
-            *over,
-            "-o",
-            str(output),
-            "--yes",
-        ]
-        for kind in (signal.SIGKILL, signal.SIGINT):
-            before = len(list(output.parent.glob("t.csv.parts/*.npz")))
-            child = subprocess.Popen([*command, "--quantities", quantity], stderr=subprocess.DEVNULL)
-            # On a busy machine the program takes long to start.
-            while child.poll() is None and len(list(output.parent.glob("t.csv.parts/*.npz"))) <= before:
-                time.sleep(0.1)
-            time.sleep(random.uniform(2.0, 5.0))
-            now = time.time()
-            child.send_signal(kind)
-            child.wait()
-            chunks = [path.stat().st_mtime for path in output.parent.glob("t.csv.parts/*.npz")]
-            if output.exists():
-                output.unlink()
-                yield f"{quantity}: complete before"
-                continue
-            lost = now - max(chunks, default=0.0)
-            yield f"{quantity}: {kind.name}, {lost:.1f} s lost" if lost < LOST_S else f"{WRONG}: {lost:.1f} s lost"
-
-
-def steps(folder: Path) -> Iterator[str]:
-    """Kill sweeps before, or in the middle of, each of their steps on files, and resume them."""
-
-    def kill(_step: str) -> None:
-        os.kill(os.getpid(), signal.SIGKILL)
-
-    yield from at_each_step(folder, kill, expected=-signal.SIGKILL)
-
-
-def full(folder: Path) -> Iterator[str]:
-    """Let the disk be full from each step on files on; make space and resume."""
-    yield from at_each_step(folder, full_disk, expected=2)
-
-
-def at_each_step(folder: Path, fault: Fault, expected: int) -> Iterator[str]:
-    """Disturb a sweep at each of its steps on files, and resume it."""
-    for ending in ENDINGS:
-        for step in count():
-            output = folder / f"{ending}{step}" / f"t.{ending}"
-            output.parent.mkdir()
-            code = exit_code(forked(faulty_sweep, output, step, fault))
-            if code == 255:
-                break
-            if output.exists() and wrong(output):
-                yield f"{WRONG}: table at step {step}"
-            if code != expected and not (code == 0 and output.exists()):
-                yield f"{WRONG}: {code} at step {step} {messages(output)}"
-            yield f"exit code {code}; {resumed(output)}"
+    """Kill sweeps at random moments, some of them several times, and resume them."""
+    for number, output in zip(range(KILLS), outputs(folder), strict=False):
+        times = 1 + number % 3
+        for _ in range(times):
+            killed(output, random.uniform(0.2, 0.9) * TIME_S)
+        yield f"killed {times} times; {resumed(output)}"
 
 
 def damages(folder: Path) -> Iterator[str]:
-    """Damage chunks of killed sweeps and resume them."""
-    new = outputs(folder)
-    for number in range(DAMAGES):
-        output = next(new)
-        parts = output.with_name(output.name + ".parts")
-        child = forked(sweep, output)
-        while len(list(parts.glob("*.npz"))) < 3:
-            pass
-        os.kill(child, signal.SIGKILL)
-        exit_code(child)
-        chunks = sorted(parts.glob("*.npz"))
-        kind = number // 2 % 5
-        chosen = random.choice(chunks)
-        if kind == 0:
-            data = bytearray(chosen.read_bytes())
-            data[random.randrange(len(data))] ^= 1 << random.randrange(8)
-            chosen.write_bytes(data)
-        elif kind == 1:
-            os.truncate(chosen, random.randrange(chosen.stat().st_size))
-        elif kind == 2:
-            chosen.write_bytes(b"")
-        elif kind == 3:
-            one, other = random.sample(chunks, 2)
-            content = one.read_bytes()
-            shutil.copy(other, one)
-            other.write_bytes(content)
-        else:
-            chosen.unlink()
-        name = ("a bit flipped", "truncated", "emptied", "exchanged", "deleted")[kind]
+    """Damage the rows of killed sweeps and resume them."""
+    for number, output in zip(range(DAMAGES), outputs(folder), strict=False):
+        exit_code(forked(sweep_and_die, output))
+        rows = output.parent / f"{output.name}.parts" / "rows"
+        content = bytearray(rows.read_bytes())
+        for _ in range(1 + number % 5):
+            content[random.randrange(len(content))] ^= 1 << random.randrange(8)
+        is_cut = number % 3 == 0
+        rows.write_bytes(content[: random.randrange(len(content))] if is_cut else content)
         outcome = resumed(output)
-        # A bit of what zip does not read, such as a date, does no harm.
-        if kind not in (0, 4) and "damaged, computed again" not in messages(output):
-            outcome = f"{WRONG}: not noticed"
-        yield f"{name}: {outcome}"
+        is_told = "damaged, " in messages(output)
+        yield f"{'truncated' if is_cut else 'bits flipped'}, {'told' if is_told else 'not noticed'}; {outcome}"
 
 
 def pairs(folder: Path) -> Iterator[str]:
     """Start pairs of sweeps of different quantities to one output."""
-    new = outputs(folder)
-    for _ in range(PAIRS):
-        output = next(new)
+    refusals = ("another sweep is at work", "exists already", "contains rows", "cannot be written")
+    for _, output in zip(range(PAIRS), outputs(folder), strict=False):
         children = []
         for quantities in QUANTITIES:
             children.append(forked(sweep, output, quantities))
             time.sleep(random.choice((0.0, random.uniform(0.0, TIME_S))))
         codes = [exit_code(child) for child in children]
-        done = [quantities for quantities, code in zip(QUANTITIES, codes, strict=True) if code == 0]
-        if sorted(codes) != [0, 2] or "Traceback" in messages(output) or wrong(output, done[0]):
-            yield f"{WRONG}: {codes} {messages(output)}"
+        said = messages(output)
+        if sorted(codes) != [0, 2] or "Traceback" in said or wrong(output, QUANTITIES[codes.index(0)]):
+            yield f"{WRONG}: {codes} {said}"
         else:
-            said = messages(output)
-            yield next(
-                text for text in ("another sweep is at work", "exists already", "contains chunks") if text in said
-            )
+            yield next(text for text in refusals if text in said)
 
 
-def tmpfs(folder: Path) -> Iterator[str]:
+def full(folder: Path) -> Iterator[str]:
     """Sweep to small file systems that fill up; make them larger and resume."""
-    sizes = {".csv": range(32, 172, 14), ".parquet": range(32, 172, 14)}
-    for ending in ENDINGS:
-        for size in sizes[f".{ending}"]:
-            output = folder / f"{ending}{size}" / f"t.{ending}"
-            output.parent.mkdir()
-            mount = ["mount", "-t", "tmpfs", "-o", f"size={size}k", "armour", str(output.parent)]
-            if subprocess.run(mount, capture_output=True, check=False).returncode:
-                yield "not possible here"
-                return
-            try:
-                code = exit_code(forked(sweep, output, QUANTITIES[0], "--yes"))
-                subprocess.run(["mount", "-o", "remount,size=10m", str(output.parent)], check=True)
-                told = code == 0 or (code == 2 and "no space left" in messages(output))
-                yield f"exit code {code}; {resumed(output)}" if told else f"{WRONG}: {code} {messages(output)}"
-            finally:
-                subprocess.run(["umount", str(output.parent)], check=True)
+    for number, output in zip(range(20), outputs(folder), strict=False):
+        mount = ["mount", "-t", "tmpfs", "-o", f"size={16 + 10 * number}k", "armour", str(output.parent)]
+        if subprocess.run(mount, capture_output=True, check=False).returncode:
+            yield "not possible here"
+            return
+        try:
+            code = exit_code(forked(sweep, output, QUANTITIES[0], "--yes"))
+            subprocess.run(["mount", "-o", "remount,size=10m", str(output.parent)], check=True)
+            is_told = code == 0 or (code == 2 and "cannot be written: " in messages(output))
+            yield f"exit code {code}; {resumed(output)}" if is_told else f"{WRONG}: {code} {messages(output)}"
+        finally:
+            subprocess.run(["umount", str(output.parent)], check=True)
 
 
-CAMPAIGNS = {f.__name__: f for f in (kills, losses, steps, damages, pairs, full, tmpfs)}
+def workers(folder: Path) -> Iterator[str]:
+    """Kill a worker of a cluster in the middle of each sweep."""
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address="127.0.0.1:0") as cluster:
+
+        def kill() -> None:
+            os.kill(random.choice([worker.pid for worker in cluster.workers.values()]), signal.SIGKILL)
+
+        for _, output in zip(range(CLUSTERS), outputs(folder), strict=False):
+            with after_three_chunks(kill):
+                code = sweep(output, QUANTITIES[0], "--scheduler", cluster.scheduler_address)
+            is_right = code == 0 and list(output.parent.iterdir()) == [output] and not wrong(output)
+            yield "a worker killed; equal" if is_right else f"{WRONG}: {code} {messages(output)}"
+
+
+@contextmanager
+def after_three_chunks(act: Callable[[], None]) -> Iterator[None]:
+    """Act once each sweep has three chunks."""
+    append = Store.append
+
+    def append_and_act(store: Store, chunk: Chunk) -> None:
+        append(store, chunk)
+        if store.done == 3 * CHUNK:
+            act()
+
+    with patch.object(Store, "append", append_and_act):
+        yield
+
+
+def sweep_and_die(output: Path) -> int:
+    """Run a sweep that is killed after three chunks."""
+    with after_three_chunks(lambda: os.kill(os.getpid(), signal.SIGKILL)):
+        return sweep(output)
+
+
+CAMPAIGNS = {f.__name__: f for f in (kills, damages, pairs, full, workers)}
 TIME_S = 60.0
 
 

@@ -2,7 +2,7 @@
 
 import shlex
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from os.path import exists
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     from armour.reporting.scenario_report import Contents
     from armour.scenario.scenario import Scenario
     from armour.sweeps.cases import Grid
-    from armour.sweeps.sweep import Effort
+    from armour.sweeps.sweep import Effort, Workers
 
 # What a check and a report require: the key, and the help of the option.
 CONFIDENCE = ("design.confidence", "Required probability of stopping each threat, such as 0.95.")
@@ -264,9 +264,9 @@ def sweep(
     from armour.reporting.views.sweep import SWEEP_ROWS, first_rows
     from armour.scenario.scenario import heading
     from armour.sweeps.cases import Cases
-    from armour.sweeps.cluster import connected, workers_of
-    from armour.sweeps.store import parts_of, read_table
+    from armour.sweeps.store import parts_of
     from armour.sweeps.sweep import subject_of, write_sweep
+    from armour.sweeps.tables import read_table
 
     begun = exists(parts_of(output))
     check_outputs(
@@ -281,16 +281,13 @@ def sweep(
     loaded = read_scenario(scenario, changes, (*ROUND_AND_ARMOUR, *reads), what="the sweep")
     if (cases is None) == (not over):
         raise wrong_option("--over", "must be given, or --cases, but not both")
-    if threads is not None and not (type(threads) is int and threads > 0):
-        raise wrong_option("--threads", f"must be a whole number of at least 1, found {describe(threads)}")
-    if plot is not None and len(over or []) not in (1, 2):
-        raise wrong_option("--plot", f"must be given with one or two --over keys, found {len(over or []) or 'none'}")
-    if plot is not None and names[0] == "outcome":
-        raise wrong_option("--plot", "must be given with a number first in --quantities, found outcome")
+    _check_threads(threads)
+    if plot is not None:
+        _check_drawn(len(over or []), names[0])
     with as_options("sweep"), ExitStack() as stack:
         source = Cases(cases) if cases is not None else grid_of("--over", over or [])
         count = stack.enter_context(progress("rows", source.count))
-        workers = stack.enter_context(workers_of(stack.enter_context(connected(scheduler)))) if scheduler else None
+        workers = stack.enter_context(_workers(scheduler)) if scheduler else None
         rows = write_sweep(
             loaded,
             source,
@@ -321,6 +318,28 @@ def sweep(
         plot=plot,
         draw=draw,
     )
+
+
+def _check_threads(threads: Any) -> None:
+    if threads is not None and not (type(threads) is int and threads > 0):
+        raise wrong_option("--threads", f"must be a whole number of at least 1, found {describe(threads)}")
+
+
+def _check_drawn(keys: int, quantity: str) -> None:
+    """Check that a quantity over a number of keys can be drawn."""
+    if keys not in (1, 2):
+        raise wrong_option("--plot", f"must be given with one or two --over keys, found {keys or 'none'}")
+    if quantity == "outcome":
+        raise wrong_option("--plot", "must be given with a number first in --quantities, found outcome")
+
+
+@contextmanager
+def _workers(scheduler: str) -> Iterator["Workers"]:
+    """Give the workers of the cluster at an address."""
+    from armour.sweeps.cluster import connected, workers_of
+
+    with connected(scheduler) as client, workers_of(client) as workers:
+        yield workers
 
 
 def _notes(names: list[str], *, drawn: bool) -> Iterator[str]:

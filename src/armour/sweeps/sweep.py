@@ -2,9 +2,9 @@
 
 import json
 import shutil
-from collections import Counter
-from collections.abc import Callable, Container, Generator, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from collections import deque
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from concurrent.futures import Executor, Future, ThreadPoolExecutor, wait
 from contextlib import closing
 from dataclasses import dataclass
 from functools import cache, cached_property, partial
@@ -30,7 +30,8 @@ from armour.scenario.checked import Names, checked
 from armour.scenario.keys import describe
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.sweeps.cases import BLOCK, Cases, Grid, source_of
-from armour.sweeps.store import RESUME, Chunk, Store, csv_of, read_table
+from armour.sweeps.store import RESUME, Chunk, Store
+from armour.sweeps.tables import csv_of, read_table
 
 # Rows that are kept in memory; more go to a file.
 MAX_ROWS = 10_000_000
@@ -49,7 +50,7 @@ LIBRARIES = ("numba", "numpy")
 
 # Columns of values by key.
 Rows = Mapping[str, Any]
-# Callback after each chunk: its number of rows, and whether it was on disk already.
+# Callback with a number of rows that are done, and whether they were on disk already.
 OnChunk = Callable[[int, bool], None]
 
 
@@ -231,55 +232,51 @@ def write_sweep(
 ) -> int:
     """Compute quantities of a scenario for every row of a source, write them to a table and return the number of rows.
 
-    Each chunk is written when it is computed: the same call resumes an interrupted sweep.  A question without an answer
-    gives an empty field in CSV and NaN in Parquet.  Chunks are computed by workers, each on one thread, or here.
-    Without a size of chunks, a new sweep measures some rows; ``approve`` gets what all of them take and raises an error
-    to stop.  ``tell`` gets a line for each chunk that is damaged on disk, and at the end one for each warning on some
-    rows.  ``replace`` allows the output to take the place of an older file.
+    Rows are kept on disk, a chunk after the other: the same call resumes an interrupted sweep.  A question without an
+    answer gives an empty field in CSV and NaN in Parquet.  Chunks are computed by workers, each on one thread, or here.
+    Without a size of chunks, some rows are measured; ``approve`` gets what all rows of a new sweep take and raises an
+    error to stop.  ``tell`` gets a line if kept rows are damaged, and at the end one for each warning on some rows.
+    ``replace`` allows the output to take the place of an older file.
     """
     check(scenario, source, quantities)
     for line in left_out(scenario, quantities):
         tell(f"warning: {line}")
-    warnings: Counter[str] = Counter()
     compute = partial(chunk_of, scenario, quantities=quantities, threads=threads if workers is None else 1)
-    with Store(output, job_of(scenario, source, quantities), replace=replace) as store:
-        if not store.size:
-            if size is None:
-                try:
-                    effort = effort_of(scenario, source, quantities, output, threads, workers)
-                except InputError:
-                    check_rows(scenario, source)  # says which row is wrong
-                    raise
+    with Store(output, job_of(scenario, source, quantities), tell, replace=replace) as store:
+        if size is None:
+            try:
+                effort = effort_of(scenario, source, quantities, output, threads, workers)
+            except InputError:
+                check_rows(scenario, source)  # says which row is wrong
+                raise
+            if not store.done:
                 approve(effort)
-                size = int(min(max(CHUNK_S / effort.row_s, 1.0), MAX_CHUNK))
+            size = int(min(max(CHUNK_S / effort.row_s, 1.0), MAX_CHUNK))
+        if store.done:
+            on_chunk(store.done, True)
+        else:
             check_rows(scenario, source)
-            store.begin(size)
+        missing = (rows for _, rows in blocks_of(source, size, store.done))
         try:
-            there = set(store.starts())
-            for start in there:
-                on_chunk(min(store.size, source.count - start), True)
-            missing = blocks_of(source, store.size, there)
             with (
                 ThreadPoolExecutor(1) as executor,  # whose next chunk waits while one is computed
                 closing(computed(missing, compute, workers or Workers(executor, 1, ahead=2))) as chunks,
             ):
-                for start, chunk in chunks:
-                    store.save(start, chunk)
-                    on_chunk(min(store.size, source.count - start), False)
-            store.finish(stored(store, blocks_of(source, store.size), compute, warnings, tell))
+                for chunk in chunks:
+                    store.append(chunk)
+                    on_chunk(chunk.rows, False)
+            store.finish()
         except KeyboardInterrupt:
-            done = sum(min(store.size, source.count - start) for start in store.starts())
-            raise KeyboardInterrupt(f"{done:,} of {source.count:,} rows are done; {RESUME}") from None
-    for line in lines_of(warnings, source.count):
+            raise KeyboardInterrupt(f"{store.done:,} of {source.count:,} rows are done; {RESUME}") from None
+    for line in lines_of(store.warnings, source.count):
         tell(f"warning: {line}")
     return source.count
 
 
-def blocks_of(source: Grid | Cases, size: int, without: Container[int] = ()) -> Iterator[tuple[int, Rows]]:
-    """Yield blocks of rows of a source, each with the place of its first row, except blocks at given places."""
-    for start in range(0, source.count, size):
-        if start not in without:
-            yield start, source.rows(np.arange(start, min(start + size, source.count)))
+def blocks_of(source: Grid | Cases, size: int, start: int = 0) -> Iterator[tuple[int, Rows]]:
+    """Yield blocks of the rows of a source from one on, each with the place of its first row."""
+    for first in range(start, source.count, size):
+        yield first, source.rows(np.arange(first, min(first + size, source.count)))
 
 
 def chunk_of(scenario: Scenario, rows: Rows, quantities: Sequence[str], threads: int | None) -> Chunk:
@@ -288,42 +285,21 @@ def chunk_of(scenario: Scenario, rows: Rows, quantities: Sequence[str], threads:
     return Chunk({**rows, **results}, warnings)
 
 
-def computed(
-    blocks: Iterator[tuple[int, Rows]], compute: Callable[[Rows], Chunk], workers: Workers
-) -> Generator[tuple[int, Chunk]]:
-    """Yield the chunks of blocks of rows as workers compute them, with the place of their first row."""
-    running: dict[Future[Chunk], int] = {}
+def computed(blocks: Iterator[Rows], compute: Callable[[Rows], Chunk], workers: Workers) -> Generator[Chunk]:
+    """Yield the chunks of blocks of rows, in their order, while workers compute the next ones."""
+    running: deque[Future[Chunk]] = deque()
     try:
         while True:
-            for start, rows in islice(blocks, workers.ahead - len(running)):
-                running[workers.executor.submit(compute, rows)] = start
+            for rows in islice(blocks, workers.ahead - len(running)):
+                running.append(workers.executor.submit(compute, rows))
             if not running:
                 return
-            ended = wait(running, timeout=1.0, return_when=FIRST_COMPLETED).done
-            if not ended:
+            while not wait([running[0]], timeout=1.0).done:
                 workers.check()
-            for future in ended:
-                yield running.pop(future), future.result()
+            yield running.popleft().result()
     finally:
         for future in running:
             future.cancel()
-
-
-def stored(
-    store: Store,
-    blocks: Iterable[tuple[int, Rows]],
-    compute: Callable[[Rows], Chunk],
-    warnings: Counter[str],
-    tell: Callable[[str], None],
-) -> Iterator[Mapping[str, Any]]:
-    """Yield the columns of stored chunks, and count their warnings; compute damaged ones again and report them."""
-    for start, rows in blocks:
-        chunk = store.load(start, rows)
-        if chunk is None:
-            tell(f"{store.path(start)}: damaged, computed again")
-            chunk = compute(rows)
-        warnings.update(chunk.warnings)
-        yield chunk.columns
 
 
 def check(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -> None:

@@ -1,0 +1,91 @@
+"""Tables of a sweep, in CSV or Parquet by the ending of their file."""
+
+import csv
+from collections.abc import Iterable, Mapping
+from io import StringIO
+from itertools import chain
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+
+from armour.errors import mistake
+from armour.files import csv_cell, csv_value
+
+# Rows of a row group of Parquet, whatever the size of a chunk.
+ROW_GROUP = 100_000
+
+
+def is_csv(path: Path) -> bool:
+    """Return whether a table is CSV; otherwise it is Parquet, which needs pyarrow."""
+    if path.suffix.lower() == ".csv":
+        return True
+    try:
+        import pyarrow.parquet  # noqa: F401
+    except ImportError:
+        raise mistake("sweep", str(path), "needs pyarrow; pip install 'armour[parquet]', or write .csv") from None
+    return False
+
+
+def write_table(file: BinaryIO, chunks: Iterable[Mapping[str, Any]], *, as_csv: bool) -> None:
+    """Write columns by name, a chunk after the other."""
+    if as_csv:
+        for number, columns in enumerate(chunks):
+            file.write(csv_of(columns, header=number == 0))
+        return
+    # Imported here because it is not installed with the program by default.
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    tables = (pa.table({name: pa.array(values) for name, values in columns.items()}) for columns in chunks)
+    first = next(tables)
+    kept = first.slice(0, 0)
+    with parquet.ParquetWriter(file, first.schema) as writer:
+        for table in chain([first], tables):
+            kept = pa.concat_tables([kept, table])
+            while kept.num_rows >= ROW_GROUP:
+                writer.write_table(kept.slice(0, ROW_GROUP).combine_chunks())
+                kept = kept.slice(ROW_GROUP)
+        if kept.num_rows:
+            writer.write_table(kept.combine_chunks())
+
+
+def csv_of(columns: Mapping[str, Any], *, header: bool = False) -> bytes:
+    """Return columns as CSV, with or without header; NaN is an empty field."""
+    text = StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    if header:
+        writer.writerow(columns)
+    writer.writerows(zip(*map(_cells, columns.values()), strict=True))
+    return text.getvalue().encode()
+
+
+def _cells(values: Any) -> list[Any]:
+    """Return the values of a column as cells of CSV: None, which gives an empty field, for NaN."""
+    column = np.asarray(values)
+    cells: list[Any] = column.tolist()
+    if column.dtype.kind not in "fiu":
+        return [csv_cell(cell) for cell in cells]
+    if column.dtype.kind == "f" and np.isnan(column).any():
+        return [None if cell != cell else cell for cell in cells]
+    return cells
+
+
+def read_table(path: Path) -> dict[str, Any]:
+    """Read the columns of a table as arrays; empty fields are NaN."""
+    if not is_csv(path):
+        from pyarrow import parquet
+
+        table = parquet.read_table(path)
+        return {name: table.column(name).to_numpy() for name in table.column_names}
+    with path.open(newline="", encoding="utf-8") as file:
+        header, *rows = csv.reader(file)
+    return {name: _column(cells) for name, cells in zip(header, zip(*rows, strict=True), strict=True)}
+
+
+def _column(cells: Iterable[str]) -> Any:
+    """Return cells of CSV as an array of numbers or, where one is a text, of texts."""
+    try:
+        return np.array([float(cell) if cell else np.nan for cell in cells])
+    except ValueError:
+        return np.array([csv_value(cell) for cell in cells])
