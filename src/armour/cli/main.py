@@ -26,6 +26,8 @@ def _run() -> None:
         # What an encoding such as ASCII does not have, µ for one, is escaped.
         if isinstance(sys.stdout, TextIOWrapper):
             sys.stdout.reconfigure(errors="backslashreplace")
+        # Pydantic looks for plugins among all installed packages, which takes a while.
+        os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
         from armour.cli.app import app
         from armour.cli.completion import for_bash
 

@@ -12,7 +12,6 @@ import sys
 from collections.abc import Callable
 from contextlib import suppress
 from hashlib import sha256
-from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
 from threading import Lock
@@ -37,6 +36,8 @@ _said: set[str] = set()
 
 def digest(package: Path = PACKAGE) -> str:
     """Return a hash of the source of the core and the loops, and of the versions of what compiles them."""
+    from importlib.metadata import version  # slow to import
+
     versions = [version(name) for name in ("numba", "llvmlite", "numpy")]
     content = sha256(f"{versions} {sys.version}".encode())
     engine = package / "engine"
