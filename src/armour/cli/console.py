@@ -8,9 +8,6 @@ from contextlib import contextmanager
 from math import isfinite
 from typing import IO, Any
 
-import typer
-
-from armour.cli.layout import UNLIMITED, plain, rendered
 from armour.errors import mistake
 from armour.files import reason
 from armour.reporting.table import Table
@@ -21,14 +18,12 @@ def show(*items: Table | str, title: str = "", stderr: bool = False) -> None:
     """Print tables and lines; a reader that has closed the pipe is no error."""
     from rich.console import Console
 
-    console = Console(stderr=stderr)
-    width = console.width if console.is_terminal else UNLIMITED
+    from armour.cli.layout import UNLIMITED, rendered
 
-    def styled(text: str, colour: str | None = None) -> str:
-        return typer.style(text, fg=None if console.no_color else colour, bold=True)
-
-    text = rendered(items, width, title=title, style=styled if console.color_system else plain)
-    _write(text, sys.stderr if stderr else sys.stdout)
+    console = Console(stderr=stderr, highlight=False, markup=False, emoji=False)
+    room = console.width if console.is_terminal else UNLIMITED
+    console.size = (UNLIMITED, console.height)
+    _write(rendered(console, items, room, title), sys.stderr if stderr else sys.stdout)
 
 
 def show_json(data: Mapping[str, Any]) -> None:
