@@ -6,7 +6,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from rich.cells import cell_len
-from rich.console import Console
 
 from armour.analysis.ballistic_limit import confidence
 from armour.analysis.impact import simulate
@@ -24,7 +23,7 @@ PIPE = 1_000_000
 
 def printed(*items: Table | str, width: int, title: str = "") -> list[str]:
     """Lines of a terminal without colours."""
-    return rendered(Console(width=PIPE, height=25, color_system=None), items, width, title).splitlines()
+    return rendered(items, width, title).splitlines()
 
 
 def words(lines: list[str]) -> list[str]:
@@ -111,8 +110,7 @@ def test_a_verdict_is_coloured_and_stands_at_its_numbers():
     table = record(None, (Column("limit", "m/s", ".0f"), 724.0))
 
     for good, colour in ((True, "32"), (False, "31")):
-        terminal = Console(width=PIPE, height=25, color_system="standard", force_terminal=True, no_color=False)
-        lines = rendered(terminal, [Verdict.of("outcome", good=good), table], 80, "armour")
+        lines = rendered([Verdict.of("outcome", good=good), table], 80, "armour", "standard")
         assert lines.splitlines() == ["\x1b[1marmour\x1b[0m", f"\x1b[1;{colour}moutcome\x1b[0m", "limit  724 m/s"]
 
 

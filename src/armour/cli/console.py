@@ -20,10 +20,9 @@ def show(*items: Table | str, title: str = "", stderr: bool = False) -> None:
 
     from armour.cli.layout import UNLIMITED, rendered
 
-    console = Console(stderr=stderr, highlight=False, markup=False, emoji=False)
+    console = Console(stderr=stderr)
     room = console.width if console.is_terminal else UNLIMITED
-    console.size = (UNLIMITED, console.height)
-    _write(rendered(console, items, room, title), sys.stderr if stderr else sys.stdout)
+    _write(rendered(items, room, title, console.color_system), sys.stderr if stderr else sys.stdout)
 
 
 def show_json(data: Mapping[str, Any]) -> None:

@@ -8,6 +8,8 @@ words where the room is too small, the least width of each column is added up he
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from io import StringIO
+from typing import Any
 
 from rich.box import Box
 from rich.cells import cell_len
@@ -36,27 +38,29 @@ STAND_IN = "\ue000"
 RULE = Box("    \n    \n ── \n    \n    \n    \n    \n    \n")
 
 
-def rendered(console: Console, items: Iterable[Table | str], room: int, title: str = "") -> str:
+def rendered(items: Iterable[Table | str], room: int, title: str = "", colours: Any = None) -> str:
     """Format tables and lines for a room, with an empty line between a table and what stands above it.
 
-    The console is wider than any line, since it would cut the lines that the room cannot hold.
+    ``colours`` are those of the terminal, as rich calls them; without any, nothing is bold either.
     """
+    shown = StringIO()
+    # Wider than any line, as rich would cut the lines for which the room is too small.
+    console = Console(file=shown, width=UNLIMITED, height=1, color_system=colours, force_terminal=bool(colours))
     above: Table | str = ""
-    with console.capture() as capture:
-        if title:
-            console.print(_text(console, title, room, "bold"))
-        for item in items:
-            beside = not above or (isinstance(above, Verdict) and isinstance(item, Table) and item.record)
-            above = item
-            if isinstance(item, Table):
-                if not beside or (title and item.title):
-                    console.print()
-                for part in _parts(console, item, room):
-                    console.print(part)
-            else:
-                style = ("bold green" if item.good else "bold red") if isinstance(item, Verdict) else ""
-                console.print(_text(console, item, room, style))
-    lines = capture.get().replace(STAND_IN, " ").split("\n")
+    if title:
+        console.print(_text(console, title, room, "bold"))
+    for item in items:
+        beside = not above or (isinstance(above, Verdict) and isinstance(item, Table) and item.record)
+        above = item
+        if isinstance(item, Table):
+            if not beside or (title and item.title):
+                console.print()
+            for part in _parts(console, item, room):
+                console.print(part)
+        else:
+            style = ("bold green" if item.good else "bold red") if isinstance(item, Verdict) else ""
+            console.print(_text(console, item, room, style))
+    lines = shown.getvalue().replace(STAND_IN, " ").split("\n")
     return "\n".join(line.rstrip(" ") for line in lines)
 
 
