@@ -8,9 +8,6 @@ from contextlib import contextmanager
 from math import isfinite
 from typing import IO, Any
 
-import typer
-
-from armour.cli.layout import UNLIMITED, plain, rendered
 from armour.errors import mistake
 from armour.files import reason
 from armour.reporting.table import Table
@@ -21,14 +18,11 @@ def show(*items: Table | str, title: str = "", stderr: bool = False) -> None:
     """Print tables and lines; a reader that has closed the pipe is no error."""
     from rich.console import Console
 
+    from armour.cli.layout import UNLIMITED, rendered
+
     console = Console(stderr=stderr)
-    width = console.width if console.is_terminal else UNLIMITED
-
-    def styled(text: str, colour: str | None = None) -> str:
-        return typer.style(text, fg=None if console.no_color else colour, bold=True)
-
-    text = rendered(items, width, title=title, style=styled if console.color_system else plain)
-    _write(text, sys.stderr if stderr else sys.stdout)
+    room = console.width if console.is_terminal else UNLIMITED
+    _write(rendered(items, room, title, console.color_system), sys.stderr if stderr else sys.stdout)
 
 
 def show_json(data: Mapping[str, Any]) -> None:

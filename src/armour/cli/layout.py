@@ -1,21 +1,28 @@
-"""Tables and lines laid out for a given width, with every word, name and number whole.
+"""Tables and lines laid out for the width of a console, with every word, name and number whole.
 
 A table that is too wide first gets headings of several lines, then narrow gaps and texts of several lines, and at last
-becomes a block of lines for each row.  A terminal shows the first rows of a long table.
+becomes a block of lines for each row.  A terminal shows the first rows of a long table.  rich draws them; as it cuts
+words where the room is too small, the least width of each column is added up here.
 """
 
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from io import StringIO
+from typing import Any
 
+from rich.box import Box
 from rich.cells import cell_len
+from rich.console import Console
+from rich.table import Table as Grid
+from rich.text import Text
 
 from armour.files import printable
 from armour.reporting.table import Column, Table
 from armour.reporting.text import Verdict
 from armour.units import ENDINGS
 
-GAP = "  "
+GAP = 2
 # Width of what goes into a pipe, where each row of a table stays on one line.
 UNLIMITED = 1_000_000
 # Rows on a terminal of a table that has the rest elsewhere.
@@ -24,65 +31,82 @@ MOST_ROWS = 25
 PLAIN, STACKED, NARROW = range(3)
 # Least width of a column of prose before the table becomes blocks.
 PROSE_WIDTH = 16
-# A space at which a line may end: any but the one between a number and its unit.
-BREAK = re.compile(rf"(?<!\d) | (?!(?:J|{'|'.join(ENDINGS.values())})(?!\w))")
+# The space between a number and its unit, at which no line ends, and a character that no printable text has, for it.
+UNBROKEN = re.compile(rf"(?<=\d) (?=(?:J|{'|'.join(ENDINGS.values())})(?!\w))")
+STAND_IN = "\ue000"
+# A table has a line below its headings, and no others.
+RULE = Box("    \n    \n ── \n    \n    \n    \n    \n    \n")
 
 
-# Makes a line bold and, on request, coloured.
-Style = Callable[..., str]
+def rendered(items: Iterable[Table | str], room: int, title: str = "", colours: Any = None) -> str:
+    """Format tables and lines for a room, with an empty line between a table and what stands above it.
 
-
-def plain(text: str, _colour: str = "") -> str:
-    """Return a text as it is, for output that no terminal shows."""
-    return text
-
-
-def rendered(items: Iterable[Table | str], room: int, *, title: str = "", style: Style = plain) -> str:
-    """Format tables and lines, with an empty line between a table and what stands above it."""
-    lines = [*map(style, _wrapped(printable(title), room))] if title else []
+    ``colours`` are those of the terminal, as rich calls them; without any, nothing is bold either.
+    """
+    shown = StringIO()
+    # Wider than any line, as rich would cut the lines for which the room is too small.
+    console = Console(file=shown, width=UNLIMITED, height=1, color_system=colours, force_terminal=bool(colours))
     above: Table | str = ""
+    if title:
+        console.print(_text(console, title, room, "bold"))
     for item in items:
-        close = not above or (isinstance(above, Verdict) and isinstance(item, Table) and item.record)
+        beside = not above or (isinstance(above, Verdict) and isinstance(item, Table) and item.record)
         above = item
-        if isinstance(item, str):
-            own = _wrapped(printable(item), room)
-            lines += (
-                [style(line, "green" if item.good else "red") for line in own] if isinstance(item, Verdict) else own
-            )
-            continue
-        if not close or (title and item.title):
-            lines.append("")
-        if item.title:
-            lines += map(style, _wrapped(printable(item.title), room))
-        lines += _table_lines(item, room, style)
-    return "".join(f"{line.rstrip(' ')}\n" for line in lines)
+        if isinstance(item, Table):
+            if not beside or (title and item.title):
+                console.print()
+            for part in _parts(console, item, room):
+                console.print(part)
+        else:
+            style = ("bold green" if item.good else "bold red") if isinstance(item, Verdict) else ""
+            console.print(_text(console, item, room, style))
+    lines = shown.getvalue().replace(STAND_IN, " ").split("\n")
+    return "\n".join(line.rstrip(" ") for line in lines)
 
 
-def _table_lines(table: Table, room: int, style: Style) -> list[str]:
+def _text(console: Console, text: str, room: int, style: str = "") -> Text:
+    """Return a text that is wrapped between words; a word that is too long has a line of its own."""
+    words = Text(_unbroken(text), style)
+    return Text("\n").join(words.wrap(console, max(room, _longest_word([words.plain]))))
+
+
+def _unbroken(text: str) -> str:
+    """Return a printable text in which no line ends between a number and its unit."""
+    return UNBROKEN.sub(STAND_IN, printable(text))
+
+
+def _parts(console: Console, table: Table, room: int) -> Iterator[Grid | Text | str]:
+    """Yield what a table consists of: its title, its rows, and where the rest is."""
+    if table.title:
+        yield _text(console, table.title, room, "bold")
     more = len(table.rows) - MOST_ROWS
     if table.rest and room < UNLIMITED and more > 0:
-        table = replace(table, rows=table.rows[:MOST_ROWS])
-        last = _wrapped(f"{more} more rows: {table.rest}", room)
-        return [*_table_lines(table, room, style), *last]
-    texts = [[printable(text) for text in row] for row in table.texts()]
+        yield from _rows(replace(table, rows=table.rows[:MOST_ROWS]), room)
+        yield _text(console, f"{more} more rows: {table.rest}", room)
+    else:
+        yield from _rows(table, room)
+
+
+def _rows(table: Table, room: int) -> Iterator[Grid | str]:
+    """Yield the rows of a table under their headings or, where it does not fit or is a record, as blocks."""
+    texts = [[_unbroken(text) for text in row] for row in table.texts()]
     for fit in () if table.record else (PLAIN, STACKED, NARROW):
         headings = [_heading(column, fit) for column in table.columns]
         cells = [[row[index] for row in texts] for index in range(len(headings))]
         limits = [_limits(*column, fit) for column in zip(table.columns, headings, cells, strict=True)]
-        gap = GAP if fit != NARROW else " "
+        gap = GAP if fit != NARROW else 1
         widths = _shared(limits, room, gap)
         if widths is not None:
             right = [column.numeric for column in table.columns]
-            head = [style(line) for line in _grid([headings], widths, right, gap, at_bottom=True)]
-            rule = "─" * (sum(widths) + len(gap) * (len(widths) - 1))
-            return [*head, rule, *_grid(texts, widths, right, gap)]
-    return _blocks(table, texts, room)
+            yield _grid(texts, widths, right, gap, headings)
+            return
+    yield from _blocks(table, texts, room)
 
 
 def _heading(column: Column, fit: int) -> str:
     """Return a heading; unless plain, its unit has a line of its own."""
     separator = (", ", ",\n", "\n")[fit]
-    return separator.join(printable(part) for part in (column.label, column.unit) if part)
+    return separator.join(_unbroken(part) for part in (column.label, column.unit) if part)
 
 
 def _limits(column: Column, heading: str, cells: Sequence[str], fit: int) -> tuple[int, int]:
@@ -101,13 +125,13 @@ def _longest(texts: Iterable[str]) -> int:
 
 
 def _longest_word(texts: Iterable[str]) -> int:
-    return _longest(word for text in texts for line in text.split("\n") for word in BREAK.split(line))
+    return _longest(word for text in texts for word in text.split())
 
 
-def _shared(limits: Sequence[tuple[int, int]], room: int, gap: str = GAP) -> list[int] | None:
+def _shared(limits: Sequence[tuple[int, int]], room: int, gap: int = GAP) -> list[int] | None:
     """Return the widths of columns, with room for those first that lack least; None if it is too little."""
     widths = [least for least, _ in limits]
-    spare = room - sum(widths) - len(gap) * (len(widths) - 1)
+    spare = room - sum(widths) - gap * (len(widths) - 1)
     if spare < 0:
         return None
     lacking = [greatest - least for least, greatest in limits]
@@ -123,57 +147,32 @@ def _grid(
     rows: Iterable[Sequence[str]],
     widths: Sequence[int],
     right: Sequence[bool],
-    gap: str = GAP,
-    *,
-    at_bottom: bool = False,
-) -> list[str]:
-    """Lay rows out in columns; a row is as high as its text of most lines."""
-    lines = []
+    gap: int = GAP,
+    headings: Sequence[str] = (),
+) -> Grid:
+    """Lay rows out in columns, under their headings if there are any."""
+    grid = Grid(box=RULE, show_header=bool(headings), show_edge=False, pad_edge=False, padding=(0, gap - 1, 0, 0))
+    for index, width in enumerate(widths):
+        heading = Text(headings[index]) if headings else ""
+        grid.add_column(heading, width=width, justify="right" if right[index] else "left", overflow="fold")
     for row in rows:
-        cells = [_wrapped(text, width) for text, width in zip(row, widths, strict=True)]
-        height = max(map(len, cells), default=0)
-        for cell in cells:
-            missing = [""] * (height - len(cell))
-            cell[:] = [*missing, *cell] if at_bottom else [*cell, *missing]
-        for parts in zip(*cells, strict=True):
-            lines.append(gap.join(map(_padded, parts, widths, right)))
-    return lines
+        grid.add_row(*map(Text, row))
+    return grid
 
 
-def _padded(text: str, width: int, right: bool) -> str:
-    space = " " * (width - cell_len(text))
-    return space + text if right else text + space
-
-
-def _wrapped(text: str, width: int) -> list[str]:
-    """Wrap a text between words; a word that is too long has a line of its own."""
-    lines: list[str] = []
-    for paragraph in text.split("\n"):
-        line, *words = BREAK.split(paragraph)
-        for word in words:
-            if cell_len(f"{line} {word}") <= width:
-                line = f"{line} {word}"
-            else:
-                lines.append(line)
-                line = word
-        lines.append(line)
-    return lines
-
-
-def _blocks(table: Table, texts: Sequence[Sequence[str]], room: int) -> list[str]:
-    """Lay out a block for each row: a line for each quantity that it has, with label, value and unit."""
-    lines = []
+def _blocks(table: Table, texts: Sequence[Sequence[str]], room: int) -> Iterator[Grid | str]:
+    """Yield a block for each row: a line for each quantity that it has, with label, value and unit."""
     for index, row in enumerate(texts):
-        found = [(column, text) for column, text in zip(table.columns, row, strict=True) if text]
-        number = _longest(text for column, text in found if column.numeric)
-        labels = [printable(column.label) for column, _ in found]
-        values = [f"{text:>{number}}" if column.numeric else text for column, text in found]
+        quantities = [(column, text) for column, text in zip(table.columns, row, strict=True) if text]
+        number = _longest(text for column, text in quantities if column.numeric)
+        labels = [_unbroken(column.label) for column, _ in quantities]
+        values = [text.rjust(number, STAND_IN) if column.numeric else text for column, text in quantities]
         values = [
-            f"{value} {column.unit}".rstrip() if value[-1].isdigit() else value
-            for value, (column, _) in zip(values, found, strict=True)
+            f"{value}{STAND_IN}{column.unit}" if column.unit and value[-1].isdigit() else value
+            for value, (column, _) in zip(values, quantities, strict=True)
         ]
-        limits = [(_longest_word(texts), _longest(texts)) for texts in (labels, values)]
+        limits = [(_longest_word(column), _longest(column)) for column in (labels, values)]
         widths = _shared(limits, room) or [least for least, _ in limits]
-        lines += [""] if index else []
-        lines += _grid(zip(labels, values, strict=True), widths, (False, False))
-    return lines
+        if index:
+            yield ""
+        yield _grid(zip(labels, values, strict=True), widths, (False, False))
