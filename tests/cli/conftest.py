@@ -9,7 +9,7 @@ from armour.engine.cache import kernel
 from tests.helpers.commands import invoke
 
 
-def words_in(figure: Figure, _: str) -> bytes:
+def words_in(figure: Figure, _suffix: str, _origin: str) -> bytes:
     """What is written in a figure, in place of its file."""
     lines = "\n".join(" ".join(text.get_text().split("\n")) for text in figure.findobj(Text))
     return lines.encode()

@@ -34,11 +34,15 @@ def plain(data: object) -> Any:
 )
 def test_json_is_the_same_as_from_python(cli, name: str, scenario: str):
     data = json.loads(cli(name.replace("_", "-"), scenario, "--json").stdout)
+    made_by = {"version": armour.__version__, "model_version": armour.MODEL_VERSION}
+    made_by |= {"command": f"armour {name.replace('_', '-')} {scenario} --json"}
+    assert data.pop("made_by") == made_by | {"scenario_sha256": load_scenario(scenario).digest()}
     assert data == plain(getattr(armour, name)(load_scenario(scenario)).to_dict())
 
 
 def test_the_json_of_an_impact_has_its_confidence(cli):
     data = json.loads(cli("simulate", WILKINS, "--json").stdout)
+    del data["made_by"]
     assert data.pop("confidence") == plain(armour.confidence(load_scenario(WILKINS)).to_dict())
     assert data == plain(armour.simulate(load_scenario(WILKINS)).to_dict())
 

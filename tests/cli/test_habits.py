@@ -61,8 +61,11 @@ def test_the_help_shows_examples_and_is_not_cut_in_a_narrow_terminal(
 
 
 def test_standard_input(cli):
-    piped = cli("ballistic-limit", "-", "--json", stdin=WILKINS.read_text())
-    assert json.loads(piped.stdout) == json.loads(cli("ballistic-limit", WILKINS, "--json").stdout)
+    piped = json.loads(cli("ballistic-limit", "-", "--json", stdin=WILKINS.read_text()).stdout)
+    named = json.loads(cli("ballistic-limit", WILKINS, "--json").stdout)
+    assert piped["made_by"].pop("command") == "armour ballistic-limit - --json"
+    assert named["made_by"].pop("command").endswith("wilkins.toml --json")
+    assert piped == named
     wrong = cli("simulate", "-", stdin="[impact]\nvelocity_m_s = -1.0\n")
     assert wrong.exit_code == 2
     assert "standard input: impact.velocity_m_s: must be greater than 0, found -1" in wrong.stderr

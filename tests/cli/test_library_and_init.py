@@ -105,7 +105,7 @@ def test_shipped_scenarios_and_tables_have_names(cli, folder: Path):
     assert cli("simulate", "wilkins").stdout == cli("simulate", SCENARIOS / "wilkins.toml").stdout
     assert load_scenario("paper/fig9_4mm") == load_scenario(shipped("scenarios") / "paper" / "fig9_4mm.toml")
     assert cli("report", "bare_plate", "-o", "b.md").exit_code == 0
-    assert "armour report bare_plate --output b.md" in (folder / "b.md").read_text()
+    assert "armour report bare_plate -o b.md" in (folder / "b.md").read_text()
 
 
 def test_a_folder_of_the_name_of_a_suite_is_none(cli, folder: Path):

@@ -6,10 +6,9 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
-from armour.cli.app import app
 from tests.helpers.cases import SCENARIOS
+from tests.helpers.commands import invoke
 from tests.helpers.suites import TABLE
 
 pytestmark = pytest.mark.slow
@@ -33,7 +32,7 @@ QUIET = (
 def catalogue(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The report of a catalogue."""
     path = tmp_path_factory.mktemp("report") / "r.html"
-    result = CliRunner().invoke(app, ["report", "catalogue", "-o", str(path)])
+    result = invoke(["report", "catalogue", "-o", str(path)])
     assert (result.exit_code, result.stdout, result.stderr) == (0, "", f"wrote {path}\n")
     return path
 
@@ -62,7 +61,7 @@ def test_the_armour_as_it_is(cli, folder: Path):
     assert page.startswith("# 10.3 mm AD85 on 7 mm 5083-H3 against ")
     assert "* Armour: **10.3 mm AD85 on 7 mm 5083-H3**" in page
     assert "author: A. Smith, program version: armour " in page
-    assert "--output r.md --as-is --set 'author=A. Smith'" in page
+    assert "--as-is -o r.md --set 'author=A. Smith'" in page
     [line] = cli.fails(2, "report", SCENARIOS.parent / "suites" / "paper.toml", "--as-is")
     assert line == "command line: --as-is: must be given with a scenario, found a suite"
     [line] = cli.fails(2, "report", "paper", "--confidence", "0.9")

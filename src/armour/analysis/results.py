@@ -7,7 +7,16 @@ from math import nan
 from time import perf_counter
 from typing import Any, ClassVar, Self
 
-from armour.scenario.scenario import heading
+from armour.scenario.scenario import Scenario, heading
+
+
+def made_by(scenario: Scenario | None = None, command: str = "") -> dict[str, str]:
+    """Return what makes an output: versions, command, and the hash of the content of a scenario."""
+    from armour import MODEL_VERSION, __version__  # whose public names include those of this module
+
+    made = {"version": __version__, "model_version": MODEL_VERSION}
+    made |= {"command": command} if command else {}
+    return made | ({} if scenario is None else {"scenario_sha256": scenario.digest()})
 
 
 @dataclass(frozen=True, repr=False)

@@ -23,6 +23,7 @@ from armour.cli.console import emit, progress
 from armour.cli.runner import (
     as_options,
     check_outputs,
+    origin_of,
     read_scenario,
     respond,
     warnings_of,
@@ -291,6 +292,7 @@ def _respond(answer: Answer, scenario: "Scenario | None", values: Mapping[str, A
             files=answer.contents.items(),
             plot=values["plot"],
             draw=lambda: plot_of(result),
+            origin=origin_of(scenario),
             warnings=warnings_of(scenario, warnings, answer.file, of_threats=of_threats, verbose=verbose),
         )
     if answer.then:

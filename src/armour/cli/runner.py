@@ -1,6 +1,8 @@
 """What every command does: read, check the outputs, compute, show, write files, warn, in this order."""
 
+import json
 import os
+import shlex
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -145,20 +147,24 @@ def respond(
     plot: Path | None = None,
     draw: Callable[[], Any] | None = None,
     warnings: Iterable[str] = (),
+    origin: Mapping[str, str] | None = None,
 ) -> None:
     """Show an answer as tables or JSON, write the files that are asked for, and warn.
 
     ``files`` are paths with functions that make the contents, or None if there is nothing to write.  ``draw`` makes
-    the picture for ``plot``.  ``of`` are the lines above the tables that say what was computed.
+    the picture for ``plot``.  ``of`` are the lines above the tables that say what was computed.  JSON and picture say
+    what made them, the ``origin``.
     """
 
     def drawn() -> bytes | None:
         from armour.reporting.pictures import drawing
 
-        return None if plot is None or draw is None else drawing.saved(draw(), plot.suffix.lower())
+        if plot is None or draw is None:
+            return None
+        return drawing.saved(draw(), plot.suffix.lower(), json.dumps(origin))
 
     if as_json:
-        show_json(data)
+        show_json({**data, "made_by": origin} if origin else data)
     elif shown := [*tables]:
         show(*of[1:], *shown, title=of[0] if of else "")
     try:
@@ -167,6 +173,27 @@ def respond(
         write({path: content for path, content in contents.items() if content is not None})
     finally:
         say(*warnings)
+
+
+def origin_of(scenario: "Scenario | None" = None) -> dict[str, str]:
+    """Return what makes the outputs of this command line."""
+    from armour.analysis.results import made_by
+
+    return made_by(scenario, command_line())
+
+
+def command_line() -> str:
+    """Return the command line as it was typed, but for the folders of absolute paths."""
+    return shlex.join(["armour", *map(_without_folders, sys.argv[1:])])
+
+
+def _without_folders(word: str) -> str:
+    """Return a word of a command line; an absolute path is relative to the working folder, or its name alone."""
+    option, equals, text = word.rpartition("=")
+    path = Path(text)
+    if not path.is_absolute():
+        return word
+    return option + equals + (str(path.relative_to(Path.cwd())) if path.is_relative_to(Path.cwd()) else path.name)
 
 
 def write(contents: Mapping[Path, str | bytes]) -> None:

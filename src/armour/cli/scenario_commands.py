@@ -33,6 +33,8 @@ from armour.cli.runner import (
     accepted,
     as_options,
     check_outputs,
+    command_line,
+    origin_of,
     read_scenario,
     respond,
     set_options,
@@ -294,6 +296,7 @@ def sweep(
             names,
             output,
             replace=force,
+            command=command_line(),
             workers=workers,
             threads=threads,
             on_chunk=lambda n, stored: count(n, stored=stored),
@@ -317,6 +320,7 @@ def sweep(
         of=of,
         plot=plot,
         draw=draw,
+        origin=origin_of(loaded),
     )
 
 
@@ -406,8 +410,7 @@ def report(
     refuse(wrong_ending(output, REPORT_ENDINGS))
     asked = [] if confidence is None else ["--confidence", str(confidence)]
     changes = changes or []
-    words = ["armour", "report", str(source), "--output", str(output), *["--as-is"] * as_is, *asked]
-    command = shlex.join([*words, *set_options(changes)])
+    command = command_line()
     needed = set_options(accepted(changes, DESIGNS))
     map_command = shlex.join(["armour", "optimise", str(source), *asked, *needed, "--map", "map.html"])
     if str(source) != "-":

@@ -1,5 +1,6 @@
 """Commands on suites of published values, and on the paper's figures."""
 
+import json
 import os
 from functools import partial
 from itertools import groupby
@@ -13,7 +14,7 @@ import typer
 from armour.cli import completion
 from armour.cli.console import progress, say, show
 from armour.cli.question import AsJson, Changes, Force, argument, option
-from armour.cli.runner import CHECK_FAILED, check_outputs, respond, write
+from armour.cli.runner import CHECK_FAILED, check_outputs, origin_of, respond, write
 from armour.errors import Problem, mistake, refuse
 from armour.files import reason, suite_file
 
@@ -75,6 +76,7 @@ def validate(
         result.to_dict(),
         view.tables(judged.of(every_row=verbose)) if judged.checks else (),
         as_json=as_json,
+        origin=origin_of(),
         files=[
             (markdown, lambda: markdown_report(view.report(result))),
             (junit, lambda: view.junit(result, seconds)),
@@ -160,7 +162,7 @@ def figures(
             else:
                 figures = [compute_figure(section, path.parent) for section in panels[name]]
                 table, draw = suite.figure_table(figures), partial(pictures.draw_figure, figures)
-            drawn = drawing.saved(drawing.drawn(draw, drawing.Sheet()).figure, f".{image}")
+            drawn = drawing.saved(drawing.drawn(draw, drawing.Sheet()).figure, f".{image}", json.dumps(origin_of()))
             folder.mkdir(parents=True, exist_ok=True)
             write({folder / f"{name}.csv": csv_text(table), folder / f"{name}.{image}": drawn})
             count(1)

@@ -64,12 +64,13 @@ class Report:
         return in_two_lines(self.warnings, "below")[0]
 
 
-def origin_section(command: str, words: str = "") -> Section:
-    """Return the section on the command that makes a report and the programs that its results depend on."""
+def origin_section(command: str, words: str = "", scenario: Scenario | None = None) -> Section:
+    """Return the section on the command that makes a report, the scenario and the programs it depends on."""
     versions = [("armour", __version__), ("model", MODEL_VERSION), ("Python", sys.version.split()[0])]
     versions += [(name, version(name)) for name in PACKAGES]
     table = Table((Column("program"), Column("version")), tuple(versions))
-    paragraphs = (*filter(None, (words,)), "Made by:")
+    content = f"SHA-256 of the scenario's content: {scenario.digest()}" if scenario else ""
+    paragraphs = (*filter(None, (words, content)), "Made by:")
     return Section("Command and versions", paragraphs, command, "console", tables=(table,), folded=True)
 
 

@@ -343,7 +343,7 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Se
     )
     yield Section("Values and their sources", tables=tuple(tables), folded=True)
     yield Section("Scenario", code=scenario.to_toml(), language="toml", folded=True)
-    yield origin_section(command, _which_armour(contents))
+    yield origin_section(command, _which_armour(contents), contents.scenario)
 
 
 def _threats(contents: Contents) -> Table:

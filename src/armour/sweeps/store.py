@@ -112,13 +112,13 @@ class Store:
             self._database.execute("insert into chunk values (?, ?, ?)", values)
         self._count(chunk)
 
-    def finish(self) -> None:
-        """Write the table."""
+    def finish(self, made_by: Mapping[str, str] | None = None) -> None:
+        """Write the table; a Parquet file says what made it."""
         part = new_file(self.folder)
         with self._disk():
             try:
                 with part.open("xb") as file:
-                    write_table(file, (chunk.columns for chunk in self._chunks()), as_csv=self.is_csv)
+                    write_table(file, (chunk.columns for chunk in self._chunks()), as_csv=self.is_csv, made_by=made_by)
                     file.flush()
                     os.fsync(file.fileno())
                 self._check_output()

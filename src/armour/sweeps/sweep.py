@@ -23,7 +23,7 @@ from pydantic import Field
 import armour
 from armour.analysis.evaluate import check_keys, check_quantities, evaluate_groups, groups_of, scenarios_of
 from armour.analysis.quantities import QUANTITIES, reads_of
-from armour.analysis.results import OnProgress, TableResult, ignore_progress, same_columns
+from armour.analysis.results import OnProgress, TableResult, ignore_progress, made_by, same_columns
 from armour.errors import InputError, choices, mistake
 from armour.files import reason, shipped
 from armour.scenario.checked import Names, checked
@@ -226,6 +226,7 @@ def write_sweep(
     threads: int | None = None,
     size: int | None = None,
     replace: bool = False,
+    command: str = "",
     on_chunk: OnChunk = ignore_progress,
     approve: Callable[[Effort], None] = lambda _effort: None,
     tell: Callable[[str], None] = lambda _line: None,
@@ -236,7 +237,7 @@ def write_sweep(
     answer gives an empty field in CSV and NaN in Parquet.  Chunks are computed by workers, each on one thread, or here.
     Without a size of chunks, some rows are measured; ``approve`` gets what all rows of a new sweep take and raises an
     error to stop.  ``tell`` gets a line if kept rows are damaged, and at the end one for each warning on some rows.
-    ``replace`` allows the output to take the place of an older file.
+    ``replace`` allows the output to take the place of an older file; a Parquet file says what ``command`` made it.
     """
     check(scenario, source, quantities)
     for line in left_out(scenario, quantities):
@@ -265,7 +266,7 @@ def write_sweep(
                 for chunk in chunks:
                     store.append(chunk)
                     on_chunk(chunk.rows, False)
-            store.finish()
+            store.finish(made_by(scenario, command))
         except KeyboardInterrupt:
             raise KeyboardInterrupt(f"{store.done:,} of {source.count:,} rows are done; {RESUME}") from None
     for line in lines_of(store.warnings, source.count):

@@ -1,6 +1,7 @@
 """Tables of a sweep, in CSV or Parquet by the ending of their file."""
 
 import csv
+import json
 from collections.abc import Iterable, Mapping
 from io import StringIO
 from itertools import chain
@@ -27,8 +28,10 @@ def is_csv(path: Path) -> bool:
     return False
 
 
-def write_table(file: BinaryIO, chunks: Iterable[Mapping[str, Any]], *, as_csv: bool) -> None:
-    """Write columns by name, a chunk after the other."""
+def write_table(
+    file: BinaryIO, chunks: Iterable[Mapping[str, Any]], *, as_csv: bool, made_by: Mapping[str, str] | None = None
+) -> None:
+    """Write columns by name, a chunk after the other; Parquet says what made it."""
     if as_csv:
         for number, columns in enumerate(chunks):
             file.write(csv_of(columns, header=number == 0))
@@ -37,7 +40,10 @@ def write_table(file: BinaryIO, chunks: Iterable[Mapping[str, Any]], *, as_csv: 
     import pyarrow as pa
     from pyarrow import parquet
 
-    tables = (pa.table({name: pa.array(values) for name, values in columns.items()}) for columns in chunks)
+    about = {"armour": json.dumps(made_by)}
+    tables = (
+        pa.table({name: pa.array(values) for name, values in columns.items()}, metadata=about) for columns in chunks
+    )
     first = next(tables)
     kept = first.slice(0, 0)
     with parquet.ParquetWriter(file, first.schema) as writer:

@@ -223,11 +223,12 @@ def _end(line: Any, axes: Axes) -> Any:
     return points[-1] if whole and axes.bbox.padded(1.0).contains(*axes.transData.transform(points[-1])) else None
 
 
-def saved(figure: Figure, suffix: str, **options: Any) -> bytes:
-    """Return a figure as a file of the format that the suffix names, a key of `METADATA`."""
+def saved(figure: Figure, suffix: str, made_by: str = "", **options: Any) -> bytes:
+    """Return a figure as a file of the format that the suffix names, a key of `METADATA`, and what made it."""
     content = BytesIO()
+    metadata = METADATA[suffix] | {"Subject" if suffix == ".pdf" else "Description": made_by}
     with mpl.rc_context(STYLE):
-        figure.savefig(content, format=suffix[1:], metadata=METADATA[suffix], **{"dpi": 160, **options})
+        figure.savefig(content, format=suffix[1:], metadata=metadata, **{"dpi": 160, **options})
     return content.getvalue()
 
 
