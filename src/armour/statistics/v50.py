@@ -19,7 +19,7 @@ from armour.csv_files import MUST_SAY, PERFORATED, in_line_order, lines_of, read
 from armour.errors import Problem, mistake, refuse, suggestion
 from armour.scenario.checked import checked
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
-from armour.statistics.curves import CDFS, FittedCurve, Likelihood, fit_curve
+from armour.statistics.curves import CDFS, FittedCurve, ShotLikelihood, fit_curve
 from armour.statistics.posterior import (
     FiringEstimate,
     FiringPrior,
@@ -374,7 +374,7 @@ def decided(
         return "", (None, None)
     if fit is None:
         return "not decided", (None, None)
-    accepting = Likelihood(partial, complete, "probit", penalised=True).chance_below(requirement_m_s)
+    accepting = ShotLikelihood(partial, complete, "probit", penalised=True).chance_below(requirement_m_s)
     risk = 1.0 - confidence + ROUNDING
     decision: Decision = "met" if accepting <= risk else "not met" if 1.0 - accepting <= risk else "not decided"
     return decision, (accepting, 1.0 - accepting)
