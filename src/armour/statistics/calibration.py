@@ -19,7 +19,7 @@ from armour.scenario.inputs import ROLES
 from armour.scenario.keys import key_name
 from armour.scenario.library import FLOW_STRESS_LAW
 from armour.scenario.scenario import Scenario
-from armour.statistics.likelihood import MIN_P_VALUE, Coefficient, Fit, fit_inputs, intervals, usable, without
+from armour.statistics.likelihood import MIN_P_VALUE, Coefficient, InputFit, fit_inputs, intervals, usable, without
 from armour.statistics.measured import Tests, common_of, subject_of
 from armour.statistics.own_tests import NOTHING_OF_ERROR, own_tests
 
@@ -214,7 +214,7 @@ def calibrate(
     prior: bool = False,
     on_progress: OnProgress = ignore_progress,
 ) -> CalibrationResult:
-    """Fit inputs of a scenario to tests by maximum likelihood, with profile-likelihood intervals.
+    """InputFit inputs of a scenario to tests by maximum likelihood, with profile-likelihood intervals.
 
     A measured value is normally distributed about the model's value, with its uncertainty or, if none are given, with a
     standard deviation that is an unknown fraction, common to all, of the measured value.  If the model stops the
@@ -263,7 +263,7 @@ def calibrate(
             message = f"must not be of a material with own tests, found {entry.name}; give all tests of the lot at once"
             raise mistake(tests.file, "", message)
     check_fitted(fit, law, "calibrate")
-    fits: list[tuple[Fit, CalibrationResult]] = []
+    fits: list[tuple[InputFit, CalibrationResult]] = []
     for each in LAWS if law == "all" else (law,):
         try:
             fits.append(fit_by_law(tests, fit, each, on_progress, prior=prior, assumes=law != "all"))
@@ -319,7 +319,7 @@ def fit_by_law(
     *,
     prior: bool = False,
     assumes: bool = True,
-) -> tuple[Fit, CalibrationResult]:
+) -> tuple[InputFit, CalibrationResult]:
     """Return a fit with one law, and its result without the coefficients, whose intervals take long.
 
     A scatter that the tests are too few to estimate may be assumed.
@@ -417,7 +417,7 @@ def _unlike(tests: Tests) -> Iterator[str]:
     return (f"{limit}; this concerns {count} of {len(tests.names)} tests" for limit, count in found.items())
 
 
-def _bad_fit(done: Fit) -> tuple[str, ...]:
+def _bad_fit(done: InputFit) -> tuple[str, ...]:
     """Return a warning if the deviations are larger than the uncertainties explain."""
     if done.p_value is None or done.p_value >= MIN_P_VALUE:
         return ()
@@ -431,7 +431,7 @@ def _bad_fit(done: Fit) -> tuple[str, ...]:
     )
 
 
-def _left_out(done: Fit) -> Floats:
+def _left_out(done: InputFit) -> Floats:
     """Return each measurement's value with inputs fitted to the other tests; NaN if these are too few."""
     tests, count = done.likelihood.tests, len(done.best.x)
     if tests.weighted:
