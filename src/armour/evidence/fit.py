@@ -123,8 +123,8 @@ class Fit(NamedTuple):
 
     def _matrix(self, q: Quantities) -> Floats:
         """Return the terms of n armours and, of an updated fit, which of its rounds they are of."""
-        of_round = np.empty((len(q["path_ratio"]), 0)) if self.rods is None else _same(rods_of(q), self.rods)
-        return np.column_stack([matrix_of(self.terms, self.reference, q), of_round])
+        rounds = np.empty((len(q["path_ratio"]), 0)) if self.rods is None else _same(rods_of(q), self.rods)
+        return np.column_stack([matrix_of(self.terms, self.reference, q), rounds])
 
     def updated(self, tests: LotTests, more: float = 0.0, level: Sequence[float] | None = None) -> "Fit":
         """Return the fit for the lot of own tests, with the logarithm of the density of these as its weight.
@@ -159,10 +159,10 @@ class Fit(NamedTuple):
         log_density -= 0.5 * ((nu + n) * np.log1p(squares / nu) + np.linalg.slogdet(S)[1])
         if len(shots):
             gain = np.linalg.solve(S, K[limits]).T
-            known = gain[shots] @ away[limits], (K - gain @ K[limits])[np.ix_(shots, shots)]
-            found = _outcomes(*known, away[shots], tests.sides[shots], variances[shots])
-            away[shots], variances[shots], more_density = found
-            log_density += more_density
+            mean, covariance = gain[shots] @ away[limits], (K - gain @ K[limits])[np.ix_(shots, shots)]
+            equal = _outcomes(mean, covariance, away[shots], tests.sides[shots], variances[shots])
+            away[shots], variances[shots], density_of_shots = equal
+            log_density += density_of_shots
         S = K + np.diag(variances)
         G = np.linalg.solve(S, Z @ C).T
         # Tests that contradict each other or the fit widen it; outcomes count by what they tell.
@@ -182,30 +182,33 @@ def _outcomes(
     variances given.  By expectation propagation; the third number is the logarithm of the probability of the outcomes.
     """
     n = len(mean)
-    precision, information, at, own = np.zeros(n), np.zeros(n), mean.copy(), covariance.copy()
+    precision, information = np.zeros(n), np.zeros(n)  # of the measurements
+    middle, posterior = mean.copy(), covariance.copy()  # of the limits
+    # Means and variances of the limits without the shot, and how far these are on its side.
     without, spread, score = np.empty(n), np.empty(n), np.empty(n)
     for _ in range(MOST_ROUNDS):
         before = precision.copy()
         for i in range(n):
-            left = 1.0 / own[i, i] - precision[i]
-            without[i], spread[i] = (at[i] / own[i, i] - information[i]) / left, 1.0 / left
+            left = 1.0 / posterior[i, i] - precision[i]
+            without[i], spread[i] = (middle[i] / posterior[i, i] - information[i]) / left, 1.0 / left
             total = spread[i] + variances[i]
             score[i] = sides[i] * (without[i] - places[i]) / np.sqrt(total)
             slope = np.exp(-0.5 * score[i] ** 2 - log_ndtr(score[i])) / np.sqrt(2.0 * np.pi)
-            known = without[i] + spread[i] * sides[i] * slope / np.sqrt(total)
+            mean_with = without[i] + spread[i] * sides[i] * slope / np.sqrt(total)
             narrowed = spread[i] - spread[i] ** 2 * slope * (slope + score[i]) / total
-            new = max(1.0 / narrowed - left, LEAST_PRECISION), known / narrowed - without[i] * left
-            more, further = new[0] - precision[i], new[1] - information[i]
-            precision[i], information[i] = new
-            change = own[:, i] / (1.0 + more * own[i, i])
-            at, own = at + change * (further - more * at[i]), own - more * np.outer(change, own[i])
+            more = max(1.0 / narrowed - left, LEAST_PRECISION) - precision[i]
+            further = mean_with / narrowed - without[i] * left - information[i]
+            precision[i], information[i] = precision[i] + more, information[i] + further
+            change = posterior[:, i] / (1.0 + more * posterior[i, i])
+            middle = middle + change * (further - more * middle[i])
+            posterior = posterior - more * np.outer(change, posterior[i])
         if (np.abs(precision - before) <= 1e-6 * precision).all():
             break
     residual = information - precision * mean
     scaled = 1.0 + precision * spread
     log_density = log_ndtr(score) + 0.5 * np.log(scaled)
     log_density -= 0.5 * (information**2 * spread + 2.0 * information * without - precision * without**2) / scaled
-    whole = information @ mean - 0.5 * precision @ mean**2 + 0.5 * residual @ own @ residual
+    whole = information @ mean - 0.5 * precision @ mean**2 + 0.5 * residual @ posterior @ residual
     whole -= 0.5 * np.linalg.slogdet(np.eye(n) + precision[:, None] * covariance)[1]
     return information / precision, 1.0 / precision, float(log_density.sum() + whole)
 
@@ -222,7 +225,7 @@ def _same(rods: Floats, others: Floats) -> Any:
 
 def law_parameters(role: str, values: Mapping[str, float]) -> dict[str, float]:
     """Return values of a library entry, by key, as parameters of the core, SI units."""
-    return {(one := INPUTS[f"{role}.{key}"]).field: value * one.factor for key, value in values.items()}
+    return {(parameter := INPUTS[f"{role}.{key}"]).field: value * parameter.factor for key, value in values.items()}
 
 
 @cache
@@ -234,9 +237,9 @@ def shipped_data() -> dict[str, Any]:
 @cache
 def fits() -> dict[str, Fit]:
     """Return the shipped fits by name."""
-    found = {}
+    shipped_fits = {}
     for name, data in shipped_data()["fit"].items():
         arrays = {key: np.array(data[key]) for key in ("coefficients", "covariance")}
         law = law_parameters("ceramic", data.get("flow_stress", {}))
-        found[name] = Fit(name, law=law, **{key: data[key] for key in data if key in Fit._fields} | arrays)
-    return found
+        shipped_fits[name] = Fit(name, law=law, **{key: data[key] for key in data if key in Fit._fields} | arrays)
+    return shipped_fits

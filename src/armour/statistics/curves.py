@@ -314,8 +314,8 @@ def penalised_band(
 
     shots = ShotLikelihood(partial, complete, link, penalised=True)
     root = float(ndtri(0.5 + 0.5 * confidence))
-    wanted = (np.array(velocities_m_s) - shots.mean) / shots.deviation
-    nodes = np.linspace(wanted[0], wanted[-1], BAND_NODES)
+    places = (np.array(velocities_m_s) - shots.mean) / shots.deviation
+    nodes = np.linspace(places[0], places[-1], BAND_NODES)
     ends = np.array([shots.argument_interval(float(node), root) for node in nodes])
-    low, high = CDFS[link](PchipInterpolator(nodes, ends.clip(-FARTHEST, FARTHEST))(wanted)).T
+    low, high = CDFS[link](PchipInterpolator(nodes, ends.clip(-FARTHEST, FARTHEST))(places)).T
     return low, high
