@@ -137,43 +137,59 @@ class Fit(NamedTuple):
         level : sequence of float, optional
             Mean and standard deviation of the first coefficient, of a lot that the fit tells nothing of.
         """
-        between_lots, between_rounds, rest, trend = self.standard_deviations
-        rest, count, nu = max(rest, LEAST_REST), len(self.terms), self.degrees_of_freedom
         rods = np.unique(rods_of(tests.quantities), axis=0)
+        rest, nu = max(self.standard_deviations[2], LEAST_REST), self.degrees_of_freedom
         Z = self._replace(rods=rods)._matrix(tests.quantities)
-        b = np.append(self.coefficients, np.zeros(len(rods)))
-        C = np.diag([0.0] * count + [between_rounds**2] * len(rods))
+        b, C = self._of_new_lot(len(rods), more, level)
+        # Of the tests: those at one armour have one limit.
+        K = Z @ C @ Z.T + rest**2 * (tests.armours[:, None] == tests.armours)
+        away, variances = tests.errors - Z @ b, tests.uncertainties**2
+        limits, shots = np.flatnonzero(tests.sides == 0.0), np.flatnonzero(tests.sides)
+        S = K[np.ix_(limits, limits)] + np.diag(variances[limits])
+        log_density = _log_density(away[limits], S, nu)
+        if len(shots):
+            gain = np.linalg.solve(S, K[limits]).T
+            mean, covariance = gain[shots] @ away[limits], (K - gain @ K[limits])[np.ix_(shots, shots)]
+            equal = as_measurements(mean, covariance, away[shots], tests.sides[shots], variances[shots])
+            away[shots], variances[shots], log_probability = equal
+            log_density += log_probability
+        S = K + np.diag(variances)
+        G = np.linalg.solve(S, Z @ C).T
+        # Tests that contradict each other or the fit widen it; outcomes count by what they tell.
+        told = away @ np.linalg.solve(S, away), np.trace(np.linalg.solve(S, K))
+        wider = max(1.0, (nu + told[0]) / (nu + told[1]))
+        return self._replace(
+            coefficients=b + G @ away,
+            covariance=wider * (C - G @ Z @ C),
+            variance=wider * rest**2,
+            degrees_of_freedom=nu + len(Z),
+            rods=rods,
+            weight=log_density,
+        )
+
+    def _of_new_lot(self, rounds: int, more: float, level: Sequence[float] | None) -> tuple[Floats, Floats]:
+        """Return coefficients of a lot and effects of rounds, and their covariance; see `updated`."""
+        between_lots, between_rounds, _, trend = self.standard_deviations
+        count = len(self.terms)
+        b = np.append(self.coefficients, np.zeros(rounds))
+        C = np.diag([0.0] * count + [between_rounds**2] * rounds)
         C[:count, :count] = self.covariance
         C[0, 0] += between_lots**2 + more**2
         if level is not None:
             C[0], C[:, 0] = 0.0, 0.0
             b[0], C[0, 0] = level[0], level[1] ** 2
         C[1, 1] += trend**2
-        # Of the tests: those at one armour have one limit.
-        K = Z @ C @ Z.T + rest**2 * (tests.armours[:, None] == tests.armours)
-        away, variances = tests.errors - Z @ b, tests.uncertainties**2
-        limits, shots = np.flatnonzero(tests.sides == 0.0), np.flatnonzero(tests.sides)
-        S = K[np.ix_(limits, limits)] + np.diag(variances[limits])
-        squares, n = float(away[limits] @ np.linalg.solve(S, away[limits])), len(limits)
-        log_density = gammaln(0.5 * (nu + n)) - gammaln(0.5 * nu) - 0.5 * n * np.log(nu)
-        log_density -= 0.5 * ((nu + n) * np.log1p(squares / nu) + np.linalg.slogdet(S)[1])
-        if len(shots):
-            gain = np.linalg.solve(S, K[limits]).T
-            mean, covariance = gain[shots] @ away[limits], (K - gain @ K[limits])[np.ix_(shots, shots)]
-            equal = _outcomes(mean, covariance, away[shots], tests.sides[shots], variances[shots])
-            away[shots], variances[shots], density_of_shots = equal
-            log_density += density_of_shots
-        S = K + np.diag(variances)
-        G = np.linalg.solve(S, Z @ C).T
-        # Tests that contradict each other or the fit widen it; outcomes count by what they tell.
-        told = away @ np.linalg.solve(S, away), np.trace(np.linalg.solve(S, K))
-        wider = max(1.0, (nu + told[0]) / (nu + told[1]))
-        updated = b + G @ away, wider * (C - G @ Z @ C), wider * rest**2, nu + len(Z)
-        kept = self.standard_deviations, self.law, rods
-        return Fit(self.name, self.terms, self.reference, *updated, *kept, float(log_density))
+        return b, C
 
 
-def _outcomes(
+def _log_density(away: Floats, scale: Floats, freedom: float) -> float:
+    """Return the logarithm of the density of Student's t distribution of n values, but for a constant times n."""
+    n, squares = len(away), float(away @ np.linalg.solve(scale, away))
+    log_density = gammaln(0.5 * (freedom + n)) - gammaln(0.5 * freedom) - 0.5 * n * np.log(freedom)
+    return float(log_density - 0.5 * ((freedom + n) * np.log1p(squares / freedom) + np.linalg.slogdet(scale)[1]))
+
+
+def as_measurements(
     mean: Floats, covariance: Floats, places: Floats, sides: Floats, variances: Floats
 ) -> tuple[Floats, Floats, float]:
     """Return normal measurements that tell as much as the outcomes of n shots: means and variances, (n,).
