@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_t, norm
 
-from armour.evidence.fit import LEAST_REST, LotTests, _outcomes, fits, matrix_of
+from armour.evidence.fit import LEAST_REST, LotTests, as_measurements, fits, matrix_of
 from tools.evidence import GROUPS, plates_of
 
 GROUP = GROUPS["fragments_aluminium"]
@@ -114,7 +114,7 @@ def test_outcomes_are_approximated_well(count: int):
     root = rng.normal(size=(count, count))
     covariance, mean = root @ root.T * 0.01 + 0.003 * np.eye(count), rng.normal(size=count) * 0.05
     places, sides, variances = rng.normal(size=count) * 0.1, rng.choice([-1.0, 1.0], count), np.full(count, 4e-4)
-    equal, spread, log_density = _outcomes(mean, covariance, places, sides, variances)
+    equal, spread, log_density = as_measurements(mean, covariance, places, sides, variances)
     drawn = rng.multivariate_normal(mean, covariance, size=1_000_000)
     weights = norm.cdf(sides * (drawn - places) / np.sqrt(variances)).prod(axis=1)
     expected = weights @ drawn / weights.sum()

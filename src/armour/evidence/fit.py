@@ -123,8 +123,8 @@ class Fit(NamedTuple):
 
     def _matrix(self, q: Quantities) -> Floats:
         """Return the terms of n armours and, of an updated fit, which of its rounds they are of."""
-        of_round = np.empty((len(q["path_ratio"]), 0)) if self.rods is None else _same(rods_of(q), self.rods)
-        return np.column_stack([matrix_of(self.terms, self.reference, q), of_round])
+        rounds = np.empty((len(q["path_ratio"]), 0)) if self.rods is None else _same(rods_of(q), self.rods)
+        return np.column_stack([matrix_of(self.terms, self.reference, q), rounds])
 
     def updated(self, tests: LotTests, more: float = 0.0, level: Sequence[float] | None = None) -> "Fit":
         """Return the fit for the lot of own tests, with the logarithm of the density of these as its weight.
@@ -137,43 +137,59 @@ class Fit(NamedTuple):
         level : sequence of float, optional
             Mean and standard deviation of the first coefficient, of a lot that the fit tells nothing of.
         """
-        between_lots, between_rounds, rest, trend = self.standard_deviations
-        rest, count, nu = max(rest, LEAST_REST), len(self.terms), self.degrees_of_freedom
         rods = np.unique(rods_of(tests.quantities), axis=0)
+        rest, nu = max(self.standard_deviations[2], LEAST_REST), self.degrees_of_freedom
         Z = self._replace(rods=rods)._matrix(tests.quantities)
-        b = np.append(self.coefficients, np.zeros(len(rods)))
-        C = np.diag([0.0] * count + [between_rounds**2] * len(rods))
+        b, C = self._of_new_lot(len(rods), more, level)
+        # Of the tests: those at one armour have one limit.
+        K = Z @ C @ Z.T + rest**2 * (tests.armours[:, None] == tests.armours)
+        away, variances = tests.errors - Z @ b, tests.uncertainties**2
+        limits, shots = np.flatnonzero(tests.sides == 0.0), np.flatnonzero(tests.sides)
+        S = K[np.ix_(limits, limits)] + np.diag(variances[limits])
+        log_density = _log_density(away[limits], S, nu)
+        if len(shots):
+            gain = np.linalg.solve(S, K[limits]).T
+            mean, covariance = gain[shots] @ away[limits], (K - gain @ K[limits])[np.ix_(shots, shots)]
+            equal = as_measurements(mean, covariance, away[shots], tests.sides[shots], variances[shots])
+            away[shots], variances[shots], log_probability = equal
+            log_density += log_probability
+        S = K + np.diag(variances)
+        G = np.linalg.solve(S, Z @ C).T
+        # Tests that contradict each other or the fit widen it; outcomes count by what they tell.
+        told = away @ np.linalg.solve(S, away), np.trace(np.linalg.solve(S, K))
+        wider = max(1.0, (nu + told[0]) / (nu + told[1]))
+        return self._replace(
+            coefficients=b + G @ away,
+            covariance=wider * (C - G @ Z @ C),
+            variance=wider * rest**2,
+            degrees_of_freedom=nu + len(Z),
+            rods=rods,
+            weight=log_density,
+        )
+
+    def _of_new_lot(self, rounds: int, more: float, level: Sequence[float] | None) -> tuple[Floats, Floats]:
+        """Return coefficients of a lot and effects of rounds, and their covariance; see `updated`."""
+        between_lots, between_rounds, _, trend = self.standard_deviations
+        count = len(self.terms)
+        b = np.append(self.coefficients, np.zeros(rounds))
+        C = np.diag([0.0] * count + [between_rounds**2] * rounds)
         C[:count, :count] = self.covariance
         C[0, 0] += between_lots**2 + more**2
         if level is not None:
             C[0], C[:, 0] = 0.0, 0.0
             b[0], C[0, 0] = level[0], level[1] ** 2
         C[1, 1] += trend**2
-        # Of the tests: those at one armour have one limit.
-        K = Z @ C @ Z.T + rest**2 * (tests.armours[:, None] == tests.armours)
-        away, variances = tests.errors - Z @ b, tests.uncertainties**2
-        limits, shots = np.flatnonzero(tests.sides == 0.0), np.flatnonzero(tests.sides)
-        S = K[np.ix_(limits, limits)] + np.diag(variances[limits])
-        squares, n = float(away[limits] @ np.linalg.solve(S, away[limits])), len(limits)
-        log_density = lgamma(0.5 * (nu + n)) - lgamma(0.5 * nu) - 0.5 * n * np.log(nu)
-        log_density -= 0.5 * ((nu + n) * np.log1p(squares / nu) + np.linalg.slogdet(S)[1])
-        if len(shots):
-            gain = np.linalg.solve(S, K[limits]).T
-            known = gain[shots] @ away[limits], (K - gain @ K[limits])[np.ix_(shots, shots)]
-            found = _outcomes(*known, away[shots], tests.sides[shots], variances[shots])
-            away[shots], variances[shots], more_density = found
-            log_density += more_density
-        S = K + np.diag(variances)
-        G = np.linalg.solve(S, Z @ C).T
-        # Tests that contradict each other or the fit widen it; outcomes count by what they tell.
-        told = away @ np.linalg.solve(S, away), np.trace(np.linalg.solve(S, K))
-        wider = max(1.0, (nu + told[0]) / (nu + told[1]))
-        updated = b + G @ away, wider * (C - G @ Z @ C), wider * rest**2, nu + len(Z)
-        kept = self.standard_deviations, self.law, rods
-        return Fit(self.name, self.terms, self.reference, *updated, *kept, float(log_density))
+        return b, C
 
 
-def _outcomes(
+def _log_density(away: Floats, scale: Floats, freedom: float) -> float:
+    """Return the logarithm of the density of Student's t distribution of n values, but for a constant times n."""
+    n, squares = len(away), float(away @ np.linalg.solve(scale, away))
+    log_density = lgamma(0.5 * (freedom + n)) - lgamma(0.5 * freedom) - 0.5 * n * np.log(freedom)
+    return float(log_density - 0.5 * ((freedom + n) * np.log1p(squares / freedom) + np.linalg.slogdet(scale)[1]))
+
+
+def as_measurements(
     mean: Floats, covariance: Floats, places: Floats, sides: Floats, variances: Floats
 ) -> tuple[Floats, Floats, float]:
     """Return normal measurements that tell as much as the outcomes of n shots: means and variances, (n,).
@@ -184,30 +200,33 @@ def _outcomes(
     n = len(mean)
     from scipy.special import log_ndtr  # slow to import
 
-    precision, information, at, own = np.zeros(n), np.zeros(n), mean.copy(), covariance.copy()
+    precision, information = np.zeros(n), np.zeros(n)  # of the measurements
+    middle, posterior = mean.copy(), covariance.copy()  # of the limits
+    # Means and variances of the limits without the shot, and how far these are on its side.
     without, spread, score = np.empty(n), np.empty(n), np.empty(n)
     for _ in range(MOST_ROUNDS):
         before = precision.copy()
         for i in range(n):
-            left = 1.0 / own[i, i] - precision[i]
-            without[i], spread[i] = (at[i] / own[i, i] - information[i]) / left, 1.0 / left
+            left = 1.0 / posterior[i, i] - precision[i]
+            without[i], spread[i] = (middle[i] / posterior[i, i] - information[i]) / left, 1.0 / left
             total = spread[i] + variances[i]
             score[i] = sides[i] * (without[i] - places[i]) / np.sqrt(total)
             slope = np.exp(-0.5 * score[i] ** 2 - log_ndtr(score[i])) / np.sqrt(2.0 * np.pi)
-            known = without[i] + spread[i] * sides[i] * slope / np.sqrt(total)
+            mean_with = without[i] + spread[i] * sides[i] * slope / np.sqrt(total)
             narrowed = spread[i] - spread[i] ** 2 * slope * (slope + score[i]) / total
-            new = max(1.0 / narrowed - left, LEAST_PRECISION), known / narrowed - without[i] * left
-            more, further = new[0] - precision[i], new[1] - information[i]
-            precision[i], information[i] = new
-            change = own[:, i] / (1.0 + more * own[i, i])
-            at, own = at + change * (further - more * at[i]), own - more * np.outer(change, own[i])
+            more = max(1.0 / narrowed - left, LEAST_PRECISION) - precision[i]
+            further = mean_with / narrowed - without[i] * left - information[i]
+            precision[i], information[i] = precision[i] + more, information[i] + further
+            change = posterior[:, i] / (1.0 + more * posterior[i, i])
+            middle = middle + change * (further - more * middle[i])
+            posterior = posterior - more * np.outer(change, posterior[i])
         if (np.abs(precision - before) <= 1e-6 * precision).all():
             break
     residual = information - precision * mean
     scaled = 1.0 + precision * spread
     log_density = log_ndtr(score) + 0.5 * np.log(scaled)
     log_density -= 0.5 * (information**2 * spread + 2.0 * information * without - precision * without**2) / scaled
-    whole = information @ mean - 0.5 * precision @ mean**2 + 0.5 * residual @ own @ residual
+    whole = information @ mean - 0.5 * precision @ mean**2 + 0.5 * residual @ posterior @ residual
     whole -= 0.5 * np.linalg.slogdet(np.eye(n) + precision[:, None] * covariance)[1]
     return information / precision, 1.0 / precision, float(log_density.sum() + whole)
 
@@ -224,7 +243,7 @@ def _same(rods: Floats, others: Floats) -> Any:
 
 def law_parameters(role: str, values: Mapping[str, float]) -> dict[str, float]:
     """Return values of a library entry, by key, as parameters of the core, SI units."""
-    return {(one := INPUTS[f"{role}.{key}"]).field: value * one.factor for key, value in values.items()}
+    return {(parameter := INPUTS[f"{role}.{key}"]).field: value * parameter.factor for key, value in values.items()}
 
 
 @cache
@@ -236,9 +255,9 @@ def shipped_data() -> dict[str, Any]:
 @cache
 def fits() -> dict[str, Fit]:
     """Return the shipped fits by name."""
-    found = {}
+    shipped_fits = {}
     for name, data in shipped_data()["fit"].items():
         arrays = {key: np.array(data[key]) for key in ("coefficients", "covariance")}
         law = law_parameters("ceramic", data.get("flow_stress", {}))
-        found[name] = Fit(name, law=law, **{key: data[key] for key in data if key in Fit._fields} | arrays)
-    return found
+        shipped_fits[name] = Fit(name, law=law, **{key: data[key] for key in data if key in Fit._fields} | arrays)
+    return shipped_fits

@@ -48,9 +48,9 @@ class Mixture(NamedTuple):
         """Return the distribution of one of n armours, (k, n) -> (k,)."""
         return self.mapped(lambda array: array[:, place])
 
-    def mapped(self, of: Callable[[Floats], Floats]) -> "Mixture":
+    def mapped(self, function: Callable[[Floats], Floats]) -> "Mixture":
         """Return the mixture whose arrays are a function of these."""
-        weights, locations, scales, freedom = map(of, self[:4])
+        weights, locations, scales, freedom = map(function, self[:4])
         return Mixture(weights, locations, scales, freedom, self.logarithmic)
 
     def probability_above(self, values: ArrayLike) -> Any:
@@ -60,22 +60,22 @@ class Mixture(NamedTuple):
 
     def quantile(self, probabilities: ArrayLike) -> Any:
         """Return the values that are not exceeded with each of some probabilities, 0 to 1."""
-        wanted = np.asarray(probabilities, dtype=np.float64)
-        weights, locations, scales, freedom = self._parts(wanted)
-        of_each = np.where(weights > 0.0, 0.0, np.nan) + _quantiles(locations, scales, freedom, wanted)
-        low, high = np.fmin.reduce(of_each), np.fmax.reduce(of_each)
-        found = np.where(low == high, low, 0.5 * (low + high))
+        chances = np.asarray(probabilities, dtype=np.float64)
+        weights, locations, scales, freedom = self._parts(chances)
+        by_component = np.where(weights > 0.0, 0.0, np.nan) + _quantiles(locations, scales, freedom, chances)
+        low, high = np.fmin.reduce(by_component), np.fmax.reduce(by_component)
+        places = np.where(low == high, low, 0.5 * (low + high))
         # Newton's method, within an interval that it narrows.
-        for _ in range(MOST_STEPS if len(of_each) > 1 else 0):
-            below = (weights * probability_below(freedom, (found - locations) / scales)).sum(axis=0)
-            low, high = np.where(below < wanted, found, low), np.where(below < wanted, high, found)
+        for _ in range(MOST_STEPS if len(by_component) > 1 else 0):
+            below = (weights * probability_below(freedom, (places - locations) / scales)).sum(axis=0)
+            low, high = np.where(below < chances, places, low), np.where(below < chances, high, places)
             with np.errstate(all="ignore"):
-                last, found = found, found + (wanted - below) * np.exp(-self._log_density(found))
-                found = np.where((found >= low) & (found <= high), found, 0.5 * (low + high))
-                found = np.where(low == high, low, found)
-                if not (np.abs(found - last) > TOLERANCE * np.maximum(1.0, np.abs(found))).any():
+                last, places = places, places + (chances - below) * np.exp(-self._log_density(places))
+                places = np.where((places >= low) & (places <= high), places, 0.5 * (low + high))
+                places = np.where(low == high, low, places)
+                if not (np.abs(places - last) > TOLERANCE * np.maximum(1.0, np.abs(places))).any():
                     break
-        return np.exp(found) if self.logarithmic else found
+        return np.exp(places) if self.logarithmic else places
 
     def log_density(self, values: ArrayLike) -> Any:
         """Return the logarithm of the density at values above 0, per their unit."""

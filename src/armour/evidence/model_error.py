@@ -65,23 +65,23 @@ class ModelError:
             [mean], [scale], [freedom] = (array[used].tolist() for array in ratio[1:4])
             mean, scale = 100.0 * (expm1(mean) if ratio.logarithmic else mean - 1.0), 100.0 * scale
         quantiles = {str(p): 100.0 * (float(ratio.quantile(p)) - 1.0) for p in QUANTILES}
-        found = cls(mean, scale, freedom, source, outside, quantiles, at_least)
-        vars(found)["ratio"] = ratio
-        return found
+        error = cls(mean, scale, freedom, source, outside, quantiles, at_least)
+        vars(error)["ratio"] = ratio
+        return error
 
     @cached_property
     def ratio(self) -> Mixture:
         """Distribution of the ratio of the armour's ballistic limit to that of the model."""
-        given = (self.mean_percent, self.scale_percent, self.degrees_of_freedom)
-        mean, scale, freedom = (np.array([number], dtype=np.float64) for number in given)
+        numbers = (self.mean_percent, self.scale_percent, self.degrees_of_freedom)
+        mean, scale, freedom = (np.array([number], dtype=np.float64) for number in numbers)
         return Mixture(np.ones(1), 1.0 + mean / 100.0, scale / 100.0, freedom, logarithmic=False)
 
     def quantile(self, probability: Any) -> Any:
         """Return a quantile, as a fraction, at least -0.99, for a probability of 0 to 1; float or array."""
-        wanted = np.asarray(probability)
-        if not ((wanted >= 0.0) & (wanted <= 1.0)).all():
+        chances = np.asarray(probability)
+        if not ((chances >= 0.0) & (chances <= 1.0)).all():
             raise InputError([Problem("quantile", "probability", f"must be 0 to 1, found {probability}")])
-        return (self.ratio.quantile(wanted) - 1.0).clip(min=-0.99)
+        return (self.ratio.quantile(chances) - 1.0).clip(min=-0.99)
 
     def interval(self, limit_m_s: float, tail: float = 0.025) -> tuple[float, float]:
         """Return the interval of the armour's ballistic limit, given that of the model, m/s.
@@ -146,7 +146,7 @@ def given_error(scenario: Scenario) -> ModelError | None:
 def other_settings(scenario: Scenario) -> str:
     """Return the settings of the model that tests were not computed with, in words; "" for none."""
     sections = (("model", scenario.model, Model()), ("solver", scenario.solver, Solver()))
-    values = ((name, key, value, getattr(usual, key)) for name, given, usual in sections for key, value in given)
+    values = ((name, key, value, getattr(usual, key)) for name, section, usual in sections for key, value in section)
     return ", ".join(f"{name}.{key} = {value}" for name, key, value, usual in values if value != usual)
 
 
@@ -155,25 +155,25 @@ def errors_of(scenario: Scenario, armours: Armours) -> Errors:
 
     They are those on own tests of their entries, or else on the shipped ones.
     """
-    count, given = len(armours.which), given_error(scenario)
-    if scenario.excludes_error() or (given is None and other_settings(scenario)):
+    count, error = len(armours.which), given_error(scenario)
+    if scenario.excludes_error() or (error is None and other_settings(scenario)):
         return Errors.unknown(count)
-    if given is not None:
-        repeated = given.ratio.mapped(lambda array: np.repeat(array[:, None], count, axis=1))
+    if error is not None:
+        repeated = error.ratio.mapped(lambda array: np.repeat(array[:, None], count, axis=1))
         return Errors(repeated, np.zeros((1, len(LAW_FIELDS), count)))
     parts = []
-    for evidence, of in armours.by_evidence():
+    for evidence, rows in armours.by_evidence():
         oblique = evidence.fails_angle(armours.cosines)
         lesser = oblique & (armours.cosines >= cosine_of(_at_least_deg(scenario, evidence)))
-        for rows, at_normal in ((of & ~oblique, False), (of & lesser, True)):
-            if evidence.fits and rows.any():
-                parts.append((int(at_normal or evidence.lot != ""), evidence, np.flatnonzero(rows), at_normal))
-    found = Errors.unknown(count, max([1, *(first + len(evidence.fits) for first, evidence, *_ in parts)]))
+        for which, at_normal in ((rows & ~oblique, False), (rows & lesser, True)):
+            if evidence.fits and which.any():
+                parts.append((int(at_normal or evidence.lot != ""), evidence, np.flatnonzero(which), at_normal))
+    errors = Errors.unknown(count, max([1, *(first + len(evidence.fits) for first, evidence, *_ in parts)]))
     for first, evidence, where, at_normal in parts:
-        some = armours.at(where)
-        found.parameters[0][:, where] = law_of(some.parameters)
-        _put(found, first, evidence, where, some.at_normal_incidence() if at_normal else some)
-    return found
+        members = armours.at(where)
+        errors.parameters[0][:, where] = law_of(members.parameters)
+        _put(errors, first, evidence, where, members.at_normal_incidence() if at_normal else members)
+    return errors
 
 
 def _at_least_deg(scenario: Scenario, evidence: Evidence) -> float:
@@ -190,21 +190,23 @@ def _put(errors: Errors, first: int, evidence: Evidence, where: Any, armours: Ar
     q = armours.quantities()
     holds = evidence.holds(q)
     errors.ratio.weights[:, where[holds]] = 0.0
-    doubted = {of.name: (of.low, of.high) for of in evidence.measured if of.name in DOUBTED and not evidence.ceramic}
+    doubted = {
+        each.name: (each.low, each.high) for each in evidence.measured if each.name in DOUBTED and not evidence.ceramic
+    }
     for number, law in enumerate(evidence.laws or [()]):
         rows = np.flatnonzero(holds & ~is_outside(law, q))
-        own, some = evidence.fits[number], armours.at(rows)
-        for place, fit in enumerate([own, *(fit for fit in evidence.fits if fit is not own)], start=first):
+        own_fit, followers = evidence.fits[number], armours.at(rows)
+        for place, fit in enumerate([own_fit, *(fit for fit in evidence.fits if fit is not own_fit)], start=first):
             by_law: dict[str, Any] = {name: np.full(len(rows), value) for name, value in fit.law.items()}
             if evidence.laws:
-                by_law["Yc0"] = some.parameters.Yc0 * (fit.law["Yc0"] / own.law["Yc0"])
-            if fit is own and not evidence.lot:
+                by_law["Yc0"] = followers.parameters.Yc0 * (fit.law["Yc0"] / own_fit.law["Yc0"])
+            if fit is own_fit and not evidence.lot:
                 by_law = {}
-            made = some._replace(parameters=some.parameters._replace(**by_law))
-            values = (fit.weight, *fit.predicted(made.quantities(), doubted), fit.degrees_of_freedom)
+            with_law = followers._replace(parameters=followers.parameters._replace(**by_law))
+            values = (fit.weight, *fit.predicted(with_law.quantities(), doubted), fit.degrees_of_freedom)
             for array, numbers in zip(errors.ratio[:4], values, strict=True):
                 array[place][where[rows]] = numbers
-            errors.parameters[place][:, where[rows]] = law_of(made.parameters)
+            errors.parameters[place][:, where[rows]] = law_of(with_law.parameters)
 
 
 def law_of(parameters: Parameters) -> Floats:
@@ -216,8 +218,8 @@ def error_of(scenario: Scenario, ratio: Mixture, armour: Armours) -> ModelError 
     """Return the model error of an armour, n = 1, given the distribution of its limit over that by the model."""
     if np.isnan(ratio.weights).any():
         return None
-    if (given := given_error(scenario)) is not None:
-        return ModelError.of_ratio(ratio, given.source)
+    if (error := given_error(scenario)) is not None:
+        return ModelError.of_ratio(ratio, error.source)
     [(evidence, _)] = armour.by_evidence()
     oblique = evidence.fails_angle(armour.cosines).all()
     q = (armour.at_normal_incidence() if oblique else armour).quantities()

@@ -44,27 +44,27 @@ def correlated(uncertainty: Uncertainty, points: Floats) -> Floats:
     return ndtr(ndtri(points) @ factor.T)
 
 
-def columns_of(uncertainty: Uncertainty, own: Mapping[str, float], points: Floats) -> dict[str, Floats]:
+def columns_of(uncertainty: Uncertainty, values: Mapping[str, float], points: Floats) -> dict[str, Floats]:
     """Return values of the uncertain inputs, shape (n,), at points of the unit cube, shape (n, inputs).
 
-    They are correlated.  `own` are the scenario's own values by name of input.
+    They are correlated.  `values` are the scenario's own by name of input.
     """
     parts = zip(uncertainty.inputs().items(), correlated(uncertainty, points).T, strict=True)
-    return {name: quantiles(distribution, chances, own[name]) for (name, distribution), chances in parts}
+    return {name: quantiles(distribution, chances, values[name]) for (name, distribution), chances in parts}
 
 
-def quantiles(distribution: Distribution, probabilities: ArrayLike, own: float) -> Floats:
+def quantiles(distribution: Distribution, probabilities: ArrayLike, value: float) -> Floats:
     """Return quantiles of a truncated distribution, in the shape of `probabilities`.
 
-    `own` is the scenario's own value of the input, which is the mean before truncation if none is given.  If it cannot
+    `value` is the scenario's own of the input, which is the mean before truncation if none is given.  If it cannot
     be a mean, such as the thickness 0 of an absent layer, all quantiles are equal to it.
     """
-    if distribution.mean_problem(own):
-        return np.full(np.shape(probabilities), own)
+    if distribution.mean_problem(value):
+        return np.full(np.shape(probabilities), value)
     parts, ends = np.asarray(probabilities), np.array(distribution.ends)
     if distribution.distribution == "uniform":
         return ends[0] + (ends[1] - ends[0]) * parts
-    centre, width = centre_and_width(distribution, own)
+    centre, width = centre_and_width(distribution, value)
     if distribution.distribution == "lognormal":
         with np.errstate(divide="ignore"):
             ends = np.log(ends.clip(min=0.0))
@@ -73,18 +73,18 @@ def quantiles(distribution: Distribution, probabilities: ArrayLike, own: float) 
     return np.clip(np.exp(values) if distribution.distribution == "lognormal" else values, *distribution.ends)
 
 
-def moved_mean(distribution: Distribution, own: float) -> tuple[float, float] | None:
+def moved_mean(distribution: Distribution, value: float) -> tuple[float, float] | None:
     """Return the mean before and after truncation; None if they differ by less than a tenth of the deviation."""
     if distribution.distribution == "uniform" or np.isinf(distribution.ends).all():
         return None
-    before, deviation = distribution.moments(own)
-    after = float(quantiles(distribution, MIDDLES, own).mean())
+    before, deviation = distribution.moments(value)
+    after = float(quantiles(distribution, MIDDLES, value).mean())
     return (before, after) if abs(after - before) > MOVED * deviation else None
 
 
-def centre_and_width(distribution: Distribution, own: float) -> tuple[float, float]:
+def centre_and_width(distribution: Distribution, value: float) -> tuple[float, float]:
     """Return mean and standard deviation before truncation; of a lognormal distribution, those of the logarithm."""
-    mean, deviation = distribution.moments(own)
+    mean, deviation = distribution.moments(value)
     if distribution.distribution != "lognormal":
         return mean, deviation
     return log(mean / hypot(1.0, deviation / mean)), sqrt(log1p((deviation / mean) ** 2))

@@ -88,8 +88,8 @@ class Evidence(NamedTuple):
 
     def differences(self, q: Quantities) -> Any:
         """Return in how many respects n armours differ; with and without ceramic in most."""
-        found = MOST * (bool(self.ceramic) == (q["ceramic_thickness_ratio"] == 0.0))
-        return sum((limits.fails(q) for limits in self.kind), start=found) + self.of_other_law(q)
+        other = MOST * (bool(self.ceramic) == (q["ceramic_thickness_ratio"] == 0.0))
+        return sum((limits.fails(q) for limits in self.kind), start=other) + self.of_other_law(q)
 
     def of_other_law(self, q: Quantities) -> Any:
         """Return whether the flow stress of the ceramic of n armours has none of the laws."""
@@ -132,7 +132,7 @@ def _ranges(data: Mapping[str, Sequence[float]]) -> tuple[DataRange, ...]:
 @cache
 def shipped_evidence() -> tuple[Evidence, ...]:
     """Return the tests that the model was compared with; the first of those that an armour is closest to counts."""
-    found = []
+    tests = []
     for data in shipped_data()["tests"]:
         kind, laws = data["kind"], shipped_data()["law"]
         # A mass ratio follows from slenderness and density, of which there are ranges.
@@ -148,9 +148,14 @@ def shipped_evidence() -> tuple[Evidence, ...]:
         )
         if "tensile_fit" in data:
             ratio = DataRange("tensile_ratio", *data["tensile_ratio"])
-            found.append(whole._replace(kind=(*whole.kind, ratio), fits=(fits()[data["tensile_fit"]],)))
-        found.append(whole)
-    return tuple(found)
+            tests.append(whole._replace(kind=(*whole.kind, ratio), fits=(fits()[data["tensile_fit"]],)))
+        tests.append(whole)
+    return tuple(tests)
+
+
+def shipped_evidence_of(fit: str) -> Evidence:
+    """Return the tests that a fit is of."""
+    return next(evidence for evidence in shipped_evidence() if fit in [each.name for each in evidence.fits])
 
 
 class Materials(NamedTuple):
@@ -175,13 +180,13 @@ class Armours(NamedTuple):
 
     def at_normal_incidence(self) -> "Armours":
         """Return the armours with the thicknesses of their layers in place of those along the line of fire."""
-        of, cosines = self.parameters, self.cosines
-        of = of._replace(Hc0=of.Hc0 * cosines, Hb=of.Hb * cosines)
-        return self._replace(parameters=of, cosines=np.ones_like(cosines))
+        parameters, cosines = self.parameters, self.cosines
+        parameters = parameters._replace(Hc0=parameters.Hc0 * cosines, Hb=parameters.Hb * cosines)
+        return self._replace(parameters=parameters, cosines=np.ones_like(cosines))
 
     def quantities(self) -> dict[str, Any]:
         """Return what the evidence depends on."""
-        tensile = np.array([tensile_strength(some.backing) for some in self.materials])
+        tensile = np.array([tensile_strength(each.backing) for each in self.materials])
         return quantities(self.parameters, tensile[self.which], self.cosines)
 
     def by_evidence(self) -> Iterator[tuple[Evidence, Any]]:
@@ -190,17 +195,17 @@ class Armours(NamedTuple):
         It is that of the own tests of an entry, or else the closest shipped one.
         """
         is_bare, rest = self.parameters.Hc0 == 0.0, np.ones(len(self.which), dtype=bool)
-        for place, some in enumerate(self.materials):
-            for entry, of_kind in ((some.ceramic, ~is_bare), (some.backing, is_bare)):
-                of = (self.which == place) & of_kind
-                if entry is not None and entry.evidence is not None and of.any():
-                    rest = rest & ~of
-                    yield own_evidence(entry, entry.evidence), of
+        for place, materials in enumerate(self.materials):
+            for entry, has_kind in ((materials.ceramic, ~is_bare), (materials.backing, is_bare)):
+                rows = (self.which == place) & has_kind
+                if entry is not None and entry.evidence is not None and rows.any():
+                    rest = rest & ~rows
+                    yield own_evidence(entry, entry.evidence), rows
         q = self.quantities()
         nearest = np.argmin([evidence.differences(q) for evidence in shipped_evidence()], axis=0)
         for place, evidence in enumerate(shipped_evidence()):
-            if (of := rest & (nearest == place)).any():
-                yield evidence, of
+            if (rows := rest & (nearest == place)).any():
+                yield evidence, rows
 
 
 def armour_of(scenario: Scenario) -> Armours:
@@ -210,21 +215,23 @@ def armour_of(scenario: Scenario) -> Armours:
     return Armours(parameters, np.array([scenario.cosine()]), np.zeros(1, dtype=np.int64), [materials])
 
 
-def own_evidence(entry: LibraryEntry, own: OwnTests) -> Evidence:
+def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
     """Return the evidence of an entry with own tests: that of the shipped tests that they update.
 
     Armours must have the calibrated values, and of a ceramic without shipped tests be like those of the own tests.
     There is no fit if the tests must be given again.
     """
-    if not own.law:
-        return Evidence("", own.reason or NO_LAW, (), (), (), (), (0.0, np.inf), (), lot=entry.name)
-    first, tested = own.law[0], {name: np.array(values) for name, values in own.tests.items()}
-    shipped = next(one for one in shipped_evidence() if first.fit in [fit.name for fit in one.fits])
+    if not own_tests.law:
+        return Evidence("", own_tests.reason or NO_LAW, (), (), (), (), (0.0, np.inf), (), lot=entry.name)
+    first, tested = own_tests.law[0], {name: np.array(values) for name, values in own_tests.tests.items()}
+    shipped = shipped_evidence_of(first.fit)
     tested["tensile_MPa"] = np.full(len(tested["side"]), tensile_strength(entry))
     from scipy.special import softmax  # slow to import
 
-    values = tuple(DataRange(name, v - ROUNDING * abs(v), v + ROUNDING * abs(v)) for name, v in own.calibrated.items())
-    kind = tuple(limits for limits in shipped.kind if limits.name not in ("tensile_ratio", *own.calibrated))
+    values = tuple(
+        DataRange(name, v - ROUNDING * abs(v), v + ROUNDING * abs(v)) for name, v in own_tests.calibrated.items()
+    )
+    kind = tuple(limits for limits in shipped.kind if limits.name not in ("tensile_ratio", *own_tests.calibrated))
     more = STRANGE * bool(shipped.ceramic) if not is_outside(kind, tested).any() else STRANGE_METAL
     # Beyond the angles of the shipped tests, own tests tell of their own angle.
     paths = DataRange("path_ratio", np.inf, -np.inf).containing(tested["path_ratio"])
@@ -234,7 +241,7 @@ def own_evidence(entry: LibraryEntry, own: OwnTests) -> Evidence:
     # Shots at like armours are shots at one, and measured limits are of one each.
     armours = np.where(sides == 0.0, -1.0 - np.arange(len(rows)), np.unique(rows, axis=0, return_inverse=True)[1])
     updated = []
-    for law in own.law:
+    for law in own_tests.law:
         fit = fits()[law.fit]._replace(law=law_parameters("ceramic" if shipped.ceramic else "backing", law.values))
         errors = np.log(velocities / np.array(law.computed_m_s))
         tests = LotTests(tested, errors, sides, tested["uncertainty_m_s"] / velocities, armours)
@@ -242,8 +249,10 @@ def own_evidence(entry: LibraryEntry, own: OwnTests) -> Evidence:
     weights = softmax([fit.weight for fit in updated])
     words = f"{len(velocities)} own test{'s' * (len(velocities) > 1)} of this lot"
     title = f"{shipped.title} and {words}"
-    seen = {name: np.append(column, own.calibrated.get(name, [])) for name, column in tested.items()}
-    kind, measured = (tuple(of.containing(seen[of.name]) for of in ranges) for ranges in (kind, shipped.measured))
+    seen = {name: np.append(column, own_tests.calibrated.get(name, [])) for name, column in tested.items()}
+    kind, measured = (
+        tuple(limits.containing(seen[limits.name]) for limits in ranges) for ranges in (kind, shipped.measured)
+    )
     if first.level is not None:
         title = f"{words}, taken to scatter like {shipped.title}"
         around = [DataRange(name, np.inf, -np.inf).containing(tested[name]) for name in (*VARIED[:2], *IN_COMMON)]
@@ -259,7 +268,7 @@ def own_evidence(entry: LibraryEntry, own: OwnTests) -> Evidence:
         velocities_m_s=(min(shipped.velocities_m_s[0], *velocities), max(shipped.velocities_m_s[1], *velocities)),
         fits=tuple(fit._replace(weight=w) for fit, w in zip(updated, weights, strict=True)),
         obliquity_max_deg=max(shipped.obliquity_max_deg, *np.degrees(np.arccos(1.0 / tested["path_ratio"]))),
-        lot=own.lot or entry.name,
+        lot=own_tests.lot or entry.name,
     )
 
 
@@ -267,8 +276,10 @@ def is_untested(ceramic: LibraryEntry) -> bool:
     """Return whether no test of a ceramic on metal is known."""
     values = np.array([ceramic["density_kg_m3"], ceramic["youngs_modulus_GPa"]])
     q = dict(zip(OF_CERAMIC[:2], values, strict=True))
-    kinds = (one.kind for one in shipped_evidence() if one.ceramic and one.fits)
-    return ceramic.evidence is None and all(is_outside((of for of in kind if of.name in q), q) for kind in kinds)
+    kinds = (evidence.kind for evidence in shipped_evidence() if evidence.ceramic and evidence.fits)
+    return ceramic.evidence is None and all(
+        is_outside((limits for limits in kind if limits.name in q), q) for kind in kinds
+    )
 
 
 def is_unusual(armour: Parameters) -> Any:
@@ -283,7 +294,7 @@ def is_unusual(armour: Parameters) -> Any:
         for limits in evidence.compared:
             key = bool(evidence.ceramic), limits.name
             far[key] = far.get(key, True) & (limits.factor(q) > FAR)
-    return np.any([of & (has == (armour.Hc0 > 0.0)) for (has, _), of in far.items()], axis=0)
+    return np.any([rows & (has_ceramic == (armour.Hc0 > 0.0)) for (has_ceramic, _), rows in far.items()], axis=0)
 
 
 class Outside(NamedTuple):
@@ -292,12 +303,12 @@ class Outside(NamedTuple):
     key: str  # that it depends on
     words: str
     armours: int  # how many
-    found: str  # of the first one
+    number: str  # of the first one, in words
     brief: str  # the same in a few words
 
     def note(self, key: str = "") -> Note:
         """Return the warning, perhaps with another key."""
-        return Note(self.words + self.found, key or self.key, self.brief)
+        return Note(self.words + self.number, key or self.key, self.brief)
 
 
 def limits_outside(armours: Armours, velocities: Any) -> Iterator[Outside]:
@@ -306,15 +317,15 @@ def limits_outside(armours: Armours, velocities: Any) -> Iterator[Outside]:
     A NaN is not outside.
     """
     others = ", ".join(dict.fromkeys(evidence.ceramic for evidence in shipped_evidence() if evidence.ceramic))
-    for evidence, of in armours.by_evidence():
-        some, speeds, (low, high) = armours.at(of), velocities[of], evidence.velocities_m_s
-        q, ceramic = some.quantities(), some.materials[some.which[0]].ceramic
+    for evidence, rows in armours.by_evidence():
+        members, speeds, (low, high) = armours.at(rows), velocities[rows], evidence.velocities_m_s
+        q, ceramic = members.quantities(), members.materials[members.which[0]].ceramic
         name, shipped = f', found "{ceramic.name}"' if ceramic else "", not evidence.lot
         no_test = f"{ceramic.name if ceramic else ''} (no test)"
-        angle = f"{np.degrees(np.arccos(some.cosines.min())):.0f}° ({evidence.angles()})"
+        angle = f"{np.degrees(np.arccos(members.cosines.min())):.0f}° ({evidence.angles()})"
         is_other = is_outside(evidence.kind[:2], q) & shipped & bool(evidence.ceramic)
         checks = [
-            (OBLIQUITY, evidence.angles(), evidence.fails_angle(some.cosines), "", angle),
+            (OBLIQUITY, evidence.angles(), evidence.fails_angle(members.cosines), "", angle),
             _check(DataRange("velocity_m_s", low, high), {"velocity_m_s": speeds}),
             ("armour.ceramic", "no test by such a law of the flow stress", evidence.of_other_law(q), name, no_test),
             ("armour.ceramic", f"tests or results of the paper's program of {others} only", is_other, name, no_test),
@@ -322,18 +333,18 @@ def limits_outside(armours: Armours, velocities: Any) -> Iterator[Outside]:
         ]
         for limits in evidence.compared:
             checks.append(_check(limits, q, ~(is_other & (limits.name in OF_CERAMIC))))
-        for key, words, fails, found, brief in checks:
+        for key, words, fails, number, brief in checks:
             if fails.any():
-                yield Outside(key, f"the model was compared with {words}", int(fails.sum()), found, brief)
+                yield Outside(key, f"the model was compared with {words}", int(fails.sum()), number, brief)
 
 
-def _check(limits: DataRange, q: Quantities, of: Any = True) -> tuple[str, str, Any, str, str]:
+def _check(limits: DataRange, q: Quantities, rows: Any = True) -> tuple[str, str, Any, str, str]:
     """Return a check of some armours with the first number that fails, in words."""
-    fails = limits.fails(q) & ~np.isnan(q[limits.name]) & of
+    fails = limits.fails(q) & ~np.isnan(q[limits.name]) & rows
     number = next(iter(q[limits.name][fails].tolist()), 0.0)
-    found = f"{number:{'.0f' if number >= 100.0 else '.3g'}}"
-    brief = f"{limits.words(found)} ({limits.ends()})"
-    return limits.key, f"results for {limits}", fails, f", found {found}", brief
+    first = f"{number:{'.0f' if number >= 100.0 else '.3g'}}"
+    brief = f"{limits.words(first)} ({limits.ends()})"
+    return limits.key, f"results for {limits}", fails, f", found {first}", brief
 
 
 def scenario_warnings(scenario: Scenario, velocity: float, key: str = VELOCITY) -> tuple[Note, ...]:

@@ -9,17 +9,16 @@ The logarithm of the likelihood of normal curves is concave in intercept and slo
 Wherever the ratio exceeds 1, the likeliest curve of the other side is therefore one that just meets the requirement.
 """
 
-from collections import Counter
 from collections.abc import Sequence
 from functools import lru_cache
 from math import log
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import log_ndtr, ndtri
+from scipy.special import ndtri
 
 from armour.analysis.variants import Floats
-from armour.statistics.posterior import Grid, Posterior
+from armour.statistics.posterior import Grid, Posterior, normalised
 
 # Nodes of the distance between the velocity in question and the required one, in scatters, which is the hyperbolic sine
 # of a normal variable, and of the scatter, which is log-normal; the standard deviation of the former, and the ends of
@@ -39,12 +38,7 @@ class Demand(NamedTuple):
 
     def given(self, velocities_m_s: Sequence[float], complete: Sequence[bool]) -> Posterior:
         """Return the weights given shots, of which there may be none."""
-        logarithm = self.log_weights.copy()
-        for (velocity, result), count in Counter(zip(velocities_m_s, complete, strict=True)).items():
-            argument = (velocity - self.grid.v50_m_s) / self.grid.scatter_m_s
-            logarithm += count * log_ndtr(argument if result else -argument)
-        weights = np.exp(logarithm - logarithm.max())
-        return Posterior(self.grid, weights / weights.sum())
+        return Posterior(self.grid, normalised(self.log_weights + self.grid.log_likelihood(velocities_m_s, complete)))
 
     def ratios(self, weights: Floats) -> Floats:
         """Return the likelihood ratios for and against the requirement by n distributions, (n, points) -> (n, 2)."""

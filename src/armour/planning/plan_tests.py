@@ -22,7 +22,7 @@ from armour.scenario.scenario import Scenario
 from armour.statistics.calibration import FLOW_STRESS, Law, check_fitted, law_of, under_law
 from armour.statistics.likelihood import (
     NO_PRIOR,
-    Fit,
+    InputFit,
     fit_inputs,
     hazard,
     likelihood_of,
@@ -387,7 +387,7 @@ def _knowledge(
     return _Knowledge(x, base, scatter, None, (warning,))
 
 
-def _fitted(fit: Fit, scatter: float) -> _Knowledge:
+def _fitted(fit: InputFit, scatter: float) -> _Knowledge:
     """Return what a fit determines."""
     tests, rows = fit.likelihood.tests, fit.rows.copy()
     rows[: len(tests.measurements)] *= fit.best.scatter / fit.spread

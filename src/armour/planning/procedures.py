@@ -17,7 +17,7 @@ from scipy.special import log_ndtr, ndtri
 from armour.analysis.variants import Bools, Floats, Ints
 from armour.errors import NoAnswerError
 from armour.planning.acceptance import Demand, demand_of
-from armour.statistics.curves import FittedCurve, Likelihood, fit_curve
+from armour.statistics.curves import FittedCurve, ShotLikelihood, fit_curve
 from armour.statistics.posterior import (
     NODES,
     PLAUSIBLE,
@@ -219,8 +219,8 @@ def next_by_neyer(shots: Shots, settings: ShotSettings) -> Aim:
     if np.mean(completes) <= np.mean(partial):
         v50 = min(max(middle, slowest), fastest)
         return Aim(v50 + copysign(FLAT * span, -1.0 if complete[-1] else 1.0), "the shots have no rising curve")
-    curve = Likelihood(partial, completes, "probit")
-    intercept, slope = curve.mode.at.tolist()
+    curve = ShotLikelihood(partial, completes, "probit")
+    intercept, slope, _ = curve.mode
     v50 = min(max(curve.mean - curve.deviation * intercept / slope, slowest), fastest)
     scatter = min(curve.deviation / slope, span)
     reason = f"D-optimal for the estimates of maximum likelihood, V50 {v50:.1f} and scatter {scatter:.1f} m/s"

@@ -19,7 +19,7 @@ from armour.scenario.inputs import ROLES
 from armour.scenario.keys import key_name
 from armour.scenario.library import FLOW_STRESS_LAW
 from armour.scenario.scenario import Scenario
-from armour.statistics.likelihood import MIN_P_VALUE, Coefficient, Fit, fit_inputs, intervals, usable, without
+from armour.statistics.likelihood import MIN_P_VALUE, Coefficient, InputFit, fit_inputs, intervals, usable, without
 from armour.statistics.measured import Tests, common_of, subject_of
 from armour.statistics.own_tests import NOTHING_OF_ERROR, own_tests
 
@@ -214,7 +214,7 @@ def calibrate(
     prior: bool = False,
     on_progress: OnProgress = ignore_progress,
 ) -> CalibrationResult:
-    """Fit inputs of a scenario to tests by maximum likelihood, with profile-likelihood intervals.
+    """InputFit inputs of a scenario to tests by maximum likelihood, with profile-likelihood intervals.
 
     A measured value is normally distributed about the model's value, with its uncertainty or, if none are given, with a
     standard deviation that is an unknown fraction, common to all, of the measured value.  If the model stops the
@@ -254,7 +254,7 @@ def calibrate(
         end.
     """
     fit = tuple(fit)
-    if other := [name for name, own in common_of(tests.scenario).items() if common_of(scenario)[name] != own]:
+    if other := [name for name, value in common_of(tests.scenario).items() if common_of(scenario)[name] != value]:
         message = f"must be the one that the tests were read with, found other {' and '.join(other)}"
         raise mistake("calibrate", "scenario", f"{message}; read_tests reads them with this one")
     for role in {name.partition(".")[0] for name in fit} & {*ROLES}:
@@ -263,7 +263,7 @@ def calibrate(
             message = f"must not be of a material with own tests, found {entry.name}; give all tests of the lot at once"
             raise mistake(tests.file, "", message)
     check_fitted(fit, law, "calibrate")
-    fits: list[tuple[Fit, CalibrationResult]] = []
+    fits: list[tuple[InputFit, CalibrationResult]] = []
     for each in LAWS if law == "all" else (law,):
         try:
             fits.append(fit_by_law(tests, fit, each, on_progress, prior=prior, assumes=law != "all"))
@@ -272,26 +272,31 @@ def calibrate(
             if not fits:
                 raise
     laws = tuple(
-        LawFit(found.law, len(done.best.x), found.mean_error_percent, found.left_out_error_percent, found.aicc)
-        for done, found in fits
+        LawFit(result.law, len(each.best.x), result.mean_error_percent, result.left_out_error_percent, result.aicc)
+        for each, result in fits
         if law == "all"
     )
     # The least leave-one-out error first, and a law without one last.
     fits.sort(key=lambda each: np.inf if (error := each[1].left_out_error_percent) is None else error)
-    made = ((done, replace(found, coefficients=intervals(done), laws=laws)) for done, found in fits)
-    first = next(made)
-    identified = (each for each in chain([first], made) if all(c.estimate is not None for c in each[1].coefficients))
-    done, found = next(identified, first)
-    by_law = tests._replace(groups=done.likelihood.tests.groups)
-    values = {c.name: c.estimate for c in found.coefficients if c.estimate is not None}
+    results = ((each, replace(result, coefficients=intervals(each), laws=laws)) for each, result in fits)
+    first = next(results)
+    identified = (each for each in chain([first], results) if all(c.estimate is not None for c in each[1].coefficients))
+    best, result = next(identified, first)
+    by_law = tests._replace(groups=best.likelihood.tests.groups)
+    return _with_evidence(result, by_law, fit).of(subject_of(tests), scenario=scenario, tests=tests)
+
+
+def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str]) -> CalibrationResult:
+    """Return a result with what the tests, under its law, tell of the limits of other armours, or that they do not."""
+    values = {c.name: c.estimate for c in result.coefficients if c.estimate is not None}
     # A single value that the tests do not identify stays as it is, and they still tell of the limits.
-    if len(found.coefficients) == 1:
-        values = {name: by_law.groups[0].scenario.inputs()[name] for name in fit} | values
-    if len(values) == len(found.coefficients) and (evidence := own_tests(by_law, values)):
-        found = replace(found, evidence=evidence.model_dump(exclude_none=True))
-    elif {name.partition(".")[0] for name in fit} != {"projectile"}:
-        found = replace(found, warnings=(*found.warnings, f"of the entry, {NOTHING_OF_ERROR}"))
-    return found.of(subject_of(tests), scenario=scenario, tests=tests)
+    if len(result.coefficients) == 1:
+        values = {name: tests.groups[0].scenario.inputs()[name] for name in inputs} | values
+    if len(values) == len(result.coefficients) and (evidence := own_tests(tests, values)):
+        return replace(result, evidence=evidence.model_dump(exclude_none=True))
+    if {name.partition(".")[0] for name in inputs} != {"projectile"}:
+        return replace(result, warnings=(*result.warnings, f"of the entry, {NOTHING_OF_ERROR}"))
+    return result
 
 
 def under_law(tests: Tests, inputs: Sequence[str], law: Law | None) -> tuple[Tests, list[str]]:
@@ -323,7 +328,7 @@ def fit_by_law(
     *,
     prior: bool = False,
     assumes: bool = True,
-) -> tuple[Fit, CalibrationResult]:
+) -> tuple[InputFit, CalibrationResult]:
     """Return a fit with one law, and its result without the coefficients, whose intervals take long.
 
     A scatter that the tests are too few to estimate may be assumed.
@@ -334,8 +339,8 @@ def fit_by_law(
     if too_few:
         guessed = tuple(m._replace(uncertainty=LEAST_REST * m.value) for m in tests.measurements)
         tests = tests._replace(measurements=guessed, weighted=True)
-    done = fit_inputs(tests, inputs, on_progress, prior=prior)
-    computed, left_out = done.likelihood.predicted(done.best.x), _left_out(done)
+    fit = fit_inputs(tests, inputs, on_progress, prior=prior)
+    computed, left_out = fit.likelihood.predicted(fit.best.x), _left_out(fit)
     residuals = tuple(
         Residual(
             test=tests.names[m.test],
@@ -348,11 +353,11 @@ def fit_by_law(
         )
         for i, m in enumerate(tests.measurements)
     )
-    errors = np.sqrt(np.maximum(np.diag(done.covariance), 1e-300))
-    correlation = done.covariance / np.outer(errors, errors)
+    errors = np.sqrt(np.maximum(np.diag(fit.covariance), 1e-300))
+    correlation = fit.covariance / np.outer(errors, errors)
     np.fill_diagonal(correlation, 1.0)
     exact = [r for r in residuals if not r.bound]
-    return done, CalibrationResult(
+    return fit, CalibrationResult(
         tests=tests.file,
         law=(law or law_of(tests.groups[0].scenario)) if FLOW_STRESS in inputs else "",
         weights="uncertainties" if tests.weighted else "relative",
@@ -361,17 +366,17 @@ def fit_by_law(
         residuals=residuals,
         mean_error_percent=_mean_percent([(r.computed, r.measured) for r in exact]),
         left_out_error_percent=_mean_percent([(r.left_out, r.measured) for r in exact]),
-        degrees_of_freedom=done.degrees_of_freedom,
-        chi_squared=done.chi_squared,
-        starts=done.starts,
-        starts_agreeing=done.starts_agreeing,
+        degrees_of_freedom=fit.degrees_of_freedom,
+        chi_squared=fit.chi_squared,
+        starts=fit.starts,
+        starts_agreeing=fit.starts_agreeing,
         confidence=CONFIDENCE,
-        p_value=done.p_value,
-        widened_by=done.widened_by,
-        aicc=done.aicc,
+        p_value=fit.p_value,
+        widened_by=fit.widened_by,
+        aicc=fit.aicc,
         warnings=(
             *([ASSUMED] if too_few else []),
-            *_bad_fit(done),
+            *_bad_fit(fit),
             *_strange(tests, residuals, len(inputs)),
             *([ONE_SIDED] if len({m.side for m in tests.measurements}) == 1 and tests.measurements[0].side else []),
             *_unlike(tests),
@@ -414,44 +419,44 @@ def _strange(tests: Tests, residuals: Sequence[Residual], coefficients: int) -> 
 
 def _unlike(tests: Tests) -> Iterator[str]:
     """Give the limits of what the model was compared with that some tests lie outside of, and how many."""
-    found: Counter[str] = Counter()
+    counts: Counter[str] = Counter()
     for group in tests.groups:
         rows = variants_of(group.scenario, group.columns, len(group.where))
-        found.update(dict(outside_limits(rows, velocities=False)))
-    return (f"{limit}; this concerns {count} of {len(tests.names)} tests" for limit, count in found.items())
+        counts.update(dict(outside_limits(rows, velocities=False)))
+    return (f"{limit}; this concerns {count} of {len(tests.names)} tests" for limit, count in counts.items())
 
 
-def _bad_fit(done: Fit) -> tuple[str, ...]:
+def _bad_fit(fit: InputFit) -> tuple[str, ...]:
     """Return a warning if the deviations are larger than the uncertainties explain."""
-    if done.p_value is None or done.p_value >= MIN_P_VALUE:
+    if fit.p_value is None or fit.p_value >= MIN_P_VALUE:
         return ()
     widened, wrong = "not widened", "model, the uncertainties or the prior"
-    if done.widened_by > 1.0:
-        widened, wrong = f"widened by {done.widened_by:.2f}", "model or the uncertainties"
+    if fit.widened_by > 1.0:
+        widened, wrong = f"widened by {fit.widened_by:.2f}", "model or the uncertainties"
     return (
         "the deviations are larger than the uncertainties given explain: chi-squared "
-        f"{done.chi_squared:.2f} on {done.degrees_of_freedom:.3g} degrees of freedom, p = {done.p_value:.2g}; "
+        f"{fit.chi_squared:.2f} on {fit.degrees_of_freedom:.3g} degrees of freedom, p = {fit.p_value:.2g}; "
         f"the intervals are {widened}, and the {wrong} are wrong",
     )
 
 
-def _left_out(done: Fit) -> Floats:
+def _left_out(fit: InputFit) -> Floats:
     """Return each measurement's value with inputs fitted to the other tests; NaN if these are too few."""
-    tests, count = done.likelihood.tests, len(done.best.x)
+    tests, count = fit.likelihood.tests, len(fit.best.x)
     if tests.weighted:
-        count -= len(done.likelihood.prior.where)
-    of_test = np.array([m.test for m in tests.measurements])
+        count -= len(fit.likelihood.prior.where)
+    test = np.array([m.test for m in tests.measurements])
     folds = min(len(tests.names), MAX_FOLDS)
-    inputs = np.full((len(done.best.x), len(tests.names)), np.nan)
+    inputs = np.full((len(fit.best.x), len(tests.names)), np.nan)
     spare = not tests.weighted and any(m.side for m in tests.measurements)
     for fold in range(folds):
-        kept = of_test % folds != fold
+        kept = test % folds != fold
         if usable(tests, kept) >= count + spare:
-            inputs[:, fold::folds] = without(done, kept)[:, None]
+            inputs[:, fold::folds] = without(fit, kept)[:, None]
     fitted = ~np.isnan(inputs[0])
-    found = done.likelihood.predicted(np.where(fitted, inputs, done.best.x[:, None]))
-    found[~fitted[of_test]] = np.nan
-    return found
+    values = fit.likelihood.predicted(np.where(fitted, inputs, fit.best.x[:, None]))
+    values[~fitted[test]] = np.nan
+    return values
 
 
 def _mean_percent(pairs: Sequence[tuple[float | None, float]]) -> float | None:

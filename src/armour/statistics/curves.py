@@ -13,12 +13,13 @@ from math import copysign, exp, inf, log, pi, sqrt
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq, minimize
-from scipy.special import erfcx, expit, log_expit, logit, ndtr, ndtri
+from scipy.optimize import minimize
+from scipy.special import expit, log_expit, log_ndtr, logit, ndtr, ndtri
 
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.variants import Floats
 from armour.errors import NoAnswerError
+from armour.statistics.profile import profile_end
 
 Link = Literal["probit", "logit"]
 Interval = tuple[float | None, float | None]
@@ -26,22 +27,29 @@ Method = Literal["maximum likelihood", "penalised likelihood"]
 # Distribution functions of the links, the normal and the logistic one, and their inverses.
 CDFS: dict[Link, Callable[[Any], Any]] = {"probit": ndtr, "logit": expit}
 QUANTILES: dict[Link, Callable[[float], Any]] = {"probit": ndtri, "logit": logit}
+# Logarithms of the distribution functions, and of the Fisher information of a shot on their argument.
+LOG_CDFS: dict[Link, Callable[[Floats], Floats]] = {"probit": log_ndtr, "logit": log_expit}
+LOG_INFORMATION: dict[Link, Callable[[Floats], Floats]] = {
+    "probit": lambda z: -z * z - log(2.0 * pi) - log_ndtr(z) - log_ndtr(-z),
+    "logit": lambda z: log_expit(z) + log_expit(-z),
+}
 # Argument of the distribution function at probability 0.95.
 Z95: dict[Link, float] = {link: float(quantile(0.95)) for link, quantile in QUANTILES.items()}
-# Slopes, per standard deviation of the velocities, at which the search for the maximum starts, and one for infinity.
-STARTS, STEEP = (0.5, 2.0, 8.0, 32.0, 128.0), 2.0**20
-# The penalised likelihood of few shots can have several maxima along a line: a climb then starts from the best of some
-# points, for lines of all slopes from one of these slopes.
+# Slopes, per standard deviation of the velocities, among which the likeliest on a line is searched for, and one for an
+# infinite slope.
+SLOPES, STEEP = np.geomspace(1e-6, 5e3, 81), 2.0**20
+# The penalised likelihood of few shots can have several maxima along a line: a search looks between any two of them.
 FEW = 60
-SLOPES = np.geomspace(0.05, 5e3, 40)
-# Greatest change of the argument of F in a step of a climb, the gain at which a climb ends, and its most steps.
-MAX_CHANGE, MIN_GAIN, MAX_STEPS = 5.0, 1e-8, 200
-# First step in search of the end of an interval, and the distance beyond which there is none.
-FIRST_STEP, MAX_DISTANCE = 0.3, 1e3
+# Arguments of F beyond the shots up to which intercepts are searched for, and at how many.
+BEYOND, INTERCEPTS = 8.0, 61
+# How often a search is repeated between the neighbours of the likeliest point, and at how many points.
+NARROWINGS, NODES = 4, 21
+# First step in search of the end of an interval, the distance beyond which there is none, and its accuracy.
+FIRST_STEP, MAX_DISTANCE, TOLERANCE = 0.3, 1e3, 1e-9
 # Velocities at which a band is computed, between which it is interpolated, and the greatest argument of F at its ends.
 BAND_NODES, FARTHEST = 13, 40.0
-# Argument of F above which, and determinant of the relative information below which, a curve is too steep.
-MAX_ARGUMENT, MIN_DETERMINANT = 1e9, 1e-200
+# Least determinant of the relative information.
+MIN_DETERMINANT = 1e-200
 
 
 @dataclass(frozen=True)
@@ -95,27 +103,19 @@ class FittedCurve:
         return float(CDFS[self.curve]((velocity_m_s - self.v50_m_s) / self.scale_m_s))
 
 
-class _Point(NamedTuple):
-    """Logarithm of the likelihood, with and without the penalty, at an intercept and a slope."""
+class Curve(NamedTuple):
+    """Argument of F as intercept plus slope times the standardised velocity, and its likelihood."""
 
-    at: Floats
-    value: float
-    log_likelihood: float
-    gradient: Floats  # (2,)
-    hessian: Floats  # (2, 2)
+    intercept: float
+    slope: float
+    value: float  # logarithm of the likelihood, with the penalty
 
 
-class Likelihood:
+class ShotLikelihood:
     """Likelihood of the velocities of partial and complete penetrations, with its maximum and confidence region."""
 
     def __init__(
-        self,
-        partial: Sequence[float],
-        complete: Sequence[float],
-        link: Link,
-        confidence: float = CONFIDENCE,
-        *,
-        penalised: bool = False,
+        self, partial: Sequence[float], complete: Sequence[float], link: Link, *, penalised: bool = False
     ) -> None:
         if np.mean(complete) <= np.mean(partial):
             raise NoAnswerError(
@@ -127,193 +127,128 @@ class Likelihood:
         self.x = x = (velocities - self.mean) / self.deviation
         self.signs = np.repeat([-1.0, 1.0], [len(partial), len(complete)])
         self.link, self.penalised = link, penalised
-        self.root = float(ndtri(0.5 + 0.5 * confidence))
         # Where the slope is given, V50 is near a shot or between two neighbours.
-        self.few, ordered = penalised and len(x) <= FEW, np.unique(x)
-        parts = np.array([[0.25], [0.5], [0.75]])
-        self.places = np.append(ordered, ordered[:-1] + parts * np.diff(ordered))
+        ordered = np.unique(x)
+        between = ordered[:-1] + np.array([[0.25], [0.5], [0.75]]) * np.diff(ordered)
         lowest, highest = float(x[self.signs < 0.0].max()), float(x[self.signs > 0.0].min())
         self.middle, self.separated = 0.5 * (lowest + highest), lowest <= highest and not penalised
+        self.places = np.append(ordered, between) if len(x) <= FEW else np.array([self.middle])
+        self.flat = self.with_slope(0.0)  # the maximum at a constant probability
         if self.separated:
             # Any velocity in the gap is as likely, and any probability at a velocity that both kinds share.
             share = (self.signs[x == lowest] > 0.0).mean() if lowest == highest else 0.5
-            self.mode = self.at(np.array([QUANTILES[link](share) - STEEP * self.middle, STEEP]))
+            self.mode = self._curve(np.array([QUANTILES[link](share) - STEEP * self.middle, STEEP]))
         else:
-            self.mode = max((self._climbed(slope) for slope in STARTS), key=lambda point: point.value)
-        self.flat = self.climb(np.zeros(2), (1.0, 0.0))  # the maximum at a constant probability
+            starts = np.vstack([_of_slope(self._intercepts(slope), slope) for slope in SLOPES])
+            start = starts[self._values(starts).argmax()]
+            simplex = start + np.array([[0.0, 0.0], [0.1, 0.0], [0.0, 0.1 * max(start[1], 0.1)]])
+            search = minimize(
+                self._lost,
+                start,
+                method="Nelder-Mead",
+                options={"initial_simplex": simplex, "xatol": 1e-9, "fatol": 1e-13},
+            )
+            self.mode = self._curve(search.x)
 
-    def at(self, point: Floats) -> _Point:
-        """Evaluate the likelihood at an intercept and a slope.
-
-        The Fisher information of a shot, its weight, is greatest for the shot nearest to V50.  Weights relative to this
-        one, and velocities relative to its velocity, keep the determinant exact for curves however steep.
-        """
-        z = point[0] + point[1] * self.x
-        if not np.abs(z).max() < MAX_ARGUMENT:
-            return _Point(point, -inf, -inf, np.zeros(2), np.zeros((2, 2)))
-        likelihoods, log_weights, slope, bend, first, second = _terms(self.link, z, self.signs)
-        log_likelihood, nearest = float(likelihoods.sum(initial=0.0)), int(np.argmin(np.abs(z)))
-        centre, greatest = self.x[nearest], log_weights[nearest]
-        weights = np.exp(log_weights - greatest)
-        sums = np.stack((slope, bend, weights, weights * first, weights * (second + first * first)))
-        slope, bend, w, f, g = sums @ np.vander(self.x - centre, 5, increasing=True)
-        order = np.add.outer((0, 1), (0, 1))
-        value, gradient, hessian = log_likelihood, slope[:2], bend[order]
-        if self.penalised:
-            determinant = w[0] * w[2] - w[1] * w[1]
-            if determinant < MIN_DETERMINANT:
-                return _Point(point, -inf, log_likelihood, np.zeros(2), np.zeros((2, 2)))
-            by = (f[:2] * w[2] + w[0] * f[2:4] - 2.0 * w[1] * f[1:3]) / determinant
-            cross = np.outer(f[:2], f[2:4])
-            bys = g[order] * w[2] + w[0] * g[2 + order] - 2.0 * w[1] * g[1 + order]
-            bys += cross + cross.T - 2.0 * np.outer(f[1:3], f[1:3])
-            value += greatest + 0.5 * log(determinant)
-            gradient = gradient + 0.5 * by
-            hessian = hessian + 0.5 * (bys / determinant - np.outer(by, by))
-        shift = np.array([[1.0, 0.0], [centre, 1.0]])
-        return _Point(point, value, log_likelihood, shift @ gradient, shift @ hessian @ shift.T)
-
-    def _climbed(self, slope: float) -> _Point:
-        """Return the maximum found from a slope, with V50 between the highest partial and the lowest complete."""
-
-        def lost(at: Floats) -> tuple[float, Floats]:
-            point = self.at(at)
-            return -point.value, -point.gradient
-
-        start = np.array([-slope * self.middle, slope])
-        return self.at(minimize(lost, start, jac=True, method="BFGS", options={"gtol": 1e-9 * len(self.x)}).x)
+    def log_likelihoods(self, z: Floats) -> Floats:
+        """Return the logarithms of the likelihoods of the shots, (n,), by arguments of F, (m, n) -> (m,)."""
+        return LOG_CDFS[self.link](self.signs * z).sum(axis=1)
 
     def _values(self, points: Floats) -> Floats:
-        """Return the logarithm of the likelihood of few shots at points, (m, 2) -> (m,)."""
-        likelihoods, log_weights, *_ = _terms(self.link, points[:, :1] + points[:, 1:] * self.x, self.signs)
-        values: Floats = likelihoods.sum(axis=1)
+        """Return the logarithms of the likelihoods, with the penalty, at intercepts and slopes, (m, 2) -> (m,)."""
+        z = points[:, :1] + points[:, 1:] * self.x
+        values = self.log_likelihoods(z)
         if self.penalised:
+            # The Fisher information of the shots, relative to the greatest and about their centre, keeps the
+            # determinant exact for curves however steep.
+            log_weights = LOG_INFORMATION[self.link](z)
             greatest = log_weights.max(axis=1)
             weights = np.exp(log_weights - greatest[:, None])
             total = weights.sum(axis=1)
             centre = weights @ self.x / total
             determinants = total * (weights * (self.x - centre[:, None]) ** 2).sum(axis=1)
-            values += greatest + 0.5 * np.log(np.maximum(determinants, MIN_DETERMINANT))
+            values = values + greatest + 0.5 * np.log(np.maximum(determinants, MIN_DETERMINANT))
         return values
 
-    def with_value(self, z: float, x: float) -> _Point:
+    def _lost(self, point: Floats) -> float:
+        return -float(self._values(point[None])[0])
+
+    def _curve(self, point: Floats) -> Curve:
+        return Curve(float(point[0]), float(point[1]), -self._lost(point))
+
+    def _highest(self, line: Callable[[Floats], Floats], places: Floats) -> Curve:
+        """Return the maximum along a line, (m,) -> (m, 2), between the neighbours of the best of ascending places."""
+        for _ in range(1 + NARROWINGS):
+            points = line(places)
+            values = self._values(points)
+            best = int(values.argmax())
+            places = np.linspace(places[max(best - 1, 0)], places[min(best + 1, len(places) - 1)], NODES)
+        return self._curve(points[best])
+
+    def with_value(self, z: float, x: float) -> Curve:
         """Return the maximum over the curves whose argument of F has a value at a velocity."""
-        slopes = np.append(1.0 if self.separated else self.mode.at[1], SLOPES if self.few else [])
-        return self._highest(np.column_stack([z - slopes * x, slopes]), (-x, 1.0))
+        return self._highest(lambda slopes: np.column_stack([z - slopes * x, slopes]), SLOPES)
 
-    def with_slope(self, slope: float) -> _Point:
+    def with_slope(self, slope: float) -> Curve:
         """Return the maximum over the curves of a slope."""
-        places = np.append(-self.mode.at[0] / self.mode.at[1], self.places if self.few else [])
-        return self._highest(np.column_stack([-slope * places, np.full(len(places), slope)]), (1.0, 0.0))
+        return self._highest(lambda intercepts: _of_slope(intercepts, slope), self._intercepts(slope))
 
-    def _highest(self, starts: Floats, direction: tuple[float, float]) -> _Point:
-        """Return the maximum along a line, from the best of some starts."""
-        return self.climb(starts[np.argmax(self._values(starts))] if len(starts) > 1 else starts[0], direction)
+    def _intercepts(self, slope: float) -> Floats:
+        """Return intercepts of curves of a slope, ascending, near one of which is the likeliest."""
+        ends = -BEYOND - slope * self.x.max(), BEYOND - slope * self.x.min()
+        return np.unique(np.append(np.linspace(*ends, INTERCEPTS), -slope * self.places).round(9))
 
-    def climb(self, start: Floats, direction: tuple[float, float]) -> _Point:
-        """Return the maximum along a line by Newton's method; the slope is kept from falling below 0."""
-        point, along = self.at(start), np.array(direction)
-        reach = MAX_CHANGE / max(abs(direction[0] + direction[1] * x) for x in (self.x.min(), self.x.max()))
-        for _ in range(MAX_STEPS):
-            first, second = float(point.gradient @ along), float(along @ point.hessian @ along)
-            step = min(max(first / -second if second < 0.0 else copysign(inf, first), -reach), reach)
-            if direction[1]:
-                step = max(step, -float(point.at[1]))
-            beyond = point
-            while abs(first * step) > MIN_GAIN and beyond.value <= point.value:
-                beyond = self.at(point.at + step * along)
-                step *= 0.5
-            if beyond.value <= point.value:
-                break
-            point = beyond
-        return point
+    def holds(self, curve: Curve, root: float) -> bool:
+        """Return whether a curve is in the confidence region."""
+        return 2.0 * (self.mode.value - curve.value) <= root**2
 
-    def holds(self, point: _Point, root: float) -> bool:
-        """Return whether a point is in the confidence region."""
-        return 2.0 * (self.mode.value - point.value) <= root**2
-
-    def bound(self, profile: Callable[[float], _Point], start: float, direction: float, root: float) -> float:
+    def bound(self, profile: Callable[[float], Curve], start: float, direction: float, root: float) -> float:
         """Return the end of the interval of a quantity, from its estimate in a direction; infinite if there is none.
 
         The profile gives the maximum for a value of the quantity.  The root is that of the deviance at the end.
         """
 
         @cache
-        def excess(value: float) -> float:
-            """Return the root of the deviance, which is nearly linear in the quantity, less that at the end."""
-            deviance = 0.0 if value == start else 2.0 * max(self.mode.value - profile(value).value, 0.0)
-            return min(sqrt(deviance), MAX_DISTANCE) - root
+        def deviance(value: float) -> float:
+            return 2.0 * (self.mode.value - profile(value).value)
 
-        step = direction * FIRST_STEP
-        inner, end = start, start + step
-        while abs(end - start) < MAX_DISTANCE:
-            if excess(end) > 0.0:
-                return float(brentq(excess, inner, end, xtol=1e-9))
-            step *= 2.0
-            inner, end = end, end + step
-        return direction * inf
+        end = profile_end(deviance, start, start + direction * MAX_DISTANCE, root, FIRST_STEP, TOLERANCE)
+        return direction * inf if end is None else end
 
     def quantile_end(self, z: float, direction: float, root: float) -> float:
         """Return an end of the interval of the velocity at which the argument of F has a value."""
-        a, b = self.mode.at
         # Far away the slope is 0 and the probability constant: at most that of the quantile above, else at least.
-        far = self.flat if direction * (z - self.flat.at[0]) >= 0.0 else self.at(np.array([z, 0.0]))
-        if self.holds(far, root):
+        above = direction * (z - self.flat.intercept) >= 0.0
+        if self.holds(self.flat if above else self._curve(np.array([z, 0.0])), root):
             return direction * inf
-        return self.bound(lambda location: self.with_value(z, location), (z - a) / b, direction, root)
+        estimate = (z - self.mode.intercept) / self.mode.slope
+        return self.bound(lambda location: self.with_value(z, location), estimate, direction, root)
 
     def chance_below(self, velocity_m_s: float) -> float:
         """Return 1 minus the confidence of the one-sided lower bound of V50 that lies at a velocity."""
-        x, (a, b) = (velocity_m_s - self.mean) / self.deviation, self.mode.at
+        x = (velocity_m_s - self.mean) / self.deviation
         deviance = 2.0 * max(self.mode.value - self.with_value(0.0, x).value, 0.0)
-        return float(ndtr(copysign(sqrt(deviance), x + a / b)))
+        return float(ndtr(copysign(sqrt(deviance), x + self.mode.intercept / self.mode.slope)))
 
-    def scale_interval(self) -> tuple[float, float]:
+    def scale_interval(self, root: float) -> tuple[float, float]:
         """Return the ends of the interval of the scale, the inverse of the slope."""
 
         def end(direction: float) -> float:
-            start = -log(self.mode.at[1])
-            return exp(self.bound(lambda log_scale: self.with_slope(exp(-log_scale)), start, direction, self.root))
+            estimate = -log(self.mode.slope)
+            return exp(self.bound(lambda log_scale: self.with_slope(exp(-log_scale)), estimate, direction, root))
 
-        return 0.0 if self.separated else end(-1.0), inf if self.holds(self.flat, self.root) else end(1.0)
+        return 0.0 if self.separated else end(-1.0), inf if self.holds(self.flat, root) else end(1.0)
 
-    def argument_interval(self, x: float) -> tuple[float, float]:
+    def argument_interval(self, x: float, root: float) -> tuple[float, float]:
         """Return the ends of the interval of the argument of F at a velocity."""
-        start = float(self.mode.at @ (1.0, x))
-        low, high = (self.bound(lambda z: self.with_value(z, x), start, side, self.root) for side in (-1.0, 1.0))
+        start = self.mode.intercept + self.mode.slope * x
+        low, high = (self.bound(lambda z: self.with_value(z, x), start, side, root) for side in (-1.0, 1.0))
         return low, high
 
 
-def _terms(link: Link, z: Floats, signs: Floats) -> tuple[Floats, ...]:
-    """Return the terms of shots at arguments of F.
-
-    These are the log-likelihood, the logarithm of the Fisher information, and the first and the second derivative by
-    the argument, of the former and of the latter.
-    """
-    # Density over F and over 1 - F, and the derivatives of the logarithm of the density.
-    if link == "probit":
-        # The hazard of the tail beyond |z| has no cancellation.
-        hazard, log_density = sqrt(2.0 / pi) / erfcx(np.abs(z) * sqrt(0.5)), -0.5 * z * z - 0.5 * log(2.0 * pi)
-        log_tail = log_density - np.log(hazard)
-        log_rest = np.log1p(-np.exp(log_tail))
-        rest, left = np.exp(log_density - log_rest), z < 0.0
-        log_f, log_s = np.where(left, log_tail, log_rest), np.where(left, log_rest, log_tail)
-        up, down = np.where(left, hazard, rest), np.where(left, rest, hazard)
-        log_weights, slope, bend = log_density + np.log(hazard) - log_rest, -z, -np.ones_like(z)
-    else:
-        log_f, log_s = log_expit(z), log_expit(-z)
-        up, down, log_weights = np.exp(log_s), np.exp(log_f), log_f + log_s
-        slope, bend = up - down, -2.0 * up * down
-    up_slope, down_slope = up * (slope - up), down * (slope + down)
-    complete = signs > 0.0
-    return (
-        np.where(complete, log_f, log_s),
-        log_weights,
-        np.where(complete, up, -down),
-        np.where(complete, up_slope, -down_slope),
-        2.0 * slope - up + down,
-        2.0 * bend - up_slope + down_slope,
-    )
+def _of_slope(intercepts: Floats, slope: float) -> Floats:
+    """Return intercepts and slopes, (m, 2)."""
+    return np.column_stack([intercepts, np.full(len(intercepts), slope)])
 
 
 def fit_curve(
@@ -328,28 +263,29 @@ def fit_curve(
 
     None if the penalised likelihood is greatest for a curve that does not rise, or whose V50 is not positive.
     """
-    shots = Likelihood(partial, complete, link, confidence, penalised=penalised)
-    (a, b), mean, deviation, z = shots.mode.at.tolist(), shots.mean, shots.deviation, Z95[link]
+    shots = ShotLikelihood(partial, complete, link, penalised=penalised)
+    (a, b, _), mean, deviation, z = shots.mode, shots.mean, shots.deviation, Z95[link]
+    two_sided, one_sided = float(ndtri(0.5 + 0.5 * confidence)), float(ndtri(confidence))
     v50 = mean + deviation * (shots.middle if shots.separated else -a / b)
     if penalised and (b <= 0.0 or v50 <= 0.0):
         return None
     scale = 0.0 if shots.separated else deviation / b
 
     def interval(z: float) -> Interval:
-        low, high = (bounded(mean + deviation * shots.quantile_end(z, side, shots.root)) for side in (-1.0, 1.0))
+        low, high = (bounded(mean + deviation * shots.quantile_end(z, side, two_sided)) for side in (-1.0, 1.0))
         return low, high
 
     def lower(z: float) -> float | None:
-        return bounded(mean + deviation * shots.quantile_end(z, -1.0, float(ndtri(confidence)))) if penalised else None
+        return bounded(mean + deviation * shots.quantile_end(z, -1.0, one_sided)) if penalised else None
 
-    narrowest, widest = shots.scale_interval()
+    narrowest, widest = shots.scale_interval(two_sided)
     return FittedCurve(
         curve=link,
         v50_m_s=v50,
         v50_interval_m_s=interval(0.0),
         scale_m_s=scale,
         scale_interval_m_s=(deviation * narrowest, bounded(deviation * widest)),
-        log_likelihood=shots.mode.log_likelihood,
+        log_likelihood=float(shots.log_likelihoods((a + b * shots.x)[None])[0]),
         v05_m_s=bounded(v50 - z * scale) if scale else None,
         v95_m_s=bounded(v50 + z * scale) if scale else None,
         method="penalised likelihood" if penalised else "maximum likelihood",
@@ -376,9 +312,10 @@ def penalised_band(
     # Slow to import, and only charts need it.
     from scipy.interpolate import PchipInterpolator
 
-    shots = Likelihood(partial, complete, link, confidence, penalised=True)
-    wanted = (np.array(velocities_m_s) - shots.mean) / shots.deviation
-    nodes = np.linspace(wanted[0], wanted[-1], BAND_NODES)
-    ends = np.array([shots.argument_interval(float(node)) for node in nodes])
-    low, high = CDFS[link](PchipInterpolator(nodes, ends.clip(-FARTHEST, FARTHEST))(wanted)).T
+    shots = ShotLikelihood(partial, complete, link, penalised=True)
+    root = float(ndtri(0.5 + 0.5 * confidence))
+    places = (np.array(velocities_m_s) - shots.mean) / shots.deviation
+    nodes = np.linspace(places[0], places[-1], BAND_NODES)
+    ends = np.array([shots.argument_interval(float(node), root) for node in nodes])
+    low, high = CDFS[link](PchipInterpolator(nodes, ends.clip(-FARTHEST, FARTHEST))(places)).T
     return low, high

@@ -90,15 +90,15 @@ def scenario_text(result: CalibrationResult, tests: Tests, scenario: Scenario, l
     tested = tests.groups[0].scenario
     _rename(data, scenario, {role: (tested.name_of(role), used[key]) for role, key in NAMES.items() if key in used})
     section, names = data.setdefault("uncertainty", {}), [coefficient.name for coefficient in result.coefficients]
-    own, pairs = result.evidence is not None, section.pop("correlation", [])
+    keeps_tests, pairs = result.evidence is not None, section.pop("correlation", [])
     for coefficient in result.coefficients:
         role, key = coefficient.name.split(".")
         section.get(role, {}).pop(key, None)
-        if not own:
+        if not keeps_tests:
             spread = float(f"{coefficient.standard_error:.6g}")
             section.setdefault(role, {})[key] = {"distribution": "normal", "standard_deviation": spread}
     kept = [pair for pair in pairs if not {*pair["between"]} & {*names}]
-    if own:
+    if keeps_tests:
         # How well the values are known is part of what the entry has of its tests.
         section.pop("model", None)
     else:
@@ -109,7 +109,7 @@ def scenario_text(result: CalibrationResult, tests: Tests, scenario: Scenario, l
         )
     if kept:
         section["correlation"] = kept
-    for role in [role for role, given in section.items() if given == {}]:
+    for role in [role for role, table in section.items() if table == {}]:
         del section[role]
     if not section:
         del data["uncertainty"]
@@ -132,13 +132,13 @@ def _rename(data: dict[str, Any], scenario: Scenario, names: Mapping[str, tuple[
 
 def _compact(text: str) -> str:
     """Return a TOML file with each list of numbers on one line."""
-    return NUMBERS.sub(lambda found: f"[{', '.join(found[1].replace(',', ' ').split())}]", text)
+    return NUMBERS.sub(lambda numbers: f"[{', '.join(numbers[1].replace(',', ' ').split())}]", text)
 
 
-def _usable(made: Callable[[], Scenario]) -> Scenario:
+def _usable(scenario_of: Callable[[], Scenario]) -> Scenario:
     """Return a scenario that is made of a fit, which must be valid."""
     try:
-        return made()
+        return scenario_of()
     except InputError as error:
         reasons = "; ".join(f"{problem.key} {problem.message}" for problem in error.problems)
         raise NoAnswerError(f"nothing to write: no scenario could use the fit: {reasons}") from None
@@ -179,12 +179,12 @@ def _base_of(entry: LibraryEntry, law: str) -> dict[str, Any]:
 
     It is a name of the shipped library, or values where that does not have them.
     """
-    found: dict[str, Any] = {"based_on": entry.name}
+    base: dict[str, Any] = {"based_on": entry.name}
     if shipped_library().entries[entry.kind].get(entry.name) != entry:
         values = {key: value.model_dump() for key, value in entry.values.items() if key not in entry.derived}
-        found = {"description": entry.description} | values
+        base = {"description": entry.description} | values
     others = [key for key in FLOW_STRESS_LAW if law in LAWS and key not in LAWS[law] and key in entry.values]
-    return found | {key: 0.0 for key in others if entry[key]}
+    return base | {key: 0.0 for key in others if entry[key]}
 
 
 def _test_table(tests: Tests, test: int, role: str) -> dict[str, float | str]:
@@ -192,9 +192,9 @@ def _test_table(tests: Tests, test: int, role: str) -> dict[str, float | str]:
     scenario = next(group.scenario for group in tests.groups if test in group.where)
     cells = tests.cells[test]
     names = {key: scenario.name_of(other) for other, key in NAMES.items() if other != role}
-    found: dict[str, float | str] = {key: name for key, name in names.items() if name is not None}
-    found[CERAMIC] = scenario.armour.ceramic_thickness_mm
-    found[BACKING] = scenario.armour.backing_thickness_mm
+    table: dict[str, float | str] = {key: name for key, name in names.items() if name is not None}
+    table[CERAMIC] = scenario.armour.ceramic_thickness_mm
+    table[BACKING] = scenario.armour.backing_thickness_mm
     if LIMIT not in cells:
-        found[VELOCITY] = scenario.impact.velocity_m_s
-    return {**found, **{name: cell for name, cell in cells.items() if name in (*INPUTS, *MEASURED, OUTCOME)}}
+        table[VELOCITY] = scenario.impact.velocity_m_s
+    return {**table, **{name: cell for name, cell in cells.items() if name in (*INPUTS, *MEASURED, OUTCOME)}}

@@ -7,7 +7,7 @@ from math import exp, log, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import approx_fprime, brentq, least_squares, minimize_scalar
+from scipy.optimize import approx_fprime, least_squares, minimize_scalar
 from scipy.special import log_ndtr
 from scipy.stats import chi2, norm, t
 
@@ -24,6 +24,7 @@ from armour.scenario.library import FLOW_STRESS_LAW
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Uncertainty, correlation_matrix
 from armour.statistics.measured import LIMIT, MASS, RESIDUAL, MaterialGroup, Tests
+from armour.statistics.profile import profile_end
 
 
 class Prior(NamedTuple):
@@ -37,14 +38,14 @@ class Prior(NamedTuple):
 
     def scores(self, x: Floats) -> Floats:
         """Return independent standard normal scores of inputs in their units, (q,)."""
-        some = x[self.where]
-        return self.root @ ((np.where(self.logs, np.log(np.abs(some)), some) - self.centres) / self.widths)
+        inputs = x[self.where]
+        return self.root @ ((np.where(self.logs, np.log(np.abs(inputs)), inputs) - self.centres) / self.widths)
 
     def rows(self, x: Floats) -> Floats:
         """Return the derivatives of the scores by the inputs, (q, k)."""
-        found = np.zeros((len(self.where), len(x)))
-        found[:, self.where] = self.root / self.deviations(x)
-        return found
+        derivatives = np.zeros((len(self.where), len(x)))
+        derivatives[:, self.where] = self.root / self.deviations(x)
+        return derivatives
 
     def deviations(self, x: Floats) -> Floats:
         """Return the standard deviations of the inputs near a point, (q,)."""
@@ -52,9 +53,9 @@ class Prior(NamedTuple):
 
     def centred(self, x: Floats) -> Floats:
         """Return a point with the inputs that have a distribution at its centre."""
-        found = x.copy()
-        found[self.where] = np.where(self.logs, np.exp(self.centres), self.centres)
-        return found
+        centre = x.copy()
+        centre[self.where] = np.where(self.logs, np.exp(self.centres), self.centres)
+        return centre
 
 
 NO_PRIOR = Prior(np.empty(0, dtype=int), np.empty(0, dtype=bool), np.empty(0), np.empty(0), np.empty((0, 0)))
@@ -62,25 +63,26 @@ NO_PRIOR = Prior(np.empty(0, dtype=int), np.empty(0, dtype=bool), np.empty(0), n
 
 def prior_of(scenario: Scenario, names: Sequence[str], units: Floats) -> Prior:
     """Return the distributions that a scenario has of fitted inputs, which must be at least one."""
-    section, own = scenario.uncertainty or Uncertainty(), scenario.inputs()
-    known = {name: found for name, found in section.inputs().items() if name in names}
-    if not known:
+    section, values = scenario.uncertainty or Uncertainty(), scenario.inputs()
+    distributions = {name: distribution for name, distribution in section.inputs().items() if name in names}
+    if not distributions:
         message = f"is missing and must be given for a prior: the distribution of {' or '.join(names)}"
         raise mistake(scenario.file, "uncertainty", message)
     problems = []
-    for name, found in known.items():
-        message = found.mean_problem(own[name])
-        if found.distribution == "uniform" or (found.min, found.max) != (None, None):
+    for name, distribution in distributions.items():
+        message = distribution.mean_problem(values[name])
+        if distribution.distribution == "uniform" or (distribution.min, distribution.max) != (None, None):
             message = "must be normal or lognormal, without min and max, to be a prior"
         if message:
             problems.append(Problem(scenario.file, f"uncertainty.{name}", message))
     refuse(problems)
-    where = np.array([names.index(name) for name in known])
-    logs = np.array([found.distribution == "lognormal" for found in known.values()])
-    centres, widths = np.array([centre_and_width(found, own[name]) for name, found in known.items()]).T
+    where = np.array([names.index(name) for name in distributions])
+    logs = np.array([distribution.distribution == "lognormal" for distribution in distributions.values()])
+    moments = [centre_and_width(distribution, values[name]) for name, distribution in distributions.items()]
+    centres, widths = np.array(moments).T
     scale = units[where]
-    pairs = [pair for pair in section.correlation if {*pair.between} <= {*known}]
-    root = np.linalg.inv(np.linalg.cholesky(correlation_matrix([*known], pairs)))
+    pairs = [pair for pair in section.correlation if {*pair.between} <= {*distributions}]
+    root = np.linalg.inv(np.linalg.cholesky(correlation_matrix([*distributions], pairs)))
     centres, widths = np.where(logs, (centres - np.log(scale), widths), (centres / scale, widths / scale))
     return Prior(where, logs, centres, widths, root)
 
@@ -92,6 +94,8 @@ STARTS, LAW_START = (1.0, 0.5, 2.0), 0.3
 # Tolerance of ballistic limits, m/s, and change of inputs for the derivatives.
 LIMIT_TOLERANCE_M_S = 1e-9
 DIFFERENCE = 1e-4
+# Accuracies of the inputs of a fit, and of fits that are compared with it: with an input held, or tests left out.
+FIT_TOLERANCE, COMPARED_TOLERANCE = 1e-10, 1e-5
 # Change of inputs, in their units, up to which a fit to fewer tests is linearised.
 SMALL_CHANGE = 1e-3
 # Values this close to each other are equal.
@@ -169,19 +173,19 @@ class Likelihood(NamedTuple):
     def predicted(self, x: Floats) -> Floats:
         """Return the model's values of the m measurements; inputs are in their units, (k,) or, test by test, (k, n)."""
         measurements = self.tests.measurements
-        found = np.empty(len(measurements))
-        of_test = np.array([m.test for m in measurements])
+        values = np.empty(len(measurements))
+        test = np.array([m.test for m in measurements])
         quantities = np.array([m.quantity for m in measurements])
         inputs = np.broadcast_to((x.T * self.units).T.reshape(len(x), -1), (len(x), len(self.tests.names)))
         for group in self.tests.groups:
             columns = {**group.columns, **dict(zip(self.names, inputs[:, group.where], strict=True))}
             variants = variants_of(group.scenario, columns, len(group.where))
-            in_group = np.isin(of_test, group.where)
+            in_group = np.isin(test, group.where)
             for quantity, model in MODELS.items():
                 where = np.flatnonzero(in_group & (quantities == quantity))
                 if len(where):
-                    found[where] = model(variants.at(np.searchsorted(group.where, of_test[where])))
-        return found
+                    values[where] = model(variants.at(np.searchsorted(group.where, test[where])))
+        return values
 
 
 def _limits(variants: Variants) -> Floats:
@@ -197,11 +201,11 @@ def _limits(variants: Variants) -> Floats:
 def _residual_velocities(variants: Variants) -> Floats:
     """Return residual velocities, m/s; of a stopped test, the impact velocity less the ballistic limit."""
     answers = Answers(variants)
-    found = answers.impacts.V.copy()
+    residual = answers.impacts.V.copy()
     stopped = np.flatnonzero(~answers.perforated)
     if len(stopped):
-        found[stopped] = np.minimum(variants.velocities[stopped] - _limits(variants.at(stopped)), found[stopped])
-    return found
+        residual[stopped] = np.minimum(variants.velocities[stopped] - _limits(variants.at(stopped)), residual[stopped])
+    return residual
 
 
 # The model's values of variants, by measured quantity.
@@ -220,7 +224,7 @@ class Point(NamedTuple):
     lost: float  # -2 times the logarithm of likelihood and prior, but for what does not depend on the inputs
 
 
-class Fit(NamedTuple):
+class InputFit(NamedTuple):
     """A fit of inputs to tests.
 
     ``rows`` and ``residuals`` are those of the least-squares problem whose first step is Newton's from the fit, with
@@ -231,20 +235,20 @@ class Fit(NamedTuple):
     best: Point
     rows: Floats  # (m + q, k)
     residuals: Floats  # (m + q,)
-    covariance: Floats  # of the inputs in their units, (k, k)
     prior_shares: tuple[float | None, ...]  # of the precisions of the inputs, (k,)
+    aicc: float | None
+    starts: int
+    starts_agreeing: int
+    covariance: Floats  # of the inputs in their units, (k, k)
     spread: float  # the scatter, without the bias that fitted inputs give it
     degrees_of_freedom: float
     chi_squared: float  # sum of the squared deviations of the measured values
     p_value: float | None
     widened_by: float  # factor of the intervals
     threshold: float  # of -2 times the logarithm of a likelihood ratio, for the intervals
-    aicc: float | None
-    starts: int
-    starts_agreeing: int
 
 
-def fit_inputs(tests: Tests, inputs: Sequence[str], on_progress: OnProgress, *, prior: bool = False) -> Fit:
+def fit_inputs(tests: Tests, inputs: Sequence[str], on_progress: OnProgress, *, prior: bool = False) -> InputFit:
     """Fit inputs to tests, from several starts; see `armour.statistics.calibration.calibrate`."""
     likelihood = likelihood_of(tests, inputs, on_progress, prior=prior)
     check_enough(likelihood)
@@ -285,40 +289,47 @@ def _is_of_law(name: str) -> bool:
     return name.partition(".")[2] in FLOW_STRESS_LAW
 
 
-def search(likelihood: Likelihood, start: Floats, held: int | None = None, scatter: float | None = None) -> Point:
+def search(
+    likelihood: Likelihood,
+    start: Floats,
+    held: int | None = None,
+    scatter: float | None = None,
+    tolerance: float = FIT_TOLERANCE,
+) -> Point:
     """Return the most likely inputs by a search from a starting point; one of them, and the scatter, may be held."""
     free = np.flatnonzero(np.arange(len(start)) != held)
     sides, prior, x = likelihood.sides, likelihood.prior, start.copy()
     # Without outcomes and prior the scatter has no effect on the most likely inputs.
     scatter_matters = bool(sides.any() or len(prior.where))
 
-    def at(some: Floats | tuple[float, ...]) -> Floats:
-        found = x.copy()
-        found[free] = some
-        return found
+    def at(inputs: Floats | tuple[float, ...]) -> Floats:
+        point = x.copy()
+        point[free] = inputs
+        return point
 
     @cache
-    def deviations_at(some: tuple[float, ...]) -> Floats:
-        return likelihood.deviations(at(some))
+    def deviations_at(inputs: tuple[float, ...]) -> Floats:
+        return likelihood.deviations(at(inputs))
 
     def moved(scatter: float) -> Floats:
         """Move to the most likely inputs given the scatter, and return their deviations."""
 
-        def losses(some: Floats) -> Floats:
-            z = deviations_at(tuple(some.tolist())) / scatter
-            return np.concatenate([_losses(z, sides), prior.scores(at(some))])
+        def losses(inputs: Floats) -> Floats:
+            z = deviations_at(tuple(inputs.tolist())) / scatter
+            return np.concatenate([_losses(z, sides), prior.scores(at(inputs))])
 
-        def slopes(some: Floats) -> Floats:
-            return approx_fprime(some, losses, DIFFERENCE)
+        def slopes(inputs: Floats) -> Floats:
+            return approx_fprime(inputs, losses, DIFFERENCE)
 
         if len(free):
             bounds = likelihood.lower[free], likelihood.upper[free]
-            x[free] = least_squares(losses, x[free], jac=slopes, bounds=bounds, xtol=1e-10).x
+            ftol = max(tolerance, 1e-8)
+            x[free] = least_squares(losses, x[free], jac=slopes, bounds=bounds, ftol=ftol, xtol=tolerance).x
         return deviations_at(tuple(x[free].tolist()))
 
     def lost(deviations: Floats, scatter: float) -> float:
-        of_tests = float((_losses(deviations / scatter, sides) ** 2).sum() + 2.0 * (sides == 0).sum() * log(scatter))
-        return of_tests + float((prior.scores(x) ** 2).sum())
+        by_tests = float((_losses(deviations / scatter, sides) ** 2).sum() + 2.0 * (sides == 0).sum() * log(scatter))
+        return by_tests + float((prior.scores(x) ** 2).sum())
 
     def profile(log_scatter: float) -> float:
         return lost(moved(exp(log_scatter)), exp(log_scatter))
@@ -337,76 +348,126 @@ def _losses(z: Floats, sides: Floats) -> Floats:
     return np.where(sides == 0, z, np.sqrt(-2.0 * log_ndtr(sides * z)))
 
 
-def _judged(likelihood: Likelihood, best: Point, starts: int, agreeing: int) -> Fit:
-    """Return a fit with its covariance, its p value and the threshold of its intervals.
-
-    Without outcomes and prior the intervals are exact for a linear model.  With outcomes a scatter has as many degrees
-    of freedom as measured values would give that determine it as well.
-    """
-    sides, count, scores = likelihood.sides, len(best.x), likelihood.prior.scores(best.x)
-    exact, of_prior = sides == 0, np.arange(len(sides) + len(scores)) >= len(sides)
-    z = likelihood.deviations(best.x) / best.scatter
-    toward = sides * z
-    slope = hazard(toward)
-    weights, of_tests = rows_at(likelihood, best.x, best.scatter)
-    rows = all_rows = np.vstack([of_tests, likelihood.prior.rows(best.x)])
-    tail, weighted = 0.5 * (1.0 + CONFIDENCE), likelihood.tests.weighted
-    if not weighted:
-        # The scatter is an unknown too, on which the estimates depend through the outcomes and the prior.
-        of_scatter = [*np.where(exact, 0.0, -weights * z), *(0.0 * scores), sqrt(2.0 * exact.sum())]
-        all_rows = np.column_stack([np.vstack([rows, np.zeros(count)]), of_scatter])
-    inverse = np.linalg.pinv(all_rows, rcond=1e-6)
-    covariance = (inverse @ inverse.T)[:count, :count]
-    leverages = (rows * inverse.T[: len(rows), :count]).sum(axis=1)
-    p_value, widened_by, chi_squared, spread = None, 1.0, float((z[exact] ** 2).sum()), best.scatter
-    normal = float(norm.ppf(tail)) ** 2
-    if not weighted:
-        number = float(exact.sum() + 0.5 * (toward**2 * slope * hazard(-toward))[~exact].sum())
-        # What the prior determines takes no degree of freedom from the tests, and no part in the error of the scatter.
-        by_tests = count - float(leverages[of_prior].sum())
-        freedom = number - by_tests
-        exactly = number * float(np.log1p(t.ppf(tail, freedom) ** 2 / freedom))
-        threshold = normal + by_tests / count * (exactly - normal)
-        spread *= sqrt(number / freedom)
-        if len(scores):
-            all_rows[: len(sides)] *= sqrt(freedom / number)
-            inverse = np.linalg.pinv(all_rows, rcond=1e-6)
-            covariance = (inverse @ inverse.T)[:count, :count]
-        else:
-            covariance *= number / freedom
-        chi_squared *= best.scatter**2
-    else:
-        # Less what the measured values and the prior, and not the outcomes, determine of the inputs.
-        freedom = float(exact.sum() + len(scores) - count + leverages[: len(sides)][~exact].sum())
-        freedom = round(freedom, FREEDOM_DIGITS) + 0.0  # outcomes alone leave none, but for rounding
-        chi_squared += float((scores**2).sum())
-        p_value = float(chi2.sf(chi_squared, freedom)) if freedom > MIN_FREEDOM else None
-        threshold = normal
-        # A prior that the tests contradict is not mended by a wider interval.
-        if p_value is not None and p_value < MIN_P_VALUE and not len(scores):
-            widened_by = sqrt(chi_squared / freedom)
-            threshold = (widened_by * float(t.ppf(tail, freedom))) ** 2
-            covariance *= widened_by**2
-    shares: list[float | None] = [None] * count
-    for i, deviation in zip(likelihood.prior.where, likelihood.prior.deviations(best.x), strict=True):
-        shares[i] = min(float(covariance[i, i]) / (widened_by * deviation) ** 2, 1.0)
-    return Fit(
-        likelihood=likelihood,
-        best=best,
-        rows=rows,
-        residuals=np.append(np.where(exact, z, -sides * slope / np.maximum(weights, 1e-150)), scores),
-        covariance=covariance,
-        prior_shares=tuple(shares),
-        spread=spread,
-        degrees_of_freedom=freedom,
-        chi_squared=chi_squared,
-        p_value=p_value,
-        widened_by=widened_by,
-        threshold=threshold,
-        aicc=None if len(scores) else _aicc(likelihood, best),
+def _judged(likelihood: Likelihood, best: Point, starts: int, agreeing: int) -> InputFit:
+    """Return a fit with its covariance, its p value and the threshold of its intervals."""
+    linear = _linearised(likelihood, best)
+    precision = _by_uncertainties(best, linear) if likelihood.tests.weighted else _by_scatter(best, linear)
+    return InputFit(
+        likelihood,
+        best,
+        linear.rows,
+        linear.residuals,
+        prior_shares=_prior_shares(likelihood.prior, best, precision),
+        aicc=None if len(likelihood.prior.where) else _aicc(likelihood, best),
         starts=starts,
         starts_agreeing=agreeing,
+        **precision._asdict(),
     )
+
+
+class _Linearised(NamedTuple):
+    """The problem linearised at a fit, with the q scores of the prior below the m measurements."""
+
+    exact: Bools  # which measurements are values, and no outcomes, (m,)
+    z: Floats  # deviations in standard deviations, (m,)
+    weights: Floats  # roots of the Fisher information of the measurements on their z, (m,)
+    scatter_information: Floats  # Fisher information on the logarithm of the scatter, (m,)
+    rows: Floats  # (m + q, k)
+    residuals: Floats  # (m + q,)
+
+
+def _linearised(likelihood: Likelihood, best: Point) -> _Linearised:
+    sides, scores = likelihood.sides, likelihood.prior.scores(best.x)
+    exact, z = sides == 0, likelihood.deviations(best.x) / best.scatter
+    slope = hazard(sides * z)
+    weights, rows = rows_at(likelihood, best.x, best.scatter)
+    return _Linearised(
+        exact,
+        z,
+        weights,
+        np.where(exact, 2.0, z**2 * slope * hazard(-sides * z)),
+        np.vstack([rows, likelihood.prior.rows(best.x)]),
+        np.append(np.where(exact, z, -sides * slope / np.maximum(weights, 1e-150)), scores),
+    )
+
+
+class _Precision(NamedTuple):
+    """How well tests determine inputs; see `InputFit`."""
+
+    covariance: Floats
+    spread: float
+    degrees_of_freedom: float
+    chi_squared: float
+    p_value: float | None
+    widened_by: float
+    threshold: float
+
+
+# Probability below the upper end of an interval, and the threshold of a likelihood ratio where scatters are known.
+UPPER = 0.5 * (1.0 + CONFIDENCE)
+NORMAL_THRESHOLD = float(norm.ppf(UPPER)) ** 2
+
+
+def _by_uncertainties(best: Point, linear: _Linearised) -> _Precision:
+    """Return the precision by the uncertainties given, wider where the deviations are larger than these explain."""
+    count, scores = len(best.x), linear.residuals[len(linear.z) :]
+    covariance, leverages = _inverted(linear.rows, count)
+    # Less what the measured values and the prior, and not the outcomes, determine of the inputs.
+    freedom = float(linear.exact.sum() + len(scores) - count + leverages[: len(linear.z)][~linear.exact].sum())
+    freedom = round(freedom, FREEDOM_DIGITS) + 0.0  # outcomes alone leave none, but for rounding
+    chi_squared = float((linear.z[linear.exact] ** 2).sum()) + float((scores**2).sum())
+    p_value = float(chi2.sf(chi_squared, freedom)) if freedom > MIN_FREEDOM else None
+    widened_by, threshold = 1.0, NORMAL_THRESHOLD
+    # A prior that the tests contradict is not mended by a wider interval.
+    if p_value is not None and p_value < MIN_P_VALUE and not len(scores):
+        widened_by = sqrt(chi_squared / freedom)
+        threshold = (widened_by * float(t.ppf(UPPER, freedom))) ** 2
+    return _Precision(covariance * widened_by**2, 1.0, freedom, chi_squared, p_value, widened_by, threshold)
+
+
+def _by_scatter(best: Point, linear: _Linearised) -> _Precision:
+    """Return the precision by the scatter, which is estimated too.
+
+    Without outcomes and prior the intervals are exact for a linear model.  With outcomes the scatter has as many
+    degrees of freedom as measured values would give that determine it as well.
+    """
+    count, measured, exact = len(best.x), len(linear.z), linear.exact
+    # The estimates depend on the scatter through the outcomes and the prior.
+    columns = np.zeros((len(linear.rows) + 1, count + 1))
+    columns[:-1, :count] = linear.rows
+    columns[:measured, count] = np.where(exact, 0.0, -linear.weights * linear.z)
+    columns[-1, count] = sqrt(2.0 * exact.sum())
+    _, leverages = _inverted(columns, count)
+    number = 0.5 * float(linear.scatter_information.sum())  # of measured values that would tell it as well
+    # What the prior determines takes no degree of freedom from the tests, and no part in the error of the scatter.
+    by_tests = count - float(leverages[measured:].sum())
+    freedom = number - by_tests
+    columns[:measured] *= sqrt(freedom / number)
+    columns[-1] *= sqrt(freedom / number)
+    exactly = number * float(np.log1p(t.ppf(UPPER, freedom) ** 2 / freedom))
+    return _Precision(
+        covariance=_inverted(columns, count)[0],
+        spread=best.scatter * sqrt(number / freedom),
+        degrees_of_freedom=freedom,
+        chi_squared=float((linear.z[exact] ** 2).sum()) * best.scatter**2,
+        p_value=None,
+        widened_by=1.0,
+        threshold=NORMAL_THRESHOLD + by_tests / count * (exactly - NORMAL_THRESHOLD),
+    )
+
+
+def _inverted(rows: Floats, count: int) -> tuple[Floats, Floats]:
+    """Return the covariance of the first unknowns of a least-squares problem, and the parts of the rows in them."""
+    inverse = np.linalg.pinv(rows, rcond=1e-6)[:count]
+    return inverse @ inverse.T, (rows[:, :count] * inverse.T).sum(axis=1)
+
+
+def _prior_shares(prior: Prior, best: Point, precision: _Precision) -> tuple[float | None, ...]:
+    """Return the shares of the prior in the precisions of the inputs, (k,)."""
+    shares: list[float | None] = [None] * len(best.x)
+    for i, deviation in zip(prior.where, prior.deviations(best.x), strict=True):
+        shares[i] = min(float(precision.covariance[i, i]) / (precision.widened_by * deviation) ** 2, 1.0)
+    return tuple(shares)
 
 
 def rows_at(likelihood: Likelihood, x: Floats, scatter: float) -> tuple[Floats, Floats]:
@@ -438,27 +499,27 @@ def _aicc(likelihood: Likelihood, best: Point) -> float | None:
     return best.lost + constants + 2.0 * unknown + 2.0 * unknown * (unknown + 1.0) / left
 
 
-def intervals(fit: Fit) -> tuple[Coefficient, ...]:
+def intervals(fit: InputFit) -> tuple[Coefficient, ...]:
     """Return the coefficients with their profile-likelihood intervals, or why the tests do not identify them."""
-    likelihood, found = fit.likelihood, []
-    for i, name in enumerate(likelihood.names):
-        unit, error = float(likelihood.units[i]), sqrt(max(float(fit.covariance[i, i]), 0.0))
-        bounds = float(likelihood.lower[i]), float(likelihood.upper[i])
-        (low, flat_below), (high, flat_above) = (_end(fit, i, bound, error) for bound in bounds)
-        ends = (None if low is None else low * unit, None if high is None else high * unit)
-        if ends == (None, None):
-            found.append(Coefficient(name, None, None, "the tests bound it neither above nor below"))
-        elif flat_below or flat_above:
-            bound = bounds[0 if flat_below else 1] * unit
-            reason = f"the fit is as good at {bound:.3g}, the end of the range searched"
-            found.append(Coefficient(name, None, ends, reason))
-        else:
-            estimate, share = float(fit.best.x[i]) * unit, fit.prior_shares[i]
-            found.append(Coefficient(name, estimate, ends, standard_error=error * unit, prior_share=share))
-    return tuple(found)
+    return tuple(_coefficient(fit, index) for index in range(len(fit.likelihood.names)))
 
 
-def _end(fit: Fit, index: int, bound: float, error: float) -> tuple[float | None, bool]:
+def _coefficient(fit: InputFit, index: int) -> Coefficient:
+    likelihood, name = fit.likelihood, fit.likelihood.names[index]
+    unit, error = float(likelihood.units[index]), sqrt(max(float(fit.covariance[index, index]), 0.0))
+    bounds = float(likelihood.lower[index]), float(likelihood.upper[index])
+    (low, flat_below), (high, flat_above) = (_end(fit, index, bound, error) for bound in bounds)
+    ends = (None if low is None else low * unit, None if high is None else high * unit)
+    if ends == (None, None):
+        return Coefficient(name, None, None, "the tests bound it neither above nor below")
+    if flat_below or flat_above:
+        bound = bounds[0 if flat_below else 1] * unit
+        return Coefficient(name, None, ends, f"the fit is as good at {bound:.3g}, the end of the range searched")
+    estimate, share = float(fit.best.x[index]) * unit, fit.prior_shares[index]
+    return Coefficient(name, estimate, ends, standard_error=error * unit, prior_share=share)
+
+
+def _end(fit: InputFit, index: int, bound: float, error: float) -> tuple[float | None, bool]:
     """Return the end of an interval towards a bound; None if the likelihood does not fall enough on the way.
 
     Return also whether the likelihood is as great at the bound as at the estimate.
@@ -469,34 +530,29 @@ def _end(fit: Fit, index: int, bound: float, error: float) -> tuple[float | None
     slopes = np.linalg.lstsq(fit.rows[:, others], -fit.rows[:, index], rcond=1e-6)[0]
 
     @cache
-    def excess(value: float) -> float:
+    def deviance(value: float) -> float:
         start = best.x.copy()
         start[index], start[others] = value, start[others] + slopes * (value - best.x[index])
         start = np.clip(start, likelihood.lower, likelihood.upper)
-        return search(likelihood, start, held=index).lost - best.lost - fit.threshold
+        return search(likelihood, start, held=index, tolerance=COMPARED_TOLERANCE).lost - best.lost
 
-    near, step = float(best.x[index]), min(max(FIRST_STEP * error, DIFFERENCE), 1.0)
-    tolerance = END_TOLERANCE * step
-    while near != bound:
-        far = min(near + step, bound) if bound > near else max(near - step, bound)
-        if excess(far) > 0.0:
-            return float(brentq(excess, near, far, xtol=tolerance)), False
-        near, step = far, 2.0 * step
-    return None, excess(bound) + fit.threshold < EQUAL
+    step = min(max(FIRST_STEP * error, DIFFERENCE), 1.0)
+    end = profile_end(deviance, float(best.x[index]), bound, sqrt(fit.threshold), step, END_TOLERANCE * step)
+    return end, end is None and deviance(bound) < EQUAL
 
 
-def without(fit: Fit, kept: Bools) -> Floats:
+def without(fit: InputFit, kept: Bools) -> Floats:
     """Return the inputs fitted to some of the measurements, in their units, (k,), given the fit to all and its scatter.
 
     A small change is Newton's step from the fit to all, with an error of second order; else the search is repeated.
     """
     likelihood = fit.likelihood._replace(kept=kept)
-    some = np.append(kept, np.ones(len(fit.residuals) - len(kept), dtype=bool))
-    change = np.linalg.lstsq(fit.rows[some], -fit.residuals[some], rcond=1e-6)[0]
+    rows = np.append(kept, np.ones(len(fit.residuals) - len(kept), dtype=bool))
+    change = np.linalg.lstsq(fit.rows[rows], -fit.residuals[rows], rcond=1e-6)[0]
     x: Floats = np.clip(fit.best.x + change, likelihood.lower, likelihood.upper)
     if (np.abs(x - fit.best.x) <= SMALL_CHANGE).all():
         return x
-    return search(likelihood, x, scatter=fit.best.scatter).x
+    return search(likelihood, x, scatter=fit.best.scatter, tolerance=COMPARED_TOLERANCE).x
 
 
 def check_fittable(file: str, scenario: Scenario, groups: Sequence[MaterialGroup], inputs: Sequence[str]) -> None:
@@ -522,10 +578,10 @@ def check_fittable(file: str, scenario: Scenario, groups: Sequence[MaterialGroup
 
 def check_enough(likelihood: Likelihood) -> None:
     """Check that there are enough tests for a fit."""
-    tests, needed, found = likelihood.tests, needed_of(likelihood), usable(likelihood.tests, likelihood.kept)
-    if found < needed:
+    tests, needed, count = likelihood.tests, needed_of(likelihood), usable(likelihood.tests, likelihood.kept)
+    if count < needed:
         kinds = "measurements or outcomes" if tests.weighted else "measurements, as their uncertainties are not given,"
-        message = f"must have at least {needed} {kinds} for {len(likelihood.names)} coefficients, found {found}"
+        message = f"must have at least {needed} {kinds} for {len(likelihood.names)} coefficients, found {count}"
         raise mistake(tests.file, "", message)
 
 

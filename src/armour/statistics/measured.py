@@ -160,43 +160,45 @@ def read_tests(path: Table, scenario: Scenario, notes: Names = ()) -> Tests:
 
 def _mistakes(row: CsvRow, repeated: Container[str]) -> list[tuple[str, str]]:
     """Return the mistakes in a row, column and message, given the names that several tests have."""
-    found = []
+    mistakes = []
     name, outcome = row.texts.get("test"), row.texts.get(OUTCOME)
     perforated = None if outcome is None else PERFORATED.get(outcome.lower())
     if name is not None and name in repeated:
-        found.append(("test", f'must name one test, found "{name}" on several lines'))
+        mistakes.append(("test", f'must name one test, found "{name}" on several lines'))
     if outcome is None and not any(column in row.texts for column in MEASURED):
-        found.append(("", f"must have one of {', '.join((*MEASURED, OUTCOME))}"))
+        mistakes.append(("", f"must have one of {', '.join((*MEASURED, OUTCOME))}"))
     if outcome is not None and perforated is None:
-        found.append((OUTCOME, f'{MUST_SAY}, found "{outcome}"'))
+        mistakes.append((OUTCOME, f'{MUST_SAY}, found "{outcome}"'))
     if perforated is False and RESIDUAL in row.texts:
-        found.append((OUTCOME, f"must not be {outcome} if there is a residual velocity"))
+        mistakes.append((OUTCOME, f"must not be {outcome} if there is a residual velocity"))
     limit, velocity = row.numbers.get(LIMIT), row.numbers.get(VELOCITY)
     if perforated is not None and limit is not None and velocity is not None and (velocity > limit) != perforated:
-        found.append((OUTCOME, f"must agree with the ballistic limit in its row, found {outcome} at {velocity:g} m/s"))
+        mistakes.append(
+            (OUTCOME, f"must agree with the ballistic limit in its row, found {outcome} at {velocity:g} m/s")
+        )
     if outcome is not None and VELOCITY not in row.texts:
-        found.append((VELOCITY, "is missing and must be given with an outcome"))
+        mistakes.append((VELOCITY, "is missing and must be given with an outcome"))
     for column in (*MEASURED, *MEASURED.values()):
         value = row.numbers.get(column, MIN_MEASURED)
         if not MIN_MEASURED <= value <= MAX_MEASURED:
             hint = '; a projectile that is stopped is an outcome, "stopped"' if column == RESIDUAL else ""
             must = f"must be at least {MIN_MEASURED:g} and at most {MAX_MEASURED:g}"
-            found.append((column, f"{must}, found {value:g}{hint}"))
-    return found
+            mistakes.append((column, f"{must}, found {value:g}{hint}"))
+    return mistakes
 
 
 def _measurements(test: int, row: CsvRow) -> list[Measurement]:
     """Return the measurements in a row; the outcome counts where there is no other."""
-    found = [
+    measurements = [
         Measurement(test, name, row.numbers[name], row.numbers.get(uncertainty), 0)
         for name, uncertainty in MEASURED.items()
         if name in row.numbers
     ]
     perforated = PERFORATED.get(row.texts.get(OUTCOME, "").lower())
-    if perforated is not None and VELOCITY in row.numbers and not found:
+    if perforated is not None and VELOCITY in row.numbers and not measurements:
         uncertainty = row.numbers.get(MEASURED[LIMIT])
-        found.append(Measurement(test, LIMIT, row.numbers[VELOCITY], uncertainty, -1 if perforated else 1))
-    return found
+        measurements.append(Measurement(test, LIMIT, row.numbers[VELOCITY], uncertainty, -1 if perforated else 1))
+    return measurements
 
 
 def _groups(rows: Sequence[CsvRow], scenario: Scenario, file: str) -> tuple[list[MaterialGroup], list[Problem]]:
@@ -207,11 +209,14 @@ def _groups(rows: Sequence[CsvRow], scenario: Scenario, file: str) -> tuple[list
     groups: list[MaterialGroup] = []
     problems: list[Problem] = []
     for names, where in by_names.items():
-        given = [name for name in INPUTS if any(name in rows[i].numbers for i in where)]
+        names_given = [name for name in INPUTS if any(name in rows[i].numbers for i in where)]
         try:
             changed = scenario.replaced(dict(names))
-            own = changed.inputs()
-            columns = {name: np.array([rows[i].numbers.get(name, own.get(name, 0.0)) for i in where]) for name in given}
+            values = changed.inputs()
+            columns = {
+                name: np.array([rows[i].numbers.get(name, values.get(name, 0.0)) for i in where])
+                for name in names_given
+            }
             changed.check_rows(columns)
             groups.append(MaterialGroup(changed, np.array(where), columns))
         except InputError:

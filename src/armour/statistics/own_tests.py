@@ -11,7 +11,7 @@ from armour.engine import batch
 from armour.errors import mistake
 from armour.evidence.fit import fits, law_parameters, shipped_data
 from armour.evidence.model_error import other_settings
-from armour.evidence.tests import armour_of, is_outside, shipped_evidence
+from armour.evidence.tests import armour_of, is_outside, shipped_evidence, shipped_evidence_of
 from armour.scenario.inputs import cosine_of
 from armour.scenario.library import (
     FLOW_STRESS_LAW,
@@ -91,7 +91,7 @@ def own_tests(tests: Tests, fitted: Mapping[str, float]) -> OwnTests | None:
 
 def _longest_path(laws: tuple[LawTests, ...]) -> float:
     """Return the greatest path over the thickness of the shipped tests that a fit is of."""
-    shipped = next(one for one in shipped_evidence() if laws[0].fit in [fit.name for fit in one.fits])
+    shipped = shipped_evidence_of(laws[0].fit)
     return (1.0 + 1e-6) / cosine_of(shipped.obliquity_max_deg)
 
 
@@ -122,8 +122,8 @@ def _limits(rows: Variants, role: str, values: Mapping[str, float]) -> Floats:
 
 def _of_plates(rows: Variants, entry: LibraryEntry) -> tuple[LawTests, ...]:
     """Return limits of bare plates by their own strengths, for the fit of the shipped tests of such plates, if any."""
-    (evidence, of), *_ = rows.armours.by_evidence()
-    if not (of & evidence.holds(rows.armours.quantities())).all():
+    (evidence, held), *_ = rows.armours.by_evidence()
+    if not (held & evidence.holds(rows.armours.quantities())).all():
         return ()
     values = {key: float(f"{entry[key]:.7g}") for key in KEYS["backing"]}
     computed = _rounded(_limits(rows, "backing", values))
@@ -136,11 +136,11 @@ def _of_ceramic(rows: Variants, entry: LibraryEntry, measured: Floats) -> tuple[
     A ceramic that the shipped tests are of has their flow stress; of another one, the flow stress is fitted, and the
     logarithm of measured over computed limits is that of the entry's flow stress, which is doubted.
     """
-    tests = next(one for one in shipped_evidence() if one.ceramic)
+    tests = next(evidence for evidence in shipped_evidence() if evidence.ceramic)
     tested = entry.origin == tests.ceramic and not is_outside(tests.kind[:2], rows.armours.quantities()).any()
     laws = {fit.name: shipped_data()["fit"][fit.name]["flow_stress"] for fit in tests.fits}
     ratio = 1.0 if tested else entry["flow_stress_GPa"] / laws["constant"]["flow_stress_GPa"]
-    found = []
+    by_law = []
     for name, values in laws.items():
 
         def limits(shift: float, values: Mapping[str, float] = values) -> Floats:
@@ -153,7 +153,7 @@ def _of_ceramic(rows: Variants, entry: LibraryEntry, measured: Floats) -> tuple[
             if not np.isnan(measured).all():
                 away = float(np.nanmean(np.log(measured) - limits(shift)))
                 shift = float(np.clip(shift + away / slope, -np.log(FACTOR), np.log(FACTOR)))
-        own = {**values, "flow_stress_GPa": float(f"{values['flow_stress_GPa'] * ratio * np.exp(shift):.7g}")}
+        fitted = {**values, "flow_stress_GPa": float(f"{values['flow_stress_GPa'] * ratio * np.exp(shift):.7g}")}
         level = None if tested else (-slope * shift, slope * UNTESTED)
-        found.append(LawTests(fit=name, values=own, level=level, computed_m_s=_rounded(np.exp(limits(shift)))))
-    return tuple(found)
+        by_law.append(LawTests(fit=name, values=fitted, level=level, computed_m_s=_rounded(np.exp(limits(shift)))))
+    return tuple(by_law)

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from math import log
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -105,14 +105,19 @@ def pooled_scatter(
     logarithm = -0.5 * (BETWEEN[:, None] ** 2 + ((log_ratio - middle) / deviation) ** 2)
     for velocities, complete in firings:
         v50 = np.linspace(min(velocities) * (1.0 - BEYOND_SHOTS), max(velocities) * (1.0 + BEYOND_SHOTS), POOL_NODES[0])
-        z = (np.array(velocities)[:, None, None] - v50) / (np.exp(log_ratio)[:, None] * v50)
-        likelihood = np.exp(log_ndtr(np.where(complete, 1.0, -1.0)[:, None, None] * z).sum(axis=0)).mean(axis=1)
+        grid = Grid.over(v50, log_ratio)
+        likelihood = np.exp(grid.log_likelihood(velocities, complete)).reshape(grid.shape).mean(axis=0)
         logarithm += np.log(np.maximum(spread @ likelihood, 1e-300))
-    weights = np.exp(logarithm - logarithm.max())
-    weights /= weights.sum()
+    weights = normalised(logarithm)
     mean = float((weights @ log_ratio).sum())
     variance = float((weights * ((log_ratio - mean) ** 2 + between[:, :, 0] ** 2)).sum())
     return 100.0 * float(np.exp(mean)), float(np.exp(variance**0.5))
+
+
+def normalised(log_weights: Floats) -> Floats:
+    """Return weights, whose logarithms are given but for a constant, that add up to 1."""
+    weights = np.exp(log_weights - log_weights.max())
+    return weights / weights.sum()
 
 
 def expected(values: Floats, weights: Floats) -> Any:
@@ -129,6 +134,20 @@ class Grid(NamedTuple):
     v50_m_s: Floats  # (points,)
     scatter_m_s: Floats  # (points,)
     shape: tuple[int, int]  # nodes of V50 and of the scatter
+
+    @classmethod
+    def over(cls, v50_m_s: Floats, log_ratio: Floats) -> Self:
+        """Return the grid over V50s and logarithms of scatter over V50."""
+        scatter = np.outer(v50_m_s, np.exp(log_ratio)).ravel()
+        return cls(np.repeat(v50_m_s, len(log_ratio)), scatter, (len(v50_m_s), len(log_ratio)))
+
+    def log_likelihood(self, velocities_m_s: Sequence[float], complete: Sequence[bool]) -> Floats:
+        """Return the logarithm of the likelihood of shots, of which there may be none, (points,)."""
+        logarithm = np.zeros(len(self.v50_m_s))
+        for (velocity, result), count in Counter(zip(velocities_m_s, complete, strict=True)).items():
+            argument = (velocity - self.v50_m_s) / self.scatter_m_s
+            logarithm += count * log_ndtr(argument if result else -argument)
+        return logarithm
 
     def response(self, velocities_m_s: Floats) -> Floats:
         """Return the probability of complete penetration at velocities, (m,) -> (m, points)."""
@@ -163,9 +182,9 @@ class Posterior(NamedTuple):
         """Return quantiles of the scatter, m/s; each point stands for the scatters up to midway to the next ones."""
         logs = np.log(self.grid.scatter_m_s)
         step = max(float(logs[1] - logs[0]), 1e-12)
-        some = np.linspace(logs.min() - 0.5 * step, logs.max() + 0.5 * step, 2 * self.grid.shape[1])
-        below = np.array([expected(np.clip(0.5 + (one - logs) / step, 0.0, 1.0), self.weights) for one in some])
-        return np.exp(np.interp(ndtri(probabilities), _normal(below), some)).tolist()
+        places = np.linspace(logs.min() - 0.5 * step, logs.max() + 0.5 * step, 2 * self.grid.shape[1])
+        below = np.array([expected(np.clip(0.5 + (place - logs) / step, 0.0, 1.0), self.weights) for place in places])
+        return np.exp(np.interp(ndtri(probabilities), _normal(below), places)).tolist()
 
     def variance(self, target: Floats) -> float:
         """Return the variance of a quantity that has values at the points, (points,)."""
@@ -213,36 +232,35 @@ def posterior_of(
 def _posterior_of(
     prior: FiringPrior, velocities_m_s: tuple[float, ...], complete: tuple[bool, ...], nodes: tuple[int, int]
 ) -> Posterior:
-    limit = prior.limit_m_s
-    ends = prior.error.interval(limit, TAIL)
-    # Shots far from the prior move V50 beyond it.
-    low = max(min([ends[0], *(velocity / BEYOND for velocity in velocities_m_s)]), LEAST * limit)
-    high = max([min(ends[1], MOST * limit), *(velocity * BEYOND for velocity in velocities_m_s)])
     reach, middle = DEVIATIONS * log(prior.scatter_factor), log(prior.scatter_percent / 100.0)
-    ranges = [(low, high), (middle - reach, middle + reach)]
-    shots = Counter(zip(velocities_m_s, complete, strict=True))
+    ranges = [_v50_range(prior, velocities_m_s), (middle - reach, middle + reach)]
     for _ in range(NARROWINGS):
         v50, log_ratio = (np.linspace(*ends, count) for ends, count in zip(ranges, nodes, strict=True))
-        points = Grid(np.repeat(v50, nodes[1]), np.outer(v50, np.exp(log_ratio)).ravel(), nodes)
-        logarithm = prior.log_density(points.v50_m_s, np.tile(log_ratio, nodes[0]))
-        for (velocity, result), count in shots.items():
-            sign = 1.0 if result else -1.0
-            logarithm += count * log_ndtr(sign * (velocity - points.v50_m_s) / points.scatter_m_s)
-        logarithm -= logarithm.max()
-        kept = (logarithm > -DEPTH).reshape(nodes)
-        of_v50, of_scatter = kept.any(axis=1), kept.any(axis=0)
+        grid = Grid.over(v50, log_ratio)
+        logarithm = prior.log_density(grid.v50_m_s, np.tile(log_ratio, nodes[0]))
+        logarithm += grid.log_likelihood(velocities_m_s, complete)
+        kept = (logarithm > logarithm.max() - DEPTH).reshape(nodes)
+        kept_v50, kept_scatter = kept.any(axis=1), kept.any(axis=0)
         # V50s too far apart seem to need a large scatter: its range is narrowed only after theirs.
-        if of_v50.mean() < ENOUGH:
-            ranges[0] = narrowed(v50, of_v50)
-        elif of_scatter.mean() < ENOUGH:
-            ranges[1] = narrowed(log_ratio, of_scatter)
+        if kept_v50.mean() < ENOUGH:
+            ranges[0] = narrowed(v50, kept_v50)
+        elif kept_scatter.mean() < ENOUGH:
+            ranges[1] = narrowed(log_ratio, kept_scatter)
         else:
             break
-    weights = np.exp(logarithm)
-    weights /= weights.sum()
-    for shared in (weights, points.v50_m_s, points.scatter_m_s):
+    weights = normalised(logarithm)
+    for shared in (weights, grid.v50_m_s, grid.scatter_m_s):
         shared.flags.writeable = False
-    return Posterior(points, weights)
+    return Posterior(grid, weights)
+
+
+def _v50_range(prior: FiringPrior, velocities_m_s: Sequence[float]) -> tuple[float, float]:
+    """Return the first range of V50, m/s; shots far from the prior move V50 beyond it."""
+    limit = prior.limit_m_s
+    low, high = prior.error.interval(limit, TAIL)
+    slowest = min([low, *(velocity / BEYOND for velocity in velocities_m_s)])
+    fastest = max([min(high, MOST * limit), *(velocity * BEYOND for velocity in velocities_m_s)])
+    return max(slowest, LEAST * limit), fastest
 
 
 def narrowed(axis: Floats, kept: ArrayLike) -> tuple[float, float]:
@@ -252,23 +270,23 @@ def narrowed(axis: Floats, kept: ArrayLike) -> tuple[float, float]:
 
 
 def learned(
-    alone: Posterior, known: Posterior, confidence: float
+    prior: Posterior, posterior: Posterior, confidence: float
 ) -> tuple[FiringEstimate, FiringEstimate, float, tuple[str, ...]]:
     """Return the estimates without and with shots, and warnings if they contradict each other.
 
     Before the warnings comes the part of the precision of V50, the inverse of its variance, that is the prior's.
     """
-    before, after = alone.estimate(confidence), known.estimate(confidence)
+    before, after = prior.estimate(confidence), posterior.estimate(confidence)
     share = min(1.0, (after.standard_deviation_m_s / before.standard_deviation_m_s) ** 2)
-    return before, after, share, tuple(_contradictions(alone, known))
+    return before, after, share, tuple(_contradictions(prior, posterior))
 
 
 def _contradictions(prior: Posterior, posterior: Posterior) -> Iterator[str]:
     """Give a warning for each of V50 and scatter whose posterior lies beyond what the prior holds for plausible."""
-    usual, found = prior.estimate(PLAUSIBLE), posterior.estimate(PLAUSIBLE)
+    before, after = prior.estimate(PLAUSIBLE), posterior.estimate(PLAUSIBLE)
     for name, value, (low, high) in (
-        ("V50", found.v50_m_s, usual.v50_interval_m_s),
-        ("scatter", found.scatter_m_s, usual.scatter_interval_m_s),
+        ("V50", after.v50_m_s, before.v50_interval_m_s),
+        ("scatter", after.scatter_m_s, before.scatter_interval_m_s),
     ):
         if not low <= value <= high:
             yield (

@@ -95,18 +95,18 @@ def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
     InputError
         If a run does not end.
     """
-    own = {name: value for name, value in scenario.inputs().items() if value != 0.0}
+    inputs = {name: value for name, value in scenario.inputs().items() if value != 0.0}
     # Each change makes variants of its own, as values derived from one input must not be fixed by the others.
     changed = [
         variants_of(scenario, {name: np.array([value * (1.0 + CHANGE), value * (1.0 - CHANGE)])}, 2)
-        for name, value in own.items()
+        for name, value in inputs.items()
     ]
     answers = _answers(concatenated([variants_of(scenario, {}, 1), *changed]), on_progress)
     if all(isnan(values[0]) for values in answers.values()):
         raise NoAnswerError("nothing to compare: no ballistic limit in the range of its search, no residual velocity")
     step = log((1.0 + CHANGE) / (1.0 - CHANGE))
     elasticities = {answer: np.log(values[1::2] / values[2::2]) / step for answer, values in answers.items()}
-    inputs = [
+    changes = [
         Elasticity(
             name,
             value,
@@ -115,11 +115,11 @@ def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
                 for answer, column in elasticities.items()
             },
         )
-        for index, (name, value) in enumerate(own.items())
+        for index, (name, value) in enumerate(inputs.items())
     ]
     return SensitivityResult(
         answers={answer: _number(values[0]) for answer, values in answers.items()},
-        inputs=tuple(sorted(inputs, key=lambda item: -abs(item.elasticities[LIMIT] or 0.0))),
+        inputs=tuple(sorted(changes, key=lambda item: -abs(item.elasticities[LIMIT] or 0.0))),
         warnings=scenario_warnings(scenario, scenario.impact.velocity_m_s),
     ).of(scenario.subject(), scenario=scenario)
 

@@ -52,16 +52,16 @@ def first_order_indices(section: Uncertainty, points: Floats, values: Floats) ->
     scaled_values = (values - values.mean()) / values.std()
     replicates = zip(np.array_split(points, REPLICATES), np.array_split(scaled_values, REPLICATES), strict=True)
     moments = [
-        [_moments(_basis(*of_input), scaled) for of_input in zip(correlated(section, part).T, uniform, strict=True)]
+        [_moments(_basis(*column), scaled) for column in zip(correlated(section, part).T, uniform, strict=True)]
         for part, scaled in replicates
     ]
-    return [jackknife(_explained, of_input) for of_input in np.array(moments).swapaxes(0, 1)]
+    return [jackknife(_explained, by_replicate) for by_replicate in np.array(moments).swapaxes(0, 1)]
 
 
 def _basis(chances: Floats, uniform: bool) -> Floats:
     """Return polynomials, (n, terms), of the uniform or normal score of an input."""
-    found = legvander(2.0 * chances - 1.0, DEGREE) if uniform else hermevander(ndtri(chances), DEGREE)
-    return np.asarray(found, dtype=np.float64)
+    polynomials = legvander(2.0 * chances - 1.0, DEGREE) if uniform else hermevander(ndtri(chances), DEGREE)
+    return np.asarray(polynomials, dtype=np.float64)
 
 
 def _moments(basis: Floats, values: Floats) -> Floats:
@@ -88,13 +88,13 @@ def total_indices(
     points, others = np.split(replicated_points("sobol", 2 * inputs, samples, seed), 2, axis=1)
     values = function(points)
     sums = [_sums(values**0), _sums(values - values[0]), _sums((values - values[0]) ** 2)]
-    found = []
+    indices = []
     for place in places:
         mixed = points.copy()
         mixed[:, place] = others[:, place]
         changes = _sums(0.5 * (function(mixed) - values) ** 2)
-        found.append(jackknife(_changed, np.column_stack([*sums, changes])))
-    return found
+        indices.append(jackknife(_changed, np.column_stack([*sums, changes])))
+    return indices
 
 
 def _changed(sums: Floats) -> Floats:
@@ -269,9 +269,8 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         ballistic_limit_m_s={name: quantile(limits, probability) for name, probability in QUANTILES.items()},
         mean_m_s=mean.value,
         mean_interval_m_s=(mean.low, mean.high),
-        standard_deviation_m_s=float(
-            (limits - limits[0]).std(ddof=1)
-        ),  # 0 of equal limits, whatever their mean rounds to
+        # 0 of equal limits, whatever their mean rounds to
+        standard_deviation_m_s=float((limits - limits[0]).std(ddof=1)),
         deterministic_m_s=deterministic,
         curve=probability_curve(limits),
         inputs=influences(scenario, points, limits, error, on_samples),
@@ -294,13 +293,13 @@ def probability_of_perforation(scenario: Scenario, *, on_progress: OnProgress = 
     return _share(hits)
 
 
-def _misplaced(section: Uncertainty, own: Mapping[str, float]) -> Iterator[Note]:
+def _misplaced(section: Uncertainty, values: Mapping[str, float]) -> Iterator[Note]:
     """Yield a warning for each distribution that is not about the scenario's own value or the mean given."""
     for name, distribution in section.inputs().items():
-        if name in own:
-            if not distribution.contains(own[name]):
-                yield Note(f"does not contain the scenario's value, {own[name]:g}", f"uncertainty.{name}")
-            moved = moved_mean(distribution, own[name])
+        if name in values:
+            if not distribution.contains(values[name]):
+                yield Note(f"does not contain the scenario's value, {values[name]:g}", f"uncertainty.{name}")
+            moved = moved_mean(distribution, values[name])
             if moved:
                 yield Note(f"truncation moves its mean from {moved[0]:g} to {moved[1]:.4g}", f"uncertainty.{name}")
 
@@ -309,9 +308,9 @@ def _in_portions(
     scenario: Scenario, points: Floats, on_samples: Callable[[int], None]
 ) -> Iterator[tuple[slice, Samples]]:
     """Yield the samples at points of the unit cube, (n, inputs), in portions, and count each once it is computed."""
-    section, own = section_of(scenario), own_values(scenario)
+    section, values = section_of(scenario), own_values(scenario)
     for part in portions(len(points), SAMPLES_AT_A_TIME):
-        yield part, sampled(scenario, columns_of(section, own, points[part]), part.stop - part.start)
+        yield part, sampled(scenario, columns_of(section, values, points[part]), part.stop - part.start)
         on_samples(part.stop - part.start)
 
 
@@ -378,23 +377,23 @@ def influences(
 
     The indices of the model error follow from the limits without it.
     """
-    section, own = section_of(scenario), own_values(scenario)
+    section, values = section_of(scenario), own_values(scenario)
     names, inputs = _ranked(section), list(section.inputs())
     if not names:
         return ()
 
     def limits_at(points: Floats) -> Floats:
-        found = np.empty(len(points))
+        sampled_limits = np.empty(len(points))
         for part, samples in _in_portions(scenario, points, on_samples):
-            found[part] = sample_limits(samples)
-        return found
+            sampled_limits[part] = sample_limits(samples)
+        return sampled_limits
 
     varied = [name for name in names if name != ERROR]
-    ends = {name: np.full(2 * len(varied), own[name]) for name in varied}
+    ends = {name: np.full(2 * len(varied), values[name]) for name in varied}
     for i, name in enumerate(varied):
-        ends[name][2 * i : 2 * i + 2] = quantiles(section.inputs()[name], ENDS, own[name])
-    found = sample_limits(sampled(scenario, ends, 2 * len(varied))).reshape(-1, 2).tolist()
-    limits_at_ends = {name: (float(low), float(high)) for name, (low, high) in zip(varied, found, strict=True)}
+        ends[name][2 * i : 2 * i + 2] = quantiles(section.inputs()[name], ENDS, values[name])
+    pairs = sample_limits(sampled(scenario, ends, 2 * len(varied))).reshape(-1, 2).tolist()
+    limits_at_ends = {name: (float(low), float(high)) for name, (low, high) in zip(varied, pairs, strict=True)}
     if error is not None:
         [nominal] = sample_limits(sampled(scenario, {}, 1))
         low, high = (nominal * (1.0 + error.quantile(ENDS))).tolist()
@@ -408,12 +407,11 @@ def influences(
         first = dict(zip(inputs, first_order_indices(section, points, limits), strict=True))
         if not section.correlation:
             places = [inputs.index(name) for name in varied]
-            of_varied = total_indices(limits_at, places, len(inputs), index_samples(section), section.seed)
-            total = dict(zip(varied, of_varied, strict=True))
+            totals = total_indices(limits_at, places, len(inputs), index_samples(section), section.seed)
+            total = dict(zip(varied, totals, strict=True))
         if error is not None:
-            of_error = error_indices(scenario, section, own, on_samples)
-            first[ERROR] = of_error[0]
-            total |= {} if section.correlation else {ERROR: of_error[1]}
+            first[ERROR], total_of_error = error_indices(scenario, section, values, on_samples)
+            total |= {} if section.correlation else {ERROR: total_of_error}
     total = {name: _at_least(first[name], estimate) for name, estimate in total.items()}
     result = [Influence(name, first.get(name), total.get(name), limits_at_ends[name]) for name in names]
     none = Estimate(0.0, 0.0, 0.0)
@@ -432,23 +430,20 @@ def _laws(errors: Errors) -> list[int]:
 
 
 def error_indices(
-    scenario: Scenario, section: Uncertainty, own: Mapping[str, float], on_samples: Callable[[int], None]
-) -> list[Estimate]:
+    scenario: Scenario, section: Uncertainty, values: Mapping[str, float], on_samples: Callable[[int], None]
+) -> tuple[Estimate, Estimate]:
     """Return first-order and total index of the model error.
 
     The ballistic limit of the armour is that of the model by a law times a ratio, which are independent: the moments of
-    the ratio between its outermost chances, TAIL on each side, are known, and only those of the limits by each law are
-    estimated.
+    the ratio are known, and only those of the limits by each law are estimated.
     """
     errors = own_errors(scenario)
+    moments = _ratio_moments(errors)
     points = replicated_points("sobol", len(section.inputs()), _index_size(section), section.seed)
-    limits, moments = np.zeros((len(errors.ratio.weights), len(points))), np.zeros((2, len(errors.ratio.weights)))
+    limits = np.zeros((len(moments), len(points)))
     for law in _laws(errors):
-        one = errors.of_law(law).one()
-        ratios = np.array([one.quantile(CHANCES)]) ** np.array([[1.0], [2.0]])
-        moments[:, law] = errors.ratio.weights[law].sum() * ratios.mean(axis=1)
         for part in portions(len(points), SAMPLES_AT_A_TIME):
-            columns = columns_of(section, own, points[part])
+            columns = columns_of(section, values, points[part])
             count = len(columns.pop(ERROR))
             samples = sampled(scenario, columns, count)
             variants = by_laws(samples.variants, errors, np.full(count, law))
@@ -456,16 +451,42 @@ def error_indices(
             on_samples(count)
     parts = np.array_split(limits, REPLICATES, axis=1)
     sums = np.array([[part.shape[1], *part.sum(axis=1), *(part @ part.T).ravel()] for part in parts])
+    first, total = (jackknife(partial(index, moments=moments), sums) for index in (_first_of_error, _total_of_error))
+    return first, total
 
-    def indices(place: int, sums: Floats) -> Floats:
-        count, laws = sums[:, :1], len(limits)
-        means = sums[:, 1 : 1 + laws] / count
-        products = (sums[:, 1 + laws :] / count).reshape(-1, laws, laws)
-        squares = np.einsum("nkk,k->n", products, moments[1])
-        centre = means @ moments[0]
-        variance = squares - centre**2
-        if place:
-            return (squares - np.einsum("nij,i,j->n", products, *moments[[0, 0]])) / variance
-        return (means**2 @ moments[1] - centre**2) / variance
 
-    return [jackknife(partial(indices, place), sums) for place in (0, 1)]
+def _ratio_moments(errors: Errors) -> Floats:
+    """Return the probabilities of the laws times the mean of the ratio by each and that of its square, (laws, 2).
+
+    They are those between the outermost chances, TAIL on each side.
+    """
+    moments = np.zeros((len(errors.ratio.weights), 2))
+    for law in _laws(errors):
+        ratios = errors.of_law(law).one().quantile(CHANCES)
+        moments[law] = errors.ratio.weights[law].sum() * np.array([ratios.mean(), (ratios**2).mean()])
+    return moments
+
+
+def _limit_moments(sums: Floats, laws: int) -> tuple[Floats, Floats]:
+    """Return the means of the limits by each law, (n, laws), and of their products, (n, laws, laws), from sums."""
+    count = sums[:, :1]
+    return sums[:, 1 : 1 + laws] / count, (sums[:, 1 + laws :] / count).reshape(-1, laws, laws)
+
+
+def _first_of_error(sums: Floats, moments: Floats) -> Floats:
+    """Return the share of the variance that the model error explains alone."""
+    means, products = _limit_moments(sums, len(moments))
+    mean = means @ moments[:, 0]
+    return (means**2 @ moments[:, 1] - mean**2) / (_mean_square(products, moments) - mean**2)
+
+
+def _total_of_error(sums: Floats, moments: Floats) -> Floats:
+    """Return the share of the variance that is left where all else is known."""
+    means, products = _limit_moments(sums, len(moments))
+    mean, square = means @ moments[:, 0], _mean_square(products, moments)
+    return (square - np.einsum("nij,i,j->n", products, moments[:, 0], moments[:, 0])) / (square - mean**2)
+
+
+def _mean_square(products: Floats, moments: Floats) -> Floats:
+    """Return the mean square of the limit of the armour."""
+    return np.einsum("nkk,k->n", products, moments[:, 1])

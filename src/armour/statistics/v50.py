@@ -19,7 +19,7 @@ from armour.csv_files import MUST_SAY, PERFORATED, in_line_order, lines_of, read
 from armour.errors import Problem, mistake, refuse, suggestion
 from armour.scenario.checked import checked
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
-from armour.statistics.curves import CDFS, FittedCurve, Likelihood, fit_curve
+from armour.statistics.curves import CDFS, FittedCurve, ShotLikelihood, fit_curve
 from armour.statistics.posterior import (
     FiringEstimate,
     FiringPrior,
@@ -69,7 +69,7 @@ class Shots:
     def of(self, *, complete: bool) -> list[float]:
         """Return the velocities of the complete or of the partial penetrations, m/s, in ascending order."""
         pairs = zip(self.velocities_m_s, self.complete, strict=True)
-        return sorted(velocity for velocity, found in pairs if found == complete)
+        return sorted(velocity for velocity, result in pairs if result == complete)
 
 
 @dataclass(frozen=True)
@@ -212,21 +212,21 @@ def read_shots(path: str | PathLike[str], *, one_kind: bool = False) -> Shots:
     file, lines = lines_of(path)
     first = list(islice(lines, 1))
     header = first[0][1] if first else []
-    known = (*names, "shot")
-    others = [name for name in header if name and not (missing_unit(name, known) or suggestion(name, known))]
+    usual = (*names, "shot")
+    others = [name for name in header if name and not (missing_unit(name, usual) or suggestion(name, usual))]
     if len(header) == 1 or not {*names} & {*header}:
         others = []  # no table of shots
     texts = ("shot", "result", *others)
     rows, problems = read_rows(file, chain(first, lines), numbers=names[:1], texts=texts, needed=names)
     velocities = [row.numbers.get("velocity_m_s", MIN_VELOCITY_M_S) for row in rows]
-    given = [row.texts.get("result", "") for row in rows]
-    results = [PERFORATED.get(text.lower()) for text in given]
-    for row, velocity, result, text in zip(rows, velocities, results, given, strict=True):
-        found = row.texts.get("velocity_m_s", "")
-        if not found:
+    words = [row.texts.get("result", "") for row in rows]
+    results = [PERFORATED.get(text.lower()) for text in words]
+    for row, velocity, result, text in zip(rows, velocities, results, words, strict=True):
+        written = row.texts.get("velocity_m_s", "")
+        if not written:
             problems.append(Problem(file, f"{row.place}: velocity_m_s", "is missing and must be given"))
         elif not MIN_VELOCITY_M_S <= velocity <= MAX_VELOCITY_M_S:
-            message = f"must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g}, found {found}"
+            message = f"must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g}, found {written}"
             problems.append(Problem(file, f"{row.place}: velocity_m_s", f"{message}; is it in m/s?"))
         if result is None:
             problems.append(Problem(file, f"{row.place}: result", f'{MUST_SAY}, found "{text}"'))
@@ -312,9 +312,9 @@ def v50(
     if prior and scenario and model:
         if model.model_error is None:
             raise no_prior(scenario)
-        known = FiringPrior(model.ballistic_limit_m_s, model.model_error)
-        given = posterior_of(known, shots.velocities_m_s, shots.complete)
-        before, after, share, contradictions = learned(posterior_of(known, (), ()), given, confidence)
+        model_prior = FiringPrior(model.ballistic_limit_m_s, model.model_error)
+        posterior = posterior_of(model_prior, shots.velocities_m_s, shots.complete)
+        before, after, share, contradictions = learned(posterior_of(model_prior, (), ()), posterior, confidence)
     computed = f"V50 of the shots in {Path(shots.file).name}"
     if scenario is not None:
         computed += f": {scenario.subject(ANY_VELOCITY)}"
@@ -374,7 +374,7 @@ def decided(
         return "", (None, None)
     if fit is None:
         return "not decided", (None, None)
-    accepting = Likelihood(partial, complete, "probit", penalised=True).chance_below(requirement_m_s)
+    accepting = ShotLikelihood(partial, complete, "probit", penalised=True).chance_below(requirement_m_s)
     risk = 1.0 - confidence + ROUNDING
     decision: Decision = "met" if accepting <= risk else "not met" if 1.0 - accepting <= risk else "not decided"
     return decision, (accepting, 1.0 - accepting)
@@ -415,8 +415,8 @@ def check_shots(shots: Shots, *, one_kind: bool = False) -> None:
     elif wrong := [value for value in velocities if not MIN_VELOCITY_M_S <= value <= MAX_VELOCITY_M_S]:
         message = f"must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g} m/s, found {wrong[0]:g}"
     elif not one_kind and len(set(shots.complete)) != 2:
-        found = f"only {'complete' if shots.complete[0] else 'partial'} ones" if count else "none"
-        message = f"must have at least one partial and one complete penetration, found {found}"
+        kinds = f"only {'complete' if shots.complete[0] else 'partial'} ones" if count else "none"
+        message = f"must have at least one partial and one complete penetration, found {kinds}"
         message += f"; armour plan shots {shots.file} gives the next velocity" if count else ""
     if message:
         raise mistake(shots.file, "", message)
