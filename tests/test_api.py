@@ -179,9 +179,9 @@ def test_every_parameter_of_a_public_function_is_described():
 
 def test_the_examples_of_the_docstrings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(tmp_path)
-    for name in dir(armour):
-        test = doctest.DocTestParser().get_doctest(getattr(armour, name).__doc__, {}, name, None, None)
-        assert doctest.DocTestRunner().run(test).failed == 0
+    for thing in (armour, *(getattr(armour, name) for name in dir(armour))):
+        for test in doctest.DocTestFinder().find(thing, thing.__name__, globs={}):
+            assert doctest.DocTestRunner().run(test).failed == 0
 
 
 QUESTIONS = [

@@ -23,10 +23,12 @@ from typer.testing import CliRunner
 import armour
 from armour.analysis.quantities import label_and_unit
 from armour.reporting.report import markdown_table
-from armour.reporting.views.library import entry_table
+from armour.reporting.views.library import entry_table, entry_tables, library_table, threat_table
 from armour.scenario.inputs import INPUTS
 from armour.scenario.library import Kind
 from armour.scenario.scenario import scenario_schema
+from armour.scenario.threats import named_threats
+from armour.validation.tested import tested_with
 
 DOCS = Path(__file__).parents[1] / "docs"
 # Pages of the site whose text is kept elsewhere in the repository.
@@ -35,19 +37,14 @@ OUTSIDE = {"contributing.md": "CONTRIBUTING.md", "changes.md": "CHANGELOG.md"}
 # the project itself last.
 WEIGHTS = {"howto": 10.0, "learn": 1.0, "tutorials": 3.0, "reference": 0.1, "reference/api": 0.02}
 WEIGHTS |= dict.fromkeys(["changes.md", "contributing.md", "design.md", "performance.md", "study.ipynb"], 0.02)
-
-
 # Pictures that the pages filled so far show, by their place in the site.
 PICTURES: dict[str, str] = {}
 
 
 def names(package: str) -> list[str]:
     """Return the public names of a package, functions first."""
-    return [
-        name
-        for name in sorted(dir(armour), key=lambda name: (isinstance(getattr(armour, name), type), name))
-        if getattr(armour, name).__module__.split(".")[1] == package
-    ]
+    public = (name for name in dir(armour) if getattr(armour, name).__module__.split(".")[1] == package)
+    return sorted(public, key=lambda name: isinstance(getattr(armour, name), type))
 
 
 def api(package: str) -> str:
@@ -55,13 +52,13 @@ def api(package: str) -> str:
     return "\n\n".join(f"::: armour.{name}" for name in names(package))
 
 
-def contents() -> str:
-    """Return the public names, with links to their descriptions, by the pages of docs/reference/api."""
-    lines = []
-    for page in sorted((DOCS / "reference" / "api").glob("*.md")):
-        title = page.read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ")
-        links = ", ".join(f"[`{name}`][armour.{name}]" for name in names(page.stem))
-        lines.append(f"* [{title}](api/{page.name}): {links}")
+def contents(kind: str, *packages: str) -> str:
+    """Return a table of the functions, or of the classes, of packages, with links to their descriptions."""
+    lines = ["| name | description |", "|---|---|"]
+    for thing in (getattr(armour, name) for package in packages for name in names(package)):
+        if isinstance(thing, type) == (kind == "classes"):
+            name, words = thing.__name__, thing.__doc__.strip().splitlines()[0]
+            lines.append(f"| [`{name}`][armour.{name}] | {words} |")
     return "\n".join(lines)
 
 
@@ -76,28 +73,18 @@ def commands() -> str:
 
 def keys() -> str:
     """Return a table of all keys of a scenario: meaning, unit and symbol."""
-    symbols: dict[str, list[str]] = {}
-    for one in INPUTS.values():
-        symbols.setdefault(one.key, []).extend([one.field] if one.field else [])
-    rows = (
-        f"| `{key}` | {' '.join(meanings)} | {label_and_unit(key)[1]} | {', '.join(symbols.get(key, []))} |"
-        for key, meanings in sorted(_meanings().items())
-    )
-    return "\n".join(["| key | meaning | unit | symbol |", "|---|---|---|---|", *rows])
-
-
-def _meanings() -> dict[str, list[str]]:
-    """Return the meanings of every key, each once; that of a distribution only where the key has no other."""
     schema = scenario_schema()
-    found: dict[str, list[str]] = {}
+    meanings: dict[str, dict[str, None]] = {}
     for section in (schema, *schema["$defs"].values()):
         for key, content in section["properties"].items():
-            meanings = found.setdefault(key, [])
-            if content["description"] not in meanings and not content["description"].startswith(
-                "Distribution of the input"
-            ):
-                meanings.append(content["description"])
-    return found
+            meanings.setdefault(key, {})
+            if not content["description"].startswith("Distribution of the input"):
+                meanings[key][content["description"]] = None
+    rows = ["| key | meaning | unit | symbol |", "|---|---|---|---|"]
+    for key in sorted(meanings):
+        symbols = ", ".join(one.field for one in INPUTS.values() if one.key == key and one.field)
+        rows.append(f"| `{key}` | {' '.join(meanings[key])} | {label_and_unit(key)[1]} | {symbols} |")
+    return "\n".join(rows)
 
 
 def scenario() -> str:
@@ -130,14 +117,11 @@ def _places(schema: Mapping[str, Any]) -> dict[str, str]:
 
 
 def _section(heading: str, section: Mapping[str, Any], places: Mapping[str, str]) -> str:
-    required = section.get("required", [])
     rows = []
     for key, content in section["properties"].items():
         default = content.get("default")
-        shown = (
-            f"`{json.dumps(default)}`" if default not in (None, "", [], {}) and not isinstance(default, dict) else ""
-        )
-        name = f"**`{key}`**" if key in required else f"`{key}`"
+        shown = "" if default in (None, "", []) or isinstance(default, dict) else f"`{json.dumps(default)}`"
+        name = f"**`{key}`**" if key in section.get("required", []) else f"`{key}`"
         rows.append(f"| {name} | {content['description']} | {_kind(content, places)} | {shown} |")
     head = ["| key | meaning | value | default |", "|---|---|---|---|"]
     return "\n".join([f"## {heading}\n", section.get("description", "A number of the library.") + "\n", *head, *rows])
@@ -167,12 +151,34 @@ def _anchor(heading: str) -> str:
     return str(slugify(heading.replace("`", ""), "-"))
 
 
-def library(kind: Kind) -> str:
-    """Return the entries of a kind of the library."""
+def library(kind: Any) -> str:
+    """Return a table of the entries of a kind, which marks what is tested and has links to the values."""
+    table = threat_table(named_threats()) if kind == "threat" else library_table(armour.shipped_library(), kind)
+    head, rule, *rows = (line.split(" | ", 1) for line in markdown_table(table).splitlines())
+    lines = [f"{head[0]} | tested | {head[1]}", f"{rule[0]} | --- | {rule[1]}"]
+    for (name, *cells), (_, values) in zip(table.texts(), rows, strict=True):
+        key = ("projectile", cells[1]) if kind == "threat" else (kind, name)
+        mark = "yes" if key in tested_with() else ""
+        lines.append(f"| [{name}](library/{kind}s.md#{_anchor(name)}) | {mark} | {values}")
+    return "\n".join(lines)
+
+
+def entries(kind: Kind) -> str:
+    """Return the values of the entries of a kind, with their sources, and what they were tested with."""
     parts = []
-    for entry in armour.shipped_library().entries[kind].values():
-        parts += [f"## {entry.name}", entry.description, markdown_table(entry_table(entry))]
+    for name, entry in armour.shipped_library().entries[kind].items():
+        tests = ", ".join(tested_with().get((kind, name), ["none"]))
+        parts += [f"## {name}", *map(str, entry_tables(entry)[:-1])]
+        parts += [f"Tested with: {tests}.", markdown_table(entry_table(entry))]
     return "\n\n".join(parts)
+
+
+def threats() -> str:
+    """Return the values of the threats, with their sources."""
+    return "\n\n".join(
+        f"## {name}\n\n{markdown_table(threat_table({name: threat}))}\n\nSource: {threat.source}."
+        for name, threat in named_threats().items()
+    )
 
 
 @cache
@@ -183,9 +189,7 @@ def sources() -> dict[str, dict[str, str]]:
 
 def references() -> str:
     """Return the bibliography, in the order of the keys."""
-    return "\n\n".join(
-        _entry(key, source) for key, source in sorted(sources().items(), key=lambda item: item[0].lower())
-    )
+    return "\n\n".join(_entry(key, sources()[key]) for key in sorted(sources(), key=str.lower))
 
 
 def _entry(key: str, source: Mapping[str, str]) -> str:
@@ -207,17 +211,13 @@ def scene(command: str, name: str) -> str:
     return f"![{name}]({picture})\n\n<details><summary>Numbers</summary>{result._repr_html_()}</details>"
 
 
-PARTS = {part.__name__: part for part in (api, commands, contents, keys, library, references, scenario, scene)}
+NAMED = (api, commands, contents, entries, keys, library, references, scenario, scene, threats)
+PARTS = {part.__name__: part for part in NAMED}
 
 
 def filled(markdown: str) -> str:
     """Return a page with its parts in their places."""
-
-    def part(match: re.Match[str]) -> str:
-        name, *arguments = match[1].split()
-        return PARTS[name](*arguments)
-
-    return re.sub(r"^<!-- site: (.+) -->$", part, markdown, flags=re.MULTILINE)
+    return re.sub(r"^<!-- site: (\w+)(.*) -->$", lambda part: PARTS[part[1]](*part[2].split()), markdown, flags=re.M)
 
 
 def on_files(files: Any, config: Any) -> Any:
@@ -232,9 +232,9 @@ def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:
     """Fill a page, rank it for the search, name links by titles, and make links of the keys of the bibliography."""
     path = page.file.src_uri
     page.meta["search"] = {"boost": WEIGHTS.get(path, WEIGHTS.get(path.rpartition("/")[0], 1.0))}
-    up = "../" * page.file.src_uri.count("/")
-    folder = (DOCS / page.file.src_uri).parent
-    text = re.sub(r"\[[\w/-]+\.(?:md|ipynb)\]\(([^)#]+)", partial(_titled, folder), _inside(markdown, f"../{up}"))
+    up = "../" * path.count("/")
+    titled = partial(_titled, (DOCS / path).parent)
+    text = re.sub(r"\[[\w/-]+\.(?:md|ipynb)\]\(([^)#]+)", titled, _inside(markdown, f"../{up}"))
     text = re.sub(r"\\\[(\w+)\]", lambda key: f"[{key[1]}]" if key[1] in sources() else key[0], filled(text))
     for picture in [picture for picture in PICTURES if files.get_file_from_path(picture) is None]:
         files.append(File.generated(config, picture, content=PICTURES[picture]))
@@ -250,8 +250,8 @@ def on_page_content(html: str, page: Any = None, **_: Any) -> str:
     html = re.sub(r'<img alt="([^"]+)" src="[./]*images/([\w-]+\.svg)" ?/?>', _drawing, html)
     # A reference to the bibliography keeps its brackets.
     html = re.sub(r'(<a href="[^"]*references\.html#(\w+)">\2</a>)', r"[\1]", html)
-    # mkdocstrings takes a type in words for Python.
-    return html.replace("path - like", "path-like")
+    # mkdocstrings puts a dash before a description that is empty, and takes a type in words for Python.
+    return re.sub(r'\u2013\s*<div class="doc-md-description">\s*</div>', "", html).replace("path - like", "path-like")
 
 
 def _formula(found: re.Match[str]) -> str:

@@ -5,10 +5,12 @@ import re
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
 import armour
 from armour.cli.app import app
 from armour.files import shipped_files
+from armour.scenario.threats import named_threats
 
 pytestmark = pytest.mark.slow
 
@@ -61,11 +63,34 @@ def armour_sections() -> set[str]:
     return set(re.findall(r'"#/\$defs/(\w+)"', json.dumps(scenario_schema())))
 
 
-def test_the_library_page_has_every_entry_with_its_sources(site):
+def test_the_library_has_every_entry_with_its_sources(site):
     for kind, entries in armour.shipped_library().entries.items():
-        text = site.library(kind)
+        text = site.entries(kind)
         assert re.findall(r"^## (.+)$", text, re.MULTILINE) == list(entries)
     assert "\\[Ryan2023]" in text
+    text = site.threats()
+    assert all(f"## {name}\n" in text and threat.source in text for name, threat in named_threats().items())
+
+
+@pytest.mark.parametrize("kind", ["threat", "projectile", "metal", "ceramic"])
+def test_a_table_of_the_library_links_every_name_to_its_values_and_marks_what_is_tested(site, kind):
+    rows = re.findall(rf"^\| \[(.+)\]\(library/{kind}s\.md#(\S+)\) \| (yes|) \|", site.library(kind), re.MULTILINE)
+    page = (DOCS / "reference" / "library" / f"{kind}s.md").read_text(encoding="utf-8")
+    assert [name for name, _, _ in rows] == re.findall(r"^## (.+)$", site.filled(page), re.MULTILINE)
+    assert all(anchor == site.slugify(name, "-") for name, anchor, _ in rows)
+    [listed] = json.loads(CliRunner().invoke(app, ["library", f"{kind}s", "--tested", "--json"]).stdout).values()
+    assert {name for name, _, mark in rows if mark} == {*listed}
+
+
+def test_the_page_of_the_api_has_a_line_for_every_public_name(site):
+    text = site.filled((DOCS / "reference" / "api.md").read_text(encoding="utf-8"))
+    lines = re.findall(r"^\| \[`(\w+)`\]\[armour\.\1\] \| \S.*\. \|$", text, re.MULTILINE)
+    assert sorted(lines) == sorted(dir(armour))
+
+
+def test_no_description_of_the_api_ends_with_a_dash(site):
+    html = '<code>Design</code>\n \u2013\n <div class="doc-md-description">\n </div>'
+    assert "\u2013" not in site.on_page_content(html)
 
 
 def test_the_gallery_names_every_shipped_scenario():

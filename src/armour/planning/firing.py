@@ -279,8 +279,9 @@ def plan_shots(
     Examples
     --------
     >>> import armour
-    >>> armour.plan_shots(armour.load_scenario("wilkins"))
-    <ShotPlan: 6.35 mm AD85 on 6.35 mm 6061-T6 against 7.62 mm AP: 0 shots, the next at 726.8 m/s>
+    >>> plan = armour.plan_shots(armour.load_scenario("wilkins"))
+    >>> round(plan.next_velocity_m_s, 1)
+    726.8
     """
     before = Shots((), ()) if shots is None else shots
     check_shots(before, one_kind=True)

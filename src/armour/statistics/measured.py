@@ -124,7 +124,8 @@ def read_tests(path: Table, scenario: Scenario, notes: Names = ()) -> Tests:
     --------
     >>> import armour
     >>> scenario = armour.load_scenario("wilkins")
-    >>> armour.read_tests([{"armour.ceramic_thickness_mm": 8.0, "ballistic_limit_m_s": 780.0}], scenario)
+    >>> test = {"armour.ceramic_thickness_mm": 8.0, "ballistic_limit_m_s": 780.0}
+    >>> armour.read_tests([test], scenario)
     <Tests: 1 tests of rows, 1 measurements>
     """
     notes = tuple(notes)

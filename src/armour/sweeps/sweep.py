@@ -181,8 +181,8 @@ def sweep(
     --------
     >>> import armour
     >>> scenario = armour.load_scenario("wilkins")
-    >>> found = armour.sweep(scenario, {"armour.ceramic_thickness_mm": [4.0, 6.0, 8.0, 10.0]})
-    >>> found["ballistic_limit_m_s"].round(1)
+    >>> thicknesses = {"armour.ceramic_thickness_mm": [4.0, 6.0, 8.0, 10.0]}
+    >>> armour.sweep(scenario, thicknesses)["ballistic_limit_m_s"].round(1)
     array([607.7, 711. , 778.2, 841.8])
     """
     names = tuple(quantities)
