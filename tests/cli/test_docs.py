@@ -1,7 +1,8 @@
 """The commands and the Python examples of the documentation do what it says, and its links lead somewhere.
 
-A page shows ``images/PAGE-NAME``, with its own name for PAGE, where one of its examples draws ``NAME``.
-``python -m tests.cli.test_docs`` draws these pictures anew.
+A session shows what a terminal of 80 columns does; a line of three dots stands for lines that it leaves out.  A page
+shows ``images/PAGE-NAME``, with its own name for PAGE, where one of its examples draws ``NAME``.
+``python -m tests.cli.test_docs PAGES`` records the sessions and the pictures of these pages, or of all, anew.
 """
 
 import io
@@ -9,36 +10,46 @@ import os
 import re
 import shlex
 import shutil
+import sys
 import tempfile
+from collections.abc import Sequence
 from contextlib import redirect_stdout
+from difflib import SequenceMatcher
+from itertools import pairwise
 from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
-from typer.testing import CliRunner
 
 from armour.cli.app import app
+from armour.engine.cache import kernel
+from tests.cli.test_golden import TERMINAL
 from tests.helpers.cases import SCENARIOS
+from tests.helpers.commands import invoke
 
 pytestmark = pytest.mark.slow
 
 REPOSITORY = SCENARIOS.parent
 PAGES = [*sorted(REPOSITORY.glob("*.md")), *sorted((REPOSITORY / "docs").rglob("*.md"))]
 IDS = [page.relative_to(REPOSITORY).as_posix() for page in PAGES]
+SESSION = re.compile(r"^```console\n(.*?)^```", re.MULTILINE | re.DOTALL)
+# A command, over several lines if they end with a backslash, and the lines that it prints.
+COMMAND = re.compile(r"^\$ ((?:.*\\\n)*.*)\n((?:(?!\$ ).*\n)*)", re.MULTILINE)
+LEFT_OUT = "..."
+# Columns of code that the site shows at once on a wide screen.
+WIDTH = 88
 
 
 def sessions(page: Path) -> list[list[tuple[str, list[str]]]]:
     """The console blocks of a page: commands, each with the lines that it must print."""
-    blocks = []
-    for block in re.findall(r"^```console\n(.*?)^```", page.read_text(), re.MULTILINE | re.DOTALL):
-        commands: list[tuple[str, list[str]]] = []
-        for line in block.splitlines():
-            if line.startswith("$ "):
-                commands.append((line[2:], []))
-            else:
-                commands[-1][1].append(line)
-        blocks.append(commands)
-    return blocks
+    return [
+        [(joined(command), shown.splitlines()) for command, shown in COMMAND.findall(block)]
+        for block in SESSION.findall(page.read_text())
+    ]
+
+
+def joined(command: str) -> str:
+    return re.sub(r"\\\n *", "", command)
 
 
 def titled(page: Path) -> dict[str, str]:
@@ -85,22 +96,36 @@ def empty(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def plain(line: str) -> str:
-    return " ".join(line.split())
-
-
 @pytest.mark.parametrize(("page", "commands"), SESSIONS)
-def test_a_session_prints_what_it_shows(cli, empty: Path, page: Path, commands: list[tuple[str, list[str]]]):
-    for name, text in titled(page).items():
-        (empty / name).write_text(text)
+@pytest.mark.usefixtures("empty", "silent")
+def test_a_session_prints_what_it_shows(page: Path, commands: list[tuple[str, list[str]]]):
+    write_files(page)
     for command, lines in commands:
-        result = cli(*arguments(command))
+        result = invoke(arguments(command), env=TERMINAL)
         may_end = {"check": (0, 3), "validate": (0, 3), "v50": (0, 3), "optimise": (0, 1)}
         assert result.exit_code in may_end.get(command.split()[1], (0,)), result.output
-        printed = iter([plain(line) for line in (*result.stdout.splitlines(), *result.stderr.splitlines())])
-        for line in lines:
-            if line.strip() not in ("...", "") and not set(line) <= {"─"}:
-                assert plain(line) in printed, f"{command} does not print in this order: {line}"
+        if lines:
+            pattern = "".join(r"(?:.*\n)*" if line == LEFT_OUT else f"{re.escape(line)}\n" for line in lines)
+            texts = (result.stdout, result.stdout + result.stderr)
+            assert any(re.fullmatch(pattern, text) for text in texts), f"{command} prints\n{texts[1]}"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=IDS)
+def test_no_example_is_wider_than_the_page(page: Path):
+    blocks = re.findall(r"^```(?:console|python|toml)[^\n]*\n(.*?)^```", page.read_text(), re.MULTILINE | re.DOTALL)
+    lines = [line for block in blocks for line in block.splitlines()]
+    # A command that is there to be copied, and an option that is one word, stay whole.
+    assert [line for line in lines if len(line) > WIDTH and not line.startswith(("next: ", "    --set '"))] == []
+
+
+def test_a_session_is_recorded_with_what_it_leaves_out():
+    printed = ["limit 724 m/s", "", "a  b", "─────", "1  2", "3 rows more"]
+    shown = ["...", "a   b", "──────", "1   9", "..."]
+    assert recorded(shown, printed) == ["...", "a  b", "─────", "1  2", "..."]
+    assert recorded(["limit 700 m/s", "..."], printed) == ["limit 724 m/s", "..."]
+    assert recorded(["...", "3 rows more"], printed) == ["...", "3 rows more"]
+    with pytest.raises(ValueError, match="mass"):
+        recorded(["...", "mass 2 g", "..."], printed)
 
 
 @pytest.mark.parametrize("code", EXAMPLES)
@@ -170,25 +195,68 @@ def test_every_guide_is_linked_from_the_readme():
         assert page.relative_to(REPOSITORY).as_posix() in found
 
 
-def draw(page: Path) -> None:
-    """Run the examples of a page, in a folder of their own, and keep the pictures that it shows."""
-    if not (pictures := drawn(page)):
-        return
+def write_files(page: Path) -> None:
+    """Write the files that a page shows into the working folder."""
+    for name, text in titled(page).items():
+        Path(name).write_text(text)
+
+
+def masked(lines: Sequence[str]) -> list[str]:
+    """Lines by which a table is known again when its numbers and widths change."""
+    return [re.sub(r"[+-]?\d[\d.]*", "0", " ".join(re.sub("─+", "─", line).split())) for line in lines]
+
+
+def recorded(shown: Sequence[str], printed: Sequence[str]) -> list[str]:
+    """What a command prints, without what a page leaves out of it."""
+    if LEFT_OUT not in shown:
+        return [*printed] if shown else []
+    places: dict[int, int] = {}
+    for match in SequenceMatcher(None, masked(shown), masked(printed), autojunk=False).get_matching_blocks():
+        places |= {match.a + offset: match.b + offset for offset in range(match.size) if shown[match.a + offset]}
+    lines: list[str] = []
+    cuts = [-1, *(place for place, line in enumerate(shown) if line == LEFT_OUT), len(shown)]
+    for start, end in pairwise(cuts):
+        lines += [LEFT_OUT] if start >= 0 else []
+        if end == start + 1:
+            continue
+        matched = [place for place in range(start + 1, end) if place in places]
+        if not matched:
+            raise ValueError(f"is not printed any more: {shown[start + 1]}")
+        first = 0 if start < 0 else places[matched[0]] - (matched[0] - start - 1)
+        last = len(printed) if end == len(shown) else places[matched[-1]] + end - matched[-1]
+        lines += printed[first:last]
+    return lines
+
+
+def record(page: Path) -> None:
+    """Run the examples of a page in a new folder, and write what they print and the pictures that it shows."""
+
+    def session(block: re.Match[str]) -> str:
+        return f"```console\n{COMMAND.sub(command, block[1])}```"
+
+    def command(block: re.Match[str]) -> str:
+        line, shown = joined(block[1]), block[2].splitlines()
+        if not line.startswith("armour "):
+            return block[0]
+        result = invoke(arguments(line), env=TERMINAL)
+        printed, messages = result.stdout.splitlines(), result.stderr.splitlines()
+        if {*masked(shown)} & {*masked(messages)}:
+            printed += messages
+        return "".join(f"{line}\n" for line in [f"$ {block[1]}", *recorded(shown, printed)])
+
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
-        for name, text in titled(page).items():
-            Path(name).write_text(text)
-        for block in sessions(page):
-            for command, _ in block:
-                if command.startswith("armour "):
-                    CliRunner().invoke(app, [*arguments(command)])
-        with redirect_stdout(io.StringIO()):
-            for code in python(page):
-                exec(code, {"__name__": "__main__"})
-        for name, place in pictures.items():
-            shutil.copy(name, place)
+        write_files(page)
+        page.write_text(SESSION.sub(session, page.read_text()))
+        if pictures := drawn(page):
+            with redirect_stdout(io.StringIO()):
+                for code in python(page):
+                    exec(code, {"__name__": "__main__"})
+            for name, place in pictures.items():
+                shutil.copy(name, place)
 
 
 if __name__ == "__main__":
-    for page in PAGES:
-        draw(page)
+    kernel("impacts")
+    for page in [Path(name).resolve() for name in sys.argv[1:]] or PAGES:
+        record(page)

@@ -45,3 +45,10 @@ def test_the_pictures_are_those_of_the_program():
 
     for name in ("dwell", "erosion", "limits", "plug", "thickness"):
         assert getattr(lessons, name)() == (DOCS / "images" / f"{name}.svg").read_text(), "run python -m tools.lessons"
+
+
+def test_the_pictures_of_the_home_page_are_those_of_the_program():
+    from tools import home
+
+    for name in ("answer", "design", "check", "impact", "v50", "learn", "judge"):
+        assert getattr(home, name)() == (DOCS / "images" / f"home-{name}.svg").read_text(), "run python -m tools.home"
