@@ -16,7 +16,9 @@ pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
-NAVIGATION = re.findall(r"[:-] (\S+\.(?:md|ipynb))$", (ROOT / "mkdocs.yml").read_text(encoding="utf-8"), re.MULTILINE)
+CONFIGURATION = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
+NAVIGATION = re.findall(r"[:-] (\S+\.(?:md|ipynb))$", CONFIGURATION, re.MULTILINE)
+RECORDS = re.findall(r"^  (\S+\.md)$", CONFIGURATION, re.MULTILINE)
 
 
 @pytest.fixture
@@ -27,9 +29,9 @@ def site():
     return site
 
 
-def test_every_page_is_in_the_navigation_once(site):
+def test_every_page_is_in_the_navigation_once_or_a_record(site):
     pages = [path.relative_to(DOCS).as_posix() for ending in ("md", "ipynb") for path in DOCS.rglob(f"*.{ending}")]
-    assert sorted(NAVIGATION) == sorted([*pages, *site.OUTSIDE])
+    assert sorted([*NAVIGATION, *RECORDS]) == sorted([*pages, *site.OUTSIDE])
 
 
 def test_what_a_page_asks_for_is_there(site):
@@ -116,7 +118,7 @@ def test_no_formula_of_a_page_is_left_as_it_is_typed(site):
     for page in DOCS.rglob("*.md"):
         html = markdown(
             page.read_text(encoding="utf-8"),
-            extensions=["md_in_html", "tables", "pymdownx.arithmatex"],
+            extensions=["md_in_html", "tables", "pymdownx.arithmatex", "pymdownx.superfences"],
             extension_configs={"pymdownx.arithmatex": {"generic": True}},
         )
         assert "\\" not in re.sub(r"<code>.*?</code>", "", site.on_page_content(html), flags=re.DOTALL).replace(
