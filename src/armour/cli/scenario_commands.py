@@ -136,17 +136,18 @@ def check(
 
     The verdict is passes, FAILS or not known, and the exit code 3 for the last two. An armour passes if it stops every
     threat with the required probability or, if none is required, if the ballistic limit by the model is at least the
-    velocity plus the margin. With several scenarios, --json prints an array of objects.
+    velocity plus the margin. With several scenarios or a folder, --json prints an array of objects.
     """
     from armour.reporting.junit import junit_xml
     from armour.reporting.show import plot as plot_of
     from armour.reporting.views import check as view
     from armour.scenario.scenario import files_of
 
-    scenarios = _read_each(scenario_paths(scenario), changes, confidence)
-    several = len(scenarios) > 1
-    if plot is not None and several:
-        raise wrong_option("--plot", f"must be given with one scenario, found {len(scenarios)}")
+    paths = scenario_paths(scenario)
+    is_one = paths == scenario[:1]  # and no folder, however many scenarios are in it
+    if plot is not None and not is_one:
+        raise wrong_option("--plot", "must be given with one scenario, not with several or a folder")
+    scenarios = _read_each(paths, changes, confidence)
     inputs = [*scenario, *(file for each in scenarios for file in files_of(each))]
     check_outputs(junit=junit, inputs=inputs, plot=plot, force=force)
     results: list[CheckResult] = []
@@ -159,14 +160,14 @@ def check(
             if results:
                 emit("\n")
             first, *more = result.heading()
-            show(*more, *view.tables(result), title=f"{each.file}: {first}" if several else first)
+            show(*more, *view.tables(result), title=first if is_one else f"{each.file}: {first}")
         results.append(result)
         suites.append(view.junit(result, each.file, perf_counter() - start))
         warnings += warnings_of(each, result.warnings, of_threats=True, verbose=verbose)
     respond(
-        [{"scenario": each.file, **result.to_dict()} for each, result in zip(scenarios, results, strict=True)]
-        if several
-        else results[0].to_dict(),
+        results[0].to_dict()
+        if is_one
+        else [{"scenario": each.file, **result.to_dict()} for each, result in zip(scenarios, results, strict=True)],
         (),
         as_json=as_json,
         files=[(junit, lambda: junit_xml(suites))],
