@@ -21,9 +21,10 @@ def compiled(tmp_path_factory: pytest.TempPathFactory) -> None:
     from filelock import FileLock
 
     from armour.engine.cache import kernel
+    from armour.engine.loops import NAMES
 
     with FileLock(tmp_path_factory.getbasetemp().parent / "compiling.lock"):
-        for name in ("impacts", "ballistic_limits", "least_thicknesses"):
+        for name in NAMES:
             kernel(name)
 
 

@@ -75,7 +75,9 @@ def test_what_the_template_shows_as_optional_is_valid(folder: Path):
 
 def test_init_copies_a_shipped_scenario(cli, folder: Path):
     assert cli("init", "mine.toml", "--from", "paper/fig9_4mm").exit_code == 0
-    assert (folder / "mine.toml").read_bytes() == (SCENARIOS / "paper" / "fig9_4mm.toml").read_bytes()
+    first, _, copied = (folder / "mine.toml").read_text().partition("\n")
+    assert first == "#:schema ./scenario.schema.json"
+    assert copied == (SCENARIOS / "paper" / "fig9_4mm.toml").read_text()
 
 
 def test_init_copies_a_suite_and_a_table(cli, folder: Path):
@@ -158,3 +160,22 @@ def test_a_suite_may_not_name_one_either(cli):
     case = f'title = "t"\n[[case]]\nname = "a"\nscenario = "{TOO_LONG}"\nquantity = "ballistic_limit_m_s"\n'
     Path("suite.toml").write_text(f"{case}expected = 1.0\nband = 1.0\nsource = 's'\n")
     assert any("file name too long" in line for line in cli.fails(2, "validate", "suite.toml"))
+
+
+def test_a_regression_suite_is_filled_by_an_update(cli, folder: Path):
+    told = cli("init", "mine.toml", "--from", "regression").stderr.splitlines()
+    assert told[-1] == "next: armour validate mine.toml --update"
+    assert "expected =" not in (folder / "mine.toml").read_text()
+    assert cli("validate", "mine.toml", "--update").exit_code == 0
+    result = cli("validate", "mine.toml")
+    assert (result.exit_code, result.stdout.splitlines()[-1]) == (0, "5 of 5 within their bands")
+
+
+def test_the_loops_are_compiled_ahead(cli, monkeypatch: pytest.MonkeyPatch):
+    compiled = list[str]()
+    monkeypatch.setattr("armour.engine.cache.kernel", compiled.append)
+    kept = Path(cli("compile").stdout.rstrip())
+    assert compiled == ["impacts", "ballistic_limits", "least_thicknesses"]
+    assert any(kept.glob("kernels-*"))
+    monkeypatch.setenv("ARMOUR_COMPILED", "0")
+    assert cli.fails(2, "compile") == ["compile: ARMOUR_COMPILED is 0"]

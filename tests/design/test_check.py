@@ -1,5 +1,3 @@
-from xml.etree import ElementTree
-
 import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit, confidence
@@ -72,7 +70,8 @@ def test_without_a_limit_in_the_range_the_impact_decides(velocity: float, passed
 
 
 def test_a_test_case_for_every_threat():
-    found = ElementTree.fromstring(junit(check(scenario(threat=THREATS))))
-    assert found.attrib["tests"] == "2"
+    found = junit(check(scenario(threat=THREATS)), "a.toml", 1.25)
+    assert (found.attrib["tests"], found.attrib["time"]) == ("2", "1.250")
+    assert {case.attrib["classname"] for case in found} == {"a.toml"}
     assert [len(case) for case in found] == [0, 1]
     assert "ballistic limit by the model 724 m/s" in found[1][0].attrib["message"]

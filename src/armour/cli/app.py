@@ -17,7 +17,7 @@ from armour import MODEL_VERSION, __version__
 from armour.analysis.quantities import QUANTITIES, REQUIRED
 from armour.cli.console import emit, say
 from armour.cli.experiments import calibrate, plan_shots, plan_tests, v50
-from armour.cli.library import KINDS, init, list_library, schema, section, show_entry
+from armour.cli.library import KINDS, compile_, init, list_library, schema, section, show_entry
 from armour.cli.question import option
 from armour.cli.runner import NO_ANSWER
 from armour.cli.scenario_commands import (
@@ -215,6 +215,7 @@ COMMANDS: dict[str, dict[Callable[..., None], tuple[str, ...]]] = {
     "Prepare the input": {
         init: ("init mine.toml", "init mine.toml --from paper/fig9_4mm --force"),
         schema: ("schema",),
+        compile_: ("compile",),
     },
 }
 library = typer.Typer(cls=Reporting, invoke_without_command=True, no_args_is_help=False)
@@ -228,7 +229,7 @@ for _panel, _commands in COMMANDS.items():
         if _command is sweep:
             # As a text, since the column of descriptions is too narrow for the names.
             _parts[:0] = [f"Quantities: {', '.join(QUANTITIES)}.", f"required_...: {REQUIRED}."]
-        _name, _epilog = _command.__name__.replace("_", "-"), "\n\n".join(_parts)
+        _name, _epilog = _command.__name__.strip("_").replace("_", "-"), "\n\n".join(_parts)
         if _command in (plan_shots, plan_tests):
             plan.command(_name.removeprefix("plan-"), cls=Command, epilog=_epilog)(_command)
         else:

@@ -3,7 +3,7 @@
 import json
 import os
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from math import isfinite
 from typing import IO, Any
@@ -25,8 +25,8 @@ def show(*items: Table | str, title: str = "", stderr: bool = False) -> None:
     _write(rendered(items, room, title, console.color_system), sys.stderr if stderr else sys.stdout)
 
 
-def show_json(data: Mapping[str, Any]) -> None:
-    """Print one JSON object on standard output, in ASCII; a number that is not finite is null."""
+def show_json(data: Mapping[str, Any] | Sequence[Mapping[str, Any]]) -> None:
+    """Print a JSON object, or an array of them, on standard output, in ASCII; a number that is not finite is null."""
     emit(json.dumps(_finite(data), indent=2, allow_nan=False) + "\n")
 
 

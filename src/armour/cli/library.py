@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from armour.cli import completion
-from armour.cli.console import say, show, show_json
+from armour.cli.console import emit, say, show, show_json
 from armour.cli.question import AsJson, Force, argument, option
 from armour.cli.runner import check_outputs, respond, write
 from armour.errors import choices, mistake, refuse
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 # What the library lists, each by a command of its own, in the plural.
 KINDS = ("projectile", "ceramic", "threat", "metal")
+# What editors complete and check a scenario by; see docs/howto/schema.md.
+SCHEMA_LINE = b"#:schema ./scenario.schema.json\n"
 Tested = Annotated[bool, option("List only entries for which tests provide a model error.", "--tested")]
 
 
@@ -120,11 +122,31 @@ def init(
     ending = known[source].suffix
     check_outputs(file, force=force)
     refuse(wrong_ending(file, (ending,)) if {ending, file.suffix} & {".csv", ".ipynb"} else [])
-    write({file: known[source].read_bytes()})
+    is_scenario = ending == ".toml" and source not in suites
+    write({file: SCHEMA_LINE * is_scenario + known[source].read_bytes()})
     if ending == ".toml":
-        say(f"next: armour {'validate' if source in suites else 'check'} {file}")
+        command = "check {}" if is_scenario else "validate {}" + " --update" * (source == "regression")
+        say(f"next: armour {command.format(file)}")
     elif ending == ".ipynb":
         say(f"next: jupyter lab {file}")
+
+
+def compile_() -> None:
+    """Compile the numerical code ahead of its use, and print the folder to keep for it.
+
+    In it, a container image or the next run in CI finds the compiled code.
+    """
+    from armour.engine import cache
+    from armour.engine.loops import NAMES
+
+    if reason := cache.obstacle():
+        raise mistake("compile", "", reason)
+    path, hindrance = cache.folder()
+    if path is None:
+        raise mistake("compile", "", f"compiled code cannot be kept {hindrance}")
+    for name in NAMES:
+        cache.kernel(name)
+    emit(f"{path.parent}\n")
 
 
 def schema() -> None:

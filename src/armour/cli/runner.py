@@ -33,27 +33,31 @@ def check_outputs(
     *outputs: Path | None,
     inputs: Iterable[str | Path] = (),
     tables: Iterable[Path | None] = (),
+    junit: Path | None = None,
     plot: Path | None = None,
     updated: Path | None = None,
     force: bool = False,
 ) -> None:
     """Check that all outputs can be written, that none is another one or an input, and that only force replaces a file.
 
-    ``tables`` are those of the outputs that are CSV.  ``updated`` is an input and an output.
+    ``tables`` are those of the outputs that are CSV.  ``junit`` replaces a file that this program has written as JUnit
+    XML.  ``updated`` is an input and an output.
     """
+    from armour.reporting.junit import is_junit_of_armour
+
     problems = [] if plot is None else wrong_ending(plot, PLOT_ENDINGS)
     for table in tables:
         # Streams and pipes have no ending.
         if table is not None and (isfile(table) or not exists(table)):
             problems += wrong_ending(table, (".csv",))
-    new = [path for path in (*outputs, plot) if path is not None]
+    new = [path for path in (*outputs, junit, plot) if path is not None]
     paths = new if updated is None else [*new, updated]
     problems += (problem for path in paths for problem in unwritable(path))
     sources = [0 if str(source) == "-" else source for source in inputs]  # the descriptor of standard input
     for path in filter(isfile, new):
         if any(exists(source) and os.path.samefile(path, source) for source in sources):
             problems.append(Problem(str(path), "", "must not be the file that is read; choose another name"))
-        elif not force:
+        elif not (force or (path == junit and is_junit_of_armour(path))):
             problems.append(Problem(str(path), "", "exists already; choose another name, or --force"))
     if updated is not None and isfile(updated) and updated.stat().st_nlink > 1:
         message = "must have no second name (hard link), which would keep what it has now; use a symbolic link"
@@ -121,6 +125,17 @@ def accepted(changes: Iterable[str], reads: Collection[str]) -> Iterator[str]:
             yield change
 
 
+def scenario_paths(sources: Iterable[Path]) -> list[Path]:
+    """Return paths and names of scenarios, each folder replaced by the TOML files in it."""
+    paths = []
+    for source in sources:
+        files = sorted(source.glob("*.toml")) if os.path.isdir(source) else [source]
+        if not files:
+            raise mistake(source, "", "must be a folder of scenarios, found no .toml file in it")
+        paths += files
+    return list(dict.fromkeys(paths))
+
+
 def set_options(changes: Iterable[str]) -> list[str]:
     """Return changes as words of a command line."""
     return [word for change in changes for word in ("--set", change)]
@@ -138,7 +153,7 @@ def _blamed(problem: Problem, options: Mapping[str, str]) -> Problem:
 
 
 def respond(
-    data: Mapping[str, Any],
+    data: Mapping[str, Any] | Sequence[Mapping[str, Any]],
     tables: "Iterable[Table | str]",
     *,
     as_json: bool,

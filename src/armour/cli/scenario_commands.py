@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from os.path import exists
 from pathlib import Path
+from time import perf_counter
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -12,7 +13,7 @@ import typer
 import armour
 from armour.analysis.quantities import DESIGNS, QUANTITIES, REQUIRED, reads_of
 from armour.cli import completion
-from armour.cli.console import progress, say
+from armour.cli.console import emit, progress, say, show
 from armour.cli.question import (
     Answer,
     AsJson,
@@ -21,6 +22,7 @@ from armour.cli.question import (
     Output,
     PlotFile,
     ScenarioFile,
+    Verbose,
     argument,
     number,
     option,
@@ -37,17 +39,20 @@ from armour.cli.runner import (
     origin_of,
     read_scenario,
     respond,
+    scenario_paths,
     set_options,
+    warnings_of,
     write,
     wrong_option,
 )
-from armour.errors import mistake, refuse
+from armour.errors import InputError, Problem, mistake, refuse
 from armour.files import read_toml, shipped_suites, wrong_ending
 from armour.scenario.inputs import OF_ERROR, ROUND_AND_ARMOUR
 from armour.scenario.keys import describe
 
 if TYPE_CHECKING:
     from armour.analysis.results import OnProgress
+    from armour.design.check import CheckResult
     from armour.design.optimise import BestDesign
     from armour.reporting.report import Report
     from armour.reporting.scenario_report import Contents
@@ -110,32 +115,84 @@ def compare(scenario: "Scenario", on_progress: "OnProgress") -> Answer:
     return Answer(result, (*not_monotonic(result.limit), *result.limit.warnings))
 
 
-@question(
-    CHECK_READS,
-    what="the check",
-    first="searching",
-    of_threats=True,
-    confidence=CONFIDENCE,
-)
 def check(
-    scenario: "Scenario",
-    on_progress: "OnProgress",
-    junit: Annotated[Path | None, option("Write the result as JUnit XML.", metavar="FILE"), Output.FILE] = None,
-) -> Answer:
-    """Check an armour against its threats, and with thinner layers, a faster round or at an angle.
+    scenario: Annotated[
+        list[Path],
+        argument(
+            "SCENARIO",
+            "Scenario files (TOML), folders of them, or names of shipped scenarios; - reads standard input.",
+            autocompletion=completion.scenarios,
+        ),
+    ],
+    junit: Annotated[
+        Path | None, option("Write the results as JUnit XML; such a file is replaced.", metavar="FILE")
+    ] = None,
+    confidence: Annotated[Any, option(CONFIDENCE[1], metavar="NUMBER", parser=share)] = None,
+    plot: PlotFile = None,
+    force: Force = False,
+    changes: Changes = None,
+    verbose: Verbose = False,
+    as_json: AsJson = False,
+) -> None:
+    """Check armours against their threats, and with thinner layers, a faster round or at an angle.
 
     The verdict is passes, FAILS or not known, and the exit code 3 for the last two. An armour passes if it stops every
     threat with the required probability or, if none is required, if the ballistic limit by the model is at least the
-    velocity plus the margin.
+    velocity plus the margin. With several scenarios or a folder, --json prints an array of objects.
     """
+    from armour.reporting.junit import junit_xml
+    from armour.reporting.show import plot as plot_of
     from armour.reporting.views import check as view
+    from armour.scenario.scenario import files_of
 
-    result = armour.check(scenario, on_progress=on_progress)
-    return Answer(
-        result,
-        contents={junit: lambda: view.junit(result)},
-        exit_code=0 if result.verdict == "passes" else CHECK_FAILED,
+    paths = scenario_paths(scenario)
+    is_one = paths == scenario[:1]  # and no folder, however many scenarios are in it
+    if plot is not None and not is_one:
+        raise wrong_option("--plot", "must be given with one scenario, not with several or a folder")
+    scenarios = _read_each(paths, changes, confidence)
+    inputs = [*scenario, *(file for each in scenarios for file in files_of(each))]
+    check_outputs(junit=junit, inputs=inputs, plot=plot, force=force)
+    results: list[CheckResult] = []
+    suites, warnings = [], []
+    for each in scenarios:
+        start = perf_counter()
+        with progress("impacts", first="searching") as count:
+            result = armour.check(each, on_progress=count).of(every_row=verbose)
+        if not as_json:
+            if results:
+                emit("\n")
+            first, *more = result.heading()
+            show(*more, *view.tables(result), title=first if is_one else f"{each.file}: {first}")
+        results.append(result)
+        suites.append(view.junit(result, each.file, perf_counter() - start))
+        warnings += warnings_of(each, result.warnings, of_threats=True, verbose=verbose)
+    respond(
+        results[0].to_dict()
+        if is_one
+        else [{"scenario": each.file, **result.to_dict()} for each, result in zip(scenarios, results, strict=True)],
+        (),
+        as_json=as_json,
+        files=[(junit, lambda: junit_xml(suites))],
+        plot=plot,
+        draw=lambda: plot_of(results[0]),
+        warnings=warnings,
     )
+    if any(result.verdict != "passes" for result in results):
+        raise typer.Exit(CHECK_FAILED)
+
+
+def _read_each(paths: Sequence[Path], changes: Sequence[str] | None, confidence: Any) -> list["Scenario"]:
+    """Read the scenarios of a check, and report the mistakes of all together."""
+    scenarios: list[Scenario] = []
+    problems: list[Problem] = []
+    for path in paths:
+        try:
+            settings = {"--confidence": (CONFIDENCE[0], confidence)}
+            scenarios.append(read_scenario(path, changes, CHECK_READS, settings, "the check"))
+        except InputError as error:
+            problems += error.problems
+    refuse(dict.fromkeys(problems))
+    return scenarios
 
 
 @question(

@@ -3,7 +3,7 @@
 import json
 import os
 from functools import partial
-from itertools import groupby
+from itertools import groupby, pairwise
 from operator import attrgetter
 from pathlib import Path
 from time import perf_counter
@@ -63,14 +63,12 @@ def validate(
     loaded = load_suite(path, changes_of(changes or ()))
     scenarios = [file for case in loaded.cases for file in files_of(case.scenario)]
     inputs = [path, *dict.fromkeys(scenarios), *(path.parent / table.file for table in loaded.tables)]
-    check_outputs(markdown, junit, inputs=inputs, updated=updated, force=force)
+    check_outputs(markdown, junit=junit, inputs=inputs, updated=updated, force=force)
     chosen = loaded.only(only)
     if update and not any(case.regression for case in chosen.cases):
         message = "must be true for the suite, or a case or table without source, to be updated; other values stay"
         raise mistake(chosen.file, "regression", message)
-    start = perf_counter()
-    result = _computed(chosen, quiet=as_json)
-    seconds = perf_counter() - start
+    result, seconds = _computed(chosen, quiet=as_json)
     judged = kept_by_update(result) if update else result
     respond(
         result.to_dict(),
@@ -87,21 +85,24 @@ def validate(
         raise typer.Exit(CHECK_FAILED)
 
 
-def _computed(suite: "Suite", *, quiet: bool) -> "SuiteResult":
-    """Compute the cases; if interrupted, show those that are done."""
+def _computed(suite: "Suite", *, quiet: bool) -> tuple["SuiteResult", list[float]]:
+    """Compute the cases, and return how many seconds each took; if interrupted, show those that are done."""
     from armour.reporting.views import suite as view
     from armour.validation.validate import result_of
     from armour.validation.validate import validate as run_suite
 
     done: list[Check] = []
+    times = [perf_counter()]
     try:
         with progress("cases", len(suite.cases)) as count:
 
             def on_check(check: "Check", _total: int) -> None:
                 done.append(check)
+                times.append(perf_counter())
                 count(1)
 
-            return run_suite(suite, on_check=on_check)
+            result = run_suite(suite, on_check=on_check)
+            return result, [end - start for start, end in pairwise(times)]
     except KeyboardInterrupt:
         if done and not quiet:
             show(*view.tables(result_of(suite, done)))

@@ -6,6 +6,8 @@ from armour.core.run import run
 from armour.core.search import find_ballistic_limit, find_least_ceramic_thickness
 from armour.core.state import Parameters
 
+NAMES = "impacts", "ballistic_limits", "least_thicknesses"
+
 
 def parameters_at(rows: Any, i: int) -> Parameters:
     """Return row i as `Parameters` of Python's own numbers."""

@@ -2,24 +2,57 @@
 
 from collections import Counter
 from collections.abc import Iterable
-from typing import Any
+from contextlib import suppress
+from pathlib import Path
+from typing import NamedTuple
 from xml.etree import ElementTree
 
 from armour.files import printable
 
+# The beginning of every file, by which one of ours is told from others.
+BEGINNING = b"<?xml version='1.0' encoding='utf-8'?>\n<testsuites name=\"armour\""
 
-def junit_xml(name: str, cases: Iterable[tuple[str, str, str, str]], **attributes: Any) -> bytes:
-    """Format test cases: class, name, "failure", "skipped" or "" for one that passed, and message of each."""
-    suite = ElementTree.Element("testsuite", name=printable(name), **attributes)
+
+class TestCase(NamedTuple):
+    """A test case: its class and name, "failure", "skipped" or "" if it passed, a message, and how long it took."""
+
+    group: str
+    title: str
+    result: str
+    message: str
+    seconds: float | None = None
+
+
+def junit_suite(name: str, cases: Iterable[TestCase], seconds: float) -> ElementTree.Element:
+    """Return a test suite."""
+    suite = ElementTree.Element("testsuite", name=printable(name), time=f"{seconds:.3f}")
     seen = Counter[tuple[str, str]]()
-    for group, title, result, message in cases:
-        seen[group, title] += 1
-        number = f" ({seen[group, title]})" if seen[group, title] > 1 else ""  # readers take equal names for one case
-        case = ElementTree.SubElement(suite, "testcase", classname=printable(group), name=printable(title) + number)
-        if result:
-            ElementTree.SubElement(case, result, message=printable(message))
+    for each in cases:
+        seen[each.group, each.title] += 1
+        count = seen[each.group, each.title]
+        number = f" ({count})" if count > 1 else ""  # readers take equal names for one case
+        title = printable(each.title) + number
+        case = ElementTree.SubElement(suite, "testcase", classname=printable(each.group), name=title)
+        if each.seconds is not None:
+            case.set("time", f"{each.seconds:.3f}")
+        if each.result:
+            ElementTree.SubElement(case, each.result, message=printable(each.message))
     suite.set("tests", str(len(suite)))
     suite.set("failures", str(len(suite.findall("testcase/failure"))))
     suite.set("skipped", str(len(suite.findall("testcase/skipped"))))
-    ElementTree.indent(suite)
-    return bytes(ElementTree.tostring(suite, encoding="utf-8", xml_declaration=True))
+    return suite
+
+
+def junit_xml(suites: Iterable[ElementTree.Element]) -> bytes:
+    """Format test suites."""
+    root = ElementTree.Element("testsuites", name="armour")
+    root.extend(suites)
+    ElementTree.indent(root)
+    return bytes(ElementTree.tostring(root, encoding="utf-8", xml_declaration=True))
+
+
+def is_junit_of_armour(path: Path) -> bool:
+    """Return whether a file is one that `junit_xml` has made."""
+    with suppress(OSError), path.open("rb") as file:
+        return file.read(len(BEGINNING)) == BEGINNING
+    return False

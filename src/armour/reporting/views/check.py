@@ -1,10 +1,11 @@
 """One armour against each of its threats."""
 
 from math import inf
+from xml.etree.ElementTree import Element
 
 from armour.design.check import CheckedThreat, CheckResult
 from armour.errors import listed
-from armour.reporting.junit import junit_xml
+from armour.reporting.junit import TestCase, junit_suite
 from armour.reporting.table import Column, Table, column_of, listing
 from armour.reporting.text import Verdict, interval, percent, with_interval
 from armour.reporting.views.confidence import STOPPING, chance, error_note, flow_stress_notes, why_unknown
@@ -131,10 +132,10 @@ def _rests_on(result: CheckResult, threat: CheckedThreat) -> list[str]:
     return [*flow_stress_notes(threat.flow_stress), unknown]
 
 
-def junit(result: CheckResult) -> bytes:
-    """Format a check: a test case for every threat."""
+def junit(result: CheckResult, file: str, seconds: float) -> Element:
+    """Return the check of a file's scenario as a test suite: a test case for every threat."""
     cases = []
     for threat in result.threats:
-        passed = threat.verdict == "passes"
-        cases.append(("threat", threat.threat, "" if passed else "failure", f"{verdict(threat)}: {finding(threat)}"))
-    return junit_xml(" ".join(result.heading()[:1]), cases)
+        kind = "" if threat.verdict == "passes" else "failure"
+        cases.append(TestCase(file, threat.threat, kind, f"{verdict(threat)}: {finding(threat)}"))
+    return junit_suite(" ".join(result.heading()[:1]), cases, seconds)

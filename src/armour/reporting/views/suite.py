@@ -7,7 +7,7 @@ from typing import Any
 
 from armour import __version__
 from armour.analysis.quantities import QUANTITIES
-from armour.reporting.junit import junit_xml
+from armour.reporting.junit import TestCase, junit_suite, junit_xml
 from armour.reporting.lookup import drawing_of
 from armour.reporting.report import Report, Section, origin_section
 from armour.reporting.table import Column, Table, column_of, listing
@@ -333,21 +333,23 @@ def _source(checks: list[Check]) -> tuple[str, ...]:
     return (f"{text[:1].upper()}{text[1:]}.",) if case.group and text else ()
 
 
-def junit(result: SuiteResult, seconds: float) -> bytes:
+def junit(result: SuiteResult, seconds: Sequence[float]) -> bytes:
     """Format the outcome of a suite: a test case for every case, and for every table that is held to a band.
 
-    The time in seconds is that of all cases, most of which are computed together.
+    The first of the cases that are computed together has the time, in seconds, of all of them.
     """
     kinds = {**dict.fromkeys(FAILED, "failure"), "not scored": "skipped"}
     cases = []
-    for check in result.checks:
+    for check, took in zip(result.checks, seconds, strict=True):
         message = failure(check) if check.status == "outside" else check.message or check.case.not_scored
         if not check.in_group:
-            cases.append((check.case.group or CASES, check.case.name, kinds.get(check.status, ""), message))
+            group, kind = check.case.group or CASES, kinds.get(check.status, "")
+            cases.append(TestCase(group, check.case.name, kind, message, took))
     for summary in result.summaries:
         if summary.status != "not scored":
-            cases.append((summary.name, summary.group or "RMS", kinds.get(summary.status, ""), held_to(summary)))
-    return junit_xml(result.title or result.file, cases, time=f"{seconds:.3f}")
+            kind = kinds.get(summary.status, "")
+            cases.append(TestCase(summary.name, summary.group or "RMS", kind, held_to(summary)))
+    return junit_xml([junit_suite(result.title or result.file, cases, sum(seconds))])
 
 
 def figure_table(panels: Sequence[Figure]) -> Table:

@@ -1,0 +1,84 @@
+"""`armour check` of several scenarios, and its JUnit XML."""
+
+import json
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from tests.helpers.cases import SCENARIOS
+
+FAILS = (SCENARIOS / "wilkins.toml").read_text()
+PASSES = FAILS.replace("velocity_m_s = 800.0", "velocity_m_s = 600.0")
+
+
+@pytest.fixture
+def doors(folder: Path) -> Path:
+    """A folder with a scenario that passes and one that fails."""
+    doors = folder / "doors"
+    doors.mkdir()
+    (doors / "b.toml").write_text(FAILS)
+    (doors / "a.toml").write_text(PASSES)
+    return doors
+
+
+def test_a_folder_is_its_scenarios(cli, doors: Path):
+    result = cli("check", "doors", "doors/a.toml")
+    assert result.exit_code == 3
+    headings = [line.partition(": ")[0] for line in result.stdout.splitlines() if line.startswith("doors/")]
+    assert headings == ["doors/a.toml", "doors/b.toml"]
+    # Each is shown as it is alone, with its file before its heading.
+    assert cli("check", "doors/a.toml").stdout in result.stdout.replace("doors/a.toml: ", "")
+    (doors / "b.toml").write_text(PASSES)
+    assert cli("check", "doors").exit_code == 0
+
+
+def test_json_is_an_object_or_an_array(cli, doors: Path):
+    one, two = (json.loads(cli("check", words, "--json").stdout) for words in ("doors/a.toml", "doors"))
+    assert two[0] == {"scenario": "doors/a.toml", **one}
+    assert [each["verdict"] for each in two] == ["passes", "fails"]
+    # The form does not depend on how many are in a folder.
+    (doors / "b.toml").unlink()
+    assert json.loads(cli("check", "doors", "--json").stdout) == two[:1]
+
+
+def test_mistakes_of_all_scenarios_are_told_together(cli, doors: Path):
+    (doors / "c.toml").write_text("[tool]\n")
+    (doors / "d.toml").write_text(FAILS.replace("800.0", "-800.0"))
+    (doors / "none").mkdir()
+    told = cli.fails(2, "check", "doors")
+    assert {line.partition(": ")[0] for line in told} == {"doors/c.toml", "doors/d.toml"}
+    assert cli.fails(2, "check", "doors/a.toml", "doors/none") == [
+        "doors/none: must be a folder of scenarios, found no .toml file in it"
+    ]
+
+
+@pytest.mark.usefixtures("doors")
+def test_a_plot_is_of_one_scenario(cli):
+    assert cli.fails(2, "check", "doors", "--plot", "p.svg") == [
+        "command line: --plot: must be given with one scenario, not with several or a folder"
+    ]
+
+
+def test_a_suite_of_tests_for_every_scenario(cli, folder: Path, doors: Path):
+    assert cli("check", "doors", "--junit", "j.xml").exit_code == 3
+    suites = ElementTree.parse(folder / "j.xml").getroot()
+    assert [(suite.get("tests"), suite.get("failures")) for suite in suites] == [("1", "0"), ("1", "1")]
+    assert [case.get("classname") for case in suites.iter("testcase")] == ["doors/a.toml", "doors/b.toml"]
+    assert all(float(suite.get("time", "")) > 0.0 for suite in suites)
+    # The next run replaces it.
+    (doors / "b.toml").write_text(PASSES)
+    assert cli("check", "doors", "--junit", "j.xml").exit_code == 0
+    assert "failure " not in (folder / "j.xml").read_text()
+
+
+@pytest.mark.parametrize("command", ["check wilkins", "validate suite.toml"])
+@pytest.mark.parametrize("content", ["", "<testsuites/>", "<?xml version='1.0' encoding='utf-8'?>\n<testsuites>"])
+def test_junit_xml_of_others_is_kept(cli, folder: Path, command: str, content: str):
+    case = "[[case]]\nname = 'a'\nscenario = 'wilkins'\nquantity = 'outcome'\nexpected = 'perforated'\n"
+    (folder / "suite.toml").write_text(case)
+    (folder / "j.xml").write_text(content)
+    words = (*command.split(), "--junit", "j.xml")
+    assert cli.fails(2, *words) == ["j.xml: exists already; choose another name, or --force"]
+    assert cli(*words, "--force").exit_code in (0, 3)
+    assert cli(*words).exit_code in (0, 3)
