@@ -179,7 +179,7 @@ def respond(
         return drawing.saved(draw(), plot.suffix.lower(), json.dumps(origin))
 
     if as_json:
-        show_json({**data, "made_by": origin} if origin else data)
+        show_json({**data, "made_by": origin} if origin and isinstance(data, Mapping) else data)
     elif shown := [*tables]:
         show(*of[1:], *shown, title=of[0] if of else "")
     try:

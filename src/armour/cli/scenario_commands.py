@@ -164,18 +164,22 @@ def check(
             first, *more = result.heading()
             show(*more, *view.tables(result), title=first if is_one else f"{each.file}: {first}")
         results.append(result)
-        suites.append(view.junit(result, each.file, perf_counter() - start))
+        suites.append(view.junit(result, each.file, perf_counter() - start, origin_of(each)))
         warnings += warnings_of(each, result.warnings, of_threats=True, verbose=verbose)
     respond(
         results[0].to_dict()
         if is_one
-        else [{"scenario": each.file, **result.to_dict()} for each, result in zip(scenarios, results, strict=True)],
+        else [
+            {"scenario": each.file, **result.to_dict(), "made_by": origin_of(each)}
+            for each, result in zip(scenarios, results, strict=True)
+        ],
         (),
         as_json=as_json,
         files=[(junit, lambda: junit_xml(suites))],
         plot=plot,
         draw=lambda: plot_of(results[0]),
         warnings=warnings,
+        origin=origin_of(scenarios[0]),
     )
     if any(result.verdict != "passes" for result in results):
         raise typer.Exit(CHECK_FAILED)

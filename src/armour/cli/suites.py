@@ -77,7 +77,7 @@ def validate(
         origin=origin_of(),
         files=[
             (markdown, lambda: markdown_report(view.report(result))),
-            (junit, lambda: view.junit(result, seconds)),
+            (junit, lambda: view.junit(result, seconds, origin_of())),
             (updated, lambda: _updated(chosen.file, result)),
         ],
     )

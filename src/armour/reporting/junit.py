@@ -1,7 +1,7 @@
 """JUnit XML, which continuous integration reads."""
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
@@ -23,9 +23,12 @@ class TestCase(NamedTuple):
     seconds: float | None = None
 
 
-def junit_suite(name: str, cases: Iterable[TestCase], seconds: float) -> ElementTree.Element:
-    """Return a test suite."""
+def junit_suite(name: str, cases: Iterable[TestCase], seconds: float, origin: Mapping[str, str]) -> ElementTree.Element:
+    """Return a test suite, and what made it."""
     suite = ElementTree.Element("testsuite", name=printable(name), time=f"{seconds:.3f}")
+    properties = ElementTree.SubElement(suite, "properties")
+    for key, text in origin.items():
+        ElementTree.SubElement(properties, "property", name=key, value=printable(text))
     seen = Counter[tuple[str, str]]()
     for each in cases:
         seen[each.group, each.title] += 1
@@ -37,7 +40,7 @@ def junit_suite(name: str, cases: Iterable[TestCase], seconds: float) -> Element
             case.set("time", f"{each.seconds:.3f}")
         if each.result:
             ElementTree.SubElement(case, each.result, message=printable(each.message))
-    suite.set("tests", str(len(suite)))
+    suite.set("tests", str(len(suite.findall("testcase"))))
     suite.set("failures", str(len(suite.findall("testcase/failure"))))
     suite.set("skipped", str(len(suite.findall("testcase/skipped"))))
     return suite

@@ -1,5 +1,6 @@
 """One armour against each of its threats."""
 
+from collections.abc import Mapping
 from math import inf
 from xml.etree.ElementTree import Element
 
@@ -132,10 +133,10 @@ def _rests_on(result: CheckResult, threat: CheckedThreat) -> list[str]:
     return [*flow_stress_notes(threat.flow_stress), unknown]
 
 
-def junit(result: CheckResult, file: str, seconds: float) -> Element:
+def junit(result: CheckResult, file: str, seconds: float, origin: Mapping[str, str]) -> Element:
     """Return the check of a file's scenario as a test suite: a test case for every threat."""
     cases = []
     for threat in result.threats:
         kind = "" if threat.verdict == "passes" else "failure"
         cases.append(TestCase(file, threat.threat, kind, f"{verdict(threat)}: {finding(threat)}"))
-    return junit_suite(" ".join(result.heading()[:1]), cases, seconds)
+    return junit_suite(" ".join(result.heading()[:1]), cases, seconds, origin)

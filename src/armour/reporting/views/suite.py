@@ -1,6 +1,6 @@
 """A suite of cases, and the figures of the paper."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from math import floor, log10
 from operator import itemgetter
 from typing import Any
@@ -333,7 +333,7 @@ def _source(checks: list[Check]) -> tuple[str, ...]:
     return (f"{text[:1].upper()}{text[1:]}.",) if case.group and text else ()
 
 
-def junit(result: SuiteResult, seconds: Sequence[float]) -> bytes:
+def junit(result: SuiteResult, seconds: Sequence[float], origin: Mapping[str, str]) -> bytes:
     """Format the outcome of a suite: a test case for every case, and for every table that is held to a band.
 
     The first of the cases that are computed together has the time, in seconds, of all of them.
@@ -349,7 +349,7 @@ def junit(result: SuiteResult, seconds: Sequence[float]) -> bytes:
         if summary.status != "not scored":
             kind = kinds.get(summary.status, "")
             cases.append(TestCase(summary.name, summary.group or "RMS", kind, held_to(summary)))
-    return junit_xml([junit_suite(result.title or result.file, cases, sum(seconds))])
+    return junit_xml([junit_suite(result.title or result.file, cases, sum(seconds), origin)])
 
 
 def figure_table(panels: Sequence[Figure]) -> Table:
