@@ -11,7 +11,7 @@ import pytest
 
 from armour.analysis import results
 from armour.analysis.impact import impact_at, simulate
-from armour.analysis.results import data_frame
+from armour.analysis.results import data_frame, installed
 from armour.statistics.v50 import Shots, v50
 from armour.sweeps.sweep import sweep
 from tests.helpers.cases import scenario
@@ -130,3 +130,9 @@ def test_parts_take_half_a_second(rows_per_second: float, expected: list[int], m
     assert [part.stop - part.start for part in parts] == expected
     assert parts[0].start == 0
     assert all(before.stop == after.start for before, after in pairwise(parts))
+
+
+def test_versions_of_what_is_installed():
+    """Numba may be missing."""
+    [(name, version)] = installed(["numpy", "no-such-package"])
+    assert (name, version) == ("numpy", np.__version__)

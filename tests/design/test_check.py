@@ -70,8 +70,11 @@ def test_without_a_limit_in_the_range_the_impact_decides(velocity: float, passed
 
 
 def test_a_test_case_for_every_threat():
-    found = junit(check(scenario(threat=THREATS)), "a.toml", 1.25)
+    found = junit(check(scenario(threat=THREATS)), "a.toml", 1.25, {"version": "2"})
     assert (found.attrib["tests"], found.attrib["time"]) == ("2", "1.250")
-    assert {case.attrib["classname"] for case in found} == {"a.toml"}
-    assert [len(case) for case in found] == [0, 1]
-    assert "ballistic limit by the model 724 m/s" in found[1][0].attrib["message"]
+    [version] = found.iter("property")
+    assert version.attrib == {"name": "version", "value": "2"}
+    cases = found.findall("testcase")
+    assert {case.attrib["classname"] for case in cases} == {"a.toml"}
+    assert [len(case) for case in cases] == [0, 1]
+    assert "ballistic limit by the model 724 m/s" in cases[1][0].attrib["message"]

@@ -172,7 +172,7 @@ def test_rows_of_a_file_and_groups_are_summarised(of_file: SuiteResult):
     assert (thin.mean_expected, thin.mean_band) == (None, None)
     assert not of_file.passed
     # JUnit XML has the groups and not the rows, and an update keeps the measurements.
-    text = junit(of_file, [0.0] * len(of_file.checks)).decode()
+    text = junit(of_file, [0.0] * len(of_file.checks), {}).decode()
     assert (text.count("<testcase"), text.count("<failure")) == (2, 1)
     assert "mean band +0 ± 1 %" in text
     assert updates_of(of_file) == []

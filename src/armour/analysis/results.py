@@ -1,6 +1,7 @@
 """Base classes of results: as plain data, in a line, in a notebook and as data frames; progress of computations."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from importlib import import_module
 from math import nan
@@ -8,6 +9,17 @@ from time import perf_counter
 from typing import Any, ClassVar, Self
 
 from armour.scenario.scenario import Scenario, heading
+
+
+def installed(packages: Iterable[str]) -> list[tuple[str, str]]:
+    """Return the packages that are installed, each with its version; numba may be missing."""
+    from importlib.metadata import PackageNotFoundError, version  # slow to import
+
+    versions = []
+    for name in packages:
+        with suppress(PackageNotFoundError):
+            versions.append((name, version(name)))
+    return versions
 
 
 def made_by(scenario: Scenario | None = None, command: str = "") -> dict[str, str]:

@@ -4,10 +4,10 @@ import re
 import sys
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from importlib.metadata import version
 from typing import Any, NamedTuple
 
 from armour import MODEL_VERSION, __version__
+from armour.analysis.results import installed
 from armour.errors import in_two_lines
 from armour.files import printable, read_toml, shipped
 from armour.reporting.table import Column, Table
@@ -67,7 +67,7 @@ class Report:
 def origin_section(command: str, words: str = "", scenario: Scenario | None = None) -> Section:
     """Return the section on the command that makes a report, the scenario and the programs it depends on."""
     versions = [("armour", __version__), ("model", MODEL_VERSION), ("Python", sys.version.split()[0])]
-    versions += [(name, version(name)) for name in PACKAGES]
+    versions += installed(PACKAGES)
     table = Table((Column("program"), Column("version")), tuple(versions))
     content = f"SHA-256 of the scenario's content: {scenario.digest()}" if scenario else ""
     paragraphs = (*filter(None, (words, content)), "Made by:")

@@ -9,7 +9,6 @@ from contextlib import closing
 from dataclasses import dataclass
 from functools import cache, cached_property, partial
 from hashlib import sha256
-from importlib.metadata import version
 from itertools import islice
 from os import PathLike
 from pathlib import Path
@@ -23,7 +22,7 @@ from pydantic import Field
 import armour
 from armour.analysis.evaluate import check_keys, check_quantities, evaluate_groups, groups_of, scenarios_of
 from armour.analysis.quantities import QUANTITIES, reads_of
-from armour.analysis.results import OnProgress, TableResult, ignore_progress, made_by, same_columns
+from armour.analysis.results import OnProgress, TableResult, ignore_progress, installed, made_by, same_columns
 from armour.errors import InputError, choices, mistake
 from armour.files import reason, shipped
 from armour.scenario.checked import Names, checked
@@ -380,7 +379,7 @@ def duration(seconds: float) -> str:
 @cache
 def program() -> str:
     """Return a hash of this program, of its data, and of the versions of the libraries that compute."""
-    found = sha256(json.dumps([(name, version(name)) for name in LIBRARIES]).encode())
+    found = sha256(json.dumps(installed(LIBRARIES)).encode())
     for path in [*sorted(PACKAGE.rglob("*.py")), *sorted(shipped("configs").glob("*.toml"))]:
         found.update(sha256(path.name.encode() + b"\n" + path.read_bytes()).digest())
     return found.hexdigest()

@@ -90,7 +90,7 @@ def test_every_case_and_table_is_a_test_case(folder: Path):
         + case("slip", 1.0, 'not_scored = "a slip"')
     )
     computed = result(folder, 'title = "A | suite"\n' + text + TABLE)
-    [suite] = ElementTree.fromstring(junit(computed, [0.25] * len(computed.checks)))
+    [suite] = ElementTree.fromstring(junit(computed, [0.25] * len(computed.checks), {"version": "2"}))
     found = (suite.get("name"), suite.get("tests"), suite.get("failures"), suite.get("skipped"))
     assert found == ("A | suite", "7", "3", "1")
     assert suite.get("time") == f"{0.25 * len(computed.checks):.3f}"
@@ -114,6 +114,6 @@ def test_every_case_and_table_is_a_test_case(folder: Path):
 
 
 def test_control_characters_leave_it_well_formed(folder: Path):
-    xml = junit(result(folder, 'title = "a\\u001b[31m"\n' + case("b\\u0007", 725.0, "band = 1.0")), [0.0])
+    xml = junit(result(folder, 'title = "a\\u001b[31m"\n' + case("b\\u0007", 725.0, "band = 1.0")), [0.0], {})
     [suite] = ElementTree.fromstring(xml)
     assert (suite.get("name"), suite[0].get("name")) == ("a\\x1b[31m", "b\\x07")
