@@ -179,7 +179,7 @@ COMMANDS: dict[str, dict[Callable[..., None], tuple[str, ...]]] = {
     "Predict": {
         simulate: (f"simulate {W}", f"simulate {W} --velocity 900 --history run.csv --plot run.svg"),
         ballistic_limit: (f"ballistic-limit {W}", f"ballistic-limit {W} --set armour.ceramic_thickness_mm=8 --json"),
-        check: (f"check {W} --confidence 0.9", "check oblique --junit check.xml"),
+        check: (f"check {W} --confidence 0.9", "check wilkins bare_plate --junit check.xml"),
         sweep: (f"sweep {W} --over armour.ceramic_thickness_mm=4:12:0.1 -o limits.csv --plot limits.svg",),
     },
     "Design": {
