@@ -347,7 +347,7 @@ def test_the_armour_is_said_to_be_the_best_design_or_the_scenarios_own():
     def words(contents: Contents) -> str:
         return section(contents, "Command and versions").paragraphs[0]
 
-    assert words(wilkins()) == "Made by:"
+    assert words(wilkins()) == f"SHA-256 of the scenario's content: {wilkins().scenario.digest()}"
     assert words(designed(design_result())) == (
         "This report is about the design found, not the scenario's own armour, 6.35 mm AD85 on 6.35 mm 6061-T6; "
         "use --as-is for that."

@@ -116,4 +116,5 @@ def test_every_case_and_table_is_a_test_case(folder: Path):
 def test_control_characters_leave_it_well_formed(folder: Path):
     xml = junit(result(folder, 'title = "a\\u001b[31m"\n' + case("b\\u0007", 725.0, "band = 1.0")), [0.0], {})
     [suite] = ElementTree.fromstring(xml)
-    assert (suite.get("name"), suite[0].get("name")) == ("a\\x1b[31m", "b\\x07")
+    [test_case] = suite.iter("testcase")
+    assert (suite.get("name"), test_case.get("name")) == ("a\\x1b[31m", "b\\x07")
