@@ -148,10 +148,17 @@ def test_a_home_that_cannot_be_written(home: Path, compiler: FakeCompiler):
 ROWS = batch.packed([armour("7.62 mm AP", "AD85", "6061-T6", 8.0, 6.0)] * 2)
 
 
+@pytest.fixture
+def unsaid(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing has been said of plain Python in this process."""
+    monkeypatch.setattr(cache, "_said", set())
+
+
 def limits() -> list[float]:
     return batch.ballistic_limits(ROWS, 20.0, 4000.0, 0.01).perforated.tolist()
 
 
+@pytest.mark.usefixtures("unsaid")
 def test_without_numba_python_computes_the_same(monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture):
     compiled = limits()
     assert not caplog.records
@@ -162,6 +169,7 @@ def test_without_numba_python_computes_the_same(monkeypatch: pytest.MonkeyPatch,
     assert record.getMessage() == "computing in plain Python, about a hundred times slower: numba is not installed"
 
 
+@pytest.mark.usefixtures("unsaid")
 def test_by_the_environment_python_computes(monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture):
     compiled = limits()
     monkeypatch.setenv("ARMOUR_COMPILED", "0")
@@ -170,6 +178,7 @@ def test_by_the_environment_python_computes(monkeypatch: pytest.MonkeyPatch, cap
     assert "ARMOUR_COMPILED is 0" in caplog.text
 
 
+@pytest.mark.usefixtures("unsaid")
 def test_a_numba_that_does_not_work(monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture):
     """Numba refuses versions of numpy that are too new for it."""
     compiled = limits()
@@ -179,6 +188,7 @@ def test_a_numba_that_does_not_work(monkeypatch: pytest.MonkeyPatch, caplog: pyt
     assert "numba does not work: " in caplog.text
 
 
+@pytest.mark.usefixtures("unsaid")
 def test_a_replaced_function_of_the_core_is_used(monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture):
     before, velocity = limits(), equations.crack_velocity
     monkeypatch.setattr(equations, "crack_velocity", lambda Ec, rho_c: 0.5 * velocity(Ec, rho_c))
