@@ -1,0 +1,51 @@
+"""What made an answer: the same object in JSON, JUnit XML, pictures and Parquet."""
+
+import json
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+from PIL import Image
+from pyarrow import parquet
+
+from armour.scenario.scenario import load_scenario
+from tests.helpers.cases import SCENARIOS
+from tests.helpers.commands import invoke
+
+pytestmark = pytest.mark.slow
+
+SWEEP = ["sweep", "wilkins", "--over", "impact.velocity_m_s=700,800", "--quantities", "outcome", "-o", "a.parquet"]
+
+
+@pytest.mark.usefixtures("folder")
+def test_every_kind_of_output_says_what_made_it():
+    expected = json.loads(invoke(["check", "wilkins", "--json", "--junit", "a.xml", "--plot", "a.png"]).stdout)[
+        "made_by"
+    ]
+    assert expected["command"] == "armour check wilkins --json --junit a.xml --plot a.png"
+    assert expected["scenario_sha256"] == load_scenario("wilkins").digest()
+    properties = ElementTree.parse("a.xml").iter("property")
+    assert {each.attrib["name"]: each.attrib["value"] for each in properties} == expected
+    with Image.open("a.png") as picture:
+        assert json.loads(picture.info["Description"]) == expected
+    assert invoke(SWEEP).exit_code == 0
+    table = json.loads(parquet.read_schema("a.parquet").metadata[b"armour"])
+    assert table == {**expected, "command": f"armour {' '.join(SWEEP)}"}
+
+
+def test_no_folder_of_an_absolute_path_is_told(folder: Path, tmp_path_factory: pytest.TempPathFactory):
+    (folder / "near.toml").write_text((SCENARIOS / "wilkins.toml").read_text())
+    far = tmp_path_factory.mktemp("secret") / "far.toml"
+    far.write_text((SCENARIOS / "wilkins.toml").read_text())
+    for path, told in ((folder / "near.toml", "near.toml"), (far, "far.toml")):
+        made_by = json.loads(invoke(["simulate", str(path), "--json"]).stdout)["made_by"]
+        assert made_by["command"] == f"armour simulate {told} --json"
+
+
+@pytest.mark.usefixtures("folder")
+def test_another_value_of_the_library_is_another_scenario():
+    plain, changed = (
+        json.loads(invoke(["simulate", "wilkins", "--json", *words]).stdout)["made_by"]["scenario_sha256"]
+        for words in ([], ["--set", "ceramic.flow_stress_GPa=4"])
+    )
+    assert plain != changed
