@@ -17,11 +17,10 @@ pytestmark = pytest.mark.slow
 SWEEP = ["sweep", "wilkins", "--over", "impact.velocity_m_s=700,800", "--quantities", "outcome", "-o", "a.parquet"]
 
 
-@pytest.mark.usefixtures("folder")
+@pytest.mark.usefixtures("folder", "drawn")
 def test_every_kind_of_output_says_what_made_it():
-    expected = json.loads(invoke(["check", "wilkins", "--json", "--junit", "a.xml", "--plot", "a.png"]).stdout)[
-        "made_by"
-    ]
+    checked = invoke(["check", "wilkins", "--json", "--junit", "a.xml", "--plot", "a.png"])
+    expected = json.loads(checked.stdout)["made_by"]
     assert expected["command"] == "armour check wilkins --json --junit a.xml --plot a.png"
     assert expected["scenario_sha256"] == load_scenario("wilkins").digest()
     properties = ElementTree.parse("a.xml").iter("property")
