@@ -8,7 +8,7 @@ from armour.analysis.ballistic_limit import bisect
 from armour.core import search
 from armour.core.run import TOLERANCE
 from armour.core.search import (
-    Solver,
+    RunSettings,
     find_ballistic_limit,
     find_least_ceramic_thickness,
     impact,
@@ -20,7 +20,7 @@ from tests.helpers.runs import perforates, random_designs
 
 COUNT, LIMITS, STEPS = 40, 15, 500_000
 VELOCITIES = scan(20.0, 4000.0)
-SOLVER = Solver(1.0, 0.0, STEPS, TOLERANCE)
+SOLVER = RunSettings(1.0, 0.0, STEPS, TOLERANCE)
 
 
 def test_the_limits_are_those_of_scan_and_bisection():

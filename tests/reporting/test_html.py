@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from armour.reporting.html import MAX_POINTS, WIDTH_INCHES, html_report, inline_svg
 from armour.reporting.lookup import drawing_of
 from armour.reporting.pictures.drawing import BLUE, INK, PANEL, SOFT, VERMILION, Picture, Sheet, drawn, points
-from armour.reporting.report import Card, Report, Section
+from armour.reporting.report import Card, Report, ReportSection
 from armour.reporting.scenario_report import contents_of, scenario_report
 from armour.reporting.table import Column, Table
 from armour.reporting.views import suite as suite_view
@@ -95,7 +95,7 @@ def test_no_line_ends_between_a_number_and_its_unit():
 
 def test_no_line_ends_within_an_option_or_a_name():
     remarks = ("With --as-is <b>", "a --- b", "6061-T6, Ti-6Al-4V and half-open")
-    content = html_report(Report("T", "", (Section("S", remarks),)))
+    content = html_report(Report("T", "", (ReportSection("S", remarks),)))
     assert "<p>With <code>--as-is</code> &lt;b&gt;</p>" in content
     assert "<p>a --- b</p>" in content
     assert "<p><span>6061-T6</span>, <span>Ti-6Al-4V</span> and half-open</p>" in content
@@ -115,7 +115,7 @@ def test_texts_of_users_are_text():
 def test_control_characters_are_escaped():
     name = "\x1b[31m\x01\ufffe\u202e</pre><script>"
     table = Table((Column(name),), ((name,),))
-    section = Section(name, (name,), f"{name}\n{name}", "toml", (), (table,), ((name, name),))
+    section = ReportSection(name, (name,), f"{name}\n{name}", "toml", (), (table,), ((name, name),))
     content = html_report(Report(name, name, (section,), (Card(name, name, name),), (name,)))
     assert all(line.isprintable() for line in content.replace(NO_BREAK, " ").splitlines())
     assert content.count("\\x1b[31m\\x01\\ufffe\\u202e&lt;/pre&gt;&lt;script&gt;") == 16

@@ -1,6 +1,13 @@
 import pytest
 
-from armour.reporting.report import Report, Section, markdown_report, markdown_table, markdown_text, reference_notes
+from armour.reporting.report import (
+    Report,
+    ReportSection,
+    markdown_report,
+    markdown_table,
+    markdown_text,
+    reference_notes,
+)
 from armour.reporting.table import Column, Table
 
 
@@ -39,7 +46,7 @@ def test_lines_of_names_and_notes_stay_in_their_place():
     name = "a\n\n# heading\n| b |\u2028```\x1b"
     table = Table((Column(name),), ((name,),), name)
     report = Report(
-        name, name, (Section(name, (name,), name, "toml", (), (table,), ((name, name),)),), warnings=(name,)
+        name, name, (ReportSection(name, (name,), name, "toml", (), (table,), ((name, name),)),), warnings=(name,)
     )
     lines = markdown_report(report).splitlines()
     headings = [number for number, line in enumerate(lines) if line.startswith("#")]
@@ -53,7 +60,7 @@ def test_lines_of_names_and_notes_stay_in_their_place():
 
 def test_tables_have_their_titles_where_there_are_several():
     tables = (Table((Column("a"),), (("1",),), "one"), Table((Column("b"),), (("2",),), "two"))
-    page = markdown_report(Report("T", "", (Section("S", tables=tables), Section("R", tables=tables[:1]))))
+    page = markdown_report(Report("T", "", (ReportSection("S", tables=tables), ReportSection("R", tables=tables[:1]))))
     assert [line for line in page.splitlines() if line.startswith("#")] == ["# T", "## S", "### one", "### two", "## R"]
 
 

@@ -12,7 +12,7 @@ from armour.design.check import CheckedThreat, check, verdict_of
 from armour.design.optimise import DesignResult, optimise
 from armour.errors import Note
 from armour.evidence.model_error import NO_TEST
-from armour.reporting.report import Report, Section, markdown_report
+from armour.reporting.report import Report, ReportSection, markdown_report
 from armour.reporting.scenario_report import Contents, contents_of, scenario_report
 from armour.reporting.views.confidence import SAMPLED_ALONE, chance, from_tests
 from armour.reporting.views.design import AREAL_DENSITY, COST, frontier_table
@@ -173,7 +173,7 @@ def statements(contents: Contents) -> dict[str, tuple[str, str]]:
     return {card.subject: (card.statement, card.detail) for card in report(contents).cards}
 
 
-def section(contents: Contents, heading: str) -> Section:
+def section(contents: Contents, heading: str) -> ReportSection:
     return next(section for section in report(contents).sections if section.heading == heading)
 
 

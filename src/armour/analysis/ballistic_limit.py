@@ -165,12 +165,14 @@ def not_monotonic(limit: LimitResult) -> tuple[str, ...]:
 def find_crossings(scenario: Scenario, points: int, on_progress: OnProgress) -> tuple[tuple[Crossing, ...], int, bool]:
     """Return the changes of the outcome that the scan sees, the impacts computed, and whether the lowest perforates."""
     section, armour = scenario.ballistic_limit, scenario.core_armour()
-    solver = search.Solver(scenario.solver.arrest_velocity_m_s, scenario.solver.time_step, scenario.solver.max_steps)
+    solver = search.RunSettings(
+        scenario.solver.arrest_velocity_m_s, scenario.solver.time_step, scenario.solver.max_steps
+    )
     velocities = search.scan(section.velocity_min_m_s, section.velocity_max_m_s, points)
     crossings: list[Crossing] = []
     runs = 0
 
-    def count(more: int, last: search.Impact | search.SearchResult, velocity: float) -> None:
+    def count(more: int, last: search.Trial | search.SearchResult, velocity: float) -> None:
         nonlocal runs
         runs += more
         on_progress(more, None)

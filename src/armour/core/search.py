@@ -25,7 +25,7 @@ SCAN_POINTS = 33
 DENSE_SCAN_POINTS = 1025
 
 
-class Solver(NamedTuple):
+class RunSettings(NamedTuple):
     """Settings of a run, see `armour.core.run.run`."""
 
     V_arrest: float
@@ -34,7 +34,7 @@ class Solver(NamedTuple):
     tolerance: float = TOLERANCE
 
 
-class Impact(NamedTuple):
+class Trial(NamedTuple):
     """An impact and its outcome."""
 
     V: float  # impact velocity, m/s
@@ -58,11 +58,11 @@ def scan(low: float, high: float, points: int = SCAN_POINTS) -> list[float]:
     return [low, *(low * ratio ** (i / last) for i in range(1, last)), high]
 
 
-def impact(p: Parameters, V: float, solver: Solver) -> Impact:
+def impact(p: Parameters, V: float, solver: RunSettings) -> Trial:
     """Compute the impact at a velocity, m/s."""
     end = run(p, V, solver.dt, solver.V_arrest, solver.max_steps, None, solver.tolerance)
     perforated, resolved = end.outcome == Outcome.PERFORATED, end.outcome != Outcome.UNRESOLVED
-    return Impact(V, perforated, resolved, residual_energy(end, p, V, solver.V_arrest))
+    return Trial(V, perforated, resolved, residual_energy(end, p, V, solver.V_arrest))
 
 
 def residual_energy(end: Run, p: Parameters, V: float, V_arrest: float) -> float:
@@ -98,8 +98,8 @@ def find_ballistic_limit(
     of `armour.core.run.run`.  An unresolved run is both ends of the bracket.  Rough runs find about where the limit is:
     the usual ones start from there unless they contradict them.
     """
-    solver = Solver(V_arrest, dt, max_steps, TOLERANCE)
-    rough = scanned_limit(p, velocities, ROUGH_WIDTH, Solver(V_arrest, dt, max_steps, ROUGH))
+    solver = RunSettings(V_arrest, dt, max_steps, TOLERANCE)
+    rough = scanned_limit(p, velocities, ROUGH_WIDTH, RunSettings(V_arrest, dt, max_steps, ROUGH))
     runs = rough.runs
     if rough.resolved and -inf < rough.low and rough.high < inf:
         below = impact(p, rough.low * (1.0 - ROUGH_ERROR), solver)
@@ -112,10 +112,10 @@ def find_ballistic_limit(
     return SearchResult(found.low, found.high, found.runs + runs, found.resolved)
 
 
-def scanned_limit(p: Parameters, velocities: Sequence[float], tolerance: float, solver: Solver) -> SearchResult:
+def scanned_limit(p: Parameters, velocities: Sequence[float], tolerance: float, solver: RunSettings) -> SearchResult:
     """Find the ballistic limit by runs of one kind, see `find_ballistic_limit`."""
     first = first_scanned(p, velocities)
-    below = Impact(-inf, False, True, 0.0)
+    below = Trial(-inf, False, True, 0.0)
     for i in range(first, len(velocities)):
         above = impact(p, velocities[i], solver)
         runs = i - first + 1
@@ -132,7 +132,7 @@ def scanned_limit(p: Parameters, velocities: Sequence[float], tolerance: float, 
     return SearchResult(below.V, inf, len(velocities) - first, True)
 
 
-def narrowed_change(p: Parameters, below: Impact, above: Impact, tolerance: float, solver: Solver) -> SearchResult:
+def narrowed_change(p: Parameters, below: Trial, above: Trial, tolerance: float, solver: RunSettings) -> SearchResult:
     """Narrow a change of the outcome between two impacts to a tolerance, m/s."""
     runs = 0
     b = bracket(above.V * above.V, above.f, below.V * below.V, below.f)
@@ -153,7 +153,7 @@ def find_least_ceramic_thickness(
     The result brackets the negative thickness, -Hc0, m, so that its upper end perforates.  ``p.Hc0`` is not used;
     ``tolerance`` is the width of the final bracket, m.
     """
-    solver = Solver(V_arrest, dt, max_steps, TOLERANCE)
+    solver = RunSettings(V_arrest, dt, max_steps, TOLERANCE)
     thinnest = impact(with_thickness(p, thin), Vi, solver)
     if not thinnest.resolved or not thinnest.perforated:
         return SearchResult(-thin if thinnest.resolved else -inf, inf, 1, thinnest.resolved)

@@ -18,7 +18,7 @@ import numpy as np
 from scipy.special import ndtri
 
 from armour.analysis.variants import Floats
-from armour.statistics.posterior import Grid, Posterior, normalised
+from armour.statistics.posterior import Posterior, V50Grid, normalised
 
 # Nodes of the distance between the velocity in question and the required one, in scatters, which is the hyperbolic sine
 # of a normal variable, and of the scatter, which is log-normal; the standard deviation of the former, and the ends of
@@ -32,7 +32,7 @@ EDGE_NODES, EDGE_SCATTERS, EDGE_WEIGHT = 41, (1e-3, 0.5), 1e-12
 class Demand(NamedTuple):
     """Curves that meet a requirement, that do not, and that just meet it, with half of the weight on either side."""
 
-    grid: Grid
+    grid: V50Grid
     log_weights: Floats  # (points,)
     met: Floats  # (points,): 1 where a curve meets it, 0 where it does not, 0.5 where it just does
 
@@ -57,5 +57,5 @@ def demand_of(requirement_m_s: float, fraction: float, scatter_m_s: float, scatt
     scatter = np.append(np.tile(scatter_m_s * np.exp(log(scatter_factor) * deviation), NODES[0]), of_edge)
     weights = np.exp(-0.5 * np.add.outer((place / SPREAD) ** 2, deviation**2)).ravel()
     weights = np.append(weights / weights.sum(), np.full(EDGE_NODES, EDGE_WEIGHT))
-    grid = Grid(requirement_m_s + (distance - float(ndtri(fraction))) * scatter, scatter, (1, len(scatter)))
+    grid = V50Grid(requirement_m_s + (distance - float(ndtri(fraction))) * scatter, scatter, (1, len(scatter)))
     return Demand(grid, np.log(weights), 0.5 + 0.5 * np.sign(distance))

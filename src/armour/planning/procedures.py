@@ -23,8 +23,8 @@ from armour.statistics.posterior import (
     PLAUSIBLE,
     SCATTER_FACTOR,
     FiringPrior,
-    Grid,
     Posterior,
+    V50Grid,
     expected,
     is_above,
     posterior_of,
@@ -301,7 +301,7 @@ def stopped_bayesian(shots: Shots, settings: ShotSettings) -> str:
     return f"{answer}, at a {side}'s risk of at most {100.0 * (1.0 - settings.confidence):.4g} %"
 
 
-def decisions(weights: Floats, grid: Grid, settings: ShotSettings) -> Ints:
+def decisions(weights: Floats, grid: V50Grid, settings: ShotSettings) -> Ints:
     """Return 1 where a requirement is met, -1 where it is not and 0 where it is open, by n distributions, (n,)."""
     if demand := settings.demand():
         for_it, against = (demand.ratios(weights) * (1.0 - settings.confidence) >= 1.0).T
@@ -311,7 +311,7 @@ def decisions(weights: Floats, grid: Grid, settings: ShotSettings) -> Ints:
     return for_it.astype(int) - against
 
 
-def target(grid: Grid, settings: ShotSettings) -> Floats:
+def target(grid: V50Grid, settings: ShotSettings) -> Floats:
     """Return what is to become known, at the points of a grid."""
     if settings.requirement_m_s is None:
         return grid.v50_m_s

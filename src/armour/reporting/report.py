@@ -27,7 +27,7 @@ class Card(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Section:
+class ReportSection:
     """A heading with paragraphs, text of a file or a command, pictures, tables, and notes on named things, in order.
 
     Tables have their titles where there are several.  HTML has the pictures, and folds what only explains the answer.
@@ -50,7 +50,7 @@ class Report:
 
     title: str
     lead: str  # the verdict, if there is one
-    sections: tuple[Section, ...]
+    sections: tuple[ReportSection, ...]
     cards: tuple[Card, ...] = ()
     warnings: tuple[str, ...] = ()
     cross_section: Scenario | None = None  # of the armour that is drawn to scale
@@ -64,14 +64,14 @@ class Report:
         return in_two_lines(self.warnings, "below")[0]
 
 
-def origin_section(command: str, words: str = "", scenario: Scenario | None = None) -> Section:
+def origin_section(command: str, words: str = "", scenario: Scenario | None = None) -> ReportSection:
     """Return the section on the command that makes a report, the scenario and the programs it depends on."""
     versions = [("armour", __version__), ("model", MODEL_VERSION), ("Python", sys.version.split()[0])]
     versions += installed(PACKAGES)
     table = Table((Column("program"), Column("version")), tuple(versions))
     content = f"SHA-256 of the scenario's content: {scenario.digest()}" if scenario else ""
     paragraphs = (*filter(None, (words, content)), "Made by:")
-    return Section("Command and versions", paragraphs, command, "console", tables=(table,), folded=True)
+    return ReportSection("Command and versions", paragraphs, command, "console", tables=(table,), folded=True)
 
 
 def reference_notes(texts: Iterable[str]) -> tuple[tuple[str, str], ...]:
@@ -122,7 +122,7 @@ def markdown_report(report: Report) -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def _section(section: Section) -> list[str]:
+def _section(section: ReportSection) -> list[str]:
     parts = [f"## {markdown_text(section.heading)}", *(markdown_text(words) for words in section.paragraphs)]
     if section.code:
         parts.append(_fenced(section.code, section.language))

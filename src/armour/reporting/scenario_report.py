@@ -21,7 +21,7 @@ from armour.errors import NoLimitError, Note
 from armour.evidence.model_error import given_error
 from armour.evidence.tests import armour_of
 from armour.reporting.lookup import drawing_of
-from armour.reporting.report import Card, Report, Section, origin_section, reference_notes
+from armour.reporting.report import Card, Report, ReportSection, origin_section, reference_notes
 from armour.reporting.table import Column, Table, column_of, in_words, listing
 from armour.reporting.text import interval, percent
 from armour.reporting.views import check as check_view
@@ -298,7 +298,7 @@ def _warnings(contents: Contents) -> Iterator[str]:
         yield from (f"the model error is {text}" for text in extrapolation(error))
 
 
-def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Section]:
+def _sections(contents: Contents, command: str, map_command: str) -> Iterator[ReportSection]:
     """Give the sections: first the answer, then, folded, what explains it."""
     design, scenario, answer = contents.design, contents.scenario, contents.answer
     what_ifs = [check_view.what_if_table(of, of.threat) for of in contents.check.threats]
@@ -306,43 +306,47 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Se
     exact = "With exact inputs." if contents.sampled else ""
     several = f"Against {contents.threat.threat}." if what_ifs else ""
     needed = flow_stress_notes(contents.threat.flow_stress, contents.threat.threat)
-    yield Section(
+    yield ReportSection(
         "Threats",
         tuple(f"{answer.armour_words()} {note}" if not place else note for place, note in enumerate(needed)),
         tables=(_threats(contents),),
     )
-    yield Section("What if", tuple(filter(None, (several, exact))), tables=(first,))
+    yield ReportSection("What if", tuple(filter(None, (several, exact))), tables=(first,))
     if design is not None:
         hint = ("This command makes an interactive page of all designs:",) if map_command else ()
         # The title of the map is the answer, which the report begins with.
         drawing = drawing_of(design, "draw_map", title="")
-        yield Section("Map of the designs", hint, map_command, "console", pictures=(drawing,))
-    yield Section("Assumptions and limits", notes=ASSUMPTIONS)
+        yield ReportSection("Map of the designs", hint, map_command, "console", pictures=(drawing,))
+    yield ReportSection("Assumptions and limits", notes=ASSUMPTIONS)
     entries = list(filter(None, map(answer.entry_of, ROLES)))
     [(evidence, _)] = armour_of(answer).by_evidence()
     error = contents.confidence.model_error
     used = evidence.source if error is not None and given_error(answer) is None else ""
     cited = [value.source for entry in entries for value in entry.values.values()]
-    yield Section("References", notes=reference_notes(("[Paper]", used, *cited)))
+    yield ReportSection("References", notes=reference_notes(("[Paper]", used, *cited)))
     if what_ifs:
         others = what_ifs[0].title if len(what_ifs) == 1 else "the other threats"
-        yield Section(f"What if, against {others}", tables=tuple(what_ifs), folded=True)
+        yield ReportSection(f"What if, against {others}", tables=tuple(what_ifs), folded=True)
     if design is not None:
         yield _search(design)
     if (sampled := contents.uncertainty) is not None:
         table = uncertainty_view.estimate_table(sampled)
-        yield Section("Results under uncertain inputs", pictures=(drawing_of(sampled),), tables=(table,), folded=True)
+        yield ReportSection(
+            "Results under uncertain inputs", pictures=(drawing_of(sampled),), tables=(table,), folded=True
+        )
     yield _impact(contents)
     elasticities = sensitivity_view.elasticity_table(contents.sensitivity)
     drawing = drawing_of(contents.sensitivity, title="")
-    yield Section("Sensitivity to the inputs", pictures=(drawing,), tables=(elasticities,), folded=True, drawn=True)
+    yield ReportSection(
+        "Sensitivity to the inputs", pictures=(drawing,), tables=(elasticities,), folded=True, drawn=True
+    )
     values = Column("quantity", prose=True)
     tables = (
         replace(entry_table(entry, values, in_words), title=f"{entry.kind.capitalize()}: {entry.name}")
         for entry in entries
     )
-    yield Section("Values and their sources", tables=tuple(tables), folded=True)
-    yield Section("Scenario", code=scenario.to_toml(), language="toml", folded=True)
+    yield ReportSection("Values and their sources", tables=tuple(tables), folded=True)
+    yield ReportSection("Scenario", code=scenario.to_toml(), language="toml", folded=True)
     yield origin_section(command, _which_armour(contents), contents.scenario)
 
 
@@ -373,17 +377,17 @@ def _required(found: CheckedThreat) -> str:
     return words if found.required_probability is not None else f"limit above {words}"
 
 
-def _search(design: DesignResult) -> Section:
+def _search(design: DesignResult) -> ReportSection:
     """Return how the best design compares with others."""
     tables = [design_view.pair_table(design) if len(design.pairs) > 1 else design_view.frontier_table(design)]
     heading = "Pairs of materials" if len(design.pairs) > 1 else "Required ceramic for each back plate"
     if design.pareto:
         tables.append(design_view.pareto_table(design))
     pictures = (drawing_of(design, "draw_front"),) if design.pareto else ()
-    return Section(heading, pictures=pictures, tables=tuple(tables), folded=True)
+    return ReportSection(heading, pictures=pictures, tables=tuple(tables), folded=True)
 
 
-def _impact(contents: Contents) -> Section:
+def _impact(contents: Contents) -> ReportSection:
     """Return the impact stage by stage, with where the projectile's energy goes."""
     energy = energy_balance(contents.answer, contents.impact)
     words = (
@@ -403,7 +407,7 @@ def _impact(contents: Contents) -> Section:
     )
     # The table has the stages in words.
     drawing = drawing_of(contents.impact, note="")
-    return Section("The impact, stage by stage", (words,), pictures=(drawing,), tables=(table,), folded=True)
+    return ReportSection("The impact, stage by stage", (words,), pictures=(drawing,), tables=(table,), folded=True)
 
 
 def _which_armour(contents: Contents) -> str:

@@ -105,7 +105,7 @@ def pooled_scatter(
     logarithm = -0.5 * (BETWEEN[:, None] ** 2 + ((log_ratio - middle) / deviation) ** 2)
     for velocities, complete in firings:
         v50 = np.linspace(min(velocities) * (1.0 - BEYOND_SHOTS), max(velocities) * (1.0 + BEYOND_SHOTS), POOL_NODES[0])
-        grid = Grid.over(v50, log_ratio)
+        grid = V50Grid.over(v50, log_ratio)
         likelihood = np.exp(grid.log_likelihood(velocities, complete)).reshape(grid.shape).mean(axis=0)
         logarithm += np.log(np.maximum(spread @ likelihood, 1e-300))
     weights = normalised(logarithm)
@@ -128,7 +128,7 @@ def expected(values: Floats, weights: Floats) -> Any:
     return np.einsum("...p,...p->...", values, weights)
 
 
-class Grid(NamedTuple):
+class V50Grid(NamedTuple):
     """Points of V50 and scatter, m/s, with the scatter varying fastest."""
 
     v50_m_s: Floats  # (points,)
@@ -165,7 +165,7 @@ class Grid(NamedTuple):
 class Posterior(NamedTuple):
     """Grid with the probability of each point."""
 
-    grid: Grid
+    grid: V50Grid
     weights: Floats  # (points,)
 
     def estimate(self, confidence: float) -> FiringEstimate:
@@ -201,7 +201,7 @@ class Posterior(NamedTuple):
         return float(expected(is_above(self.grid, velocity_m_s, fraction), self.weights))
 
 
-def is_above(grid: Grid, velocity_m_s: float, fraction: float) -> Floats:
+def is_above(grid: V50Grid, velocity_m_s: float, fraction: float) -> Floats:
     """Return 1 at the points where the velocity at which a fraction of shots perforates exceeds a velocity, else 0.
 
     Between neighbouring V50s it goes from 0 to 1 linearly.
@@ -236,7 +236,7 @@ def _posterior_of(
     ranges = [_v50_range(prior, velocities_m_s), (middle - reach, middle + reach)]
     for _ in range(NARROWINGS):
         v50, log_ratio = (np.linspace(*ends, count) for ends, count in zip(ranges, nodes, strict=True))
-        grid = Grid.over(v50, log_ratio)
+        grid = V50Grid.over(v50, log_ratio)
         logarithm = prior.log_density(grid.v50_m_s, np.tile(log_ratio, nodes[0]))
         logarithm += grid.log_likelihood(velocities_m_s, complete)
         kept = (logarithm > logarithm.max() - DEPTH).reshape(nodes)

@@ -9,7 +9,7 @@ from armour import __version__
 from armour.analysis.quantities import QUANTITIES
 from armour.reporting.junit import TestCase, junit_suite, junit_xml
 from armour.reporting.lookup import drawing_of
-from armour.reporting.report import Report, Section, origin_section
+from armour.reporting.report import Report, ReportSection, origin_section
 from armour.reporting.table import Column, Table, column_of, listing
 from armour.reporting.text import Verdict, number
 from armour.statistics.measured import LIMIT
@@ -300,18 +300,20 @@ def report(result: SuiteResult, command: str = "") -> Report:
     sources = {name: _source(checks) for name, checks in check_groups(result).items()}
     sections = []
     if (usable := usable_table(result)).rows:
-        sections.append(Section("Errors of computed limits", (USABLE,), tables=(usable,)))
+        sections.append(ReportSection("Errors of computed limits", (USABLE,), tables=(usable,)))
     if drawn_checks(result):
-        sections.append(Section("Computed and expected values", pictures=(drawing_of(result),)))
+        sections.append(ReportSection("Computed and expected values", pictures=(drawing_of(result),)))
     sections += [
-        Section(table.title[:1].upper() + table.title[1:], sources.get(table.title, ()), tables=(table,), folded=True)
+        ReportSection(
+            table.title[:1].upper() + table.title[1:], sources.get(table.title, ()), tables=(table,), folded=True
+        )
         for table in suite_tables(result)
     ]
     single = [check for check in result.checks if check.status != "not scored" and not check.case.group]
     unscored = [check for check in result.checks if check.status == "not scored" and not check.in_group]
     for heading, checks in (("Reasons for the bands", single), ("Shown but not scored", unscored)):
         if notes := note_rows(checks):
-            sections.append(Section(heading, notes=tuple(notes), folded=True))
+            sections.append(ReportSection(heading, notes=tuple(notes), folded=True))
     if command:
         sections.append(origin_section(command))
     scored = result.count("within", *FAILED) > 0
