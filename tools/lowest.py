@@ -10,7 +10,5 @@ project = tomllib.loads(Path("pyproject.toml").read_text(encoding="utf-8"))["pro
 for requirement in chain(project["dependencies"], *project["optional-dependencies"].values()):
     found = re.fullmatch(r"([\w-]+)>=([\d.]+)(; python_version < '[\d.]+')?", requirement)
     if found is None:
-        sys.exit(
-            f"pyproject.toml: {requirement}: must be a name, >= and the lowest version, and perhaps the Pythons that it is for"
-        )
+        sys.exit(f"pyproject.toml: {requirement}: must be a name, >=, the lowest version and perhaps a marker")
     print(f"{found[1]}=={found[2]}")
