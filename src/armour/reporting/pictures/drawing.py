@@ -267,7 +267,7 @@ def points(axes: Axes, x: Any, y: Any, words: Sequence[str] = (), *, filled: boo
         axes.autoscale_view()
 
 
-def ranges(axes: Axes, x: Any, y: Any, ends: Sequence[tuple[float, float]], colour: str, along: str = "x") -> None:
+def ranges(axes: Axes, x: Any, y: Any, ends: Sequence[Sequence[float]], colour: str, along: str = "x") -> None:
     """Draw ranges along an axis through points; a range need not contain its point."""
     low, high = np.sort(np.array(ends, float), axis=1).T
     # As lists: matplotlib 3.10 converts arrays of one element in a way that numpy deprecates.

@@ -76,7 +76,7 @@ def _draw_panel(axes: Axes, figure: Figure) -> None:
         xs, ys = zip(*mark.points, strict=True)
         colour = colours.get(mark.of, drawing.SOFT)
         if mark.x_ends:
-            drawing.ranges(axes, xs, ys, list(mark.x_ends), colour)
+            drawing.ranges(axes, xs, ys, mark.x_ends, colour)
         drawing.points(axes, xs, ys, marker=marker, markersize=size, color=colour, label=drawing.legible(mark.label))
     shown = [value for values in figure.curves.values() for value in values if value is not None]
     if shown and min(shown) < 0.3 * max(shown):
