@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 from pydantic import BaseModel
 
+from armour.core import equations
 from armour.errors import InputError
 from armour.scenario.library import IN_COMMON, MEASURED, VARIED, OwnTests
 from armour.scenario.scenario import Scenario, load_scenario, parse_scenario
@@ -232,3 +233,29 @@ def test_the_content_identifies_a_scenario_not_its_words(folder: Path):
     assert str(whole) == str(whole.replaced({"solver.arrest_velocity_m_s": 3.0}))
     assert whole.digest() != whole.replaced({"solver.arrest_velocity_m_s": 3.0}).digest()
     assert parse_scenario(content, folder=folder).digest() == whole.digest()
+
+
+def interrupted_after_a_chunk(output: Path) -> None:
+    def interrupt(_rows: int, _stored: bool) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        write_sweep(load_scenario("wilkins"), GRID, QUANTITIES[:1], output, size=1, on_chunk=interrupt)
+    assert output.with_name(f"{output.name}.parts").exists()
+
+
+@pytest.mark.parametrize("replaced_first", [True, False])
+def test_rows_with_and_without_a_replaced_equation_are_not_mixed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, replaced_first: bool
+):
+    output, velocity = tmp_path / "t.csv", equations.crack_velocity
+    with monkeypatch.context() as replaced:
+        if replaced_first:
+            replaced.setattr(equations, "crack_velocity", lambda Ec, rho_c: 0.5 * velocity(Ec, rho_c))
+        interrupted_after_a_chunk(output)
+    with monkeypatch.context() as replaced:
+        if not replaced_first:
+            replaced.setattr(equations, "crack_velocity", lambda Ec, rho_c: 0.5 * velocity(Ec, rho_c))
+        with pytest.raises(InputError, match="rows of another sweep, which differs in program"):
+            write_sweep(load_scenario("wilkins"), GRID, QUANTITIES[:1], output, size=1)
+    assert not output.exists()

@@ -43,8 +43,6 @@ def check_outputs(
     ``tables`` are those of the outputs that are CSV.  ``junit`` replaces a file that this program has written as JUnit
     XML.  ``updated`` is an input and an output.
     """
-    from armour.reporting.junit import is_junit_of_armour
-
     problems = [] if plot is None else wrong_ending(plot, PLOT_ENDINGS)
     for table in tables:
         # Streams and pipes have no ending.
@@ -57,7 +55,7 @@ def check_outputs(
     for path in filter(isfile, new):
         if any(exists(source) and os.path.samefile(path, source) for source in sources):
             problems.append(Problem(str(path), "", "must not be the file that is read; choose another name"))
-        elif not (force or (path == junit and is_junit_of_armour(path))):
+        elif not (force or (path == junit and _is_junit_of_armour(path))):
             problems.append(Problem(str(path), "", "exists already; choose another name, or --force"))
     if updated is not None and isfile(updated) and updated.stat().st_nlink > 1:
         message = "must have no second name (hard link), which would keep what it has now; use a symbolic link"
@@ -67,6 +65,12 @@ def check_outputs(
         twice = dict.fromkeys(str(path) for path in resolved if resolved.count(path) > 1)
         problems += (Problem(path, "", "must not be written twice; choose another name") for path in twice)
     refuse(problems)
+
+
+def _is_junit_of_armour(path: Path) -> bool:
+    from armour.reporting.junit import is_junit_of_armour  # imports a parser of XML
+
+    return is_junit_of_armour(path)
 
 
 def read_scenario(

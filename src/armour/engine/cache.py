@@ -105,12 +105,11 @@ def kernel(name: str) -> Kernel:
             except Exception as error:  # whatever a numba raises that does not fit numpy, Python or the machine
                 first_line, *_ = f"{error}\n".splitlines()
                 reason = f"numba does not work: {first_line}"
-        if not reason:
-            return _kernels[name]
-        if reason not in _said:
+                _kernels[name] = getattr(loops, name)
+        if reason and reason not in _said:
             log.warning("computing in plain Python, about a hundred times slower: %s", reason)
             _said.add(reason)
-        loop: Kernel = getattr(loops, name)
+        loop: Kernel = getattr(loops, name) if reason else _kernels[name]
         return loop
 
 
