@@ -36,7 +36,8 @@ OUTSIDE = {"contributing.md": "CONTRIBUTING.md", "changes.md": "CHANGELOG.md"}
 # Weight in the search, by folder or page: pages that answer a question come before those that list names, and those on
 # the project itself last.
 WEIGHTS = {"howto": 10.0, "learn": 1.0, "tutorials": 3.0, "reference": 0.1, "reference/api": 0.02}
-WEIGHTS |= dict.fromkeys(["changes.md", "contributing.md", "design.md", "performance.md", "study.ipynb"], 0.02)
+WEIGHTS |= dict.fromkeys(["changes.md", "contributing.md", "design.md", "performance.md", "study.ipynb", "campaigns.md"], 0.02)
+WEIGHTS |= dict.fromkeys(["left-out.md", "own-tests.md"], 0.02)
 # Pictures that the pages filled so far show, by their place in the site.
 PICTURES: dict[str, str] = {}
 
@@ -152,14 +153,15 @@ def _anchor(heading: str) -> str:
 
 
 def library(kind: Any) -> str:
-    """Return a table of the entries of a kind, which marks what is tested and has links to the values."""
+    """Return a table of the entries of a kind, with what each was tested with and links to the values."""
     table = threat_table(named_threats()) if kind == "threat" else library_table(armour.shipped_library(), kind)
     head, rule, *rows = (line.split(" | ", 1) for line in markdown_table(table).splitlines())
-    lines = [f"{head[0]} | tested | {head[1]}", f"{rule[0]} | --- | {rule[1]}"]
+    lines = [f"{head[0]} | tested with | {head[1]}", f"{rule[0]} | --- | {rule[1]}"]
     for (name, *cells), (_, values) in zip(table.texts(), rows, strict=True):
         key = ("projectile", cells[1]) if kind == "threat" else (kind, name)
-        mark = "yes" if key in tested_with() else ""
-        lines.append(f"| [{name}](library/{kind}s.md#{_anchor(name)}) | {mark} | {values}")
+        first, *others = tested_with().get(key, [""])
+        tests = f"{first} and {len(others)} more" if others else first
+        lines.append(f"| [{name}](library/{kind}s.md#{_anchor(name)}) | {tests} | {values}")
     return "\n".join(lines)
 
 
