@@ -8,12 +8,12 @@ from armour.core.rk4 import state_within, step
 from armour.core.stages import first_stage, rates, with_intact_strength
 from armour.core.state import Outcome, Parameters, Stage, State
 
-# Greatest error of a step by its third-order method: of depth over the armour, of the length over that of the rod, and
-# of the velocity over that of impact, together.
+# Greatest error of a step, estimated by its third-order method: the sum of the errors of the depth over the armour's
+# thickness, of the length over that at impact, and of the velocities over the impact velocity.
 TOLERANCE = 4e-7
-# Part of the step that this error allows which is taken, and limits of the change from one step to the next, as usual.
+# Usual step control: the part of the allowed step that is taken, and the limits of the change from step to step.
 SAFETY, LEAST_CHANGE, GREATEST_CHANGE = 0.9, 0.2, 5.0
-# First step as a part of the time in which the projectile crosses its diameter.
+# First step, as a part of the time in which the projectile moves by its diameter.
 FIRST_STEP = 0.1
 
 
@@ -45,11 +45,11 @@ def run(
     trace: list[Instant] | None = None,
     tolerance: float = TOLERANCE,
 ) -> Run:
-    """Integrate one impact at Vi, m/s, by steps of dt, s, or for 0 by steps of the error that a tolerance allows.
+    """Integrate one impact at Vi, m/s, with fixed steps of dt, s, or, if dt is 0, with steps whose error is controlled.
 
-    A step is divided at an event; the rest of a given one follows it.  The projectile counts as stopped below
-    ``V_arrest``, m/s.  A run of ``max_steps`` steps ends as `Outcome.UNRESOLVED`.  ``trace`` receives every instant,
-    from impact to end.
+    An event ends a step early; the rest of a fixed step follows it.  The projectile counts as stopped below
+    ``V_arrest``, m/s.  A run that takes ``max_steps`` steps ends as `Outcome.UNRESOLVED`.  ``trace`` receives every
+    instant from impact to end.
     """
     p = with_intact_strength(p)
     t = 0.0
@@ -66,22 +66,22 @@ def run(
         if steps == max_steps:
             return Run(Outcome.UNRESOLVED, t, y, steps, 0.0)
         steps += 1
-        tried = step(t, y, k, s, p, length)
+        trial = step(t, y, k, s, p, length)
         if not fixed:
-            change = allowed_change(tried.error, p, Vi, tolerance)
-            length = tried.dt * change
+            change = allowed_change(trial.error, p, Vi, tolerance)
+            length = trial.dt * change
             if change < SAFETY:
                 continue
-        g_end = event_functions(t + tried.dt, tried.y_end, s, p, V_arrest)
-        event, x = first_event(tried, g, g_end, s, p, V_arrest)
-        t += x * tried.dt
+        g_end = event_functions(t + trial.dt, trial.y_end, s, p, V_arrest)
+        event, x = first_event(trial, g, g_end, s, p, V_arrest)
+        t += x * trial.dt
         if fixed:
-            length = (1.0 - x) * tried.dt if event >= 0 and x < 1.0 else dt
+            length = (1.0 - x) * trial.dt if event >= 0 and x < 1.0 else dt
         ended = s
         if event < 0:
-            y, k, g = tried.y_end, tried.k_end, g_end
+            y, k, g = trial.y_end, trial.k_end, g_end
         else:
-            y = state_within(y, k, tried.y_end, tried.k_end, tried.dt, x)
+            y = state_within(y, k, trial.y_end, trial.k_end, trial.dt, x)
             y, s, outcome = after_event(event, y, s, p)
             k, g = rates(y, s, p), event_functions(t, y, s, p, V_arrest)
         if trace is not None:
@@ -92,7 +92,7 @@ def run(
 
 
 def allowed_change(error: State, p: Parameters, Vi: float, tolerance: float) -> float:
-    """Return the factor for the length of the next step; the error is too great if it is below `SAFETY`."""
+    """Return the factor from a step's length to the next one's; the step is repeated if it is below `SAFETY`."""
     worst = abs(error.Z) / (p.Hc0 + p.Hb) + abs(error.L) / p.L0 + (abs(error.V) + abs(error.W)) / Vi
     worst /= tolerance
     if worst == 0.0:

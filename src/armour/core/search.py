@@ -14,8 +14,8 @@ from armour.core.roots import MOST_TRIALS, bracket, narrowed, next_point
 from armour.core.run import TOLERANCE, Run, run
 from armour.core.state import Outcome, Parameters, with_ceramic
 
-# Tolerance of rough runs, the part of a limit by which they may miss it, as usual runs tell, and the width, m/s, to
-# which they narrow it.
+# Rough runs: their tolerance, the part of a limit by which they may miss it, which usual runs check, and the width,
+# m/s, to which they narrow it.
 ROUGH, ROUGH_ERROR, ROUGH_WIDTH = 1e-4, 1e-3, 1.0
 # Energy that a projectile that stops lacks at least, as a part of its own: its sign is that of the outcome.
 SMALL = 1e-14
@@ -46,8 +46,8 @@ class Trial(NamedTuple):
 class SearchResult(NamedTuple):
     """Result of a search."""
 
-    low: float  # highest point found to be stopped; -inf if none
-    high: float  # lowest point found to perforate; inf if none
+    low: float  # highest point that is stopped; -inf if there is none
+    high: float  # lowest point that perforates; inf if there is none
     runs: int
     resolved: bool  # every run ended within the maximum number of steps
 
@@ -82,7 +82,7 @@ def residual_energy(end: Run, p: Parameters, V: float, V_arrest: float) -> float
 
 
 def first_scanned(p: Parameters, velocities: Sequence[float]) -> int:
-    """Return the place of the highest velocity of a scan that lacks the energy to perforate, or 0."""
+    """Return the index of the highest velocity of a scan that lacks the energy to perforate, or 0."""
     i = 0
     while i + 1 < len(velocities) and not may_perforate(p, velocities[i + 1]):
         i += 1
@@ -94,9 +94,9 @@ def find_ballistic_limit(
 ) -> SearchResult:
     """Find the ballistic limit: the lowest change of the outcome that a scan of velocities, m/s, sees.
 
-    It is none if the lowest velocity perforates.  ``tolerance`` is the width of the final bracket, m/s; ``dt`` is that
-    of `armour.core.run.run`.  An unresolved run is both ends of the bracket.  Rough runs find about where the limit is:
-    the usual ones start from there unless they contradict them.
+    There is no limit if the lowest velocity perforates.  ``tolerance`` is the width of the final bracket, m/s; ``dt``
+    is that of `armour.core.run.run`.  An unresolved run is both ends of the bracket.  Rough runs locate the limit; the
+    usual ones narrow it from there, or scan again if they contradict the rough ones.
     """
     solver = RunSettings(V_arrest, dt, max_steps, TOLERANCE)
     rough = scanned_limit(p, velocities, ROUGH_WIDTH, RunSettings(V_arrest, dt, max_steps, ROUGH))
@@ -106,10 +106,10 @@ def find_ballistic_limit(
         above = impact(p, rough.high * (1.0 + ROUGH_ERROR), solver)
         runs += 2
         if below.resolved and above.resolved and above.perforated and not below.perforated:
-            found = narrowed_change(p, below, above, tolerance, solver)
-            return SearchResult(found.low, found.high, found.runs + runs, found.resolved)
-    found = scanned_limit(p, velocities, tolerance, solver)
-    return SearchResult(found.low, found.high, found.runs + runs, found.resolved)
+            change = narrowed_change(p, below, above, tolerance, solver)
+            return SearchResult(change.low, change.high, change.runs + runs, change.resolved)
+    limit = scanned_limit(p, velocities, tolerance, solver)
+    return SearchResult(limit.low, limit.high, limit.runs + runs, limit.resolved)
 
 
 def scanned_limit(p: Parameters, velocities: Sequence[float], tolerance: float, solver: RunSettings) -> SearchResult:
@@ -126,8 +126,8 @@ def scanned_limit(p: Parameters, velocities: Sequence[float], tolerance: float, 
                 return SearchResult(-inf, above.V, runs, True)
             if i == first:  # by the bound the velocity does not perforate: rounding
                 below = impact(p, velocities[i - 1], solver)
-            found = narrowed_change(p, below, above, tolerance, solver)
-            return SearchResult(found.low, found.high, found.runs + runs, found.resolved)
+            change = narrowed_change(p, below, above, tolerance, solver)
+            return SearchResult(change.low, change.high, change.runs + runs, change.resolved)
         below = above
     return SearchResult(below.V, inf, len(velocities) - first, True)
 
@@ -137,11 +137,11 @@ def narrowed_change(p: Parameters, below: Trial, above: Trial, tolerance: float,
     runs = 0
     b = bracket(above.V * above.V, above.f, below.V * below.V, below.f)
     while abs(b.x2 - b.x1) > 2.0 * below.V * tolerance and runs < MOST_TRIALS:
-        tried = impact(p, sqrt(next_point(b, 1.9 * below.V * tolerance)), solver)
+        trial = impact(p, sqrt(next_point(b, 1.9 * below.V * tolerance)), solver)
         runs += 1
-        if not tried.resolved:
-            return SearchResult(tried.V, tried.V, runs, False)
-        b = narrowed(b, tried.V * tried.V, tried.f)
+        if not trial.resolved:
+            return SearchResult(trial.V, trial.V, runs, False)
+        b = narrowed(b, trial.V * trial.V, trial.f)
     return SearchResult(sqrt(min(b.x1, b.x2)), sqrt(max(b.x1, b.x2)), runs, True)
 
 
@@ -164,11 +164,11 @@ def find_least_ceramic_thickness(
     runs = 2
     while abs(b.x2 - b.x1) > tolerance and runs < MOST_TRIALS:
         x = next_point(b, 0.95 * tolerance)
-        tried = impact(with_thickness(p, -x), Vi, solver)
+        trial = impact(with_thickness(p, -x), Vi, solver)
         runs += 1
-        if not tried.resolved:
+        if not trial.resolved:
             return SearchResult(-inf, inf, runs, False)
-        b = narrowed(b, x, tried.f)
+        b = narrowed(b, x, trial.f)
     return SearchResult(min(b.x1, b.x2), max(b.x1, b.x2), runs, True)
 
 
