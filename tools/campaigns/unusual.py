@@ -124,7 +124,8 @@ def compare_limits(name: str, designs: Variants) -> tuple[int, str]:
         limits = ballistic_limits(designs, (LOW, HIGH), tolerance=TOLERANCE, points=points)
         stopped = limits - TOLERANCE
         # A bracket may contain the perforated end of the scan's.
-        same = (limits >= low) & (stopped < high) | beyond[:, 0] & np.isneginf(limits)
+        within = (limits >= low) & (stopped < high)
+        same = within | beyond[:, 0] & np.isneginf(limits) | ~beyond.any(axis=1) & np.isposinf(limits)
         lower = np.flatnonzero(~same & (limits < low))
         ends = [designs.at(lower)._replace(velocities=end[lower]) for end in (stopped, limits)]
         confirmed = int((~perforated(ends[0]) & perforated(ends[1])).sum()) if len(lower) else 0
