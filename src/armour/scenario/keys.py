@@ -76,6 +76,11 @@ def leaves(value: object, parts: Parts = ()) -> Iterator[tuple[Parts, object]]:
         yield parts, value
 
 
+def values_by_key(changes: Mapping[str, object]) -> dict[Parts, object]:
+    """Return the values that changes set, by key, without the tables that hold them."""
+    return {leaf: value for key, content in changes.items() for leaf, value in leaves(content, parts_of(key))}
+
+
 def not_a_key(file: str, key: str) -> Problem:
     """Return the problem that a text is no key."""
     example = 'armour.ceramic_thickness_mm or library.projectile."7.62 mm AP"'

@@ -34,7 +34,7 @@ from armour.scenario.inputs import (
     fields_of,
     inputs_of_entry,
 )
-from armour.scenario.keys import Parts, key_name, leaves, parts_of
+from armour.scenario.keys import Parts, key_name, leaves, parts_of, values_by_key
 from armour.scenario.library import (
     KINDS,
     ROD,
@@ -219,29 +219,6 @@ class Scenario(Section):
         except InputError as error:
             found = [problem._replace(key=names.get(problem.key, problem.key)) for problem in error.problems]
             raise InputError(found) from None
-
-    def bases_of(self, kind: Kind, name: str) -> list[str]:
-        """Return an entry and those that it is based on, one on the next, up to the first from outside the scenario."""
-        own: Mapping[str, Entry] = getattr(self.library, kind)
-        chain: dict[str, None] = {}
-        base: str | None = name
-        while base is not None and base not in chain:
-            chain[base] = None
-            base = own[base].based_on if base in own else None
-        return list(chain)
-
-    def input_of(self, parts: Parts) -> str:
-        """Return the input whose value changes with that of a key of the section [library]; "" if none does."""
-        kind, name, key = parts[:3] if len(parts) > 2 else ("", "", "")
-        entry = self.entries.entries.get(kind, {}).get(name)  # type: ignore[call-overload]
-        own = self.inputs()
-        for factor in (1.01, 0.99) if entry and key in entry.values else ():  # one of them is within the bounds
-            try:
-                other = self.replaced({key_name(("library", kind, name, key)): factor * entry[key] or 0.01}).inputs()
-            except InputError:
-                continue
-            return next((name for name in own if own[name] != other[name]), "")
-        return ""
 
     def core_armour(self) -> Parameters:
         """Return projectile and armour as parameters of the core, SI units; thicknesses along the line of fire."""
@@ -534,7 +511,7 @@ def parse_changed(data: Mapping[str, Any], *changes: Mapping[str, object], file:
         inputs |= {key_name(leaf): value for leaf, value in leaves(changed({}, by_role, file))}
         rest = {key: value for key, value in group.items() if key not in by_role}
         data = _based(changed(data, rest, file), data, rest, file, folder)
-        set_values = {leaf: value for key, given in rest.items() for leaf, value in leaves(given, parts_of(key))}
+        set_values = values_by_key(rest)
         data = _with_new_threat(data, set_values)
         data = changed(data, _sourced(set_values, file), file)
     scenario = _made(_Source(deepcopy(dict(data)), file, folder))
