@@ -560,7 +560,8 @@ def _resolved(
 
 def _completed(kind: Kind, name: str, entry: Entry, base: LibraryEntry | None, file: str) -> LibraryEntry:
     """Return an entry with the values of its base and derived ones, in the order of the keys of its kind."""
-    values = {key: base.values[key] for key in base.values if key not in base.derived} if base else {}
+    base = base or LibraryEntry(kind, name, description="", values={}, origin=name)
+    values = {key: value for key, value in base.values.items() if key not in base.derived}
     for key, value in entry.values().items():
         values[key] = value if value.source else value.model_copy(update={"source": file})
     derived = []
@@ -569,13 +570,17 @@ def _completed(kind: Kind, name: str, entry: Entry, base: LibraryEntry | None, f
         for key in derived:
             factor, source = DEFAULTS[key]
             values[key] = Value[float](value=factor * strength.value, source=source)
-    ordered = {key: values[key] for key in VALUE_KEYS[kind] if key in values}
-    description = entry.description or (base.description if base else "")
-    evidence = entry.evidence or (base.evidence if base else None)
-    origin = base.origin if base else name
-    sources = getattr(entry, SOURCES, ()) or (base.flow_stress_sources_GPa if base else ())
     return LibraryEntry(
-        kind, name, description, ordered, frozenset(derived), file, entry.aliases, evidence, origin, sources
+        kind,
+        name,
+        entry.description or base.description,
+        {key: values[key] for key in VALUE_KEYS[kind] if key in values},
+        frozenset(derived),
+        file,
+        entry.aliases,
+        entry.evidence or base.evidence,
+        base.origin,
+        getattr(entry, SOURCES, ()) or base.flow_stress_sources_GPa,
     )
 
 
