@@ -25,13 +25,13 @@ def check_effect(
     keys: Iterable[Parts],
     scenarios: Sequence[tuple[Scenario, Collection[str]]],
     file: str,
-    what: str = "the answer",
+    computed: str = "the answer",
     option: str = "",
 ) -> None:
     """Check that each key affects a computation on one of some scenarios, each with what is read of it.
 
-    A key of the library must be of an entry that a scenario uses.  `what` is computed, and `option` precedes a key in
-    messages.
+    A key of the library must be of an entry that a scenario uses.  In messages, `computed` says what is computed, and
+    `option` precedes a key.
     """
     entries = {entry for scenario, _ in scenarios for entry in _entries_of(scenario)}
     reads = {name for scenario, names in scenarios for name in _read_of(scenario, names)}
@@ -43,11 +43,11 @@ def check_effect(
             message = f"must be an entry of the library that the scenario uses{hint}"
             problems[key[:3]] = Problem(file, option + key_name(key[:3]), message)
         elif not is_read(key, reads):
-            problems[key] = Problem(file, option + key_name(key), NO_EFFECT.format(what))
+            problems[key] = Problem(file, option + key_name(key), NO_EFFECT.format(computed))
     refuse(problems.values())
 
 
-def check_columns(scenario: Scenario, keys: Sequence[str], reads: Collection[str], file: str, what: str) -> None:
+def check_columns(scenario: Scenario, keys: Sequence[str], reads: Collection[str], file: str, computed: str) -> None:
     """Check that keys that vary from row to row set inputs that the scenario has, and no two of them the same one."""
     # No row has a ceramic, and no search varies its thickness.
     is_bare = scenario.armour.ceramic_thickness_mm == 0.0 and CERAMIC not in keys and "optimise" not in reads
@@ -57,7 +57,7 @@ def check_columns(scenario: Scenario, keys: Sequence[str], reads: Collection[str
         parts = parts_of(key)
         name = _input_set_by(scenario, parts) if parts[0] == "library" else key
         if not name:
-            problems.append(Problem(file, key, NO_EFFECT.format(what)))
+            problems.append(Problem(file, key, NO_EFFECT.format(computed)))
         elif name.startswith("ceramic.") and is_bare:
             problems.append(Problem(file, key, f"must not be given if {CERAMIC} is 0"))
         elif setters.setdefault(name, key) != key:
