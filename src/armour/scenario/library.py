@@ -369,17 +369,23 @@ def hint(name: str, entries: Iterable[LibraryEntry], names: Iterable[str]) -> st
     either, at descriptions, as with "alumina".
     """
     entries = list(entries)
-    all_names = [(entry.name, *entry.aliases) for entry in entries]
-    descriptions = [(entry.description,) for entry in entries]
-    for part, texts in ((name, all_names), (re.split("[ -]", name)[0], all_names), (name, descriptions)):
-        alike = [
-            entry
-            for entry, words in zip(entries, texts, strict=True)
-            if part and any(part.casefold() in text.casefold() for text in words)
-        ]
+    first_part = re.split("[ -]", name)[0]
+    for alike in (_named(name, entries), _named(first_part, entries), _described(name, entries)):
         if 0 < len(alike) <= MOST_ALIKE:
             return CHOOSE + ", ".join(map(_in_short, alike))
     return suggestion(name, list(names)) or "; armour library lists them"
+
+
+def _named(text: str, entries: Iterable[LibraryEntry]) -> list[LibraryEntry]:
+    """Return the entries with a text in one of their names."""
+    return [
+        entry for entry in entries if text and text.casefold() in "\n".join((entry.name, *entry.aliases)).casefold()
+    ]
+
+
+def _described(text: str, entries: Iterable[LibraryEntry]) -> list[LibraryEntry]:
+    """Return the entries with a text in their description."""
+    return [entry for entry in entries if text and text.casefold() in entry.description.casefold()]
 
 
 def _in_short(entry: LibraryEntry) -> str:
@@ -477,9 +483,7 @@ class Library:
             return namesakes
         names = [known_name for kind in KINDS for known_name in self.known(kind)]
         entries = [entry for kind in KINDS for entry in self.entries[kind].values()]
-        for texts in ([" ".join((e.name, *e.aliases)) for e in entries], [e.description for e in entries]):
-            pairs = zip(entries, texts, strict=True)
-            alike = [entry for entry, text in pairs if name and name.casefold() in text.casefold()]
+        for alike in (_named(name, entries), _described(name, entries)):
             if len(alike) == 1:
                 return alike
         raise KeyError(f'no entry of the library is called "{name}"{hint(name, entries, names)}')

@@ -1,7 +1,6 @@
 """Scenarios: reading, validation and conversion to the core's parameters."""
 
 import json
-from collections import ChainMap
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from functools import cached_property
@@ -68,8 +67,6 @@ from armour.scenario.threats import THREAT_KEYS
 from armour.units import MM, missing_unit
 
 if TYPE_CHECKING:
-    import ast
-
     import numpy as np
     from numpy.typing import NDArray
 
@@ -603,20 +600,14 @@ def _meanings() -> dict[str, dict[str, str]]:
         tree = ast.parse(getsource(import_module(f"armour.scenario.{module}")))
         for section in tree.body:
             if isinstance(section, ast.ClassDef):
-                inherited = [meanings.get(base.id, {}) for base in section.bases if isinstance(base, ast.Name)]
-                meanings[section.name] = dict(ChainMap(_stated_meanings(section), *inherited))
+                bases = [base.id for base in section.bases if isinstance(base, ast.Name)]
+                inherited = {key: words for base in bases for key, words in meanings.get(base, {}).items()}
+                meanings[section.name] = inherited | {
+                    ast.unparse(field.target): " ".join(ast.literal_eval(below.value).split())
+                    for field, below in pairwise(section.body)
+                    if isinstance(field, ast.AnnAssign) and isinstance(below, ast.Expr)
+                }
     return meanings
-
-
-def _stated_meanings(section: "ast.ClassDef") -> dict[str, str]:
-    """Return the docstrings below the keys of a class."""
-    import ast
-
-    return {
-        ast.unparse(field.target): " ".join(ast.literal_eval(below.value).split())
-        for field, below in pairwise(section.body)
-        if isinstance(field, ast.AnnAssign) and isinstance(below, ast.Expr)
-    }
 
 
 def scenario_schema() -> dict[str, Any]:
