@@ -13,11 +13,11 @@ from armour.errors import InputError, Problem, choices, mistake, refuse
 from armour.files import csv_value, reason, table_file
 from armour.units import missing_unit
 
-# More rows than tests or shots that anyone has made; their fits take about a minute.
+# Greatest number of rows, more than the tests or shots of anyone; their fits take about a minute.
 MAX_ROWS = 100_000
-# Longer than any line of numbers; a device such as /dev/zero has no end of line.
+# Greatest length of a line; a device such as /dev/zero has no end of line.
 MAX_LINE = 100_000
-# Pairs of words of people for what a shot did, in lower case: the armour stopped it, or was perforated.
+# Pairs of words, in lower case, for an armour that stopped a shot and for one that was perforated.
 OUTCOMES = (
     ("stopped", "perforated"),
     ("partial", "complete"),
@@ -68,32 +68,32 @@ def read_rows(
     """
     lines = list(islice(lines, MAX_ROWS + 2))
     if not lines:
-        columns = f" with {' and '.join(needed)}" if needed else ""
-        raise mistake(file, "", f"must have a header{columns}, found an empty file")
+        needed_columns = f" with {' and '.join(needed)}" if needed else ""
+        raise mistake(file, "", f"must have a header{needed_columns}, found an empty file")
     if len(lines) > MAX_ROWS + 1:
         raise mistake(file, "", f"must have at most {MAX_ROWS} rows below its header, found more")
     header = lines[0][1]
     check_header(file, *lines[0])
-    known = [*numbers, *texts]
+    columns = [*numbers, *texts]
     wrong = [
-        Problem(file, name or "header", f"unknown column{missing_unit(name, known) or choices(name, known)}")
+        Problem(file, name or "header", f"unknown column{missing_unit(name, columns) or choices(name, columns)}")
         for name in dict.fromkeys(header)
-        if name not in known
+        if name not in columns
     ]
     wrong += (Problem(file, name, "is missing and must be a column") for name in needed if name not in header)
     rows: list[CsvRow] = []
     problems: list[Problem] = []
-    seen: dict[tuple[str, ...], str] = {}
+    places: dict[tuple[str, ...], str] = {}
     for place, cells in lines[1:]:
         if len(cells) != len(header):
             problems.append(Problem(file, place, wrong_width(cells, header)))
             continue
-        if tuple(cells) in seen:
-            message = f"repeats {seen[tuple(cells)]}; if both took place, name them in the column {texts[0]}"
+        if tuple(cells) in places:
+            message = f"repeats {places[tuple(cells)]}; if both took place, name them in the column {texts[0]}"
             problems.append(Problem(file, place, message))
-        seen[tuple(cells)] = place
-        named = zip(header, cells, strict=True)
-        row = CsvRow(place, {}, {name: csv_value(cell) if name in texts else cell for name, cell in named if cell})
+        places[tuple(cells)] = place
+        filled = {name: cell for name, cell in zip(header, cells, strict=True) if cell}
+        row = CsvRow(place, {}, {name: csv_value(cell) if name in texts else cell for name, cell in filled.items()})
         for name in filter(row.texts.get, numbers):
             if (value := number(row.texts[name])) is not None:
                 row.numbers[name] = value
@@ -143,10 +143,10 @@ def lines_of(table: str | PathLike[str] | Rows) -> tuple[str, Iterator[Line]]:
         path = table_file(table)
         return str(path), ((f"line {number}", cells) for number, cells in read_csv(path))
     columns: Any = getattr(table, "columns", None)
-    found: Any = table
+    frame: Any = table
     try:
         # A data frame gives its columns, and anything else its rows.
-        records = found if columns is None else zip(*(found[name] for name in columns), strict=True)
+        records = frame if columns is None else zip(*(frame[name] for name in columns), strict=True)
         rows = [dict(row) if columns is None else dict(zip(columns, row, strict=True)) for row in records]
     except (TypeError, ValueError):
         message = f"must be a path, rows as mappings, or a data frame, found a {type(table).__name__}"
@@ -168,10 +168,10 @@ def in_line_order(problems: Iterable[Problem]) -> list[Problem]:
 
 
 def check_header(file: str, place: str, header: Sequence[str]) -> None:
-    """Raise an InputError for a header that semicolons or tabs divide, or that names a column twice."""
-    found = [name for mark, name in ((";", "semicolons"), ("\t", "tabs")) if mark in "".join(header)]
-    if found and len(header) == 1:
-        message = f"must separate columns by commas and write decimals with points, found {found[0]}"
+    """Raise an InputError if semicolons or tabs divide a header, or if it names a column twice."""
+    separators = [name for mark, name in ((";", "semicolons"), ("\t", "tabs")) if mark in "".join(header)]
+    if separators and len(header) == 1:
+        message = f"must separate columns by commas and write decimals with points, found {separators[0]}"
         raise mistake(file, place, message)
     message = "must be the name of one column, found several"
     twice = [name for name in dict.fromkeys(header) if header.count(name) > 1]
@@ -179,7 +179,7 @@ def check_header(file: str, place: str, header: Sequence[str]) -> None:
 
 
 def wrong_width(cells: Sequence[str], header: Sequence[str]) -> str:
-    """Return what is wrong with a row that has not as many cells as the header."""
+    """Return what is wrong with a row that has more or fewer cells than the header."""
     hint = "; write decimals with points, and texts with commas in quotes" if len(cells) > len(header) else ""
     return f"must have {len(header)} cells as the header has, found {len(cells)}{hint}"
 

@@ -13,13 +13,13 @@ from difflib import get_close_matches
 from os import PathLike
 from typing import NamedTuple, Self
 
-# Known words beyond which none is suggested, as each wrong word is compared with all of them.
+# Greatest number of names of which one is suggested, as a wrong name is compared with each of them.
 MAX_WORDS = 1000
-# What a list of them follows in a message.
+# Precedes a list of names in a message.
 CHOOSE = "; choose from "
-# Names that a sentence lists.
+# Greatest number of names in a sentence.
 MAX_NAMES = 7
-# Mistakes of a kind that are shown; a script may make thousands.
+# Greatest number of mistakes shown; a script may make thousands.
 MAX_PROBLEMS = 20
 
 
@@ -62,10 +62,10 @@ class Note(str):
     brief: str
 
     def __new__(cls, text: str, key: str = "", brief: str = "") -> Self:
-        """Make the warning of its text and its key."""
-        made = super().__new__(cls, f"{key}: {text}" if key else text)
-        made.key, made.text, made.brief = key, text, brief
-        return made
+        """Make a warning; see the attributes."""
+        note = super().__new__(cls, f"{key}: {text}" if key else text)
+        note.key, note.text, note.brief = key, text, brief
+        return note
 
 
 class ArmourError(Exception):
@@ -108,17 +108,17 @@ def mistake(file: str | PathLike[str], key: str, message: str) -> InputError:
 
 def refuse(problems: Iterable[Problem]) -> None:
     """Raise an InputError if there are problems."""
-    if found := tuple(problems):
-        raise InputError(found)
+    if listed_problems := tuple(problems):
+        raise InputError(listed_problems)
 
 
 def _listed_once(problems: Iterable[Problem]) -> Iterator[Problem]:
-    """Yield the problems; a list of choices that several have stands in the first of them only."""
-    listed = set[str]()
+    """Yield the problems; a list of choices that several of them have is left to the first."""
+    lists = set[str]()
     for problem in problems:
         message, _, names = problem.message.partition(CHOOSE)
-        yield problem._replace(message=message) if names in listed else problem
-        listed.update({names} if names else ())
+        yield problem._replace(message=message) if names and names in lists else problem
+        lists.add(names)
 
 
 def listed(names: Sequence[str]) -> str:
@@ -128,32 +128,32 @@ def listed(names: Sequence[str]) -> str:
 
 
 def in_two_lines(warnings: Sequence[str], where: str) -> list[str]:
-    """Return warnings in two lines at most: what is outside what the model was compared with, and the first other one.
+    """Return warnings in at most two lines: what lies outside the tests of the model, and the first other warning.
 
-    The words say where the others are.
+    `where` says, in words, where all of them are.
     """
-    outside = [each for each in warnings if isinstance(each, Note) and each.brief]
-    others = [each for each in warnings if each not in outside]
-    briefs = list(dict.fromkeys(each.brief for each in outside))
-    found: list[str] = list(outside[:1])
+    outside = [warning for warning in warnings if isinstance(warning, Note) and warning.brief]
+    others = [warning for warning in warnings if warning not in outside]
+    briefs = list(dict.fromkeys(warning.brief for warning in outside))
+    lines: list[str] = list(outside[:1])
     if len(briefs) > 1:
-        found = [f"outside what the model was compared with: {listed(briefs)}; explained {where}"]
+        lines = [f"outside what the model was compared with: {listed(briefs)}; explained {where}"]
     more = len(others) - 1
-    return [*found, *(f"{each}; {more} more {where}" if more > 0 else each for each in others[:1])]
+    return [*lines, *(f"{warning}; {more} more {where}" if more > 0 else warning for warning in others[:1])]
 
 
-def suggestion(word: str, known: Sequence[str]) -> str:
-    """Return a hint at the known word closest to a given one, such as '; did you mean "AD85"?'; "" if none is close."""
-    if len(known) > MAX_WORDS:
+def suggestion(word: str, names: Sequence[str]) -> str:
+    """Return a hint at the name closest to a wrong one, such as '; did you mean "AD85"?'; "" if none is close."""
+    if len(names) > MAX_WORDS:
         return ""
-    by_lower = {name.lower(): name for name in known}
-    # A name with every word that is given is closer than one with other words.
+    by_lower = {name.lower(): name for name in names}
+    # A name that contains every part of the word is closer than any other.
     parts = {*word.lower().split()}
     whole = [name for name in by_lower if parts and parts <= {*name.replace(",", " ").split()}]
-    found = get_close_matches(word.lower(), whole or list(by_lower), n=1, cutoff=0.0 if whole else 0.6)
-    return f'; did you mean "{by_lower[found[0]]}"?' if found else ""
+    closest = get_close_matches(word.lower(), whole or list(by_lower), n=1, cutoff=0.0 if whole else 0.6)
+    return f'; did you mean "{by_lower[closest[0]]}"?' if closest else ""
 
 
-def choices(word: str, known: Sequence[str]) -> str:
-    """Return a hint at the known word closest to a given one, or at all known words if none is close."""
-    return suggestion(word, known) or f"{CHOOSE}{', '.join(known)}"
+def choices(word: str, names: Sequence[str]) -> str:
+    """Return a hint at the name closest to a wrong one, or at all names if none is close."""
+    return suggestion(word, names) or f"{CHOOSE}{', '.join(names)}"

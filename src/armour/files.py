@@ -19,11 +19,11 @@ from armour.errors import Problem, mistake, refuse, suggestion
 # Beginnings of a cell that a spreadsheet takes for a formula.
 FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n")
 
-# Longer than any scenario or library; a device such as /dev/zero has no end.
+# Greatest length of a file; a device such as /dev/zero has no end.
 MAX_BYTES = 10_000_000
-# Deeper than any table.
+# Greatest depth of the tables in a file.
 MAX_DEPTH = 50
-# Characters of a line with an error that are shown.
+# Greatest number of characters shown of a line with an error.
 MAX_SHOWN = 80
 
 _PACKAGE = Path(__file__).resolve().parent
@@ -61,24 +61,24 @@ def shipped_notebooks() -> dict[str, Path]:
     return {path.name: path for path in shipped_files("docs", ".ipynb").values()}
 
 
-def located(path: Path, known: Mapping[str, Path], listed: str = "") -> Path:
-    """Return the file at a path or, where there is none, the one that is known by this name.
+def located(path: Path, files: Mapping[str, Path], hint: str = "") -> Path:
+    """Return the file at a path or, where there is none, the shipped file of this name.
 
-    If there is neither, raise an InputError with the closest name, and with where the names are `listed` or all names.
+    If there is neither, raise an InputError with the closest name and a hint, by default all names.
     """
     name = path.as_posix()
     try:
-        if not (stat.S_ISDIR(os.stat(path).st_mode) and name in known):
+        if not (stat.S_ISDIR(os.stat(path).st_mode) and name in files):
             return path
     except (OSError, ValueError) as error:
-        if name not in known:
-            own = path.with_suffix(".toml")
-            if os.path.isfile(own):
-                raise mistake(path, "", f'cannot be read: {reason(error)}; did you mean "{own}"?') from None
-            hint = suggestion(path.with_suffix("").as_posix(), [*known]) or suggestion(path.stem, [*known])
-            listed = listed or f"; shipped are {', '.join(known)}"
-            raise mistake(path, "", f"cannot be read: {reason(error)}{hint}{listed}") from None
-    return known[name]
+        if name not in files:
+            with_ending = path.with_suffix(".toml")
+            if os.path.isfile(with_ending):
+                raise mistake(path, "", f'cannot be read: {reason(error)}; did you mean "{with_ending}"?') from None
+            closest = suggestion(path.with_suffix("").as_posix(), [*files]) or suggestion(path.stem, [*files])
+            hint = hint or f"; shipped are {', '.join(files)}"
+            raise mistake(path, "", f"cannot be read: {reason(error)}{closest}{hint}") from None
+    return files[name]
 
 
 def table_file(path: str | PathLike[str]) -> Path:
@@ -165,11 +165,11 @@ def csv_value(cell: str) -> str:
 
 
 def wrong_ending(path: Path, endings: Sequence[str]) -> list[Problem]:
-    """Return the problem of an output file that has none of some endings, such as ".csv"; [] if it has one."""
+    """Return the problem of an output file that does not end in one of some endings, such as ".csv", or []."""
     if path.suffix.lower() in endings:
         return []
-    listed = " or ".join(filter(None, (", ".join(endings[:-1]), endings[-1])))
-    return [Problem(str(path), "", f"must end in {listed}, found {path.suffix or 'no ending'}")]
+    words = " or ".join(filter(None, (", ".join(endings[:-1]), endings[-1])))
+    return [Problem(str(path), "", f"must end in {words}, found {path.suffix or 'no ending'}")]
 
 
 def unwritable(path: Path) -> list[Problem]:
@@ -209,7 +209,7 @@ def write_file(path: Path, content: bytes) -> None:
     part = target.with_name(f".armour-{secrets.token_hex(8)}")
     try:
         if _is_stream(path):
-            # A reader that goes away wants no more.
+            # The reader may have closed the pipe.
             with suppress(BrokenPipeError):
                 path.write_bytes(content)
             return
@@ -227,10 +227,10 @@ def write_file(path: Path, content: bytes) -> None:
 
 
 def exchangeable(folder: Path, writable: int, *, by_owners: bool = False) -> bool:
-    """Return whether another user could put another folder in the place of one.
+    """Return whether another user could replace a folder by another one.
 
-    He could if the mode of the folder, or of one above it, has bits of ``writable`` and is not sticky or, where owners
-    count, if it is not this user's, root's or that of the owner of this user's home.
+    This is so if the mode of the folder, or of one above it, has bits of ``writable`` and no sticky bit or, with
+    ``by_owners``, if its owner is not this user, root or the owner of this user's home.
     """
     if not hasattr(os, "geteuid"):
         return False
@@ -247,7 +247,7 @@ def exchangeable(folder: Path, writable: int, *, by_owners: bool = False) -> boo
 
 
 def make_private(folder: Path) -> bool:
-    """Make a folder that only this user can enter; return whether it is one that no other user can have changed."""
+    """Make a folder that only this user can enter; return False if there is one that others may have changed."""
     with suppress(FileExistsError):
         folder.mkdir(mode=0o700)
     status = folder.lstat()

@@ -1,6 +1,6 @@
 """Conversion factors from the units of files and tables to SI: multiply to convert to SI, divide to convert back."""
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 
 MM = 1e-3
 G = 1e-3
@@ -33,7 +33,7 @@ def words_and_unit(key: str) -> tuple[str, str]:
     return name.replace("_", " "), ""
 
 
-def missing_unit(name: str, known: Iterable[str]) -> str:
-    """Return a hint at the known name that differs from a given one only by a unit at its end; "" if there is none."""
-    found = [other for other in known if any(other == name + ending for ending in ENDINGS)]
-    return f"; its unit is missing: {found[0]}" if found else ""
+def missing_unit(name: str, names: Sequence[str]) -> str:
+    """Return a hint at the name that differs from a wrong one only by a unit at its end; "" if there is none."""
+    complete = next((f"{name}{ending}" for ending in ENDINGS if f"{name}{ending}" in names), "")
+    return f"; its unit is missing: {complete}" if complete else ""

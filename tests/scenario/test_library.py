@@ -10,7 +10,7 @@ from armour.scenario.library import (
     shipped_library,
 )
 from armour.scenario.scenario import parse_scenario
-from tests.helpers.cases import data, scenario
+from tests.helpers.cases import data
 
 
 def extended(tables: dict[str, Any]) -> Library:
@@ -99,42 +99,19 @@ def test_every_mistake_in_the_tables_is_reported():
 
 
 def test_a_law_of_the_flow_stress():
-    """Coefficients are from -3 to 3, may be 0, and are inherited; a ceramic need not have them."""
+    """Coefficients may be 0, and are inherited; a ceramic need not have them."""
     law = {"flow_stress_backing_exponent": -3, "flow_stress_ceramic_slope": {"value": 0.1, "status": "fitted"}}
     tables = {"a": {"based_on": "AD85", **law}, "b": {"based_on": "a", "flow_stress_backing_exponent": 0}}
     [entry] = extended({"ceramic": tables}).find("b")
     assert list(entry.values)[2:] == ["flow_stress_GPa", *law]
     assert (entry["flow_stress_backing_exponent"], entry["flow_stress_ceramic_slope"]) == (0.0, 0.1)
-    assert messages({"ceramic": {"c": {"based_on": "AD85", "flow_stress_product_exponent": 3.1}}}) == [
-        "f.toml: ceramic.c.flow_stress_product_exponent: must be at most 3, found 3.1"
-    ]
-    assert messages({"metal": {"m": {"based_on": "6061-T6", "flow_stress_backing_slope": -0.5}}}) == [
-        'f.toml: metal.m.flow_stress_backing_slope: unknown key; did you mean "flow_stress_GPa"?'
-    ]
 
 
-def test_bases_that_are_not_there_or_lead_back():
-    assert messages({"ceramic": {"a": {"based_on": "AD86"}}}) == [
-        'f.toml: ceramic.a.based_on: must name a ceramic of the library, found "AD86"; did you mean "AD85"?'
-    ]
+def test_bases_that_lead_back():
     loop = {"a": {"based_on": "b"}, "b": {"based_on": "a"}, "c": {"based_on": "a"}, "free": {"based_on": "6061-T6"}}
     found = messages({"metal": loop})
     assert len(found) == 3
     assert all("must not lead back" in message for message in found)
-
-
-def test_values_that_are_missing_are_all_named_once():
-    tables = {"a": {"density_kg_m3": 3000}, "b": {"based_on": "a"}}
-    missing = "is missing and must be given, or based_on an entry that has it"
-    assert messages({"ceramic": tables}) == [
-        f"f.toml: ceramic.a.youngs_modulus_GPa: {missing}",
-        f"f.toml: ceramic.a.flow_stress_GPa: {missing}",
-    ]
-
-
-def test_a_mass_in_the_wrong_unit_is_noticed():
-    tables = {"projectile": {"p": {"based_on": "7.62 mm AP", "penetrator_mass_g": 5460}}}
-    assert "is it in g?" in messages(tables)[0]
 
 
 @pytest.mark.parametrize("name", ["5083", "5083-h32"])
@@ -154,27 +131,11 @@ def test_a_name_that_is_like_none_is_an_error_with_the_nearest():
         shipped_library().find("AD86")
 
 
-def test_a_name_that_is_none_hints_at_descriptions_and_the_list():
-    for name, message in (
-        ("carbide", r'found "carbide"; choose from SiC \(flow stress 9 GPa\), B4C'),
-        ("stone", 'found "stone"; armour library lists them'),
-    ):
-        with pytest.raises(InputError, match=message):
-            scenario(ceramic=name)
-
-
 def test_an_alias_names_one_entry_and_what_it_replaces_is_noted(tmp_path: Path):
     mine = {"based_on": "7.62 mm APM2", "aliases": [".30 APM2"]}
     library = extended({"projectile": {"mine": mine}})
     assert library.notes == ("f.toml: projectile.mine: replaces the .30 APM2 of the shipped library",)
     assert library.entry("projectile", ".30 APM2").name == "mine"
-    assert messages({"ceramic": {"a": {"based_on": "AD85", "aliases": ["AD99.5"]}}}) == [
-        'f.toml: ceramic.a.aliases: must be names of this entry alone, found "AD99.5", a name of "AD99.5" too'
-    ]
-    twice = {name: {"based_on": "AD85", "aliases": ["x"]} for name in ("a", "b")}
-    assert messages({"ceramic": twice}) == [
-        'f.toml: ceramic.b.aliases: must be names of this entry alone, found "x", a name of "a" too'
-    ]
     for name in ("a", "b"):
         (tmp_path / f"{name}.toml").write_text(f'[ceramic.{name}]\nbased_on = "AD85"\naliases = ["x"]\n')
     with pytest.raises(InputError, match=r'library\.files\[1\]: must not name "b.toml": like .*, it defines .* "x"'):

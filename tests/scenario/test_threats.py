@@ -1,8 +1,5 @@
 from typing import Any
 
-import pytest
-
-from armour.errors import InputError
 from armour.scenario.library import shipped_library
 from armour.scenario.scenario import load_scenario, parse_scenario, scenario_schema
 from armour.scenario.threats import named_threats
@@ -45,20 +42,6 @@ def test_a_threat_that_is_set_replaces_the_values_of_the_file():
     assert load_scenario("wilkins", {"impact.threat": LEVEL_3, "impact.velocity_m_s": 1.0}).impact.velocity_m_s == 1.0
 
 
-@pytest.mark.parametrize(
-    ("values", "message"),
-    [
-        ({"threat": "STANAG 4569 level 3"}, r'impact: threat must name .*did you mean "STANAG 4569 level 3, B32"'),
-        ({"threat": 3}, "impact.threat: must be a text in quotes"),
-        ({"threat": LEVEL_3, "obliquity_deg": 61.0}, r"impact\.obliquity_deg: must be at most 60, found 61"),
-        ({"threat": LEVEL_3, "obliquity_deg": -1.0}, r"impact\.obliquity_deg: must be at least 0, found -1"),
-    ],
-)
-def test_mistakes(values: dict[str, Any], message: str):
-    with pytest.raises(InputError, match=message):
-        parse_scenario(impact(**values))
-
-
 def test_editors_accept_a_threat_in_place_of_round_and_velocity():
     section = scenario_schema()["$defs"]["Impact"]
     assert section["anyOf"] == [{"required": ["threat"]}, {"required": ["projectile", "velocity_m_s"]}]
@@ -76,10 +59,3 @@ def test_rounds_are_found_under_the_names_of_their_users():
 def test_an_angle_is_told_what_it_leaves_out():
     [note] = load_scenario("wilkins", {"impact.obliquity_deg": 30.0}).notes
     assert "ricochet, yaw and bending of the core are not in the model" in note
-
-
-def test_threats_have_names_of_their_own():
-    """A report would show the what-ifs of one under the name of the other."""
-    threats = [{"name": "X", "projectile": "7.62 mm AP", "velocity_m_s": velocity} for velocity in (700.0, 900.0)]
-    with pytest.raises(InputError, match=r'threat\[1\]\.name: must be different for each threat, found "X" twice'):
-        parse_scenario({**data(), "threat": threats})

@@ -19,9 +19,9 @@ from armour.core.equations import cross_section
 from armour.core.state import Outcome
 from armour.engine import batch
 from armour.errors import InputError, Problem, choices, refuse
-from armour.scenario.inputs import INPUTS, NAMING
-from armour.scenario.keys import canonical
-from armour.scenario.reach import check_reach
+from armour.scenario.effect import check_columns, check_effect
+from armour.scenario.inputs import INPUTS, NAMING, ROUND_AND_ARMOUR
+from armour.scenario.keys import canonical, parts_of
 from armour.scenario.scenario import EXACT_INPUTS, Place, Scenario, in_row
 from armour.units import MM, G
 
@@ -82,7 +82,9 @@ def check_keys(scenario: Scenario, row: Mapping[str, float | str], quantities: S
         made = scenario.replaced({key: value for key, value in row.items() if key not in INPUTS})
     except InputError:
         return  # the check of the rows reports it
-    check_reach(made, list(row), reads_of(quantities), file, " or ".join(quantities))
+    reads, computed = {*ROUND_AND_ARMOUR, *reads_of(quantities)}, " or ".join(quantities)
+    check_effect(map(parts_of, row), [(made, reads)], file, computed)
+    check_columns(made, list(row), reads, file, computed)
 
 
 def groups_of(scenario: Scenario, columns: Mapping[str, Floats]) -> list[Group]:

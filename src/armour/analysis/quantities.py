@@ -15,7 +15,7 @@ REQUIRED = (
     "the least thickness in its range of [optimise] that stops the projectile with the scenario's other layer (total: "
     "both in proportion; areal density: of that ceramic on the scenario's back plate); none if no thickness does"
 )
-# What a quantity depends on besides projectile, armour, model and solver, see `armour.scenario.reach`.
+# What a quantity depends on besides projectile, armour, model and solver, see `armour.scenario.effect`.
 OF_IMPACT, OF_LIMIT, OF_GRID = ("impact",), ("ballistic_limit",), ("impact", "optimise")
 STOPPING = ("impact", "ballistic_limit", *OF_ERROR)
 DESIGNS = (

@@ -5,7 +5,7 @@ import os
 import shlex
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from os.path import exists, isfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -87,8 +87,9 @@ def read_scenario(
     value of an option is a problem of the command line.
     """
     from armour.scenario.changes import changes_of
+    from armour.scenario.effect import check_effect
     from armour.scenario.inputs import VELOCITY
-    from armour.scenario.reach import check_read, check_used, read_of
+    from armour.scenario.keys import values_by_key
     from armour.scenario.scenario import parse_changed, scenario_file
 
     changes = changes_of(assignments or ())
@@ -108,25 +109,21 @@ def read_scenario(
         loaded = parse_changed(data, changes, file=file, folder=folder)
     except InputError as error:
         raise InputError([_blamed(each, options) if each.file == file else each for each in error.problems]) from None
-    read = read_of(loaded, reads)
     if VELOCITY in changes and "ballistic_limit" in reads and "impact" not in reads:
         # Who looks at an armour with simulate goes on with the same command line.
         say(f"note: --set {VELOCITY}: has no effect: {what} does not depend on it")
-        read.add(VELOCITY)
-    check_read(changes, read, what)
-    check_used(changes, loaded)
+        reads = {*reads, VELOCITY}
+    check_effect(values_by_key(changes), [(loaded, reads)], "command line", what, "--set ")
     return loaded
 
 
-def accepted(changes: Iterable[str], reads: Collection[str]) -> Iterator[str]:
-    """Yield those changes of ``--set`` that a command with such ``reads`` accepts."""
+def accepted(changes: Iterable[str], reads: Collection[str]) -> list[str]:
+    """Return those changes of ``--set`` that a command with such ``reads`` accepts."""
     from armour.scenario.changes import changes_of
-    from armour.scenario.reach import check_read
+    from armour.scenario.effect import is_read
+    from armour.scenario.keys import values_by_key
 
-    for change in changes:
-        with suppress(InputError):
-            check_read(changes_of([change]), reads)
-            yield change
+    return [change for change in changes if all(is_read(key, reads) for key in values_by_key(changes_of([change])))]
 
 
 def scenario_paths(sources: Iterable[Path]) -> list[Path]:

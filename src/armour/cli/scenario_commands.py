@@ -64,7 +64,7 @@ if TYPE_CHECKING:
 CONFIDENCE = ("design.confidence", "Required probability of stopping each threat, such as 0.95.")
 # Keys of a design that a check reads.
 CHECK = ("design.confidence", "design.thickness_tolerance_mm")
-# What a ballistic limit depends on, see `armour.scenario.reach`.
+# What a ballistic limit depends on, see `armour.scenario.effect`.
 LIMIT_READS = (*ROUND_AND_ARMOUR, "ballistic_limit", *OF_ERROR)
 IMPACT_READS = ("impact", "armour", "ballistic_limit", *OF_ERROR)
 CHECK_READS = (*ROUND_AND_ARMOUR, *IMPACT_READS, "threat", *CHECK)

@@ -20,7 +20,7 @@ def changed(data: Mapping[str, Any], changes: Mapping[str, object], file: str = 
     A key that goes below a value, or is given twice, is refused.
     """
     result = dict(data)
-    given: dict[Parts, object] = {}
+    set_values: dict[Parts, object] = {}
     problems = []
     for key, value in changes.items():
         try:
@@ -28,11 +28,11 @@ def changed(data: Mapping[str, Any], changes: Mapping[str, object], file: str = 
         except ValueError:
             problems.append(not_a_key(file, key))
             continue
-        for leaf, found in leaves(value, parts):
-            if leaf in given and given[leaf] != found:
-                message = f"must be given once, found {describe(given[leaf])} and {describe(found)}"
+        for leaf, leaf_value in leaves(value, parts):
+            if leaf in set_values and set_values[leaf] != leaf_value:
+                message = f"must be given once, found {describe(set_values[leaf])} and {describe(leaf_value)}"
                 problems.append(Problem(file, key_name(leaf), message))
-            given[leaf] = found
+            set_values[leaf] = leaf_value
         if message := _put(result, parts, value):
             problems.append(Problem(file, key_name(parts), message))
     refuse(problems)
@@ -45,15 +45,15 @@ def _put(table: dict[str, Any], parts: Parts, value: object, above: Parts = ()) 
     Tables that change are copied first: those of the data may be shared.
     """
     name, *rest = parts
-    there: Any = table.get(name, {} if rest else None)
-    if rest and not isinstance(there, dict):
-        hint = LISTED if isinstance(there, list) else suggestion(key_name((*above, *parts)), list(INPUTS))
-        return f"must not go below {key_name((*above, name))}, which is {describe(there)}{hint}"
+    present: Any = table.get(name, {} if rest else None)
+    if rest and not isinstance(present, dict):
+        hint = LISTED if isinstance(present, list) else suggestion(key_name((*above, *parts)), list(INPUTS))
+        return f"must not go below {key_name((*above, name))}, which is {describe(present)}{hint}"
     if rest:
-        table[name] = dict(there)
+        table[name] = dict(present)
         return _put(table[name], (*rest,), value, (*above, name))
-    if isinstance(value, Mapping) and isinstance(there, dict):
-        table[name] = dict(there)
+    if isinstance(value, Mapping) and isinstance(present, dict):
+        table[name] = dict(present)
         for inner in value:
             _put(table[name], (inner,), value[inner])
     else:
@@ -62,20 +62,20 @@ def _put(table: dict[str, Any], parts: Parts, value: object, above: Parts = ()) 
 
 
 def changes_of(assignments: Iterable[str]) -> dict[str, Any]:
-    """Return the changes that assignments on the command line make, values by dotted key.
+    """Return the values that assignments on the command line set, by dotted key.
 
-    An assignment is a line of TOML; a value that is not TOML, or a number where a name is meant, is taken as a text.
+    An assignment is a line of TOML; a value that is not TOML, or a number in place of a name, is taken as a text.
     """
     changes: dict[str, Any] = {}
     problems = []
     for assignment in assignments:
-        found = _parsed(assignment)
-        if found is None:
+        key_and_value = _parsed(assignment)
+        if key_and_value is None:
             listed = LISTED if "[" in assignment.partition("=")[0] else ""
             message = f"must be KEY=VALUE, such as impact.velocity_m_s=900, found {json.dumps(assignment)}{listed}"
             problems.append(Problem("command line", "--set", message))
             continue
-        key, value = found
+        key, value = key_and_value
         if key in changes and changes[key] != value:
             message = f"must be given once, found {describe(changes[key])} and {describe(value)}"
             problems.append(Problem("command line", f"--set {key}", message))
@@ -93,10 +93,10 @@ def _parsed(text: str) -> tuple[str, Any] | None:
             continue
         value = text[equals.end() :].strip()
         try:
-            made = parse_toml(f"value = {value}", "")["value"]
+            parsed = parse_toml(f"value = {value}", "")["value"]
             if "\n" in value:
                 return None
-            return key, value if key in NAMING and not isinstance(made, str) else made
+            return key, value if key in NAMING and not isinstance(parsed, str) else parsed
         except InputError:
             return key, value
     return None

@@ -7,17 +7,16 @@ from os import PathLike
 from types import NoneType, UnionType
 from typing import Annotated, Any, ParamSpec, TypeVar, Union, get_args, get_origin, get_type_hints
 
-from pydantic import PlainValidator, ValidationError, create_model
+from pydantic import PlainValidator, create_model
 
-from armour.errors import InputError
 from armour.scenario.keys import describe
-from armour.scenario.sections import Section, problems_of
+from armour.scenario.sections import Section, validated
 
 P = ParamSpec("P")
 R = TypeVar("R")
 Kind = TypeVar("Kind")
 
-# What objects are called in messages, and the functions that make those of this project.
+# Words for classes in messages, and the functions that make objects of this project's classes.
 _WORDS: dict[object, str] = {str: "a text", Mapping: "a mapping", Callable: "a function", PathLike: "a path"}
 _MAKERS = {
     "Scenario": "load_scenario",
@@ -47,21 +46,17 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(function)
     def call(*args: P.args, **kwargs: P.kwargs) -> R:
-        given = parameters.bind(*args, **kwargs)
-        given.apply_defaults()
-        asked = {name: value for name, value in given.arguments.items() if name in model().model_fields}
-        try:
-            found = model().model_validate(asked)
-        except ValidationError as error:
-            raise InputError(problems_of(error, model(), function.__name__)) from None
-        given.arguments |= {name: getattr(found, name) for name in asked}
-        return function(*given.args, **given.kwargs)
+        bound = parameters.bind(*args, **kwargs)
+        bound.apply_defaults()
+        annotated = {name: value for name, value in bound.arguments.items() if name in model().model_fields}
+        bound.arguments |= dict(validated(model(), annotated, function.__name__))
+        return function(*bound.args, **bound.kwargs)
 
     return call
 
 
 def _kind(hint: Any) -> Any:
-    """Return what pydantic is to check for an annotation."""
+    """Return the annotation that pydantic checks in place of one."""
     members = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
     kinds = [get_origin(member) or member for member in members]
     if not all(isinstance(kind, type) for kind in kinds) or {int, float, bool, Annotated} & {*kinds}:
@@ -70,35 +65,32 @@ def _kind(hint: Any) -> Any:
 
 
 def instance(value: object, *kinds: type[Kind]) -> Kind:
-    """Return a value that is of one of some classes; a ValueError says what it must be."""
+    """Return a value if it is of one of the classes, else raise a ValueError that says what it must be."""
     if isinstance(value, kinds):
         return value
     maker = _MAKERS.get(kinds[0].__name__)
-    raise ValueError(f"must be {_called(kinds)}, found {_found(value)}{f'; {maker} makes one' if maker else ''}")
-
-
-def _called(kinds: Sequence[type]) -> str:
     # A path may be given as a text.
-    named = [kind for kind in kinds if kind is not NoneType and not (kind is str and PathLike in kinds)]
-    return " or ".join(_WORDS.get(kind, f"a {kind.__name__}") for kind in named)
+    listed = [kind for kind in kinds if kind is not NoneType and not (kind is str and PathLike in kinds)]
+    words = " or ".join(_WORDS.get(kind, f"a {kind.__name__}") for kind in listed)
+    raise ValueError(f"must be {words}, found {_in_words(value)}{f'; {maker} makes one' if maker else ''}")
 
 
-def _found(value: object) -> str:
-    """Return a wrong argument in words; of an object, its type."""
+def _in_words(value: object) -> str:
+    """Return a wrong argument in words; the type of an object."""
     return describe(value) if value is None or isinstance(value, str | int | float) else f"a {type(value).__name__}"
 
 
-def _names(given: object) -> tuple[str, ...]:
-    if isinstance(given, Mapping) or not isinstance(given, Iterable):
-        raise ValueError(f"must be a name or a sequence of names, found {_found(given)}")
-    names = (given,) if isinstance(given, str) else tuple(given)
-    for one in names:
-        if not isinstance(one, str):
-            raise ValueError(f"must be a sequence of names, found {_found(one)} in it")
-        if names.count(one) > 1:
-            raise ValueError(f"must not name anything twice, found {describe(one)} twice")
+def _names(argument: object) -> tuple[str, ...]:
+    if isinstance(argument, Mapping) or not isinstance(argument, Iterable):
+        raise ValueError(f"must be a name or a sequence of names, found {_in_words(argument)}")
+    names = (argument,) if isinstance(argument, str) else tuple(argument)
+    for name in names:
+        if not isinstance(name, str):
+            raise ValueError(f"must be a sequence of names, found {_in_words(name)} in it")
+        if names.count(name) > 1:
+            raise ValueError(f"must not name anything twice, found {describe(name)} twice")
     return names
 
 
-# A name or several different ones, which become a tuple.
+# A name, or several different names, as a tuple.
 Names = Annotated[str | Sequence[str], PlainValidator(_names)]

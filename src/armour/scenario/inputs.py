@@ -56,7 +56,7 @@ YIELD = "backing.dynamic_yield_strength_MPa"
 ERROR = "model.limit_error_percent"
 OF_ERROR = ("uncertainty.model", "design.angles_as_at_normal_incidence")
 
-_ALL = (
+_INPUTS = (
     Input(VELOCITY),
     Input(OBLIQUITY),
     Input(CERAMIC, "Hc0", MM),
@@ -78,9 +78,9 @@ _ALL = (
     Input("backing.shear_strength_MPa", "tau", MPA),
 )
 # Every input by name.
-INPUTS = {one.name: one for one in _ALL}
+INPUTS = {definition.name: definition for definition in _INPUTS}
 # Keys of library entries by role and name of the input.
-KEYS = {role: {name: one.key for name, one in INPUTS.items() if one.section == role} for role in ROLES}
+KEYS = {role: {name: INPUTS[name].key for name in INPUTS if INPUTS[name].section == role} for role in ROLES}
 
 
 def inputs_of_entry(role: str, entry: "LibraryEntry") -> dict[str, float]:

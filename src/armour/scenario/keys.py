@@ -51,8 +51,8 @@ def parts_of(key: str) -> Parts:
 
 
 def canonical(keys: Iterable[str], file: str) -> list[str]:
-    """Return keys in one spelling; they must be keys as in TOML, and differ from each other."""
-    found: list[str] = []
+    """Return keys in one spelling; they must be keys as TOML writes them, and differ from each other."""
+    names: list[str] = []
     problems = []
     for key in keys:
         try:
@@ -60,11 +60,11 @@ def canonical(keys: Iterable[str], file: str) -> list[str]:
         except ValueError:
             problems.append(not_a_key(file, key))
             continue
-        if name in found:
+        if name in names:
             problems.append(Problem(file, name, "must be given once, found it twice"))
-        found.append(name)
+        names.append(name)
     refuse(problems)
-    return found
+    return names
 
 
 def leaves(value: object, parts: Parts = ()) -> Iterator[tuple[Parts, object]]:
@@ -76,8 +76,13 @@ def leaves(value: object, parts: Parts = ()) -> Iterator[tuple[Parts, object]]:
         yield parts, value
 
 
+def values_by_key(changes: Mapping[str, object]) -> dict[Parts, object]:
+    """Return the values that changes set, by key, without the tables that hold them."""
+    return {leaf: value for key, content in changes.items() for leaf, value in leaves(content, parts_of(key))}
+
+
 def not_a_key(file: str, key: str) -> Problem:
-    """Return the problem that a text is no key."""
+    """Return the problem of a text that is not a key."""
     example = 'armour.ceramic_thickness_mm or library.projectile."7.62 mm AP"'
     return Problem(
         file, "", f"must be a key of the scenario as TOML writes it, such as {example}, found {describe(key)}"
@@ -85,7 +90,7 @@ def not_a_key(file: str, key: str) -> Problem:
 
 
 def describe(value: object) -> str:
-    """Return a found value in words, such as "a table" or 'the text "x"'."""
+    """Return a wrong value in words, such as "a table" or 'the text "x"'."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, Mapping):
@@ -129,7 +134,7 @@ def _statements(text: str) -> Iterator[tuple[int, str]]:
 
 
 def line_of(key: str, lines: Mapping[str, int]) -> int | None:
-    """Return the line of a key or, if the file does not hold it, of the innermost table that would; None if neither."""
+    """Return the line of a key or, if it is not in the file, of the innermost table that would hold it, else None."""
     return next((lines[part] for part in upwards(key) if part in lines), None)
 
 

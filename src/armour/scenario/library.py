@@ -20,11 +20,11 @@ from pydantic import (
     model_validator,
 )
 
-from armour.errors import CHOOSE, InputError, Note, Problem, listed, refuse, suggestion
+from armour.errors import CHOOSE, Note, Problem, listed, mistake, refuse, suggestion
 from armour.files import read_toml, shipped
 from armour.scenario.checked import checked
 from armour.scenario.keys import describe, key_name
-from armour.scenario.sections import NOT_TINY, NUMBER, Items, NumberOrText, Section, validated
+from armour.scenario.sections import NOT_TINY, NUMBER, TINY, Items, NumberOrText, Section, validated
 from armour.units import GPA, MM, MPA, G, words_and_unit
 
 Status = Literal["measured", "nominal", "fitted", "assumed"]
@@ -84,7 +84,7 @@ Coefficient = Annotated[Value[Annotated[float, Field(ge=-3.0, le=3.0)]], _Number
 Strain = Annotated[Value[Annotated[float, Field(gt=0.0, le=10.0), NOT_TINY]], _NumberOrTable]
 
 
-# Own tests of an entry at most, each of which takes time in every answer.
+# Greatest number of own tests of an entry, each of which takes time in every answer.
 MOST_TESTS = 300
 
 
@@ -95,7 +95,7 @@ class LawTests(Section):
     """Name of the fit."""
     values: dict[str, float] = {}
     """Values of the entry, by key, that the limits are computed with."""
-    level: Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=2)] | None = None
+    level: Annotated[tuple[float, Annotated[float, Field(gt=0.0)]], Field(strict=False)] | None = None
     """Mean and standard deviation of the logarithm of measured over computed limits before the tests, if not the
     fit's."""
     computed_m_s: Annotated[Items[Annotated[float, Field(gt=0.0)]], Field(max_length=MOST_TESTS)]
@@ -123,8 +123,7 @@ IN_COMMON = (
 )
 # And of what was measured: a side is 1 where the limit is above the velocity of a shot, -1 below, and 0 of a limit.
 MEASURED = ("velocity_m_s", "uncertainty_m_s", "side")
-# Least and greatest numbers of these that can be; others are above 0.
-TINY = 1e-9
+# Least and greatest possible numbers of these; others are above 0.
 BOUNDS_OF_TESTS = {
     **dict.fromkeys(("ceramic_thickness_ratio", "ceramic_density_kg_m3", "ceramic_modulus_GPa"), (0.0, inf)),
     "path_ratio": (1.0, inf),
@@ -160,14 +159,12 @@ class OwnTests(Section):
 
     @model_validator(mode="after")
     def _complete(self) -> "OwnTests":
+        if not self.law:
+            return self
         counts = {len(column) for column in (*self.tests.values(), *(law.computed_m_s for law in self.law))}
-        if self.law and not (
-            {*self.tests} == {*VARIED, *IN_COMMON, *MEASURED} and len(counts) == 1 and min(counts) > 0
-        ):
+        if {*self.tests} != {*VARIED, *IN_COMMON, *MEASURED} or len(counts) > 1 or 0 in counts:
             raise ValueError("must be as armour calibrate writes it: a number for each test in each of its lists")
-        if any(law.level is not None and law.level[1] <= 0.0 for law in self.law):
-            raise ValueError("must be as armour calibrate writes it: a standard deviation must be above 0")
-        for name, column in self.tests.items() if self.law else ():
+        for name, column in self.tests.items():
             low, high = BOUNDS_OF_TESTS.get(name, (TINY, inf))
             if not all(low <= value <= high for value in column) or (name == "side" and {*column} - {-1.0, 0.0, 1.0}):
                 raise ValueError(f"must be as armour calibrate writes it: {name} has a number that cannot be")
@@ -188,8 +185,7 @@ class Entry(Section):
 
     def values(self) -> dict[str, Value[float]]:
         """Return the values that the entry gives, by key."""
-        found = {name: getattr(self, name) for name in type(self).model_fields}
-        return {name: value for name, value in found.items() if isinstance(value, Value)}
+        return {key: value for key, value in self if isinstance(value, Value)}
 
 
 class Projectile(Entry):
@@ -259,6 +255,8 @@ class Metal(Entry):
 
 Kind = Literal["projectile", "ceramic", "metal"]
 KINDS: dict[Kind, type[Entry]] = {"projectile": Projectile, "ceramic": Ceramic, "metal": Metal}
+# Keys of the values of each kind.
+VALUE_KEYS = {kind: [key for key in KINDS[kind].model_fields if key not in Entry.model_fields] for kind in KINDS}
 # Files of the shipped library.
 FILES = ("ceramics", "metals", "projectiles", "tested_plates")
 # Keys that the model does not use: data of the whole projectile, and properties for the closed forms.
@@ -364,20 +362,30 @@ class LibraryEntry:
         return {"kind": self.kind, "name": self.name, "description": self.description, **aliases, **values, **sources}
 
 
-def hint(name: str, entries: Iterable[LibraryEntry], known: Iterable[str]) -> str:
-    """Return a hint at the entries with names that contain a given one, or else at the closest known name.
+def hint(name: str, entries: Iterable[LibraryEntry], names: Iterable[str]) -> str:
+    """Return a hint at the entries whose names contain a name that is not in the library, or at the closest name.
 
-    Without any that contains it, such as "5083-H32", names that contain its first part are meant; without these,
-    descriptions, such as that of AD85, which is an alumina.
+    If no name contains it, as with "5083-H32", the hint is at names that contain its first part or, if there are none
+    either, at descriptions, as with "alumina".
     """
     entries = list(entries)
-    names = {entry.name: (entry.name, *entry.aliases) for entry in entries}
-    descriptions = {entry.name: (entry.description,) for entry in entries}
-    for part, texts in ((name, names), (re.split("[ -]", name)[0], names), (name, descriptions)):
-        alike = [e for e in entries if part and any(part.casefold() in text.casefold() for text in texts[e.name])]
+    first_part = re.split("[ -]", name)[0]
+    for alike in (_named(name, entries), _named(first_part, entries), _described(name, entries)):
         if 0 < len(alike) <= MOST_ALIKE:
             return CHOOSE + ", ".join(map(_in_short, alike))
-    return suggestion(name, list(known)) or "; armour library lists them"
+    return suggestion(name, list(names)) or "; armour library lists them"
+
+
+def _named(text: str, entries: Iterable[LibraryEntry]) -> list[LibraryEntry]:
+    """Return the entries with a text in one of their names."""
+    return [
+        entry for entry in entries if text and text.casefold() in "\n".join((entry.name, *entry.aliases)).casefold()
+    ]
+
+
+def _described(text: str, entries: Iterable[LibraryEntry]) -> list[LibraryEntry]:
+    """Return the entries with a text in their description."""
+    return [entry for entry in entries if text and text.casefold() in entry.description.casefold()]
 
 
 def _in_short(entry: LibraryEntry) -> str:
@@ -389,18 +397,16 @@ def _in_short(entry: LibraryEntry) -> str:
 
 def strength_notes(metals: Iterable[LibraryEntry], *, bare: bool) -> tuple[Note, ...]:
     """Return a warning on metals with another kind of strength than the tests: static for bare plates, else dynamic."""
-    names = dict.fromkeys(metal.name for metal in metals if metal.is_static != bare and metal.evidence is None)
+    names = list(dict.fromkeys(metal.name for metal in metals if metal.is_static != bare and metal.evidence is None))
     if not names:
         return ()
-    own, tested, are = ("dynamic", "static", "lower") if bare else ("static", "dynamic", "higher")
-    tests = "bare plates" if bare else "armour with a ceramic"
-    return (
-        Note(
-            f"the yield strength of {listed(list(names))} is {own}, but those of the tests of {tests} are {tested}, "
-            f"which are usually {are}; do not compare them as they are",
-            "armour.backing",
-        ),
+    strength, tested, usually = ("dynamic", "static", "lower") if bare else ("static", "dynamic", "higher")
+    armour = "bare plates" if bare else "armour with a ceramic"
+    text = (
+        f"the yield strength of {listed(names)} is {strength}, but those of the tests of {armour} are {tested}, "
+        f"which are usually {usually}; do not compare them as they are"
     )
+    return (Note(text, "armour.backing"),)
 
 
 def tensile_strength(metal: LibraryEntry) -> float:
@@ -447,8 +453,7 @@ class Library:
     def names(self, kind: Kind) -> list[str]:
         """Return the names of a kind, in the order of the files."""
         if kind not in KINDS:
-            message = f"must be one of {', '.join(KINDS)}, found {describe(kind)}"
-            raise InputError([Problem("library", "kind", message)])
+            raise mistake("library", "kind", f"must be one of {', '.join(KINDS)}, found {describe(kind)}")
         return list(self.entries[kind])
 
     def to_dict(self) -> dict[str, dict[str, dict[str, Any]]]:
@@ -457,19 +462,16 @@ class Library:
 
     def entry(self, kind: Kind, name: str) -> LibraryEntry:
         """Return an entry; if there is none, an InputError suggests the closest name."""
-        if name in self.entries.get(kind, ()):
-            return self.entries[kind][name]
-        known = self.known(kind)
-        if name not in known:
+        names = self.known(kind)
+        if name not in names:
             words = f"must name a {kind} of the library, found {describe(name)}"
-            entries = self.entries[kind].values()
-            raise InputError([Problem("library", "name", words + hint(str(name), entries, known))])
-        return self.entries[kind][known[name]]
+            raise mistake("library", "name", words + hint(str(name), self.entries[kind].values(), names))
+        return self.entries[kind][names[name]]
 
     def known(self, kind: Kind) -> dict[str, str]:
-        """Return the names of the entries of a kind by each name that they have."""
-        own = {name: name for name in self.names(kind)}
-        return {other: name for name in own for other in self.entries[kind][name].aliases} | own
+        """Return the names of the entries of a kind by name and alias."""
+        names = {name: name for name in self.names(kind)}
+        return {alias: name for name in names for alias in self.entries[kind][name].aliases} | names
 
     @checked
     def find(self, name: str) -> list[LibraryEntry]:
@@ -477,17 +479,14 @@ class Library:
 
         If there is none, a KeyError suggests the closest name.
         """
-        found = [self.entry(kind, name) for kind in KINDS if name in self.known(kind)]
-        if not found:
-            known = [known for kind in KINDS for known in self.known(kind)]
-            entries = [entry for kind in KINDS for entry in self.entries[kind].values()]
-            names = {entry.name: " ".join((entry.name, *entry.aliases)) for entry in entries}
-            for texts in (names, {entry.name: entry.description for entry in entries}):
-                alike = [entry for entry in entries if name and name.casefold() in texts[entry.name].casefold()]
-                if len(alike) == 1:
-                    return alike
-            raise KeyError(f'no entry of the library is called "{name}"{hint(name, entries, known)}')
-        return found
+        if namesakes := [self.entry(kind, name) for kind in KINDS if name in self.known(kind)]:
+            return namesakes
+        names = [known_name for kind in KINDS for known_name in self.known(kind)]
+        entries = [entry for kind in KINDS for entry in self.entries[kind].values()]
+        for alike in (_named(name, entries), _described(name, entries)):
+            if len(alike) == 1:
+                return alike
+        raise KeyError(f'no entry of the library is called "{name}"{hint(name, entries, names)}')
 
     def extended(self, tables: LibraryTables | Mapping[str, Any], file: str, prefix: str = "") -> "Library":
         """Return the library with added entries, which may be based on existing ones or replace those of the same name.
@@ -497,49 +496,48 @@ class Library:
         """
         tables = tables if isinstance(tables, LibraryTables) else validated(LibraryTables, tables, file)
         entries: dict[Kind, dict[str, LibraryEntry]] = {kind: dict(self.entries[kind]) for kind in KINDS}
-        made = Library(entries)
         problems: list[Problem] = []
         notes = list(self.notes)
         for kind in KINDS:
             added: Mapping[str, Entry] = getattr(tables, kind)
             table = (prefix, kind) if prefix else (kind,)
-            found, mistakes = _resolved(kind, added, self.entries[kind], file, table)
-            entries[kind] |= {name: found[name] for name in added if name in found}
+            resolved, mistakes = _resolved(kind, added, self.entries[kind], file, table)
+            entries[kind] |= {name: resolved[name] for name in added if name in resolved}
             problems += [*mistakes, *_ambiguous(added, entries[kind], file, table)]
-            for word, earlier, now in made.renamed(kind, self):
-                if not (earlier.name == now.name and added[now.name].based_on == now.name):
-                    replaced = f"the {word} of {earlier.file or 'the shipped library'}"
-                    notes.append(f"{file}: {key_name((*table, now.name))}: replaces {replaced}")
+            for name, earlier, entry in Library(entries).renamed(kind, self):
+                if not (earlier.name == entry.name and added[entry.name].based_on == entry.name):
+                    replaced = f"the {name} of {earlier.file or 'the shipped library'}"
+                    notes.append(f"{file}: {key_name((*table, entry.name))}: replaces {replaced}")
         refuse(problems)
         return Library(entries, tuple(notes))
 
     def renamed(self, kind: Kind, before: "Library") -> Iterator[tuple[str, LibraryEntry, LibraryEntry]]:
-        """Yield the words that named another entry in an earlier library, with that entry and the one of now."""
-        known = self.known(kind)
-        for word, name in before.known(kind).items():
-            earlier, now = before.entries[kind][name], self.entries[kind].get(known.get(word, ""))
-            if now is not None and now is not earlier:
-                yield word, earlier, now
+        """Yield each name that meant another entry in an earlier library, with that entry and the present one."""
+        names = self.known(kind)
+        for name, earlier_name in before.known(kind).items():
+            earlier, entry = before.entries[kind][earlier_name], self.entries[kind].get(names.get(name, ""))
+            if entry is not None and entry is not earlier:
+                yield name, earlier, entry
 
 
 def _ambiguous(
     added: Mapping[str, Entry], entries: Mapping[str, LibraryEntry], file: str, table: tuple[str, ...]
 ) -> Iterator[Problem]:
     """Yield a problem for each alias in a table of a file that is a name of another entry, or twice in the table."""
-    seen: dict[str, str] = {}
+    owners: dict[str, str] = {}
     for name, entry in added.items():
         for alias in entry.aliases:
-            other = alias if alias in entries and alias != name else seen.setdefault(alias, name)
+            other = alias if alias in entries and alias != name else owners.setdefault(alias, name)
             if other != name:
                 message = f'must be names of this entry alone, found "{alias}", a name of "{other}" too'
                 yield Problem(file, key_name((*table, name, "aliases")), message)
 
 
 def _resolved(
-    kind: Kind, added: Mapping[str, Entry], known: Mapping[str, LibraryEntry], file: str, table: tuple[str, ...]
+    kind: Kind, added: Mapping[str, Entry], earlier: Mapping[str, LibraryEntry], file: str, table: tuple[str, ...]
 ) -> tuple[dict[str, LibraryEntry], list[Problem]]:
-    """Return entries that a table of a file adds, with the values that they inherit, and the mistakes in others."""
-    found: dict[str, LibraryEntry] = {}
+    """Return the entries that a table of a file adds, with the values that they inherit, and the mistakes in others."""
+    resolved: dict[str, LibraryEntry] = {}
     problems: list[Problem] = []
     waiting = dict(added)
     # A base precedes what is based on it.  An entry based on its own name refers to the earlier one.
@@ -547,26 +545,27 @@ def _resolved(
         for name in ready:
             entry, base = waiting.pop(name), added[name].based_on
             is_added = base in added and base != name
-            inherited = None if base is None else (found if is_added else known).get(base)
+            inherited = None if base is None else (resolved if is_added else earlier).get(base)
             if base is None or inherited:
-                made = _completed(kind, name, entry, inherited, file)
-                wrong = _mistakes(made)
-                problems += (Problem(file, key_name((*table, name, key)), wrong[key]) for key in wrong)
-                if not wrong:
-                    found[name] = made
+                complete = _completed(kind, name, entry, inherited, file)
+                mistakes = _mistakes(complete)
+                problems += (Problem(file, key_name((*table, name, key)), mistakes[key]) for key in mistakes)
+                if not mistakes:
+                    resolved[name] = complete
             elif not is_added:  # the mistake of an added one is reported there
-                names = [*known, *(other for other in added if other != name)]
-                message = f'must name a {kind} of the library, found "{base}"{hint(base, known.values(), names)}'
+                names = [*earlier, *(other for other in added if other != name)]
+                message = f'must name a {kind} of the library, found "{base}"{hint(base, earlier.values(), names)}'
                 problems.append(Problem(file, key_name((*table, name, "based_on")), message))
     for name, entry in waiting.items():
         message = f'must not lead back to the entry itself, found "{entry.based_on}"'
         problems.append(Problem(file, key_name((*table, name, "based_on")), message))
-    return found, problems
+    return resolved, problems
 
 
 def _completed(kind: Kind, name: str, entry: Entry, base: LibraryEntry | None, file: str) -> LibraryEntry:
     """Return an entry with the values of its base and derived ones, in the order of the keys of its kind."""
-    values = {key: base.values[key] for key in base.values if key not in base.derived} if base else {}
+    base = base or LibraryEntry(kind, name, description="", values={}, origin=name)
+    values = {key: value for key, value in base.values.items() if key not in base.derived}
     for key, value in entry.values().items():
         values[key] = value if value.source else value.model_copy(update={"source": file})
     derived = []
@@ -575,22 +574,23 @@ def _completed(kind: Kind, name: str, entry: Entry, base: LibraryEntry | None, f
         for key in derived:
             factor, source = DEFAULTS[key]
             values[key] = Value[float](value=factor * strength.value, source=source)
-    ordered = {key: values[key] for key in _keys(kind) if key in values}
-    description = entry.description or (base.description if base else "")
-    evidence = entry.evidence or (base.evidence if base else None)
-    origin = base.origin if base else name
-    sources = getattr(entry, SOURCES, ()) or (base.flow_stress_sources_GPa if base else ())
-    made = ordered, frozenset(derived), file, entry.aliases, evidence, origin, sources
-    return LibraryEntry(kind, name, description, *made)
-
-
-def _keys(kind: Kind) -> list[str]:
-    return [key for key in KINDS[kind].model_fields if key not in Entry.model_fields]
+    return LibraryEntry(
+        kind,
+        name,
+        entry.description or base.description,
+        {key: values[key] for key in VALUE_KEYS[kind] if key in values},
+        frozenset(derived),
+        file,
+        entry.aliases,
+        entry.evidence or base.evidence,
+        base.origin,
+        getattr(entry, SOURCES, ()) or base.flow_stress_sources_GPa,
+    )
 
 
 def _mistakes(entry: LibraryEntry) -> dict[str, str]:
     """Return what is wrong with an entry, by key."""
-    if missing := [key for key in _keys(entry.kind) if key not in (*entry.values, *OPTIONAL)]:
+    if missing := [key for key in VALUE_KEYS[entry.kind] if key not in (*entry.values, *OPTIONAL)]:
         return dict.fromkeys(missing, "is missing and must be given, or based_on an entry that has it")
     if entry.kind != "projectile" or is_rod(*(entry[key] for key in ROD)):
         return {}

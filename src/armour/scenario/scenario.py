@@ -1,7 +1,6 @@
 """Scenarios: reading, validation and conversion to the core's parameters."""
 
 import json
-from collections import ChainMap
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from functools import cached_property
@@ -34,7 +33,7 @@ from armour.scenario.inputs import (
     fields_of,
     inputs_of_entry,
 )
-from armour.scenario.keys import Parts, key_name, leaves, parts_of
+from armour.scenario.keys import Parts, key_name, leaves, parts_of, values_by_key
 from armour.scenario.library import (
     KINDS,
     ROD,
@@ -68,8 +67,6 @@ from armour.scenario.threats import THREAT_KEYS
 from armour.units import MM, missing_unit
 
 if TYPE_CHECKING:
-    import ast
-
     import numpy as np
     from numpy.typing import NDArray
 
@@ -137,8 +134,8 @@ class Scenario(Section):
     def model_post_init(self, context: Any) -> None:
         """Validate a scenario that is made of its sections as `parse_scenario` does."""
         if context is None:
-            made = parse_scenario(self.model_dump(exclude_unset=True))
-            self._entries, self._source = made._entries, made._source
+            scenario = parse_scenario(self.model_dump(exclude_unset=True))
+            self._entries, self._source = scenario._entries, scenario._source
 
     @property
     def file(self) -> str:
@@ -148,11 +145,11 @@ class Scenario(Section):
     @property
     def notes(self) -> tuple[str, ...]:
         """A line for each value or entry of the scenario that takes precedence over another, and on its angles."""
-        of_threats = {"impact": self.impact, **{f"threat[{i}]": threat for i, threat in enumerate(self.threat)}}
-        given = [f"{self.file}: {key}.{words}" for key, of in of_threats.items() for words in of.replaced_values()]
-        oblique = [key for key, of in of_threats.items() if of.obliquity_deg]
+        impacts = {"impact": self.impact, **{f"threat[{i}]": threat for i, threat in enumerate(self.threat)}}
+        replaced = [f"{self.file}: {key}.{words}" for key in impacts for words in impacts[key].replaced_values()]
+        oblique = [key for key in impacts if impacts[key].obliquity_deg]
         left_out = [f"{self.file}: {key}.obliquity_deg: {LEFT_OUT_AT_ANGLES}" for key in oblique[:1]]
-        return (*self._entries.notes, *given, *left_out)
+        return (*self._entries.notes, *replaced, *left_out)
 
     def entry(self, kind: Kind, name: str) -> LibraryEntry:
         """Return an entry of the scenario's library; if there is none, an InputError suggests the closest name."""
@@ -184,9 +181,9 @@ class Scenario(Section):
     @cached_property
     def _inputs(self) -> dict[str, float]:
         values: dict[str, float] = {
-            name: getattr(getattr(self, one.section), one.key)
-            for name, one in INPUTS.items()
-            if one.kind is None and (name != CERAMIC or self.armour.ceramic is not None)
+            name: getattr(getattr(self, definition.section), definition.key)
+            for name, definition in INPUTS.items()
+            if definition.kind is None and (name != CERAMIC or self.armour.ceramic is not None)
         }
         for role in ROLES:
             entry = self.entry_of(role)
@@ -196,12 +193,12 @@ class Scenario(Section):
 
     def check_names(self, names: Iterable[str], file: str, key: str = "") -> None:
         """Check that names are inputs of the scenario; `file` and `key`, by default the name, say where they are."""
-        known = list(self.inputs())
+        inputs = list(self.inputs())
         problems = []
         for name in names:
-            if name not in known:
-                named = f'; did you mean "{NAMES[name]}"?' if name in NAMES else ""
-                hint = named or missing_unit(name, known) or choices(name, known)
+            if name not in inputs:
+                name_key = f'; did you mean "{NAMES[name]}"?' if name in NAMES else ""
+                hint = name_key or missing_unit(name, inputs) or choices(name, inputs)
                 problems.append(Problem(file, key or name, f'must name an input of the scenario, found "{name}"{hint}'))
         refuse(problems)
 
@@ -217,31 +214,8 @@ class Scenario(Section):
         try:
             return self.replaced(changes)
         except InputError as error:
-            found = [problem._replace(key=names.get(problem.key, problem.key)) for problem in error.problems]
-            raise InputError(found) from None
-
-    def bases_of(self, kind: Kind, name: str) -> list[str]:
-        """Return an entry and those that it is based on, one on the next, up to the first from outside the scenario."""
-        own: Mapping[str, Entry] = getattr(self.library, kind)
-        chain: dict[str, None] = {}
-        base: str | None = name
-        while base is not None and base not in chain:
-            chain[base] = None
-            base = own[base].based_on if base in own else None
-        return list(chain)
-
-    def input_of(self, parts: Parts) -> str:
-        """Return the input whose value changes with that of a key of the section [library]; "" if none does."""
-        kind, name, key = parts[:3] if len(parts) > 2 else ("", "", "")
-        entry = self.entries.entries.get(kind, {}).get(name)  # type: ignore[call-overload]
-        own = self.inputs()
-        for factor in (1.01, 0.99) if entry and key in entry.values else ():  # one of them is within the bounds
-            try:
-                other = self.replaced({key_name(("library", kind, name, key)): factor * entry[key] or 0.01}).inputs()
-            except InputError:
-                continue
-            return next((name for name in own if own[name] != other[name]), "")
-        return ""
+            problems = [problem._replace(key=names.get(problem.key, problem.key)) for problem in error.problems]
+            raise InputError(problems) from None
 
     def core_armour(self) -> Parameters:
         """Return projectile and armour as parameters of the core, SI units; thicknesses along the line of fire."""
@@ -256,9 +230,9 @@ class Scenario(Section):
 
     def areal_density_kg_m2(self) -> float:
         """Compute the areal density of the armour, kg/m²."""
-        densities = self.core_armour()
+        parameters = self.core_armour()
         ceramic, backing = self.armour.ceramic_thickness_mm * MM, self.armour.backing_thickness_mm * MM
-        return densities.rho_c * ceramic + densities.rho_B * backing
+        return parameters.rho_c * ceramic + parameters.rho_B * backing
 
     def cosine(self) -> float:
         """Return the cosine of the obliquity."""
@@ -302,8 +276,9 @@ class Scenario(Section):
         try:
             return parse_changed(data, changes, file=file, folder=folder)
         except InputError as error:
-            own = [problem._replace(file="replaced") if problem.file == file else problem for problem in error.problems]
-            raise InputError(own) from None
+            raise InputError(
+                [problem._replace(file="replaced") if problem.file == file else problem for problem in error.problems]
+            ) from None
 
     def to_toml(self, folder: str | PathLike[str] | None = None) -> str:
         """Return the scenario as the text of a TOML file, in which paths of library files are relative to a folder.
@@ -321,11 +296,11 @@ class Scenario(Section):
 
         `place` completes the problem that `with_inputs` finds in a row, given the index of the row.
         """
-        found: dict[str, Problem] = {}
+        first_problems: dict[str, Problem] = {}
         for _, row, problems in sorted(self.wrong_rows(columns), key=itemgetter(1)):
             for problem in problems:
-                found.setdefault(problem.key, place(row, problem))
-        refuse(found.values())
+                first_problems.setdefault(problem.key, place(row, problem))
+        refuse(first_problems.values())
 
     def wrong_rows(self, columns: Mapping[str, "NDArray[np.float64]"]) -> Iterator[tuple[str, int, Sequence[Problem]]]:
         """Yield the first row that breaks each condition on inputs: one of their names, and the row with its problems.
@@ -366,17 +341,18 @@ class Scenario(Section):
 
     def unused_distributions(self) -> tuple[Note, ...]:
         """Return a warning, for a result that takes inputs as exact, where the scenario has distributions of them."""
-        if self.uncertainty is None or not self.uncertainty.inputs():
-            return ()
-        return (Note(EXACT_INPUTS, "uncertainty"),)
+        has_distributions = self.uncertainty is not None and self.uncertainty.inputs()
+        return (Note(EXACT_INPUTS, "uncertainty"),) if has_distributions else ()
 
     def unused_threats(self) -> tuple[Note, ...]:
         """Return a warning, for a result of the section ``impact``, where the scenario has threats of its own."""
         if not self.threat:
             return ()
-        against = f"the {shot(self.impact)} of [impact]"
-        unused = f"is not used: the results are against {against}; armour check gives the probability for every threat"
-        return (Note(unused, "threat"),)
+        text = (
+            f"is not used: the results are against the {shot(self.impact)} of [impact]; "
+            "armour check gives the probability for every threat"
+        )
+        return (Note(text, "threat"),)
 
 
 def rounds(impact: Impact, varied: Varied, threats: Sequence[Threat]) -> str:
@@ -402,23 +378,24 @@ def layers(armour: ArmourSection, varied: Varied) -> str:
 
 
 def _names(names: Sequence[object], unknown: str) -> str:
-    """Return different names in words, without that of no ceramic; of an empty list, what they name."""
-    found = [str(name) for name in dict.fromkeys(names) if name]
-    if len(found) > MAX_LISTED:
-        found = [*found[:MAX_LISTED], f"{len(found) - MAX_LISTED} more"]
-    *first, last = found or ["" if names else unknown]
+    """Return the different names in words, without None; what they would name if the list is empty."""
+    words = [str(name) for name in dict.fromkeys(names) if name]
+    if len(words) > MAX_LISTED:
+        words = [*words[:MAX_LISTED], f"{len(words) - MAX_LISTED} more"]
+    *first, last = words or ["" if names else unknown]
     return f"{', '.join(first)} or {last}" if first else last
 
 
 def heading(computed: str, title: str) -> list[str]:
     """Return the first lines of an output: what is computed and, where it says something else, the scenario's title."""
-    return [computed, *(f"scenario: {line}" for line in (title_beside(computed, title),) if line)]
+    title = title_beside(computed, title)
+    return [computed, f"scenario: {title}"] if title else [computed]
 
 
 def title_beside(computed: str, title: str) -> str:
     """Return the scenario's title, unless half of its words or more are among those of what is computed."""
-    words, known = title.replace(",", "").split(), computed.split()
-    return title if 2 * sum(word in known for word in words) < len(words) else ""
+    words, computed_words = title.replace(",", "").split(), computed.split()
+    return title if 2 * sum(word in computed_words for word in words) < len(words) else ""
 
 
 @checked
@@ -449,10 +426,10 @@ def load_scenario(path: str | PathLike[str], changes: Mapping[str, object] | Non
 
 def scenario_file(path: Path, others: Mapping[str, Path] | None = None) -> Path:
     """Return the file at a path or, where there is none, the shipped scenario, or other file, of that name."""
-    known = {**shipped_files("scenarios", ".toml"), **(others or {})}
+    files = {**shipped_files("scenarios", ".toml"), **(others or {})}
     kinds = {"suite": shipped_suites(), "table of tests or shots": shipped_tests()}
-    listed = [f"; {path} is a shipped {kind}, not a scenario" for kind, names in kinds.items() if str(path) in names]
-    return located(path, known, "".join(listed) or "; `armour init --list` lists the shipped scenarios")
+    hints = [f"; {path} is a shipped {kind}, not a scenario" for kind, names in kinds.items() if str(path) in names]
+    return located(path, files, "".join(hints) or "; `armour init --list` lists the shipped scenarios")
 
 
 def files_of(scenario: Scenario) -> list[Path]:
@@ -502,10 +479,10 @@ def parse_scenario(data: Mapping[str, Any], *, file: str = "scenario", folder: s
     InputError
         With every mistake.
     """
-    return _made(_Source(deepcopy(dict(data)), file, Path(folder)))
+    return _parsed(_Source(deepcopy(dict(data)), file, Path(folder)))
 
 
-def _made(source: _Source) -> Scenario:
+def _parsed(source: _Source) -> Scenario:
     """Make a scenario from its source."""
     library, names, problems = _library_of(source)
     try:
@@ -532,33 +509,35 @@ def parse_changed(data: Mapping[str, Any], *changes: Mapping[str, object], file:
     for group in filter(None, changes):
         by_role = {key: value for key, value in group.items() if _names_a_role(key)}
         inputs |= {key_name(leaf): value for leaf, value in leaves(changed({}, by_role, file))}
-        rest = {key: value for key, value in group.items() if key not in by_role}
-        data = _based(changed(data, rest, file), data, rest, file, folder)
-        set_values = {leaf: value for key, given in rest.items() for leaf, value in leaves(given, parts_of(key))}
-        data = _with_new_threat(data, set_values)
-        data = changed(data, _sourced(set_values, file), file)
-    scenario = _made(_Source(deepcopy(dict(data)), file, folder))
+        others = {key: value for key, value in group.items() if key not in by_role}
+        source, data = _Source(dict(data), file, folder), changed(data, others, file)
+        values = values_by_key(others)
+        data = _with_new_threat(data, values)
+        data = changed(data, _bases(data, source, others) | _sources(values, file), file)
+    scenario = _parsed(_Source(deepcopy(dict(data)), file, folder))
     try:
         return scenario.with_inputs(inputs) if inputs else scenario
     except InputError as error:
         raise InputError([problem._replace(file=file) for problem in error.problems]) from None
 
 
-def _with_new_threat(data: dict[str, Any], set_values: Mapping[Parts, object]) -> dict[str, Any]:
-    """Return data in which a threat that changes name replaces what the data has of another one."""
-    if set_values.get(("impact", "threat")) is None:
+def _with_new_threat(data: dict[str, Any], values: Mapping[Parts, object]) -> dict[str, Any]:
+    """Return data without the values of an earlier threat if changes, of these values, name a threat."""
+    if values.get(("impact", "threat")) is None:
         return data
-    kept = {key: value for key, value in _table(data, "impact").items() if key not in THREAT_KEYS}
-    changed_too = {key: set_values["impact", key] for key in THREAT_KEYS if ("impact", key) in set_values}
-    return {**data, "impact": kept | changed_too}
-
-
-def _sourced(set_values: Mapping[Parts, object], file: str) -> dict[str, object]:
-    """Return the numbers of library entries among values that are set, by key, each with a source."""
+    impact = _table(data, "impact").items()
     return {
-        key_name(leaf): {NUMBER: value, "source": f"a change to {file}"}
-        for leaf, value in set_values.items()
-        if leaf[0] == "library" and len(leaf) == 4 and leaf[3] not in Entry.model_fields
+        **data,
+        "impact": {key: value for key, value in impact if key not in THREAT_KEYS or ("impact", key) in values},
+    }
+
+
+def _sources(values: Mapping[Parts, object], file: str) -> dict[str, object]:
+    """Return the numbers of library entries among values that are changed, by key, each with a source."""
+    return {
+        key_name(key): {NUMBER: value, "source": f"a change to {file}"}
+        for key, value in values.items()
+        if key[0] == "library" and len(key) == 4 and key[3] not in Entry.model_fields
         if isinstance(value, int | float)
     }
 
@@ -572,20 +551,21 @@ def _names_a_role(key: str) -> bool:
     return section not in Scenario.model_fields and bool(suggestion(section, list(ROLES)))
 
 
-def _based(
-    data: dict[str, Any], before: Mapping[str, Any], keys: Iterable[str], file: str, folder: Path
-) -> dict[str, Any]:
-    """Return changed data where an entry of which keys set single values, new to the data, is based on its namesake."""
+def _bases(data: Mapping[str, Any], source: _Source, keys: Iterable[str]) -> dict[str, object]:
+    """Return the bases, by key, of entries of which keys set single values and which the source does not have.
+
+    Such an entry is based on the one of its name in the library unless the changed data name another base.
+    """
     bases: dict[str, object] = {}
     for section, *entry in map(parts_of, keys):
         if section == "library" and len(entry) > 2:
             kind, name, *_ = entry
-            is_new = name not in _table(_table(before, "library"), kind)
+            is_new = name not in _table(_table(source.data, "library"), kind)
             if is_new and "based_on" not in _table(_table(_table(data, "library"), kind), name):
-                library, _, _ = _library_of(_Source(dict(before), file, folder))
-                if any(kind == known and name in entries for known, entries in library.entries.items()):
+                library, _, _ = _library_of(source)
+                if name in library.entries.get(kind, ()):  # type: ignore[call-overload]
                     bases[key_name(["library", kind, name, "based_on"])] = name
-    return changed(data, bases, file)
+    return bases
 
 
 # Comparisons by their names in pydantic.
@@ -594,9 +574,9 @@ _COMPARISONS: dict[str, Callable[[Any, float], Any]] = {"gt": gt, "ge": ge, "lt"
 
 def _allowed(name: str, values: Any) -> Any:
     """Return which values of an input, (n,), lie within the bounds that its section states; a NaN does not."""
-    one = INPUTS[name]
-    model: Any = KINDS[one.kind] if one.kind else model_in(Scenario.model_fields[one.section].annotation)
-    field = model.model_fields[one.key]
+    kind, section, key = INPUTS[name].kind, INPUTS[name].section, INPUTS[name].key
+    model: Any = KINDS[kind] if kind else model_in(Scenario.model_fields[section].annotation)
+    field = model.model_fields[key]
     inner = model_in(field.annotation)
     stated = field.metadata if inner is None else inner.model_fields[NUMBER].metadata
     allowed = values == values
@@ -620,20 +600,14 @@ def _meanings() -> dict[str, dict[str, str]]:
         tree = ast.parse(getsource(import_module(f"armour.scenario.{module}")))
         for section in tree.body:
             if isinstance(section, ast.ClassDef):
-                inherited = [meanings.get(base.id, {}) for base in section.bases if isinstance(base, ast.Name)]
-                meanings[section.name] = dict(ChainMap(_stated_meanings(section), *inherited))
+                bases = [base.id for base in section.bases if isinstance(base, ast.Name)]
+                inherited = {key: words for base in bases for key, words in meanings.get(base, {}).items()}
+                meanings[section.name] = inherited | {
+                    ast.unparse(field.target): " ".join(ast.literal_eval(below.value).split())
+                    for field, below in pairwise(section.body)
+                    if isinstance(field, ast.AnnAssign) and isinstance(below, ast.Expr)
+                }
     return meanings
-
-
-def _stated_meanings(section: "ast.ClassDef") -> dict[str, str]:
-    """Return the docstrings below the keys of a class."""
-    import ast
-
-    return {
-        ast.unparse(field.target): " ".join(ast.literal_eval(below.value).split())
-        for field, below in pairwise(section.body)
-        if isinstance(field, ast.AnnAssign) and isinstance(below, ast.Expr)
-    }
 
 
 def scenario_schema() -> dict[str, Any]:
@@ -650,10 +624,10 @@ def scenario_schema() -> dict[str, Any]:
 
 
 def _library_of(source: _Source) -> tuple[Library, dict[Kind, dict[str, str]], list[Problem]]:
-    """Return the scenario's library, the known names by kind, with those of their entries, and the mistakes in it.
+    """Return the scenario's library, the names and aliases of each kind with the names of their entries, and mistakes.
 
-    A name is known even if its entry has a mistake, and none is where a file has one, so that one mistake gives one
-    message.
+    An entry with a mistake has its name too.  There are no names, and none is checked, if a library file has a mistake:
+    each mistake gives one message.
     """
     library = shipped_library()
     problems: list[Problem] = []
@@ -668,18 +642,20 @@ def _library_of(source: _Source) -> tuple[Library, dict[Kind, dict[str, str]], l
             for kind in KINDS:
                 problems += (
                     Problem(
-                        source.file, key, f'must not name "{file}": like {entry.file}, it defines the {kind} "{word}"'
+                        source.file, key, f'must not name "{file}": like {entry.file}, it defines the {kind} "{name}"'
                     )
-                    for word, entry, _ in library.renamed(kind, before)
+                    for name, entry, _ in library.renamed(kind, before)
                     if entry.file
                 )
         except InputError as error:
             for problem in error.problems:
                 whole = Problem(source.file, key, f'must name a library file, found "{file}", which {problem.message}')
                 problems.append(problem if problem.key else whole)
-    unread = bool(problems)
+    is_unread = bool(problems)
     names: dict[Kind, dict[str, str]] = (
-        {} if unread else {kind: library.known(kind) | {name: name for name in _table(tables, kind)} for kind in KINDS}
+        {}
+        if is_unread
+        else {kind: library.known(kind) | {name: name for name in _table(tables, kind)} for kind in KINDS}
     )
     try:
         section = LibrarySection.model_validate(tables)
@@ -687,11 +663,11 @@ def _library_of(source: _Source) -> tuple[Library, dict[Kind, dict[str, str]], l
     except ValidationError:
         pass  # the validation of the whole scenario reports it
     except InputError as error:
-        problems += (problem for problem in error.problems if not (unread and problem.key.endswith(".based_on")))
+        problems += (problem for problem in error.problems if not (is_unread and problem.key.endswith(".based_on")))
     return library, names, problems
 
 
 def _table(data: Mapping[str, Any], key: str) -> dict[str, Any]:
     """Return a table of data that is not validated yet; {} if there is none."""
-    found = data.get(key)
-    return found if isinstance(found, dict) else {}
+    table = data.get(key)
+    return table if isinstance(table, dict) else {}

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Iterator, Sequence
-from math import comb, floor, inf
+from math import floor, inf
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
@@ -44,15 +44,15 @@ Amount = Annotated[float, Field(ge=0.0, le=1e9)]
 
 
 def _in_library(kind: Kind) -> AfterValidator:
-    """Return a validator of a name, which must be in the library; another name of an entry becomes its first."""
+    """Return a validator of a name, which must be in the library; an alias becomes the name of its entry."""
 
     def check(name: str, info: ValidationInfo) -> str:
         context: dict[str, Any] = info.context or {"names": {}}
-        known: dict[str, str] = context["names"].get(kind, {name: name})
-        if name not in known:
+        names: dict[str, str] = context["names"].get(kind, {name: name})
+        if name not in names:
             entries = context["library"].entries[kind].values()
-            raise ValueError(f'must name a {kind} of the library, found "{name}"{hint(name, entries, known)}')
-        return known[name]
+            raise ValueError(f'must name a {kind} of the library, found "{name}"{hint(name, entries, names)}')
+        return names[name]
 
     return AfterValidator(check)
 
@@ -73,16 +73,16 @@ Line = Annotated[str, AfterValidator(_printable)]
 
 def _with_named(schema: dict[str, Any]) -> None:
     """Let a JSON Schema require the name of a threat, or the values that it gives."""
-    given = [key for key in schema["required"] if key in THREAT_KEYS]
+    threat_keys = [key for key in schema["required"] if key in THREAT_KEYS]
     schema["required"] = [key for key in schema["required"] if key not in THREAT_KEYS]
-    schema["anyOf"] = [{"required": ["threat"]}, {"required": given}]
+    schema["anyOf"] = [{"required": ["threat"]}, {"required": threat_keys}]
 
 
 class Impact(Section):
     """The projectile, its impact velocity and its angle."""
 
     # Editors are told that the name of a threat gives the projectile and the velocity.
-    model_config = ConfigDict(json_schema_extra=lambda schema: _with_named(schema))
+    model_config = ConfigDict(json_schema_extra=_with_named)
 
     threat: str | None = None
     """Name of a threat listed by armour library; it supplies the values that are not given here."""
@@ -99,18 +99,16 @@ class Impact(Section):
         name = data.get("threat") if isinstance(data, dict) else None
         if not isinstance(name, str):
             return data
-        known = named_threats()
-        if name not in known:
-            like = [other for other in known if name in other]
-            raise ValueError(
-                f'threat must name a threat of the library, found "{name}"{choices(name, like or list(known))}'
-            )
-        return known[name].values() | data
+        threats = named_threats()
+        if name not in threats:
+            names = [threat for threat in threats if name in threat] or list(threats)
+            raise ValueError(f'threat must name a threat of the library, found "{name}"{choices(name, names)}')
+        return threats[name].values() | data
 
     def replaced_values(self) -> Iterator[str]:
         """Yield the values that take precedence over those of the named threat, in words."""
-        named = {} if self.threat is None else named_threats()[self.threat].values()
-        for key, value in named.items():
+        values = {} if self.threat is None else named_threats()[self.threat].values()
+        for key, value in values.items():
             if getattr(self, key) != value:
                 yield f"{key}: {getattr(self, key)} takes precedence over {value} of {self.threat}"
 
@@ -253,8 +251,8 @@ class Threat(Impact):
     @model_validator(mode="after")
     def _within_reach(self) -> "Threat":
         if self.required_m_s > FASTEST_M_S:
-            found = f"{self.velocity_m_s:g} and {self.margin_m_s:g}"
-            raise ValueError(f"velocity_m_s and margin_m_s must be at most {FASTEST_M_S:g} together, found {found}")
+            must = f"velocity_m_s and margin_m_s must be at most {FASTEST_M_S:g} together"
+            raise ValueError(f"{must}, found {self.velocity_m_s:g} and {self.margin_m_s:g}")
         return self
 
     @property
@@ -272,14 +270,14 @@ class Threat(Impact):
         return self.name or (shot(self) if self.threat is None else f"{self.threat}{at_angle(self)}")
 
 
-def shot(of: Impact) -> str:
+def shot(impact: Impact) -> str:
     """Return round, velocity and angle, such as "7.62 mm AP at 800 m/s, 30° obliquity"."""
-    return f"{of.projectile} at {of.velocity_m_s:g} m/s{at_angle(of)}"
+    return f"{impact.projectile} at {impact.velocity_m_s:g} m/s{at_angle(impact)}"
 
 
-def at_angle(of: Impact) -> str:
+def at_angle(impact: Impact) -> str:
     """Return the angle, such as ", 30° obliquity"; "" at normal incidence."""
-    return f", {of.obliquity_deg:g}° obliquity" if of.obliquity_deg else ""
+    return f", {impact.obliquity_deg:g}° obliquity" if impact.obliquity_deg else ""
 
 
 class FreeRange(Section):
@@ -304,13 +302,13 @@ def _listed(value: object) -> object:
     return [value] if isinstance(value, int | float) else value
 
 
-_Given = Annotated[
+_Thicknesses = Annotated[
     Annotated[Annotated[list[ThicknessOrNone], Field(min_length=1)], Tag(LIST_TAG)]
     | Annotated[Range, Tag(RANGE_TAG)]
     | Annotated[FreeRange, Tag(FREE_TAG)],
     Discriminator(_kind_of_range),
 ]
-Thicknesses = Annotated[_Given, BeforeValidator(_listed, json_schema_input_type=ThicknessOrNone | _Given)]
+Thicknesses = Annotated[_Thicknesses, BeforeValidator(_listed, json_schema_input_type=ThicknessOrNone | _Thicknesses)]
 
 
 class Layer(Section):
@@ -410,8 +408,6 @@ Width = Annotated[float, Field(ge=1e-9, le=1e9)]
 MAX_SAMPLES = 2**22
 # Fewer for a Latin hypercube, which needs three times the memory.
 MAX_HYPERCUBE = 2**21
-# Each two inputs once.
-MAX_CORRELATIONS = comb(len(INPUTS), 2)
 # Fewer samples give no confidence interval for the 5 % quantile.
 MIN_SAMPLES = 128
 
@@ -458,20 +454,20 @@ class Distribution(Section):
         """The least and the greatest value, infinite if there is none."""
         return -inf if self.min is None else self.min, inf if self.max is None else self.max
 
-    def moments(self, own: float) -> tuple[float, float]:
-        """Return mean and standard deviation before truncation, given the scenario's own value."""
-        mean, percent = own if self.mean is None else self.mean, self.standard_deviation_percent
+    def moments(self, value: float) -> tuple[float, float]:
+        """Return mean and standard deviation before truncation, given the scenario's value."""
+        mean, percent = value if self.mean is None else self.mean, self.standard_deviation_percent
         return mean, abs(mean) * percent / 100.0 if percent is not None else self.standard_deviation or 0.0
 
-    def contains(self, own: float) -> bool:
-        """Return whether the scenario's own value lies between min and max and, if a mean is given, near it."""
+    def contains(self, value: float) -> bool:
+        """Return whether the scenario's value lies between min and max and, if a mean is given, near it."""
         low, high = self.ends
-        mean, deviation = self.moments(own)
-        return low <= own <= high and abs(own - mean) <= NEAR * deviation
+        mean, deviation = self.moments(value)
+        return low <= value <= high and abs(value - mean) <= NEAR * deviation
 
-    def mean_problem(self, own: float) -> str:
-        """Return why the distribution cannot have its mean, by default the scenario's own value; "" if it can."""
-        mean, _ = self.moments(own)
+    def mean_problem(self, value: float) -> str:
+        """Return why the distribution cannot have its mean, by default the scenario's value; "" if it can."""
+        mean, _ = self.moments(value)
         if self.distribution == "lognormal" and mean <= 0.0:
             return f"must have a mean greater than 0 to be lognormal, found {mean:g}"
         if self.standard_deviation_percent is not None and mean == 0.0:
@@ -484,15 +480,15 @@ class Distribution(Section):
 CHANCES = Distribution(distribution="uniform", min=0.0, max=1.0)
 
 
-def _distributions(section: str, of: str) -> type[Section]:
+def _distributions(section: str, subject: str) -> type[Section]:
     """Return the section with a distribution for each input of a section of the scenario, or of a role."""
     keys: dict[str, Any] = {
-        one.key: (Distribution | None, Field(None, description=f"Distribution of the input {one.name}."))
-        for one in INPUTS.values()
-        if one.section == section
+        definition.key: (Distribution | None, Field(None, description=f"Distribution of the input {name}."))
+        for name, definition in INPUTS.items()
+        if definition.section == section
     }
     name = f"{section.capitalize()}Uncertainty"
-    return create_model(name, __base__=Section, __doc__=f"Distributions of {of}.", __module__=__name__, **keys)
+    return create_model(name, __base__=Section, __doc__=f"Distributions of {subject}.", __module__=__name__, **keys)
 
 
 ImpactUncertainty = _distributions("impact", "the impact's inputs")
@@ -527,9 +523,9 @@ class ModelSection(Section):
 
     @model_validator(mode="after")
     def _complete(self) -> "ModelSection":
-        given = self.model_fields_set - {"included"}
-        if not self.included and given:
-            raise ValueError(f"must have nothing else if included is false, found {', '.join(sorted(given))}")
+        others = self.model_fields_set - {"included"}
+        if not self.included and others:
+            raise ValueError(f"must have nothing else if included is false, found {', '.join(sorted(others))}")
         if self.included and self.scale_percent is None:
             raise ValueError("must have scale_percent, or included = false")
         return self
@@ -554,7 +550,7 @@ class Uncertainty(Section):
     """Distributions of the properties of the ceramic."""
     backing: BackingUncertainty = BackingUncertainty()  # type: ignore[valid-type]
     """Distributions of the properties of the back plate."""
-    correlation: Annotated[list[Correlation], Field(max_length=MAX_CORRELATIONS)] = []
+    correlation: list[Correlation] = []
     """Correlations between inputs."""
     model: ModelSection | None = None
     """The model error."""
@@ -563,15 +559,15 @@ class Uncertainty(Section):
 
     def with_error(self) -> "Uncertainty":
         """Return the section with the model error as an input: the chances at which it is drawn."""
-        found = self.model_copy()
-        found._error = True
-        return found
+        section = self.model_copy()
+        section._error = True
+        return section
 
     def inputs(self) -> dict[str, Distribution]:
         """Return the distributions by name of input, such as "ceramic.flow_stress_GPa"."""
-        of_all = {name: getattr(getattr(self, one.section), one.key) for name, one in INPUTS.items()}
-        found = {name: distribution for name, distribution in of_all.items() if distribution is not None}
-        return {**found, ERROR: CHANCES} if self._error else found
+        slots = {name: getattr(getattr(self, each.section), each.key) for name, each in INPUTS.items()}
+        distributions = {name: distribution for name, distribution in slots.items() if distribution is not None}
+        return {**distributions, ERROR: CHANCES} if self._error else distributions
 
     @field_validator("samples")
     @classmethod
@@ -592,9 +588,8 @@ class Uncertainty(Section):
                 if name not in names:
                     raise ValueError(f'correlation must be between inputs that have a distribution, found "{name}"')
             if len(pair) < 2 or pairs.count(pair) > 1:
-                raise ValueError(
-                    f"correlation must name two inputs, and each two once, found {', '.join(sorted(pair))}"
-                )
+                listed = ", ".join(sorted(pair))
+                raise ValueError(f"correlation must name two inputs, and each two once, found {listed}")
         if self.correlation:
             # Imported here because a scenario without correlations does not need numpy.
             import numpy as np

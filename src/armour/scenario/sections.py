@@ -64,9 +64,7 @@ _REQUIREMENTS = {
     "less_than_equal": "must be at most {le:g}",
     "finite_number": "must be a finite number",
     "float_type": "must be a number",
-    "float_parsing": "must be a number",
     "int_type": "must be a whole number",
-    "int_from_float": "must be a whole number",
     "string_type": "must be a text in quotes",
     "string_too_short": "must not be empty",
     "too_short": "must list at least {min_length} values",
@@ -75,7 +73,6 @@ _REQUIREMENTS = {
     "tuple_type": "must be a list",
     "dict_type": "must be a table",
     "model_type": "must be a table",
-    "model_attributes_type": "must be a table",
     "bool_type": "must be true or false",
     "literal_error": "must be {expected}",
 }
@@ -97,8 +94,8 @@ def problems_of(error: ValidationError, model: type[Section], file: str) -> list
         if "expected" in context:
             context["expected"] = context["expected"].replace("'", '"')
         if detail["type"] == "extra_forbidden":
-            known = _known_keys(model, parts[:-1])
-            message = "unknown key" + (choices(str(parts[-1]), known) if known else "")
+            keys = _known_keys(model, parts[:-1])
+            message = "unknown key" + (choices(str(parts[-1]), keys) if keys else "")
         elif detail["type"] == "missing":
             message = f"is missing and must be given{MISSING.get(key_name(parts), '')}"
         elif detail["type"] == "value_error":
@@ -107,23 +104,23 @@ def problems_of(error: ValidationError, model: type[Section], file: str) -> list
             empty = detail["type"] == "too_short" and context["min_length"] == 1
             must = _REQUIREMENTS.get("string_too_short" if empty else detail["type"])
             must = must.format(**context) if must else detail["msg"].replace("Input should", "must")
-            found = describe(detail["input"]) if empty else context.get("actual_length", describe(detail["input"]))
-            message = f"{must}, found {found}{_meant(detail)}"
+            value = describe(detail["input"])
+            message = f"{must}, found {value if empty else context.get('actual_length', value)}{_hint(detail)}"
         problems.append(Problem(file, key_name(parts), message))
     return problems
 
 
-def _meant(detail: Any) -> str:
-    """Return a hint at the word, list or probability in place of per cent that is meant; "" if there is none."""
-    given, context = detail["input"], detail.get("ctx", {})
+def _hint(detail: Any) -> str:
+    """Return a hint at the word, the list or the probability (not per cent) that is meant; "" if there is none."""
+    value, context = detail["input"], detail.get("ctx", {})
     if detail["type"] == "literal_error":
-        return suggestion(str(given), re.findall('"(.*?)"', context["expected"]))
-    if detail["type"] in ("list_type", "tuple_type") and isinstance(given, dict):
+        return suggestion(str(value), re.findall('"(.*?)"', context["expected"]))
+    if detail["type"] in ("list_type", "tuple_type") and isinstance(value, dict):
         return "; write its heading in double brackets"
     if detail["type"] == "list_type" and LIST_TAG in detail["loc"]:
         return "; a range is a table such as { min = 4.0, max = 12.0 }"
     most = context.get("le", context.get("lt", inf))
-    return f"; did you mean {given / 100.0:g}?" if most <= 1.0 < 50.0 <= given <= 100.0 * most else ""
+    return f"; did you mean {value / 100.0:g}?" if most <= 1.0 < 50.0 <= value <= 100.0 * most else ""
 
 
 def validated(model: type[SectionT], data: object, file: str) -> SectionT:
@@ -156,7 +153,6 @@ def model_in(annotation: Any) -> Any:
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return annotation
     for inner in getattr(annotation, "__args__", ()):
-        found = model_in(inner)
-        if found is not None:
-            return found
+        if (model := model_in(inner)) is not None:
+            return model
     return None

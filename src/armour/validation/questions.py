@@ -48,7 +48,7 @@ SAVINGS: dict[str, Callable[[Variants], Floats]] = {
     "thickness_saved_percent": lambda armours: armours.ceramics_mm + armours.backings_mm,
     "weight_saved_percent": lambda armours: armours.areal_densities_kg_m2,
 }
-# What a suite may ask, and what each question reads, see `armour.scenario.reach`.
+# What a suite may ask, and what each question reads, see `armour.scenario.effect`.
 QUESTIONS: dict[str, tuple[str, ...]] = {
     **{name: quantity.reads for name, quantity in QUANTITIES.items()},
     **dict.fromkeys(LIGHTEST, DESIGNS),

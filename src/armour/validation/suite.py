@@ -17,9 +17,9 @@ from armour.csv_files import MUST_SAY, PERFORATED, number
 from armour.errors import InputError, Problem, choices, mistake, refuse
 from armour.files import read_toml, shipped, shipped_files, suite_file
 from armour.scenario.checked import checked
+from armour.scenario.effect import check_columns, check_effect
 from armour.scenario.inputs import ROUND_AND_ARMOUR
-from armour.scenario.keys import canonical, describe, key_name, leaves, parts_of
-from armour.scenario.reach import check_reach, check_read, check_used, read_of
+from armour.scenario.keys import canonical, describe, key_name, parts_of, values_by_key
 from armour.scenario.scenario import Scenario, parse_changed
 from armour.scenario.sections import LIST_TAG, RANGE_TAG, NumberOrText, Section, validated
 from armour.statistics.measured import MEASURED, read_tests
@@ -412,10 +412,8 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
                 wrong.setdefault((row.place[:2], problem), _placed(problem, row, path))
     refuse(wrong.values())
     if changes:
-        scenarios = [(scenario, case) for case in cases for scenario in case.scenarios]
-        reads = (name for scenario, case in scenarios for name in read_of(scenario, QUESTIONS[case.quantity]))
-        check_read(changes, {*ROUND_AND_ARMOUR, *reads})
-        check_used(changes, *(scenario for scenario, _ in scenarios))
+        scenarios = [(scenario, _reads_of(case)) for case in cases for scenario in case.scenarios]
+        check_effect(values_by_key(changes), scenarios, "command line", option="--set ")
     return Suite(suite.title, path, tuple(cases), tuple(suite.table), suite.description)
 
 
@@ -489,15 +487,18 @@ def _cases_of_file(common: Case, table: TableSection, folder: Path) -> list[Case
 
 def _check_changes(case: Case, inputs: Mapping[str, float]) -> None:
     """Check that the changes and the columns of a section, of which the first case is given, all have an effect."""
-    scenario, file = case.scenario, case.scenario.file
-    reads = read_of(scenario, QUESTIONS[case.quantity])
+    scenario, file, reads = case.scenario, case.scenario.file, _reads_of(case)
     for changes in (case.section.set, case.section.replaced_by or {}):
-        changed = [leaf for key, value in changes.items() for leaf, _ in leaves(value, parts_of(key))]
-        # The title is for people; entries of the library may be based on each other.
-        counting = [leaf[0] not in ("title", "library") for leaf in changed] + [True] * len(inputs)
-        keys = compress(canonical([*map(key_name, changed), *inputs], file), counting)
-        check_reach(scenario, list(keys), reads, file, case.quantity, closed_forms=bool(case.rivals))
-        check_used(changes, *case.scenarios, file=file, option="")
+        keys = canonical([*map(key_name, values_by_key(changes)), *inputs], file)
+        check_effect(map(parts_of, keys), [(each, reads) for each in case.scenarios], file, case.quantity)
+        # Entries of the library may be based on each other.
+        columns = [key for key in keys if not key.startswith("library.")]
+        check_columns(scenario, columns, reads, file, case.quantity)
+
+
+def _reads_of(case: Case) -> set[str]:
+    """Return what the question of a case reads of its scenarios."""
+    return {*ROUND_AND_ARMOUR, *QUESTIONS[case.quantity]}
 
 
 def _scenario(file: Path, read: Read, *changes: Mapping[str, object]) -> Scenario:

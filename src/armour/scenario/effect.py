@@ -1,0 +1,108 @@
+"""Effect of keys that are changed, or that vary from row to row, on what is computed.
+
+A computation reads the model and the solver, and the sections and keys that its `reads` name.
+"""
+
+from collections.abc import Collection, Iterable, Sequence
+from contextlib import suppress
+
+from armour.errors import InputError, Problem, choices, refuse
+from armour.scenario.inputs import CERAMIC, NAMES, ROLES
+from armour.scenario.keys import Parts, key_name, parts_of, upwards
+from armour.scenario.scenario import Scenario
+
+# What every computation reads or shows.  Entries of the library have a check of their own.
+ALWAYS = ("model", "solver", "title", "library")
+NO_EFFECT = "must have an effect: {} does not depend on it"
+
+
+def is_read(key: Parts, reads: Collection[str]) -> bool:
+    """Return whether a computation reads a key; it reads an input of a role where it reads the name in that role."""
+    return not {*ALWAYS, *reads}.isdisjoint(upwards(NAMES.get(key[0]) or key_name(key)))
+
+
+def check_effect(
+    keys: Iterable[Parts],
+    scenarios: Sequence[tuple[Scenario, Collection[str]]],
+    file: str,
+    computed: str = "the answer",
+    option: str = "",
+) -> None:
+    """Check that each key affects a computation on one of some scenarios, each with what is read of it.
+
+    A key of the library must be of an entry that a scenario uses.  In messages, `computed` says what is computed, and
+    `option` precedes a key.
+    """
+    entries = {entry for scenario, _ in scenarios for entry in _entries_of(scenario)}
+    reads = {name for scenario, names in scenarios for name in _read_of(scenario, names)}
+    problems = {}
+    for key in keys:
+        if key[0] == "library" and len(key) > 2 and key[1:3] not in entries:
+            names = sorted(name for kind, name in entries if kind == key[1])
+            hint = choices(key[2], names) if names else ""
+            message = f"must be an entry of the library that the scenario uses{hint}"
+            problems[key[:3]] = Problem(file, option + key_name(key[:3]), message)
+        elif not is_read(key, reads):
+            problems[key] = Problem(file, option + key_name(key), NO_EFFECT.format(computed))
+    refuse(problems.values())
+
+
+def check_columns(scenario: Scenario, keys: Sequence[str], reads: Collection[str], file: str, computed: str) -> None:
+    """Check that keys that vary from row to row set inputs that the scenario has, and no two of them the same one."""
+    # No row has a ceramic, and no search varies its thickness.
+    is_bare = scenario.armour.ceramic_thickness_mm == 0.0 and CERAMIC not in keys and "optimise" not in reads
+    problems = []
+    setters: dict[str, str] = {}
+    for key in keys:
+        parts = parts_of(key)
+        name = _input_set_by(scenario, parts) if parts[0] == "library" else key
+        if not name:
+            problems.append(Problem(file, key, NO_EFFECT.format(computed)))
+        elif name.startswith("ceramic.") and is_bare:
+            problems.append(Problem(file, key, f"must not be given if {CERAMIC} is 0"))
+        elif setters.setdefault(name, key) != key:
+            problems.append(Problem(file, key, f"must not be given with {setters[name]}, which sets the same input"))
+    refuse(problems)
+
+
+def _input_set_by(scenario: Scenario, parts: Parts) -> str:
+    """Return the input that changes with a value of the section [library]; "" if none does."""
+    _, kind, name, key = parts[:4]
+    value = scenario.entries.entries[kind][name][key]  # type: ignore[index]
+    inputs = scenario.inputs()
+    for factor in (1.01, 0.99):  # one of them is within the bounds
+        with suppress(InputError):
+            changed = scenario.replaced({key_name(parts[:4]): factor * value or 0.01}).inputs()
+            return next((name for name in inputs if inputs[name] != changed[name]), "")
+    return ""
+
+
+def _read_of(scenario: Scenario, reads: Collection[str]) -> set[str]:
+    """Return what is read of a scenario: not what threats and a catalogue replace, if they are read.
+
+    Of a section ``uncertainty`` without distributions, a design, and a report, depend on the model error alone.
+    """
+    replaced: set[str] = set()
+    if "threat" in reads and not (scenario.uncertainty is not None and scenario.uncertainty.inputs()):
+        reads, replaced = {*reads, "uncertainty.model"}, {"uncertainty"}
+    if "threat" in reads and scenario.threat:
+        replaced |= {"impact"}
+    if "design" in reads and scenario.design is not None:
+        replaced |= {f"armour.{layer}" for layer in ("ceramic", "backing") if getattr(scenario.design, layer)}
+    return {*reads} - replaced
+
+
+def _entries_of(scenario: Scenario) -> set[tuple[str, str]]:
+    """Return kind and name of the entries that a scenario names, and of those that its own entries are based on."""
+    named: list[tuple[str, str | None]] = [(kind, scenario.name_of(role)) for role, kind in ROLES.items()]
+    named += [("projectile", threat.projectile) for threat in scenario.threat]
+    if scenario.design is not None:
+        named += [("ceramic", layer.material) for layer in scenario.design.ceramic]
+        named += [("metal", layer.material) for layer in scenario.design.backing]
+    entries: set[tuple[str, str]] = set()
+    for kind, name in named:
+        own_entries = getattr(scenario.library, kind)
+        while name is not None and (kind, name) not in entries:
+            entries.add((kind, name))
+            name = own_entries[name].based_on if name in own_entries else None
+    return entries
