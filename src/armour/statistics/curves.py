@@ -8,7 +8,6 @@ intervals are those of the profile of the likelihood.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
 from math import copysign, exp, inf, log, pi, sqrt
 from typing import Any, Literal, NamedTuple
 
@@ -208,7 +207,6 @@ class ShotLikelihood:
         The profile gives the maximum for a value of the quantity.  The root is that of the deviance at the end.
         """
 
-        @cache
         def deviance(value: float) -> float:
             return 2.0 * (self.mode.value - profile(value).value)
 

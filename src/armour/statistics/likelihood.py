@@ -529,7 +529,6 @@ def _end(fit: InputFit, index: int, bound: float, error: float) -> tuple[float |
     others = np.arange(len(best.x)) != index
     slopes = np.linalg.lstsq(fit.rows[:, others], -fit.rows[:, index], rcond=1e-6)[0]
 
-    @cache
     def deviance(value: float) -> float:
         start = best.x.copy()
         start[index], start[others] = value, start[others] + slopes * (value - best.x[index])

@@ -8,7 +8,6 @@ relative to V50 is log-normal and independent of it.  Both are summed over a gri
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from math import log
 from typing import Any, NamedTuple, Self
 
@@ -170,13 +169,11 @@ class Posterior(NamedTuple):
 
     def estimate(self, confidence: float) -> FiringEstimate:
         """Return medians, intervals and the standard deviation of V50."""
-        ends = (0.5, 0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence)
-        v50, low, high = self.grid.v50_quantiles(self.weights, ends)[0].tolist()
-        scatter, *scatter_ends = self._scatter_quantiles(ends)
+        probabilities = (0.5, 0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence)
+        v50, slowest, fastest = self.grid.v50_quantiles(self.weights, probabilities)[0].tolist()
+        scatter, least, greatest = self._scatter_quantiles(probabilities)
         deviation = self.variance(self.grid.v50_m_s) ** 0.5
-        return FiringEstimate(
-            v50, (low, high), deviation, float(scatter), (float(scatter_ends[0]), float(scatter_ends[1]))
-        )
+        return FiringEstimate(v50, (slowest, fastest), deviation, scatter, (least, greatest))
 
     def _scatter_quantiles(self, probabilities: Sequence[float]) -> list[float]:
         """Return quantiles of the scatter, m/s; each point stands for the scatters up to midway to the next ones."""
@@ -211,10 +208,9 @@ def is_above(grid: V50Grid, velocity_m_s: float, fraction: float) -> Floats:
     return np.clip(0.5 + excess / step, 0.0, 1.0)
 
 
-def no_prior(scenario: Scenario, way_out: str = "") -> InputError:
+def no_prior(scenario: Scenario) -> InputError:
     """Return the error of a question that needs a prior of a scenario that has none."""
-    message = f"must give scale_percent for a prior: {no_error(scenario)}{way_out}"
-    return mistake(scenario.file, "uncertainty.model", message)
+    return mistake(scenario.file, "uncertainty.model", f"must give scale_percent for a prior: {no_error(scenario)}")
 
 
 def posterior_of(
@@ -224,14 +220,6 @@ def posterior_of(
     nodes: tuple[int, int] = NODES,
 ) -> Posterior:
     """Return the posterior given shots, of which there may be none."""
-    return _posterior_of(prior, tuple(velocities_m_s), tuple(complete), nodes)
-
-
-# A plan asks for the posterior of the same shots several times.
-@lru_cache(maxsize=4)
-def _posterior_of(
-    prior: FiringPrior, velocities_m_s: tuple[float, ...], complete: tuple[bool, ...], nodes: tuple[int, int]
-) -> Posterior:
     reach, middle = DEVIATIONS * log(prior.scatter_factor), log(prior.scatter_percent / 100.0)
     ranges = [_v50_range(prior, velocities_m_s), (middle - reach, middle + reach)]
     for _ in range(NARROWINGS):
@@ -248,10 +236,7 @@ def _posterior_of(
             ranges[1] = narrowed(log_ratio, kept_scatter)
         else:
             break
-    weights = normalised(logarithm)
-    for shared in (weights, grid.v50_m_s, grid.scatter_m_s):
-        shared.flags.writeable = False
-    return Posterior(grid, weights)
+    return Posterior(grid, normalised(logarithm))
 
 
 def _v50_range(prior: FiringPrior, velocities_m_s: Sequence[float]) -> tuple[float, float]:

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from functools import partial
 from math import log2
 from typing import Any
 
@@ -438,9 +437,9 @@ def error_indices(
     the ratio are known, and only those of the limits by each law are estimated.
     """
     errors = own_errors(scenario)
-    moments = _ratio_moments(errors)
+    means, squares = _ratio_moments(errors)
     points = replicated_points("sobol", len(section.inputs()), _index_size(section), section.seed)
-    limits = np.zeros((len(moments), len(points)))
+    limits = np.zeros((len(means), len(points)))
     for law in _laws(errors):
         for part in portions(len(points), SAMPLES_AT_A_TIME):
             columns = columns_of(section, values, points[part])
@@ -450,43 +449,29 @@ def error_indices(
             limits[law, part] = sample_limits(samples._replace(variants=variants))
             on_samples(count)
     parts = np.array_split(limits, REPLICATES, axis=1)
-    sums = np.array([[part.shape[1], *part.sum(axis=1), *(part @ part.T).ravel()] for part in parts])
-    first, total = (jackknife(partial(index, moments=moments), sums) for index in (_first_of_error, _total_of_error))
-    return first, total
+    sums = np.array(
+        [[part.shape[1], *part.sum(axis=1), *(part**2).sum(axis=1), ((means @ part) ** 2).sum()] for part in parts]
+    )
+
+    def shares(sums: Floats) -> tuple[Floats, Floats]:
+        """Return the shares of the variance that the error explains alone, and that is left where all else is known."""
+        count, by_law, squared, mean_squared = np.split(sums, np.cumsum([1, len(means), len(means)]), axis=1)
+        mean, mean_square = by_law @ means / count[:, 0], squared @ squares / count[:, 0]
+        variance = mean_square - mean**2
+        by_error = (by_law / count) ** 2 @ squares - mean**2
+        return by_error / variance, (mean_square - mean_squared[:, 0] / count[:, 0]) / variance
+
+    return jackknife(lambda sums: shares(sums)[0], sums), jackknife(lambda sums: shares(sums)[1], sums)
 
 
-def _ratio_moments(errors: Errors) -> Floats:
-    """Return the probabilities of the laws times the mean of the ratio by each and that of its square, (laws, 2).
+def _ratio_moments(errors: Errors) -> tuple[Floats, Floats]:
+    """Return the probabilities of the laws times the mean of the ratio by each, and times that of its square.
 
     They are those between the outermost chances, TAIL on each side.
     """
-    moments = np.zeros((len(errors.ratio.weights), 2))
+    moments = np.zeros((2, len(errors.ratio.weights)))
     for law in _laws(errors):
         ratios = errors.of_law(law).one().quantile(CHANCES)
-        moments[law] = errors.ratio.weights[law].sum() * np.array([ratios.mean(), (ratios**2).mean()])
-    return moments
-
-
-def _limit_moments(sums: Floats, laws: int) -> tuple[Floats, Floats]:
-    """Return the means of the limits by each law, (n, laws), and of their products, (n, laws, laws), from sums."""
-    count = sums[:, :1]
-    return sums[:, 1 : 1 + laws] / count, (sums[:, 1 + laws :] / count).reshape(-1, laws, laws)
-
-
-def _first_of_error(sums: Floats, moments: Floats) -> Floats:
-    """Return the share of the variance that the model error explains alone."""
-    means, products = _limit_moments(sums, len(moments))
-    mean = means @ moments[:, 0]
-    return (means**2 @ moments[:, 1] - mean**2) / (_mean_square(products, moments) - mean**2)
-
-
-def _total_of_error(sums: Floats, moments: Floats) -> Floats:
-    """Return the share of the variance that is left where all else is known."""
-    means, products = _limit_moments(sums, len(moments))
-    mean, square = means @ moments[:, 0], _mean_square(products, moments)
-    return (square - np.einsum("nij,i,j->n", products, moments[:, 0], moments[:, 0])) / (square - mean**2)
-
-
-def _mean_square(products: Floats, moments: Floats) -> Floats:
-    """Return the mean square of the limit of the armour."""
-    return np.einsum("nkk,k->n", products, moments[:, 1])
+        moments[:, law] = errors.ratio.weights[law].sum() * np.array([ratios.mean(), (ratios**2).mean()])
+    means, squares = moments
+    return means, squares
