@@ -122,7 +122,7 @@ IN_COMMON = (
     "backing_shear_ratio",
 )
 # And of what was measured: a side is 1 where the limit is above the velocity of a shot, -1 below, and 0 of a limit.
-MEASURED = ("velocity_m_s", "uncertainty_m_s", "side")
+RESULTS = ("velocity_m_s", "uncertainty_m_s", "side")
 # Least and greatest numbers of these that can be; others are above 0.
 TINY = 1e-9
 BOUNDS_OF_TESTS = {
@@ -161,9 +161,7 @@ class OwnTests(Section):
     @model_validator(mode="after")
     def _complete(self) -> "OwnTests":
         counts = {len(column) for column in (*self.tests.values(), *(law.computed_m_s for law in self.law))}
-        if self.law and not (
-            {*self.tests} == {*VARIED, *IN_COMMON, *MEASURED} and len(counts) == 1 and min(counts) > 0
-        ):
+        if self.law and not ({*self.tests} == {*VARIED, *IN_COMMON, *RESULTS} and len(counts) == 1 and min(counts) > 0):
             raise ValueError("must be as armour calibrate writes it: a number for each test in each of its lists")
         if any(law.level is not None and law.level[1] <= 0.0 for law in self.law):
             raise ValueError("must be as armour calibrate writes it: a standard deviation must be above 0")

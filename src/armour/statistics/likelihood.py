@@ -222,7 +222,21 @@ class Point(NamedTuple):
     loss: float  # -2 times the logarithm of likelihood and prior, but for what does not depend on the inputs
 
 
-class InputFit(NamedTuple):
+@dataclass(frozen=True)
+class Precision:
+    """How precisely tests determine inputs."""
+
+    covariance: Floats  # of the inputs in their units, (k, k)
+    spread: float  # the scatter, without the bias that fitted inputs give it
+    degrees_of_freedom: float
+    chi_squared: float  # sum of the squared deviations of the measured values
+    p_value: float | None
+    widened_by: float  # factor of the intervals
+    threshold: float  # of -2 times the logarithm of a likelihood ratio, for the intervals
+
+
+@dataclass(frozen=True)
+class InputFit(Precision):
     """A fit of inputs to tests.
 
     ``rows`` and ``residuals`` are those of the least-squares problem whose first step is Newton's from the fit, with
@@ -237,13 +251,6 @@ class InputFit(NamedTuple):
     aicc: float | None
     starts: int
     starts_agreeing: int
-    covariance: Floats  # of the inputs in their units, (k, k)
-    spread: float  # the scatter, without the bias that fitted inputs give it
-    degrees_of_freedom: float
-    chi_squared: float  # sum of the squared deviations of the measured values
-    p_value: float | None
-    widened_by: float  # factor of the intervals
-    threshold: float  # of -2 times the logarithm of a likelihood ratio, for the intervals
 
 
 def fit_inputs(tests: Tests, inputs: Sequence[str], on_progress: OnProgress, *, prior: bool = False) -> InputFit:
@@ -351,15 +358,15 @@ def _judged(likelihood: Likelihood, best: Point, starts: int, agreeing: int) -> 
     linear = _linearised(likelihood, best)
     precision = _by_uncertainties(best, linear) if likelihood.tests.weighted else _by_scatter(best, linear)
     return InputFit(
-        likelihood,
-        best,
-        linear.rows,
-        linear.residuals,
+        **vars(precision),
+        likelihood=likelihood,
+        best=best,
+        rows=linear.rows,
+        residuals=linear.residuals,
         prior_shares=_prior_shares(likelihood.prior, best, precision),
         aicc=None if len(likelihood.prior.where) else _aicc(likelihood, best),
         starts=starts,
         starts_agreeing=agreeing,
-        **precision._asdict(),
     )
 
 
@@ -389,24 +396,12 @@ def _linearised(likelihood: Likelihood, best: Point) -> _Linearised:
     )
 
 
-class _Precision(NamedTuple):
-    """How precisely tests determine inputs; see `InputFit`."""
-
-    covariance: Floats
-    spread: float
-    degrees_of_freedom: float
-    chi_squared: float
-    p_value: float | None
-    widened_by: float
-    threshold: float
-
-
 # Probability below the upper end of an interval, and the threshold of a likelihood ratio where scatters are known.
 UPPER = 0.5 * (1.0 + CONFIDENCE)
 NORMAL_THRESHOLD = float(norm.ppf(UPPER)) ** 2
 
 
-def _by_uncertainties(best: Point, linear: _Linearised) -> _Precision:
+def _by_uncertainties(best: Point, linear: _Linearised) -> Precision:
     """Return the precision by the given uncertainties, widened if the deviations are larger than these explain."""
     count, scores = len(best.x), linear.residuals[len(linear.z) :]
     covariance, leverages = _inverted(linear.rows, count)
@@ -420,10 +415,10 @@ def _by_uncertainties(best: Point, linear: _Linearised) -> _Precision:
     if p_value is not None and p_value < MIN_P_VALUE and not len(scores):
         widened_by = sqrt(chi_squared / freedom)
         threshold = (widened_by * float(t.ppf(UPPER, freedom))) ** 2
-    return _Precision(covariance * widened_by**2, 1.0, freedom, chi_squared, p_value, widened_by, threshold)
+    return Precision(covariance * widened_by**2, 1.0, freedom, chi_squared, p_value, widened_by, threshold)
 
 
-def _by_scatter(best: Point, linear: _Linearised) -> _Precision:
+def _by_scatter(best: Point, linear: _Linearised) -> Precision:
     """Return the precision by the scatter, which is estimated too.
 
     Without outcomes and prior the intervals are exact for a linear model.  With outcomes the scatter has as many
@@ -443,7 +438,7 @@ def _by_scatter(best: Point, linear: _Linearised) -> _Precision:
     columns[:measured] *= sqrt(freedom / number)
     columns[-1] *= sqrt(freedom / number)
     exact_threshold = number * float(np.log1p(t.ppf(UPPER, freedom) ** 2 / freedom))
-    return _Precision(
+    return Precision(
         covariance=_inverted(columns, count)[0],
         spread=best.scatter * sqrt(number / freedom),
         degrees_of_freedom=freedom,
@@ -460,7 +455,7 @@ def _inverted(rows: Floats, count: int) -> tuple[Floats, Floats]:
     return inverse @ inverse.T, (rows[:, :count] * inverse.T).sum(axis=1)
 
 
-def _prior_shares(prior: Prior, best: Point, precision: _Precision) -> tuple[float | None, ...]:
+def _prior_shares(prior: Prior, best: Point, precision: Precision) -> tuple[float | None, ...]:
     """Return the shares of the prior in the precisions of the inputs, (k,)."""
     shares: list[float | None] = [None] * len(best.x)
     for i, deviation in zip(prior.where, prior.deviations(best.x), strict=True):

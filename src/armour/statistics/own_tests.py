@@ -16,8 +16,8 @@ from armour.scenario.inputs import cosine_of
 from armour.scenario.library import (
     FLOW_STRESS_LAW,
     IN_COMMON,
-    MEASURED,
     MOST_TESTS,
+    RESULTS,
     VARIED,
     LawTests,
     LibraryEntry,
@@ -75,7 +75,8 @@ def own_tests(tests: Tests, fitted: Mapping[str, float]) -> OwnTests | None:
     laws = _of_plates(rows, entry) if role == "backing" else _of_ceramic(rows, entry, measured)
     if not laws or not _are_plausible(laws, q, sides, velocities):
         return None
-    if len({*_rounded(rows.cosines)}) > 1 and (q["path_ratio"] > _longest_path(laws)).any():
+    longest_path = (1.0 + 1e-6) / cosine_of(shipped_evidence_of(laws[0].fit).obliquity_max_deg)
+    if len({*_rounded(rows.cosines)}) > 1 and (q["path_ratio"] > longest_path).any():
         return None
     calibrated = scenario.with_inputs({name: float(f"{value:.6g}") for name, value in fitted.items()})
     values = armour_of(calibrated).quantities()
@@ -84,15 +85,9 @@ def own_tests(tests: Tests, fitted: Mapping[str, float]) -> OwnTests | None:
     return OwnTests(
         source=f"{len(tests.names)} test{'s' * (len(tests.names) > 1)} of {Path(tests.file).name}",
         calibrated={name: float(values[name][0]) for name in QUANTITIES[role]},
-        tests={name: _rounded(q[name]) for name in (*VARIED, *IN_COMMON, *MEASURED)},
+        tests={name: _rounded(q[name]) for name in (*VARIED, *IN_COMMON, *RESULTS)},
         law=laws,
     )
-
-
-def _longest_path(laws: tuple[LawTests, ...]) -> float:
-    """Return the greatest path over the thickness of the shipped tests that a fit is of."""
-    shipped = shipped_evidence_of(laws[0].fit)
-    return (1.0 + 1e-6) / cosine_of(shipped.obliquity_max_deg)
 
 
 def _are_plausible(laws: tuple[LawTests, ...], q: Mapping[str, Floats], sides: Floats, velocities: Floats) -> bool:
