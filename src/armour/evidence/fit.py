@@ -126,55 +126,55 @@ class Fit(NamedTuple):
         rounds = np.empty((len(q["path_ratio"]), 0)) if self.rods is None else _same(rods_of(q), self.rods)
         return np.column_stack([matrix_of(self.terms, self.reference, q), rounds])
 
-    def updated(self, tests: LotTests, more: float = 0.0, level: Sequence[float] | None = None) -> "Fit":
+    def updated(self, tests: LotTests, extra_deviation: float = 0.0, level: Sequence[float] | None = None) -> "Fit":
         """Return the fit for the lot of own tests; its weight is the logarithm of their density.
 
         Parameters
         ----------
         tests : LotTests
-        more : float
+        extra_deviation : float
             Standard deviation between lots in addition to that of the fit.
         level : sequence of float, optional
             Mean and standard deviation of the first coefficient, for a lot that the fit does not cover.
         """
         rods = np.unique(rods_of(tests.quantities), axis=0)
-        rest, nu = max(self.standard_deviations[2], LEAST_REST), self.degrees_of_freedom
+        test_deviation, nu = max(self.standard_deviations[2], LEAST_REST), self.degrees_of_freedom
         Z = self._replace(rods=rods)._matrix(tests.quantities)
-        b, C = self._of_new_lot(len(rods), more, level)
+        b, C = self._of_new_lot(len(rods), extra_deviation, level)
         # Covariance of the tests: those at the same armour have the same limit.
-        K = Z @ C @ Z.T + rest**2 * (tests.armours[:, None] == tests.armours)
-        away, variances = tests.errors - Z @ b, tests.uncertainties**2
+        K = Z @ C @ Z.T + test_deviation**2 * (tests.armours[:, None] == tests.armours)
+        deviations, variances = tests.errors - Z @ b, tests.uncertainties**2
         limits, shots = np.flatnonzero(tests.sides == 0.0), np.flatnonzero(tests.sides)
         S = K[np.ix_(limits, limits)] + np.diag(variances[limits])
-        log_density = _log_density(away[limits], S, nu)
+        log_density = _log_density(deviations[limits], S, nu)
         if len(shots):
             gain = np.linalg.solve(S, K[limits]).T
-            mean, covariance = gain[shots] @ away[limits], (K - gain @ K[limits])[np.ix_(shots, shots)]
-            measurements = as_measurements(mean, covariance, away[shots], tests.sides[shots], variances[shots])
-            away[shots], variances[shots], log_probability = measurements
+            mean, covariance = gain[shots] @ deviations[limits], (K - gain @ K[limits])[np.ix_(shots, shots)]
+            measurements = as_measurements(mean, covariance, deviations[shots], tests.sides[shots], variances[shots])
+            deviations[shots], variances[shots], log_probability = measurements
             log_density += log_probability
         S = K + np.diag(variances)
         G = np.linalg.solve(S, Z @ C).T
         # Tests that contradict each other or the fit widen it; outcomes count by their information.
-        squares, expected_squares = away @ np.linalg.solve(S, away), np.trace(np.linalg.solve(S, K))
+        squares, expected_squares = deviations @ np.linalg.solve(S, deviations), np.trace(np.linalg.solve(S, K))
         widened_by = max(1.0, (nu + squares) / (nu + expected_squares))
         return self._replace(
-            coefficients=b + G @ away,
+            coefficients=b + G @ deviations,
             covariance=widened_by * (C - G @ Z @ C),
-            variance=widened_by * rest**2,
+            variance=widened_by * test_deviation**2,
             degrees_of_freedom=nu + len(Z),
             rods=rods,
             weight=log_density,
         )
 
-    def _of_new_lot(self, rounds: int, more: float, level: Sequence[float] | None) -> tuple[Floats, Floats]:
+    def _of_new_lot(self, rounds: int, extra_deviation: float, level: Sequence[float] | None) -> tuple[Floats, Floats]:
         """Return coefficients of a lot and effects of rounds, and their covariance; see `updated`."""
         between_lots, between_rounds, _, trend = self.standard_deviations
         count = len(self.terms)
         b = np.append(self.coefficients, np.zeros(rounds))
         C = np.diag([0.0] * count + [between_rounds**2] * rounds)
         C[:count, :count] = self.covariance
-        C[0, 0] += between_lots**2 + more**2
+        C[0, 0] += between_lots**2 + extra_deviation**2
         if level is not None:
             C[0], C[:, 0] = 0.0, 0.0
             b[0], C[0, 0] = level[0], level[1] ** 2
@@ -182,9 +182,9 @@ class Fit(NamedTuple):
         return b, C
 
 
-def _log_density(away: Floats, scale: Floats, freedom: float) -> float:
+def _log_density(deviations: Floats, scale: Floats, freedom: float) -> float:
     """Return the logarithm of the density of Student's t distribution of n values, but for a constant times n."""
-    n, squares = len(away), float(away @ np.linalg.solve(scale, away))
+    n, squares = len(deviations), float(deviations @ np.linalg.solve(scale, deviations))
     log_density = lgamma(0.5 * (freedom + n)) - lgamma(0.5 * freedom) - 0.5 * n * np.log(freedom)
     return float(log_density - 0.5 * ((freedom + n) * np.log1p(squares / freedom) + np.linalg.slogdet(scale)[1]))
 
@@ -208,19 +208,19 @@ def as_measurements(
     for _ in range(MOST_ROUNDS):
         before = precision.copy()
         for i in range(n):
-            left = 1.0 / posterior[i, i] - precision[i]
-            without[i], spread[i] = (middle[i] / posterior[i, i] - information[i]) / left, 1.0 / left
+            cavity = 1.0 / posterior[i, i] - precision[i]  # precision of the limit without the shot
+            without[i], spread[i] = (middle[i] / posterior[i, i] - information[i]) / cavity, 1.0 / cavity
             total = spread[i] + variances[i]
             score[i] = sides[i] * (without[i] - places[i]) / np.sqrt(total)
             slope = np.exp(-0.5 * score[i] ** 2 - log_ndtr(score[i])) / np.sqrt(2.0 * np.pi)
             mean_with = without[i] + spread[i] * sides[i] * slope / np.sqrt(total)
             narrowed = spread[i] - spread[i] ** 2 * slope * (slope + score[i]) / total
-            more = max(1.0 / narrowed - left, LEAST_PRECISION) - precision[i]
-            further = mean_with / narrowed - without[i] * left - information[i]
-            precision[i], information[i] = precision[i] + more, information[i] + further
-            change = posterior[:, i] / (1.0 + more * posterior[i, i])
-            middle = middle + change * (further - more * middle[i])
-            posterior = posterior - more * np.outer(change, posterior[i])
+            precision_change = max(1.0 / narrowed - cavity, LEAST_PRECISION) - precision[i]
+            information_change = mean_with / narrowed - without[i] * cavity - information[i]
+            precision[i], information[i] = precision[i] + precision_change, information[i] + information_change
+            change = posterior[:, i] / (1.0 + precision_change * posterior[i, i])
+            middle = middle + change * (information_change - precision_change * middle[i])
+            posterior = posterior - precision_change * np.outer(change, posterior[i])
         if (np.abs(precision - before) <= 1e-6 * precision).all():
             break
     residual = information - precision * mean
@@ -237,9 +237,9 @@ def rods_of(q: Quantities) -> Floats:
     return np.column_stack([q[name] for name in RODS])
 
 
-def _same(rods: Floats, others: Floats) -> Any:
-    """Return which of k penetrators each of n is, (n, k), but for rounding."""
-    return np.isclose(rods[:, None], others, rtol=1e-6, atol=0.0).all(axis=2)
+def _same(rods: Floats, rounds: Floats) -> Any:
+    """Return which of k rounds each of n penetrators is, (n, k), but for rounding."""
+    return np.isclose(rods[:, None], rounds, rtol=1e-6, atol=0.0).all(axis=2)
 
 
 def law_parameters(role: str, values: Mapping[str, float]) -> dict[str, float]:

@@ -194,17 +194,17 @@ class Armours(NamedTuple):
 
         It is from the own tests of an entry, or else from the closest shipped tests.
         """
-        is_bare, rest = self.parameters.Hc0 == 0.0, np.ones(len(self.which), dtype=bool)
+        is_bare, has_shipped = self.parameters.Hc0 == 0.0, np.ones(len(self.which), dtype=bool)
         for place, materials in enumerate(self.materials):
             for entry, has_kind in ((materials.ceramic, ~is_bare), (materials.backing, is_bare)):
                 rows = (self.which == place) & has_kind
                 if entry is not None and entry.evidence is not None and rows.any():
-                    rest = rest & ~rows
+                    has_shipped = has_shipped & ~rows
                     yield own_evidence(entry, entry.evidence), rows
         q = self.quantities()
         nearest = np.argmin([evidence.differences(q) for evidence in shipped_evidence()], axis=0)
         for place, evidence in enumerate(shipped_evidence()):
-            if (rows := rest & (nearest == place)).any():
+            if (rows := has_shipped & (nearest == place)).any():
                 yield evidence, rows
 
 

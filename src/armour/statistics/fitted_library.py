@@ -183,15 +183,15 @@ def _base_of(entry: LibraryEntry, law: str) -> dict[str, Any]:
     if shipped_library().entries[entry.kind].get(entry.name) != entry:
         values = {key: value.model_dump() for key, value in entry.values.items() if key not in entry.derived}
         base = {"description": entry.description} | values
-    others = [key for key in FLOW_STRESS_LAW if law in LAWS and key not in LAWS[law] and key in entry.values]
-    return base | {key: 0.0 for key in others if entry[key]}
+    other_laws = [key for key in FLOW_STRESS_LAW if law in LAWS and key not in LAWS[law] and key in entry.values]
+    return base | {key: 0.0 for key in other_laws if entry[key]}
 
 
-def _test_table(tests: Tests, test: int, role: str) -> dict[str, float | str]:
+def _test_table(tests: Tests, test: int, calibrated_role: str) -> dict[str, float | str]:
     """Return the inputs and measurements of a test, without the name of the calibrated entry."""
     scenario = next(group.scenario for group in tests.groups if test in group.where)
     cells = tests.cells[test]
-    names = {key: scenario.name_of(other) for other, key in NAMES.items() if other != role}
+    names = {key: scenario.name_of(role) for role, key in NAMES.items() if role != calibrated_role}
     table: dict[str, float | str] = {key: name for key, name in names.items() if name is not None}
     table[CERAMIC] = scenario.armour.ceramic_thickness_mm
     table[BACKING] = scenario.armour.backing_thickness_mm

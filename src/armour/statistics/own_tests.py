@@ -59,9 +59,9 @@ def own_tests(tests: Tests, fitted: Mapping[str, float]) -> OwnTests | None:
     shots = [m for m in tests.measurements if m.quantity == LIMIT]
     if len(shots) > MOST_TESTS:
         raise mistake(tests.file, "", f"must have at most {MOST_TESTS} limits and outcomes, found {len(shots)}")
-    role, *others = {name.partition(".")[0] for name in fitted}
+    role, *other_roles = {name.partition(".")[0] for name in fitted}
     keys = {name.partition(".")[2] for name in fitted} - {"dynamic_yield_strength_MPa"}
-    if others or not shots or not keys <= {*KEYS.get(role, ())} or other_settings(tests.scenario):
+    if other_roles or not shots or not keys <= {*KEYS.get(role, ())} or other_settings(tests.scenario):
         return None
     scenario = tests.groups[0].scenario
     places = np.argsort(np.concatenate([group.where for group in tests.groups]))

@@ -413,8 +413,8 @@ def check_shots(shots: Shots, *, one_kind: bool = False) -> None:
         message = f"must have as many velocities as results, found {len(velocities)} and {count}"
     elif not all(isinstance(v, Real) and c in (True, False) for v, c in zip(velocities, shots.complete, strict=True)):
         message = "must be velocities as numbers, and True for each complete penetration, False for each partial one"
-    elif wrong := [value for value in velocities if not MIN_VELOCITY_M_S <= value <= MAX_VELOCITY_M_S]:
-        message = f"must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g} m/s, found {wrong[0]:g}"
+    elif outliers := [value for value in velocities if not MIN_VELOCITY_M_S <= value <= MAX_VELOCITY_M_S]:
+        message = f"must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g} m/s, found {outliers[0]:g}"
     elif not one_kind and len(set(shots.complete)) != 2:
         kinds = f"only {'complete' if shots.complete[0] else 'partial'} ones" if count else "none"
         message = f"must have at least one partial and one complete penetration, found {kinds}"
