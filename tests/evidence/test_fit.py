@@ -96,8 +96,8 @@ def test_outcomes_tell_the_same_in_any_order_and_contradictions_widen():
     q = PLATES.at([0] * 5).quantities
     predictions = []
     for order in ([0, 1, 2, 3, 4], [3, 4, 0, 1, 2], [4, 2, 0, 3, 1]):
-        of = lot([errors[i] for i in order], [sides[i] for i in order], [0] * 5)
-        updated = FIT.updated(of._replace(quantities=q, uncertainties=np.full(5, 0.02)))
+        ordered = lot([errors[i] for i in order], [sides[i] for i in order], [0] * 5)
+        updated = FIT.updated(ordered._replace(quantities=q, uncertainties=np.full(5, 0.02)))
         predictions.append(np.hstack([*updated.predicted(PLATES.at([0]).quantities, {}), updated.weight]))
     for prediction in predictions[1:]:
         assert prediction == pytest.approx(predictions[0], rel=1e-4)

@@ -218,7 +218,7 @@ def test_no_limit_at_an_angle_is_below_that_at_normal_incidence():
     pairs = matched_pairs()
     assert len(pairs) == 21
     assert all(pair.limit_m_s > pair.at_normal_m_s for pair in pairs)
-    assert sorted(round(100 * (of.limit_m_s / of.at_normal_m_s - 1)) for of in pairs if of.obliquity_deg == 45) == [
+    assert sorted(round(100 * (p.limit_m_s / p.at_normal_m_s - 1)) for p in pairs if p.obliquity_deg == 45) == [
         41,
         43,
     ]
