@@ -24,10 +24,10 @@ def lot(errors: list[float], sides: list[float] | None = None, armours: list[int
 
 def prior() -> np.ndarray:
     """Covariance of the coefficients for a lot and a round."""
-    found = FIT.covariance.copy()
-    found[0, 0] += LOTS**2 + ROUNDS**2
-    found[1, 1] += TREND**2
-    return found
+    covariance = FIT.covariance.copy()
+    covariance[0, 0] += LOTS**2 + ROUNDS**2
+    covariance[1, 1] += TREND**2
+    return covariance
 
 
 def test_measured_limits_update_the_population():
@@ -40,10 +40,10 @@ def test_measured_limits_update_the_population():
     location, scale = updated.predicted(tests.quantities, {})
     coefficients = FIT.coefficients + gain @ (tests.errors - Z @ FIT.coefficients)
     assert location == pytest.approx(Z @ coefficients)
-    left = prior() - gain @ Z @ prior()
-    away, nu = tests.errors - Z @ FIT.coefficients, FIT.degrees_of_freedom
-    wider = max(1.0, (nu + away @ np.linalg.solve(S, away)) / (nu + 3))
-    assert scale**2 == pytest.approx(wider * (REST**2 + np.einsum("ni,ij,nj->n", Z, left, Z)))
+    covariance = prior() - gain @ Z @ prior()
+    deviations, nu = tests.errors - Z @ FIT.coefficients, FIT.degrees_of_freedom
+    widened_by = max(1.0, (nu + deviations @ np.linalg.solve(S, deviations)) / (nu + 3))
+    assert scale**2 == pytest.approx(widened_by * (REST**2 + np.einsum("ni,ij,nj->n", Z, covariance, Z)))
     assert updated.degrees_of_freedom == FIT.degrees_of_freedom + 3
     density = multivariate_t(Z @ FIT.coefficients, S, int(FIT.degrees_of_freedom)).logpdf(tests.errors)
     assert updated.weight == pytest.approx(density + 1.5 * np.log(np.pi))
@@ -51,22 +51,22 @@ def test_measured_limits_update_the_population():
 
 def test_against_another_round_only_the_alloys_part_is_shared():
     tests = lot([-0.20])
-    updated, other = FIT.updated(tests), {**tests.quantities, "rod_diameter_mm": np.array([12.6])}
-    (same, narrow), (shifted, wide) = updated.predicted(tests.quantities, {}), updated.predicted(other, {})
+    updated, other_round = FIT.updated(tests), {**tests.quantities, "rod_diameter_mm": np.array([12.6])}
+    (same, narrow), (shifted, wide) = updated.predicted(tests.quantities, {}), updated.predicted(other_round, {})
     [before], _ = FIT.predicted(tests.quantities, {})
     assert before < shifted[0] < same[0]
     assert wide[0] > narrow[0]
-    assert wide[0] < FIT.predicted(other, {})[1][0] * 1.02
+    assert wide[0] < FIT.predicted(other_round, {})[1][0] * 1.02
 
 
 def test_a_lot_is_not_taken_to_scatter_less_than_lots_do():
-    of = fits()["cores_aluminium"]
-    assert of.standard_deviations[2] < LEAST_REST
+    fit = fits()["cores_aluminium"]
+    assert fit.standard_deviations[2] < LEAST_REST
     group = GROUPS["cores_aluminium"]
     q = plates_of(group.kind, group.metal).at([0]).quantities
-    [expected], _ = of.predicted(q, {})
-    one = LotTests(q, np.array([expected]), np.zeros(1), np.zeros(1), np.zeros(1))
-    assert of.updated(one).variance == pytest.approx(LEAST_REST**2)
+    [expected], _ = fit.predicted(q, {})
+    one_test = LotTests(q, np.array([expected]), np.zeros(1), np.zeros(1), np.zeros(1))
+    assert fit.updated(one_test).variance == pytest.approx(LEAST_REST**2)
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
@@ -94,13 +94,13 @@ def test_shots_at_one_armour_are_of_one_limit():
 def test_outcomes_tell_the_same_in_any_order_and_contradictions_widen():
     errors, sides = [-0.02, 0.0, 0.03, 0.06, 0.08], [-1.0, -1.0, -1.0, 1.0, 1.0]
     q = PLATES.at([0] * 5).quantities
-    found = []
+    predictions = []
     for order in ([0, 1, 2, 3, 4], [3, 4, 0, 1, 2], [4, 2, 0, 3, 1]):
-        of = lot([errors[i] for i in order], [sides[i] for i in order], [0] * 5)
-        updated = FIT.updated(of._replace(quantities=q, uncertainties=np.full(5, 0.02)))
-        found.append(np.hstack([*updated.predicted(PLATES.at([0]).quantities, {}), updated.weight]))
-    for other in found[1:]:
-        assert other == pytest.approx(found[0], rel=1e-4)
+        ordered = lot([errors[i] for i in order], [sides[i] for i in order], [0] * 5)
+        updated = FIT.updated(ordered._replace(quantities=q, uncertainties=np.full(5, 0.02)))
+        predictions.append(np.hstack([*updated.predicted(PLATES.at([0]).quantities, {}), updated.weight]))
+    for prediction in predictions[1:]:
+        assert prediction == pytest.approx(predictions[0], rel=1e-4)
     alike = lot([0.05, 0.05])._replace(quantities=PLATES.at([0, 0]).quantities)
     apart = alike._replace(errors=np.array([-0.25, 0.35]))
     widths = [FIT.updated(tests).predicted(q, {})[1][0] for tests in (alike, apart)]
@@ -130,6 +130,6 @@ def test_a_level_replaces_that_of_the_fit():
     q = tests.quantities
     updated = FIT.updated(tests, level=(0.3, 0.2))
     Z = matrix_of(FIT.terms, FIT.reference, q)
-    rest = FIT.coefficients.copy()
-    rest[0] = 0.3
-    assert updated.predicted(q, {})[0] == pytest.approx(Z @ rest, abs=1e-3)
+    coefficients = FIT.coefficients.copy()
+    coefficients[0] = 0.3
+    assert updated.predicted(q, {})[0] == pytest.approx(Z @ coefficients, abs=1e-3)

@@ -45,16 +45,16 @@ def test_a_mixture_of_many_armours_is_that_of_each():
     many = Mixture(weights, locations, scales, np.stack([FREEDOM] * 3, axis=1)).times(columns)
     velocities = np.array([600.0, 700.0, 800.0])
     for i, (factor, velocity) in enumerate(zip(columns, velocities, strict=True)):
-        one = THREE.times(factor)
-        assert many.probability_above(velocities)[i] == pytest.approx(one.probability_above(velocity))
-        assert many.quantile(0.1 * columns)[i] == pytest.approx(one.quantile(0.1 * factor))
+        single = THREE.times(factor)
+        assert many.probability_above(velocities)[i] == pytest.approx(single.probability_above(velocity))
+        assert many.quantile(0.1 * columns)[i] == pytest.approx(single.quantile(0.1 * factor))
 
 
 def test_the_distribution_of_an_unknown_armour_is_unknown():
     weights = np.array([[1.0, np.nan]])
-    some = Mixture(weights, np.full((1, 2), 6.5), np.full((1, 2), 0.1), np.full((1, 2), 9.0))
-    assert np.isnan(some.probability_above(np.array([700.0, 700.0]))).tolist() == [False, True]
-    assert np.isnan(some.quantile(np.array([0.5, 0.5]))).tolist() == [False, True]
+    mixture = Mixture(weights, np.full((1, 2), 6.5), np.full((1, 2), 0.1), np.full((1, 2), 9.0))
+    assert np.isnan(mixture.probability_above(np.array([700.0, 700.0]))).tolist() == [False, True]
+    assert np.isnan(mixture.quantile(np.array([0.5, 0.5]))).tolist() == [False, True]
 
 
 def test_without_logarithm_the_number_itself_is_distributed():

@@ -76,14 +76,14 @@ def test_the_error_is_that_of_tests_of_such_armours():
 def test_no_error_where_nothing_was_tested(changes: dict[str, Any]):
     case = scenario(**changes)
     assert model_error(case, 700.0) is None
-    found = confidence(case)
-    assert found.probability_of_stopping is None
-    assert "own tests (armour calibrate)" in found.reason
+    result = confidence(case)
+    assert result.probability_of_stopping is None
+    assert "own tests (armour calibrate)" in result.reason
 
 
 def test_the_scenario_gives_the_error_or_excludes_it():
-    given = scenario(ceramic="SiC", uncertainty={"model": {"scale_percent": 9.0, "source": "our tests"}})
-    error = error_of(given)
+    with_error = scenario(ceramic="SiC", uncertainty={"model": {"scale_percent": 9.0, "source": "our tests"}})
+    error = error_of(with_error)
     assert error.source == "our tests"
     assert (error.mean_percent, error.scale_percent) == pytest.approx((0.0, 9.0))
     assert error.quantile(0.975) == pytest.approx(0.09 * 1.959964, rel=1e-4)
@@ -92,11 +92,11 @@ def test_the_scenario_gives_the_error_or_excludes_it():
 
 def test_one_probability_whichever_law_the_scenario_names():
     for velocity, expected in ((650.0, 0.92), (724.0, 0.43), (800.0, 0.07)):
-        found = [confidence(scenario(ceramic=law, velocity=velocity)) for law in LAWS]
-        probabilities = [result.probability_of_stopping for result in found]
+        results = [confidence(scenario(ceramic=law, velocity=velocity)) for law in LAWS]
+        probabilities = [result.probability_of_stopping for result in results]
         assert max(filter(None, probabilities)) - min(filter(None, probabilities)) < 0.001
         assert probabilities[0] == pytest.approx(expected, abs=0.01)
-        assert len({round(result.ballistic_limit_m_s or 0.0) for result in found}) == 3
+        assert len({round(result.ballistic_limit_m_s or 0.0) for result in results}) == 3
 
 
 @pytest.mark.parametrize("law", LAWS)
@@ -108,8 +108,8 @@ def test_one_probability_in_every_command(law: str):
     catalogue = {"ceramic": [{"material": law, **only}], "backing": [{"material": "6061-T6", **only}]}
     [of_design] = best_of(optimise(case.replaced({"design": catalogue}))).probabilities_of_stopping.values()
     [of_row] = evaluate(case, {}, ["probability_of_stopping"])["probability_of_stopping"]
-    found = [check(case).threats[0].probability_of_stopping, of_design, of_row]
-    assert found == pytest.approx([expected.probability_of_stopping] * 3, abs=1e-9)
+    probabilities = [check(case).threats[0].probability_of_stopping, of_design, of_row]
+    assert probabilities == pytest.approx([expected.probability_of_stopping] * 3, abs=1e-9)
     sampled = uncertainty(case.replaced({"uncertainty": {"samples": 4096}})).probability_of_perforation
     assert 1.0 - sampled.value == pytest.approx(expected.probability_of_stopping, abs=0.005)
     limit = ballistic_limit(case)
@@ -170,8 +170,10 @@ def test_rows_have_the_errors_of_scenarios():
     errors = variants_of(scenario(), {"armour.ceramic_thickness_mm": thicknesses}, 3).errors
     assert errors.known.tolist() == [True, True, False]
     assert errors.ratio.weights[:, 0].sum() == pytest.approx(1.0)
-    one = variants_of(scenario(ceramic_mm=4.0), {}, 1).errors
-    for many, single in zip((*errors.ratio[:4], errors.parameters), (*one.ratio[:4], one.parameters), strict=True):
+    single_errors = variants_of(scenario(ceramic_mm=4.0), {}, 1).errors
+    for many, single in zip(
+        (*errors.ratio[:4], errors.parameters), (*single_errors.ratio[:4], single_errors.parameters), strict=True
+    ):
         assert many[..., 0].tolist() == single[..., 0].tolist()
 
 
@@ -187,12 +189,12 @@ def test_quantiles_are_given():
 @pytest.mark.parametrize("settings", [{"model.shear_perimeter": "projectile"}, {"solver.arrest_velocity_m_s": 300.0}])
 def test_the_error_is_that_of_the_settings_of_the_tests(settings: dict[str, Any]):
     """With others, 13 and 3 of Wilkins' 13 limits were outside the intervals stated (A2)."""
-    found = confidence(scenario(velocity=700.0).replaced(settings))
+    result = confidence(scenario(velocity=700.0).replaced(settings))
     [(key, value)] = settings.items()
-    assert found.probability_of_stopping is None
-    assert f"other settings than {key} = {value}" in found.reason
-    given = scenario(uncertainty={"model": {"scale_percent": 9.0}}).replaced(settings)
-    assert model_error(given, 700.0) is not None
+    assert result.probability_of_stopping is None
+    assert f"other settings than {key} = {value}" in result.reason
+    with_error = scenario(uncertainty={"model": {"scale_percent": 9.0}}).replaced(settings)
+    assert model_error(with_error, 700.0) is not None
 
 
 def test_the_row_that_is_half_of_its_neighbour_is_not_in_the_fit_of_steel():
@@ -216,7 +218,7 @@ def test_no_limit_at_an_angle_is_below_that_at_normal_incidence():
     pairs = matched_pairs()
     assert len(pairs) == 21
     assert all(pair.limit_m_s > pair.at_normal_m_s for pair in pairs)
-    assert sorted(round(100 * (of.limit_m_s / of.at_normal_m_s - 1)) for of in pairs if of.obliquity_deg == 45) == [
+    assert sorted(round(100 * (p.limit_m_s / p.at_normal_m_s - 1)) for p in pairs if p.obliquity_deg == 45) == [
         41,
         43,
     ]
@@ -228,9 +230,9 @@ def test_with_a_ceramic_the_probability_at_0_degrees_is_beside_and_used_if_the_d
     assert oblique.probability_of_stopping is None
     assert oblique.probability_at_normal_incidence == at_normal.probability_of_stopping
     assert "at 0°: 62 %" in str(tables(oblique))
-    used = case.replaced({OBLIQUITY: 20.0, "design.angles_as_at_normal_incidence": True})
-    assert confidence(used).probability_of_stopping == pytest.approx(at_normal.probability_of_stopping)
-    [of_row] = evaluate(used, {}, ["probability_of_stopping"])["probability_of_stopping"]
+    as_at_normal = case.replaced({OBLIQUITY: 20.0, "design.angles_as_at_normal_incidence": True})
+    assert confidence(as_at_normal).probability_of_stopping == pytest.approx(at_normal.probability_of_stopping)
+    [of_row] = evaluate(as_at_normal, {}, ["probability_of_stopping"])["probability_of_stopping"]
     assert of_row == pytest.approx(at_normal.probability_of_stopping)
-    sampled = uncertainty(used.replaced({"uncertainty": {"samples": 4096}})).probability_of_perforation
+    sampled = uncertainty(as_at_normal.replaced({"uncertainty": {"samples": 4096}})).probability_of_perforation
     assert 1.0 - sampled.value == pytest.approx(at_normal.probability_of_stopping, abs=0.005)

@@ -21,44 +21,48 @@ OWN = {"ceramic.density_kg_m3": 3430.0, "ceramic.flow_stress_GPa": 5.2, "armour.
 PAIR = ["ceramic.density_kg_m3", "ceramic.flow_stress_GPa"]
 
 
-def made(**keys: Any) -> Distribution:
+def distribution_of(**keys: Any) -> Distribution:
     return Distribution.model_validate(keys)
 
 
 def test_normal():
-    found = quantiles(made(distribution="normal", standard_deviation=2.0), PARTS, 10.0)
-    assert found == pytest.approx(stats.norm(10.0, 2.0).ppf(PARTS))
-    percent = quantiles(made(distribution="normal", mean=20.0, standard_deviation_percent=10.0), PARTS, 10.0)
+    values = quantiles(distribution_of(distribution="normal", standard_deviation=2.0), PARTS, 10.0)
+    assert values == pytest.approx(stats.norm(10.0, 2.0).ppf(PARTS))
+    percent = quantiles(distribution_of(distribution="normal", mean=20.0, standard_deviation_percent=10.0), PARTS, 10.0)
     assert percent == pytest.approx(stats.norm(20.0, 2.0).ppf(PARTS))
 
 
 def test_lognormal_has_the_mean_and_the_deviation_given():
     u = (np.arange(1_000_000) + 0.5) / 1_000_000
-    found = quantiles(made(distribution="lognormal", standard_deviation=2.0), u, 10.0)
-    assert (found.mean(), found.std()) == pytest.approx((10.0, 2.0), rel=1e-3)
+    values = quantiles(distribution_of(distribution="lognormal", standard_deviation=2.0), u, 10.0)
+    assert (values.mean(), values.std()) == pytest.approx((10.0, 2.0), rel=1e-3)
 
 
 def test_uniform():
-    assert quantiles(made(distribution="uniform", min=2.0, max=4.0), PARTS, 99.0) == pytest.approx(2.0 + 2.0 * PARTS)
+    assert quantiles(distribution_of(distribution="uniform", min=2.0, max=4.0), PARTS, 99.0) == pytest.approx(
+        2.0 + 2.0 * PARTS
+    )
 
 
 def test_truncated_normal():
-    found = quantiles(made(distribution="normal", standard_deviation=2.0, min=9.0, max=11.0), PARTS, 10.0)
-    assert found == pytest.approx(stats.truncnorm(-0.5, 0.5, 10.0, 2.0).ppf(PARTS))
+    values = quantiles(distribution_of(distribution="normal", standard_deviation=2.0, min=9.0, max=11.0), PARTS, 10.0)
+    assert values == pytest.approx(stats.truncnorm(-0.5, 0.5, 10.0, 2.0).ppf(PARTS))
 
 
 def test_truncated_lognormal():
-    found = quantiles(made(distribution="lognormal", standard_deviation=2.0, min=9.0, max=11.0), PARTS, 10.0)
+    values = quantiles(
+        distribution_of(distribution="lognormal", standard_deviation=2.0, min=9.0, max=11.0), PARTS, 10.0
+    )
     width = sqrt(log1p(0.2**2))
     middle = log(10.0) - width**2 / 2.0
     ends = [(log(end) - middle) / width for end in (9.0, 11.0)]
-    assert found == pytest.approx(np.exp(stats.truncnorm(*ends, middle, width).ppf(PARTS)))
+    assert values == pytest.approx(np.exp(stats.truncnorm(*ends, middle, width).ppf(PARTS)))
 
 
 def test_a_value_that_cannot_be_a_mean_is_certain():
-    found = quantiles(made(distribution="lognormal", standard_deviation=2.0), PARTS, 0.0)
-    assert found.shape == PARTS.shape
-    assert not found.any()
+    values = quantiles(distribution_of(distribution="lognormal", standard_deviation=2.0), PARTS, 0.0)
+    assert values.shape == PARTS.shape
+    assert not values.any()
 
 
 @pytest.mark.parametrize("method", ["sobol", "latin hypercube"])
@@ -87,16 +91,16 @@ def test_each_replicate_covers_the_whole_range(method: str):
 def test_a_truncation_far_out_in_a_tail(end: str):
     """Quantiles of the exponential distribution to which the tail tends, beyond the digits of the other tail's."""
     at = 10.0 + 2.0 * (9.0 if end == "min" else -9.0)
-    far = made(distribution="normal", standard_deviation=2.0, **{end: at})
-    found = quantiles(far, PARTS, 10.0)
+    far = distribution_of(distribution="normal", standard_deviation=2.0, **{end: at})
+    values = quantiles(far, PARTS, 10.0)
     parts = PARTS if end == "min" else 1.0 - PARTS
-    assert np.abs(found - at) == pytest.approx(-np.log1p(-parts) * 2.0 / 9.0, rel=0.1)
+    assert np.abs(values - at) == pytest.approx(-np.log1p(-parts) * 2.0 / 9.0, rel=0.1)
 
 
 def test_a_mean_that_truncation_moves():
-    half = made(distribution="normal", standard_deviation=2.0, min=10.0)
+    half = distribution_of(distribution="normal", standard_deviation=2.0, min=10.0)
     assert moved_mean(half, 10.0) == pytest.approx((10.0, 10.0 + 2.0 * sqrt(2.0 / np.pi)), rel=1e-3)
-    assert moved_mean(made(distribution="normal", standard_deviation=2.0, min=5.0), 10.0) is None
-    assert moved_mean(made(distribution="normal", standard_deviation=2.0, min=9.0, max=11.0), 10.0) is None
-    assert moved_mean(made(distribution="uniform", min=11.0, max=12.0), 10.0) is None
-    assert moved_mean(made(distribution="lognormal", standard_deviation_percent=300.0), 10.0) is None
+    assert moved_mean(distribution_of(distribution="normal", standard_deviation=2.0, min=5.0), 10.0) is None
+    assert moved_mean(distribution_of(distribution="normal", standard_deviation=2.0, min=9.0, max=11.0), 10.0) is None
+    assert moved_mean(distribution_of(distribution="uniform", min=11.0, max=12.0), 10.0) is None
+    assert moved_mean(distribution_of(distribution="lognormal", standard_deviation_percent=300.0), 10.0) is None

@@ -11,14 +11,14 @@ FREEDOM = np.array([2.5, 3.0, 7.0, 30.0, 199.0, 201.0, 2e3, 1e6])[:, None]
 
 def test_probabilities():
     values = np.array([-50.0, -8.0, -1.0, -1e-9, 0.0, 0.3, 2.0, 30.0])
-    found = student.probability_below(FREEDOM, values)
-    np.testing.assert_allclose(found, t.cdf(values, FREEDOM), rtol=0.0, atol=1e-12)
+    probabilities = student.probability_below(FREEDOM, values)
+    np.testing.assert_allclose(probabilities, t.cdf(values, FREEDOM), rtol=0.0, atol=1e-12)
 
 
 def test_quantiles():
     probabilities = np.array([1e-3, 0.025, 0.2, 0.5, 0.9, 0.999])
-    found = student.quantile(FREEDOM, probabilities)
-    np.testing.assert_allclose(found, t.ppf(probabilities, FREEDOM), rtol=1e-10, atol=1e-12)
+    quantiles = student.quantile(FREEDOM, probabilities)
+    np.testing.assert_allclose(quantiles, t.ppf(probabilities, FREEDOM), rtol=1e-10, atol=1e-12)
 
 
 def test_density():

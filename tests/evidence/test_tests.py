@@ -27,17 +27,19 @@ TILES = shipped_evidence()[0]
 
 def covered() -> dict[str, list[float]]:
     """Values of the paper's cases, without those with an initial flow stress."""
-    found = defaultdict[str, list[float]](list)
+    values_by_quantity = defaultdict[str, list[float]](list)
     for case in load_suite(paper_suite()).cases:
         # Rows of a table are scored together where they are not each.
         if (case.not_scored and not case.group) or (case.scenario.armour.ceramic or "").endswith("initial"):
             continue
         q = quantities(case.scenario.core_armour(), np.nan, np.ones(1))
         is_limit = case.quantity == "ballistic_limit_m_s" and case.measured is None
-        found["velocities"].append(float(case.expected or 0.0) if is_limit else case.scenario.impact.velocity_m_s)
+        values_by_quantity["velocities"].append(
+            float(case.expected or 0.0) if is_limit else case.scenario.impact.velocity_m_s
+        )
         for name in RATIOS:
-            found[name].append(q[name])
-    return found
+            values_by_quantity[name].append(q[name])
+    return values_by_quantity
 
 
 def test_the_ranges_are_those_of_the_published_cases():
@@ -111,9 +113,9 @@ LAW = {"ceramic": {"law": {"based_on": "AD85", "flow_stress_backing_exponent": 0
     ],
 )
 def test_what_is_unlike_the_tests_is_named(changes: dict[str, Any], velocity: float, starts: list[str]):
-    found = scenario_warnings(scenario(**changes), velocity)
-    assert len(found) == len(starts), found
-    assert all(warning.startswith(start) for warning, start in zip(found, starts, strict=True)), found
+    warnings = scenario_warnings(scenario(**changes), velocity)
+    assert len(warnings) == len(starts), warnings
+    assert all(warning.startswith(start) for warning, start in zip(warnings, starts, strict=True)), warnings
 
 
 CASES = (
@@ -141,12 +143,14 @@ def test_rows_are_judged_like_scenarios(case: Scenario):
 def test_a_strength_of_another_kind_than_that_of_the_tests_is_named(ceramic_mm: float, alike: str, other: str):
     """Armour with a ceramic was compared by dynamic strengths, bare plates by static ones."""
     case = scenario(ceramic_mm=ceramic_mm)
-    found = sweep(case, {"armour.backing": [alike, other, other]}, "areal_density_kg_m2").warnings
-    [line] = [line for line in found if "yield strength" in line]
+    warnings = sweep(case, {"armour.backing": [alike, other, other]}, "areal_density_kg_m2").warnings
+    [line] = [line for line in warnings if "yield strength" in line]
     assert f"of {other} is " in line
     assert line.endswith("2 of 3 rows")
-    given = sweep(case.replaced({"armour.backing": other}), {YIELD: [300.0]}, "areal_density_kg_m2").warnings
-    assert "yield strength" not in str(given)
+    of_given_strength = sweep(
+        case.replaced({"armour.backing": other}), {YIELD: [300.0]}, "areal_density_kg_m2"
+    ).warnings
+    assert "yield strength" not in str(of_given_strength)
 
 
 def test_a_given_error_is_that_of_samples():
@@ -190,10 +194,10 @@ def test_an_error_at_the_ends_and_beyond():
 )
 def test_an_unusual_armour_is_outside_by_more_than_a_factor_of_two(field: str, low: float, high: float, bare: bool):
     case = scenario(ceramic=None, ceramic_mm=0.0) if bare else scenario()
-    own = case.core_armour()
-    factor = own.D0 if field in ("Hb", "L0", "Hc0") else GPA if field.startswith("Y") else 1.0
+    parameters = case.core_armour()
+    factor = parameters.D0 if field in ("Hb", "L0", "Hc0") else GPA if field.startswith("Y") else 1.0
     values = np.array([0.49 * low, 0.51 * low, 1.99 * high, 2.01 * high, np.nan]) * factor
-    rows = batch.fields(batch.packed([own] * len(values)))._replace(**{field: values})
+    rows = batch.fields(batch.packed([parameters] * len(values)))._replace(**{field: values})
     rows = rows._replace(tau=0.26 * rows.YB)
     assert is_unusual(rows).tolist() == [True, False, False, True, False]
 

@@ -38,9 +38,9 @@ C, B, V = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm", "impact.
 TAU = "backing.shear_strength_MPa"
 
 
-def interval(found: Coefficient) -> tuple[float, float]:
+def interval(coefficient: Coefficient) -> tuple[float, float]:
     """Interval of a coefficient that is bounded on both sides."""
-    low, high = found.interval or (None, None)
+    low, high = coefficient.interval or (None, None)
     assert low is not None
     assert high is not None
     return low, high
@@ -78,8 +78,8 @@ def all_laws(table: Table, wilkins: Scenario) -> CalibrationResult:
 def test_laws_of_wilkins_tests(all_laws: CalibrationResult):
     """Against a fit that shares only the engine with this one, to the digits given."""
     expected = {"constant": (5.05, 5.47), "backing": (3.22, 3.72), "product": (3.40, 3.95), "linear": (3.46, 4.48)}
-    found = {row.law: (row.mean_error_percent, row.left_out_error_percent) for row in all_laws.laws}
-    assert {law: found[law] for law in expected} == {law: pytest.approx(e, abs=0.006) for law, e in expected.items()}
+    errors = {row.law: (row.mean_error_percent, row.left_out_error_percent) for row in all_laws.laws}
+    assert {law: errors[law] for law in expected} == {law: pytest.approx(e, abs=0.006) for law, e in expected.items()}
     assert [row.coefficients for row in all_laws.laws] == [1, 2, 2, 2, 3]
     assert all_laws.law == "backing"
     assert [c.estimate for c in all_laws.coefficients] == pytest.approx([5.136, 0.3232], abs=6e-4)
@@ -91,13 +91,13 @@ def test_aicc_is_that_of_a_regression(all_laws: CalibrationResult, wilkins: Scen
     """N log(SSR / n) + 2 K + 2 K (K + 1) / (n - K - 1), up to what all laws have in common; the scatter is unknown."""
     constant = calibrate(read_tests(TESTS, wilkins), wilkins, law="constant")
 
-    def of(result: CalibrationResult) -> float:
+    def criterion(result: CalibrationResult) -> float:
         unknown = len(result.coefficients) + 1
         return 13 * log(result.chi_squared / 13) + 2 * unknown + 2 * unknown * (unknown + 1) / (12 - unknown)
 
     assert constant.aicc is not None
     assert all_laws.aicc is not None
-    assert all_laws.aicc - constant.aicc == pytest.approx(of(all_laws) - of(constant), abs=1e-6)
+    assert all_laws.aicc - constant.aicc == pytest.approx(criterion(all_laws) - criterion(constant), abs=1e-6)
     assert constant.aicc == pytest.approx(next(row.aicc for row in all_laws.laws if row.law == "constant"))
 
 
@@ -119,11 +119,11 @@ def test_known_coefficients_come_back(law: Law, wilkins: Scenario):
 @pytest.mark.usefixtures("quick")
 def test_the_law_of_the_scenario_is_kept_or_replaced(wilkins: Scenario):
     """Without a law the flow stress is fitted at the scenario's exponent; a law fits its own coefficients alone."""
-    own = with_ceramic(wilkins, {"flow_stress_backing_exponent": 0.32})
-    tests = read_tests(TESTS, own)
-    kept, replaced = calibrate(tests, own), calibrate(tests, own, law="constant")
-    assert (kept.law, len(kept.coefficients)) == ("backing", 1)
-    assert kept.mean_error_percent == pytest.approx(3.22, abs=0.02)
+    scenario_with_law = with_ceramic(wilkins, {"flow_stress_backing_exponent": 0.32})
+    tests = read_tests(TESTS, scenario_with_law)
+    with_law, replaced = calibrate(tests, scenario_with_law), calibrate(tests, scenario_with_law, law="constant")
+    assert (with_law.law, len(with_law.coefficients)) == ("backing", 1)
+    assert with_law.mean_error_percent == pytest.approx(3.22, abs=0.02)
     assert replaced.law == "constant"
     assert replaced.mean_error_percent == pytest.approx(5.05, abs=0.006)
 
@@ -173,30 +173,32 @@ def test_a_prior_is_weighed_by_its_precision(wilkins: Scenario, distribution: st
     """One test and a prior: their mean by precision, in the input or its logarithm, and the part of the prior."""
     prior = {"distribution": distribution, "mean": far, "standard_deviation": 0.2}
     case = with_prior(wilkins, flow_stress_GPa=prior)
-    [found] = fitted(case, "ballistic_limit_m_s,ballistic_limit_uncertainty_m_s", "720,10", prior=True).coefficients
-    assert found.estimate is not None
-    slope = (limit(wilkins, y=found.estimate + 1e-3) - limit(wilkins, y=found.estimate - 1e-3)) / 2e-3
-    pull = (limit(wilkins, y=found.estimate) - 720.0) / 10.0 * slope / 10.0
+    [coefficient] = fitted(
+        case, "ballistic_limit_m_s,ballistic_limit_uncertainty_m_s", "720,10", prior=True
+    ).coefficients
+    assert coefficient.estimate is not None
+    slope = (limit(wilkins, y=coefficient.estimate + 1e-3) - limit(wilkins, y=coefficient.estimate - 1e-3)) / 2e-3
+    pull = (limit(wilkins, y=coefficient.estimate) - 720.0) / 10.0 * slope / 10.0
     shape = np.sqrt(np.log1p((0.2 / far) ** 2))
-    median, width = far / np.sqrt(1.0 + (0.2 / far) ** 2), shape * found.estimate
-    away = (found.estimate - far) / 0.2**2
+    median, width = far / np.sqrt(1.0 + (0.2 / far) ** 2), shape * coefficient.estimate
+    prior_pull = (coefficient.estimate - far) / 0.2**2
     if distribution == "lognormal":
-        away = np.log(found.estimate / median) / shape / width
-    assert pull + away == pytest.approx(0.0, abs=0.02)
+        prior_pull = np.log(coefficient.estimate / median) / shape / width
+    assert pull + prior_pull == pytest.approx(0.0, abs=0.02)
     precision = width**-2 if distribution == "lognormal" else 0.2**-2
-    assert found.prior_share == pytest.approx(precision / (precision + (slope / 10.0) ** 2), rel=0.01)
-    low, high = interval(found)
+    assert coefficient.prior_share == pytest.approx(precision / (precision + (slope / 10.0) ** 2), rel=0.01)
+    low, high = interval(coefficient)
     assert high - low == pytest.approx(2.0 * 1.96 / np.sqrt(precision + (slope / 10.0) ** 2), rel=0.03)
 
 
 @pytest.mark.usefixtures("quick")
 def test_a_wide_prior_changes_nothing(wilkins: Scenario):
     case = with_prior(wilkins, flow_stress_GPa={"distribution": "normal", "standard_deviation_percent": 1e4})
-    [found] = calibrate(read_tests(TESTS, case), case, prior=True).coefficients
+    [coefficient] = calibrate(read_tests(TESTS, case), case, prior=True).coefficients
     [without] = calibrate(read_tests(TESTS, wilkins), wilkins).coefficients
-    assert found.estimate == pytest.approx(without.estimate, rel=1e-4)
-    assert interval(found) == pytest.approx(interval(without), rel=1e-3)
-    assert found.prior_share == pytest.approx(0.0, abs=1e-4)
+    assert coefficient.estimate == pytest.approx(without.estimate, rel=1e-4)
+    assert interval(coefficient) == pytest.approx(interval(without), rel=1e-3)
+    assert coefficient.prior_share == pytest.approx(0.0, abs=1e-4)
     assert without.prior_share is None
 
 
@@ -231,13 +233,13 @@ def test_outcomes_alone_bound_where_their_uncertainty_is_given(wilkins: Scenario
     assert (both.p_value, both.mean_error_percent) == (None, None)
     assert both.degrees_of_freedom == 0.0
     assert interval(both.coefficients[0])[0] < 5.2 < interval(both.coefficients[0])[1]
-    one = fitted(wilkins, header, *rows[:2])
-    found = one.coefficients[0]
-    assert found.estimate is None
-    assert found.interval is not None
-    assert found.interval[0] == pytest.approx(5.1, abs=0.01)
-    assert found.interval[1] is None
-    assert "the fit is as good at" in found.reason
+    two_tests = fitted(wilkins, header, *rows[:2])
+    coefficient = two_tests.coefficients[0]
+    assert coefficient.estimate is None
+    assert coefficient.interval is not None
+    assert coefficient.interval[0] == pytest.approx(5.1, abs=0.01)
+    assert coefficient.interval[1] is None
+    assert "the fit is as good at" in coefficient.reason
 
 
 def test_a_bad_fit_widens_the_intervals_and_says_so(wilkins: Scenario):
@@ -264,9 +266,9 @@ def test_coefficients_that_are_not_identified(wilkins: Scenario):
     result = fitted(wilkins, f"{C},{B},ballistic_limit_m_s", *rows, law="ceramic")
     assert result.coefficients[1].estimate is None
     assert result.coefficients[1].reason == "the tests bound it neither above nor below"
-    one = fitted(wilkins, f"{C},ballistic_limit_m_s,ballistic_limit_uncertainty_m_s", "6.35,720,5")
-    assert ([r.left_out for r in one.residuals], one.left_out_error_percent) == ([None], None)
-    assert one.mean_error_percent == pytest.approx(0.0, abs=1e-3)
+    one_test = fitted(wilkins, f"{C},ballistic_limit_m_s,ballistic_limit_uncertainty_m_s", "6.35,720,5")
+    assert ([r.left_out for r in one_test.residuals], one_test.left_out_error_percent) == ([None], None)
+    assert one_test.mean_error_percent == pytest.approx(0.0, abs=1e-3)
 
 
 def test_tests_that_identify_no_law(wilkins: Scenario):
@@ -317,12 +319,12 @@ def test_a_mistyped_limit_is_out_of_line(wilkins: Scenario, tmp_path: Path):
 
 def test_few_tables_of_sound_tests_have_one_out_of_line():
     rng = np.random.default_rng(1)
-    found = []
+    has_outlier = []
     for _ in range(2000):
         values = rng.normal(size=12)
         deviations = values.mean() - values
-        found.append(out_of_line(deviations, deviations * 12 / 11, 1).any())
-    assert 0.03 < np.mean(found) < 0.065
+        has_outlier.append(out_of_line(deviations, deviations * 12 / 11, 1).any())
+    assert 0.03 < np.mean(has_outlier) < 0.065
 
 
 @pytest.mark.parametrize(("bound", "sign"), [("at least", 1.0), ("at most", -1.0)])

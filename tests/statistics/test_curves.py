@@ -50,13 +50,13 @@ def likelihood(shots: Shots, link: Link, slopes: np.ndarray, intercepts: np.ndar
     v, sign = np.array([*partial, *complete]) - 720.0, np.repeat([-1.0, 1.0], [len(partial), len(complete)])
     log_f = log_ndtr if link == "probit" else log_expit
     z = intercepts[..., None] + slopes[..., None] * v
-    found: np.ndarray = log_f(sign * z).sum(-1)
+    log_likelihoods: np.ndarray = log_f(sign * z).sum(-1)
     if penalised:
         log_density = -0.5 * z**2 - 0.5 * log(2.0 * np.pi) if link == "probit" else log_f(z) + log_f(-z)
         weights = np.exp(2.0 * log_density - log_f(z) - log_f(-z))
         information = np.einsum("...n,in,jn->...ij", weights, *[np.stack([np.ones_like(v), v])] * 2)
-        found = found + 0.5 * np.linalg.slogdet(information)[1]
-    return found
+        log_likelihoods = log_likelihoods + 0.5 * np.linalg.slogdet(information)[1]
+    return log_likelihoods
 
 
 @links
@@ -66,29 +66,36 @@ def test_the_maximum_and_the_ends_of_penalised_intervals(case: str, link: Link):
     shots = CASES[case]
     fit = fitted(shots, link, penalised=True)
 
-    def of(slopes: np.ndarray, intercepts: np.ndarray) -> np.ndarray:
+    def log_likelihood(slopes: np.ndarray, intercepts: np.ndarray) -> np.ndarray:
         return likelihood(shots, link, slopes, intercepts, penalised=True)
 
     slopes = np.geomspace(1e-4, 20.0, 1600)
-    top = of(np.array(1.0 / fit.scale_m_s), np.array((720.0 - fit.v50_m_s) / fit.scale_m_s))
+    top = log_likelihood(np.array(1.0 / fit.scale_m_s), np.array((720.0 - fit.v50_m_s) / fit.scale_m_s))
     everywhere = np.meshgrid(slopes[::16], np.linspace(640.0, 800.0, 150) - 720.0)
-    assert of(everywhere[0], -everywhere[0] * everywhere[1]).max() <= top + 1e-9
+    assert log_likelihood(everywhere[0], -everywhere[0] * everywhere[1]).max() <= top + 1e-9
     depth = 0.5 * chi2.ppf(0.95, 1)
     quantiles = {-Z95[link]: fit.v05_interval_m_s, 0.0: fit.v50_interval_m_s, Z95[link]: fit.v95_interval_m_s}
-    profiles = [of(slopes, z - slopes * (end - 720.0)) for z, ends in quantiles.items() for end in ends or () if end]
+    profiles = [
+        log_likelihood(slopes, z - slopes * (end - 720.0)) for z, ends in quantiles.items() for end in ends or () if end
+    ]
     places = np.linspace(550.0, 890.0, 8_000) - 720.0
-    profiles += [of(np.full(len(places), 1.0 / end), -places / end) for end in fit.scale_interval_m_s if end]
+    profiles += [
+        log_likelihood(np.full(len(places), 1.0 / end), -places / end) for end in fit.scale_interval_m_s if end
+    ]
     assert [top - profile.max() for profile in profiles] == pytest.approx([depth] * len(profiles), abs=2e-3)
 
 
 @links
 @pytest.mark.parametrize("case", ["mixed", "apart"])
 def test_a_one_sided_bound_is_the_end_of_an_interval_with_twice_the_probability_beyond(case: str, link: Link):
-    one, two = (fit_curve(*CASES[case], link, confidence, penalised=True) for confidence in (0.95, 0.9))
-    assert one is not None
-    assert two is not None
-    assert two.v05_interval_m_s is not None
-    assert (one.v50_lower_m_s, one.v05_lower_m_s) == (two.v50_interval_m_s[0], two.v05_interval_m_s[0])
+    one_sided, two_sided = (fit_curve(*CASES[case], link, confidence, penalised=True) for confidence in (0.95, 0.9))
+    assert one_sided is not None
+    assert two_sided is not None
+    assert two_sided.v05_interval_m_s is not None
+    assert (one_sided.v50_lower_m_s, one_sided.v05_lower_m_s) == (
+        two_sided.v50_interval_m_s[0],
+        two_sided.v05_interval_m_s[0],
+    )
 
 
 @links
@@ -102,8 +109,8 @@ def test_a_plain_fit_agrees_with_a_search_point_by_point(case: str, link: Link):
     all_of_them = likelihood(shots, link, 1.0 / scales, -(locations[:, None] - 720.0) / scales, penalised=False)
     assert fit.log_likelihood == pytest.approx(all_of_them.max(), abs=2e-3)
     inside = all_of_them >= fit.log_likelihood - 0.5 * chi2.ppf(0.95, 1)
-    found = locations[inside.any(axis=1)]
-    assert fit.v50_interval_m_s == pytest.approx((found[0], found[-1]), abs=0.11)
+    within = locations[inside.any(axis=1)]
+    assert fit.v50_interval_m_s == pytest.approx((within[0], within[-1]), abs=0.11)
     widths = scales[inside.any(axis=0)]
     narrowest, widest = fit.scale_interval_m_s
     assert widest == pytest.approx(widths[-1], rel=0.021)

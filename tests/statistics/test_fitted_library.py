@@ -54,14 +54,14 @@ def test_a_law_is_written_as_keys_that_other_thicknesses_follow(tmp_path: Path):
         wilkins.to_toml().replace('"AD85"', '"AD85, lot 7"') + '[library]\nfiles = ["lib.toml"]\n'
     )
     columns = {C: np.array([5.8, 7.85]), B: np.array([7.24, 4.35])}
-    found = evaluate(load_scenario(tmp_path / "case.toml"), columns, ["ballistic_limit_m_s"])["ballistic_limit_m_s"]
-    assert found == pytest.approx([result.residuals[0].computed, result.residuals[9].computed], abs=0.1)
+    limits = evaluate(load_scenario(tmp_path / "case.toml"), columns, ["ballistic_limit_m_s"])["ballistic_limit_m_s"]
+    assert limits == pytest.approx([result.residuals[0].computed, result.residuals[9].computed], abs=0.1)
 
 
 def test_other_laws_of_the_entry_are_not_written():
-    own = with_ceramic(shipped_scenario("wilkins"), {"flow_stress_product_exponent": 0.3})
-    tests = read_tests(TESTS, own)
-    text = library_text(wilkins_fit("constant"), tests, own, "lot 7")
+    with_product = with_ceramic(shipped_scenario("wilkins"), {"flow_stress_product_exponent": 0.3})
+    tests = read_tests(TESTS, with_product)
+    text = library_text(wilkins_fit("constant"), tests, with_product, "lot 7")
     entry = tomllib.loads(text)["ceramic"]["AD85, lot 7"]
     assert entry["flow_stress_product_exponent"] == 0.0
     assert len(entry["flow_stress_GPa"]["tests"]) == 13
@@ -87,40 +87,43 @@ coefficient = 0.2
     case = load_scenario(tmp_path / "case.toml")
     tests = read_tests(TESTS, case)
     result = wilkins_fit("backing")
-    made = tmp_path / "libs/made.toml"
-    made.write_text(scenario_text(result, tests, case, "lot 7", made))
-    found: Scenario = load_scenario(made)
-    assert found.library.files == ("own.toml",)
-    assert found.uncertainty is not None
-    inputs = found.uncertainty.inputs()
+    path = tmp_path / "libs/made.toml"
+    path.write_text(scenario_text(result, tests, case, "lot 7", path))
+    loaded: Scenario = load_scenario(path)
+    assert loaded.library.files == ("own.toml",)
+    assert loaded.uncertainty is not None
+    inputs = loaded.uncertainty.inputs()
     assert inputs["ceramic.density_kg_m3"].standard_deviation_percent == 1.0
     assert not {coefficient.name for coefficient in result.coefficients} & inputs.keys()
-    assert found.uncertainty.correlation == []
-    assert found.uncertainty.model is None
-    entry = found.entry("ceramic", "AD85, lot 7")
+    assert loaded.uncertainty.correlation == []
+    assert loaded.uncertainty.model is None
+    entry = loaded.entry("ceramic", "AD85, lot 7")
     assert entry["flow_stress_backing_exponent"] == pytest.approx(0.3232, abs=1e-3)
     assert entry.evidence is not None
     assert entry.evidence.model_dump(exclude_none=True) == {**(result.evidence or {}), "lot": "lot 7"}
 
 
 def test_every_place_that_names_the_material_follows(tmp_path: Path):
-    own = shipped_scenario("wilkins").replaced(
+    with_design = shipped_scenario("wilkins").replaced(
         {
             "threat": [{"projectile": "7.62 mm AP", "velocity_m_s": 700.0}, {"threat": "NIJ 0101.06 type IV, M2 AP"}],
             "design.ceramic": [{"material": name, "thickness_mm": [6.0, 8.0]} for name in ("AD85", "SiC")],
             "design.backing": [{"material": "6061-T6", "thickness_mm": [6.35]}],
         }
     )
-    tests = read_tests(TESTS, own)
-    made = tomllib.loads(scenario_text(wilkins_fit(), tests, own, "lot 7", tmp_path / "a.toml"))
-    assert made["armour"]["ceramic"] == "AD85, lot 7"
-    assert [layer["material"] for layer in made["design"]["ceramic"]] == ["AD85, lot 7", "SiC"]
-    assert (made["design"]["backing"][0]["material"], made["threat"][1]) == ("6061-T6", own.to_dict()["threat"][1])
-    assert "uncertainty" not in made
-    of_round = calibrate(tests, own, "projectile.flow_stress_GPa")
-    made = tomllib.loads(scenario_text(of_round, tests, own, "lot 7", tmp_path / "a.toml"))
-    assert made["impact"]["projectile"] == made["threat"][0]["projectile"] == "7.62 mm AP, lot 7"
-    assert "projectile" not in made["threat"][1]
+    tests = read_tests(TESTS, with_design)
+    data = tomllib.loads(scenario_text(wilkins_fit(), tests, with_design, "lot 7", tmp_path / "a.toml"))
+    assert data["armour"]["ceramic"] == "AD85, lot 7"
+    assert [layer["material"] for layer in data["design"]["ceramic"]] == ["AD85, lot 7", "SiC"]
+    assert (data["design"]["backing"][0]["material"], data["threat"][1]) == (
+        "6061-T6",
+        with_design.to_dict()["threat"][1],
+    )
+    assert "uncertainty" not in data
+    of_round = calibrate(tests, with_design, "projectile.flow_stress_GPa")
+    data = tomllib.loads(scenario_text(of_round, tests, with_design, "lot 7", tmp_path / "a.toml"))
+    assert data["impact"]["projectile"] == data["threat"][0]["projectile"] == "7.62 mm AP, lot 7"
+    assert "projectile" not in data["threat"][1]
 
 
 def test_a_fit_of_several_inputs_is_written_with_their_distributions(tmp_path: Path):
@@ -128,9 +131,9 @@ def test_a_fit_of_several_inputs_is_written_with_their_distributions(tmp_path: P
     tests = table_of(wilkins, *TESTS.read_text().splitlines()[:6])
     result = calibrate(tests, wilkins, names)
     assert result.evidence is None
-    made = tmp_path / "made.toml"
-    made.write_text(scenario_text(result, tests, wilkins, "lot 7", made))
-    section = load_scenario(made).uncertainty
+    path = tmp_path / "made.toml"
+    path.write_text(scenario_text(result, tests, wilkins, "lot 7", path))
+    section = load_scenario(path).uncertainty
     assert section is not None
     for coefficient in result.coefficients:
         assert section.inputs()[coefficient.name].distribution == "normal"
@@ -171,8 +174,8 @@ def test_a_library_of_outcomes_has_their_velocities_and_no_interval_that_is_open
     result = calibrate(tests, wilkins)
     [stress] = result.coefficients
     opened = replace(result, coefficients=(replace(stress, interval=(None, 6.0)),))
-    for found, interval in ((result, True), (opened, False)):
-        [entry] = tomllib.loads(library_text(found, tests, wilkins, "lot 7"))["ceramic"].values()
+    for fit_result, interval in ((result, True), (opened, False)):
+        [entry] = tomllib.loads(library_text(fit_result, tests, wilkins, "lot 7"))["ceramic"].values()
         assert ("% interval" in entry["flow_stress_GPa"]["source"]) is interval
         assert [test["impact.velocity_m_s"] for test in entry["flow_stress_GPa"]["tests"]] == [700.0, 750.0]
 

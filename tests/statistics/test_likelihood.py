@@ -124,6 +124,6 @@ def test_a_fit_far_from_its_end_takes_no_dense_scans(monkeypatch: pytest.MonkeyP
     wilkins = shipped_scenario("wilkins")
     few = table_of(wilkins, *TESTS.read_text().splitlines()[:5])
     names = ["ceramic.flow_stress_GPa", "ceramic.youngs_modulus_GPa"]
-    found = calibrate(few, wilkins, names)
-    assert any(coefficient.estimate is None for coefficient in found.coefficients)
+    result = calibrate(few, wilkins, names)
+    assert any(coefficient.estimate is None for coefficient in result.coefficients)
     assert set(scans) == {SCAN_POINTS}

@@ -29,7 +29,7 @@ STRENGTH = "backing.flow_stress_GPa"
 FILE = Path("made.toml")
 
 
-def made(tests: Measured, case: Scenario, fit: str, lot: str = "lot 7") -> Scenario:
+def scenario_of(tests: Measured, case: Scenario, fit: str, lot: str = "lot 7") -> Scenario:
     """The scenario that armour calibrate writes."""
     text = scenario_text(calibrate(tests, case, fit), tests, case, lot, FILE)
     return parse_scenario(tomllib.loads(text), file="made.toml")
@@ -49,9 +49,9 @@ def plate(projectile: str, strength_MPa: float, thickness: float) -> Scenario:
     return parse_scenario({"impact": impact, "armour": armour, "library": {"metal": {"M": metal}}})
 
 
-def probability(found: ConfidenceResult) -> float:
-    assert found.probability_of_stopping is not None, found.reason
-    return found.probability_of_stopping
+def probability(result: ConfidenceResult) -> float:
+    assert result.probability_of_stopping is not None, result.reason
+    return result.probability_of_stopping
 
 
 FRAGMENT = plate("20 mm FSP", 402.0, 30.0)
@@ -60,13 +60,13 @@ THICK = table_of(FRAGMENT, f"{BACKING},ballistic_limit_m_s", "36.6,865", "37,848
 
 def test_three_tests_of_thick_plates_do_not_make_a_thin_one_safe():
     """Measured: 447 m/s at 24.2 mm, which 1.1.0 stated to stop 520 m/s with 90 %, and 599 m/s at 30 mm (A0)."""
-    case = made(THICK, FRAGMENT, STRENGTH)
+    case = scenario_of(THICK, FRAGMENT, STRENGTH)
     thin = confidence(case.replaced({BACKING: 24.2, VELOCITY: 520.0}))
     middle = confidence(case.replaced({BACKING: 30.0, VELOCITY: 620.0}))
     assert probability(thin) <= 0.15
     assert probability(middle) == pytest.approx(0.6, abs=0.05)
-    for found, measured in ((thin, 447.0), (middle, 599.0)):
-        low, high = found.interval_m_s or (0.0, 0.0)
+    for result, measured in ((thin, 447.0), (middle, 599.0)):
+        low, high = result.interval_m_s or (0.0, 0.0)
         assert low < measured < high
     assert thin.model_error is not None
     title = "147 tests of fragment simulators on 14 aluminium alloys and 3 own tests of this lot"
@@ -74,7 +74,7 @@ def test_three_tests_of_thick_plates_do_not_make_a_thin_one_safe():
 
 
 def test_own_tests_hold_for_the_named_entry_with_its_calibrated_value():
-    case = made(THICK, FRAGMENT, STRENGTH)
+    case = scenario_of(THICK, FRAGMENT, STRENGTH)
     shipped = confidence(case.replaced({"armour.backing": "M"}))
     assert shipped.model_error is not None
     assert "own tests" not in shipped.model_error.source
@@ -85,9 +85,12 @@ def test_own_tests_hold_for_the_named_entry_with_its_calibrated_value():
     tests = table_of(FRAGMENT, f"{BACKING},ballistic_limit_m_s", "30,600")
     data = case.to_dict()
     metals = data["library"]["metal"]
-    evidence = made(tests, FRAGMENT, STRENGTH, "lot 8").to_dict()["library"]["metal"]["M, lot 8"]["evidence"]
-    other = {**metals["M, lot 7"], "evidence": evidence | {"calibrated": metals["M, lot 7"]["evidence"]["calibrated"]}}
-    for order in ({"A": other, **metals}, {**metals, "A": other}):
+    evidence = scenario_of(tests, FRAGMENT, STRENGTH, "lot 8").to_dict()["library"]["metal"]["M, lot 8"]["evidence"]
+    other_lot = {
+        **metals["M, lot 7"],
+        "evidence": evidence | {"calibrated": metals["M, lot 7"]["evidence"]["calibrated"]},
+    }
+    for order in ({"A": other_lot, **metals}, {**metals, "A": other_lot}):
         library = {**data, "library": {"metal": order}}
         of_a = confidence(parse_scenario(library).replaced({"armour.backing": "A"}))
         assert of_a.model_error is not None
@@ -97,20 +100,21 @@ def test_own_tests_hold_for_the_named_entry_with_its_calibrated_value():
 def test_an_entry_calibrated_by_version_1_is_recognised():
     old = {"source": "3 own tests in a.csv", "key": "flow_stress_GPa", "measured": {}, "law": [{"slope": 0.6}]}
     case = FRAGMENT.replaced({"library.metal.old": {"based_on": "M", "evidence": old}, "armour.backing": "old"})
-    found = confidence(case)
-    assert found.probability_of_stopping is None
-    assert found.reason == "of old, it was calibrated by armour 1: calibrate it again"
+    result = confidence(case)
+    assert result.probability_of_stopping is None
+    assert result.reason == "of old, it was calibrated by armour 1: calibrate it again"
     assert scenario_warnings(case, 600.0) == ()
 
 
 def test_one_lot_against_two_rounds_shares_the_effect_of_the_alloy():
     aluminium = plate("7.62 mm APM2", 280.0, 25.0)
-    case = made(table_of(aluminium, f"{BACKING},ballistic_limit_m_s", "25,700", "30,790"), aluminium, STRENGTH)
+    case = scenario_of(table_of(aluminium, f"{BACKING},ballistic_limit_m_s", "25,700", "30,790"), aluminium, STRENGTH)
     for projectile, thickness in (("7.62 mm APM2", 25.0), ("12.7 mm APM2", 40.0)):
         before, after = (
-            confidence(of.replaced({"impact.projectile": projectile, BACKING: thickness})) for of in (aluminium, case)
+            confidence(armour.replaced({"impact.projectile": projectile, BACKING: thickness}))
+            for armour in (aluminium, case)
         )
-        low, high = ((of.interval_m_s or (0.0, 0.0)) for of in (before, after))
+        low, high = ((result.interval_m_s or (0.0, 0.0)) for result in (before, after))
         assert high[0] + high[1] > low[0] + low[1]
 
 
@@ -161,9 +165,9 @@ def test_unlike_the_tests_the_probability_is_unknown_and_says_why():
         ({"armour.backing": "Ti-6Al-4V"}, "differs from the own tests of lot 7: back plates of 2600 to 2900 kg/m³"),
         ({OBLIQUITY: 10.0}, "no test of an armour with a ceramic at an angle"),
     ):
-        found = confidence(case.replaced(changes))
-        assert found.probability_of_stopping is None
-        assert words in found.reason
+        answer = confidence(case.replaced(changes))
+        assert answer.probability_of_stopping is None
+        assert words in answer.reason
     far = case.replaced({CERAMIC: 40.0, BACKING: 2.0})
     ranges = {"ceramic_thickness_mm": {"min": 40.0, "max": 50.0, "step": 10.0}}
     result = optimise(far.replaced({"optimise": ranges, "design.confidence": 0.9}))
@@ -177,10 +181,12 @@ CARBIDE = shipped_scenario("wilkins").replaced({"armour.ceramic": "SiC"})
 def test_own_tests_of_a_ceramic_without_shipped_tests():
     assert confidence(CARBIDE).probability_of_stopping is None
     tests = table_of(CARBIDE, f"{CERAMIC},{BACKING},ballistic_limit_m_s", "6,6,900", "7,6,970")
-    found = confidence(made(tests, CARBIDE, FLOW_STRESS).replaced({CERAMIC: 6.5, BACKING: 6.0, VELOCITY: 900.0}))
-    low, high = found.interval_m_s or (0.0, 0.0)
+    result = confidence(
+        scenario_of(tests, CARBIDE, FLOW_STRESS).replaced({CERAMIC: 6.5, BACKING: 6.0, VELOCITY: 900.0})
+    )
+    low, high = result.interval_m_s or (0.0, 0.0)
     assert 780.0 < low < 935.0 < high < 1100.0
-    assert found.warnings == ()
+    assert result.warnings == ()
 
 
 def test_shots_that_were_all_stopped_tell_something_and_are_warned_of():
@@ -189,7 +195,7 @@ def test_shots_that_were_all_stopped_tell_something_and_are_warned_of():
     result = calibrate(tests, CARBIDE)
     assert result.coefficients[0].estimate is None
     assert any("all shots have the same outcome" in warning for warning in result.warnings)
-    case = made(tests, CARBIDE, FLOW_STRESS).replaced({CERAMIC: 7.0, BACKING: 6.0})
+    case = scenario_of(tests, CARBIDE, FLOW_STRESS).replaced({CERAMIC: 7.0, BACKING: 6.0})
     assert probability(confidence(case.replaced({VELOCITY: 900.0}))) > 0.8
     assert case.inputs()[FLOW_STRESS] == 9.0
 
@@ -219,10 +225,10 @@ def test_the_file_keeps_the_tests_readably():
 
 @pytest.mark.parametrize("own", [1, 3])
 def test_tests_of_a_series_of_wilkins_predict_the_others_of_it(own: int):
-    found = campaign.wilkins(own)
-    assert found.within.mean() >= 0.95
-    assert found.above.mean() >= 0.95
-    assert 100.0 * (found.error**2).mean() ** 0.5 <= {1: 4.6, 3: 2.6}[own]
+    outcome = campaign.wilkins(own)
+    assert outcome.within.mean() >= 0.95
+    assert outcome.above.mean() >= 0.95
+    assert 100.0 * (outcome.error**2).mean() ** 0.5 <= {1: 4.6, 3: 2.6}[own]
 
 
 def test_tests_of_a_real_lot_predict_the_others_of_it():
@@ -239,29 +245,29 @@ def test_tests_of_a_real_lot_predict_the_others_of_it():
 @pytest.mark.parametrize("case", campaign.CASES, ids=lambda case: case.name)
 def test_intervals_hold_the_limits_of_simulated_lots(case: campaign.Case):
     dice = np.random.default_rng(3)
-    for found in campaign.simulated(case, 2, 0.035, dice, samples=60).values():
-        assert found.within.mean() >= 0.92
-        assert found.above.mean() >= 0.92
+    for outcome in campaign.simulated(case, 2, 0.035, dice, samples=60).values():
+        assert outcome.within.mean() >= 0.92
+        assert outcome.above.mean() >= 0.92
 
 
 def test_own_tests_at_an_angle_tell_of_that_angle_alone():
     """Of ceramics no test at an angle is known, so that what is seen there may be an effect of the angle."""
     case = shipped_scenario("wilkins")
-    steep = made(table_of(case, f"{OBLIQUITY},ballistic_limit_m_s", "45,900"), case, FLOW_STRESS)
+    steep = scenario_of(table_of(case, f"{OBLIQUITY},ballistic_limit_m_s", "45,900"), case, FLOW_STRESS)
     assert confidence(steep.replaced({OBLIQUITY: 45.0})).probability_of_stopping is not None
     for angle in (0.0, 30.0):
-        found = confidence(steep.replaced({OBLIQUITY: angle}))
-        assert found.probability_of_stopping is None
-        assert "paths of 1.4" in found.reason
-    mixed = made(table_of(case, f"{OBLIQUITY},ballistic_limit_m_s", "0,720", "45,900"), case, FLOW_STRESS)
+        result = confidence(steep.replaced({OBLIQUITY: angle}))
+        assert result.probability_of_stopping is None
+        assert "paths of 1.4" in result.reason
+    mixed = scenario_of(table_of(case, f"{OBLIQUITY},ballistic_limit_m_s", "0,720", "45,900"), case, FLOW_STRESS)
     assert confidence(mixed).probability_of_stopping is None
 
 
 @pytest.mark.parametrize("angle", [33.0, 47.0, 53.0])
 def test_the_angle_of_an_own_test_is_tested(angle: float):
     case = shipped_scenario("wilkins")
-    own = made(table_of(case, f"{OBLIQUITY},ballistic_limit_m_s", f"{angle},900"), case, FLOW_STRESS)
-    assert confidence(own.replaced({OBLIQUITY: angle})).probability_of_stopping is not None
+    calibrated = scenario_of(table_of(case, f"{OBLIQUITY},ballistic_limit_m_s", f"{angle},900"), case, FLOW_STRESS)
+    assert confidence(calibrated.replaced({OBLIQUITY: angle})).probability_of_stopping is not None
 
 
 @pytest.mark.parametrize(
@@ -273,26 +279,26 @@ def test_the_angle_of_an_own_test_is_tested(angle: float):
 )
 def test_an_entry_whose_tests_say_nothing_of_the_error_has_none(rows: tuple[str, ...], settings: dict[str, Any]):
     case = shipped_scenario("wilkins").replaced(settings)
-    own = made(table_of(case, *rows), case, FLOW_STRESS).replaced(dict.fromkeys(settings))
-    found = confidence(own)
-    assert found.probability_of_stopping is None
-    assert "say nothing of the model error" in found.reason
+    calibrated = scenario_of(table_of(case, *rows), case, FLOW_STRESS).replaced(dict.fromkeys(settings))
+    result = confidence(calibrated)
+    assert result.probability_of_stopping is None
+    assert "say nothing of the model error" in result.reason
 
 
 def test_a_limit_far_from_what_any_lot_can_have_is_no_evidence():
     case = shipped_scenario("wilkins")
     for limit, plausible in (("880", True), ("1900", False), ("200", False)):
-        found = calibrate(table_of(case, "ballistic_limit_m_s", limit), case, FLOW_STRESS)
-        assert (found.evidence is not None) == plausible
+        result = calibrate(table_of(case, "ballistic_limit_m_s", limit), case, FLOW_STRESS)
+        assert (result.evidence is not None) == plausible
 
 
 def test_evidence_that_cannot_be_is_refused():
     case = shipped_scenario("wilkins")
-    own = made(table_of(case, "ballistic_limit_m_s", "720"), case, FLOW_STRESS)
-    data = own.to_dict()
+    calibrated = scenario_of(table_of(case, "ballistic_limit_m_s", "720"), case, FLOW_STRESS)
+    data = calibrated.to_dict()
     [entry] = data["library"]["ceramic"].values()
     good = entry["evidence"]
     for key, value in (("path_ratio", 0.5), ("side", 5.0), ("uncertainty_m_s", -50.0), ("velocity_m_s", 0.0)):
-        wrong = {**good, "tests": {**good["tests"], key: [value]}}
+        changed = {**good, "tests": {**good["tests"], key: [value]}}
         with pytest.raises(InputError, match=f"{key} has a number that cannot be"):
-            parse_scenario({**data, "library": {"ceramic": {"AD85, lot 7": {**entry, "evidence": wrong}}}})
+            parse_scenario({**data, "library": {"ceramic": {"AD85, lot 7": {**entry, "evidence": changed}}}})

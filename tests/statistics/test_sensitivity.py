@@ -32,10 +32,10 @@ def test_similar_cases_have_the_same_limit(changes: tuple[object, ...]):
 def test_elasticities_agree_with_changed_scenarios():
     case = shipped_scenario("wilkins")
     result = sensitivity(case)
-    own = case.inputs()
+    inputs = case.inputs()
     step = log((1.0 + CHANGE) / (1.0 - CHANGE))
     for item in result.inputs:
-        up, down = (case.with_inputs({item.input: own[item.input] * (1.0 + s * CHANGE)}) for s in (1.0, -1.0))
+        up, down = (case.with_inputs({item.input: inputs[item.input] * (1.0 + s * CHANGE)}) for s in (1.0, -1.0))
         residual = log(simulate(up).residual_velocity_m_s / simulate(down).residual_velocity_m_s) / step
         assert item.elasticities[RESIDUAL] == pytest.approx(residual, abs=1e-9)
     strength = next(item for item in result.inputs if item.input == "ceramic.flow_stress_GPa")
@@ -57,8 +57,8 @@ def test_an_exponent_acts_through_the_flow_stress():
     """The elasticity of an exponent n, also of a negative one, is that of the flow stress times n ln(Hb/D)."""
     for exponent in (-0.4, 0.6):
         entry = {"based_on": "AD85", "flow_stress_backing_exponent": exponent}
-        own = {"ceramic": {"AD85": entry}}
-        case = scenario(backing_mm=9.0, library=own, ballistic_limit={"tolerance_m_s": 1e-6})
+        library = {"ceramic": {"AD85": entry}}
+        case = scenario(backing_mm=9.0, library=library, ballistic_limit={"tolerance_m_s": 1e-6})
         e = {item.input: item.elasticities[LIMIT] or 0.0 for item in sensitivity(case).inputs}
         expected = e["ceramic.flow_stress_GPa"] * exponent * log(9.0 / 6.5)
         assert e["ceramic.flow_stress_backing_exponent"] == pytest.approx(expected, rel=1e-3)

@@ -90,9 +90,9 @@ def test_the_same_seed_gives_the_same_numbers():
 
 def test_the_limits_are_those_of_changed_scenarios(uncertain: Scenario):
     columns = independent_samples(5, 2)
-    for i, found in enumerate(sample_limits(Samples(variants_of(uncertain, columns, 5), 1.0))):
+    for i, limit in enumerate(sample_limits(Samples(variants_of(uncertain, columns, 5), 1.0))):
         changed = uncertain.with_inputs({name: float(values[i]) for name, values in columns.items()})
-        assert found == pytest.approx(ballistic_limit(changed).ballistic_limit_m_s, abs=1e-9)
+        assert limit == pytest.approx(ballistic_limit(changed).ballistic_limit_m_s, abs=1e-9)
 
 
 def test_the_error_of_the_model_is_an_input():
@@ -114,8 +114,8 @@ def test_the_error_of_the_model_is_an_input():
 def test_the_error_of_the_model_adds_to_the_inputs(uncertain: Scenario):
     few = uncertain.replaced({"uncertainty.samples": 1024})
     alone = uncertainty(few)
-    given = {"scale_percent": 5.0, "degrees_of_freedom": 30.0}
-    both = uncertainty(few.replaced({"uncertainty.model": {"included": True, **given}}))
+    error_section = {"scale_percent": 5.0, "degrees_of_freedom": 30.0}
+    both = uncertainty(few.replaced({"uncertainty.model": {"included": True, **error_section}}))
     expected = np.hypot(alone.standard_deviation_m_s, 0.05 * np.sqrt(30.0 / 28.0) * alone.mean_m_s)
     assert both.standard_deviation_m_s == pytest.approx(expected, rel=0.02)
     assert both.inputs[0].input == "model.limit_error_percent"
@@ -124,10 +124,10 @@ def test_the_error_of_the_model_adds_to_the_inputs(uncertain: Scenario):
 def test_the_total_index_of_the_models_error_is_exact():
     """The armour's limit is the model's times a ratio, so that total = first (1 + CV^2), CV of the model's limit."""
     spread = {"distribution": "normal", "standard_deviation_percent": 8.0}
-    given = {"scale_percent": 5.0, "degrees_of_freedom": 30.0}
+    error_section = {"scale_percent": 5.0, "degrees_of_freedom": 30.0}
     sections = {"samples": 1024, "ceramic": {"flow_stress_GPa": spread}, "backing": {"flow_stress_GPa": spread}}
     alone = uncertainty(scenario(uncertainty={**sections, "model": {"included": False}}))
-    both = uncertainty(scenario(uncertainty={**sections, "model": given}))
+    both = uncertainty(scenario(uncertainty={**sections, "model": error_section}))
     [error] = [index for index in both.inputs if index.input == "model.limit_error_percent"]
     assert error.first is not None
     assert error.total is not None
@@ -145,8 +145,8 @@ def test_the_index_of_the_models_error_leaves_out_its_tails():
     spread = {"distribution": "normal", "standard_deviation_percent": 8.0}
     sections = {"samples": 1024, "ceramic": {"flow_stress_GPa": spread}, "backing": {"flow_stress_GPa": spread}}
     alone = uncertainty(scenario(uncertainty={**sections, "model": {"included": False}}))
-    given = {"scale_percent": 2.0, "degrees_of_freedom": 2.0}
-    both = uncertainty(scenario(uncertainty={**sections, "model": given}))
+    error_section = {"scale_percent": 2.0, "degrees_of_freedom": 2.0}
+    both = uncertainty(scenario(uncertainty={**sections, "model": error_section}))
     [first] = [index.first for index in both.inputs if index.input == "model.limit_error_percent"]
     t, end = stats.t(2.0), stats.t(2.0).isf(1e-4)
     error = 0.02 * sqrt(quad(lambda x: x**2 * t.pdf(x), -end, end, limit=200)[0] / (1.0 - 2e-4))
@@ -166,11 +166,11 @@ def test_samples_by_several_laws_are_the_mixture():
 
 def test_an_unknown_error_is_told():
     normal = {"distribution": "normal", "standard_deviation_percent": 2.0}
-    found = uncertainty(scenario(ceramic="SiC", uncertainty={"samples": 128, "ceramic": {"flow_stress_GPa": normal}}))
-    assert found.model_error is None
+    result = uncertainty(scenario(ceramic="SiC", uncertainty={"samples": 128, "ceramic": {"flow_stress_GPa": normal}}))
+    assert result.model_error is None
     unknown = "uncertainty.model: the model error is not known for such an armour, and not included"
-    assert unknown in found.warnings
-    assert [index.input for index in found.inputs] == ["ceramic.flow_stress_GPa"]
+    assert unknown in result.warnings
+    assert [index.input for index in result.inputs] == ["ceramic.flow_stress_GPa"]
 
 
 def test_a_total_index_is_not_below_the_first_order_one():
@@ -258,8 +258,8 @@ def test_one_input_has_all_of_the_variance_and_no_variance_no_index():
     normal = {"distribution": "normal", "standard_deviation_percent": 1.0}
     case = with_section(ceramic={"density_kg_m3": normal, "flow_stress_GPa": normal}, samples=128)
     points = np.random.default_rng(1).random((128, 2))
-    found = module.influences(case, points, np.full(128, 700.0), None, lambda _: None)
-    assert [(index.first, index.total) for index in found] == [(None, None)] * 2
+    indices = module.influences(case, points, np.full(128, 700.0), None, lambda _: None)
+    assert [(index.first, index.total) for index in indices] == [(None, None)] * 2
 
 
 OTHER = "does not contain the scenario's value, 6.35"
@@ -281,9 +281,11 @@ OTHER = "does not contain the scenario's value, 6.35"
 def test_what_a_distribution_and_threats_warn_of(distribution: dict[str, Any], told: list[str]):
     case = with_section(samples=128, armour={"ceramic_thickness_mm": distribution})
     case = case.replaced({"threat": [{"projectile": "7.62 mm APM2", "velocity_m_s": 800.0}]})
-    *own, last = (warning for warning in uncertainty(case).warnings if warning.startswith(("uncertainty.", "threat")))
-    assert len(own) == len(told)
-    for warning, words in zip(own, told, strict=True):
+    *warnings, last = (
+        warning for warning in uncertainty(case).warnings if warning.startswith(("uncertainty.", "threat"))
+    )
+    assert len(warnings) == len(told)
+    for warning, words in zip(warnings, told, strict=True):
         assert warning.startswith(f"uncertainty.armour.ceramic_thickness_mm: {words}")
     against = f"the {case.impact.projectile} at {case.impact.velocity_m_s:g} m/s of [impact]"
     assert last.startswith(f"threat: is not used: the results are against {against}")
@@ -356,8 +358,8 @@ def test_samples_are_computed_in_portions(monkeypatch: pytest.MonkeyPatch):
 
 def ishigami(points: Floats) -> Floats:
     a, b, c = pi * (2.0 * points.T - 1.0)
-    found: Floats = np.sin(a) + 7.0 * np.sin(b) ** 2 + 0.1 * c**4 * np.sin(a)
-    return found
+    values: Floats = np.sin(a) + 7.0 * np.sin(b) ** 2 + 0.1 * c**4 * np.sin(a)
+    return values
 
 
 @pytest.mark.parametrize("method", ["sobol", "latin hypercube"])
@@ -368,8 +370,8 @@ def test_ishigamis_function(method: str):
     points = points_of(section)
     first = first_order_indices(section, points, ishigami(points))
     total = total_indices(ishigami, [0, 1, 2], 3, 4096, 1)
-    for found, variances in ((first, (v1, v2, 0.0)), (total, (v1 + v13, v2, v13))):
-        for estimate, variance in zip(found, variances, strict=True):
+    for estimates, variances in ((first, (v1, v2, 0.0)), (total, (v1 + v13, v2, v13))):
+        for estimate, variance in zip(estimates, variances, strict=True):
             true = variance / (v1 + v2 + v13)
             assert estimate.value == pytest.approx(true, abs=0.02)
             # Not each of a dozen intervals need hold the truth.

@@ -52,25 +52,25 @@ def test_a_velocity_without_its_decimal_point_is_warned_of():
 
 
 def test_a_prior_adds_the_posterior_and_its_part():
-    found = v50(MIXED, scenario(), prior=True)
-    assert found.posterior is not None
-    assert found.prior is not None
-    assert found.prior_share == pytest.approx(
-        (found.posterior.standard_deviation_m_s / found.prior.standard_deviation_m_s) ** 2
+    result = v50(MIXED, scenario(), prior=True)
+    assert result.posterior is not None
+    assert result.prior is not None
+    assert result.prior_share == pytest.approx(
+        (result.posterior.standard_deviation_m_s / result.prior.standard_deviation_m_s) ** 2
     )
-    assert found.prior_share is not None
-    assert 0.0 < found.prior_share < 0.1
-    assert found.prior.v50_interval_m_s == pytest.approx(found.model_interval_m_s, abs=1.0)
-    low, high = found.posterior.v50_interval_m_s
+    assert result.prior_share is not None
+    assert 0.0 < result.prior_share < 0.1
+    assert result.prior.v50_interval_m_s == pytest.approx(result.model_interval_m_s, abs=1.0)
+    low, high = result.posterior.v50_interval_m_s
     assert 690.0 < low < 720.0 < high < 745.0
-    assert found.recommended == of_mixed().recommended
+    assert result.recommended == of_mixed().recommended
 
 
 def test_shots_without_a_curve_have_a_posterior():
     for shots in (Shots((700.0, 720.0), (False, False)), Shots((740.0, 700.0), (False, True))):
-        found = v50(shots, scenario(), prior=True)
-        assert (found.fits, found.recommended, found.mean) == ((), None, None)
-        assert ": V50 7" in repr(found)
+        result = v50(shots, scenario(), prior=True)
+        assert (result.fits, result.recommended, result.mean) == ((), None, None)
+        assert ": V50 7" in repr(result)
 
 
 @pytest.mark.parametrize(
@@ -84,13 +84,13 @@ def test_the_rule_of_a_mean(pairs: int | None, span_m_s: float | None, rule: str
 
 
 def test_the_recommended_curve_is_the_penalised_probit_if_it_rises():
-    found = v50(APART)
-    assert (found.separated, of_mixed().separated) == (True, False)
-    assert found.recommended == found.penalised_fits[0]
-    assert [fit.curve for fit in found.penalised_fits] == ["probit", "logit"]
-    assert {fit.method for fit in found.fits} == {"maximum likelihood"}
-    found = v50(Shots((700.0, 740.0, 770.0, 780.0, 750.0), (False, False, False, False, True)))
-    assert (found.recommended, found.penalised_fits) == (None, ())
+    result = v50(APART)
+    assert (result.separated, of_mixed().separated) == (True, False)
+    assert result.recommended == result.penalised_fits[0]
+    assert [fit.curve for fit in result.penalised_fits] == ["probit", "logit"]
+    assert {fit.method for fit in result.fits} == {"maximum likelihood"}
+    result = v50(Shots((700.0, 740.0, 770.0, 780.0, 750.0), (False, False, False, False, True)))
+    assert (result.recommended, result.penalised_fits) == (None, ())
 
 
 @pytest.mark.parametrize(
@@ -119,8 +119,8 @@ def test_the_recommended_curve_is_the_penalised_probit_if_it_rises():
 def test_wrong_files_with_every_mistake(tmp_path: Path, rows: list[str], messages: list[str]):
     with pytest.raises(InputError) as error:
         read_shots(csv_file(tmp_path / "shots.csv", "velocity_m_s,result", *rows))
-    found = str(error.value)
-    assert [message in found for message in messages] == [True] * len(messages)
+    text = str(error.value)
+    assert [message in text for message in messages] == [True] * len(messages)
 
 
 @pytest.mark.parametrize(

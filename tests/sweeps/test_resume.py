@@ -11,7 +11,7 @@ from pydantic import BaseModel
 
 from armour.core import equations
 from armour.errors import InputError
-from armour.scenario.library import IN_COMMON, MEASURED, VARIED, OwnTests
+from armour.scenario.library import IN_COMMON, RESULTS, VARIED, OwnTests
 from armour.scenario.scenario import Scenario, load_scenario, parse_scenario
 from armour.scenario.schema import ModelSection
 from armour.scenario.sections import Section
@@ -26,7 +26,7 @@ EVIDENCE: dict[str, Any] = {
     "lot": "lot 7",
     "source": "1 own test in t.csv",
     "calibrated": {"ceramic_strength_GPa": 5.2},
-    "tests": {key: [1.0] for key in (*VARIED, *IN_COMMON, *MEASURED)},
+    "tests": {key: [1.0] for key in (*VARIED, *IN_COMMON, *RESULTS)},
     "law": [{"fit": "constant", "values": {"flow_stress_GPa": 5.2}, "level": [0.0, 0.1], "computed_m_s": [700.0]}],
 }
 LIBRARY = {

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from armour.core.state import Parameters
-from armour.evidence.mixture import Floats
+from armour.evidence.student import Floats
 from armour.files import read_toml, shipped
 from armour.scenario.inputs import INPUTS
 from armour.scenario.library import DEFAULTS
@@ -22,20 +22,20 @@ from armour.units import GPA, MM, MPA
 CONSTRAINT = DEFAULTS["flow_stress_GPa"][0] * GPA / MPA
 # m/D^3 of a usual core, g/mm3.
 CORE = 0.0215
-# Part of the trend beyond the tests that is added to the scale there.
+# Fraction of the trend beyond the tests that is added to the scale there.
 TREND_DOUBT = 0.5
-# Least standard deviation of a test that own tests are taken to have: lots differ in it.
+# Least standard deviation of a test assumed for own tests, as lots differ in it.
 LEAST_REST = 0.04
-# Rounds in which outcomes are approximated at most, and the least precision of what one tells.
+# Most iterations of the approximation of outcomes, and the least precision of one.
 MOST_ROUNDS, LEAST_PRECISION = 100, 1e-9
-# Quantities that tell rounds from each other.
+# Quantities that distinguish rounds.
 RODS = ("rod_diameter_mm", "rod_length_ratio", "rod_density_kg_m3", "rod_strength_GPa")
 # Values of n armours by name, (n,).
 Quantities = Mapping[str, Any]
 
 
 def quantities(armour: Parameters, tensile_MPa: Any, cosines: Any) -> dict[str, Any]:
-    """Return what the evidence depends on, of n armours with their parameters as arrays, (n,)."""
+    """Return the quantities of n armours that the evidence depends on; the parameters are arrays, (n,)."""
     return {
         "ceramic_thickness_ratio": armour.Hc0 / armour.D0,
         "ceramic_density_kg_m3": armour.rho_c,
@@ -63,7 +63,7 @@ def _thickness(q: Quantities, reference: Sequence[float]) -> Any:
     return np.log(q["backing_thickness_ratio"] / reference[0])
 
 
-# Terms of the fits by name, of quantities, and of a thickness over the diameter and a strength, MPa, of reference.
+# Terms of the fits by name: functions of quantities, and of a reference thickness over the diameter and strength, MPa.
 TERMS: dict[str, Callable[[Quantities, Sequence[float]], Any]] = {
     "1": lambda q, _: np.ones(len(q["path_ratio"])),
     "x": _thickness,
@@ -89,7 +89,7 @@ class LotTests(NamedTuple):
     errors: Floats  # logarithms of measured limits, or of velocities of shots, over the computed limits
     sides: Floats  # 0, or 1 where the limit is above the velocity of a shot and -1 where it is below
     uncertainties: Floats  # relative standard deviations of the measurements
-    armours: Any  # numbers of the armours: shots at one have one limit
+    armours: Any  # numbers of the armours: shots at the same one have the same limit
 
 
 class Fit(NamedTuple):
@@ -110,7 +110,7 @@ class Fit(NamedTuple):
     def predicted(self, q: Quantities, ranges: Mapping[str, tuple[float, float]]) -> tuple[Floats, Floats]:
         """Return locations and scales of the distributions of n armours, (n,) each.
 
-        Beyond ranges of the tests, by quantity, the trend goes on, and a part of it is added to the scale.
+        Beyond the ranges of the tests, by quantity, the trend continues, and a fraction of it is added to the scale.
         """
         matrix = self._matrix(q)
         variance = self.variance + np.einsum("ni,ij,nj->n", matrix, self.covariance, matrix)
@@ -122,59 +122,59 @@ class Fit(NamedTuple):
         return matrix @ self.coefficients, np.sqrt(variance)
 
     def _matrix(self, q: Quantities) -> Floats:
-        """Return the terms of n armours and, of an updated fit, which of its rounds they are of."""
+        """Return the terms of n armours and, for an updated fit, which of its rounds they are fired at with."""
         rounds = np.empty((len(q["path_ratio"]), 0)) if self.rods is None else _same(rods_of(q), self.rods)
         return np.column_stack([matrix_of(self.terms, self.reference, q), rounds])
 
-    def updated(self, tests: LotTests, more: float = 0.0, level: Sequence[float] | None = None) -> "Fit":
-        """Return the fit for the lot of own tests, with the logarithm of the density of these as its weight.
+    def updated(self, tests: LotTests, extra_deviation: float = 0.0, level: Sequence[float] | None = None) -> "Fit":
+        """Return the fit for the lot of own tests; its weight is the logarithm of their density.
 
         Parameters
         ----------
         tests : LotTests
-        more : float
+        extra_deviation : float
             Standard deviation between lots in addition to that of the fit.
         level : sequence of float, optional
-            Mean and standard deviation of the first coefficient, of a lot that the fit tells nothing of.
+            Mean and standard deviation of the first coefficient, for a lot that the fit does not cover.
         """
         rods = np.unique(rods_of(tests.quantities), axis=0)
-        rest, nu = max(self.standard_deviations[2], LEAST_REST), self.degrees_of_freedom
+        test_deviation, nu = max(self.standard_deviations[2], LEAST_REST), self.degrees_of_freedom
         Z = self._replace(rods=rods)._matrix(tests.quantities)
-        b, C = self._of_new_lot(len(rods), more, level)
-        # Of the tests: those at one armour have one limit.
-        K = Z @ C @ Z.T + rest**2 * (tests.armours[:, None] == tests.armours)
-        away, variances = tests.errors - Z @ b, tests.uncertainties**2
+        b, C = self._of_new_lot(len(rods), extra_deviation, level)
+        # Covariance of the tests: those at the same armour have the same limit.
+        K = Z @ C @ Z.T + test_deviation**2 * (tests.armours[:, None] == tests.armours)
+        deviations, variances = tests.errors - Z @ b, tests.uncertainties**2
         limits, shots = np.flatnonzero(tests.sides == 0.0), np.flatnonzero(tests.sides)
         S = K[np.ix_(limits, limits)] + np.diag(variances[limits])
-        log_density = _log_density(away[limits], S, nu)
+        log_density = _log_density(deviations[limits], S, nu)
         if len(shots):
             gain = np.linalg.solve(S, K[limits]).T
-            mean, covariance = gain[shots] @ away[limits], (K - gain @ K[limits])[np.ix_(shots, shots)]
-            equal = as_measurements(mean, covariance, away[shots], tests.sides[shots], variances[shots])
-            away[shots], variances[shots], log_probability = equal
+            mean, covariance = gain[shots] @ deviations[limits], (K - gain @ K[limits])[np.ix_(shots, shots)]
+            measurements = as_measurements(mean, covariance, deviations[shots], tests.sides[shots], variances[shots])
+            deviations[shots], variances[shots], log_probability = measurements
             log_density += log_probability
         S = K + np.diag(variances)
         G = np.linalg.solve(S, Z @ C).T
-        # Tests that contradict each other or the fit widen it; outcomes count by what they tell.
-        told = away @ np.linalg.solve(S, away), np.trace(np.linalg.solve(S, K))
-        wider = max(1.0, (nu + told[0]) / (nu + told[1]))
+        # Tests that contradict each other or the fit widen it; outcomes count by their information.
+        squares, expected_squares = deviations @ np.linalg.solve(S, deviations), np.trace(np.linalg.solve(S, K))
+        widened_by = max(1.0, (nu + squares) / (nu + expected_squares))
         return self._replace(
-            coefficients=b + G @ away,
-            covariance=wider * (C - G @ Z @ C),
-            variance=wider * rest**2,
+            coefficients=b + G @ deviations,
+            covariance=widened_by * (C - G @ Z @ C),
+            variance=widened_by * test_deviation**2,
             degrees_of_freedom=nu + len(Z),
             rods=rods,
             weight=log_density,
         )
 
-    def _of_new_lot(self, rounds: int, more: float, level: Sequence[float] | None) -> tuple[Floats, Floats]:
+    def _of_new_lot(self, rounds: int, extra_deviation: float, level: Sequence[float] | None) -> tuple[Floats, Floats]:
         """Return coefficients of a lot and effects of rounds, and their covariance; see `updated`."""
         between_lots, between_rounds, _, trend = self.standard_deviations
         count = len(self.terms)
         b = np.append(self.coefficients, np.zeros(rounds))
         C = np.diag([0.0] * count + [between_rounds**2] * rounds)
         C[:count, :count] = self.covariance
-        C[0, 0] += between_lots**2 + more**2
+        C[0, 0] += between_lots**2 + extra_deviation**2
         if level is not None:
             C[0], C[:, 0] = 0.0, 0.0
             b[0], C[0, 0] = level[0], level[1] ** 2
@@ -182,9 +182,9 @@ class Fit(NamedTuple):
         return b, C
 
 
-def _log_density(away: Floats, scale: Floats, freedom: float) -> float:
+def _log_density(deviations: Floats, scale: Floats, freedom: float) -> float:
     """Return the logarithm of the density of Student's t distribution of n values, but for a constant times n."""
-    n, squares = len(away), float(away @ np.linalg.solve(scale, away))
+    n, squares = len(deviations), float(deviations @ np.linalg.solve(scale, deviations))
     log_density = lgamma(0.5 * (freedom + n)) - lgamma(0.5 * freedom) - 0.5 * n * np.log(freedom)
     return float(log_density - 0.5 * ((freedom + n) * np.log1p(squares / freedom) + np.linalg.slogdet(scale)[1]))
 
@@ -192,10 +192,11 @@ def _log_density(away: Floats, scale: Floats, freedom: float) -> float:
 def as_measurements(
     mean: Floats, covariance: Floats, places: Floats, sides: Floats, variances: Floats
 ) -> tuple[Floats, Floats, float]:
-    """Return normal measurements that tell as much as the outcomes of n shots: means and variances, (n,).
+    """Return the normal measurements equivalent to the outcomes of n shots: means and variances, (n,).
 
-    A limit with a normal distribution is above the place of a shot, side 1, or below, -1, but for errors with the
-    variances given.  By expectation propagation; the third number is the logarithm of the probability of the outcomes.
+    Limits have a normal distribution with a mean and a covariance.  Each is above the place of its shot, side 1, or
+    below it, -1, but for an error with a variance.  The method is expectation propagation; the third number is the
+    logarithm of the probability of the outcomes.
     """
     n = len(mean)
     from scipy.special import log_ndtr  # slow to import
@@ -207,19 +208,19 @@ def as_measurements(
     for _ in range(MOST_ROUNDS):
         before = precision.copy()
         for i in range(n):
-            left = 1.0 / posterior[i, i] - precision[i]
-            without[i], spread[i] = (middle[i] / posterior[i, i] - information[i]) / left, 1.0 / left
+            cavity = 1.0 / posterior[i, i] - precision[i]  # precision of the limit without the shot
+            without[i], spread[i] = (middle[i] / posterior[i, i] - information[i]) / cavity, 1.0 / cavity
             total = spread[i] + variances[i]
             score[i] = sides[i] * (without[i] - places[i]) / np.sqrt(total)
             slope = np.exp(-0.5 * score[i] ** 2 - log_ndtr(score[i])) / np.sqrt(2.0 * np.pi)
             mean_with = without[i] + spread[i] * sides[i] * slope / np.sqrt(total)
             narrowed = spread[i] - spread[i] ** 2 * slope * (slope + score[i]) / total
-            more = max(1.0 / narrowed - left, LEAST_PRECISION) - precision[i]
-            further = mean_with / narrowed - without[i] * left - information[i]
-            precision[i], information[i] = precision[i] + more, information[i] + further
-            change = posterior[:, i] / (1.0 + more * posterior[i, i])
-            middle = middle + change * (further - more * middle[i])
-            posterior = posterior - more * np.outer(change, posterior[i])
+            precision_change = max(1.0 / narrowed - cavity, LEAST_PRECISION) - precision[i]
+            information_change = mean_with / narrowed - without[i] * cavity - information[i]
+            precision[i], information[i] = precision[i] + precision_change, information[i] + information_change
+            change = posterior[:, i] / (1.0 + precision_change * posterior[i, i])
+            middle = middle + change * (information_change - precision_change * middle[i])
+            posterior = posterior - precision_change * np.outer(change, posterior[i])
         if (np.abs(precision - before) <= 1e-6 * precision).all():
             break
     residual = information - precision * mean
@@ -232,13 +233,13 @@ def as_measurements(
 
 
 def rods_of(q: Quantities) -> Floats:
-    """Return what tells the rounds of n armours from each other, (n, 4)."""
+    """Return the quantities that distinguish the rounds of n armours, (n, 4)."""
     return np.column_stack([q[name] for name in RODS])
 
 
-def _same(rods: Floats, others: Floats) -> Any:
-    """Return which of k penetrators each of n is, (n, k), but for rounding."""
-    return np.isclose(rods[:, None], others, rtol=1e-6, atol=0.0).all(axis=2)
+def _same(rods: Floats, rounds: Floats) -> Any:
+    """Return which of k rounds each of n penetrators is, (n, k), but for rounding."""
+    return np.isclose(rods[:, None], rounds, rtol=1e-6, atol=0.0).all(axis=2)
 
 
 def law_parameters(role: str, values: Mapping[str, float]) -> dict[str, float]:

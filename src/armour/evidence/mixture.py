@@ -1,29 +1,27 @@
-"""Mixtures of Student's t distributions: where the evidence puts the ballistic limit of an armour."""
+"""Mixtures of Student's t distributions: the ballistic limit of an armour given the evidence."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from armour.evidence.student import density_at_0, probability_below, quantile
-
-Floats = NDArray[np.float64]
+from armour.evidence.student import Floats, density_at_0, probability_below, quantile
 
 # Of a quantile, or its logarithm, and the most steps to it; ten are usual.
 TOLERANCE, MOST_STEPS = 1e-12, 200
 
 
 class Mixture(NamedTuple):
-    """Distribution of a ballistic limit, or of its ratio to that of the model; of one armour or of each of n.
+    """Distribution of a ballistic limit, or of its ratio to that of the model, for one armour or for each of n.
 
-    Of each component, the logarithm has Student's t distribution, or the number itself where `logarithmic` is false.
+    The logarithm of each component has Student's t distribution; if `logarithmic` is false, the number itself has it.
 
     Attributes
     ----------
     weights : array, (k, ...)
         Probabilities of the k components, which add up to 1 along the first axis; NaN if the distribution is not
-        known.  Further axes, such as (k, n) for n armours, broadcast with the velocities and probabilities asked for.
+        known.  Further axes, such as (k, n) for n armours, broadcast with velocities and probabilities.
     locations, scales : array, (k, ...)
         Of the logarithms: of m/s, or of the ratio.
     degrees_of_freedom : array, (k, ...)
@@ -38,7 +36,7 @@ class Mixture(NamedTuple):
     logarithmic: bool = True
 
     def times(self, limits: ArrayLike) -> "Mixture":
-        """Return the distribution of a ratio times numbers: limits by the model, m/s, (k, ...) or one for all."""
+        """Return the distribution of a ratio times limits by the model, m/s, (k, ...) or one for all."""
         factors = np.asarray(limits, dtype=np.float64)
         if self.logarithmic:
             return self._replace(locations=self.locations + np.log(factors))
@@ -54,12 +52,12 @@ class Mixture(NamedTuple):
         return Mixture(weights, locations, scales, freedom, self.logarithmic)
 
     def probability_above(self, values: ArrayLike) -> Any:
-        """Return the probability of more than each of some values, such as velocities in m/s."""
+        """Return the probability of exceeding each value, such as a velocity in m/s."""
         weights, locations, scales, freedom, places = self._at(values)
         return (weights * probability_below(freedom, (locations - places) / scales)).sum(axis=0)
 
     def quantile(self, probabilities: ArrayLike) -> Any:
-        """Return the values that are not exceeded with each of some probabilities, 0 to 1."""
+        """Return the values that are not exceeded with given probabilities, 0 to 1."""
         chances = np.asarray(probabilities, dtype=np.float64)
         weights, locations, scales, freedom = self._parts(chances)
         by_component = np.where(weights > 0.0, 0.0, np.nan) + _quantiles(locations, scales, freedom, chances)
@@ -106,7 +104,7 @@ class Mixture(NamedTuple):
         return [array.reshape(array.shape + (1,) * (values.ndim + 1 - array.ndim)) for array in self[:4]]
 
     def _at(self, values: ArrayLike) -> list[Floats]:
-        """Return these for values, and the values or their logarithms, at which the components are evaluated."""
+        """Return the parts for values, and the values or their logarithms, at which the components are evaluated."""
         with np.errstate(divide="ignore"):
             places = np.log(values) if self.logarithmic else np.asarray(values, dtype=np.float64)
         return [*self._parts(places), places]

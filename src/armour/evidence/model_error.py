@@ -1,4 +1,4 @@
-"""The model error of a scenario, and of many variants of one: which tests it is from, and where it is not known."""
+"""The model error of a scenario or of many variants of it: from which tests it is, and where it is not known."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -9,7 +9,8 @@ import numpy as np
 
 from armour.core.state import Parameters
 from armour.errors import InputError, Problem
-from armour.evidence.mixture import Floats, Mixture
+from armour.evidence.mixture import Mixture
+from armour.evidence.student import Floats
 from armour.evidence.tests import Armours, Evidence, is_outside, is_untested, outside
 from armour.scenario.inputs import cosine_of
 from armour.scenario.scenario import Scenario
@@ -21,7 +22,7 @@ NORMAL = 1e6
 QUANTILES = (0.025, 0.05, 0.5, 0.95, 0.975)
 # Parameters of the core that a law of the limits may replace.
 LAW_FIELDS = ("Yc0", "n_B", "n_cB", "a_c", "a_B", "YB", "tau", "Hc0", "Hb")
-# Quantities of bare plates of which the trend beyond the tests is doubted.
+# Quantities of bare plates whose trend is uncertain beyond the tests.
 DOUBTED = ("backing_thickness_ratio", "backing_strength_GPa", "rod_mass_ratio")
 AT_NORMAL = ", at normal incidence"
 NO_TEST = "no test of such an armour is known"
@@ -45,7 +46,7 @@ class ModelError:
     quantiles_percent : dict of str to float
         Quantiles of the error, %, by probability: "0.025", "0.05", "0.5", "0.95" and "0.975"; of an armour.
     at_least : str
-        Why the limit of the armour, at an angle, is at least the one with this error; empty where that is not said.
+        Why the limit of the armour, at an angle, is at least the one with this error; empty unless that is so.
     """
 
     mean_percent: float | None
@@ -60,9 +61,9 @@ class ModelError:
     def of_ratio(cls, ratio: Mixture, source: str, outside: tuple[str, ...] = (), at_least: str = "") -> Self:
         """Return the error, given the distribution of the ratio of both limits, (k,)."""
         mean = scale = freedom = None
-        used = ratio.weights > 0.0
-        if used.sum() == 1:
-            [mean], [scale], [freedom] = (array[used].tolist() for array in ratio[1:4])
+        has_weight = ratio.weights > 0.0
+        if has_weight.sum() == 1:
+            [mean], [scale], [freedom] = (array[has_weight].tolist() for array in ratio[1:4])
             mean, scale = 100.0 * (expm1(mean) if ratio.logarithmic else mean - 1.0), 100.0 * scale
         quantiles = {str(p): 100.0 * (float(ratio.quantile(p)) - 1.0) for p in QUANTILES}
         error = cls(mean, scale, freedom, source, outside, quantiles, at_least)
@@ -77,7 +78,7 @@ class ModelError:
         return Mixture(np.ones(1), 1.0 + mean / 100.0, scale / 100.0, freedom, logarithmic=False)
 
     def quantile(self, probability: Any) -> Any:
-        """Return a quantile, as a fraction, at least -0.99, for a probability of 0 to 1; float or array."""
+        """Return the quantile, a fraction of at least -0.99, for a probability of 0 to 1; float or array."""
         chances = np.asarray(probability)
         if not ((chances >= 0.0) & (chances <= 1.0)).all():
             raise InputError([Problem("quantile", "probability", f"must be 0 to 1, found {probability}")])
@@ -86,7 +87,7 @@ class ModelError:
     def interval(self, limit_m_s: float, tail: float = 0.025) -> tuple[float, float]:
         """Return the interval of the armour's ballistic limit, given that of the model, m/s.
 
-        The probability beyond each end is `tail`, so that by default it has a probability of 95 %.
+        The probability beyond each end is `tail`; by default, that of the interval is 95 %.
         """
         low, high = (float(limit_m_s * (1.0 + self.quantile(end))) for end in (tail, 1.0 - tail))
         return low, high
@@ -98,15 +99,15 @@ class ModelError:
     def probability_of_stopping(self, limit_m_s: Any, velocity_m_s: Any) -> Any:
         """Return the probability that the ballistic limit of the armour exceeds a velocity, given that of the model.
 
-        The limit must be above 0; numbers or arrays, m/s.
+        Numbers or arrays, m/s; the limit must be above 0.
         """
         return self.ratio.probability_above(np.asarray(velocity_m_s) / limit_m_s)
 
 
 class Errors(NamedTuple):
-    """Distributions of the model error for n armours: mixtures over laws that ballistic limits are computed with.
+    """Distributions of the model error for n armours: mixtures over the laws used to compute ballistic limits.
 
-    The first law is the armour's own; it may have a probability of 0.
+    The first law is that of the armour itself; it may have a probability of 0.
     """
 
     ratio: Mixture  # of the limits, (laws, n); weights are 0 if not used, and NaN if the error is not known
@@ -135,7 +136,7 @@ class Errors(NamedTuple):
 
 
 def given_error(scenario: Scenario) -> ModelError | None:
-    """Return the error that the section ``uncertainty.model`` of a scenario gives; None if it gives none."""
+    """Return the error given by the section ``uncertainty.model`` of a scenario; None if it gives none."""
     section = None if scenario.uncertainty is None else scenario.uncertainty.model
     if section is None or section.scale_percent is None:
         return None
@@ -144,7 +145,7 @@ def given_error(scenario: Scenario) -> ModelError | None:
 
 
 def other_settings(scenario: Scenario) -> str:
-    """Return the settings of the model that tests were not computed with, in words; "" for none."""
+    """Return the settings that differ from those with which the tests were computed, in words; "" for none."""
     sections = (("model", scenario.model, Model()), ("solver", scenario.solver, Solver()))
     values = ((name, key, value, getattr(usual, key)) for name, section, usual in sections for key, value in section)
     return ", ".join(f"{name}.{key} = {value}" for name, key, value, usual in values if value != usual)
@@ -153,7 +154,7 @@ def other_settings(scenario: Scenario) -> str:
 def errors_of(scenario: Scenario, armours: Armours) -> Errors:
     """Return the errors of the model for n armours under the settings of a scenario.
 
-    They are those on own tests of their entries, or else on the shipped ones.
+    They are from the own tests of the library entries, or else from the shipped tests.
     """
     count, error = len(armours.which), given_error(scenario)
     if scenario.excludes_error() or (error is None and other_settings(scenario)):
@@ -164,45 +165,47 @@ def errors_of(scenario: Scenario, armours: Armours) -> Errors:
     parts = []
     for evidence, rows in armours.by_evidence():
         oblique = evidence.fails_angle(armours.cosines)
-        lesser = oblique & (armours.cosines >= cosine_of(_at_least_deg(scenario, evidence)))
-        for which, at_normal in ((rows & ~oblique, False), (rows & lesser, True)):
-            if evidence.fits and which.any():
-                parts.append((int(at_normal or evidence.lot != ""), evidence, np.flatnonzero(which), at_normal))
+        is_bounded = oblique & (armours.cosines >= cosine_of(_at_least_deg(scenario, evidence)))
+        for members, at_normal in ((rows & ~oblique, False), (rows & is_bounded, True)):
+            if evidence.fits and members.any():
+                parts.append((int(at_normal or evidence.lot != ""), evidence, np.flatnonzero(members), at_normal))
     errors = Errors.unknown(count, max([1, *(first + len(evidence.fits) for first, evidence, *_ in parts)]))
     for first, evidence, where, at_normal in parts:
         members = armours.at(where)
         errors.parameters[0][:, where] = law_of(members.parameters)
-        _put(errors, first, evidence, where, members.at_normal_incidence() if at_normal else members)
+        _set_errors(errors, first, evidence, where, members.at_normal_incidence() if at_normal else members)
     return errors
 
 
 def _at_least_deg(scenario: Scenario, evidence: Evidence) -> float:
-    """Return the greatest angle at which an armour is taken to have at least its limit at normal incidence."""
+    """Return the greatest angle at which an armour is assumed to have at least its limit at normal incidence."""
     as_normal = scenario.design is not None and scenario.design.angles_as_at_normal_incidence
     return 90.0 if evidence.ceramic and as_normal else evidence.at_least_deg
 
 
-def _put(errors: Errors, first: int, evidence: Evidence, where: Any, armours: Armours) -> None:
-    """Set the errors, from the first law on, of those of n armours that some evidence holds for.
+def _set_errors(errors: Errors, first: int, evidence: Evidence, where: Any, armours: Armours) -> None:
+    """Set the errors, from a first law on, of those of n armours for which evidence holds.
 
-    With a ceramic, the law of an armour comes first, and the others have the flow stress in proportion to it.
+    With a ceramic, the law of the armour comes first, and the others have the flow stress in proportion to it.
     """
     q = armours.quantities()
     holds = evidence.holds(q)
     errors.ratio.weights[:, where[holds]] = 0.0
     doubted = {
-        each.name: (each.low, each.high) for each in evidence.measured if each.name in DOUBTED and not evidence.ceramic
+        limits.name: (limits.low, limits.high)
+        for limits in evidence.measured
+        if limits.name in DOUBTED and not evidence.ceramic
     }
     for number, law in enumerate(evidence.laws or [()]):
         rows = np.flatnonzero(holds & ~is_outside(law, q))
-        own_fit, followers = evidence.fits[number], armours.at(rows)
-        for place, fit in enumerate([own_fit, *(fit for fit in evidence.fits if fit is not own_fit)], start=first):
+        first_fit, members = evidence.fits[number], armours.at(rows)
+        for place, fit in enumerate([first_fit, *(fit for fit in evidence.fits if fit is not first_fit)], start=first):
             by_law: dict[str, Any] = {name: np.full(len(rows), value) for name, value in fit.law.items()}
             if evidence.laws:
-                by_law["Yc0"] = followers.parameters.Yc0 * (fit.law["Yc0"] / own_fit.law["Yc0"])
-            if fit is own_fit and not evidence.lot:
+                by_law["Yc0"] = members.parameters.Yc0 * (fit.law["Yc0"] / first_fit.law["Yc0"])
+            if fit is first_fit and not evidence.lot:
                 by_law = {}
-            with_law = followers._replace(parameters=followers.parameters._replace(**by_law))
+            with_law = members._replace(parameters=members.parameters._replace(**by_law))
             values = (fit.weight, *fit.predicted(with_law.quantities(), doubted), fit.degrees_of_freedom)
             for array, numbers in zip(errors.ratio[:4], values, strict=True):
                 array[place][where[rows]] = numbers
@@ -228,7 +231,7 @@ def error_of(scenario: Scenario, ratio: Mixture, armour: Armours) -> ModelError 
 
 
 def why_unknown(scenario: Scenario, armour: Armours) -> str:
-    """Return why the model error is not known for an armour, n = 1, and what can give it."""
+    """Return why the model error is not known for an armour, n = 1, and what can provide it."""
     if settings := other_settings(scenario):
         return f"the tests were computed with other settings than {settings}; [uncertainty.model] can give it"
     [(evidence, _)] = armour.by_evidence()

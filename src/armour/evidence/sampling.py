@@ -4,19 +4,18 @@ from collections.abc import Mapping
 from math import hypot, log, log1p, sqrt
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy import stats
 from scipy.special import ndtr, ndtri
 from scipy.stats import qmc
 
+from armour.evidence.student import Floats
 from armour.scenario.schema import Distribution, Uncertainty, correlation_matrix
 
-Floats = NDArray[np.float64]
-
-# Independent replicates into which samples are divided; their differences give the intervals.  `np.array_split` into as
-# many parts finds them again.  More of them would be smaller, and converge slower as a whole.
+# Independent replicates into which samples are divided, by `np.array_split`; their differences give the intervals.
+# More of them would be smaller, and converge slower as a whole.
 REPLICATES = 16
-# Part of the standard deviation by which truncation may move the mean unsaid, and probabilities that give the mean.
+# Greatest shift of the mean by truncation without a warning, in standard deviations; probabilities that give the mean.
 MOVED = 0.1
 MIDDLES = (np.arange(1000) + 0.5) / 1000
 
@@ -47,7 +46,7 @@ def correlated(uncertainty: Uncertainty, points: Floats) -> Floats:
 def columns_of(uncertainty: Uncertainty, values: Mapping[str, float], points: Floats) -> dict[str, Floats]:
     """Return values of the uncertain inputs, shape (n,), at points of the unit cube, shape (n, inputs).
 
-    They are correlated.  `values` are the scenario's own by name of input.
+    They are correlated.  `values` are those of the scenario by name of input.
     """
     parts = zip(uncertainty.inputs().items(), correlated(uncertainty, points).T, strict=True)
     return {name: quantiles(distribution, chances, values[name]) for (name, distribution), chances in parts}
@@ -56,7 +55,7 @@ def columns_of(uncertainty: Uncertainty, values: Mapping[str, float], points: Fl
 def quantiles(distribution: Distribution, probabilities: ArrayLike, value: float) -> Floats:
     """Return quantiles of a truncated distribution, in the shape of `probabilities`.
 
-    `value` is the scenario's own of the input, which is the mean before truncation if none is given.  If it cannot
+    `value` is the scenario's value of the input, which is the mean before truncation if none is given.  If it cannot
     be a mean, such as the thickness 0 of an absent layer, all quantiles are equal to it.
     """
     if distribution.mean_problem(value):

@@ -1,4 +1,4 @@
-"""Student's t distribution: of a few numbers by quadrature, without the wait for scipy; of many by scipy."""
+"""Student's t distribution: by quadrature for a few numbers, as scipy is slow to import, and by scipy for many."""
 
 from math import lgamma
 
@@ -17,12 +17,12 @@ WEIGHTS = 2.0 * _VECTORS[0] ** 2
 COVERED = 9.0
 # Of an angle; ten steps to it are usual.
 TOLERANCE, MOST_STEPS = 1e-14, 100
-# Divided by, far beyond any probability that is asked for.
+# Least density to divide by, far beyond any probability of use.
 LEAST_DENSITY = 1e-300
 
 
 def probability_below(freedom: Floats, t: Floats) -> Floats:
-    """Return the probability of less than t, of the shape that both have together."""
+    """Return the probability of less than t, with the broadcast shape."""
     freedom, t = np.broadcast_arrays(freedom, t)
     if t.size > MOST:
         from scipy.special import stdtr  # slow to import
@@ -32,7 +32,7 @@ def probability_below(freedom: Floats, t: Floats) -> Floats:
 
 
 def quantile(freedom: Floats, probabilities: Floats) -> Floats:
-    """Return the values that are not exceeded with some probabilities, of the shape that both have together."""
+    """Return the values that are not exceeded with given probabilities, with the broadcast shape."""
     freedom, probabilities = np.broadcast_arrays(freedom, probabilities)
     if probabilities.size > MOST:
         from scipy.special import stdtrit  # slow to import

@@ -1,4 +1,4 @@
-"""The tests that the model was compared with, shipped and own: their ranges, and where an armour is unlike them."""
+"""The tests that the model was compared with, shipped or own: their ranges, and where an armour lies outside them."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
@@ -15,16 +15,16 @@ from armour.scenario.scenario import Scenario
 
 # Factor by which a quantity of an unusual armour lies outside of all that the model was compared with.
 FAR = 2.0
-# Factors outside the ranges of the tests beyond which the error is not known, of bare plates and with a ceramic.
+# Factors outside the ranges of the tests beyond which the error is not known: of bare plates and with a ceramic.
 FARTHEST_BARE, FARTHEST_CERAMIC = float(np.exp(0.5)), 2.0
-# The same for what own tests of a ceramic without shipped tests have in common.
+# The same for the quantities that own tests of a ceramic without shipped tests have in common.
 ALIKE = 1.1
 # Standard deviations between lots of a ceramic beyond those of the shipped tests, also on another metal than theirs.
 STRANGE, STRANGE_METAL = 0.10, 0.15
-# Properties that make a ceramic.
+# Properties that identify a ceramic.
 OF_CERAMIC = ("ceramic_density_kg_m3", "ceramic_modulus_GPa", "ceramic_strength_GPa")
 NO_LAW = "no limit of its own tests says how exact the model is"
-# More respects than any kind of armour has, and the part of a number that is rounding.
+# More differences than any armour can have, and the relative size of rounding.
 MOST, ROUNDING = 1000, 1e-6
 
 
@@ -45,7 +45,7 @@ class DataRange(NamedTuple):
             return np.fmax(np.fmax(q[self.name] / self.high, self.low / q[self.name]), 1.0)
 
     def containing(self, values: Any) -> "DataRange":
-        """Return the range that contains further values, but for rounding."""
+        """Return the range widened to contain further values, with a margin for rounding."""
         low, high = values.min() * (1.0 - ROUNDING), values.max() * (1.0 + ROUNDING)
         return DataRange(self.name, min(self.low, float(low)), max(self.high, float(high)))
 
@@ -87,11 +87,11 @@ class Evidence(NamedTuple):
     lot: str = ""  # of own tests
 
     def differences(self, q: Quantities) -> Any:
-        """Return in how many respects n armours differ; with and without ceramic in most."""
-        other = MOST * (bool(self.ceramic) == (q["ceramic_thickness_ratio"] == 0.0))
-        return sum((limits.fails(q) for limits in self.kind), start=other) + self.of_other_law(q)
+        """Return in how many respects n armours differ from the tests; the presence of a ceramic outweighs all."""
+        by_ceramic = MOST * (bool(self.ceramic) == (q["ceramic_thickness_ratio"] == 0.0))
+        return sum((limits.fails(q) for limits in self.kind), start=by_ceramic) + self.has_other_law(q)
 
-    def of_other_law(self, q: Quantities) -> Any:
+    def has_other_law(self, q: Quantities) -> Any:
         """Return whether the flow stress of the ceramic of n armours has none of the laws."""
         return np.all([is_outside(law, q) for law in self.laws], axis=0) if self.laws else q["path_ratio"] < 0.0
 
@@ -102,7 +102,7 @@ class Evidence(NamedTuple):
         return (self.differences(q) == 0) & (factor <= farthest) & bool(self.fits)
 
     def fails_angle(self, cosines: Any) -> Any:
-        """Return whether there are no tests at angles, of which the cosines are given."""
+        """Return whether there are no tests at the angles with these cosines."""
         return cosines < cosine_of(self.obliquity_max_deg) * (1.0 - ROUNDING)
 
     def angles(self) -> str:
@@ -113,12 +113,12 @@ class Evidence(NamedTuple):
 
 
 def is_outside(ranges: Iterable[DataRange], q: Quantities) -> Any:
-    """Return whether each of n armours lies outside any of some ranges."""
+    """Return whether each of n armours lies outside any of the ranges."""
     return np.any([limits.fails(q) for limits in ranges], axis=0)
 
 
 def outside(ranges: Iterable[DataRange], q: Quantities) -> tuple[str, ...]:
-    """Return the ranges, in words, that one armour lies outside of."""
+    """Return the ranges outside which an armour lies, in words."""
     return tuple(str(limits) for limits in ranges if limits.fails(q).any())
 
 
@@ -131,7 +131,7 @@ def _ranges(data: Mapping[str, Sequence[float]]) -> tuple[DataRange, ...]:
 
 @cache
 def shipped_evidence() -> tuple[Evidence, ...]:
-    """Return the tests that the model was compared with; the first of those that an armour is closest to counts."""
+    """Return the tests that the model was compared with; of those closest to an armour, the first is used."""
     tests = []
     for data in shipped_data()["tests"]:
         kind, laws = data["kind"], shipped_data()["law"]
@@ -155,7 +155,7 @@ def shipped_evidence() -> tuple[Evidence, ...]:
 
 def shipped_evidence_of(fit: str) -> Evidence:
     """Return the tests that a fit is of."""
-    return next(evidence for evidence in shipped_evidence() if fit in [each.name for each in evidence.fits])
+    return next(tests for tests in shipped_evidence() if fit in [shipped_fit.name for shipped_fit in tests.fits])
 
 
 class Materials(NamedTuple):
@@ -186,25 +186,25 @@ class Armours(NamedTuple):
 
     def quantities(self) -> dict[str, Any]:
         """Return what the evidence depends on."""
-        tensile = np.array([tensile_strength(each.backing) for each in self.materials])
+        tensile = np.array([tensile_strength(materials.backing) for materials in self.materials])
         return quantities(self.parameters, tensile[self.which], self.cosines)
 
     def by_evidence(self) -> Iterator[tuple[Evidence, Any]]:
-        """Give each evidence that some of the armours may have, and which these are, (n,).
+        """Yield the evidence that armours have, with the rows of these, (n,).
 
-        It is that of the own tests of an entry, or else the closest shipped one.
+        It is from the own tests of an entry, or else from the closest shipped tests.
         """
-        is_bare, rest = self.parameters.Hc0 == 0.0, np.ones(len(self.which), dtype=bool)
+        is_bare, has_shipped = self.parameters.Hc0 == 0.0, np.ones(len(self.which), dtype=bool)
         for place, materials in enumerate(self.materials):
             for entry, has_kind in ((materials.ceramic, ~is_bare), (materials.backing, is_bare)):
                 rows = (self.which == place) & has_kind
                 if entry is not None and entry.evidence is not None and rows.any():
-                    rest = rest & ~rows
+                    has_shipped = has_shipped & ~rows
                     yield own_evidence(entry, entry.evidence), rows
         q = self.quantities()
         nearest = np.argmin([evidence.differences(q) for evidence in shipped_evidence()], axis=0)
         for place, evidence in enumerate(shipped_evidence()):
-            if (rows := rest & (nearest == place)).any():
+            if (rows := has_shipped & (nearest == place)).any():
                 yield evidence, rows
 
 
@@ -216,55 +216,55 @@ def armour_of(scenario: Scenario) -> Armours:
 
 
 def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
-    """Return the evidence of an entry with own tests: that of the shipped tests that they update.
+    """Return the evidence of an entry with own tests: that of the shipped tests, updated by them.
 
-    Armours must have the calibrated values, and of a ceramic without shipped tests be like those of the own tests.
-    There is no fit if the tests must be given again.
+    It holds for armours with the calibrated values; those with a ceramic that has no shipped tests must also be like
+    the armours of the own tests.  There is no fit if the entry must be calibrated again.
     """
     if not own_tests.law:
         return Evidence("", own_tests.reason or NO_LAW, (), (), (), (), (0.0, np.inf), (), lot=entry.name)
-    first, tested = own_tests.law[0], {name: np.array(values) for name, values in own_tests.tests.items()}
+    first, tested = own_tests.law[0], {name: np.array(column) for name, column in own_tests.tests.items()}
     shipped = shipped_evidence_of(first.fit)
     tested["tensile_MPa"] = np.full(len(tested["side"]), tensile_strength(entry))
     from scipy.special import softmax  # slow to import
 
-    values = tuple(
+    calibrated = tuple(
         DataRange(name, v - ROUNDING * abs(v), v + ROUNDING * abs(v)) for name, v in own_tests.calibrated.items()
     )
     kind = tuple(limits for limits in shipped.kind if limits.name not in ("tensile_ratio", *own_tests.calibrated))
-    more = STRANGE * bool(shipped.ceramic) if not is_outside(kind, tested).any() else STRANGE_METAL
-    # Beyond the angles of the shipped tests, own tests tell of their own angle.
+    between_lots = STRANGE * bool(shipped.ceramic) if not is_outside(kind, tested).any() else STRANGE_METAL
+    # Beyond the angles of the shipped tests, own tests inform about their own angle only.
     paths = DataRange("path_ratio", np.inf, -np.inf).containing(tested["path_ratio"])
     at_angle = (paths,) * (cosine_of(shipped.obliquity_max_deg) * paths.high > 1.0 + 2.0 * ROUNDING)
     velocities, sides = tested["velocity_m_s"], tested["side"]
     rows = np.column_stack([tested[name] for name in (*VARIED, *IN_COMMON)])
-    # Shots at like armours are shots at one, and measured limits are of one each.
+    # Shots at equal armours count as shots at one armour; each measured limit is of an armour of its own.
     armours = np.where(sides == 0.0, -1.0 - np.arange(len(rows)), np.unique(rows, axis=0, return_inverse=True)[1])
     updated = []
     for law in own_tests.law:
         fit = fits()[law.fit]._replace(law=law_parameters("ceramic" if shipped.ceramic else "backing", law.values))
         errors = np.log(velocities / np.array(law.computed_m_s))
         tests = LotTests(tested, errors, sides, tested["uncertainty_m_s"] / velocities, armours)
-        updated.append(fit.updated(tests, more, law.level))
+        updated.append(fit.updated(tests, between_lots, law.level))
     weights = softmax([fit.weight for fit in updated])
     words = f"{len(velocities)} own test{'s' * (len(velocities) > 1)} of this lot"
     title = f"{shipped.title} and {words}"
-    seen = {name: np.append(column, own_tests.calibrated.get(name, [])) for name, column in tested.items()}
+    columns = {name: np.append(column, own_tests.calibrated.get(name, [])) for name, column in tested.items()}
     kind, measured = (
-        tuple(limits.containing(seen[limits.name]) for limits in ranges) for ranges in (kind, shipped.measured)
+        tuple(limits.containing(columns[limits.name]) for limits in ranges) for ranges in (kind, shipped.measured)
     )
     if first.level is not None:
         title = f"{words}, taken to scatter like {shipped.title}"
         around = [DataRange(name, np.inf, -np.inf).containing(tested[name]) for name in (*VARIED[:2], *IN_COMMON)]
-        alike = (DataRange(x.name, x.low / ALIKE, x.high * ALIKE) for x in around[2:])
+        alike = (DataRange(limits.name, limits.low / ALIKE, limits.high * ALIKE) for limits in around[2:])
         kind = (*alike, *(limits for limits in kind if limits.name.startswith("rod_")))
         measured = (*around[:2], *(limits for limits in measured if limits.name.startswith("rod_")))
     return shipped._replace(
         title=title,
         laws=(),
-        kind=(*kind, *values, *at_angle),
+        kind=(*kind, *calibrated, *at_angle),
         measured=measured,
-        compared=(*kind, *values, *measured),
+        compared=(*kind, *calibrated, *measured),
         velocities_m_s=(min(shipped.velocities_m_s[0], *velocities), max(shipped.velocities_m_s[1], *velocities)),
         fits=tuple(fit._replace(weight=w) for fit, w in zip(updated, weights, strict=True)),
         obliquity_max_deg=max(shipped.obliquity_max_deg, *np.degrees(np.arccos(1.0 / tested["path_ratio"]))),
@@ -273,7 +273,7 @@ def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
 
 
 def is_untested(ceramic: LibraryEntry) -> bool:
-    """Return whether no test of a ceramic on metal is known."""
+    """Return whether there is no test of a ceramic on metal."""
     values = np.array([ceramic["density_kg_m3"], ceramic["youngs_modulus_GPa"]])
     q = dict(zip(OF_CERAMIC[:2], values, strict=True))
     kinds = (evidence.kind for evidence in shipped_evidence() if evidence.ceramic and evidence.fits)
@@ -283,53 +283,53 @@ def is_untested(ceramic: LibraryEntry) -> bool:
 
 
 def is_unusual(armour: Parameters) -> Any:
-    """Return whether each of n armours is far from all of its kind that the model was compared with.
+    """Return whether each of n armours is far from all armours of its kind that the model was compared with.
 
     A strength, a density, the slenderness or a thickness over the diameter is then outside by more than a factor of
     two, and the outcome may change more than once with the velocity or a thickness.  A NaN is not outside.
     """
     q = quantities(armour, np.nan, np.ones(np.shape(armour.D0)))
-    far: dict[tuple[bool, str], Any] = {}
+    is_far: dict[tuple[bool, str], Any] = {}
     for evidence in shipped_evidence():
         for limits in evidence.compared:
             key = bool(evidence.ceramic), limits.name
-            far[key] = far.get(key, True) & (limits.factor(q) > FAR)
-    return np.any([rows & (has_ceramic == (armour.Hc0 > 0.0)) for (has_ceramic, _), rows in far.items()], axis=0)
+            is_far[key] = is_far.get(key, True) & (limits.factor(q) > FAR)
+    return np.any([rows & (has_ceramic == (armour.Hc0 > 0.0)) for (has_ceramic, _), rows in is_far.items()], axis=0)
 
 
 class Outside(NamedTuple):
-    """A limit of what the model was compared with that some of n armours lie outside of."""
+    """A limit of what the model was compared with, outside which some of n armours lie."""
 
-    key: str  # that it depends on
+    key: str  # of the input that it depends on
     words: str
-    armours: int  # how many
-    number: str  # of the first one, in words
-    brief: str  # the same in a few words
+    armours: int  # number of them
+    number: str  # of the first of them, in words
+    brief: str  # the warning in a few words
 
     def note(self, key: str = "") -> Note:
-        """Return the warning, perhaps with another key."""
+        """Return the warning, by default with the key of the limit."""
         return Note(self.words + self.number, key or self.key, self.brief)
 
 
 def limits_outside(armours: Armours, velocities: Any) -> Iterator[Outside]:
-    """Give the limits of what the model was compared with that some of n armours, or velocities, m/s, lie outside of.
+    """Yield the limits of what the model was compared with, outside which some of n armours, or velocities, m/s, lie.
 
     A NaN is not outside.
     """
-    others = ", ".join(dict.fromkeys(evidence.ceramic for evidence in shipped_evidence() if evidence.ceramic))
+    ceramics = ", ".join(dict.fromkeys(tests.ceramic for tests in shipped_evidence() if tests.ceramic))
     for evidence, rows in armours.by_evidence():
         members, speeds, (low, high) = armours.at(rows), velocities[rows], evidence.velocities_m_s
         q, ceramic = members.quantities(), members.materials[members.which[0]].ceramic
-        name, shipped = f', found "{ceramic.name}"' if ceramic else "", not evidence.lot
+        name, is_shipped = f', found "{ceramic.name}"' if ceramic else "", not evidence.lot
         no_test = f"{ceramic.name if ceramic else ''} (no test)"
         angle = f"{np.degrees(np.arccos(members.cosines.min())):.0f}° ({evidence.angles()})"
-        is_other = is_outside(evidence.kind[:2], q) & shipped & bool(evidence.ceramic)
+        is_other = is_outside(evidence.kind[:2], q) & is_shipped & bool(evidence.ceramic)
         checks = [
             (OBLIQUITY, evidence.angles(), evidence.fails_angle(members.cosines), "", angle),
             _check(DataRange("velocity_m_s", low, high), {"velocity_m_s": speeds}),
-            ("armour.ceramic", "no test by such a law of the flow stress", evidence.of_other_law(q), name, no_test),
-            ("armour.ceramic", f"tests or results of the paper's program of {others} only", is_other, name, no_test),
-            ("armour.ceramic", evidence.title, ~is_other & (not evidence.fits) & shipped, name, no_test),
+            ("armour.ceramic", "no test by such a law of the flow stress", evidence.has_other_law(q), name, no_test),
+            ("armour.ceramic", f"tests or results of the paper's program of {ceramics} only", is_other, name, no_test),
+            ("armour.ceramic", evidence.title, ~is_other & (not evidence.fits) & is_shipped, name, no_test),
         ]
         for limits in evidence.compared:
             checks.append(_check(limits, q, ~(is_other & (limits.name in OF_CERAMIC))))
@@ -339,7 +339,7 @@ def limits_outside(armours: Armours, velocities: Any) -> Iterator[Outside]:
 
 
 def _check(limits: DataRange, q: Quantities, rows: Any = True) -> tuple[str, str, Any, str, str]:
-    """Return a check of some armours with the first number that fails, in words."""
+    """Return a check of rows of armours, with the first number that fails in words."""
     fails = limits.fails(q) & ~np.isnan(q[limits.name]) & rows
     number = next(iter(q[limits.name][fails].tolist()), 0.0)
     first = f"{number:{'.0f' if number >= 100.0 else '.3g'}}"
@@ -348,11 +348,11 @@ def _check(limits: DataRange, q: Quantities, rows: Any = True) -> tuple[str, str
 
 
 def scenario_warnings(scenario: Scenario, velocity: float, key: str = VELOCITY) -> tuple[Note, ...]:
-    """Return the ways in which a scenario is unlike what the model was compared with: "key: what, value found".
+    """Return warnings of the ways in which a scenario is unlike what the model was compared with.
 
-    `velocity` is the impact velocity, m/s, or the ballistic limit, whose key is then given.
+    `velocity` is the impact velocity, m/s, or the ballistic limit; `key` is its key.
     """
     outside = limits_outside(armour_of(scenario), np.array([velocity]))
-    notes = (each.note(key if each.key == VELOCITY else "") for each in outside)
+    notes = (limit.note(key if limit.key == VELOCITY else "") for limit in outside)
     metals = [scenario.entry("metal", scenario.armour.backing)]
     return (*notes, *strength_notes(metals, bare=not scenario.armour.ceramic_thickness_mm))

@@ -122,7 +122,7 @@ IN_COMMON = (
     "backing_shear_ratio",
 )
 # And of what was measured: a side is 1 where the limit is above the velocity of a shot, -1 below, and 0 of a limit.
-MEASURED = ("velocity_m_s", "uncertainty_m_s", "side")
+RESULTS = ("velocity_m_s", "uncertainty_m_s", "side")
 # Least and greatest possible numbers of these; others are above 0.
 BOUNDS_OF_TESTS = {
     **dict.fromkeys(("ceramic_thickness_ratio", "ceramic_density_kg_m3", "ceramic_modulus_GPa"), (0.0, inf)),
@@ -162,7 +162,7 @@ class OwnTests(Section):
         if not self.law:
             return self
         counts = {len(column) for column in (*self.tests.values(), *(law.computed_m_s for law in self.law))}
-        if {*self.tests} != {*VARIED, *IN_COMMON, *MEASURED} or len(counts) > 1 or 0 in counts:
+        if {*self.tests} != {*VARIED, *IN_COMMON, *RESULTS} or len(counts) > 1 or 0 in counts:
             raise ValueError("must be as armour calibrate writes it: a number for each test in each of its lists")
         for name, column in self.tests.items():
             low, high = BOUNDS_OF_TESTS.get(name, (TINY, inf))

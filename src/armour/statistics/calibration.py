@@ -38,13 +38,13 @@ LAWS: dict[Law, tuple[str, ...]] = {
 
 def law_of(scenario: Scenario) -> str:
     """Return the law of the scenario's ceramic; several laws at once are "combined"."""
-    nonzero = {key for key in FLOW_STRESS_LAW if _value(scenario, key)}
+    nonzero = {key for key in FLOW_STRESS_LAW if _ceramic_value(scenario, key)}
     return next((law for law, keys in LAWS.items() if nonzero == set(keys)), "combined")
 
 
 def with_law(scenario: Scenario, law: Law) -> Scenario:
     """Return the scenario with the coefficients of one law, 0 if its ceramic lacks them, and of no other."""
-    changes = {key: 0.0 for key in FLOW_STRESS_LAW if (key in LAWS[law]) != bool(_value(scenario, key))}
+    changes = {key: 0.0 for key in FLOW_STRESS_LAW if (key in LAWS[law]) != bool(_ceramic_value(scenario, key))}
     return with_ceramic(scenario, changes) if changes else scenario
 
 
@@ -58,7 +58,7 @@ def with_ceramic(scenario: Scenario, values: dict[str, float]) -> Scenario:
     return scenario.replaced({key_name(["library", "ceramic", entry.name]): table})
 
 
-def _value(scenario: Scenario, key: str) -> float:
+def _ceramic_value(scenario: Scenario, key: str) -> float:
     entry = scenario.entry_of("ceramic")
     return entry[key] if entry is not None and key in entry.values else 0.0
 
@@ -70,7 +70,7 @@ ASSUMED = (
 ONE_SIDED = "all shots have the same outcome: if others were left out, the limits that follow are wrong"
 # Greatest number of folds of the leave-one-out error.
 MAX_FOLDS = 100
-# Part of the tables of sound tests for which a test is called out of line.
+# Fraction of tables of sound tests in which a test is called out of line.
 FALSE_ALARMS = 0.05
 # Least difference of a computed value from a bound that counts: half of the last digit that is shown.
 EQUAL = 0.005
@@ -214,7 +214,7 @@ def calibrate(
     prior: bool = False,
     on_progress: OnProgress = ignore_progress,
 ) -> CalibrationResult:
-    """InputFit inputs of a scenario to tests by maximum likelihood, with profile-likelihood intervals.
+    """Fit inputs of a scenario to tests by maximum likelihood, with profile-likelihood intervals.
 
     A measured value is normally distributed about the model's value, with its uncertainty or, if none are given, with a
     standard deviation that is an unknown fraction, common to all, of the measured value.  If the model stops the
@@ -254,8 +254,9 @@ def calibrate(
         end.
     """
     fit = tuple(fit)
-    if other := [name for name, value in common_of(tests.scenario).items() if common_of(scenario)[name] != value]:
-        message = f"must be the one that the tests were read with, found other {' and '.join(other)}"
+    common = common_of(scenario)
+    if different := [name for name, value in common_of(tests.scenario).items() if common[name] != value]:
+        message = f"must be the one that the tests were read with, found other {' and '.join(different)}"
         raise mistake("calibrate", "scenario", f"{message}; read_tests reads them with this one")
     for role in {name.partition(".")[0] for name in fit} & {*ROLES}:
         entry = tests.groups[0].scenario.entry_of(role)
@@ -264,32 +265,32 @@ def calibrate(
             raise mistake(tests.file, "", message)
     check_fitted(fit, law, "calibrate")
     fits: list[tuple[InputFit, CalibrationResult]] = []
-    for each in LAWS if law == "all" else (law,):
+    for fitted_law in LAWS if law == "all" else (law,):
         try:
-            fits.append(fit_by_law(tests, fit, each, on_progress, prior=prior, assumes=law != "all"))
+            fits.append(fit_by_law(tests, fit, fitted_law, on_progress, prior=prior, assumes=law != "all"))
         except InputError:
             # Some laws have more coefficients than there are tests for.
             if not fits:
                 raise
     laws = tuple(
-        LawFit(result.law, len(each.best.x), result.mean_error_percent, result.left_out_error_percent, result.aicc)
-        for each, result in fits
+        LawFit(result.law, len(inputs.best.x), result.mean_error_percent, result.left_out_error_percent, result.aicc)
+        for inputs, result in fits
         if law == "all"
     )
     # The least leave-one-out error first, and a law without one last.
-    fits.sort(key=lambda each: np.inf if (error := each[1].left_out_error_percent) is None else error)
-    results = ((each, replace(result, coefficients=intervals(each), laws=laws)) for each, result in fits)
+    fits.sort(key=lambda pair: np.inf if (error := pair[1].left_out_error_percent) is None else error)
+    results = ((inputs, replace(result, coefficients=intervals(inputs), laws=laws)) for inputs, result in fits)
     first = next(results)
-    identified = (each for each in chain([first], results) if all(c.estimate is not None for c in each[1].coefficients))
+    identified = (pair for pair in chain([first], results) if all(c.estimate is not None for c in pair[1].coefficients))
     best, result = next(identified, first)
     by_law = tests._replace(groups=best.likelihood.tests.groups)
     return _with_evidence(result, by_law, fit).of(subject_of(tests), scenario=scenario, tests=tests)
 
 
 def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str]) -> CalibrationResult:
-    """Return a result with what the tests, under its law, tell of the limits of other armours, or that they do not."""
+    """Return a result with the evidence that the tests give under its law, or with a warning that they give none."""
     values = {c.name: c.estimate for c in result.coefficients if c.estimate is not None}
-    # A single value that the tests do not identify stays as it is, and they still tell of the limits.
+    # A single value that the tests do not identify keeps its present value; the tests still inform about the limits.
     if len(result.coefficients) == 1:
         values = {name: tests.groups[0].scenario.inputs()[name] for name in inputs} | values
     if len(values) == len(result.coefficients) and (evidence := own_tests(tests, values)):
@@ -300,7 +301,7 @@ def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str
 
 
 def under_law(tests: Tests, inputs: Sequence[str], law: Law | None) -> tuple[Tests, list[str]]:
-    """Return tests with a law of the flow stress, by default their own, and all inputs to fit."""
+    """Return tests with a law of the flow stress, by default the one they have, and all inputs to fit."""
     if law is None:
         return tests, [*inputs]
     groups = tuple(group._replace(scenario=with_law(group.scenario, law)) for group in tests.groups)
@@ -313,7 +314,7 @@ def fitted_names(inputs: Sequence[str], law: Law | None) -> list[str]:
 
 
 def check_fitted(fit: Sequence[str], law: str | None, function: str) -> None:
-    """Check that a function is given an input to fit, and a law only together with the flow stress."""
+    """Check that there is an input to fit, and a law only if the flow stress is fitted."""
     if not fit:
         raise mistake(function, "fit", "must name at least one input")
     if law is not None and FLOW_STRESS not in fit:
@@ -329,16 +330,16 @@ def fit_by_law(
     prior: bool = False,
     assumes: bool = True,
 ) -> tuple[InputFit, CalibrationResult]:
-    """Return a fit with one law, and its result without the coefficients, whose intervals take long.
+    """Return a fit with one law, and its result without the coefficients, whose intervals take long to compute.
 
-    A scatter that the tests are too few to estimate may be assumed.
+    If there are too few tests to estimate their scatter, it may be assumed.
     """
     tests, inputs = under_law(tests, inputs, law)
-    everything = np.ones(len(tests.measurements), dtype=bool)
-    too_few = assumes and not tests.weighted and usable(tests, everything) <= len(inputs)
+    all_measurements = np.ones(len(tests.measurements), dtype=bool)
+    too_few = assumes and not tests.weighted and usable(tests, all_measurements) <= len(inputs)
     if too_few:
-        guessed = tuple(m._replace(uncertainty=LEAST_REST * m.value) for m in tests.measurements)
-        tests = tests._replace(measurements=guessed, weighted=True)
+        measurements = tuple(m._replace(uncertainty=LEAST_REST * m.value) for m in tests.measurements)
+        tests = tests._replace(measurements=measurements, weighted=True)
     fit = fit_inputs(tests, inputs, on_progress, prior=prior)
     computed, left_out = fit.likelihood.predicted(fit.best.x), _left_out(fit)
     residuals = tuple(
@@ -356,7 +357,7 @@ def fit_by_law(
     errors = np.sqrt(np.maximum(np.diag(fit.covariance), 1e-300))
     correlation = fit.covariance / np.outer(errors, errors)
     np.fill_diagonal(correlation, 1.0)
-    exact = [r for r in residuals if not r.bound]
+    values = [r for r in residuals if not r.bound]
     return fit, CalibrationResult(
         tests=tests.file,
         law=(law or law_of(tests.groups[0].scenario)) if FLOW_STRESS in inputs else "",
@@ -364,8 +365,8 @@ def fit_by_law(
         coefficients=(),
         correlation=tuple(map(tuple, correlation.tolist())),
         residuals=residuals,
-        mean_error_percent=_mean_percent([(r.computed, r.measured) for r in exact]),
-        left_out_error_percent=_mean_percent([(r.left_out, r.measured) for r in exact]),
+        mean_error_percent=_mean_percent([(r.computed, r.measured) for r in values]),
+        left_out_error_percent=_mean_percent([(r.left_out, r.measured) for r in values]),
         degrees_of_freedom=fit.degrees_of_freedom,
         chi_squared=fit.chi_squared,
         starts=fit.starts,
@@ -377,15 +378,15 @@ def fit_by_law(
         warnings=(
             *([ASSUMED] if too_few else []),
             *_bad_fit(fit),
-            *_strange(tests, residuals, len(inputs)),
+            *_out_of_line(tests, residuals, len(inputs)),
             *([ONE_SIDED] if len({m.side for m in tests.measurements}) == 1 and tests.measurements[0].side else []),
-            *_unlike(tests),
+            *_outside_limits(tests),
         ),
     )
 
 
 def out_of_line(deviations: Floats, left_out: Floats, coefficients: int) -> Bools:
-    """Return which measurements do not follow the others, (n,), from the deviations of fits with and without each.
+    """Return which measurements are out of line, (n,), from the deviations of fits with and without each.
 
     Their studentised left-out deviations exceed a quantile of Student's t, with Bonferroni's correction.  In a linear
     model, the product of both deviations is what a measurement adds to the sum of squares.
@@ -399,15 +400,15 @@ def out_of_line(deviations: Floats, left_out: Floats, coefficients: int) -> Bool
     return added > limit**2 * scatter
 
 
-def _strange(tests: Tests, residuals: Sequence[Residual], coefficients: int) -> Iterator[str]:
-    """Give the measurements that do not follow the others, with their lines."""
+def _out_of_line(tests: Tests, residuals: Sequence[Residual], coefficients: int) -> Iterator[str]:
+    """Yield a warning for each measurement that is out of line with the others, with its line."""
     pairs = [(m, r) for m, r in zip(tests.measurements, residuals, strict=True) if not r.bound]
     scales = np.array([m.uncertainty or m.value for m, _ in pairs])
     measured, computed, left_out = (
         np.array([getattr(r, key) for _, r in pairs], dtype=float) for key in ("measured", "computed", "left_out")
     )
-    far = out_of_line((computed - measured) / scales, (left_out - measured) / scales, coefficients)
-    for i in np.flatnonzero(far):
+    outliers = out_of_line((computed - measured) / scales, (left_out - measured) / scales, coefficients)
+    for i in np.flatnonzero(outliers):
         m, r = pairs[i]
         name = "" if r.test == tests.places[m.test] else f" ({r.test})"
         yield (
@@ -417,8 +418,8 @@ def _strange(tests: Tests, residuals: Sequence[Residual], coefficients: int) -> 
         )
 
 
-def _unlike(tests: Tests) -> Iterator[str]:
-    """Give the limits of what the model was compared with that some tests lie outside of, and how many."""
+def _outside_limits(tests: Tests) -> Iterator[str]:
+    """Yield a warning for each limit of what the model was compared with that some tests lie outside of."""
     counts: Counter[str] = Counter()
     for group in tests.groups:
         rows = variants_of(group.scenario, group.columns, len(group.where))
@@ -430,32 +431,33 @@ def _bad_fit(fit: InputFit) -> tuple[str, ...]:
     """Return a warning if the deviations are larger than the uncertainties explain."""
     if fit.p_value is None or fit.p_value >= MIN_P_VALUE:
         return ()
-    widened, wrong = "not widened", "model, the uncertainties or the prior"
+    effect, causes = "not widened", "model, the uncertainties or the prior"
     if fit.widened_by > 1.0:
-        widened, wrong = f"widened by {fit.widened_by:.2f}", "model or the uncertainties"
+        effect, causes = f"widened by {fit.widened_by:.2f}", "model or the uncertainties"
     return (
         "the deviations are larger than the uncertainties given explain: chi-squared "
         f"{fit.chi_squared:.2f} on {fit.degrees_of_freedom:.3g} degrees of freedom, p = {fit.p_value:.2g}; "
-        f"the intervals are {widened}, and the {wrong} are wrong",
+        f"the intervals are {effect}, and the {causes} are wrong",
     )
 
 
 def _left_out(fit: InputFit) -> Floats:
     """Return each measurement's value with inputs fitted to the other tests; NaN if these are too few."""
-    tests, count = fit.likelihood.tests, len(fit.best.x)
+    tests, needed = fit.likelihood.tests, len(fit.best.x)
     if tests.weighted:
-        count -= len(fit.likelihood.prior.where)
-    test = np.array([m.test for m in tests.measurements])
+        needed -= len(fit.likelihood.prior.where)
+    elif any(m.side for m in tests.measurements):
+        needed += 1
+    test_indices = np.array([m.test for m in tests.measurements])
     folds = min(len(tests.names), MAX_FOLDS)
     inputs = np.full((len(fit.best.x), len(tests.names)), np.nan)
-    spare = not tests.weighted and any(m.side for m in tests.measurements)
     for fold in range(folds):
-        kept = test % folds != fold
-        if usable(tests, kept) >= count + spare:
+        kept = test_indices % folds != fold
+        if usable(tests, kept) >= needed:
             inputs[:, fold::folds] = without(fit, kept)[:, None]
-    fitted = ~np.isnan(inputs[0])
-    values = fit.likelihood.predicted(np.where(fitted, inputs, fit.best.x[:, None]))
-    values[~fitted[test]] = np.nan
+    is_fitted = ~np.isnan(inputs[0])
+    values = fit.likelihood.predicted(np.where(is_fitted, inputs, fit.best.x[:, None]))
+    values[~is_fitted[test_indices]] = np.nan
     return values
 
 

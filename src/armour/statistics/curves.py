@@ -8,7 +8,6 @@ intervals are those of the profile of the likelihood.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
 from math import copysign, exp, inf, log, pi, sqrt
 from typing import Any, Literal, NamedTuple
 
@@ -35,18 +34,17 @@ LOG_INFORMATION: dict[Link, Callable[[Floats], Floats]] = {
 }
 # Argument of the distribution function at probability 0.95.
 Z95: dict[Link, float] = {link: float(quantile(0.95)) for link, quantile in QUANTILES.items()}
-# Slopes, per standard deviation of the velocities, among which the likeliest on a line is searched for, and one for an
-# infinite slope.
+# Slopes, per standard deviation of the velocities, of the search along a line, and one in place of an infinite slope.
 SLOPES, STEEP = np.geomspace(1e-6, 5e3, 81), 2.0**20
 # The penalised likelihood of few shots can have several maxima along a line: a search looks between any two of them.
 FEW = 60
-# Arguments of F beyond the shots up to which intercepts are searched for, and at how many.
+# Range of the search for intercepts, as arguments of F beyond the shots, and their number.
 BEYOND, INTERCEPTS = 8.0, 61
-# How often a search is repeated between the neighbours of the likeliest point, and at how many points.
+# Repetitions of a search between the neighbours of the likeliest point, and the points of each.
 NARROWINGS, NODES = 4, 21
-# First step in search of the end of an interval, the distance beyond which there is none, and its accuracy.
+# First step towards the end of an interval, the distance beyond which there is none, and its accuracy.
 FIRST_STEP, MAX_DISTANCE, TOLERANCE = 0.3, 1e3, 1e-9
-# Velocities at which a band is computed, between which it is interpolated, and the greatest argument of F at its ends.
+# Number of velocities between which a band is interpolated, and the greatest argument of F at its ends.
 BAND_NODES, FARTHEST = 13, 40.0
 # Least determinant of the relative information.
 MIN_DETERMINANT = 1e-200
@@ -127,7 +125,7 @@ class ShotLikelihood:
         self.x = x = (velocities - self.mean) / self.deviation
         self.signs = np.repeat([-1.0, 1.0], [len(partial), len(complete)])
         self.link, self.penalised = link, penalised
-        # Where the slope is given, V50 is near a shot or between two neighbours.
+        # For any slope, V50 is near a shot or between two neighbours.
         ordered = np.unique(x)
         between = ordered[:-1] + np.array([[0.25], [0.5], [0.75]]) * np.diff(ordered)
         lowest, highest = float(x[self.signs < 0.0].max()), float(x[self.signs > 0.0].min())
@@ -194,7 +192,7 @@ class ShotLikelihood:
         return self._highest(lambda intercepts: _of_slope(intercepts, slope), self._intercepts(slope))
 
     def _intercepts(self, slope: float) -> Floats:
-        """Return intercepts of curves of a slope, ascending, near one of which is the likeliest."""
+        """Return intercepts of curves of a slope, ascending, one of which is near the likeliest."""
         ends = -BEYOND - slope * self.x.max(), BEYOND - slope * self.x.min()
         return np.unique(np.append(np.linspace(*ends, INTERCEPTS), -slope * self.places).round(9))
 
@@ -208,7 +206,6 @@ class ShotLikelihood:
         The profile gives the maximum for a value of the quantity.  The root is that of the deviance at the end.
         """
 
-        @cache
         def deviance(value: float) -> float:
             return 2.0 * (self.mode.value - profile(value).value)
 
@@ -217,7 +214,7 @@ class ShotLikelihood:
 
     def quantile_end(self, z: float, direction: float, root: float) -> float:
         """Return an end of the interval of the velocity at which the argument of F has a value."""
-        # Far away the slope is 0 and the probability constant: at most that of the quantile above, else at least.
+        # Far away the slope is 0 and the probability constant: at most that of the quantile if above, else at least.
         above = direction * (z - self.flat.intercept) >= 0.0
         if self.holds(self.flat if above else self._curve(np.array([z, 0.0])), root):
             return direction * inf
@@ -297,7 +294,7 @@ def fit_curve(
 
 
 def bounded(value: float) -> float | None:
-    """Return a velocity or scale, m/s, or None if it is none: infinite, or a velocity below 0."""
+    """Return a velocity or scale, m/s; None if it is infinite or not positive."""
     return value if 0.0 < value < inf else None
 
 

@@ -19,7 +19,7 @@ from armour.statistics.calibration import FLOW_STRESS, LAWS, CalibrationResult
 from armour.statistics.measured import LIMIT, MEASURED, OUTCOME, Tests
 from armour.statistics.own_tests import NOTHING_OF_ERROR
 
-# A list of numbers, each on a line of its own.
+# A list of numbers, each on a separate line.
 NUMBERS = re.compile(r"\[\n((?:\s+[-+.\deE]+,\n)+)\s*\]")
 
 
@@ -33,7 +33,7 @@ def save_fit(
     library: str | PathLike[str] | None = None,
     fitted: str | PathLike[str] | None = None,
 ) -> None:
-    """Write what a calibration found to files, all or none; files of these names are replaced.
+    """Write the result of a calibration to files, all or none; existing files are replaced.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def save_fit(
     scenario : Scenario
         The tests and the scenario that were given to `calibrate`.
     lot : str
-        Name of the lot that the tests are of, by which the calibrated entries are called: ``"AD85, lot 7"``.
+        Name of the tested lot, which is part of the names of the calibrated entries: ``"AD85, lot 7"``.
     library : path-like, optional
         Library file to write, with the calibrated entries and the tests that they were calibrated to.
     fitted : path-like, optional
@@ -69,27 +69,27 @@ def save_fit(
 def library_text(result: CalibrationResult, tests: Tests, scenario: Scenario, lot: str) -> str:
     """Return a library file with the calibrated entries and the tests that they were calibrated to.
 
-    The file needs the shipped library alone, and the scenario must allow its entries.
+    The file needs only the shipped library, and the scenario must allow its entries.
     """
-    tables, used = _entries(result, tests, lot)
-    _usable(lambda: scenario.replaced({"library": tables, **used}))
+    tables, names = _entries(result, tests, lot)
+    _usable(lambda: scenario.replaced({"library": tables, **names}))
     return _compact(tomli_w.dumps(tables))
 
 
 def scenario_text(result: CalibrationResult, tests: Tests, scenario: Scenario, lot: str, path: Path) -> str:
     """Return a scenario file, for a path, with the calibrated entries.
 
-    These hold the tests; without them, it has the distributions of the fitted inputs.
+    If the entries do not hold the tests, it has the distributions of the fitted inputs.
     """
     for coefficient in result.coefficients:
         if result.evidence is None and coefficient.interval and None in coefficient.interval:
             raise NoAnswerError(f"nothing to write: the tests bound {coefficient.name} on one side only")
-    tables, used = _entries(result, tests, lot)
-    with_entries = _usable(lambda: scenario.replaced({"library": tables, **used}))
+    tables, names = _entries(result, tests, lot)
+    with_entries = _usable(lambda: scenario.replaced({"library": tables, **names}))
     data = parse_toml(with_entries.to_toml(path.parent), scenario.file)
     tested = tests.groups[0].scenario
-    _rename(data, scenario, {role: (tested.name_of(role), used[key]) for role, key in NAMES.items() if key in used})
-    section, names = data.setdefault("uncertainty", {}), [coefficient.name for coefficient in result.coefficients]
+    _rename(data, scenario, {role: (tested.name_of(role), names[key]) for role, key in NAMES.items() if key in names})
+    section, inputs = data.setdefault("uncertainty", {}), [coefficient.name for coefficient in result.coefficients]
     keeps_tests, pairs = result.evidence is not None, section.pop("correlation", [])
     for coefficient in result.coefficients:
         role, key = coefficient.name.split(".")
@@ -97,18 +97,18 @@ def scenario_text(result: CalibrationResult, tests: Tests, scenario: Scenario, l
         if not keeps_tests:
             spread = float(f"{coefficient.standard_error:.6g}")
             section.setdefault(role, {})[key] = {"distribution": "normal", "standard_deviation": spread}
-    kept = [pair for pair in pairs if not {*pair["between"]} & {*names}]
+    correlations = [pair for pair in pairs if not {*pair["between"]} & {*inputs}]
     if keeps_tests:
-        # How well the values are known is part of what the entry has of its tests.
+        # The evidence of the entry includes the uncertainty of the fitted values.
         section.pop("model", None)
     else:
-        kept += (
+        correlations += (
             {"between": [name, other], "coefficient": float(f"{result.correlation[i][j]:.6g}")}
-            for i, name in enumerate(names)
-            for j, other in enumerate(names[:i])
+            for i, name in enumerate(inputs)
+            for j, other in enumerate(inputs[:i])
         )
-    if kept:
-        section["correlation"] = kept
+    if correlations:
+        section["correlation"] = correlations
     for role in [role for role, table in section.items() if table == {}]:
         del section[role]
     if not section:
@@ -117,7 +117,7 @@ def scenario_text(result: CalibrationResult, tests: Tests, scenario: Scenario, l
 
 
 def _rename(data: dict[str, Any], scenario: Scenario, names: Mapping[str, tuple[str | None, str]]) -> None:
-    """Name calibrated entries in a scenario's threats and catalogue too, given the tested and the new name by role."""
+    """Use calibrated entries in a scenario's threats and catalogue too, given the tested and the new name by role."""
     design, layers = scenario.design or DesignSection(), data.get("design", {})
     for role, key, sections, tables in (
         ("projectile", "projectile", scenario.threat, data.get("threat", [])),
@@ -136,7 +136,7 @@ def _compact(text: str) -> str:
 
 
 def _usable(scenario_of: Callable[[], Scenario]) -> Scenario:
-    """Return a scenario that is made of a fit, which must be valid."""
+    """Return the scenario made from a fit; a NoAnswerError says why none is valid."""
     try:
         return scenario_of()
     except InputError as error:
@@ -147,7 +147,7 @@ def _usable(scenario_of: Callable[[], Scenario]) -> Scenario:
 def _entries(result: CalibrationResult, tests: Tests, lot: str) -> tuple[dict[str, Any], dict[str, str]]:
     """Return the calibrated entries as tables of a library file, and their names by key of the scenario."""
     tables: dict[str, Any] = {}
-    used: dict[str, str] = {}
+    names: dict[str, str] = {}
     for coefficient in result.coefficients:
         if coefficient.estimate is None and result.evidence is None:
             raise NoAnswerError(f"nothing to write: {coefficient.name} is not identified: {coefficient.reason}")
@@ -160,7 +160,7 @@ def _entries(result: CalibrationResult, tests: Tests, lot: str) -> tuple[dict[st
         low, high = coefficient.interval or (None, None)
         if low is not None and high is not None:
             source += f", {100.0 * result.confidence:g} % interval {low:.4g} to {high:.4g}"
-        used[NAMES[role]] = name = f"{entry.name}, {lot}"
+        names[NAMES[role]] = name = f"{entry.name}, {lot}"
         entries = tables.setdefault(entry.kind, {})
         value = entry.values[key].model_dump() if key in entry.values else {}
         if coefficient.estimate is not None:
@@ -171,27 +171,27 @@ def _entries(result: CalibrationResult, tests: Tests, lot: str) -> tuple[dict[st
                 entries[name]["evidence"] = {**(result.evidence or {"reason": NOTHING_OF_ERROR}), "lot": lot}
             value["tests"] = [_test_table(tests, i, role) for i in range(len(tests.names))]
         entries[name][key] = value
-    return tables, used
+    return tables, names
 
 
 def _base_of(entry: LibraryEntry, law: str) -> dict[str, Any]:
-    """Return what a calibrated entry inherits, without the coefficients of other laws of the flow stress.
+    """Return the base of a calibrated entry, without the coefficients of other laws of the flow stress.
 
-    It is a name of the shipped library, or values where that does not have them.
+    It is an entry of the shipped library by name or, if that lacks it, the values of the entry.
     """
     base: dict[str, Any] = {"based_on": entry.name}
     if shipped_library().entries[entry.kind].get(entry.name) != entry:
         values = {key: value.model_dump() for key, value in entry.values.items() if key not in entry.derived}
         base = {"description": entry.description} | values
-    others = [key for key in FLOW_STRESS_LAW if law in LAWS and key not in LAWS[law] and key in entry.values]
-    return base | {key: 0.0 for key in others if entry[key]}
+    other_laws = [key for key in FLOW_STRESS_LAW if law in LAWS and key not in LAWS[law] and key in entry.values]
+    return base | {key: 0.0 for key in other_laws if entry[key]}
 
 
-def _test_table(tests: Tests, test: int, role: str) -> dict[str, float | str]:
+def _test_table(tests: Tests, test: int, calibrated_role: str) -> dict[str, float | str]:
     """Return the inputs and measurements of a test, without the name of the calibrated entry."""
     scenario = next(group.scenario for group in tests.groups if test in group.where)
     cells = tests.cells[test]
-    names = {key: scenario.name_of(other) for other, key in NAMES.items() if other != role}
+    names = {key: scenario.name_of(role) for role, key in NAMES.items() if role != calibrated_role}
     table: dict[str, float | str] = {key: name for key, name in names.items() if name is not None}
     table[CERAMIC] = scenario.armour.ceramic_thickness_mm
     table[BACKING] = scenario.armour.backing_thickness_mm

@@ -62,7 +62,7 @@ NO_PRIOR = Prior(np.empty(0, dtype=int), np.empty(0, dtype=bool), np.empty(0), n
 
 
 def prior_of(scenario: Scenario, names: Sequence[str], units: Floats) -> Prior:
-    """Return the distributions that a scenario has of fitted inputs, which must be at least one."""
+    """Return a scenario's distributions of fitted inputs, of which there must be at least one."""
     section, values = scenario.uncertainty or Uncertainty(), scenario.inputs()
     distributions = {name: distribution for name, distribution in section.inputs().items() if name in names}
     if not distributions:
@@ -89,7 +89,7 @@ def prior_of(scenario: Scenario, names: Sequence[str], units: Floats) -> Prior:
 
 # Bounds of an input in units of the scenario's own value; of a coefficient of a law, which may be negative.
 MIN_RATIO, MAX_RATIO, MAX_COEFFICIENT = 0.1, 10.0, 3.0
-# Starting points of the fit, in the same units, and one more for the coefficients of a law, which start at 0.
+# Starting points of the fit, in the same units, and a further one for the coefficients of a law, which start at 0.
 STARTS, LAW_START = (1.0, 0.5, 2.0), 0.3
 # Tolerance of ballistic limits, m/s, and change of inputs for the derivatives.
 LIMIT_TOLERANCE_M_S = 1e-9
@@ -104,10 +104,8 @@ EQUAL = 1e-3
 SCATTERS, SCATTER_TOLERANCE = (1e-6, 1.0), 1e-3
 # Least p value of a fit that the uncertainties given explain.
 MIN_P_VALUE = 0.05
-# Fewer degrees of freedom give no p value.
-MIN_FREEDOM = 0.5
-# Decimals of these that rounding errors do not reach.
-FREEDOM_DIGITS = 9
+# Least degrees of freedom that give a p value, and their decimals that rounding errors do not reach.
+MIN_FREEDOM, FREEDOM_DIGITS = 0.5, 9
 # First step and accuracy of the ends of an interval, in standard errors.
 FIRST_STEP, END_TOLERANCE = 1.8, 1e-3
 
@@ -143,10 +141,10 @@ class Coefficient:
 class Likelihood(NamedTuple):
     """The likelihood of k inputs given m measurements.
 
-    A measured value is normal about the model's value, with its uncertainty or, where none are given, with a standard
-    deviation in proportion to the value, the scatter, that all have in common.  An outcome has the probability that a
-    ballistic limit of the same distribution lies on its side of the impact velocity.  A prior counts as measured values
-    of its normal scores.
+    A measured value is normally distributed about the model's value.  Its standard deviation is the given uncertainty
+    or, without uncertainties, a fraction of the value, the scatter, which is common to all.  An outcome has the
+    probability that a ballistic limit of this distribution lies on its side of the impact velocity.  A prior counts as
+    measured values of its normal scores.
     """
 
     tests: Tests
@@ -174,27 +172,27 @@ class Likelihood(NamedTuple):
         """Return the model's values of the m measurements; inputs are in their units, (k,) or, test by test, (k, n)."""
         measurements = self.tests.measurements
         values = np.empty(len(measurements))
-        test = np.array([m.test for m in measurements])
+        test_indices = np.array([m.test for m in measurements])
         quantities = np.array([m.quantity for m in measurements])
         inputs = np.broadcast_to((x.T * self.units).T.reshape(len(x), -1), (len(x), len(self.tests.names)))
         for group in self.tests.groups:
             columns = {**group.columns, **dict(zip(self.names, inputs[:, group.where], strict=True))}
             variants = variants_of(group.scenario, columns, len(group.where))
-            in_group = np.isin(test, group.where)
+            in_group = np.isin(test_indices, group.where)
             for quantity, model in MODELS.items():
                 where = np.flatnonzero(in_group & (quantities == quantity))
                 if len(where):
-                    values[where] = model(variants.at(np.searchsorted(group.where, test[where])))
+                    values[where] = model(variants.at(np.searchsorted(group.where, test_indices[where])))
         return values
 
 
 def _limits(variants: Variants) -> Floats:
-    """Return ballistic limits, m/s; the end of the search's range where the limit lies beyond it.
+    """Return ballistic limits, m/s, clipped to the range of the search.
 
-    The usual scan is enough for unusual armours too: a fit comes upon these far from its end, or has no end.
+    The usual scan is enough for unusual armours too: a fit meets these only far from its end, or has no end.
     """
-    search = variants.scenario.ballistic_limit
-    ends = search.velocity_min_m_s, search.velocity_max_m_s
+    section = variants.scenario.ballistic_limit
+    ends = section.velocity_min_m_s, section.velocity_max_m_s
     return ballistic_limits(variants, tolerance=LIMIT_TOLERANCE_M_S, points=SCAN_POINTS).clip(*ends)
 
 
@@ -221,10 +219,24 @@ class Point(NamedTuple):
 
     x: Floats  # in their units, (k,)
     scatter: float  # 1 if uncertainties are given
-    lost: float  # -2 times the logarithm of likelihood and prior, but for what does not depend on the inputs
+    loss: float  # -2 times the logarithm of likelihood and prior, but for what does not depend on the inputs
 
 
-class InputFit(NamedTuple):
+@dataclass(frozen=True)
+class Precision:
+    """How precisely tests determine inputs."""
+
+    covariance: Floats  # of the inputs in their units, (k, k)
+    spread: float  # the scatter, without the bias that fitted inputs give it
+    degrees_of_freedom: float
+    chi_squared: float  # sum of the squared deviations of the measured values
+    p_value: float | None
+    widened_by: float  # factor of the intervals
+    threshold: float  # of -2 times the logarithm of a likelihood ratio, for the intervals
+
+
+@dataclass(frozen=True)
+class InputFit(Precision):
     """A fit of inputs to tests.
 
     ``rows`` and ``residuals`` are those of the least-squares problem whose first step is Newton's from the fit, with
@@ -239,13 +251,6 @@ class InputFit(NamedTuple):
     aicc: float | None
     starts: int
     starts_agreeing: int
-    covariance: Floats  # of the inputs in their units, (k, k)
-    spread: float  # the scatter, without the bias that fitted inputs give it
-    degrees_of_freedom: float
-    chi_squared: float  # sum of the squared deviations of the measured values
-    p_value: float | None
-    widened_by: float  # factor of the intervals
-    threshold: float  # of -2 times the logarithm of a likelihood ratio, for the intervals
 
 
 def fit_inputs(tests: Tests, inputs: Sequence[str], on_progress: OnProgress, *, prior: bool = False) -> InputFit:
@@ -256,13 +261,13 @@ def fit_inputs(tests: Tests, inputs: Sequence[str], on_progress: OnProgress, *, 
     starts = [np.where(of_law, 0.0, start) for start in STARTS]
     starts += [np.where(of_law, LAW_START, 1.0)] if of_law.any() else []
     ends = [search(likelihood, start) for start in starts]
-    best = min(ends, key=lambda end: end.lost)
+    best = min(ends, key=lambda end: end.loss)
     agreeing = sum(np.allclose(end.x, best.x, rtol=EQUAL, atol=EQUAL) for end in ends)
     return _judged(likelihood, best, len(ends), agreeing)
 
 
 def likelihood_of(tests: Tests, inputs: Sequence[str], on_progress: OnProgress, *, prior: bool = False) -> Likelihood:
-    """Return the likelihood of inputs, which must be such as can be fitted to tests, with or without their prior."""
+    """Return the likelihood of inputs that can be fitted to tests, with or without their prior."""
     check_fittable(tests.file, tests.scenario, tests.groups, inputs)
     first = tests.groups[0].scenario
     of_law = np.array([_is_of_law(name) for name in inputs])
@@ -302,21 +307,21 @@ def search(
     # Without outcomes and prior the scatter has no effect on the most likely inputs.
     scatter_matters = bool(sides.any() or len(prior.where))
 
-    def at(inputs: Floats | tuple[float, ...]) -> Floats:
+    def with_free(inputs: Floats | tuple[float, ...]) -> Floats:
         point = x.copy()
         point[free] = inputs
         return point
 
     @cache
     def deviations_at(inputs: tuple[float, ...]) -> Floats:
-        return likelihood.deviations(at(inputs))
+        return likelihood.deviations(with_free(inputs))
 
-    def moved(scatter: float) -> Floats:
+    def move(scatter: float) -> Floats:
         """Move to the most likely inputs given the scatter, and return their deviations."""
 
         def losses(inputs: Floats) -> Floats:
             z = deviations_at(tuple(inputs.tolist())) / scatter
-            return np.concatenate([_losses(z, sides), prior.scores(at(inputs))])
+            return np.concatenate([_losses(z, sides), prior.scores(with_free(inputs))])
 
         def slopes(inputs: Floats) -> Floats:
             return approx_fprime(inputs, losses, DIFFERENCE)
@@ -327,20 +332,20 @@ def search(
             x[free] = least_squares(losses, x[free], jac=slopes, bounds=bounds, ftol=ftol, xtol=tolerance).x
         return deviations_at(tuple(x[free].tolist()))
 
-    def lost(deviations: Floats, scatter: float) -> float:
+    def loss(deviations: Floats, scatter: float) -> float:
         by_tests = float((_losses(deviations / scatter, sides) ** 2).sum() + 2.0 * (sides == 0).sum() * log(scatter))
         return by_tests + float((prior.scores(x) ** 2).sum())
 
     def profile(log_scatter: float) -> float:
-        return lost(moved(exp(log_scatter)), exp(log_scatter))
+        return loss(move(exp(log_scatter)), exp(log_scatter))
 
     if scatter_matters and not likelihood.tests.weighted and scatter is None:
         ends = log(SCATTERS[0]), log(SCATTERS[1])
         scatter = exp(minimize_scalar(profile, bounds=ends, options={"xatol": SCATTER_TOLERANCE}).x)
-    deviations = moved(scatter if scatter and scatter_matters else 1.0)
+    deviations = move(scatter if scatter and scatter_matters else 1.0)
     if scatter is None:
         scatter = 1.0 if likelihood.tests.weighted else float(np.clip(np.sqrt(np.mean(deviations**2)), *SCATTERS))
-    return Point(x, scatter, lost(deviations, scatter))
+    return Point(x, scatter, loss(deviations, scatter))
 
 
 def _losses(z: Floats, sides: Floats) -> Floats:
@@ -353,22 +358,22 @@ def _judged(likelihood: Likelihood, best: Point, starts: int, agreeing: int) -> 
     linear = _linearised(likelihood, best)
     precision = _by_uncertainties(best, linear) if likelihood.tests.weighted else _by_scatter(best, linear)
     return InputFit(
-        likelihood,
-        best,
-        linear.rows,
-        linear.residuals,
+        **vars(precision),
+        likelihood=likelihood,
+        best=best,
+        rows=linear.rows,
+        residuals=linear.residuals,
         prior_shares=_prior_shares(likelihood.prior, best, precision),
         aicc=None if len(likelihood.prior.where) else _aicc(likelihood, best),
         starts=starts,
         starts_agreeing=agreeing,
-        **precision._asdict(),
     )
 
 
 class _Linearised(NamedTuple):
     """The problem linearised at a fit, with the q scores of the prior below the m measurements."""
 
-    exact: Bools  # which measurements are values, and no outcomes, (m,)
+    exact: Bools  # which measurements are values rather than outcomes, (m,)
     z: Floats  # deviations in standard deviations, (m,)
     weights: Floats  # roots of the Fisher information of the measurements on their z, (m,)
     scatter_information: Floats  # Fisher information on the logarithm of the scatter, (m,)
@@ -377,30 +382,18 @@ class _Linearised(NamedTuple):
 
 
 def _linearised(likelihood: Likelihood, best: Point) -> _Linearised:
-    sides, scores = likelihood.sides, likelihood.prior.scores(best.x)
-    exact, z = sides == 0, likelihood.deviations(best.x) / best.scatter
-    slope = hazard(sides * z)
+    sides, z = likelihood.sides, likelihood.deviations(best.x) / best.scatter
+    exact, slopes = sides == 0, hazard(sides * z)
     weights, rows = rows_at(likelihood, best.x, best.scatter)
+    residuals = np.where(exact, z, -sides * slopes / np.maximum(weights, 1e-150))
     return _Linearised(
         exact,
         z,
         weights,
-        np.where(exact, 2.0, z**2 * slope * hazard(-sides * z)),
-        np.vstack([rows, likelihood.prior.rows(best.x)]),
-        np.append(np.where(exact, z, -sides * slope / np.maximum(weights, 1e-150)), scores),
+        scatter_information=np.where(exact, 2.0, z**2 * slopes * hazard(-sides * z)),
+        rows=np.vstack([rows, likelihood.prior.rows(best.x)]),
+        residuals=np.append(residuals, likelihood.prior.scores(best.x)),
     )
-
-
-class _Precision(NamedTuple):
-    """How well tests determine inputs; see `InputFit`."""
-
-    covariance: Floats
-    spread: float
-    degrees_of_freedom: float
-    chi_squared: float
-    p_value: float | None
-    widened_by: float
-    threshold: float
 
 
 # Probability below the upper end of an interval, and the threshold of a likelihood ratio where scatters are known.
@@ -408,11 +401,11 @@ UPPER = 0.5 * (1.0 + CONFIDENCE)
 NORMAL_THRESHOLD = float(norm.ppf(UPPER)) ** 2
 
 
-def _by_uncertainties(best: Point, linear: _Linearised) -> _Precision:
-    """Return the precision by the uncertainties given, wider where the deviations are larger than these explain."""
+def _by_uncertainties(best: Point, linear: _Linearised) -> Precision:
+    """Return the precision by the given uncertainties, widened if the deviations are larger than these explain."""
     count, scores = len(best.x), linear.residuals[len(linear.z) :]
     covariance, leverages = _inverted(linear.rows, count)
-    # Less what the measured values and the prior, and not the outcomes, determine of the inputs.
+    # What the outcomes determine of the inputs takes no degree of freedom from the measured values and the prior.
     freedom = float(linear.exact.sum() + len(scores) - count + leverages[: len(linear.z)][~linear.exact].sum())
     freedom = round(freedom, FREEDOM_DIGITS) + 0.0  # outcomes alone leave none, but for rounding
     chi_squared = float((linear.z[linear.exact] ** 2).sum()) + float((scores**2).sum())
@@ -422,10 +415,10 @@ def _by_uncertainties(best: Point, linear: _Linearised) -> _Precision:
     if p_value is not None and p_value < MIN_P_VALUE and not len(scores):
         widened_by = sqrt(chi_squared / freedom)
         threshold = (widened_by * float(t.ppf(UPPER, freedom))) ** 2
-    return _Precision(covariance * widened_by**2, 1.0, freedom, chi_squared, p_value, widened_by, threshold)
+    return Precision(covariance * widened_by**2, 1.0, freedom, chi_squared, p_value, widened_by, threshold)
 
 
-def _by_scatter(best: Point, linear: _Linearised) -> _Precision:
+def _by_scatter(best: Point, linear: _Linearised) -> Precision:
     """Return the precision by the scatter, which is estimated too.
 
     Without outcomes and prior the intervals are exact for a linear model.  With outcomes the scatter has as many
@@ -438,31 +431,31 @@ def _by_scatter(best: Point, linear: _Linearised) -> _Precision:
     columns[:measured, count] = np.where(exact, 0.0, -linear.weights * linear.z)
     columns[-1, count] = sqrt(2.0 * exact.sum())
     _, leverages = _inverted(columns, count)
-    number = 0.5 * float(linear.scatter_information.sum())  # of measured values that would tell it as well
-    # What the prior determines takes no degree of freedom from the tests, and no part in the error of the scatter.
+    number = 0.5 * float(linear.scatter_information.sum())  # of measured values that would determine it as well
+    # What the prior determines takes no degree of freedom from the tests and adds no error to the scatter.
     by_tests = count - float(leverages[measured:].sum())
     freedom = number - by_tests
     columns[:measured] *= sqrt(freedom / number)
     columns[-1] *= sqrt(freedom / number)
-    exactly = number * float(np.log1p(t.ppf(UPPER, freedom) ** 2 / freedom))
-    return _Precision(
+    exact_threshold = number * float(np.log1p(t.ppf(UPPER, freedom) ** 2 / freedom))
+    return Precision(
         covariance=_inverted(columns, count)[0],
         spread=best.scatter * sqrt(number / freedom),
         degrees_of_freedom=freedom,
         chi_squared=float((linear.z[exact] ** 2).sum()) * best.scatter**2,
         p_value=None,
         widened_by=1.0,
-        threshold=NORMAL_THRESHOLD + by_tests / count * (exactly - NORMAL_THRESHOLD),
+        threshold=NORMAL_THRESHOLD + by_tests / count * (exact_threshold - NORMAL_THRESHOLD),
     )
 
 
 def _inverted(rows: Floats, count: int) -> tuple[Floats, Floats]:
-    """Return the covariance of the first unknowns of a least-squares problem, and the parts of the rows in them."""
+    """Return the covariance of the first unknowns of a least-squares problem, and the leverages of the rows on them."""
     inverse = np.linalg.pinv(rows, rcond=1e-6)[:count]
     return inverse @ inverse.T, (rows[:, :count] * inverse.T).sum(axis=1)
 
 
-def _prior_shares(prior: Prior, best: Point, precision: _Precision) -> tuple[float | None, ...]:
+def _prior_shares(prior: Prior, best: Point, precision: Precision) -> tuple[float | None, ...]:
     """Return the shares of the prior in the precisions of the inputs, (k,)."""
     shares: list[float | None] = [None] * len(best.x)
     for i, deviation in zip(prior.where, prior.deviations(best.x), strict=True):
@@ -473,13 +466,13 @@ def _prior_shares(prior: Prior, best: Point, precision: _Precision) -> tuple[flo
 def rows_at(likelihood: Likelihood, x: Floats, scatter: float) -> tuple[Floats, Floats]:
     """Return the weights of the measurements that count, (m,), and their rows of the information at x, (m, k).
 
-    The information that they give of the inputs, in their units, is the transpose of the rows times the rows.
+    Their information about the inputs, in units of these, is the transpose of the rows times the rows.
     """
-    sides, count = likelihood.sides, len(x)
-    jacobian = approx_fprime(x, likelihood.deviations, DIFFERENCE).reshape(len(sides), count) / scatter
+    sides = likelihood.sides
+    jacobian = approx_fprime(x, likelihood.deviations, DIFFERENCE).reshape(len(sides), len(x)) / scatter
     toward = sides * likelihood.deviations(x) / scatter
-    slope = hazard(toward)
-    weights = np.sqrt(np.where(sides == 0, 1.0, slope * (slope + toward)))
+    slopes = hazard(toward)
+    weights = np.sqrt(np.where(sides == 0, 1.0, slopes * (slopes + toward)))
     return weights, weights[:, None] * jacobian
 
 
@@ -490,13 +483,13 @@ def hazard(z: Floats) -> Floats:
 
 def _aicc(likelihood: Likelihood, best: Point) -> float | None:
     """Return Akaike's information criterion, corrected for the number of measurements; None for too few."""
-    unknown = len(best.x) + (not likelihood.tests.weighted)
-    exact = [m for m in likelihood.tests.measurements if m.side == 0]
-    left = len(likelihood.sides) - unknown - 1
-    if left < 1:
+    unknowns = len(best.x) + (not likelihood.tests.weighted)
+    freedom = len(likelihood.sides) - unknowns - 1
+    if freedom < 1:
         return None
-    constants = sum(log(2.0 * pi * (m.uncertainty or m.value) ** 2) for m in exact)
-    return best.lost + constants + 2.0 * unknown + 2.0 * unknown * (unknown + 1.0) / left
+    scales = [m.uncertainty or m.value for m in likelihood.tests.measurements if m.side == 0]
+    constants = sum(log(2.0 * pi * scale**2) for scale in scales)
+    return best.loss + constants + 2.0 * unknowns + 2.0 * unknowns * (unknowns + 1.0) / freedom
 
 
 def intervals(fit: InputFit) -> tuple[Coefficient, ...]:
@@ -520,21 +513,20 @@ def _coefficient(fit: InputFit, index: int) -> Coefficient:
 
 
 def _end(fit: InputFit, index: int, bound: float, error: float) -> tuple[float | None, bool]:
-    """Return the end of an interval towards a bound; None if the likelihood does not fall enough on the way.
+    """Return the end of an interval towards a bound, and whether the likelihood is as great there as at the estimate.
 
-    Return also whether the likelihood is as great at the bound as at the estimate.
+    The end is None if the likelihood does not fall enough up to the bound.
     """
     likelihood, best = fit.likelihood, fit.best
     # Changes of the other inputs that follow a change of this one.
     others = np.arange(len(best.x)) != index
     slopes = np.linalg.lstsq(fit.rows[:, others], -fit.rows[:, index], rcond=1e-6)[0]
 
-    @cache
     def deviance(value: float) -> float:
         start = best.x.copy()
         start[index], start[others] = value, start[others] + slopes * (value - best.x[index])
         start = np.clip(start, likelihood.lower, likelihood.upper)
-        return search(likelihood, start, held=index, tolerance=COMPARED_TOLERANCE).lost - best.lost
+        return search(likelihood, start, held=index, tolerance=COMPARED_TOLERANCE).loss - best.loss
 
     step = min(max(FIRST_STEP * error, DIFFERENCE), 1.0)
     end = profile_end(deviance, float(best.x[index]), bound, sqrt(fit.threshold), step, END_TOLERANCE * step)
@@ -542,13 +534,13 @@ def _end(fit: InputFit, index: int, bound: float, error: float) -> tuple[float |
 
 
 def without(fit: InputFit, kept: Bools) -> Floats:
-    """Return the inputs fitted to some of the measurements, in their units, (k,), given the fit to all and its scatter.
+    """Return the inputs fitted to some of the measurements, in their units, (k,), with the scatter of the fit to all.
 
     A small change is Newton's step from the fit to all, with an error of second order; else the search is repeated.
     """
     likelihood = fit.likelihood._replace(kept=kept)
-    rows = np.append(kept, np.ones(len(fit.residuals) - len(kept), dtype=bool))
-    change = np.linalg.lstsq(fit.rows[rows], -fit.residuals[rows], rcond=1e-6)[0]
+    kept_rows = np.append(kept, np.ones(len(fit.residuals) - len(kept), dtype=bool))
+    change = np.linalg.lstsq(fit.rows[kept_rows], -fit.residuals[kept_rows], rcond=1e-6)[0]
     x: Floats = np.clip(fit.best.x + change, likelihood.lower, likelihood.upper)
     if (np.abs(x - fit.best.x) <= SMALL_CHANGE).all():
         return x
@@ -586,7 +578,7 @@ def check_enough(likelihood: Likelihood) -> None:
 
 
 def needed_of(likelihood: Likelihood) -> int:
-    """Return the number of measurements that a fit needs: without uncertainties one more, which tells their scatter."""
+    """Return the number of measurements that a fit needs: without uncertainties one more, for their scatter."""
     count = len(likelihood.names)
     return max(count - len(likelihood.prior.where), 1) if likelihood.tests.weighted else count + 1
 

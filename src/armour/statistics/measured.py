@@ -11,7 +11,7 @@ from pydantic import PlainValidator
 
 from armour.analysis.variants import Floats, Ints
 from armour.csv_files import MUST_SAY, PERFORATED, CsvRow, Rows, in_line_order, lines_of, read_rows
-from armour.errors import InputError, Problem
+from armour.errors import InputError, Problem, mistake, refuse
 from armour.scenario.checked import Names, checked
 from armour.scenario.inputs import INPUTS, NAMES, ROLES, VELOCITY
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
@@ -23,7 +23,7 @@ MEASURED = {
     RESIDUAL: "residual_velocity_uncertainty_m_s",
     MASS: "residual_mass_uncertainty_g",
 }
-# Range of measurements and uncertainties, in any unit.
+# Range of measurements and of uncertainties, in any unit.
 MIN_MEASURED, MAX_MEASURED = 1e-3, 1e6
 # A table, which is checked when it is read.
 Table = Annotated[str | PathLike[str] | Rows, PlainValidator(lambda table: table)]
@@ -89,7 +89,7 @@ def subject_of(tests: Tests) -> str:
 
 
 def common_of(scenario: Scenario) -> dict[str, object]:
-    """Return what tests can have in common: sections of a scenario, and the values that it takes from the library."""
+    """Return what tests can have in common: sections of a scenario, and its values from the library."""
     sections = ("impact", "armour", "model", "solver", "ballistic_limit")
     values = {name: value for name, value in scenario.inputs().items() if name.split(".")[0] in ROLES}
     return {**{name: getattr(scenario, name) for name in sections}, "values of the library": values}
@@ -102,14 +102,14 @@ def read_tests(path: Table, scenario: Scenario, notes: Names = ()) -> Tests:
     Parameters
     ----------
     path : path-like, sequence of mappings or data frame
-        CSV file or, where there is no such file, a shipped table of this name, such as ``"wilkins.csv"``; or the rows
+        CSV file or, if there is no such file, a shipped table of this name, such as ``"wilkins.csv"``; or the rows
         themselves, each a mapping by column, or a data frame of pandas or polars, where None and NaN are empty cells.
         Its columns are inputs of the scenario, names of projectiles and materials, measured quantities and their
         uncertainties, ``outcome``, and ``test``, the name of the test.
     scenario : Scenario
         Inputs that the tests have in common.
     notes : str or sequence of str, optional
-        Further columns, which are kept as text.
+        Further columns to keep as text.
 
     Returns
     -------
@@ -134,37 +134,36 @@ def read_tests(path: Table, scenario: Scenario, notes: Names = ()) -> Tests:
     header = next(lines, None)
     if header and {"velocity_m_s", "result"} <= {*header[1]}:
         message = "must be a table of tests, found shots (velocity_m_s and result); armour v50 estimates V50 from them"
-        raise InputError([Problem(file, "", message)])
+        raise mistake(file, "", message)
     lines = lines if header is None else chain([header], lines)
     rows, problems = read_rows(
         file, lines, numbers=numbers, texts=("test", OUTCOME, *NAMES.values(), *notes), needed=()
     )
     names = tuple(row.texts.get("test", row.place) for row in rows)
-    repeated = {name for name, count in Counter(names).items() if count > 1}
+    repeated_names = {name for name, count in Counter(names).items() if count > 1}
     problems += [
         Problem(file, f"{row.place}: {key}" if key else row.place, message)
         for row in rows
-        for key, message in _mistakes(row, repeated)
+        for key, message in _mistakes(row, repeated_names)
     ]
     measurements = [measurement for test, row in enumerate(rows) for measurement in _measurements(test, row)]
     weighted = {MEASURED[m.quantity] in rows[m.test].texts for m in measurements}
     if len(weighted) == 2:
         message = "uncertainties must be given for every measurement and outcome, or for none"
         problems.append(Problem(file, "", message))
-    groups, wrong = _groups(rows, scenario, file)
-    if problems or wrong:
-        raise InputError(in_line_order([*problems, *wrong]))
+    groups, group_problems = _groups(rows, scenario, file)
+    refuse(in_line_order([*problems, *group_problems]))
     cells: list[dict[str, float | str]] = [{**row.texts, **row.numbers} for row in rows]
     places = tuple(row.place for row in rows)
     return Tests(file, names, tuple(groups), tuple(measurements), weighted == {True}, tuple(cells), scenario, places)
 
 
-def _mistakes(row: CsvRow, repeated: Container[str]) -> list[tuple[str, str]]:
+def _mistakes(row: CsvRow, repeated_names: Container[str]) -> list[tuple[str, str]]:
     """Return the mistakes in a row, column and message, given the names that several tests have."""
     mistakes = []
     name, outcome = row.texts.get("test"), row.texts.get(OUTCOME)
     perforated = None if outcome is None else PERFORATED.get(outcome.lower())
-    if name is not None and name in repeated:
+    if name is not None and name in repeated_names:
         mistakes.append(("test", f'must name one test, found "{name}" on several lines'))
     if outcome is None and not any(column in row.texts for column in MEASURED):
         mistakes.append(("", f"must have one of {', '.join((*MEASURED, OUTCOME))}"))
@@ -210,13 +209,13 @@ def _groups(rows: Sequence[CsvRow], scenario: Scenario, file: str) -> tuple[list
     groups: list[MaterialGroup] = []
     problems: list[Problem] = []
     for names, where in by_names.items():
-        names_given = [name for name in INPUTS if any(name in rows[i].numbers for i in where)]
         try:
             changed = scenario.replaced(dict(names))
             values = changed.inputs()
             columns = {
                 name: np.array([rows[i].numbers.get(name, values.get(name, 0.0)) for i in where])
-                for name in names_given
+                for name in INPUTS
+                if any(name in rows[i].numbers for i in where)
             }
             changed.check_rows(columns)
             groups.append(MaterialGroup(changed, np.array(where), columns))

@@ -1,4 +1,4 @@
-"""Own tests of a lot as a calibrated entry keeps them: their armours, and their ballistic limits by each law."""
+"""Own tests of a lot as stored in a calibrated entry: their armours, and their ballistic limits by each law."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -16,8 +16,8 @@ from armour.scenario.inputs import cosine_of
 from armour.scenario.library import (
     FLOW_STRESS_LAW,
     IN_COMMON,
-    MEASURED,
     MOST_TESTS,
+    RESULTS,
     VARIED,
     LawTests,
     LibraryEntry,
@@ -26,21 +26,21 @@ from armour.scenario.library import (
 from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S
 from armour.statistics.measured import LIMIT, Tests
 
-# Relative standard deviation of the velocity of a shot at which an armour is perforated, if none is given.
+# Relative standard deviation of the velocity at which shots perforate an armour, if none is given.
 SHOT_SCATTER = 0.02
-# Standard deviation of the logarithm of the flow stress of a ceramic without shipped tests, about its own.
+# Standard deviation of the logarithm of the flow stress of a ceramic without shipped tests, about its entry's value.
 UNTESTED = 0.40
-# Greatest factor by which the fitted flow stress of such a ceramic differs from its own, steps to it, and the change of
-# its logarithm for a derivative, which is 0.35 to 0.62 of most armours, and is not taken as less than a least one.
+# Greatest factor between the fitted flow stress of such a ceramic and its entry's value, number of steps to it, and the
+# change of its logarithm for a derivative, which is 0.35 to 0.62 for most armours, and its least value.
 FACTOR, STEPS, CHANGE, LEAST_SLOPE = 8.0, 6, 0.05, 0.3
 # Why calibrated entries without usable tests have no model error.
 NOTHING_OF_ERROR = (
     "the tests that it was calibrated to say nothing of the model error: none is of a limit, one is far from what any "
     "lot can have, or their settings, armours or angles are not those of the shipped tests"
 )
-# Standard deviations away from what is expected of any lot at which a test is a mistake.
+# Standard deviations from what is expected of any lot beyond which a test is a mistake.
 IMPLAUSIBLE = 6.0
-# What is calibrated to own tests, by role: keys of the entry, and quantities.
+# What can be calibrated to own tests, by role: keys of the entry, and quantities.
 KEYS = {"ceramic": ("flow_stress_GPa", *FLOW_STRESS_LAW), "backing": ("flow_stress_GPa", "shear_strength_MPa")}
 QUANTITIES = {
     "ceramic": ("ceramic_strength_GPa", "backing_exponent", "product_exponent", "slopes"),
@@ -49,19 +49,19 @@ QUANTITIES = {
 
 
 def own_tests(tests: Tests, fitted: Mapping[str, float]) -> OwnTests | None:
-    """Return what a calibrated entry keeps of tests, given its fitted values by name of input.
+    """Return the tests as stored in a calibrated entry, given its fitted values by name of input.
 
-    None if nothing follows for the model error: no limit was measured or shot at, something else than a strength of
-    ceramic or back plate was fitted, settings differ from those of the shipped tests, of such plates there are none,
-    the tests are at several angles beyond those of the shipped tests, or one is far from what any lot can have.  An
-    InputError tells of too many.
+    None if they do not determine the model error: there is no limit or outcome, something else than a strength of
+    ceramic or back plate was fitted, settings differ from those of the shipped tests, there are no shipped tests of
+    such plates, the tests are at several angles beyond those of the shipped tests, or one is far from what any lot can
+    have.  More than the greatest number of tests is an InputError.
     """
     shots = [m for m in tests.measurements if m.quantity == LIMIT]
     if len(shots) > MOST_TESTS:
         raise mistake(tests.file, "", f"must have at most {MOST_TESTS} limits and outcomes, found {len(shots)}")
-    role, *others = {name.partition(".")[0] for name in fitted}
+    role, *other_roles = {name.partition(".")[0] for name in fitted}
     keys = {name.partition(".")[2] for name in fitted} - {"dynamic_yield_strength_MPa"}
-    if others or not shots or not keys <= {*KEYS.get(role, ())} or other_settings(tests.scenario):
+    if other_roles or not shots or not keys <= {*KEYS.get(role, ())} or other_settings(tests.scenario):
         return None
     scenario = tests.groups[0].scenario
     places = np.argsort(np.concatenate([group.where for group in tests.groups]))
@@ -72,10 +72,11 @@ def own_tests(tests: Tests, fitted: Mapping[str, float]) -> OwnTests | None:
     if entry is None or not ((q["ceramic_thickness_ratio"] == 0.0) == (role == "backing")).all():
         return None
     measured = np.where(sides == 0.0, velocities, np.nan)
-    laws = _of_plates(rows, entry) if role == "backing" else _of_ceramic(rows, entry, measured)
+    laws = _laws_of_plates(rows, entry) if role == "backing" else _laws_of_ceramic(rows, entry, measured)
     if not laws or not _are_plausible(laws, q, sides, velocities):
         return None
-    if len({*_rounded(rows.cosines)}) > 1 and (q["path_ratio"] > _longest_path(laws)).any():
+    longest_path = (1.0 + 1e-6) / cosine_of(shipped_evidence_of(laws[0].fit).obliquity_max_deg)
+    if len({*_rounded(rows.cosines)}) > 1 and (q["path_ratio"] > longest_path).any():
         return None
     calibrated = scenario.with_inputs({name: float(f"{value:.6g}") for name, value in fitted.items()})
     values = armour_of(calibrated).quantities()
@@ -84,27 +85,22 @@ def own_tests(tests: Tests, fitted: Mapping[str, float]) -> OwnTests | None:
     return OwnTests(
         source=f"{len(tests.names)} test{'s' * (len(tests.names) > 1)} of {Path(tests.file).name}",
         calibrated={name: float(values[name][0]) for name in QUANTITIES[role]},
-        tests={name: _rounded(q[name]) for name in (*VARIED, *IN_COMMON, *MEASURED)},
+        tests={name: _rounded(q[name]) for name in (*VARIED, *IN_COMMON, *RESULTS)},
         law=laws,
     )
 
 
-def _longest_path(laws: tuple[LawTests, ...]) -> float:
-    """Return the greatest path over the thickness of the shipped tests that a fit is of."""
-    shipped = shipped_evidence_of(laws[0].fit)
-    return (1.0 + 1e-6) / cosine_of(shipped.obliquity_max_deg)
-
-
 def _are_plausible(laws: tuple[LawTests, ...], q: Mapping[str, Floats], sides: Floats, velocities: Floats) -> bool:
-    """Return whether no limit or shot is far from what every law lets expect of any lot."""
-    away = np.full(len(sides), np.inf)
+    """Return whether each limit or shot is near what at least one law predicts for any lot."""
+    deviations = np.full(len(sides), np.inf)
     for law in laws:
         location, scale = fits()[law.fit].predicted(q, {})
-        mean, deviation = law.level or (0.0, 0.0)
-        error = np.log(velocities / np.array(law.computed_m_s)) - location - mean
-        # A shot that is stopped is implausible where the limit must be far above, a perforation far below.
-        away = np.minimum(away, np.where(sides == 0.0, abs(error), sides * error) / np.hypot(scale, deviation))
-    return bool((away <= IMPLAUSIBLE).all())
+        level, level_deviation = law.level or (0.0, 0.0)
+        error = np.log(velocities / np.array(law.computed_m_s)) - location - level
+        # A shot that was stopped is implausible far above the predicted limit, one that perforated far below it.
+        distance = np.where(sides == 0.0, abs(error), sides * error) / np.hypot(scale, level_deviation)
+        deviations = np.minimum(deviations, distance)
+    return bool((deviations <= IMPLAUSIBLE).all())
 
 
 def _rounded(values: Floats) -> tuple[float, ...]:
@@ -112,7 +108,7 @@ def _rounded(values: Floats) -> tuple[float, ...]:
 
 
 def _limits(rows: Variants, role: str, values: Mapping[str, float]) -> Floats:
-    """Return the ballistic limits of rows with other values of the entry in a role, by key, m/s, wherever they are."""
+    """Return the ballistic limits of rows with other values of the entry in a role, by key, at any velocity, m/s."""
     parameters, ends = rows.parameters.copy(), (SLOWEST_M_S, FASTEST_M_S)
     for field, value in law_parameters(role, values).items():
         getattr(batch.fields(parameters), field)[:] = value
@@ -120,26 +116,26 @@ def _limits(rows: Variants, role: str, values: Mapping[str, float]) -> Floats:
     return ballistic_limits(rows, ends).clip(*ends)
 
 
-def _of_plates(rows: Variants, entry: LibraryEntry) -> tuple[LawTests, ...]:
-    """Return limits of bare plates by their own strengths, for the fit of the shipped tests of such plates, if any."""
-    (evidence, held), *_ = rows.armours.by_evidence()
-    if not (held & evidence.holds(rows.armours.quantities())).all():
+def _laws_of_plates(rows: Variants, entry: LibraryEntry) -> tuple[LawTests, ...]:
+    """Return limits of bare plates by the strengths of their entry, for the fits of shipped tests of such plates."""
+    (evidence, members), *_ = rows.armours.by_evidence()
+    if not (members & evidence.holds(rows.armours.quantities())).all():
         return ()
     values = {key: float(f"{entry[key]:.7g}") for key in KEYS["backing"]}
     computed = _rounded(_limits(rows, "backing", values))
     return tuple(LawTests(fit=fit.name, values=values, computed_m_s=computed) for fit in evidence.fits)
 
 
-def _of_ceramic(rows: Variants, entry: LibraryEntry, measured: Floats) -> tuple[LawTests, ...]:
-    """Return limits by each law of the flow stress of a ceramic, given limits that were measured, NaN of shots.
+def _laws_of_ceramic(rows: Variants, entry: LibraryEntry, measured: Floats) -> tuple[LawTests, ...]:
+    """Return limits by each law of the flow stress of a ceramic, given measured limits, which are NaN for shots.
 
-    A ceramic that the shipped tests are of has their flow stress; of another one, the flow stress is fitted, and the
-    logarithm of measured over computed limits is that of the entry's flow stress, which is doubted.
+    A ceramic with shipped tests has their flow stress.  For another one the flow stress is fitted, and the level is
+    that of the entry's flow stress, which is uncertain.
     """
     tests = next(evidence for evidence in shipped_evidence() if evidence.ceramic)
-    tested = entry.origin == tests.ceramic and not is_outside(tests.kind[:2], rows.armours.quantities()).any()
+    has_tests = entry.origin == tests.ceramic and not is_outside(tests.kind[:2], rows.armours.quantities()).any()
     laws = {fit.name: shipped_data()["fit"][fit.name]["flow_stress"] for fit in tests.fits}
-    ratio = 1.0 if tested else entry["flow_stress_GPa"] / laws["constant"]["flow_stress_GPa"]
+    ratio = 1.0 if has_tests else entry["flow_stress_GPa"] / laws["constant"]["flow_stress_GPa"]
     by_law = []
     for name, values in laws.items():
 
@@ -148,12 +144,12 @@ def _of_ceramic(rows: Variants, entry: LibraryEntry, measured: Floats) -> tuple[
             return np.log(_limits(rows, "ceramic", scaled))
 
         shift, slope = 0.0, 1.0
-        for _ in range(0 if tested else STEPS):
+        for _ in range(0 if has_tests else STEPS):
             slope = max(float((limits(shift + CHANGE) - limits(shift - CHANGE)).mean()) / (2.0 * CHANGE), LEAST_SLOPE)
             if not np.isnan(measured).all():
-                away = float(np.nanmean(np.log(measured) - limits(shift)))
-                shift = float(np.clip(shift + away / slope, -np.log(FACTOR), np.log(FACTOR)))
+                deviation = float(np.nanmean(np.log(measured) - limits(shift)))
+                shift = float(np.clip(shift + deviation / slope, -np.log(FACTOR), np.log(FACTOR)))
         fitted = {**values, "flow_stress_GPa": float(f"{values['flow_stress_GPa'] * ratio * np.exp(shift):.7g}")}
-        level = None if tested else (-slope * shift, slope * UNTESTED)
+        level = None if has_tests else (-slope * shift, slope * UNTESTED)
         by_law.append(LawTests(fit=name, values=fitted, level=level, computed_m_s=_rounded(np.exp(limits(shift)))))
     return tuple(by_law)

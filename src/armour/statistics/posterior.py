@@ -2,13 +2,12 @@
 
 The probability of complete penetration is that of the normal curve, F((V - V50)/scatter).  The prior of V50 is the
 model's limit with the distribution of its error, cut off at 1 % of the limit; that of the scatter
-relative to V50 is log-normal and independent of it.  Both are summed over a grid, so that nothing is random.
+relative to V50 is log-normal and independent of it.  Sums over a grid take the place of random samples.
 """
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from math import log
 from typing import Any, NamedTuple, Self
 
@@ -24,16 +23,16 @@ from armour.scenario.scenario import Scenario
 
 # Median of the prior of the scatter, per cent of V50, and the factor of one standard deviation of its logarithm.
 SCATTER_PERCENT, SCATTER_FACTOR = 2.0, 2.0
-# Probability of V50 beyond each end of the first grid, which ends at these multiples of the limit at the latest.
+# Probability of V50 beyond each end of the first grid, and the multiples of the limit that bound its ends.
 TAIL, LEAST, MOST = 1e-9, 0.01, 10.0
-# It reaches beyond the shots by this factor.
+# Factor by which the first grid reaches beyond the shots.
 BEYOND = 2.0
 # Probability of the interval of the prior beyond which a posterior contradicts it.
 PLAUSIBLE = 0.99
-# The same for the logarithm of the scatter, in its standard deviations.
+# Ends of the first grid of the logarithm of the scatter, in its standard deviations.
 DEVIATIONS = 7.0
-# Nodes of V50 and of the scatter, and how often at most the grid is narrowed to where the logarithm of the posterior is
-# within a depth of its maximum; it is narrow enough when this part of the nodes remains.
+# Nodes of V50 and of the scatter; most narrowings of the grid to where the logarithm of the posterior is within a depth
+# of its maximum, and the fraction of the nodes there with which it is narrow enough.
 NODES, NARROWINGS, DEPTH, ENOUGH = (201, 31), 6, 12.0, 0.75
 
 
@@ -81,10 +80,12 @@ class FiringPrior(NamedTuple):
         return self.error.ratio.log_density(v50 / self.limit_m_s) - 0.5 * z * z
 
 
-# Nodes of V50, which is as likely everywhere up to this part of it beyond the shots, and of the scatter.  Standard
-# deviations of the logarithm of the scatter between firings, in units of their scale, which is this part of the
-# logarithm of the factor: reported standard deviations, which contain the noise of few shots, vary by a factor of 1.7.
-POOL_NODES, BEYOND_SHOTS, BETWEEN, PART = (401, 121), 0.1, np.linspace(0.2, 3.0, 29), 0.4
+# Nodes of V50 and of the scatter; V50 is equally likely up to this fraction of it beyond the shots.
+POOL_NODES, BEYOND_SHOTS = (401, 121), 0.1
+# Standard deviations of the logarithm of the scatter between firings, in units of their scale, and this scale as a
+# fraction of the logarithm of the factor: reported standard deviations, with the noise of few shots, vary by a factor
+# of 1.7.
+BETWEEN, FRACTION = np.linspace(0.2, 3.0, 29), 0.4
 
 
 def pooled_scatter(
@@ -96,10 +97,10 @@ def pooled_scatter(
     common median, which is log-normal too; the standard deviation of their logarithms is half-normal.  V50s are
     unknown: the likelihood of each firing is its mean over all of them.
     """
-    middle, deviation = log(percent / 100.0), log(factor) * (1.0 - PART**2) ** 0.5
+    middle, deviation = log(percent / 100.0), log(factor) * (1.0 - FRACTION**2) ** 0.5
     log_ratio = middle + np.linspace(-DEVIATIONS, DEVIATIONS, POOL_NODES[1]) * log(factor)
-    between = BETWEEN[:, None, None] * PART * log(factor)
-    # By the standard deviation between firings, the median and the scatter.
+    between = BETWEEN[:, None, None] * FRACTION * log(factor)
+    # Probabilities of the scatter by the standard deviation between firings and the median.
     spread = np.exp(-0.5 * ((log_ratio[:, None] - log_ratio) / between) ** 2)
     spread /= spread.sum(axis=2, keepdims=True)
     logarithm = -0.5 * (BETWEEN[:, None] ** 2 + ((log_ratio - middle) / deviation) ** 2)
@@ -115,7 +116,7 @@ def pooled_scatter(
 
 
 def normalised(log_weights: Floats) -> Floats:
-    """Return weights, whose logarithms are given but for a constant, that add up to 1."""
+    """Return weights that add up to 1, given their logarithms but for a constant."""
     weights = np.exp(log_weights - log_weights.max())
     return weights / weights.sum()
 
@@ -123,7 +124,7 @@ def normalised(log_weights: Floats) -> Floats:
 def expected(values: Floats, weights: Floats) -> Any:
     """Return the means of values, (..., points), by n distributions, (n, points), or one.
 
-    Other than those of the linear algebra, the sums do not depend on the number of its threads.
+    Unlike those of the linear algebra, the sums do not depend on the number of threads.
     """
     return np.einsum("...p,...p->...", values, weights)
 
@@ -157,9 +158,9 @@ class V50Grid(NamedTuple):
         """Return quantiles of V50 for each of n distributions of weight over the points, (n, points) -> (n, k)."""
         nodes = self.v50_m_s[:: self.shape[1]]
         parts = weights.reshape(-1, *self.shape).sum(axis=2)
-        # On the scale of the normal distribution a cumulative probability is nearly linear between few nodes.
+        # On the scale of the normal distribution, a cumulative probability is nearly linear even between few nodes.
         middles = _normal(np.cumsum(parts, axis=1) - 0.5 * parts)
-        return np.array([np.interp(ndtri(probabilities), each, nodes) for each in middles])
+        return np.array([np.interp(ndtri(probabilities), scores, nodes) for scores in middles])
 
 
 class Posterior(NamedTuple):
@@ -170,16 +171,14 @@ class Posterior(NamedTuple):
 
     def estimate(self, confidence: float) -> FiringEstimate:
         """Return medians, intervals and the standard deviation of V50."""
-        ends = (0.5, 0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence)
-        v50, low, high = self.grid.v50_quantiles(self.weights, ends)[0].tolist()
-        scatter, *scatter_ends = self._scatter_quantiles(ends)
+        probabilities = (0.5, 0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence)
+        v50, slowest, fastest = self.grid.v50_quantiles(self.weights, probabilities)[0].tolist()
+        scatter, least, greatest = self._scatter_quantiles(probabilities)
         deviation = self.variance(self.grid.v50_m_s) ** 0.5
-        return FiringEstimate(
-            v50, (low, high), deviation, float(scatter), (float(scatter_ends[0]), float(scatter_ends[1]))
-        )
+        return FiringEstimate(v50, (slowest, fastest), deviation, scatter, (least, greatest))
 
     def _scatter_quantiles(self, probabilities: Sequence[float]) -> list[float]:
-        """Return quantiles of the scatter, m/s; each point stands for the scatters up to midway to the next ones."""
+        """Return quantiles of the scatter, m/s; each point represents the scatters up to midway to the next ones."""
         logs = np.log(self.grid.scatter_m_s)
         step = max(float(logs[1] - logs[0]), 1e-12)
         places = np.linspace(logs.min() - 0.5 * step, logs.max() + 0.5 * step, 2 * self.grid.shape[1])
@@ -204,17 +203,16 @@ class Posterior(NamedTuple):
 def is_above(grid: V50Grid, velocity_m_s: float, fraction: float) -> Floats:
     """Return 1 at the points where the velocity at which a fraction of shots perforates exceeds a velocity, else 0.
 
-    Between neighbouring V50s it goes from 0 to 1 linearly.
+    It rises linearly between neighbouring V50s.
     """
     excess = grid.v50_m_s + float(ndtri(fraction)) * grid.scatter_m_s - velocity_m_s
     step = max(float(np.diff(grid.v50_m_s[:: grid.shape[1]]).mean()), 1e-12)
     return np.clip(0.5 + excess / step, 0.0, 1.0)
 
 
-def no_prior(scenario: Scenario, way_out: str = "") -> InputError:
-    """Return the error of a question that needs a prior of a scenario that has none."""
-    message = f"must give scale_percent for a prior: {no_error(scenario)}{way_out}"
-    return mistake(scenario.file, "uncertainty.model", message)
+def no_prior(scenario: Scenario) -> InputError:
+    """Return the error for a scenario without a model error where a prior is needed."""
+    return mistake(scenario.file, "uncertainty.model", f"must give scale_percent for a prior: {no_error(scenario)}")
 
 
 def posterior_of(
@@ -224,14 +222,6 @@ def posterior_of(
     nodes: tuple[int, int] = NODES,
 ) -> Posterior:
     """Return the posterior given shots, of which there may be none."""
-    return _posterior_of(prior, tuple(velocities_m_s), tuple(complete), nodes)
-
-
-# A plan asks for the posterior of the same shots several times.
-@lru_cache(maxsize=4)
-def _posterior_of(
-    prior: FiringPrior, velocities_m_s: tuple[float, ...], complete: tuple[bool, ...], nodes: tuple[int, int]
-) -> Posterior:
     reach, middle = DEVIATIONS * log(prior.scatter_factor), log(prior.scatter_percent / 100.0)
     ranges = [_v50_range(prior, velocities_m_s), (middle - reach, middle + reach)]
     for _ in range(NARROWINGS):
@@ -241,21 +231,18 @@ def _posterior_of(
         logarithm += grid.log_likelihood(velocities_m_s, complete)
         kept = (logarithm > logarithm.max() - DEPTH).reshape(nodes)
         kept_v50, kept_scatter = kept.any(axis=1), kept.any(axis=0)
-        # V50s too far apart seem to need a large scatter: its range is narrowed only after theirs.
+        # With nodes of V50 too far apart, the scatter seems large: its range is narrowed only after that of V50.
         if kept_v50.mean() < ENOUGH:
             ranges[0] = narrowed(v50, kept_v50)
         elif kept_scatter.mean() < ENOUGH:
             ranges[1] = narrowed(log_ratio, kept_scatter)
         else:
             break
-    weights = normalised(logarithm)
-    for shared in (weights, grid.v50_m_s, grid.scatter_m_s):
-        shared.flags.writeable = False
-    return Posterior(grid, weights)
+    return Posterior(grid, normalised(logarithm))
 
 
 def _v50_range(prior: FiringPrior, velocities_m_s: Sequence[float]) -> tuple[float, float]:
-    """Return the first range of V50, m/s; shots far from the prior move V50 beyond it."""
+    """Return the first range of V50, m/s, which includes shots far from the prior."""
     limit = prior.limit_m_s
     low, high = prior.error.interval(limit, TAIL)
     slowest = min([low, *(velocity / BEYOND for velocity in velocities_m_s)])
@@ -264,17 +251,17 @@ def _v50_range(prior: FiringPrior, velocities_m_s: Sequence[float]) -> tuple[flo
 
 
 def narrowed(axis: Floats, kept: ArrayLike) -> tuple[float, float]:
-    """Return the range of the nodes that are kept, and of one more at each end."""
-    where = np.flatnonzero(kept)
-    return float(axis[max(where[0] - 1, 0)]), float(axis[min(where[-1] + 1, len(axis) - 1)])
+    """Return the range of the nodes to keep, with one more at each end."""
+    indices = np.flatnonzero(kept)
+    return float(axis[max(indices[0] - 1, 0)]), float(axis[min(indices[-1] + 1, len(axis) - 1)])
 
 
 def learned(
     prior: Posterior, posterior: Posterior, confidence: float
 ) -> tuple[FiringEstimate, FiringEstimate, float, tuple[str, ...]]:
-    """Return the estimates without and with shots, and warnings if they contradict each other.
+    """Return the estimates without and with shots, the prior's share of the precision of V50, and warnings.
 
-    Before the warnings comes the part of the precision of V50, the inverse of its variance, that is the prior's.
+    The precision is the inverse of the variance.  There are warnings if the estimates contradict each other.
     """
     before, after = prior.estimate(confidence), posterior.estimate(confidence)
     share = min(1.0, (after.standard_deviation_m_s / before.standard_deviation_m_s) ** 2)
@@ -282,7 +269,7 @@ def learned(
 
 
 def _contradictions(prior: Posterior, posterior: Posterior) -> Iterator[str]:
-    """Give a warning for each of V50 and scatter whose posterior lies beyond what the prior holds for plausible."""
+    """Yield a warning for each of V50 and scatter whose posterior lies outside the plausible interval of the prior."""
     before, after = prior.estimate(PLAUSIBLE), posterior.estimate(PLAUSIBLE)
     for name, value, (low, high) in (
         ("V50", after.v50_m_s, before.v50_interval_m_s),

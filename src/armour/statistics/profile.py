@@ -1,6 +1,7 @@
 """Ends of intervals of profile likelihood."""
 
 from collections.abc import Callable
+from functools import cache
 from math import copysign, sqrt
 
 from scipy.optimize import brentq
@@ -24,6 +25,7 @@ def profile_end(
         Of the end.
     """
 
+    @cache
     def excess(value: float) -> float:
         return (0.0 if value == estimate else sqrt(max(deviance(value), 0.0))) - root
 

@@ -23,9 +23,6 @@ CHANGE = 0.005
 # Tolerance of the ballistic limits that are subtracted, m/s.
 LIMIT_TOLERANCE_M_S = 1e-7
 
-# Inputs that an answer does not depend on, because it is the result of a search over them.
-FREE = {LIMIT: (VELOCITY,), RESIDUAL: ()}
-
 
 @dataclass(frozen=True)
 class Elasticity:
@@ -82,7 +79,7 @@ def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
     ----------
     scenario : Scenario
     on_progress : callable, optional
-        Called with the number of limits searched for since the last call, and that of all.
+        Called with the number of limits computed since the last call, and the number of all.
 
     Returns
     -------
@@ -96,7 +93,7 @@ def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         If a run does not end.
     """
     inputs = {name: value for name, value in scenario.inputs().items() if value != 0.0}
-    # Each change makes variants of its own, as values derived from one input must not be fixed by the others.
+    # Each input is changed in variants of its own, so that values derived from it change with it.
     changed = [
         variants_of(scenario, {name: np.array([value * (1.0 + CHANGE), value * (1.0 - CHANGE)])}, 2)
         for name, value in inputs.items()
@@ -111,7 +108,8 @@ def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
             name,
             value,
             {
-                answer: None if name in FREE[answer] else _number(column[index])
+                # The ballistic limit is found by a search over the velocity, on which it does not depend.
+                answer: None if (answer, name) == (LIMIT, VELOCITY) else _number(column[index])
                 for answer, column in elasticities.items()
             },
         )
@@ -129,14 +127,14 @@ def _answers(variants: Variants, on_progress: OnProgress) -> dict[str, Floats]:
 
     The first variant is the scenario itself; the ballistic limits of the others are accurate to a finer tolerance.
     """
-    impacts, count = Answers(variants), len(variants.velocities)
+    answers, count = Answers(variants), len(variants.velocities)
     limits = ballistic_limits(variants, tolerance=LIMIT_TOLERANCE_M_S)
     limits[:1] = ballistic_limits(variants.at(np.arange(1)))
     limits[np.isinf(limits)] = np.nan
     on_progress(count, count)
     return {
         LIMIT: limits,
-        RESIDUAL: np.where(impacts.perforated, impacts.residual_velocities, np.nan),
+        RESIDUAL: np.where(answers.perforated, answers.residual_velocities, np.nan),
     }
 
 

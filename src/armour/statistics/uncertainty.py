@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from functools import partial
 from math import log2
 from typing import Any
 
@@ -36,17 +35,18 @@ from armour.scenario.schema import Uncertainty
 
 # Degree of the polynomials of one input.
 DEGREE = 8
-# Chance on each side of the model error that its indices leave out: the variance of exp(t) of a Student's is infinite.
+# Probability of each tail of the model error that its indices leave out: with the whole tails, whose logarithm has
+# Student's t distribution, the variance would be infinite.
 TAIL = 1e-4
-# Chances that give the moments of the model error between its tails.
+# Probabilities whose quantiles give the moments of the model error between its tails.
 CHANCES = TAIL + (1.0 - 2.0 * TAIL) * (np.arange(100_000) + 0.5) / 100_000
 
 
 def first_order_indices(section: Uncertainty, points: Floats, values: Floats) -> list[Estimate]:
     """Estimate the first-order index of each input, correlated or not, from the values, (n,), at points, (n, inputs).
 
-    It is the share of the variance that a polynomial of the input explains: of the uniform or normal score, in which a
-    value as a function of the input is about a straight line.
+    It is the share of the variance explained by a polynomial of the input's uniform or normal score, of which the value
+    is nearly a linear function.
     """
     uniform = [distribution.distribution == "uniform" for distribution in section.inputs().values()]
     scaled_values = (values - values.mean()) / values.std()
@@ -65,7 +65,7 @@ def _basis(chances: Floats, uniform: bool) -> Floats:
 
 
 def _moments(basis: Floats, values: Floats) -> Floats:
-    """Return the sums of products of the columns of a basis, (n, terms), and values, (n,)."""
+    """Return the sums of the products of the columns of a basis, (n, terms), and of values, (n,)."""
     columns = np.column_stack([basis, values])
     return columns.T @ columns
 
@@ -81,7 +81,7 @@ def _explained(moments: Floats) -> Floats:
 def total_indices(
     function: Callable[[Floats], Floats], places: Sequence[int], inputs: int, samples: int, seed: int
 ) -> list[Estimate]:
-    """Estimate the total index of some of the inputs, which are independent, by the estimator of [Jansen1999].
+    """Estimate the total index of the independent inputs at certain places by the estimator of [Jansen1999].
 
     The function maps points of the unit cube, (n, inputs), to values, (n,); the number of samples is a power of 2.
     """
@@ -114,10 +114,10 @@ QUANTILES = {"V05": 0.05, "V50": 0.5, "V95": 0.95}
 ENDS = (0.05, 0.95)
 # Points of the curve of the probability of perforation.
 CURVE_POINTS = 121
-# Samples of each set for total indices: a fraction of those for the probability, within bounds.  More than the most
-# would take longer than the probability itself, and give the indices no further digit.
+# Samples of each set for total indices: a fraction of those for the probability, within bounds.  Beyond the upper
+# bound they would take longer than the probability, and give the indices no further digit.
 INDEX_DIVISOR, MIN_INDEX_SAMPLES, MAX_INDEX_SAMPLES = 4, 256, 2**16
-# Samples that are computed at a time, which bounds the memory.
+# Samples computed at a time, to bound the memory.
 SAMPLES_AT_A_TIME = 2**12
 
 UNKNOWN = Note("the model error is not known for such an armour, and not included", "uncertainty.model")
@@ -195,7 +195,7 @@ class UncertaintyResult(TableResult):
     model_error : ModelError or None
         Model error, which is one of the inputs; None if it is not known or not included.
     warnings : tuple of str
-        Distributions that are not about the scenario's values, and ways in which the scenario lies outside the
+        Distributions that do not contain the scenario's values, and ways in which the scenario lies outside the
         validated range.
     """
 
@@ -250,13 +250,12 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
     total = section.samples + index_samples(section) * (len([name for name in ranked if name != ERROR]) + 1)
     if ERROR in ranked and len(ranked) > 1:
         total += _index_size(section) * len(_laws(own_errors(scenario)))
-    hits, limits = np.empty(section.samples, dtype=bool), np.empty(section.samples)
 
     def on_samples(count: int) -> None:
         on_progress(count, total)
 
-    for part, samples in _in_portions(scenario, points, on_samples):
-        hits[part], limits[part] = perforated(samples.variants), sample_limits(samples)
+    computed = [(perforated(s.variants), sample_limits(s)) for s in _in_portions(scenario, points, on_samples)]
+    hits, limits = map(np.concatenate, zip(*computed, strict=True))
     deterministic = float(sample_limits(sampled(scenario, {}, 1))[0])
     error = model_error(scenario, deterministic)
     mean = mean_of_replicates(np.array([part.mean() for part in np.array_split(limits, REPLICATES)]))
@@ -287,31 +286,31 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
 def probability_of_perforation(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> Estimate:
     """Estimate the probability of perforation alone, as `uncertainty` does."""
     section = section_of(scenario)
-    hits = np.empty(section.samples, dtype=bool)
-    for part, samples in _in_portions(scenario, points_of(section), lambda count: on_progress(count, section.samples)):
-        hits[part] = perforated(samples.variants)
-    return _share(hits)
+    parts = _in_portions(scenario, points_of(section), lambda count: on_progress(count, section.samples))
+    return _share(np.concatenate([perforated(samples.variants) for samples in parts]))
 
 
 def _misplaced(section: Uncertainty, values: Mapping[str, float]) -> Iterator[Note]:
-    """Yield a warning for each distribution that is not about the scenario's own value or the mean given."""
+    """Yield a warning for each distribution that does not contain the scenario's value, or whose mean is moved."""
     for name, distribution in section.inputs().items():
         if name in values:
             if not distribution.contains(values[name]):
                 yield Note(f"does not contain the scenario's value, {values[name]:g}", f"uncertainty.{name}")
-            moved = moved_mean(distribution, values[name])
-            if moved:
-                yield Note(f"truncation moves its mean from {moved[0]:g} to {moved[1]:.4g}", f"uncertainty.{name}")
+            if means := moved_mean(distribution, values[name]):
+                yield Note(f"truncation moves its mean from {means[0]:g} to {means[1]:.4g}", f"uncertainty.{name}")
 
 
 def _in_portions(
-    scenario: Scenario, points: Floats, on_samples: Callable[[int], None]
-) -> Iterator[tuple[slice, Samples]]:
-    """Yield the samples at points of the unit cube, (n, inputs), in portions, and count each once it is computed."""
+    scenario: Scenario, points: Floats, on_samples: Callable[[int], None], *, with_error: bool = True
+) -> Iterator[Samples]:
+    """Yield the samples at points of the unit cube, (n, inputs), in portions; report each once it is computed."""
     section, values = section_of(scenario), own_values(scenario)
-    for part in portions(len(points), SAMPLES_AT_A_TIME):
-        yield part, sampled(scenario, columns_of(section, values, points[part]), part.stop - part.start)
-        on_samples(part.stop - part.start)
+    for portion in portions(len(points), SAMPLES_AT_A_TIME):
+        columns, count = columns_of(section, values, points[portion]), portion.stop - portion.start
+        if not with_error:
+            del columns[ERROR]
+        yield sampled(scenario, columns, count)
+        on_samples(count)
 
 
 def sample_limits(samples: Samples) -> Floats:
@@ -335,8 +334,8 @@ def _share(hits: Bools) -> Estimate:
 def quantile(limits: Floats, probability: float) -> Estimate:
     """Estimate a quantile of samples, with the interval of Woodruff.
 
-    It goes between the quantiles at the ends of the interval of the probability below, which has no bias in small
-    replicates, as their quantiles have.
+    Its ends are the quantiles at the ends of the interval of the probability of less.  That probability has no bias in
+    small replicates, unlike their quantiles.
     """
     value = float(np.quantile(limits, probability))
     below = _share(limits <= value)
@@ -356,24 +355,24 @@ def probability_curve(limits: Floats) -> ProbabilityCurve:
 
 
 def _ranked(section: Uncertainty) -> list[str]:
-    """Return the inputs that have an influence on the ballistic limit; the impact velocity has none."""
+    """Return the inputs that influence the ballistic limit: all but the impact velocity."""
     return [name for name in section.inputs() if name != VELOCITY]
 
 
 def index_samples(section: Uncertainty) -> int:
-    """Return the samples of each set for total indices; 0 if there is nothing to estimate."""
+    """Return the number of samples of each set for total indices; 0 if there is nothing to estimate."""
     return 0 if section.correlation or len(_ranked(section)) < 2 else _index_size(section)
 
 
 def _index_size(section: Uncertainty) -> int:
-    part: int = 2 ** int(log2(section.samples // INDEX_DIVISOR))
-    return min(max(MIN_INDEX_SAMPLES, part), MAX_INDEX_SAMPLES)
+    fraction: int = 2 ** int(log2(section.samples // INDEX_DIVISOR))
+    return min(max(MIN_INDEX_SAMPLES, fraction), MAX_INDEX_SAMPLES)
 
 
 def influences(
     scenario: Scenario, points: Floats, limits: Floats, error: ModelError | None, on_samples: Callable[[int], None]
 ) -> tuple[Influence, ...]:
-    """Estimate the influence of each input on the ballistic limit, from its samples and samples of its own.
+    """Estimate the influence of each input on the ballistic limit, from limits at points and from further samples.
 
     The indices of the model error follow from the limits without it.
     """
@@ -383,10 +382,7 @@ def influences(
         return ()
 
     def limits_at(points: Floats) -> Floats:
-        sampled_limits = np.empty(len(points))
-        for part, samples in _in_portions(scenario, points, on_samples):
-            sampled_limits[part] = sample_limits(samples)
-        return sampled_limits
+        return np.concatenate([sample_limits(samples) for samples in _in_portions(scenario, points, on_samples)])
 
     varied = [name for name in names if name != ERROR]
     ends = {name: np.full(2 * len(varied), values[name]) for name in varied}
@@ -401,7 +397,7 @@ def influences(
     first: dict[str, Estimate] = {}
     total: dict[str, Estimate] = {}
     if len(names) == 1:
-        # The one input has all of the variance.
+        # The only input explains all of the variance.
         first = total = {names[0]: Estimate(1.0, 1.0, 1.0)}
     elif np.ptp(limits) > 0.0:
         first = dict(zip(inputs, first_order_indices(section, points, limits), strict=True))
@@ -410,7 +406,7 @@ def influences(
             totals = total_indices(limits_at, places, len(inputs), index_samples(section), section.seed)
             total = dict(zip(varied, totals, strict=True))
         if error is not None:
-            first[ERROR], total_of_error = error_indices(scenario, section, values, on_samples)
+            first[ERROR], total_of_error = error_indices(scenario, section, on_samples)
             total |= {} if section.correlation else {ERROR: total_of_error}
     total = {name: _at_least(first[name], estimate) for name, estimate in total.items()}
     result = [Influence(name, first.get(name), total.get(name), limits_at_ends[name]) for name in names]
@@ -419,74 +415,56 @@ def influences(
 
 
 def _at_least(first: Estimate, total: Estimate) -> Estimate:
-    """Return a total index that is not below the first-order one, which it contains."""
+    """Return a total index that is at least the first-order one, which it contains."""
     ends = zip((first.value, first.low, first.high), (total.value, total.low, total.high), strict=True)
     return Estimate(*map(max, ends))
 
 
 def _laws(errors: Errors) -> list[int]:
-    """Return the laws of the flow stress of which the error of an armour is a mixture."""
+    """Return the laws of the flow stress over which the error of an armour is a mixture."""
     return np.flatnonzero((errors.ratio.weights > 0.0).all(axis=1)).tolist()
 
 
 def error_indices(
-    scenario: Scenario, section: Uncertainty, values: Mapping[str, float], on_samples: Callable[[int], None]
+    scenario: Scenario, section: Uncertainty, on_samples: Callable[[int], None]
 ) -> tuple[Estimate, Estimate]:
-    """Return first-order and total index of the model error.
+    """Return the first-order and the total index of the model error.
 
-    The ballistic limit of the armour is that of the model by a law times a ratio, which are independent: the moments of
-    the ratio are known, and only those of the limits by each law are estimated.
+    The ballistic limit of the armour is that of the model by a law times a ratio independent of it: the moments of the
+    ratio are known, and only those of the limits by each law are estimated.
     """
     errors = own_errors(scenario)
-    moments = _ratio_moments(errors)
+    means, squares = _ratio_moments(errors)
     points = replicated_points("sobol", len(section.inputs()), _index_size(section), section.seed)
-    limits = np.zeros((len(moments), len(points)))
+    limits = np.zeros((len(means), len(points)))
     for law in _laws(errors):
-        for part in portions(len(points), SAMPLES_AT_A_TIME):
-            columns = columns_of(section, values, points[part])
-            count = len(columns.pop(ERROR))
-            samples = sampled(scenario, columns, count)
-            variants = by_laws(samples.variants, errors, np.full(count, law))
-            limits[law, part] = sample_limits(samples._replace(variants=variants))
-            on_samples(count)
+        samples = _in_portions(scenario, points, on_samples, with_error=False)
+        variants = (by_laws(s.variants, errors, np.full(len(s.variants.velocities), law)) for s in samples)
+        limits[law] = np.concatenate([sample_limits(Samples(rows, 1.0)) for rows in variants])
     parts = np.array_split(limits, REPLICATES, axis=1)
-    sums = np.array([[part.shape[1], *part.sum(axis=1), *(part @ part.T).ravel()] for part in parts])
-    first, total = (jackknife(partial(index, moments=moments), sums) for index in (_first_of_error, _total_of_error))
-    return first, total
+    sums = np.array(
+        [[part.shape[1], *part.sum(axis=1), *(part**2).sum(axis=1), ((means @ part) ** 2).sum()] for part in parts]
+    )
+
+    def shares(sums: Floats) -> tuple[Floats, Floats]:
+        """Return the shares of the variance that the error explains alone, and that is left where all else is known."""
+        count, by_law, squared, mean_squared = np.split(sums, np.cumsum([1, len(means), len(means)]), axis=1)
+        mean, mean_square = by_law @ means / count[:, 0], squared @ squares / count[:, 0]
+        variance = mean_square - mean**2
+        by_error = (by_law / count) ** 2 @ squares - mean**2
+        return by_error / variance, (mean_square - mean_squared[:, 0] / count[:, 0]) / variance
+
+    return jackknife(lambda sums: shares(sums)[0], sums), jackknife(lambda sums: shares(sums)[1], sums)
 
 
-def _ratio_moments(errors: Errors) -> Floats:
-    """Return the probabilities of the laws times the mean of the ratio by each and that of its square, (laws, 2).
+def _ratio_moments(errors: Errors) -> tuple[Floats, Floats]:
+    """Return the probabilities of the laws times the mean of the ratio by each, and times its mean square.
 
-    They are those between the outermost chances, TAIL on each side.
+    The tails of the ratio are left out.
     """
-    moments = np.zeros((len(errors.ratio.weights), 2))
+    moments = np.zeros((2, len(errors.ratio.weights)))
     for law in _laws(errors):
         ratios = errors.of_law(law).one().quantile(CHANCES)
-        moments[law] = errors.ratio.weights[law].sum() * np.array([ratios.mean(), (ratios**2).mean()])
-    return moments
-
-
-def _limit_moments(sums: Floats, laws: int) -> tuple[Floats, Floats]:
-    """Return the means of the limits by each law, (n, laws), and of their products, (n, laws, laws), from sums."""
-    count = sums[:, :1]
-    return sums[:, 1 : 1 + laws] / count, (sums[:, 1 + laws :] / count).reshape(-1, laws, laws)
-
-
-def _first_of_error(sums: Floats, moments: Floats) -> Floats:
-    """Return the share of the variance that the model error explains alone."""
-    means, products = _limit_moments(sums, len(moments))
-    mean = means @ moments[:, 0]
-    return (means**2 @ moments[:, 1] - mean**2) / (_mean_square(products, moments) - mean**2)
-
-
-def _total_of_error(sums: Floats, moments: Floats) -> Floats:
-    """Return the share of the variance that is left where all else is known."""
-    means, products = _limit_moments(sums, len(moments))
-    mean, square = means @ moments[:, 0], _mean_square(products, moments)
-    return (square - np.einsum("nij,i,j->n", products, moments[:, 0], moments[:, 0])) / (square - mean**2)
-
-
-def _mean_square(products: Floats, moments: Floats) -> Floats:
-    """Return the mean square of the limit of the armour."""
-    return np.einsum("nkk,k->n", products, moments[:, 1])
+        moments[:, law] = errors.ratio.weights[law].sum() * np.array([ratios.mean(), (ratios**2).mean()])
+    means, squares = moments
+    return means, squares

@@ -33,15 +33,15 @@ from armour.units import missing_unit
 # 60 ft/s.  MIL-STD-662F leaves the span to the specification.
 SPANS_M_S = {5: 38.1, 3: 27.4, 2: 18.3}
 Rule = Literal["usual span", "given span", "no usual rule"]
-# Confidence levels of an interval that is given where that at the level asked for is not bounded, the first that is.
-LOWER = (0.9, 0.8, 0.5)
+# Lower confidence levels to try if the interval at the requested one is not bounded.
+LOWER_LEVELS = (0.9, 0.8, 0.5)
 Decision = Literal["met", "not met", "not decided", ""]
 # Range of velocities, m/s; it catches values in a wrong unit.
 MIN_VELOCITY_M_S, MAX_VELOCITY_M_S = 1.0, 1e4
 Velocity = Annotated[float, Field(ge=MIN_VELOCITY_M_S, le=MAX_VELOCITY_M_S)]
-# Part of a risk that is rounding.
+# Rounding error of a risk.
 ROUNDING = 1e-12
-# Factor between a velocity and the median of the shots from which on it is probably a mistake.
+# Least factor between a velocity and the median of the shots that is probably a mistake.
 FAR_FACTOR = 2.0
 
 
@@ -87,7 +87,7 @@ class MeanV50:
     span_allowed_m_s : float
         Greatest span allowed, m/s.
     rule : {"usual span", "given span", "no usual rule"}
-        Where the span allowed is from; "no usual rule" for other numbers of shots than 2, 3 and 5.
+        Origin of the span allowed; "no usual rule" for other numbers of shots than 2, 3 and 5.
     """
 
     v50_m_s: float
@@ -133,7 +133,7 @@ class FiringResult(TableResult):
         Shots far from the others or from the model's limit, or contradicting the prior, and ways in which the scenario
         is unlike what the model was compared with.
     prior, posterior : FiringEstimate or None
-        V50 and the scatter by the model with its error, without and with the shots; None unless asked for.
+        V50 and the scatter by the model with its error, without and with the shots; None unless requested.
     prior_share : float or None
         Posterior over prior variance of V50: the share of the prior in the precision.
     bounded_confidence : float or None
@@ -195,9 +195,9 @@ def read_shots(path: str | PathLike[str], *, one_kind: bool = False) -> Shots:
         File with the columns ``velocity_m_s``, ``result`` ("partial" or "complete", "stopped" or "perforated", P or C,
         PP or CP, no or yes, in letters of any case) and, optionally, ``shot``; or, where there is no such file, the
         name of a shipped one, ``"shots.csv"``.
-        Other columns are not read, unless they look like a misspelt one of these, which is refused.
+        Other columns are ignored, but one that looks like a misspelling of these is an error.
     one_kind : bool
-        Whether all penetrations may be partial, or all complete: enough for a plan and for a posterior.
+        Whether all penetrations may be partial, or all complete, which is enough for a plan and for a posterior.
 
     Returns
     -------
@@ -213,10 +213,10 @@ def read_shots(path: str | PathLike[str], *, one_kind: bool = False) -> Shots:
     first = list(islice(lines, 1))
     header = first[0][1] if first else []
     usual = (*names, "shot")
-    others = [name for name in header if name and not (missing_unit(name, usual) or suggestion(name, usual))]
+    ignored = [name for name in header if name and not (missing_unit(name, usual) or suggestion(name, usual))]
     if len(header) == 1 or not {*names} & {*header}:
-        others = []  # no table of shots
-    texts = ("shot", "result", *others)
+        ignored = []  # not a table of shots
+    texts = ("shot", "result", *ignored)
     rows, problems = read_rows(file, chain(first, lines), numbers=names[:1], texts=texts, needed=names)
     velocities = [row.numbers.get("velocity_m_s", MIN_VELOCITY_M_S) for row in rows]
     words = [row.texts.get("result", "") for row in rows]
@@ -231,9 +231,9 @@ def read_shots(path: str | PathLike[str], *, one_kind: bool = False) -> Shots:
         if result is None:
             problems.append(Problem(file, f"{row.place}: result", f'{MUST_SAY}, found "{text}"'))
     refuse(in_line_order(problems))
-    called = tuple(row.texts.get("shot", "") for row in rows)
+    shot_names = tuple(row.texts.get("shot", "") for row in rows)
     complete = tuple(map(bool, results))
-    shots = Shots(tuple(velocities), complete, file, called if any(called) else ())
+    shots = Shots(tuple(velocities), complete, file, shot_names if any(shot_names) else ())
     check_shots(shots, one_kind=one_kind)
     return shots
 
@@ -293,7 +293,7 @@ def v50(
     if prior and scenario is None:
         raise mistake("v50", "prior", "must not be asked for without a scenario")
     partial, complete = shots.of(complete=False), shots.of(complete=True)
-    # With a prior, shots that have no curve tell something, too.
+    # With a prior, shots that have no curve are informative too.
     curved = not prior or (bool(partial and complete) and sum(complete) * len(partial) > sum(partial) * len(complete))
     fits, penalised_fits = (
         tuple(
@@ -303,9 +303,9 @@ def v50(
         )
         for penalised in (False, True)
     )
-    bounded = next(_bounded(partial, complete, confidence), (None, None)) if penalised_fits else (None, None)
     recommended = penalised_fits[0] if penalised_fits else None
-    decision, risks = decided(recommended, partial, complete, requirement_m_s, confidence)
+    bounded = _bounded(partial, complete, confidence) if recommended else (None, None)
+    decision, accepting, rejecting = decided(recommended, partial, complete, requirement_m_s, confidence)
     model = None if scenario is None else ballistic_limit(scenario, on_progress=on_progress)
     before, after, share = None, None, None
     contradictions: tuple[str, ...] = ()
@@ -343,20 +343,21 @@ def v50(
         bounded_interval_m_s=bounded[1],
         requirement_m_s=requirement_m_s,
         decision=decision,
-        consumers_risk=risks[0],
-        producers_risk=risks[1],
+        consumers_risk=accepting,
+        producers_risk=rejecting,
     ).of(computed, scenario=scenario, shots=shots)
 
 
 def _bounded(
     partial: Sequence[float], complete: Sequence[float], confidence: float
-) -> Iterator[tuple[float, tuple[float, float]]]:
-    """Give the levels, the one given first, at which the recommended interval of V50 is bounded, with the interval."""
-    for level in (confidence, *(lower for lower in LOWER if lower < confidence)):
+) -> tuple[float, tuple[float, float]] | tuple[None, None]:
+    """Return the first level, from the confidence down, at which the recommended interval of V50 is bounded, and it."""
+    for level in (confidence, *(level for level in LOWER_LEVELS if level < confidence)):
         fit = fit_curve(partial, complete, "probit", level, penalised=True)
         low, high = (None, None) if fit is None else fit.v50_interval_m_s
         if low is not None and high is not None:
-            yield level, (low, high)
+            return level, (low, high)
+    return None, None
 
 
 def decided(
@@ -365,23 +366,23 @@ def decided(
     complete: Sequence[float],
     requirement_m_s: float | None,
     confidence: float,
-) -> tuple[Decision, tuple[float | None, float | None]]:
+) -> tuple[Decision, float | None, float | None]:
     """Return whether a requirement is met, and the risks of accepting and of rejecting the armour now.
 
     They are those of the one-sided bounds of the recommended curve that lie at the required velocity.
     """
     if requirement_m_s is None:
-        return "", (None, None)
+        return "", None, None
     if fit is None:
-        return "not decided", (None, None)
+        return "not decided", None, None
     accepting = ShotLikelihood(partial, complete, "probit", penalised=True).chance_below(requirement_m_s)
     risk = 1.0 - confidence + ROUNDING
     decision: Decision = "met" if accepting <= risk else "not met" if 1.0 - accepting <= risk else "not decided"
-    return decision, (accepting, 1.0 - accepting)
+    return decision, accepting, 1.0 - accepting
 
 
 def _far_from_others(shots: Shots) -> Iterator[str]:
-    """Give a warning for each velocity that is probably in another unit or lacks a decimal point."""
+    """Yield a warning for each velocity that is probably in another unit or lacks a decimal point."""
     middle = median(shots.velocities_m_s)
     for velocity in shots.velocities_m_s:
         if not middle / FAR_FACTOR < velocity < middle * FAR_FACTOR:
@@ -392,7 +393,7 @@ def _far_from_others(shots: Shots) -> Iterator[str]:
 
 
 def _far_away(shots: Shots, model: LimitResult) -> Iterator[str]:
-    """Give a warning if all shots lie on the same side of the interval of the model's limit."""
+    """Yield a warning if all shots lie on the same side of the interval of the model's limit."""
     low, high = model.interval_m_s or (-inf, inf)
     slowest, fastest = min(shots.velocities_m_s), max(shots.velocities_m_s)
     if slowest > high or fastest < low:
@@ -403,7 +404,7 @@ def _far_away(shots: Shots, model: LimitResult) -> Iterator[str]:
 
 
 def check_shots(shots: Shots, *, one_kind: bool = False) -> None:
-    """Check shots, which may be made without a file."""
+    """Check shots, which may not be from a file."""
     velocities = shots.velocities_m_s
     if not all(hasattr(each, "__len__") for each in (velocities, shots.complete)):
         raise mistake(shots.file, "", "must be sequences of velocities and of results")
@@ -412,8 +413,8 @@ def check_shots(shots: Shots, *, one_kind: bool = False) -> None:
         message = f"must have as many velocities as results, found {len(velocities)} and {count}"
     elif not all(isinstance(v, Real) and c in (True, False) for v, c in zip(velocities, shots.complete, strict=True)):
         message = "must be velocities as numbers, and True for each complete penetration, False for each partial one"
-    elif wrong := [value for value in velocities if not MIN_VELOCITY_M_S <= value <= MAX_VELOCITY_M_S]:
-        message = f"must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g} m/s, found {wrong[0]:g}"
+    elif outliers := [value for value in velocities if not MIN_VELOCITY_M_S <= value <= MAX_VELOCITY_M_S]:
+        message = f"must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g} m/s, found {outliers[0]:g}"
     elif not one_kind and len(set(shots.complete)) != 2:
         kinds = f"only {'complete' if shots.complete[0] else 'partial'} ones" if count else "none"
         message = f"must have at least one partial and one complete penetration, found {kinds}"
@@ -425,16 +426,16 @@ def check_shots(shots: Shots, *, one_kind: bool = False) -> None:
 def mean_v50(
     partial: Sequence[float], complete: Sequence[float], pairs: int | None = None, span_m_s: float | None = None
 ) -> MeanV50 | None:
-    """Compute the mean of MIL-STD-662F from velocities in ascending order; None if they do not meet the span.
+    """Compute the mean of MIL-STD-662F from velocities in ascending order; None if they exceed the span.
 
-    A number of pairs without a usual span needs one.
+    The span must be given for a number of pairs without a usual one.
     """
     for count in SPANS_M_S if pairs is None else (pairs,):
-        used = [*partial[-count:], *complete[:count]]
-        span = max(used) - min(used)
+        velocities = [*partial[-count:], *complete[:count]]
+        span = max(velocities) - min(velocities)
         allowed = SPANS_M_S[count] if span_m_s is None else span_m_s
-        if len(used) == 2 * count and span <= allowed + 1e-9:
+        if len(velocities) == 2 * count and span <= allowed + 1e-9:
             usual = SPANS_M_S.get(count)
             rule: Rule = "no usual rule" if usual is None else "usual span" if allowed == usual else "given span"
-            return MeanV50(sum(used) / len(used), count, span, allowed, rule)
+            return MeanV50(sum(velocities) / len(velocities), count, span, allowed, rule)
     return None
