@@ -5,7 +5,6 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.ndimage import map_coordinates
 
 from armour.analysis.results import OnProgress, ignore_progress, portions
 from armour.analysis.variants import Floats
@@ -16,12 +15,10 @@ from armour.engine import batch
 from armour.evidence.model_error import given_error
 from armour.units import GPA
 
-# Interpolation between the nodes of a map of 25 by 25 designs is right to within this, m/s.
-NEAR_M_S = 25.0
 # Thicknesses along an axis between which an edge of what is known is looked for, and its width in the end, mm.
 EDGE_POINTS, EDGE_MM = 101, 1e-6
 # Designs that are tried at a time until one stops the threats.
-TRIED_AT_A_TIME = 64
+DESIGNS_AT_A_TIME = 1000
 
 
 class DesignMap(NamedTuple):
@@ -115,32 +112,25 @@ def with_edges_of_known(
     return grids[0], grids[1]
 
 
-def lightest(catalogue: Catalogue, near: DesignMap, probability: float) -> Design | None:
+def lightest(catalogue: Catalogue, pair: int, probability: float) -> Design | None:
     """Return the best design on offer of a pair that stops each threat with a probability; None if there is none.
 
-    No margin is asked for, and the inputs are taken as exact.  Designs are tried that a map of the pair shows to be
-    near the probability or above; if any thickness is on offer, there is none.
+    No margin is required, and the inputs are taken as exact.  If a thickness is free, there is none.
     """
-    layers = catalogue.offers[near.pair][:2]
+    layers = catalogue.offers[pair][:2]
     if any(layer.free_range() for layer in layers):
         return None
-    offered = catalogue.combinations(near.pair, *(layer.thicknesses() for layer in layers))
+    offered = catalogue.combinations(pair, *(layer.thicknesses() for layer in layers))
     offered = offered.at(catalogue.violations(offered) <= 0.0)
     offered = offered.at(catalogue.objective(offered).argsort(kind="stable"))
-    above = (near.stopped_with(probability) - catalogue.velocities_m_s).min(axis=-1)
-    axes = (offered.ceramic_mm, near.ceramic_mm), (offered.backing_mm, near.backing_mm)
-    places = [np.interp(values, nodes, np.arange(len(nodes))) for values, nodes in axes]
-    guess = map_coordinates(above, places, order=1, mode="nearest")
-    tried = offered.at(guess > -NEAR_M_S)
-    for some in portions(len(tried.pair), TRIED_AT_A_TIME):
-        candidates = tried.at(some)
-        limits = Requirement(catalogue).limits(candidates, lowest=False)
-        distributions = catalogue.distributions(candidates, limits)
-        chances = distributions.probability_above(np.tile(catalogue.velocities_m_s, len(candidates.pair)))
-        stopping = np.flatnonzero((chances.reshape(limits.shape) >= probability).all(axis=1))
+    for part in portions(len(offered.pair), DESIGNS_AT_A_TIME):
+        designs = offered.at(part)
+        rows, *_ = catalogue.against_each(designs, range(len(catalogue.threats)))
+        within = Requirement(catalogue).within_bounds(rows, np.full(len(rows.velocities), 1.0 - probability))
+        stopping = np.flatnonzero(within.reshape(len(designs.pair), -1).all(axis=1))
         if len(stopping):
-            numbers: list[Any] = [*(float(column[stopping[0]]) for column in candidates[1:]), None]
-            numbers.append(catalogue.untested[near.pair])
+            numbers: list[Any] = [float(column[stopping[0]]) for column in designs[1:]]
+            numbers += [None, catalogue.untested[pair]]
             return Design(layers[0].material, layers[1].material, *numbers)
     return None
 

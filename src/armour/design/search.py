@@ -56,7 +56,7 @@ class Requirement:
                 stopped = self._stopped(rows._replace(velocities=required))
                 bounded = np.flatnonzero(stopped & (bounds < 1.0))
                 if len(bounded):
-                    stopped[bounded] = self._within_bounds(rows.at(bounded), bounds[bounded])
+                    stopped[bounded] = self.within_bounds(rows.at(bounded), bounds[bounded])
                 every[left] = stopped.reshape(-1, len(some)).all(axis=1)
                 left = left[every[left]]
         return every
@@ -78,7 +78,7 @@ class Requirement:
         self._count(len(possible))
         return stopped
 
-    def _within_bounds(self, rows: Variants, bounds: Floats) -> Bools:
+    def within_bounds(self, rows: Variants, bounds: Floats) -> Bools:
         """Return whether rows keep to bounds on the probability of perforation at their velocities.
 
         Most do by every law of the flow stress or by none, as one impact by each law shows.  The others do if they
