@@ -24,13 +24,13 @@ from armour.scenario.library import strength_notes
 from armour.scenario.scenario import Scenario, Varied
 from armour.scenario.schema import DesignSection, shot
 
-# What is said first of a pair of materials: of which no test is known, beside others; of which a single source gives
-# the flow stress of the ceramic; and which is nearly as good as the best.
+# Words that begin the reason of a pair of materials: without tests, where others have them; with a single source of the
+# ceramic's flow stress; and nearly as good as the best.
 UNTESTED, ONE_SOURCE, RUNNER_UP = "no test", "one source of its flow stress", "runner-up: "
-# Designs up to which a result lists each, and up to which the nearest of all is looked for.
+# Most designs that a result lists, and most among which the nearest to passing is looked for.
 MOST_SHOWN, MOST_COMPARED = 25, 20_000
 Reason = Literal["", "none passes", "not known"]
-# Thicknesses that a warning lists.
+# Most thicknesses that a warning lists.
 MOST_LISTED = 5
 
 
@@ -399,7 +399,7 @@ def _best_place(catalogue: Catalogue, on_progress: OnProgress) -> tuple[Search, 
 
 
 def _first(search: Search, tested: Bools) -> int | None:
-    """Return the best design that passes, one that is tested if there is one; of no ceramic with a single source."""
+    """Return the best design that passes, a tested one if there is one; never of a ceramic with a single source."""
     several_sources = ~search.catalogue.one_source[search.candidates.pair]
     first = search.first(np.flatnonzero(tested & several_sources))
     return search.first(np.flatnonzero(~tested & several_sources)) if first is None else first
@@ -488,21 +488,21 @@ def _untested(pairs: Sequence[Pair]) -> Iterator[str]:
 
 
 def _unused_impact(scenario: Scenario) -> Iterator[Note]:
-    """Warn if the impact is none of the threats, which are used in its place."""
+    """Warn if the impact is not one of the threats, which are used instead."""
     impact = scenario.impact
     if scenario.threat and shot(impact) not in map(shot, scenario.threat):
         yield Note(f"{shot(impact)} is none of the threats, against which the armour is designed", "impact")
 
 
 def _without(search: Search, best: int, frontier: Ints) -> tuple[float, ...]:
-    """Return the given back plate thicknesses on which no ceramic of a frontier passes, mm."""
+    """Return the back plate thicknesses offered on which no ceramic passes, mm."""
     if search.catalogue.offers[search.candidates.pair[best]].backing.free_range() is not None:
         return ()
     return tuple(np.setdiff1d(search.frontier_backings(best), search.candidates.backing_mm[frontier]).tolist())
 
 
 def _outside(search: Search, place: int) -> list[str]:
-    """Return the ways in which a design and its threats are unlike what the model was compared with."""
+    """Return the ways in which a design and its threats differ from what the model was compared with."""
     catalogue = search.catalogue
     notes: list[str] = []
     for i, threat in enumerate(catalogue.threats):
@@ -548,7 +548,7 @@ def _at_the_ends(catalogue: Catalogue, pair: int, best: Design) -> Iterator[str]
 def _least_of_the_range(
     catalogue: Catalogue, pair: int, frontier: Sequence[Design], ceramic_min: float | None
 ) -> Iterator[str]:
-    """Warn if the frontier has the least ceramic of the range, which is no requirement."""
+    """Warn if the thinnest ceramic of the range passes: the required thickness is then not known."""
     backings = [design.backing_thickness_mm for design in frontier if design.ceramic_thickness_mm == ceramic_min]
     if backings:
         [key] = [key for key, name, *_ in catalogue.ranges(pair) if name == "ceramic"]
@@ -560,7 +560,7 @@ def _least_of_the_range(
 
 
 def _pareto(search: Search, criteria: Sequence[str]) -> tuple[Design, ...]:
-    """Return the Pareto front, for which free thicknesses are chosen by all criteria."""
+    """Return the Pareto front, with free thicknesses refined by every criterion."""
     if any(layer.free_range() for offer in search.catalogue.offers for layer in offer[:2]):
         search = Search(search.requirement, candidates_of(search.requirement, criteria))
     return _designs(search, search.pareto(criteria), with_margins=MARGIN in criteria)
@@ -574,7 +574,7 @@ def _refined(search: Search, first: int) -> BestDesign:
 
 
 def _governing(search: Search, where: Ints) -> list[int]:
-    """Return for each design the threat whose required velocity the ballistic limit exceeds by the least."""
+    """Return for each design the threat whose required velocity its ballistic limit exceeds by the least."""
     return search.excess_m_s(where).argmin(axis=1).tolist()
 
 
@@ -593,9 +593,9 @@ def _designs(search: Search, where: Ints, *, with_margins: bool = False) -> tupl
 
 
 def _best(search: Search, place: int, *, named: bool = False, section: DesignSection | None = None) -> BestDesign:
-    """Return a design of a search with its ballistic limits; one that is named first, with the flow stress needed.
+    """Return a design of a search with its ballistic limits and, if the result names it first, the flow stress needed.
 
-    The section has the limits that it may exceed, by default that of the search.
+    The constraints that it may exceed are those of the section, by default the search's own.
     """
     where, catalogue = np.array([place]), search.catalogue
     [design] = _designs(search, where, with_margins=True)
@@ -689,10 +689,8 @@ def _pairs(search: Search, best: int | None, tested: Bools) -> tuple[Pair, ...]:
             one_source = search.catalogue.one_source[index]
             untested = best is not None and tested[best] and not tested[place]
             ranked = not (one_source or untested)
-            design, (excess, words) = (
-                _best(search, place, named=one_source),
-                _excess(search, place, least, ranked=ranked),
-            )
+            design = _best(search, place, named=one_source)
+            excess, words = _excess(search, place, least, ranked=ranked)
             reason = ": ".join(filter(None, (ONE_SOURCE if one_source else UNTESTED if untested else "", words)))
         names = offer.ceramic.material, offer.backing.material
         pairs.append(Pair(*names, design, excess, reason, ranked, search.catalogue.untested[index]))
@@ -789,7 +787,7 @@ def _exceeded(section: DesignSection, unconstrained: Search, place: int, threats
 
 
 def _subject(catalogue: Catalogue) -> str:
-    """Return what is searched for, such as "Lightest AD85 on 6061-T6 against 7.62 mm AP at 850 m/s"."""
+    """Return the title of a result, such as "Lightest AD85 on 6061-T6 against 7.62 mm AP at 850 m/s"."""
     varied: Varied = {
         NAMES["ceramic"]: [offer.ceramic.material for offer in catalogue.offers],
         NAMES["backing"]: [offer.backing.material for offer in catalogue.offers],

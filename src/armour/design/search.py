@@ -145,16 +145,14 @@ class Search:
         self.stopping = requirement.stops(candidates)
         self._limits = np.full((len(self.values), len(self.catalogue.threats)), np.nan)
         self._probabilities: dict[int, dict[str, Estimate] | None] = {}
-        self._by_pair = candidates.pair.argsort(kind="stable")
-        self._ends = np.searchsorted(candidates.pair[self._by_pair], np.arange(len(self.catalogue.offers) + 1))
 
     def of_pair(self, pair: int) -> Ints:
-        """Return the designs of a pair."""
-        return self._by_pair[self._ends[pair] : self._ends[pair + 1]]
+        """Return the designs of a pair, in the order of the objective."""
+        return np.flatnonzero(self.candidates.pair == pair)
 
     def of_pairs(self, pairs: Sequence[int]) -> Ints:
         """Return the designs of some pairs, in the order of the objective."""
-        return np.sort(np.concatenate([self.of_pair(pair) for pair in pairs]))
+        return np.flatnonzero(np.isin(self.candidates.pair, pairs))
 
     def limits(self, where: Ints) -> Floats:
         """Return the lowest ballistic limits of designs against each threat, m/s, (designs, threats)."""
