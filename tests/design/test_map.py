@@ -24,14 +24,6 @@ def found() -> DesignMap:
     return design_map(offered(), 0, [6.0, 9.0, 12.0], [5.0, 8.0], PROBABILITIES)
 
 
-@cache
-def near(pair: int) -> DesignMap:
-    """A map that is as coarse as those of pictures."""
-    ceramics, backings = (layer.thicknesses() for layer in offered().offers[pair][:2])
-    ends = (ceramics[0], ceramics[-1]), (backings[0], backings[-1])
-    return design_map(offered(), pair, np.linspace(*ends[0], 25), np.linspace(*ends[1], 25), PROBABILITIES)
-
-
 def armour_of(i: int, j: int, threat: int) -> Scenario:
     return (
         offered()
@@ -80,13 +72,13 @@ def test_the_lightest_is_that_of_all_designs_on_offer(pair: int, probability: fl
     ceramics, backings = (layer.thicknesses() for layer in offered().offers[pair][:2])
     every = design_map(offered(), pair, ceramics, backings, PROBABILITIES)
     stops = (every.stopped_with(probability) >= offered().velocities_m_s).all(axis=-1).ravel()
-    design = lightest(offered(), near(pair), probability)
+    design = lightest(offered(), pair, probability)
     assert design is not None
     assert design.areal_density_kg_m2 == every.candidates.areal_density_kg_m2[stops].min()
 
 
 def test_none_is_the_lightest_where_none_is_sure_enough():
-    assert lightest(offered(), near(0), 0.95) is None
+    assert lightest(offered(), 0, 0.95) is None
 
 
 def test_tested_thicknesses_are_those_of_wilkins():

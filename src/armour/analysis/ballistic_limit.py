@@ -20,7 +20,7 @@ from armour.errors import InputError, NoLimitError
 from armour.evidence.model_error import ModelError, error_of, why_unknown
 from armour.evidence.tests import armour_of, is_unusual, scenario_warnings
 from armour.scenario.checked import checked
-from armour.scenario.inputs import OBLIQUITY, VELOCITY
+from armour.scenario.inputs import OBLIQUITY
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 
 # Number of intervals above the limit in a plotted curve.
@@ -319,52 +319,62 @@ def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress)
     ConfidenceResult
         With the reason if no ballistic limit is found or a run does not end within the maximum number of steps.
     """
-    found = confidence_alone(scenario, on_progress)
-    if found.probability_of_stopping is None:
+    result = confidence_alone(scenario, on_progress)
+    if result.probability_of_stopping is None:
         required = scenario.design.confidence if scenario.design else None
-        found = replace(found, flow_stress=needed_flow_stress(scenario, scenario.impact.velocity_m_s, required))
-    return found.of(scenario.subject(), scenario=scenario)
+        result = replace(result, flow_stress=needed_flow_stress(scenario, scenario.impact.velocity_m_s, required))
+    return result.of(scenario.subject(), scenario=scenario)
 
 
 def confidence_alone(scenario: Scenario, on_progress: OnProgress = ignore_progress) -> ConfidenceResult:
     """Return the confidence in an armour, without the flow stress that a ceramic without tests needs."""
+    limit, error, reason = limit_and_error(scenario, on_progress)
+    return confidence_in(scenario, limit, error, reason)
+
+
+def limit_and_error(scenario: Scenario, on_progress: OnProgress) -> tuple[float | None, ModelError | None, str]:
+    """Return the ballistic limit of an armour, m/s, the model error, and why there is no limit; None for no limit."""
     try:
-        return of_limit(scenario, _limit(scenario, on_progress), scenario.impact.velocity_m_s)
+        [limit] = ballistic_limits(variants_of(scenario, {}, 1), on_progress=on_progress).tolist()
+        if not isfinite(limit):  # the other search says why
+            limit = ballistic_limit(scenario, on_progress=on_progress).ballistic_limit_m_s
     except (NoLimitError, InputError) as error:
-        return without_limit(scenario, str(error), above=isinstance(error, NoLimitError) and error.above)
+        above = isinstance(error, NoLimitError) and error.above
+        highest = scenario.ballistic_limit.velocity_max_m_s
+        return None, model_error(scenario, highest) if above else None, str(error)
+    return limit, model_error(scenario, limit), ""
 
 
-def _limit(scenario: Scenario, on_progress: OnProgress) -> float:
-    """Return the ballistic limit, m/s."""
-    [limit] = ballistic_limits(variants_of(scenario, {}, 1), on_progress=on_progress).tolist()
-    # Where there is none, the other search says why.
-    return limit if isfinite(limit) else ballistic_limit(scenario, on_progress=on_progress).ballistic_limit_m_s
+def probability_of_stopping(
+    scenario: Scenario, limit_m_s: float | None, error: ModelError | None, velocity_m_s: float
+) -> float | None:
+    """Return the probability that an armour stops a velocity; None if it is not known.
+
+    Without a limit in the range searched, a model error says that the limit is above it: a lower bound is known then.
+    """
+    if error is None:
+        return None
+    if limit_m_s is not None:
+        return float(error.probability_of_stopping(limit_m_s, velocity_m_s))
+    lower_bound = float(error.probability_of_stopping(scenario.ballistic_limit.velocity_max_m_s, velocity_m_s))
+    return lower_bound if lower_bound > SURE else None
 
 
-def without_limit(scenario: Scenario, reason: str, *, above: bool) -> ConfidenceResult:
-    """Return the confidence in an armour whose limit is not in the range searched, for a reason, or is above it."""
+def confidence_in(
+    scenario: Scenario, limit_m_s: float | None, error: ModelError | None, reason: str = ""
+) -> ConfidenceResult:
+    """Return the confidence in an armour, given its ballistic limit and model error, or why it has no limit."""
     velocity = scenario.impact.velocity_m_s
     warnings = (*scenario_warnings(scenario, velocity), *scenario.unused_distributions())
-    error = model_error(scenario, scenario.ballistic_limit.velocity_max_m_s) if above else None
-    if error is not None:
-        least = float(error.probability_of_stopping(scenario.ballistic_limit.velocity_max_m_s, velocity))
-        if least > SURE:
-            return ConfidenceResult(least, None, error, warnings=warnings)
-    return ConfidenceResult(None, None, error, reason, warnings)
-
-
-def of_limit(scenario: Scenario, limit_m_s: float, velocity_m_s: float) -> ConfidenceResult:
-    """Return the confidence that a scenario's armour stops a velocity, given its ballistic limit by the model."""
-    error = model_error(scenario, limit_m_s)
-    warnings = (*scenario_warnings(scenario, velocity_m_s), *scenario.unused_distributions())
+    probability = probability_of_stopping(scenario, limit_m_s, error, velocity)
+    if limit_m_s is None:
+        return ConfidenceResult(probability, None, error, "" if probability else reason, warnings)
     if error is None:
         at_normal = None
         if scenario.impact.obliquity_deg and scenario.armour.ceramic_thickness_mm:
-            straight = scenario.replaced({OBLIQUITY: 0.0, VELOCITY: velocity_m_s})
-            at_normal = confidence_alone(straight).probability_of_stopping
+            at_normal = confidence_alone(scenario.replaced({OBLIQUITY: 0.0})).probability_of_stopping
         reason = no_error(scenario)
         return ConfidenceResult(None, limit_m_s, None, reason, warnings, probability_at_normal_incidence=at_normal)
-    probability = float(error.probability_of_stopping(limit_m_s, velocity_m_s))
     ends = error.interval(limit_m_s)
     return ConfidenceResult(probability, limit_m_s, error, "", warnings, error.median(limit_m_s), ends)
 

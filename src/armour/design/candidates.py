@@ -33,9 +33,9 @@ def candidates_of(requirement: Requirement, criteria: Sequence[str] = (), *, ref
     parts = [_of_pair(requirement, pair, columns, refine=refine) for pair in pairs]
     if MARGIN in criteria:
         parts += [part for pair in pairs for part in _with_more_margin(requirement, pair, columns)]
-    found = joined(parts)
-    found = found.at(catalogue.violations(found) <= 0.0)
-    return found.at(catalogue.objective(found).argsort(kind="stable"))
+    candidates = joined(parts)
+    candidates = candidates.at(catalogue.violations(candidates) <= 0.0)
+    return candidates.at(catalogue.objective(candidates).argsort(kind="stable"))
 
 
 def joined(parts: Sequence[CandidateDesigns]) -> CandidateDesigns:
@@ -50,8 +50,13 @@ def _with_more_margin(requirement: Requirement, pair: int, columns: Sequence[str
     ranges = [layer.free_range() for layer in layers]
     if ranges == [None, None]:
         return []
-    ends = (layer.thicknesses() if free is None else (free.max,) for layer, free in zip(layers, ranges, strict=True))
-    thickest = catalogue.combinations(pair, *ends)
+    thickest = catalogue.combinations(
+        pair,
+        *(
+            layer.thicknesses() if free_range is None else (free_range.max,)
+            for layer, free_range in zip(layers, ranges, strict=True)
+        ),
+    )
     spare = float((requirement.limits(thickest) - catalogue.required_m_s(thickest)).min(axis=1).max())
     parts = [thickest]
     for margin in np.linspace(0.0, max(spare, 0.0), MARGIN_PARTS + 1)[1:-1].tolist():
@@ -76,12 +81,12 @@ def _of_pair(
     def of_backings(backings: Floats, ceramics: Floats) -> CandidateDesigns:
         return of_ceramics(ceramics, backings)
 
-    def least(layer: str, free: Range | FreeRange, other: Floats) -> CandidateDesigns:
+    def least(layer: str, free_range: Range | FreeRange, other_mm: Floats) -> CandidateDesigns:
         """Return the designs with the least thickness of a free layer on each thickness of the other."""
         designs = of_ceramics if layer == "ceramic" else of_backings
-        found = _least(requirement, free, designs, other, verify=verify)
-        requirement.changing[pair, layer].update(other[found.changes_again].tolist())
-        return designs(found.mm, other)
+        thicknesses = _least(requirement, free_range, designs, other_mm, verify=verify)
+        requirement.changing[pair, layer].update(other_mm[thicknesses.changes_again].tolist())
+        return designs(thicknesses.mm, other_mm)
 
     if ceramic is None and backing is None:
         return catalogue.combinations(pair, ceramics, backings)
@@ -92,31 +97,31 @@ def _of_pair(
         return least("ceramic", ceramic, backings)
 
     # Both are free: each round has back plate thicknesses closer together around the best designs of the round before.
-    found: list[CandidateDesigns] = []
+    rounds: list[CandidateDesigns] = []
     backings, width = first_backings(backing)
 
     def values_of(backings: Floats) -> Floats:
-        some, where = np.unique(backings, return_inverse=True)
-        designs = least("ceramic", ceramic, some)
-        found.append(designs)
+        thicknesses, place = np.unique(backings, return_inverse=True)
+        designs = least("ceramic", ceramic, thicknesses)
+        rounds.append(designs)
         violations = catalogue.violations(designs)
         if (violations > 0.0).all():
             values = np.tile(violations, (len(columns), 1))  # towards the design that violates its constraints least
         else:
             values = np.array([np.where(violations > 0.0, np.inf, getattr(designs, name)) for name in columns])
-        return np.take_along_axis(values, where.reshape(backings.shape), axis=1)
+        return np.take_along_axis(values, place.reshape(backings.shape), axis=1)
 
     first = np.tile(backings, (len(columns), 1))
     minimise_over_backings(values_of, first, backing.min, backing.max, width)
-    designs = joined(found)
+    designs = joined(rounds)
     return designs.at(np.unique(designs.backing_mm, return_index=True)[1])
 
 
 def _least(
     requirement: Requirement,
-    free: Range | FreeRange,
+    free_range: Range | FreeRange,
     designs: Callable[[Floats, Floats], CandidateDesigns],
-    other: Floats,
+    other_mm: Floats,
     *,
     verify: bool,
 ) -> Least:
@@ -126,33 +131,33 @@ def _least(
     """
 
     def stops(values: Floats, rows: Ints) -> Bools:
-        return requirement.stops(designs(values, other[rows]))
+        return requirement.stops(designs(values, other_mm[rows]))
 
     def passes(values: Floats, rows: Ints) -> Bools:
-        return Search(requirement, designs(values, other[rows])).passes(np.arange(len(rows)))
+        return Search(requirement, designs(values, other_mm[rows])).passes(np.arange(len(rows)))
 
     def scanned(values: Floats, rows: Ints) -> Bools:
         threats = range(len(requirement.catalogue.threats))
-        variants, *_ = requirement.catalogue.against_each(designs(values, other[rows]), threats)
+        variants, *_ = requirement.catalogue.against_each(designs(values, other_mm[rows]), threats)
         # Where a probability is bounded, the thickest may be beyond the tests, and thinner ones not.
         return unusual(variants).reshape(-1, len(threats)).any(axis=1) | (
             np.isnan(values) & requirement.catalogue.bounded
         )
 
-    low, high = np.full(len(other), free.min), np.full(len(other), free.max)
+    low, high = np.full(len(other_mm), free_range.min), np.full(len(other_mm), free_range.max)
     least = least_values_mm(stops, scanned, low, high)
     if not verify:
         return least
-    found = np.flatnonzero(~np.isnan(least.mm))
-    rest = found[~passes(least.mm[found], found)]
-    again = least_values_mm(
-        lambda values, rows: passes(values, rest[rows]),
-        lambda values, rows: scanned(values, rest[rows]),
-        *(least.mm[rest], high[rest]),
+    stopping = np.flatnonzero(~np.isnan(least.mm))
+    failing = stopping[~passes(least.mm[stopping], stopping)]
+    by_limit = least_values_mm(
+        lambda values, rows: passes(values, failing[rows]),
+        lambda values, rows: scanned(values, failing[rows]),
+        *(least.mm[failing], high[failing]),
         points=SCAN_POINTS,  # each a limit, with velocities scanned densely
     )
-    least.mm[rest] = again.mm
-    least.changes_again[rest] |= again.changes_again
+    least.mm[failing] = by_limit.mm
+    least.changes_again[failing] |= by_limit.changes_again
     return least
 
 

@@ -88,9 +88,9 @@ class CandidateDesigns(NamedTuple):
 def first_backings(backing: Range | FreeRange) -> tuple[Floats, float]:
     """Return the back plate thicknesses at which a search with both layers free starts, mm, and their distance, mm."""
     if isinstance(backing, Range):
-        given = backing.values()
-        every = -(-len(given) // MOST_VALUES)
-        return np.array(given[::every]), every * backing.step
+        thicknesses = backing.values()
+        stride = -(-len(thicknesses) // MOST_VALUES)
+        return np.array(thicknesses[::stride]), stride * backing.step
     values, width = np.linspace(backing.min, backing.max, FIRST_VALUES, retstep=True)
     return values, float(width)
 
@@ -125,8 +125,8 @@ class Catalogue:
         if ceramic.material:
             changes["armour.ceramic"] = ceramic.material
         densities = {"ceramic.density_kg_m3": ceramic.density_kg_m3, "backing.density_kg_m3": backing.density_kg_m3}
-        given = {name: value for name, value in densities.items() if value is not None}
-        return self.scenario.replaced(changes).with_inputs(given)
+        replaced = {name: density for name, density in densities.items() if density is not None}
+        return self.scenario.replaced(changes).with_inputs(replaced)
 
     @cached_property
     def bounded(self) -> bool:
@@ -136,14 +136,14 @@ class Catalogue:
     @cached_property
     def one_source(self) -> Bools:
         """Whether a single source gives the flow stress of the ceramic of each pair, which is never best then."""
-        return np.array(
-            [of.ceramic is not None and len(of.ceramic.flow_stress_sources_GPa) == 1 for of in self.materials]
-        )
+        ceramics = (materials.ceramic for materials in self.materials)
+        return np.array([ceramic is not None and len(ceramic.flow_stress_sources_GPa) == 1 for ceramic in ceramics])
 
     @cached_property
     def untested(self) -> list[bool]:
         """Whether no test on metal is known of the ceramic of each pair."""
-        return [of.ceramic is not None and is_untested(of.ceramic) for of in self.materials]
+        ceramics = (materials.ceramic for materials in self.materials)
+        return [ceramic is not None and is_untested(ceramic) for ceramic in ceramics]
 
     @cached_property
     def velocities_m_s(self) -> Floats:
@@ -161,21 +161,27 @@ class Catalogue:
         With the rows, (designs times threats), are the ballistic limits that their margins require, m/s, and the bounds
         on the probabilities of perforation that the model error decides on; 1 for none.
         """
-        designs, places = np.divmod(np.arange(len(candidates.pair) * len(threats)), len(threats))
-        which = np.array(threats, dtype=np.int64)[places]
+        design_of_row, place = np.divmod(np.arange(len(candidates.pair) * len(threats)), len(threats))
+        threat_of_row = np.array(threats, dtype=np.int64)[place]
         required = np.array([threat.required_m_s for threat in self.threats]) + self.more_margin_m_s
         bounds = np.where((self.bounds < NO_BOUND) & (not self.sampled), self.bounds, 1.0)
-        some = candidates.at(designs)
-        parameters = self.layers[some.pair] + self.projectiles[which]
-        shot = self.velocities_m_s[which], self.cosines[which]
-        # What the evidence says is looked up for each of the materials of the rows.
-        pairs, of_row = np.unique(some.pair, return_inverse=True)
-        materials = tuple(self.materials[pair] for pair in pairs)
-        rows = Variants(parameters, *shot, of_row, self.scenario, materials)
-        rows, bounds = with_thicknesses(rows, ceramic_mm=some.ceramic_mm, backing_mm=some.backing_mm), bounds[which]
+        designs = candidates.at(design_of_row)
+        parameters = self.layers[designs.pair] + self.projectiles[threat_of_row]
+        # The evidence is looked up for each of the materials of the rows.
+        pairs, place_of_row = np.unique(designs.pair, return_inverse=True)
+        rows = Variants(
+            parameters,
+            self.velocities_m_s[threat_of_row],
+            self.cosines[threat_of_row],
+            place_of_row,
+            self.scenario,
+            tuple(self.materials[pair] for pair in pairs),
+        )
+        rows = with_thicknesses(rows, ceramic_mm=designs.ceramic_mm, backing_mm=designs.backing_mm)
+        bounds = bounds[threat_of_row]
         if self.lenient:
             bounds[~rows.errors.known] = 1.0
-        return rows, required[which], bounds
+        return rows, required[threat_of_row], bounds
 
     def required_m_s(self, candidates: CandidateDesigns) -> Floats:
         """Return the least ballistic limits required of designs, m/s, (designs, threats).
@@ -184,9 +190,9 @@ class Catalogue:
         limits by other laws of its flow stress are computed for a bound.
         """
         rows, required, bounds = self.against_each(candidates, range(len(self.threats)))
-        where = np.flatnonzero(bounds < 1.0)
-        if len(where):
-            required[where] = np.maximum(required[where], self.bounded_m_s(rows.at(where), bounds[where]))
+        bounded = np.flatnonzero(bounds < 1.0)
+        if len(bounded):
+            required[bounded] = np.maximum(required[bounded], self.bounded_m_s(rows.at(bounded), bounds[bounded]))
         return required.reshape(-1, len(self.threats))
 
     def bounded_m_s(self, rows: Variants, bounds: Floats) -> Floats:
@@ -209,10 +215,11 @@ class Catalogue:
         """
         rows, required, bounds = self.against_each(candidates, range(len(self.threats)))
         short = required - limits.ravel()
-        where = np.flatnonzero((bounds < 1.0) & rows.errors.known)
-        if len(where):
-            some = self.distributions(candidates, limits).mapped(lambda array: array[:, where])
-            short[where] = np.maximum(short[where], rows.velocities[where] - some.quantile(bounds[where]))
+        bounded = np.flatnonzero((bounds < 1.0) & rows.errors.known)
+        if len(bounded):
+            of_limits = self.distributions(candidates, limits).mapped(lambda array: array[:, bounded])
+            stopped = of_limits.quantile(bounds[bounded])
+            short[bounded] = np.maximum(short[bounded], rows.velocities[bounded] - stopped)
         return short.reshape(limits.shape)
 
     def combinations(
@@ -246,9 +253,9 @@ class Catalogue:
             (candidates.cost_per_m2, self.section.cost_max_per_m2),
         )
         violations = np.where(np.isnan(candidates.thickness_mm), np.inf, 0.0)
-        for values, most in constraints:
-            if most is not None:
-                violations = np.fmax(violations, values / most - 1.0 - ROUNDING)
+        for values, maximum in constraints:
+            if maximum is not None:
+                violations = np.fmax(violations, values / maximum - 1.0 - ROUNDING)
         return violations
 
     def objective(self, candidates: CandidateDesigns) -> Floats:
@@ -257,27 +264,27 @@ class Catalogue:
 
     def ranges(self, pair: int) -> list[tuple[str, str, float, float]]:
         """Return key, name and ends, mm, of the ranges of thicknesses of a pair; lists of thicknesses are none."""
-        found = []
+        ranges = []
         places = divmod(pair, len(self.section.backing))
         for layer, place, (role, name) in zip(self.offers[pair][:2], places, LAYERS.items(), strict=True):
             thickness = layer.thickness_mm
             if not isinstance(thickness, list) and thickness.min < thickness.max:
                 values = layer.thicknesses()
-                found.append((self._key(role, place), name, values[0], values[-1]))
-        return found
+                ranges.append((self._key(role, place), name, values[0], values[-1]))
+        return ranges
 
     def _key(self, role: str, place: int) -> str:
         """Return the key of the thicknesses of a layer."""
-        listed = getattr(self.scenario.design, role, ())
-        return f"design.{role}[{place}].thickness_mm" if listed else f"optimise.{role}_thickness_mm"
+        in_catalogue = getattr(self.scenario.design, role, ())
+        return f"design.{role}[{place}].thickness_mm" if in_catalogue else f"optimise.{role}_thickness_mm"
 
     def omissions(self) -> Iterator[str]:
         """Warn of each range of thicknesses whose end is no whole number of steps from its start."""
         for role in LAYERS:
             for place, layer in enumerate(getattr(self.section, role)):
                 thickness = layer.thickness_mm
-                if isinstance(thickness, Range) and (words := thickness.omission()):
-                    yield f"{self._key(role, place)}: {words}"
+                if isinstance(thickness, Range) and (omission := thickness.omission()):
+                    yield f"{self._key(role, place)}: {omission}"
 
     def has_costs(self) -> bool:
         """Return whether a cost is given."""
@@ -290,14 +297,14 @@ def required_by_law(rows: Variants, errors: Errors, bounds: Floats, limits: Floa
 
     The limits by other laws of the flow stress are given, (laws, n), of which the first row is not used.
     """
-    left = bounds.copy()
+    remaining = bounds.copy()
     for law in range(1, len(limits)):
-        where = np.flatnonzero(errors.ratio.weights[law] > 0.0)
-        some = errors.at(where)
-        above = some.of_law(law).times(limits[law, where]).probability_above(rows.velocities[where])
-        left[where] -= some.ratio.weights[law] * (1.0 - above)
+        used = np.flatnonzero(errors.ratio.weights[law] > 0.0)
+        used_errors = errors.at(used)
+        stopping = used_errors.of_law(law).times(limits[law, used]).probability_above(rows.velocities[used])
+        remaining[used] -= used_errors.ratio.weights[law] * (1.0 - stopping)
     with np.errstate(divide="ignore", invalid="ignore"):
-        quantiles = errors.of_law(0).quantile((left / errors.ratio.weights[0]).clip(0.0, 1.0))
+        quantiles = errors.of_law(0).quantile((remaining / errors.ratio.weights[0]).clip(0.0, 1.0))
         return rows.velocities / quantiles.clip(min=0.0)
 
 
@@ -311,7 +318,7 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
     uncertain = scenario.uncertainty is not None and scenario.uncertainty.inputs()
     sampled = bool(bounded and uncertain)
     problems = [
-        *_too_much(scenario.file, section, len(threats)),
+        *_too_many(scenario.file, section, len(threats)),
         *_listed_twice(scenario.file, section),
         *_wrong_layers(scenario.file, section, sampled=sampled),
     ]
@@ -320,17 +327,21 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
         problems.append(Problem(scenario.file, "uncertainty.model.included", message))
     refuse(problems)
 
+    projectiles = [scenario.entry("projectile", threat.projectile) for threat in threats]
     inputs = {
         "ceramic": [_inputs_of_layer(scenario, "ceramic", layer) for layer in section.ceramic],
         "backing": [_inputs_of_layer(scenario, "backing", layer) for layer in section.backing],
-        "projectile": [_inputs_of_threat(scenario, threat) for threat in threats],
+        "projectile": [
+            {OBLIQUITY: threat.obliquity_deg, **inputs_of_entry("projectile", projectile)}
+            for threat, projectile in zip(threats, projectiles, strict=True)
+        ],
     }
-    varying = {name for each in inputs.values() for name in INPUTS if len({values.get(name) for values in each}) > 1}
-    rows = {role: np.array([_row(values) for values in each]) for role, each in inputs.items()}
-    layers = (rows["ceramic"][:, None] + rows["backing"][None]).reshape(-1, len(Parameters._fields))
-    projectiles = batch.fields(rows["projectile"])
-    projectiles.L0[:] = [_length_mm(scenario, threat) * MM for threat in threats]
-    projectiles.shear_law[:] = SHEAR_LAWS[scenario.model.shear_perimeter]
+    varying = {name for rows in inputs.values() for name in INPUTS if len({row.get(name) for row in rows}) > 1}
+    parameters = {role: np.array([_parameters(row) for row in rows]) for role, rows in inputs.items()}
+    layers = (parameters["ceramic"][:, None] + parameters["backing"][None]).reshape(-1, len(Parameters._fields))
+    of_projectile = batch.fields(parameters["projectile"])
+    of_projectile.L0[:] = [penetrator_length_mm(projectile) * MM for projectile in projectiles]
+    of_projectile.shear_law[:] = SHEAR_LAWS[scenario.model.shear_perimeter]
     densities = batch.fields(layers)
     offers = tuple(
         Offer(*pair, float(densities.rho_c[i]), float(densities.rho_B[i]))
@@ -346,7 +357,7 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
         offers=offers,
         layers=layers,
         materials=tuple(_materials(scenario, offer) for offer in offers),
-        projectiles=rows["projectile"],
+        projectiles=parameters["projectile"],
         varying=frozenset({VELOCITY, CERAMIC, BACKING} | varying),
     )
 
@@ -375,16 +386,6 @@ def _wrong_layers(file: str, section: DesignSection, *, sampled: bool) -> Iterat
                 yield Problem(file, key, message)
 
 
-def _inputs_of_threat(scenario: Scenario, threat: Threat) -> dict[str, float]:
-    """Return the values of the inputs of a threat's angle and projectile, by name."""
-    entry = scenario.entry("projectile", threat.projectile)
-    return {OBLIQUITY: threat.obliquity_deg, **inputs_of_entry("projectile", entry)}
-
-
-def _length_mm(scenario: Scenario, threat: Threat) -> float:
-    return penetrator_length_mm(scenario.entry("projectile", threat.projectile))
-
-
 def _materials(scenario: Scenario, offer: Offer) -> Materials:
     """Return the entries of the library of an offer; a bare plate has no ceramic."""
     ceramic = scenario.entry("ceramic", offer.ceramic.material) if offer.ceramic.material else None
@@ -402,32 +403,30 @@ def _bound_of(threat: Threat, section: DesignSection) -> float:
     return NO_BOUND if section.confidence is None else 1.0 - section.confidence
 
 
-def _too_much(file: str, section: DesignSection, threats: int) -> list[Problem]:
-    """Return what is too much to be meant in a catalogue."""
-    offered = section.ceramic, section.backing
+def _too_many(file: str, section: DesignSection, threats: int) -> Iterator[Problem]:
+    """Yield the numbers of a catalogue that are too large."""
+    roles = section.ceramic, section.backing
     pairs = len(section.ceramic) * len(section.backing)
-    ceramics, backings = (sum(len(layer.thicknesses()) for layer in layers) for layers in offered)
+    ceramics, backings = (sum(len(layer.thicknesses()) for layer in layers) for layers in roles)
     designs = ceramics * backings
-    found = []
     if pairs > MAX_PAIRS:
-        found.append(Problem(file, "design", f"must contain at most {MAX_PAIRS} pairs of materials, found {pairs}"))
+        yield Problem(file, "design", f"must contain at most {MAX_PAIRS} pairs of materials, found {pairs}")
     if designs > MAX_DESIGNS:
-        found.append(Problem(file, "design", f"must contain at most {MAX_DESIGNS} designs, found {designs}"))
+        yield Problem(file, "design", f"must contain at most {MAX_DESIGNS} designs, found {designs}")
     elif designs * threats > MAX_IMPACTS:
         message = f"must list at most {MAX_IMPACTS // designs} threats for {designs} designs, found {threats}"
-        found.append(Problem(file, "threat", message))
-    return found
+        yield Problem(file, "threat", message)
 
 
 def _inputs_of_layer(scenario: Scenario, role: str, layer: CeramicLayer | BackingLayer) -> dict[str, float]:
     """Return the values of the inputs of a layer's material, by name; of a bare plate's ceramic, none."""
     if not layer.material:
         return {}
-    own = inputs_of_entry(role, scenario.entry(ROLES[role], layer.material))
-    return own if layer.density_kg_m3 is None else own | {f"{role}.density_kg_m3": layer.density_kg_m3}
+    inputs = inputs_of_entry(role, scenario.entry(ROLES[role], layer.material))
+    return inputs if layer.density_kg_m3 is None else inputs | {f"{role}.density_kg_m3": layer.density_kg_m3}
 
 
-def _row(inputs: Mapping[str, float]) -> list[float]:
+def _parameters(inputs: Mapping[str, float]) -> list[float]:
     """Return the parameters of the engine that inputs set, 0 elsewhere."""
     fields = fields_of(inputs)
     return [fields.get(name, 0.0) for name in Parameters._fields]

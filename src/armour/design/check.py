@@ -1,10 +1,10 @@
-"""One armour against each of its threats, and what remains of its margin if something is a little otherwise."""
+"""Check of one armour against each of its threats, and against small changes of armour and threat."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
-from armour.analysis.ballistic_limit import confidence_alone
+from armour.analysis.ballistic_limit import confidence_in, limit_and_error, probability_of_stopping
 from armour.analysis.flow_stress import NeededFlowStress, needed_flow_stress
 from armour.analysis.impact import simulate
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
@@ -16,7 +16,7 @@ from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, VELOCITY
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import DesignSection, Threat
 
-# What is asked of every armour: a part by which the round is faster, and angles.
+# Changes that every armour is checked against: factor of the impact velocity, and angles.
 FASTER, ANGLES_DEG = 1.05, (0.0, 30.0)
 Verdict = Literal["passes", "fails", "not known"]
 
@@ -97,8 +97,13 @@ class CheckedThreat:
 
     def as_given(self) -> WhatIf:
         """Return the armour without a change."""
-        own = (self.velocity_m_s, self.ballistic_limit_m_s, self.interval_m_s, self.probability_of_stopping)
-        return WhatIf("as given", *own)
+        return WhatIf(
+            "as given",
+            self.velocity_m_s,
+            self.ballistic_limit_m_s,
+            self.interval_m_s,
+            self.probability_of_stopping,
+        )
 
 
 @dataclass(frozen=True, repr=False)
@@ -120,9 +125,9 @@ class CheckResult(TableResult):
 
     def _columns(self) -> dict[str, list[object]]:
         rows = [
-            {"threat": of.threat, "verdict": of.verdict, **vars(what_if)}
-            for of in self.threats
-            for what_if in (of.as_given(), *of.what_ifs)
+            {"threat": threat.threat, "verdict": threat.verdict, **vars(what_if)}
+            for threat in self.threats
+            for what_if in (threat.as_given(), *threat.what_ifs)
         ]
         return by_column(rows)
 
@@ -155,19 +160,19 @@ def check(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> C
     'fails'
     """
     section = scenario.design or DesignSection()
-    found, warnings = [], []
+    checked_threats, warnings = [], []
     for place, threat in enumerate(scenario.threats()):
-        own = scenario.against(threat)
-        found.append(_checked(own, threat, section, on_progress))
+        against = scenario.against(threat)
+        checked_threats.append(_checked(against, threat, section, on_progress))
         key = f"threat[{place}]" if scenario.threat else "impact"
         warnings += [
             Note(note.text, note.key.replace("impact", key), note.brief)
-            for note in scenario_warnings(own, threat.velocity_m_s)
+            for note in scenario_warnings(against, threat.velocity_m_s)
         ]
     warnings += scenario.unused_distributions()
-    verdicts = [threat.verdict for threat in found]
+    verdicts = [threat.verdict for threat in checked_threats]
     worst: Verdict = "fails" if "fails" in verdicts else "not known" if "not known" in verdicts else "passes"
-    return CheckResult(tuple(found), worst, tuple(dict.fromkeys(warnings))).of(
+    return CheckResult(tuple(checked_threats), worst, tuple(dict.fromkeys(warnings))).of(
         scenario.subject(threats=scenario.threat), scenario=scenario
     )
 
@@ -181,22 +186,26 @@ def verdict_of(required: float | None, probability: float | None, *, stops: bool
     return "not known" if stops else "fails"
 
 
-def _checked(own: Scenario, threat: Threat, section: DesignSection, on_progress: OnProgress) -> CheckedThreat:
+def _checked(against: Scenario, threat: Threat, section: DesignSection, on_progress: OnProgress) -> CheckedThreat:
     """Return the armour of a scenario against a threat, which is its impact."""
-    result = confidence_alone(own, on_progress)
-    limit, bound = result.ballistic_limit_m_s, threat.probability_of_perforation
+    limit, error, reason = limit_and_error(against, on_progress)
+    result = confidence_in(against, limit, error, reason)
+    bound = threat.probability_of_perforation
     required = section.confidence if bound is None else 1.0 - bound
     probability = result.probability_of_stopping
     if limit is not None:
         stops = limit >= threat.required_m_s
     else:  # the whole range of the search is stopped, or perforates
-        stops = simulate(own.replaced({VELOCITY: threat.required_m_s})).outcome == "stopped"
+        stops = simulate(against.replaced({VELOCITY: threat.required_m_s})).outcome == "stopped"
     what_ifs = []
-    for change, values in _changes(own, section.thickness_tolerance_mm):
-        other = own.replaced(values)
-        of = confidence_alone(other, on_progress)
-        known = (of.ballistic_limit_m_s, of.interval_m_s, of.probability_of_stopping)
-        what_ifs.append(WhatIf(change, other.impact.velocity_m_s, *known))
+    for change, values in _changes(against, section.thickness_tolerance_mm):
+        changed, changed_limit, changed_error = against.replaced(values), limit, error
+        if VELOCITY not in values:  # on which the limit does not depend
+            changed_limit, changed_error, _ = limit_and_error(changed, on_progress)
+        velocity = changed.impact.velocity_m_s
+        interval = None if changed_limit is None or changed_error is None else changed_error.interval(changed_limit)
+        chance = probability_of_stopping(changed, changed_limit, changed_error, velocity)
+        what_ifs.append(WhatIf(change, velocity, changed_limit, interval, chance))
     return CheckedThreat(
         threat=threat.title,
         projectile=threat.projectile,
@@ -210,20 +219,20 @@ def _checked(own: Scenario, threat: Threat, section: DesignSection, on_progress:
         required_probability=required,
         reason=result.reason,
         probability_at_normal_incidence=result.probability_at_normal_incidence,
-        flow_stress=None if probability is not None else needed_flow_stress(own, threat.required_m_s, required),
+        flow_stress=None if probability is not None else needed_flow_stress(against, threat.required_m_s, required),
         model_error=result.model_error,
         verdict=verdict_of(required, probability, stops=stops),
         what_ifs=tuple(what_ifs),
     )
 
 
-def _changes(own: Scenario, tolerance_mm: float) -> Iterator[tuple[str, dict[str, float]]]:
-    """Yield the changes of an armour and its threat that people ask about, in words and by key."""
+def _changes(scenario: Scenario, tolerance_mm: float) -> Iterator[tuple[str, dict[str, float]]]:
+    """Yield the changes of an armour and its threat that are checked, in words and by key."""
     for key, words in ((CERAMIC, "ceramic"), (BACKING, "back plate")):
-        thickness = getattr(own.armour, key.partition(".")[2])
+        thickness = getattr(scenario.armour, key.partition(".")[2])
         if thickness > tolerance_mm > 0.0:
             yield f"{words} {tolerance_mm:g} mm thinner", {key: thickness - tolerance_mm}
-    yield f"{100.0 * FASTER - 100.0:.0f} % faster", {VELOCITY: FASTER * own.impact.velocity_m_s}
+    yield f"{100.0 * FASTER - 100.0:.0f} % faster", {VELOCITY: FASTER * scenario.impact.velocity_m_s}
     for angle in ANGLES_DEG:
-        if angle != own.impact.obliquity_deg:
+        if angle != scenario.impact.obliquity_deg:
             yield f"at {angle:g}°", {OBLIQUITY: angle}

@@ -5,7 +5,6 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.ndimage import map_coordinates
 
 from armour.analysis.results import OnProgress, ignore_progress, portions
 from armour.analysis.variants import Floats
@@ -16,12 +15,10 @@ from armour.engine import batch
 from armour.evidence.model_error import given_error
 from armour.units import GPA
 
-# Interpolation between the nodes of a map of 25 by 25 designs is right to within this, m/s.
-NEAR_M_S = 25.0
 # Thicknesses along an axis between which an edge of what is known is looked for, and its width in the end, mm.
 EDGE_POINTS, EDGE_MM = 101, 1e-6
 # Designs that are tried at a time until one stops the threats.
-TRIED_AT_A_TIME = 64
+DESIGNS_AT_A_TIME = 1000
 
 
 class DesignMap(NamedTuple):
@@ -62,34 +59,34 @@ def design_map(
     # A velocity that is stopped with a probability is the quantile of the limit at its complement.
     tails = 1.0 - np.array(probabilities)
     distributions = catalogue.distributions(candidates, limits)
-    known = np.flatnonzero(~np.isnan(distributions.weights).any(axis=0))
+    with_error = np.flatnonzero(~np.isnan(distributions.weights).any(axis=0))
     stopped = np.full((limits.size, len(tails)), np.nan)
-    stopped[known] = distributions.mapped(lambda array: array[:, known]).quantile(tails[None])
+    stopped[with_error] = distributions.mapped(lambda array: array[:, with_error]).quantile(tails[None])
     by_probability = stopped.reshape(*shape, len(tails))
     return DesignMap(pair, ceramics, backings, candidates, limits.reshape(shape), probabilities, by_probability)
 
 
-def limits_over_sources(catalogue: Catalogue, near: DesignMap) -> Floats | None:
+def limits_over_sources(catalogue: Catalogue, designs: DesignMap) -> Floats | None:
     """Return the ballistic limits of a map with the flow stresses that sources give for its ceramic.
 
     They have the shape (sources, ceramics, back plates, threats); None without sources.
     """
-    ceramic = catalogue.materials[near.pair].ceramic
-    if ceramic is None or not ceramic.flow_stress_sources_GPa or not catalogue.untested[near.pair]:
+    ceramic = catalogue.materials[designs.pair].ceramic
+    if ceramic is None or not ceramic.flow_stress_sources_GPa or not catalogue.untested[designs.pair]:
         return None
-    found = []
+    limits = []
     for flow_stress in ceramic.flow_stress_sources_GPa:
         layers = catalogue.layers.copy()
-        batch.fields(layers).Yc0[near.pair] = flow_stress * GPA
-        found.append(Requirement(replace(catalogue, layers=layers)).limits(near.candidates, lowest=False))
-    return np.array(found).reshape(-1, *near.limits_m_s.shape)
+        batch.fields(layers).Yc0[designs.pair] = flow_stress * GPA
+        limits.append(Requirement(replace(catalogue, layers=layers)).limits(designs.candidates, lowest=False))
+    return np.array(limits).reshape(-1, *designs.limits_m_s.shape)
 
 
 def with_edges_of_known(
     catalogue: Catalogue, pair: int, ceramic_mm: Floats, backing_mm: Floats
 ) -> tuple[Floats, Floats]:
     """Return thicknesses of a grid, mm, with those between which the model error becomes known or unknown."""
-    of = [
+    scans = [
         np.linspace(values[0], values[-1], EDGE_POINTS) if len(values) > 1 else values
         for values in (ceramic_mm, backing_mm)
     ]
@@ -97,50 +94,43 @@ def with_edges_of_known(
 
     def is_known(*thicknesses: Any) -> Any:
         ceramics, backings = np.broadcast_arrays(*map(np.atleast_1d, thicknesses))
-        found = requirement.tested(catalogue.candidates(pair, ceramics.ravel(), backings.ravel()))
-        return found.reshape(ceramics.shape)
+        tested = requirement.tested(catalogue.candidates(pair, ceramics.ravel(), backings.ravel()))
+        return tested.reshape(ceramics.shape)
 
-    known, grids = is_known(of[0][:, None], of[1][None]), [ceramic_mm, backing_mm]
-    for axis, values in enumerate(of):
-        changes = np.diff(known.astype(int), axis=axis).astype(bool)
+    tested, grids = is_known(scans[0][:, None], scans[1][None]), [ceramic_mm, backing_mm]
+    for axis, values in enumerate(scans):
+        changes = np.diff(tested.astype(int), axis=axis).astype(bool)
         for place in np.flatnonzero(changes.any(axis=1 - axis)):
-            other = int(np.argmax(np.moveaxis(changes, axis, 0)[place]))
+            other_place = int(np.argmax(np.moveaxis(changes, axis, 0)[place]))
             low, high = values[place : place + 2]
             while high - low > EDGE_MM:
                 middle = 0.5 * (low + high)
-                at = (middle, of[1][other]) if axis == 0 else (of[0][other], middle)
-                same = is_known(*at)[0] == np.moveaxis(known, axis, 0)[place, other]
-                low, high = (middle, high) if same else (low, middle)
+                at = (middle, scans[1][other_place]) if axis == 0 else (scans[0][other_place], middle)
+                is_as_low = is_known(*at)[0] == np.moveaxis(tested, axis, 0)[place, other_place]
+                low, high = (middle, high) if is_as_low else (low, middle)
             grids[axis] = np.union1d(grids[axis], [low, high])
     return grids[0], grids[1]
 
 
-def lightest(catalogue: Catalogue, near: DesignMap, probability: float) -> Design | None:
+def lightest(catalogue: Catalogue, pair: int, probability: float) -> Design | None:
     """Return the best design on offer of a pair that stops each threat with a probability; None if there is none.
 
-    No margin is asked for, and the inputs are taken as exact.  Designs are tried that a map of the pair shows to be
-    near the probability or above; if any thickness is on offer, there is none.
+    No margin is required, and the inputs are taken as exact.  If a thickness is free, there is none.
     """
-    layers = catalogue.offers[near.pair][:2]
+    layers = catalogue.offers[pair][:2]
     if any(layer.free_range() for layer in layers):
         return None
-    offered = catalogue.combinations(near.pair, *(layer.thicknesses() for layer in layers))
+    offered = catalogue.combinations(pair, *(layer.thicknesses() for layer in layers))
     offered = offered.at(catalogue.violations(offered) <= 0.0)
     offered = offered.at(catalogue.objective(offered).argsort(kind="stable"))
-    above = (near.stopped_with(probability) - catalogue.velocities_m_s).min(axis=-1)
-    axes = (offered.ceramic_mm, near.ceramic_mm), (offered.backing_mm, near.backing_mm)
-    places = [np.interp(values, nodes, np.arange(len(nodes))) for values, nodes in axes]
-    guess = map_coordinates(above, places, order=1, mode="nearest")
-    tried = offered.at(guess > -NEAR_M_S)
-    for some in portions(len(tried.pair), TRIED_AT_A_TIME):
-        candidates = tried.at(some)
-        limits = Requirement(catalogue).limits(candidates, lowest=False)
-        distributions = catalogue.distributions(candidates, limits)
-        chances = distributions.probability_above(np.tile(catalogue.velocities_m_s, len(candidates.pair)))
-        stopping = np.flatnonzero((chances.reshape(limits.shape) >= probability).all(axis=1))
+    for part in portions(len(offered.pair), DESIGNS_AT_A_TIME):
+        designs = offered.at(part)
+        rows, *_ = catalogue.against_each(designs, range(len(catalogue.threats)))
+        within = Requirement(catalogue).within_bounds(rows, np.full(len(rows.velocities), 1.0 - probability))
+        stopping = np.flatnonzero(within.reshape(len(designs.pair), -1).all(axis=1))
         if len(stopping):
-            numbers: list[Any] = [*(float(column[stopping[0]]) for column in candidates[1:]), None]
-            numbers.append(catalogue.untested[near.pair])
+            numbers: list[Any] = [float(column[stopping[0]]) for column in designs[1:]]
+            numbers += [None, catalogue.untested[pair]]
             return Design(layers[0].material, layers[1].material, *numbers)
     return None
 
@@ -156,6 +146,10 @@ def thicknesses_tested(catalogue: Catalogue, pair: int, threat: int) -> dict[str
     [(evidence, _)] = rows.armours.by_evidence()
     if given_error(catalogue.scenario) or not rows.errors.known.all():
         return {}
-    of = float(rows.armours.quantities()["rod_diameter_mm"][0] * rows.cosines[0])
+    diameter_mm = float(rows.armours.quantities()["rod_diameter_mm"][0] * rows.cosines[0])
     names = {"ceramic_thickness_ratio": "ceramic", "backing_thickness_ratio": "backing"}
-    return {names[x.name]: (x.low * of, x.high * of) for x in evidence.measured if x.name in names}
+    return {
+        names[ratio.name]: (ratio.low * diameter_mm, ratio.high * diameter_mm)
+        for ratio in evidence.measured
+        if ratio.name in names
+    }

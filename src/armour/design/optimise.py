@@ -24,13 +24,13 @@ from armour.scenario.library import strength_notes
 from armour.scenario.scenario import Scenario, Varied
 from armour.scenario.schema import DesignSection, shot
 
-# What is said first of a pair of materials: of which no test is known, beside others; of which a single source gives
-# the flow stress of the ceramic; and which is nearly as good as the best.
+# Words that begin the reason of a pair of materials: without tests, where others have them; with a single source of the
+# ceramic's flow stress; and nearly as good as the best.
 UNTESTED, ONE_SOURCE, RUNNER_UP = "no test", "one source of its flow stress", "runner-up: "
-# Designs up to which a result lists each, and up to which the nearest of all is looked for.
+# Most designs that a result lists, and most among which the nearest to passing is looked for.
 MOST_SHOWN, MOST_COMPARED = 25, 20_000
 Reason = Literal["", "none passes", "not known"]
-# Thicknesses that a warning lists.
+# Most thicknesses that a warning lists.
 MOST_LISTED = 5
 
 
@@ -130,8 +130,8 @@ class BestDesign(Design):
             "ceramic.density_kg_m3": self.ceramic_density_kg_m3,
             "backing.density_kg_m3": self.backing_density_kg_m3,
         }
-        own = scenario.replaced(named).inputs()
-        return {**named, **{key: value for key, value in numbers.items() if own.get(key, value) != value}}
+        inputs = scenario.replaced(named).inputs()
+        return {**named, **{key: value for key, value in numbers.items() if inputs.get(key, value) != value}}
 
 
 @dataclass(frozen=True)
@@ -307,16 +307,18 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
     if refine and not any(layer.free_range(refine=True) for offer in catalogue.offers for layer in offer[:2]):
         problems.append(Problem(scenario.file, "--refine", "needs a thickness given as a range"))
     refuse(problems)
-    search, tested, place, reason = _found(catalogue, on_progress)
+    search, tested, place, reason = _best_place(catalogue, on_progress)
     explanation, without_limits = "", None
     if reason == "none passes":
-        free = _unconstrained(search)
-        explanation = _why_none(search, free, range(len(catalogue.offers)))
-        if (single := search.first(np.flatnonzero(catalogue.one_source[search.candidates.pair]))) is not None:
-            [design] = _designs(search, np.array([single]))
-            explanation = f"only {design.ceramic} would, of which a single source gives the flow stress"
-        if (other := _first(free, free.requirement.tested(free.candidates))) is not None:
-            without_limits = _best(free, other, section=catalogue.section)
+        unconstrained = _unconstrained(search)
+        explanation = _why_none(search, unconstrained, range(len(catalogue.offers)))
+        of_one_source = np.flatnonzero(catalogue.one_source[search.candidates.pair])
+        if (first := search.first(of_one_source)) is not None:
+            ceramic = catalogue.offers[search.candidates.pair[first]].ceramic.material
+            explanation = f"only {ceramic} would, of which a single source gives the flow stress"
+        first = _first(unconstrained, unconstrained.requirement.tested(unconstrained.candidates))
+        if first is not None:
+            without_limits = _best(unconstrained, first, section=catalogue.section)
         search = _nearest(search.requirement)
         place, pairs = 0, _short_pairs(search)
     else:
@@ -373,7 +375,7 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
     ).of(_subject(catalogue), scenario=scenario)
 
 
-def _found(catalogue: Catalogue, on_progress: OnProgress) -> tuple[Search, Bools, int | None, Reason]:
+def _best_place(catalogue: Catalogue, on_progress: OnProgress) -> tuple[Search, Bools, int | None, Reason]:
     """Return a search, which designs of it are tested, its best design, and why this does not pass, if it does not.
 
     If no design passes, bounds on probabilities that are not known are left out: the limits by the model decide.
@@ -391,35 +393,36 @@ def _found(catalogue: Catalogue, on_progress: OnProgress) -> tuple[Search, Bools
         if (place := _first(search, tested)) is not None:
             return search, tested, place, "not known" if lenient else ""
         if lenient or not catalogue.bounded:
-            only = bool(catalogue.one_source.all()) and search.first(np.arange(len(search.values))) is not None
-            return search, tested, None, "not known" if only else "none passes"
+            passes = bool(catalogue.one_source.all()) and search.first(np.arange(len(search.values))) is not None
+            return search, tested, None, "not known" if passes else "none passes"
         requirement = replace(requirement, catalogue=replace(catalogue, lenient=True))
 
 
 def _first(search: Search, tested: Bools) -> int | None:
-    """Return the best design that passes, one that is tested if there is one; of no ceramic with a single source."""
-    single = search.catalogue.one_source[search.candidates.pair]
-    first = search.first(np.flatnonzero(tested & ~single))
-    return search.first(np.flatnonzero(~tested & ~single)) if first is None else first
+    """Return the best design that passes, a tested one if there is one; never of a ceramic with a single source."""
+    several_sources = ~search.catalogue.one_source[search.candidates.pair]
+    first = search.first(np.flatnonzero(tested & several_sources))
+    return search.first(np.flatnonzero(~tested & several_sources)) if first is None else first
 
 
 def _nearest(requirement: Requirement) -> Search:
-    """Return a search among the designs within the constraints, or near them, that begins with those that lack least.
+    """Return a search of the designs within the constraints, or nearest to them, beginning with those that lack least.
 
     What a design lacks is the greatest of what it lacks against each threat.  Of very many designs, the thickest
     ceramics within the constraints on each back plate are compared.
     """
     catalogue = requirement.catalogue
-    every = joined([_sampled_designs(catalogue, pair) for pair in range(len(catalogue.offers))])
-    several = every.at(~catalogue.one_source[every.pair])
-    every = several if len(several.pair) else every
-    violations = catalogue.violations(every)
-    every = every.at(violations <= max(float(violations.min()), 0.0))
-    if len(every.pair) > MOST_COMPARED:
-        order = np.lexsort((-every.ceramic_mm, every.backing_mm, every.pair))
-        every = every.at(order[np.unique(np.column_stack(every[::2][:2])[order], axis=0, return_index=True)[1]])
-    short = catalogue.short_m_s(every, requirement.limits(every)).max(axis=1)
-    return Search(requirement, every.at(np.lexsort((catalogue.objective(every), short))))
+    designs = joined([_sampled_designs(catalogue, pair) for pair in range(len(catalogue.offers))])
+    if not catalogue.one_source.all():
+        designs = designs.at(~catalogue.one_source[designs.pair])
+    violations = catalogue.violations(designs)
+    designs = designs.at(violations <= max(float(violations.min()), 0.0))
+    if len(designs.pair) > MOST_COMPARED:
+        designs = designs.at(np.lexsort((-designs.ceramic_mm, designs.backing_mm, designs.pair)))
+        columns = np.column_stack([designs.pair, designs.backing_mm])
+        designs = designs.at(np.unique(columns, axis=0, return_index=True)[1])
+    short = catalogue.short_m_s(designs, requirement.limits(designs)).max(axis=1)
+    return Search(requirement, designs.at(np.lexsort((catalogue.objective(designs), short))))
 
 
 def _sampled_designs(catalogue: Catalogue, pair: int) -> CandidateDesigns:
@@ -428,26 +431,25 @@ def _sampled_designs(catalogue: Catalogue, pair: int) -> CandidateDesigns:
     return catalogue.combinations(
         pair,
         *(
-            np.linspace(free.min, free.max, FIRST_VALUES) if (free := layer.free_range()) else layer.thicknesses()
+            np.linspace(free_range.min, free_range.max, FIRST_VALUES)
+            if (free_range := layer.free_range())
+            else layer.thicknesses()
             for layer in layers
         ),
     )
 
 
 def _short_pairs(search: Search) -> tuple[Pair, ...]:
-    """Return the pairs of materials with what the design lacks that lacks least, in the order of these."""
-    offers, found = search.catalogue.offers, {}
-    for place, pair in enumerate(search.candidates.pair.tolist()):
-        if pair not in found:
-            [short] = _short(search, np.array([place]))
-            threat = int(short.argmax())
-            ceramic, backing = (column[place] for column in search.candidates[1:3])
-            layers = f"{ceramic:.4g} on {backing:.4g} mm" if offers[pair].ceramic.material else f"{backing:.4g} mm"
-            words = f"{layers}: {short[threat]:.0f} m/s short against {search.catalogue.titles[threat]}"
-            ceramic_name, backing_name = (layer.material for layer in offers[pair][:2])
-            untested = search.catalogue.untested[pair]
-            found[pair] = Pair(ceramic_name, backing_name, None, None, words, untested=untested)
-    return tuple(found.values())
+    """Return each pair of materials with what its design that lacks least lacks, in the order of the search."""
+    pairs = []
+    for place in np.sort(np.unique(search.candidates.pair, return_index=True)[1]):
+        [design], [short] = _designs(search, np.array([place])), _short(search, np.array([place]))
+        threat = int(short.argmax())
+        ceramic = f"{design.ceramic_thickness_mm:.4g} on " if design.ceramic else ""
+        layers = f"{ceramic}{design.backing_thickness_mm:.4g} mm"
+        reason = f"{layers}: {short[threat]:.0f} m/s short against {search.catalogue.titles[threat]}"
+        pairs.append(Pair(design.ceramic, design.backing, None, None, reason, untested=design.untested))
+    return tuple(pairs)
 
 
 def _short(search: Search, where: Ints) -> Floats:
@@ -469,9 +471,9 @@ def _why_not_known(search: Search, place: int | None) -> str:
     # The reason is that of the governing threat, if its probability is unknown.
     threat = min(unknown, key=search.excess_m_s(np.array([place]))[0].__getitem__)
     why = why_unknown(catalogue.scenario, _armour(search, place, threat))
-    titles = [catalogue.titles[each] for each in unknown]
-    of = "every threat" if len(titles) == len(catalogue.titles) > 1 else listed(titles)
-    return f"probability of stopping {of}: unknown, {why}"
+    titles = [catalogue.titles[place] for place in unknown]
+    threats = "every threat" if len(titles) == len(catalogue.titles) > 1 else listed(titles)
+    return f"probability of stopping {threats}: unknown, {why}"
 
 
 def _untested(pairs: Sequence[Pair]) -> Iterator[str]:
@@ -486,47 +488,47 @@ def _untested(pairs: Sequence[Pair]) -> Iterator[str]:
 
 
 def _unused_impact(scenario: Scenario) -> Iterator[Note]:
-    """Warn if the impact is none of the threats, which are used in its place."""
+    """Warn if the impact is not one of the threats, which are used instead."""
     impact = scenario.impact
     if scenario.threat and shot(impact) not in map(shot, scenario.threat):
         yield Note(f"{shot(impact)} is none of the threats, against which the armour is designed", "impact")
 
 
 def _without(search: Search, best: int, frontier: Ints) -> tuple[float, ...]:
-    """Return the given back plate thicknesses on which no ceramic of a frontier passes, mm."""
+    """Return the back plate thicknesses offered on which no ceramic passes, mm."""
     if search.catalogue.offers[search.candidates.pair[best]].backing.free_range() is not None:
         return ()
     return tuple(np.setdiff1d(search.frontier_backings(best), search.candidates.backing_mm[frontier]).tolist())
 
 
 def _outside(search: Search, place: int) -> list[str]:
-    """Return the ways in which a design and its threats are unlike what the model was compared with."""
+    """Return the ways in which a design and its threats differ from what the model was compared with."""
     catalogue = search.catalogue
-    found: list[str] = []
+    notes: list[str] = []
     for i, threat in enumerate(catalogue.threats):
-        for each in limits_outside(_armour(search, place, i), np.array([threat.velocity_m_s])):
-            key = each.key
+        for outside in limits_outside(_armour(search, place, i), np.array([threat.velocity_m_s])):
+            key = outside.key
             if catalogue.scenario.threat and key.partition(".")[0] in ("impact", "projectile"):
                 key = f"threat[{i}].{key.partition('.')[2] if key.startswith('impact') else 'projectile'}"
-            found.append(each.note(key))
+            notes.append(outside.note(key))
     metals = (catalogue.scenario.entry("metal", layer.material) for layer in catalogue.section.backing)
-    found += strength_notes(metals, bare=not search.candidates.ceramic_mm[place])
-    return list(dict.fromkeys(found))
+    notes += strength_notes(metals, bare=not search.candidates.ceramic_mm[place])
+    return list(dict.fromkeys(notes))
 
 
 def _changing(search: Search, columns: Sequence[tuple[int, str, float]]) -> Iterator[str]:
     """Warn of each pair and layer of which a thicker one may fail, with thicknesses of the other one, mm."""
-    found = search.requirement.changing
-    for pair, layer, other in columns:
-        found[pair, layer].add(other)
-    for (pair, layer), others in sorted(found.items()):
-        if others:
-            offer, shown = search.catalogue.offers[pair], [f"{other:.4g}" for other in sorted(others)]
-            armour = " on ".join(part.material for part in offer[:2] if part.material)
-            listed = ", ".join(shown[:MOST_LISTED]) + (" and more" if len(shown) > MOST_LISTED else "")
+    changing = search.requirement.changing
+    for pair, layer, other_mm in columns:
+        changing[pair, layer].add(other_mm)
+    for (pair, layer), thicknesses in sorted(changing.items()):
+        if thicknesses:
+            armour = " on ".join(part.material for part in search.catalogue.offers[pair][:2] if part.material)
+            words = ", ".join(f"{thickness:.4g}" for thickness in sorted(thicknesses)[:MOST_LISTED])
+            more = " and more" if len(thicknesses) > MOST_LISTED else ""
             yield (
                 f"{armour}: a thicker {layer} is perforated at a velocity that a thinner one stops, "
-                f"with a {'ceramic' if layer == 'back plate' else 'back plate'} of {listed} mm"
+                f"with a {'ceramic' if layer == 'back plate' else 'back plate'} of {words}{more} mm"
             )
 
 
@@ -534,31 +536,31 @@ def _at_the_ends(catalogue: Catalogue, pair: int, best: Design) -> Iterator[str]
     """Warn of each end of a range of thicknesses at which the best design lies."""
     for key, name, low, high in catalogue.ranges(pair):
         thickness = best.ceramic_thickness_mm if name == "ceramic" else best.backing_thickness_mm
-        for end, which, beyond in ((low, "least", "thinner"), (high, "greatest", "thicker")):
+        for end, extreme, thinner in ((low, "least", "thinner"), (high, "greatest", "thicker")):
             if thickness == end > 0.0:
                 smaller = OBJECTIVES[catalogue.section.minimise].less
                 yield (
-                    f"{key}: the best design lies at the {which} {name} thickness of the range, {end:g} mm; "
-                    f"a {beyond} {name} may make the armour {smaller}"
+                    f"{key}: the best design lies at the {extreme} {name} thickness of the range, {end:g} mm; "
+                    f"a {thinner} {name} may make the armour {smaller}"
                 )
 
 
 def _least_of_the_range(
     catalogue: Catalogue, pair: int, frontier: Sequence[Design], ceramic_min: float | None
 ) -> Iterator[str]:
-    """Warn if the frontier has the least ceramic of the range, which is no requirement."""
+    """Warn if the thinnest ceramic of the range passes: the required thickness is then not known."""
     backings = [design.backing_thickness_mm for design in frontier if design.ceramic_thickness_mm == ceramic_min]
     if backings:
         [key] = [key for key, name, *_ in catalogue.ranges(pair) if name == "ceramic"]
-        many = f"back plates of {backings[0]:g} to" if len(backings) > 1 else "a back plate of"
+        back_plates = f"back plates of {backings[0]:g} to" if len(backings) > 1 else "a back plate of"
         yield (
-            f"{key}: the least ceramic thickness of the range, {ceramic_min:g} mm, passes on {many} "
+            f"{key}: the least ceramic thickness of the range, {ceramic_min:g} mm, passes on {back_plates} "
             f"{backings[-1]:g} mm; less may be required there"
         )
 
 
 def _pareto(search: Search, criteria: Sequence[str]) -> tuple[Design, ...]:
-    """Return the Pareto front, for which free thicknesses are chosen by all criteria."""
+    """Return the Pareto front, with free thicknesses refined by every criterion."""
     if any(layer.free_range() for offer in search.catalogue.offers for layer in offer[:2]):
         search = Search(search.requirement, candidates_of(search.requirement, criteria))
     return _designs(search, search.pareto(criteria), with_margins=MARGIN in criteria)
@@ -566,23 +568,23 @@ def _pareto(search: Search, criteria: Sequence[str]) -> tuple[Design, ...]:
 
 def _refined(search: Search, first: int) -> BestDesign:
     """Return the best design with both layers free; that of the search if none is better."""
-    finer = Search(search.requirement, candidates_of(search.requirement, refine=True))
-    place = finer.first(np.flatnonzero(finer.values < search.values[first]))
-    return _best(search, first) if place is None else _best(finer, place)
+    refined = Search(search.requirement, candidates_of(search.requirement, refine=True))
+    place = refined.first(np.flatnonzero(refined.values < search.values[first]))
+    return _best(search, first) if place is None else _best(refined, place)
 
 
 def _governing(search: Search, where: Ints) -> list[int]:
-    """Return for each design the threat whose required velocity the ballistic limit exceeds by the least."""
+    """Return for each design the threat whose required velocity its ballistic limit exceeds by the least."""
     return search.excess_m_s(where).argmin(axis=1).tolist()
 
 
 def _designs(search: Search, where: Ints, *, with_margins: bool = False) -> tuple[Design, ...]:
     """Return designs of a search as results."""
     offers, candidates = search.catalogue.offers, search.candidates.at(where)
-    unknown = [None] * len(where)
-    margins = search.margins(search.limits(where)).min(axis=1).tolist() if with_margins else unknown
+    absent = [None] * len(where)
+    margins = search.margins(search.limits(where)).min(axis=1).tolist() if with_margins else absent
     *columns, costs = (column.tolist() for column in candidates)
-    costs = costs if search.catalogue.has_costs() else unknown
+    costs = costs if search.catalogue.has_costs() else absent
     untested = [search.catalogue.untested[pair] for pair in candidates.pair]
     return tuple(
         Design(offers[pair].ceramic.material, offers[pair].backing.material, *numbers)
@@ -591,9 +593,9 @@ def _designs(search: Search, where: Ints, *, with_margins: bool = False) -> tupl
 
 
 def _best(search: Search, place: int, *, named: bool = False, section: DesignSection | None = None) -> BestDesign:
-    """Return a design of a search with its ballistic limits; one that is named first, with the flow stress needed.
+    """Return a design of a search with its ballistic limits and, if the result names it first, the flow stress needed.
 
-    The section has the limits that it may exceed, by default that of the search.
+    The constraints that it may exceed are those of the section, by default the search's own.
     """
     where, catalogue = np.array([place]), search.catalogue
     [design] = _designs(search, where, with_margins=True)
@@ -624,31 +626,33 @@ def _best(search: Search, place: int, *, named: bool = False, section: DesignSec
 
 def _exceeds(section: DesignSection, design: Design) -> dict[str, float]:
     """Return the excess of a design over each limit of a section, by key."""
-    over = {of.bound: (getattr(design, name), getattr(section, of.bound)) for name, of in OBJECTIVES.items()}
-    return {
-        key: value - most for key, (value, most) in over.items() if most is not None and value > most * (1 + ROUNDING)
-    }
+    exceeds = {}
+    for name, objective in OBJECTIVES.items():
+        value, bound = getattr(design, name), getattr(section, objective.bound)
+        if bound is not None and value > bound * (1 + ROUNDING):
+            exceeds[objective.bound] = value - bound
+    return exceeds
 
 
 def _flow_stress(
     search: Search, place: int, stopping: dict[str, float | None]
 ) -> Iterator[tuple[str, NeededFlowStress]]:
-    """Give the flow stress with which the ceramic of a design stops each threat of which the probability is unknown."""
+    """Yield the flow stress with which the ceramic of a design stops each threat whose probability is unknown."""
     catalogue, (pair, ceramic, backing) = search.catalogue, (column[place].item() for column in search.candidates[:3])
     for i, (title, threat) in enumerate(zip(catalogue.titles, catalogue.threats, strict=True)):
         if stopping[title] is None and catalogue.untested[pair]:
-            own = catalogue.against(pair, i).replaced({CERAMIC: ceramic, BACKING: backing})
+            scenario = catalogue.against(pair, i).replaced({CERAMIC: ceramic, BACKING: backing})
             bound = float(catalogue.bounds[i])
-            needed = needed_flow_stress(own, threat.required_m_s, 1.0 - bound if bound < NO_BOUND else None)
+            needed = needed_flow_stress(scenario, threat.required_m_s, 1.0 - bound if bound < NO_BOUND else None)
             if needed is not None:
                 yield title, needed
 
 
 def _of_stopping(catalogue: Catalogue, distributions: Mixture, sampled: dict[str, Estimate]) -> dict[str, float | None]:
     """Return the probabilities that a design stops each threat: of the samples, else by the model error."""
-    found = distributions.probability_above(catalogue.velocities_m_s).tolist()
-    own = {title: None if isnan(p) else p for title, p in zip(catalogue.titles, found, strict=True)}
-    return own | {title: 1.0 - estimate.value for title, estimate in sampled.items()}
+    chances = distributions.probability_above(catalogue.velocities_m_s).tolist()
+    by_error = {title: None if isnan(p) else p for title, p in zip(catalogue.titles, chances, strict=True)}
+    return by_error | {title: 1.0 - estimate.value for title, estimate in sampled.items()}
 
 
 def _rows(search: Search, place: int) -> Variants:
@@ -665,28 +669,31 @@ def _armour(search: Search, place: int, threat: int) -> Armours:
 def _pairs(search: Search, best: int | None, tested: Bools) -> tuple[Pair, ...]:
     """Compare the best designs of all pairs, best first, those that are not ranked after the others."""
     least = inf if best is None else float(search.values[best])
-    most = least * (1.0 + search.catalogue.section.runners_up_percent / 100.0)
+    greatest = least * (1.0 + search.catalogue.section.runners_up_percent / 100.0)
     offers = search.catalogue.offers
-    possible = [own[search.stopping[own]] for own in map(search.of_pair, range(len(offers)))]
+    possible = [designs[search.stopping[designs]] for designs in map(search.of_pair, range(len(offers)))]
     if search.catalogue.sampled:
         # Only possible runners-up are sampled, as each design takes thousands of impacts.
-        possible = [own[search.values[own] <= most] for own in possible]
+        possible = [designs[search.values[designs] <= greatest] for designs in possible]
     # The limits of the first designs, which most often pass, are computed together, which is quicker.
-    possible = [own[np.argsort(~tested[own], kind="stable")] for own in possible]
-    search.limits(np.array([own[0] for own in possible if len(own)], dtype=np.int64))
-    places = [search.first(own) for own in possible]
+    possible = [designs[np.argsort(~tested[designs], kind="stable")] for designs in possible]
+    search.limits(np.array([designs[0] for designs in possible if len(designs)], dtype=np.int64))
+    places = [search.first(designs) for designs in possible]
     unconstrained = _unconstrained(search) if None in places else search
     pairs = []
     for index, (offer, place) in enumerate(zip(offers, places, strict=True)):
-        names, ranked = (offer.ceramic.material, offer.backing.material), True
+        design, excess, ranked = None, None, True
         if place is None:
-            found, excess, reason = None, None, _why_none(search, unconstrained, [index])
+            reason = _why_none(search, unconstrained, [index])
         else:
-            single, unlike = search.catalogue.one_source[index], best is not None and tested[best] and not tested[place]
-            ranked = not (single or unlike)
-            found, (excess, words) = _best(search, place, named=single), _excess(search, place, least, ranked=ranked)
-            reason = ": ".join(filter(None, (ONE_SOURCE if single else UNTESTED if unlike else "", words)))
-        pairs.append(Pair(*names, found, excess, reason, ranked, search.catalogue.untested[index]))
+            one_source = search.catalogue.one_source[index]
+            untested = best is not None and tested[best] and not tested[place]
+            ranked = not (one_source or untested)
+            design = _best(search, place, named=one_source)
+            excess, words = _excess(search, place, least, ranked=ranked)
+            reason = ": ".join(filter(None, (ONE_SOURCE if one_source else UNTESTED if untested else "", words)))
+        names = offer.ceramic.material, offer.backing.material
+        pairs.append(Pair(*names, design, excess, reason, ranked, search.catalogue.untested[index]))
     return tuple(sorted(pairs, key=_rank))
 
 
@@ -698,24 +705,26 @@ def _rank(pair: Pair) -> tuple[bool, bool, float]:
 def _excess(search: Search, place: int, least: float, *, ranked: bool) -> tuple[float | None, str]:
     """Return the excess of the objective of a design over the least, per cent, and the same in words."""
     section, value = search.catalogue.section, float(search.values[place])
-    words = OBJECTIVES[section.minimise]
-    if value == least or least == inf:
-        return (0.0, "") if value == least else (None, "")
+    objective = OBJECTIVES[section.minimise]
+    if value == least:
+        return 0.0, ""
+    if least == inf:
+        return None, ""
     if least <= 0.0:
-        return None, words.more
+        return None, objective.more
     excess = 100.0 * (value / least - 1.0)
     if excess < 0.0:
-        return excess, f"{-excess:.1f} % {words.less}"
-    near = RUNNER_UP if ranked and excess <= section.runners_up_percent else ""
-    return excess, f"{near}{excess:.1f} % {words.more}"
+        return excess, f"{-excess:.1f} % {objective.less}"
+    runner_up = RUNNER_UP if ranked and excess <= section.runners_up_percent else ""
+    return excess, f"{runner_up}{excess:.1f} % {objective.more}"
 
 
 def _unconstrained(search: Search) -> Search:
     """Return a search of the catalogue without constraints and without bounds on sampled probabilities."""
     unbounded = dict.fromkeys(objective.bound for objective in OBJECTIVES.values())
     section = search.catalogue.section.model_copy(update=unbounded)
-    free = Requirement(replace(search.catalogue, section=section))
-    return Search(free, candidates_of(free))
+    requirement = Requirement(replace(search.catalogue, section=section))
+    return Search(requirement, candidates_of(requirement))
 
 
 def _why_none(search: Search, unconstrained: Search, pairs: Sequence[int]) -> str:
@@ -724,28 +733,28 @@ def _why_none(search: Search, unconstrained: Search, pairs: Sequence[int]) -> st
     bounded = catalogue.bounded
     threats = catalogue.titles[0] if len(catalogue.titles) == 1 else "every threat"
     where = ", where it is known" if catalogue.lenient else ""
-    surely = f" with the probability required{where}" if bounded else ""
+    required = f" with the probability required{where}" if bounded else ""
     first = unconstrained.first(unconstrained.of_pairs(pairs))
-    if first is not None and (beyond := _beyond(section, unconstrained.candidates, first, threats + surely)):
-        return beyond
+    if first is not None and (exceeded := _exceeded(section, unconstrained, first, threats + required)):
+        return exceeded
     designs = search.candidates.at(search.of_pairs(pairs))
     if not len(designs.pair):
         thickest = [np.array([layer.thicknesses()[-1]]) for layer in catalogue.offers[pairs[0]][:2]]
         designs = catalogue.candidates(pairs[0], *thickest)
     unknown = ~search.requirement.tested(designs)
     unknown &= bounded and not catalogue.lenient
-    whole = len(pairs) == len(catalogue.offers)
+    all_pairs = len(pairs) == len(catalogue.offers)
     if unknown.all():
         against, why = _why_error_unknown(catalogue, designs)
         # In the table of pairs, what can give the error need not stand in each row.
-        return f"the model error is not known{against}: {why if whole else why.removesuffix(f'; {REMEDY}')}"
+        return f"the model error is not known{against}: {why if all_pairs else why.removesuffix(f'; {REMEDY}')}"
     hint = f"; if the model error is not known, {REMEDY}" if unknown.any() else ""
     if catalogue.sampled:
-        near = "" if whole else f" within {section.runners_up_percent:g} % of the best"
-        return f"no design{near} keeps the probability of perforation within the bound of every threat{hint}"
-    capped = any(getattr(section, of.bound) is not None for of in OBJECTIVES.values())
-    thicker = "; offer thicker layers in [design] or [optimise]" if whole and not capped else ""
-    return f"no design stops {threats} and all slower impacts{surely}{hint}{thicker}"
+        runners_up = "" if all_pairs else f" within {section.runners_up_percent:g} % of the best"
+        return f"no design{runners_up} keeps the probability of perforation within the bound of every threat{hint}"
+    constrained = any(getattr(section, objective.bound) is not None for objective in OBJECTIVES.values())
+    thicker = "; offer thicker layers in [design] or [optimise]" if all_pairs and not constrained else ""
+    return f"no design stops {threats} and all slower impacts{required}{hint}{thicker}"
 
 
 def _why_error_unknown(catalogue: Catalogue, designs: CandidateDesigns) -> tuple[str, str]:
@@ -755,31 +764,35 @@ def _why_error_unknown(catalogue: Catalogue, designs: CandidateDesigns) -> tuple
     """
     one_of_each = designs.at(np.unique(designs.pair, return_index=True)[1])
     rows, *_ = catalogue.against_each(one_of_each, range(len(catalogue.threats)))
-    known = rows.errors.known.reshape(-1, len(catalogue.threats))
-    design = int(known.sum(axis=1).argmax())
-    threat = int(known[design].argmin())
-    against = f" against {catalogue.titles[threat]}" if known[design].any() else ""
+    is_known = rows.errors.known.reshape(-1, len(catalogue.threats))
+    design = int(is_known.sum(axis=1).argmax())
+    threat = int(is_known[design].argmin())
+    against = f" against {catalogue.titles[threat]}" if is_known[design].any() else ""
     return against, why_unknown(catalogue.scenario, rows.armours.at([design * len(catalogue.threats) + threat]))
 
 
-def _beyond(section: DesignSection, candidates: CandidateDesigns, place: int, stops: str) -> str:
-    """Return which constraints the design exceeds that is the best without them; "" for none."""
+def _exceeded(section: DesignSection, unconstrained: Search, place: int, threats: str) -> str:
+    """Return which constraints the best design without them exceeds, in words; "" for none."""
     least = OBJECTIVES[section.minimise].least
-    return "; ".join(
-        f"design.{of.bound}: the {least} design that stops {stops} has {value:.4g}{of.unit}, "
-        f"at most {bound:g}{of.unit} is allowed"
-        for name, of in OBJECTIVES.items()
-        if (bound := getattr(section, of.bound)) is not None and (value := getattr(candidates, name)[place]) > bound
-    )
+    [design] = _designs(unconstrained, np.array([place]))
+    exceeded = []
+    for name, objective in OBJECTIVES.items():
+        if objective.bound in _exceeds(section, design):
+            value, bound, unit = getattr(design, name), getattr(section, objective.bound), objective.unit
+            exceeded.append(
+                f"design.{objective.bound}: the {least} design that stops {threats} has {value:.4g}{unit}, "
+                f"at most {bound:g}{unit} is allowed"
+            )
+    return "; ".join(exceeded)
 
 
 def _subject(catalogue: Catalogue) -> str:
-    """Return what is searched for, such as "Lightest AD85 on 6061-T6 against 7.62 mm AP at 850 m/s"."""
+    """Return the title of a result, such as "Lightest AD85 on 6061-T6 against 7.62 mm AP at 850 m/s"."""
     varied: Varied = {
         NAMES["ceramic"]: [offer.ceramic.material for offer in catalogue.offers],
         NAMES["backing"]: [offer.backing.material for offer in catalogue.offers],
         CERAMIC: (),
         BACKING: (),
     }
-    wanted = OBJECTIVES[catalogue.section.minimise].least.capitalize()
-    return f"{wanted} {catalogue.scenario.subject(varied, catalogue.scenario.threat)}"
+    least = OBJECTIVES[catalogue.section.minimise].least.capitalize()
+    return f"{least} {catalogue.scenario.subject(varied, catalogue.scenario.threat)}"

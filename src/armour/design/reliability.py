@@ -42,42 +42,35 @@ class Reliability:
     def probabilities(self, candidates: CandidateDesigns, place: int) -> dict[str, Estimate] | None:
         """Estimate the probabilities of perforation of a design, see `Search.probabilities`."""
         thicknesses = float(candidates.ceramic_mm[place]), float(candidates.backing_mm[place])
-        found = {}
+        estimates = {}
         for i, threat in enumerate(self.catalogue.threats):
             bound = float(self.catalogue.bounds[i])
             if bound < NO_BOUND:
                 scenario = self.against(int(candidates.pair[place]), i)
-                if self.catalogue.lenient and not self._is_known(scenario, *thicknesses):
+                errors = own_errors(scenario, _layers(scenario, *thicknesses))
+                is_known = scenario.excludes_error() or errors.known.all()
+                if self.catalogue.lenient and not is_known:
                     continue
-                estimate = self.within(bound, scenario, *thicknesses)
+                estimate = self.within(bound, scenario, *thicknesses) if is_known else None
                 if estimate is None:
                     return None
-                found[threat.title] = estimate
-        return found
-
-    def _is_known(self, scenario: Scenario, ceramic_mm: float, backing_mm: float) -> bool:
-        """Return whether the model error of a design is known, or left out."""
-        layers = _layers(scenario, ceramic_mm, backing_mm)
-        return scenario.excludes_error() or bool(own_errors(scenario, layers).known.all())
+                estimates[threat.title] = estimate
+        return estimates
 
     def within(self, bound: float, scenario: Scenario, ceramic_mm: float, backing_mm: float) -> Estimate | None:
         """Estimate the probability of perforation of a design; None if its interval exceeds a bound.
 
-        Also None if the model error is not known.  Samples are taken in growing parts, only as many as it
-        takes to see that the bound is exceeded.
+        A model error that is not known is left out.  Samples are taken in growing parts, only as many as show that the
+        bound is exceeded.
         """
-        if not self._is_known(scenario, ceramic_mm, backing_mm):
-            return None
-        own, layers = own_values(scenario), _layers(scenario, ceramic_mm, backing_mm)
-        errors = own_errors(scenario, layers)
-        known = bool(errors.known.all())
-        own |= layers
-        section = section_at(scenario, own, with_error=known)
+        layers = _layers(scenario, ceramic_mm, backing_mm)
+        values, errors = own_values(scenario) | layers, own_errors(scenario, layers)
+        section = section_at(scenario, values, with_error=bool(errors.known.all()))
         points = self.points[:, : len(section.inputs())]
         hits, start, end = 0, 0, FIRST_SAMPLES
         while start < len(points):
             part = points[start:end]
-            columns = columns_of(section, own, part)
+            columns = columns_of(section, values, part)
             if ceramic_mm == 0.0:
                 columns.pop(CERAMIC, None)  # a layer that is absent has no thickness that varies
             columns = {**{name: np.full(len(part), value) for name, value in layers.items()}, **columns}
@@ -113,6 +106,6 @@ def _check(catalogue: Catalogue, section: Uncertainty) -> None:
         # Without a perforation, the upper end of the Clopper-Pearson interval is 1 - (tail)^(1/n).
         needed = ceil(log(0.5 * (1.0 - CONFIDENCE)) / log1p(-bound))
         message = f"must be at least {needed} to show a probability of perforation of {bound:g}"
-        more = f" (at most {MAX_SAMPLES} are allowed: raise the bound)" if needed > MAX_SAMPLES else ""
-        problems.append(Problem(file, "uncertainty.samples", f"{message}{more}, found {section.samples}"))
+        too_many = f" (at most {MAX_SAMPLES} are allowed: raise the bound)" if needed > MAX_SAMPLES else ""
+        problems.append(Problem(file, "uncertainty.samples", f"{message}{too_many}, found {section.samples}"))
     refuse(problems)

@@ -22,12 +22,12 @@ if TYPE_CHECKING:
 # Impacts and limits that are computed at a time, which bounds the memory.
 IMPACTS_AT_A_TIME = 50_000
 LIMITS_AT_A_TIME = 10_000
-# Designs up to which one pass of the engine has all threats.  Of more, those that one threat perforates are not tried
-# with the next, which saves more than the passes cost.
+# Designs up to which all threats are computed together.  Of more, those that one threat perforates are not tried
+# against the next, which saves more than the additional calls of the engine cost.
 FEW_DESIGNS = 100
-# Designs that are tried at a time at most until one passes; those after it are tried in vain.
+# Most designs that are tried at a time until one passes; those after it are tried in vain.
 FIRST_AT_A_TIME = 500
-# Back plates of a frontier at most, and the best: a grid of the most designs has as many, if both layers have.
+# Most back plates of a frontier, besides the best: a square grid of the most designs has as many.
 MOST_BACKINGS = 1000
 # Differences of criteria that matter on a Pareto front: kg/m², mm and, for costs, as a part of the lowest.
 RESOLUTION = {"areal_density_kg_m2": 0.01, "thickness_mm": 0.01, COST: 0.001}
@@ -46,20 +46,20 @@ class Requirement:
 
     def stops(self, candidates: CandidateDesigns) -> Bools:
         """Return whether designs stop all threats at the velocities required."""
-        every = np.ones(len(candidates.pair), dtype=bool)
+        stops_threats = np.ones(len(candidates.pair), dtype=bool)
         threats = range(len(self.catalogue.threats))
-        passes = [threats] if len(every) <= FEW_DESIGNS else [threats[i : i + 1] for i in threats]
-        for part in portions(len(every), IMPACTS_AT_A_TIME, FIRST_IMPACTS):
-            left = np.arange(part.start, part.stop)
-            for some in passes:
-                rows, required, bounds = self.catalogue.against_each(candidates.at(left), some)
+        groups = [threats] if len(stops_threats) <= FEW_DESIGNS else [threats[i : i + 1] for i in threats]
+        for part in portions(len(stops_threats), IMPACTS_AT_A_TIME, FIRST_IMPACTS):
+            remaining = np.arange(part.start, part.stop)
+            for group in groups:
+                rows, required, bounds = self.catalogue.against_each(candidates.at(remaining), group)
                 stopped = self._stopped(rows._replace(velocities=required))
                 bounded = np.flatnonzero(stopped & (bounds < 1.0))
                 if len(bounded):
-                    stopped[bounded] = self._within_bounds(rows.at(bounded), bounds[bounded])
-                every[left] = stopped.reshape(-1, len(some)).all(axis=1)
-                left = left[every[left]]
-        return every
+                    stopped[bounded] = self.within_bounds(rows.at(bounded), bounds[bounded])
+                stops_threats[remaining] = stopped.reshape(-1, len(group)).all(axis=1)
+                remaining = remaining[stops_threats[remaining]]
+        return stops_threats
 
     def tested(self, candidates: CandidateDesigns) -> Bools:
         """Return whether the model error is known, or left out, for designs against every threat, (designs,)."""
@@ -78,12 +78,27 @@ class Requirement:
         self._count(len(possible))
         return stopped
 
-    def _within_bounds(self, rows: Variants, bounds: Floats) -> Bools:
+    def within_bounds(self, rows: Variants, bounds: Floats) -> Bools:
         """Return whether rows keep to bounds on the probability of perforation at their velocities.
 
-        They do if they stop the projectile at the least ballistic limit with which the bound is kept.
+        Most do by every law of the flow stress or by none, as one impact by each law shows.  The others do if they
+        stop the projectile at the least ballistic limit with which the bound is kept.
         """
-        return self._stopped(rows._replace(velocities=self.catalogue.bounded_m_s(rows, bounds)))
+        errors = rows.errors
+        by_any, by_all = np.zeros(len(bounds), dtype=bool), np.ones(len(bounds), dtype=bool)
+        for law, weights in enumerate(errors.ratio.weights):
+            with np.errstate(divide="ignore"):
+                required = rows.velocities / errors.of_law(law).quantile(bounds).clip(min=0.0)
+            by_law = rows.by_law(law, errors) if law else rows
+            used = np.flatnonzero(weights > 0.0)
+            required += self.catalogue.more_margin_m_s
+            stopped = self._stopped(by_law._replace(velocities=required).at(used))
+            by_any[used] |= stopped
+            by_all[used] &= stopped
+        within, undecided = by_any & by_all, np.flatnonzero(by_any & ~by_all)
+        required = self.catalogue.bounded_m_s(rows.at(undecided), bounds[undecided])
+        within[undecided] = self._stopped(rows.at(undecided)._replace(velocities=required))
+        return within
 
     def _count(self, runs: int, _total: int | None = None) -> None:
         self.runs += runs
@@ -130,21 +145,19 @@ class Search:
         self.stopping = requirement.stops(candidates)
         self._limits = np.full((len(self.values), len(self.catalogue.threats)), np.nan)
         self._probabilities: dict[int, dict[str, Estimate] | None] = {}
-        self._by_pair = candidates.pair.argsort(kind="stable")
-        self._ends = np.searchsorted(candidates.pair[self._by_pair], np.arange(len(self.catalogue.offers) + 1))
 
     def of_pair(self, pair: int) -> Ints:
-        """Return the designs of a pair."""
-        return self._by_pair[self._ends[pair] : self._ends[pair + 1]]
+        """Return the designs of a pair, in the order of the objective."""
+        return np.flatnonzero(self.candidates.pair == pair)
 
     def of_pairs(self, pairs: Sequence[int]) -> Ints:
         """Return the designs of some pairs, in the order of the objective."""
-        return np.sort(np.concatenate([self.of_pair(pair) for pair in pairs]))
+        return np.flatnonzero(np.isin(self.candidates.pair, pairs))
 
     def limits(self, where: Ints) -> Floats:
         """Return the lowest ballistic limits of designs against each threat, m/s, (designs, threats)."""
-        unknown = where[np.isnan(self._limits[where, 0])]
-        self._limits[unknown] = self.requirement.limits(self.candidates.at(unknown))
+        missing = where[np.isnan(self._limits[where, 0])]
+        self._limits[missing] = self.requirement.limits(self.candidates.at(missing))
         return self._limits[where]
 
     def passes(self, where: Ints) -> Bools:
@@ -167,10 +180,10 @@ class Search:
 
     def first(self, where: Ints) -> int | None:
         """Return the first of some designs that passes, bounds on probabilities included."""
-        left = where[self.stopping[where]]
+        remaining = where[self.stopping[where]]
         size = 1
-        while len(left):
-            batch, left, size = left[:size], left[size:], min(2 * size, FIRST_AT_A_TIME)
+        while len(remaining):
+            batch, remaining, size = remaining[:size], remaining[size:], min(2 * size, FIRST_AT_A_TIME)
             for place in batch[self.passes(batch)].tolist():
                 if self.probabilities(place) is not None:
                     return int(place)
@@ -184,10 +197,10 @@ class Search:
         """
         pair = int(self.candidates.pair[best])
         ceramic, backing = (layer.free_range() for layer in self.catalogue.offers[pair][:2])
-        found = np.unique(self.candidates.backing_mm[self.of_pair(pair)])
+        backings = np.unique(self.candidates.backing_mm[self.of_pair(pair)])
         if ceramic is not None and backing is not None:
-            found = first_backings(backing)[0]
-        return np.append(found[:: -(-len(found) // MOST_BACKINGS)], self.candidates.backing_mm[best])
+            backings = first_backings(backing)[0]
+        return np.append(backings[:: -(-len(backings) // MOST_BACKINGS)], self.candidates.backing_mm[best])
 
     def frontier(self, best: int) -> Ints:
         """Return for each back plate of `frontier_backings` the thinnest ceramic that passes.
@@ -196,62 +209,62 @@ class Search:
         bisected, which assumes that a thicker one keeps to them.
         """
         ceramics, backings = self.candidates.ceramic_mm, self.candidates.backing_mm
-        own = self.of_pair(int(self.candidates.pair[best]))
-        left = own[self.stopping[own] & np.isin(backings[own], self.frontier_backings(best))]
-        left = left[np.lexsort((ceramics[left], backings[left]))]
-        columns = left
-        found = left[:0]
-        while len(left):
-            _, first = np.unique(backings[left], return_index=True)
-            thinnest = left[first]
-            found = np.concatenate([found, thinnest[self.passes(thinnest)]])
-            left = np.delete(left, first)
-            left = left[~np.isin(backings[left], backings[found])]
-        found = found[np.argsort(backings[found])]
+        stopping = self.of_pair(int(self.candidates.pair[best]))
+        stopping = stopping[self.stopping[stopping] & np.isin(backings[stopping], self.frontier_backings(best))]
+        stopping = stopping[np.lexsort((ceramics[stopping], backings[stopping]))]
+        remaining, frontier = stopping, stopping[:0]
+        while len(remaining):
+            _, first = np.unique(backings[remaining], return_index=True)
+            thinnest = remaining[first]
+            frontier = np.concatenate([frontier, thinnest[self.passes(thinnest)]])
+            remaining = np.delete(remaining, first)
+            remaining = remaining[~np.isin(backings[remaining], backings[frontier])]
+        frontier = frontier[np.argsort(backings[frontier])]
         if self.reliability is None:
-            return found
+            return frontier
 
-        kept = []
-        for place in found.tolist():
-            column = columns[(backings[columns] == backings[place]) & (ceramics[columns] >= ceramics[place])].tolist()
+        within_bounds = []
+        for place in frontier.tolist():
+            thicker = (backings[stopping] == backings[place]) & (ceramics[stopping] >= ceramics[place])
+            column = stopping[thicker].tolist()
             index = column.index(best) if best in column else bisect_left(column, True, key=self._passes_within_bounds)
-            kept += column[index : index + 1]
-        return np.array(kept, dtype=np.int64)
+            within_bounds += column[index : index + 1]
+        return np.array(within_bounds, dtype=np.int64)
 
     def _passes_within_bounds(self, place: int) -> bool:
         return bool(self.passes(np.array([place]))[0]) and self.probabilities(place) is not None
 
     def changing(self) -> Iterator[tuple[int, str, float]]:
-        """Give pair and layer of which a thicker one is perforated at a velocity that a thinner one stops.
+        """Yield each pair and layer of which a thicker one is perforated at a velocity that a thinner one stops.
 
-        The thickness of the other layer, mm, is given with them.
+        The third value is the thickness of the other layer, mm.
         """
         pairs, ceramics, backings = self.candidates[:3]
-        for name, layer, other in (("ceramic", ceramics, backings), ("back plate", backings, ceramics)):
-            order = np.lexsort((layer, other, pairs))
+        for name, layer, other_layer in (("ceramic", ceramics, backings), ("back plate", backings, ceramics)):
+            order = np.lexsort((layer, other_layer, pairs))
             thin, thick = order[:-1], order[1:]
-            where = (pairs[thin] == pairs[thick]) & (other[thin] == other[thick])
-            where &= self.stopping[thin] & ~self.stopping[thick]
-            needed = (self.catalogue.required_m_s(self.candidates.at(some[where])) for some in (thin, thick))
-            for place in thin[where][np.greater_equal(*needed).all(axis=1)]:
-                yield int(pairs[place]), name, float(other[place])
+            changes = (pairs[thin] == pairs[thick]) & (other_layer[thin] == other_layer[thick])
+            changes &= self.stopping[thin] & ~self.stopping[thick]
+            thin, thick = thin[changes], thick[changes]
+            required = (self.catalogue.required_m_s(self.candidates.at(places)) for places in (thin, thick))
+            for place in thin[np.greater_equal(*required).all(axis=1)]:
+                yield int(pairs[place]), name, float(other_layer[place])
 
     def not_monotonic_mm(self, frontier: Ints) -> tuple[float, ...]:
         """Return the back plate thicknesses of a frontier at which a thicker ceramic is known not to pass, mm."""
         ceramics, backings = self.candidates.ceramic_mm, self.candidates.backing_mm
-        own = self.of_pair(int(self.candidates.pair[frontier[0]]))
-        known = own[self.stopping[own] & ~np.isnan(self._limits[own]).any(axis=1)]
-        required = self.catalogue.required_m_s(self.candidates.at(known))
-        failing = own[~self.stopping[own]]
+        designs = self.of_pair(int(self.candidates.pair[frontier[0]]))
+        with_limits = designs[self.stopping[designs] & ~np.isnan(self._limits[designs]).any(axis=1)]
+        required = self.catalogue.required_m_s(self.candidates.at(with_limits))
+        failing = designs[~self.stopping[designs]]
         if self.catalogue.bounded:
             failing = failing[self.requirement.tested(self.candidates.at(failing))]
-        failing = np.union1d(failing, known[(self._limits[known] < required).any(axis=1)])
+        failing = np.union1d(failing, with_limits[(self._limits[with_limits] < required).any(axis=1)])
         failing = failing[np.isin(backings[failing], backings[frontier])]
         # The frontier is in the order of its back plates.
         thickest = np.zeros(len(frontier))
         np.maximum.at(thickest, np.searchsorted(backings[frontier], backings[failing]), ceramics[failing])
-        found: list[float] = backings[frontier][thickest > ceramics[frontier]].tolist()
-        return tuple(found)
+        return tuple(backings[frontier][thickest > ceramics[frontier]].tolist())
 
     def pareto(self, criteria: Sequence[str]) -> Ints:
         """Return the Pareto front of the designs that pass, bounds on probabilities included.
@@ -259,18 +272,20 @@ class Search:
         Of designs that do not differ by the resolution of a criterion, one stands.
         Only the members of the front are verified, by scan; margins of the others come from the quick search.
         """
-        left = np.flatnonzero(self.stopping)
-        limits = self._quick_limits(left) if MARGIN in criteria else self._limits.copy()
+        remaining = np.flatnonzero(self.stopping)
+        limits = self._limits.copy()
+        if MARGIN in criteria:
+            limits[remaining] = self.requirement.limits(self.candidates.at(remaining), lowest=False)
         while True:
             columns = {**self.candidates._asdict(), MARGIN: -self.margins(limits).min(axis=1)}
-            costs = np.column_stack([columns[name][left] for name in criteria])
-            front = left[distinct(costs, undominated(costs), self._resolutions(costs, criteria))]
+            costs = np.column_stack([columns[name][remaining] for name in criteria])
+            front = remaining[distinct(costs, undominated(costs), self._resolutions(costs, criteria))]
             passing = [place for place in front[self.passes(front)].tolist() if self.probabilities(place) is not None]
             verified = MARGIN not in criteria or np.array_equal(limits[front], self.limits(front))
             if verified and len(passing) == len(front):
                 return front
             limits[front] = self.limits(front)
-            left = np.setdiff1d(left, np.setdiff1d(front, passing))
+            remaining = np.setdiff1d(remaining, np.setdiff1d(front, passing))
 
     def margins(self, limits: Floats) -> Floats:
         """Return ballistic limits, (designs, threats), less the velocities of the threats, m/s."""
@@ -278,15 +293,9 @@ class Search:
 
     def _resolutions(self, costs: Floats, criteria: Sequence[str]) -> Floats:
         """Return the difference of each criterion that matters; limits are determined to a tolerance."""
-        known = {**RESOLUTION, MARGIN: self.catalogue.scenario.ballistic_limit.tolerance_m_s}
+        resolutions = {**RESOLUTION, MARGIN: self.catalogue.scenario.ballistic_limit.tolerance_m_s}
         scales = (costs[:, i].min(initial=np.inf) if name == COST else 1.0 for i, name in enumerate(criteria))
-        return np.array([known[name] * scale for name, scale in zip(criteria, scales, strict=True)])
-
-    def _quick_limits(self, where: Ints) -> Floats:
-        """Return all limits, those of some designs by the quick search."""
-        limits = self._limits.copy()
-        limits[where] = self.requirement.limits(self.candidates.at(where), lowest=False)
-        return limits
+        return np.array([resolutions[name] * scale for name, scale in zip(criteria, scales, strict=True)])
 
 
 def undominated(costs: Floats) -> Ints:
@@ -318,8 +327,8 @@ def distinct(costs: Floats, front: Ints, resolutions: Floats) -> Ints:
     A row matches another if no column exceeds the other's by more than its resolution.
     """
     rows = np.sort(front)
-    kept: list[int] = []
+    distinct_rows: list[int] = []
     for row in [*rows[costs[rows].argmin(axis=0)], *rows] if len(rows) else []:
-        if not (costs[kept] <= costs[row] + resolutions).all(axis=1).any():
-            kept.append(row)
-    return front[np.isin(front, kept)]
+        if not (costs[distinct_rows] <= costs[row] + resolutions).all(axis=1).any():
+            distinct_rows.append(row)
+    return front[np.isin(front, distinct_rows)]

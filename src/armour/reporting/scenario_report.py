@@ -8,9 +8,9 @@ from armour import __version__
 from armour.analysis.ballistic_limit import (
     ConfidenceResult,
     ballistic_limit,
+    confidence_in,
+    model_error,
     not_monotonic,
-    of_limit,
-    without_limit,
 )
 from armour.analysis.impact import ImpactResult, energy_balance, simulate
 from armour.analysis.results import OnProgress, ignore_progress
@@ -141,8 +141,9 @@ def _confidence(scenario: Scenario) -> tuple[ConfidenceResult, Sequence[str]]:
         limit = ballistic_limit(scenario)
     except NoLimitError as error:
         reason = "there is no ballistic limit in the range searched"
-        return without_limit(scenario, reason, above=error.above), ()
-    return of_limit(scenario, limit.ballistic_limit_m_s, scenario.impact.velocity_m_s), not_monotonic(limit)
+        highest = scenario.ballistic_limit.velocity_max_m_s
+        return confidence_in(scenario, None, model_error(scenario, highest) if error.above else None, reason), ()
+    return confidence_in(scenario, limit.ballistic_limit_m_s, limit.model_error), not_monotonic(limit)
 
 
 def _sampled(found: CheckedThreat, scenario: Scenario, on_part: OnProgress) -> CheckedThreat:

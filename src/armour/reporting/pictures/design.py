@@ -292,7 +292,7 @@ class _Map:
         best, sure = self.result.shown, least_sure(self.result)
         large = {"markersize": 9.0}
         if any(self.confidences) and not np.isnan(self.grid.stopped_m_s).all():
-            even = lightest(self.catalogue, self.grid, 0.5)
+            even = lightest(self.catalogue, self.grid.pair, 0.5)
             if even is not None:
                 yield (
                     even,
