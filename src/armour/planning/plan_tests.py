@@ -23,6 +23,7 @@ from armour.statistics.calibration import FLOW_STRESS, Law, check_fitted, law_of
 from armour.statistics.likelihood import (
     NO_PRIOR,
     InputFit,
+    Likelihood,
     fit_inputs,
     hazard,
     likelihood_of,
@@ -230,11 +231,15 @@ def plan_tests(
     chosen_from = candidates_of(scenario, candidates, measure, cost)
     _check_materials([(design.file, design) for design in designs], chosen_from.groups[0].scenario, fit)
     model = limit_model(chosen_from, designs, fit, law, on_progress)
-    source: ScatterSource = "uncertainties" if tests is not None and tests.weighted else "residuals"
-    if tests is not None and scatter_percent is not None and not tests.weighted:
-        tests = _weighted_by(tests, scatter_percent / 100.0)
     scatter = None if scatter_percent is None else scatter_percent / 100.0
-    before = _knowledge(tests, model, fit, law, scatter, prior=prior)
+    likelihood = None
+    if tests is not None:
+        if scatter is not None and not tests.weighted:
+            tests = _weighted_by(tests, scatter)
+        likelihood = _likelihood(tests, model, fit, law, prior=prior)
+        # The scenario of the tests may have other values than the candidates.
+        model = model._replace(units=likelihood.units)
+    before = _knowledge(likelihood, model, scatter, prior=prior)
     limits = model.limits(before.x)
     model.check(limits)
     gradients, count = model.gradients(before.x, limits), chosen_from.count
@@ -269,7 +274,7 @@ def plan_tests(
         tests="" if tests is None else tests.file,
         scatter_percent=100.0 * before.scatter,
         scatter_known=before.freedom is None,
-        scatter_source=source if scatter_percent is None else "given",
+        scatter_source="given" if scatter else "uncertainties" if before.freedom is None else "residuals",
         designs=tuple(design.file for design in designs),
         design_limits_m_s=tuple(limits[count:].tolist()),
         efficiency=optimal_design.efficiency(task, chosen) if comparable else None,
@@ -352,24 +357,20 @@ class _Knowledge(NamedTuple):
     warnings: tuple[str, ...]
 
 
-def _knowledge(
-    tests: Tests | None,
-    model: LimitModel,
-    inputs: Sequence[str],
-    law: Law | None,
-    scatter: float | None,
-    *,
-    prior: bool,
-) -> _Knowledge:
+def _likelihood(tests: Tests, model: LimitModel, fit: Sequence[str], law: Law | None, *, prior: bool) -> Likelihood:
+    """Return the likelihood of the inputs given earlier tests, checked."""
+    tests, names = under_law(tests, fit, law)
+    _check_materials([(tests.file, group.scenario) for group in tests.groups[:1]], model.scenario, names)
+    return likelihood_of(tests, names, model.on_progress, prior=prior)
+
+
+def _knowledge(likelihood: Likelihood | None, model: LimitModel, scatter: float | None, *, prior: bool) -> _Knowledge:
     """Return what earlier tests and the prior determine of the inputs, and how tests scatter."""
-    fit = likelihood = None
-    if tests is not None:
-        tests, names = under_law(tests, inputs, law)
-        first = [(tests.file, group.scenario) for group in tests.groups[:1]]
-        _check_materials(first, model.scenario, names)
-        likelihood = likelihood_of(tests, names, model.on_progress, prior=prior)
+    fit = None
+    if likelihood is not None:
+        tests = likelihood.tests
         if usable(tests, likelihood.kept) >= needed_of(likelihood):
-            fit = fit_inputs(tests, names, model.on_progress, prior=prior)
+            fit = fit_inputs(tests, likelihood.names, model.on_progress, prior=prior)
         scatter = scatter or (fit.spread if fit and not tests.weighted else _given_scatter(tests))
     if scatter is None:
         message = "must be given: there are too few tests to estimate it from"
