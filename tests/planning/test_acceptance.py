@@ -20,7 +20,7 @@ SETTINGS = ShotSettings(760.0, SCATTER, requirement_m_s=REQUIRED)
 
 
 def ratios(demand: Demand, shots: Shots) -> list[float]:
-    known = demand.given(shots.velocities_m_s, shots.complete)
+    known = demand.posterior(shots.velocities_m_s, shots.complete)
     return demand.ratios(known.weights[None])[0].tolist()
 
 

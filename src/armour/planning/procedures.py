@@ -263,7 +263,7 @@ FIRINGS, DISTANCES = 100, (-3.0, -2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0, 3.0)
 def posterior(shots: Shots, settings: ShotSettings, nodes: tuple[int, int] = NODES) -> Posterior:
     """Return the posterior given the shots: without the prior if the requirement is decided without it."""
     if demand := settings.demand():
-        return demand.given(shots.velocities_m_s, shots.complete)
+        return demand.posterior(shots.velocities_m_s, shots.complete)
     assert settings.prior is not None
     return posterior_of(settings.prior, shots.velocities_m_s, shots.complete, nodes)
 
