@@ -22,7 +22,7 @@ TIMEOUT_S = 10.0
 
 
 @contextmanager
-def connected(scheduler: str, timeout_s: float = TIMEOUT_S) -> Iterator["Client"]:
+def connected(scheduler: str) -> Iterator["Client"]:
     """Connect to the cluster at an address; "local" starts one on this machine, with one process per core."""
     try:
         from distributed import Client, LocalCluster
@@ -36,8 +36,8 @@ def connected(scheduler: str, timeout_s: float = TIMEOUT_S) -> Iterator["Client"
             yield client
         return
     try:
-        asyncio.run(asyncio.wait_for(_check_scheduler(scheduler), timeout_s))
-        client = Client(scheduler, timeout=timeout_s)
+        asyncio.run(asyncio.wait_for(_check_scheduler(scheduler), TIMEOUT_S))
+        client = Client(scheduler, timeout=TIMEOUT_S)
     except Exception as error:  # of any kind, depending on the kind of address
         obstacle = "no answer" if isinstance(error, TimeoutError) else str(error)
         raise _error(
@@ -45,7 +45,7 @@ def connected(scheduler: str, timeout_s: float = TIMEOUT_S) -> Iterator["Client"
         ) from None
     with client:
         try:
-            client.wait_for_workers(1, timeout=timeout_s)
+            client.wait_for_workers(1, timeout=TIMEOUT_S)
         except TimeoutError:
             raise _error("must have a worker, found none; start some with the command dask worker") from None
         yield client
