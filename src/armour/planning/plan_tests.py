@@ -363,7 +363,7 @@ class _Knowledge(NamedTuple):
 def _likelihood(tests: Tests, model: LimitModel, fit: Sequence[str], law: Law | None, *, prior: bool) -> Likelihood:
     """Return the likelihood of the inputs given earlier tests, checked."""
     tests, names = under_law(tests, fit, law)
-    _check_materials([(tests.file, group.scenario) for group in tests.groups[:1]], model.scenario, names)
+    _check_materials([(tests.file, tests.groups[0].scenario)], model.scenario, names)
     return likelihood_of(tests, names, model.on_progress, prior=prior)
 
 
