@@ -318,15 +318,12 @@ def plan_shots(
     limits = (limits_m_s or limits_of(expectation)) if procedure in LIMITED else None
     rule_ends = procedure == "up-and-down" or (procedure == "bayesian" and requirement_m_s is not None)
     settings = ShotSettings(
-        estimate_m_s=expectation.limit_m_s,
-        scatter_m_s=expectation.limit_m_s * scatter_percent / 100.0,
+        prior=expectation,
         limits_m_s=limits or (-inf, inf),
         half_width_m_s=HALF_WIDTH_M_S if half_width_m_s is None and not rule_ends else half_width_m_s,
         confidence=confidence,
         requirement_m_s=requirement_m_s,
         requirement_fraction=requirement_fraction,
-        scatter_factor=scatter_factor,
-        prior=expectation,
         by_prior=prior,
     )
     rule, fired = PROCEDURES[procedure], shots

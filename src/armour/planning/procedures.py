@@ -21,7 +21,6 @@ from armour.statistics.curves import FittedCurve, ShotLikelihood, fit_curve
 from armour.statistics.posterior import (
     NODES,
     PLAUSIBLE,
-    SCATTER_FACTOR,
     FiringPrior,
     Posterior,
     V50Grid,
@@ -35,22 +34,24 @@ from armour.statistics.v50 import MAX_VELOCITY_M_S, MIN_VELOCITY_M_S, SPANS_M_S,
 class ShotSettings(NamedTuple):
     """Settings of a procedure; velocities in m/s."""
 
-    estimate_m_s: float  # of V50
-    scatter_m_s: float  # guess of the standard deviation of the response curve
+    prior: FiringPrior  # of V50 and the scatter, whose medians are the estimates of the other procedures
     limits_m_s: tuple[float, float] = (-inf, inf)  # of V50; for Langlie's and Neyer's procedures
     half_width_m_s: float | None = None  # of the interval of V50 that ends the firing; None if the rule has another end
     confidence: float = 0.95
     requirement_m_s: float | None = None
     requirement_fraction: float = 0.5  # of shots that may perforate at the required velocity
-    scatter_factor: float = SCATTER_FACTOR  # by which the scatter may differ from the guess
-    prior: FiringPrior | None = None  # of the Bayesian procedure
     by_prior: bool = False  # whether the decision on a requirement includes the prior
+
+    @property
+    def scatter_m_s(self) -> float:
+        """Expected standard deviation of the response curve, m/s."""
+        return self.prior.limit_m_s * self.prior.scatter_percent / 100.0
 
     def demand(self) -> Demand | None:
         """Return the curves for a requirement that is decided from shots alone; None for any other firing."""
         if self.requirement_m_s is None or self.by_prior:
             return None
-        return demand_of(self.requirement_m_s, self.requirement_fraction, self.scatter_m_s, self.scatter_factor)
+        return demand_of(self.requirement_m_s, self.requirement_fraction, self.scatter_m_s, self.prior.scatter_factor)
 
 
 class Aim(NamedTuple):
@@ -101,7 +102,7 @@ def next_up_and_down(shots: Shots, settings: ShotSettings) -> Aim:
     """
     if not shots.complete:
         if settings.requirement_m_s is None:
-            return Aim(settings.estimate_m_s, "the first shot is at the estimated V50")
+            return Aim(settings.prior.limit_m_s, "the first shot is at the estimated V50")
         return Aim(settings.requirement_m_s + ABOVE_M_S, f"the first shot is {ABOVE_M_S:.1f} m/s above the requirement")
     step = STEP_M_S if len(set(shots.complete)) == 2 else FIRST_STEP_M_S
     last, complete = shots.velocities_m_s[-1], shots.complete[-1]
@@ -262,7 +263,6 @@ def posterior(shots: Shots, settings: ShotSettings, nodes: tuple[int, int] = NOD
     """Return the posterior given the shots, or without the prior if the requirement is decided from shots alone."""
     if demand := settings.demand():
         return demand.posterior(shots.velocities_m_s, shots.complete)
-    assert settings.prior is not None
     return posterior_of(settings.prior, shots.velocities_m_s, shots.complete, nodes)
 
 
@@ -332,7 +332,7 @@ def gains(weights: Floats, target: Floats, response: Floats) -> Floats:
 
 def candidates(current: Posterior, settings: ShotSettings, count: int) -> Floats:
     """Return evenly spaced velocities to choose from, m/s."""
-    greatest = settings.scatter_m_s * settings.scatter_factor ** float(ndtri(0.5 + 0.5 * PLAUSIBLE))
+    greatest = settings.scatter_m_s * settings.prior.scatter_factor ** float(ndtri(0.5 + 0.5 * PLAUSIBLE))
     scatter = float(expected(current.grid.scatter_m_s, current.weights))
     if settings.demand():
         low = high = settings.requirement_m_s
@@ -419,7 +419,7 @@ def expected_shots(shots: Shots, settings: ShotSettings) -> tuple[float | None, 
     """
     current = posterior(shots, settings, FUTURE_NODES)
     # A prior that the decision does not use still predicts the number of shots.
-    prediction = posterior(shots, settings._replace(requirement_m_s=None), FUTURE_NODES) if settings.prior else current
+    prediction = posterior(shots, settings._replace(requirement_m_s=None), FUTURE_NODES)
     dice = np.random.default_rng(0)
     points = dice.choice(len(prediction.weights), FUTURES, p=prediction.weights)
     v50, scatter = prediction.grid.v50_m_s[points], prediction.grid.scatter_m_s[points]
