@@ -87,7 +87,7 @@ class ShotPlan(Result):
     next_velocity_m_s : float or None
         Velocity of the next shot, m/s; None if the firing has ended.
     reason : str
-        Reason for this velocity.
+        Reason for the next velocity.
     stopped : str
         Reason why the firing has ended; empty while it continues.
     expected_shots : float or None
@@ -102,11 +102,11 @@ class ShotPlan(Result):
     requirement_m_s : float or None
         Required velocity, m/s.
     requirement_fraction : float
-        Fraction of shots that may perforate at it.
+        Fraction of shots that may perforate at the required velocity.
     probability_met : float or None
         Probability that the requirement is met, by the posterior.
     decision : {"met", "not met", ""}
-        Whether the requirement is met; empty without one, and while the shots do not yet decide it.
+        Whether the requirement is met; empty without a requirement, and while it is undecided.
     consumers_risk, producers_risk : float or None
         Greatest probability that armour which does not meet the requirement is accepted, and that armour which meets it
         is rejected: 1 minus the confidence.  None without a requirement, and if the decision uses the prior.
@@ -120,15 +120,15 @@ class ShotPlan(Result):
     earlier : int
         Number of earlier firings whose scatters are pooled.
     scatter_percent, scatter_factor : float
-        Expected scatter, per cent of V50, and the factor by which it may differ, given these.
+        Expected scatter, per cent of V50, and the factor by which it may differ, given the earlier firings.
     limits_m_s : tuple of float or None
         Limits of V50 that Langlie's and Neyer's procedures start from, m/s.
     prior, posterior : FiringEstimate
         V50 and the scatter without and with the shots.
     prior_share : float
-        Posterior over prior variance of V50: the share of the prior in the precision.
+        Share of the prior in the precision of V50: its posterior variance divided by its prior variance.
     expected_from : str
-        What the prior of V50 is from: tests of such armours, limits, or shots.
+        Source of the prior of V50: tests of such armours, limits, or shots.
     recommended : FittedCurve or None
         Curve that `armour.v50` recommends, from the shots alone; None without one, and for the Bayesian procedure.
     mean : MeanV50 or None
@@ -137,9 +137,9 @@ class ShotPlan(Result):
     model_ballistic_limit_m_s : float or None
         Ballistic limit by the model, m/s; None without a scenario.
     model_error : ModelError or None
-        Its relative error.
+        Relative error of the model's limit.
     true_v50_m_s, true_scatter_m_s : float or None
-        V50 and scatter that shots were simulated with, m/s.
+        V50 and scatter of the simulated shots, m/s.
     curve : PlanCurve
         Over ``velocity_m_s``, m/s: the densities of V50, ``prior`` and ``posterior``, s/m, and by the posterior the
         ``probability`` of complete penetration.
@@ -226,10 +226,10 @@ def plan_shots(
     shots : Shots, optional
         Shots so far, possibly all of one kind.
     procedure : {"bayesian", "neyer", "langlie", "up-and-down"}
-        Rule for the next velocity.
+        Rule for the next velocity: bayesian, neyer, langlie or up-and-down.
     half_width_m_s : float, optional
-        Half width of the interval of V50 at which the firing ends, 0.1 to 10,000 m/s; by default 15.  By default the
-        up-and-down rule ends as in MIL-STD-662F, with three shots of each kind within 27.4 m/s.
+        Half width of the interval of V50 at which the firing ends, 0.1 to 10,000 m/s; by default 15.  The up-and-down
+        rule ends by default as in MIL-STD-662F, with three shots of each kind within 27.4 m/s.
     confidence : float
         Confidence level of the interval, and of the requirement, 0.5 to 0.9999.
     requirement_m_s : float, optional

@@ -55,18 +55,18 @@ Designs = Annotated[Scenario | Sequence[Scenario], PlainValidator(_scenarios)]
 
 @dataclass(frozen=True)
 class PlannedTest:
-    """A planned test, and what is known once it has been made.
+    """A planned test, and what is known after it.
 
     Attributes
     ----------
     number : int
-        1 for the first; 0 for what is known before.
+        1 for the first; 0 for the state before all tests.
     inputs : dict of str to float or str
-        Its armour, and the velocity if the outcome is measured, by key of the scenario.
+        Inputs of its armour, and the velocity if the outcome is measured, by key of the scenario.
     ballistic_limit_m_s : float or None
         By the model, m/s.
     cost, total_cost : float or None
-        Of this test, and of all up to it; None without costs.
+        Cost of this test, and of all tests up to it; None without costs.
     half_widths : dict of str to float or None
         Expected half-width of the interval of each fitted input, in its unit; None if the tests do not determine it.
     limit_half_widths_m_s : tuple of float or None
@@ -84,12 +84,12 @@ class PlannedTest:
 
 @dataclass(frozen=True, repr=False)
 class PlannedTests(TableResult):
-    """Tests to make next, in their order.
+    """Tests to make next, in order.
 
     Attributes
     ----------
     planned : tuple of PlannedTest
-        Number 0, what is known before, comes first.
+        The first has number 0: the state before all tests.
     criterion : {"D", "I"}
     measure : {"limit", "outcome"}
     law : str
@@ -97,15 +97,15 @@ class PlannedTests(TableResult):
     values : dict of str to float
         Fitted inputs, at whose values the tests are planned.
     tests : str
-        File of the tests made before; empty without any.
+        File of the earlier tests; empty without any.
     scatter_percent : float
         Standard deviation of a test, % of the ballistic limit.
     scatter_known : bool
-        Whether it is given; otherwise it is estimated from the tests, which widens the intervals.
+        Whether the scatter is given; otherwise it is estimated from the tests, which widens the intervals.
     scatter_source : {"given", "uncertainties", "residuals"}
-        Where the scatter comes from: the argument, or the uncertainties or the residuals of the tests made before.
+        Source of the scatter: the argument, or the uncertainties or residuals of the earlier tests.
     designs : tuple of str
-        Files of the designs in question.
+        Files of the designs whose ballistic limits are to be determined.
     design_limits_m_s : tuple of float
         Their ballistic limits, m/s.
     efficiency : float or None
@@ -198,11 +198,11 @@ def plan_tests(
     number : int, default 4
         Number of tests to plan, 1 to 200.  A candidate may be tested several times.
     tests : Tests, optional
-        Tests made before.
+        Earlier tests.
     criterion : {"D", "I"}
         "D" minimises the joint confidence region of the inputs, "I" the mean variance of the designs' ballistic limits.
     designs : Scenario or sequence of Scenario, optional
-        Designs in question; by default the scenario's own armour.
+        Designs whose ballistic limits are to be determined; by default the scenario's armour.
     measure : {"limit", "outcome"}
         What a test measures: the ballistic limit, or whether one shot at ``impact.velocity_m_s`` perforates.
     scatter_percent : float, optional

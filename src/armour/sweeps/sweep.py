@@ -362,11 +362,12 @@ def effort_of(
         if count < number or (sample and slowest_row_s * count > SAMPLE_S):
             break
     seconds = row_s * source.count / (workers.number if workers else 1)
-    needed, free = 2.0 * row_bytes * source.count, shutil.disk_usage(output.parent).free
+    needed_bytes, free_bytes = 2.0 * row_bytes * source.count, shutil.disk_usage(output.parent).free
     words = f"{source.count:,} rows; about {duration(seconds)}"
-    if needed > free:
-        words += f"; {needed / 1e9:.3g} GB to write and join, but {free / 1e9:.3g} GB are free"
-    return Effort(slowest_row_s, seconds, words, seconds > LONG_S or source.count > MANY_ROWS or needed > free)
+    if needed_bytes > free_bytes:
+        words += f"; {needed_bytes / 1e9:.3g} GB to write and join, but {free_bytes / 1e9:.3g} GB are free"
+    is_large = seconds > LONG_S or source.count > MANY_ROWS or needed_bytes > free_bytes
+    return Effort(slowest_row_s, seconds, words, is_large)
 
 
 def duration(seconds: float) -> str:
