@@ -16,11 +16,17 @@ from tools.experiments.firings import requirement
 pytestmark = pytest.mark.slow
 
 REQUIRED, SCATTER = 700.0, 14.0
-SETTINGS = ShotSettings(760.0, SCATTER, requirement_m_s=REQUIRED)
+
+
+def prior_of(v50_m_s: float) -> FiringPrior:
+    return FiringPrior(v50_m_s, ModelError(0.0, 2.0, 12.0), scatter_percent=100.0 * SCATTER / v50_m_s)
+
+
+SETTINGS = ShotSettings(prior_of(760.0), requirement_m_s=REQUIRED)
 
 
 def ratios(demand: Demand, shots: Shots) -> list[float]:
-    known = demand.given(shots.velocities_m_s, shots.complete)
+    known = demand.posterior(shots.velocities_m_s, shots.complete)
     return demand.ratios(known.weights[None])[0].tolist()
 
 
@@ -55,11 +61,8 @@ def test_the_likeliest_curve_that_fails_just_meets_the_requirement(fraction: flo
 
 
 def test_the_prior_takes_part_only_where_it_is_asked():
-    shots, priors = (
-        Shots((700.0, 705.0), (False, True)),
-        (FiringPrior(mean, ModelError(0.0, 2.0, 12.0)) for mean in (600, 900)),
-    )
-    low, high = (SETTINGS._replace(prior=prior) for prior in priors)
+    shots = Shots((700.0, 705.0), (False, True))
+    low, high = (SETTINGS._replace(prior=prior_of(v50)) for v50 in (600.0, 900.0))
     assert next_bayesian(shots, low) == next_bayesian(shots, high) == next_bayesian(shots, SETTINGS)
     assert stopped_bayesian(shots, low) == stopped_bayesian(shots, high) == ""
     assert stopped_bayesian(shots, low._replace(by_prior=True)).startswith("the requirement is not met with a prob")

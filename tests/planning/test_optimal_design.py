@@ -5,7 +5,15 @@ from itertools import combinations_with_replacement
 import numpy as np
 import pytest
 
-from armour.planning.optimal_design import Task, best_set, continuous, efficiency, identified, missing, ordered
+from armour.planning.optimal_design import (
+    Task,
+    best_set,
+    continuous_design,
+    efficiency,
+    identified,
+    missing_tests,
+    ordered,
+)
 
 NOTHING = np.zeros((2, 2))
 LINE = np.linspace(-1.0, 1.0, 21)
@@ -27,7 +35,7 @@ def test_one_input_is_tested_where_the_gradient_is_greatest():
 
 def test_a_straight_line_is_tested_at_its_ends():
     assert sorted(best_set(task(STRAIGHT), 6)) == [0, 0, 0, 20, 20, 20]
-    shares, _ = continuous(task(STRAIGHT), 1.0)
+    shares, _ = continuous_design(task(STRAIGHT), 1.0)
     assert shares[[0, 20]] == pytest.approx([0.5, 0.5], abs=1e-3)
 
 
@@ -48,7 +56,7 @@ def test_the_limit_of_a_target_is_tested_there():
 def test_the_equivalence_theorem(targets, scale: float):
     """At the optimum no candidate tells more than the mean of those that have a share; D: as many as inputs."""
     problem = task(np.random.default_rng(1).normal(size=(40, 3)) * [1.0, scale, 1.0], targets=targets)
-    shares, _ = continuous(problem, 1.0)
+    shares, _ = continuous_design(problem, 1.0)
     information = (problem.rows * shares[:, None]).T @ problem.rows
     slopes = problem.sensitivities(information)
     assert slopes.max() <= (3.0 if targets is None else 1.0) + 2e-4
@@ -72,7 +80,7 @@ def test_what_is_known_is_not_tested_again():
     ends = np.array([[1.0, -1.0]])
     problem = task(STRAIGHT, base=1e4 * ends.T @ ends)
     assert best_set(problem, 3) == [20, 20, 20]
-    assert (missing(NOTHING, STRAIGHT), missing(problem.base, STRAIGHT)) == (2, 1)
+    assert (missing_tests(NOTHING, STRAIGHT), missing_tests(problem.base, STRAIGHT)) == (2, 1)
 
 
 def test_costs():

@@ -12,7 +12,7 @@ from armour.errors import InputError
 from armour.planning.plan_tests import PlannedTests, plan_tests
 from armour.scenario.inputs import BACKING, CERAMIC, VELOCITY
 from armour.scenario.scenario import Scenario
-from armour.statistics.calibration import FLOW_STRESS, calibrate
+from armour.statistics.calibration import FLOW_STRESS, Law, calibrate
 from armour.statistics.measured import read_tests
 from tests.helpers.cases import TESTS, csv_file, shipped_scenario
 
@@ -89,6 +89,28 @@ def test_tests_made_before(wilkins: Scenario):
     )
     halves = [step.half_widths[FLOW_STRESS] or 0.0 for step in result.planned]
     assert halves == sorted(halves, reverse=True)
+
+
+@pytest.mark.parametrize(
+    ("rows", "law"),
+    [
+        ([{CERAMIC: c, "ballistic_limit_m_s": v} for c, v in LIMITS], None),
+        ([{CERAMIC: 6.0, "ballistic_limit_m_s": 700.0, "ballistic_limit_uncertainty_m_s": 20.0}], "backing"),
+    ],
+)
+def test_a_plan_does_not_depend_on_the_present_value_of_a_fitted_input_in_the_tests_scenario(
+    wilkins: Scenario, rows: list[dict[str, float]], law: Law | None
+):
+    """Whether the tests suffice for a fit or not."""
+    scenarios = (wilkins, wilkins.with_inputs({FLOW_STRESS: 4.0}))
+    one, other = (
+        plan_tests(wilkins, GRID, law=law, tests=read_tests(rows, scenario), number=2) for scenario in scenarios
+    )
+    assert one.values == pytest.approx(other.values)
+    assert chosen(one) == chosen(other)
+    for ours, theirs in zip(one.planned[1:], other.planned[1:], strict=True):
+        assert ours.half_widths == pytest.approx(theirs.half_widths, rel=1e-3)
+    assert one.design_limits_m_s == pytest.approx(other.design_limits_m_s)
 
 
 def test_a_given_scatter_is_that_of_the_tests_made_before(wilkins: Scenario):

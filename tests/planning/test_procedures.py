@@ -27,7 +27,12 @@ from armour.statistics.v50 import Shots
 
 pytestmark = pytest.mark.slow
 
-UP_AND_DOWN = ShotSettings(720.0, 15.0)
+
+def prior_of(v50_m_s: float, scatter_m_s: float) -> FiringPrior:
+    return FiringPrior(v50_m_s, ModelError(0.0, 7.0, 12.0), scatter_percent=100.0 * scatter_m_s / v50_m_s)
+
+
+UP_AND_DOWN = ShotSettings(prior_of(720.0, 15.0))
 
 
 def test_the_first_shot_is_at_the_estimate_or_above_the_requirement():
@@ -54,7 +59,7 @@ def test_up_and_down_ends_with_three_of_each_kind_within_the_usual_span():
     assert stopped_up_and_down(Shots((), ()), UP_AND_DOWN) == ""
 
 
-LANGLIE = ShotSettings(750.0, 15.0, (600.0, 900.0))
+LANGLIE = ShotSettings(prior_of(750.0, 15.0), (600.0, 900.0))
 
 
 def langlie(velocities: list[float], results: list[bool], low: float, high: float) -> float:
@@ -89,7 +94,7 @@ def test_the_end_is_that_of_the_interval_of_v50():
 LEVELS = (5.5, 16.5, 11.0, 13.8, 10.1, 14.7, 10.4, 11.7, 9.7, 7.3, 7.8, 8.1, 12.2, 8.5, 11.8)
 RESPONSES = tuple(map(bool, (0, 1, 0, 1, 0, 1, 1, 1, 1, 0, 0, 0, 1, 0, 1)))
 RECOMMENDED = {9: 7.26438, 10: 7.75467, 11: 8.08350, 12: 12.16394, 13: 8.51676, 14: 11.82596}
-NEYER = ShotSettings(11.0, 3.0, (0.0, 22.0))
+NEYER = ShotSettings(prior_of(11.0, 3.0), (0.0, 22.0))
 
 
 @pytest.mark.parametrize("count", RECOMMENDED)
@@ -168,7 +173,7 @@ def test_sequences_of_neyer_agree_with_an_independent_implementation():
         truth, scatter = dice.uniform(600, 900), dice.uniform(5, 40)
         fired = Shots((), ())
         for _ in range(12):
-            settings = ShotSettings(750.0, 20.0, (600.0, 900.0))
+            settings = ShotSettings(prior_of(750.0, 20.0), (600.0, 900.0))
             found = next_by_neyer(fired, settings).velocity_m_s
             levels, responses = list(fired.velocities_m_s), list(fired.complete)
             x, y = np.array(levels), np.array(responses)
@@ -191,8 +196,8 @@ def test_a_shot_of_each_kind_at_one_velocity():
     assert np.isfinite(next_by_neyer(shots((11, 0), (11, 1)), NEYER).velocity_m_s)
 
 
-PRIOR = FiringPrior(720.0, ModelError(0.0, 7.0, 12.0))
-BAYESIAN = ShotSettings(720.0, 14.4, half_width_m_s=15.0, prior=PRIOR)
+PRIOR = prior_of(720.0, 14.4)
+BAYESIAN = ShotSettings(PRIOR, half_width_m_s=15.0)
 SHOTS = Shots((720.0, 770.0, 745.0), (False, True, False))
 
 

@@ -58,13 +58,14 @@ def test_a_worker_that_is_killed_costs_nothing_but_time(tmp_path: Path):
         ("nowhere:x", "invalid literal"),
     ],
 )
-def test_an_address_without_a_scheduler(address: str, message: str):
+def test_an_address_without_a_scheduler(address: str, message: str, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr("armour.sweeps.cluster.TIMEOUT_S", 0.3)
     with socket.socket() as server:
         server.bind(("127.0.0.1", 0))
         server.listen()
         found = address.format(server.getsockname()[1])
         expected = f'--scheduler: must be "local" or .*, found "{found}": .*{message}'
-        with pytest.raises(InputError, match=expected), connected(found, timeout_s=0.3):
+        with pytest.raises(InputError, match=expected), connected(found):
             pass
 
 
@@ -87,7 +88,8 @@ def sweep_on(client: Client, output: Path) -> None:
 def test_a_cluster_without_workers(client: Client, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     assert client.cluster is not None
     address = client.cluster.scheduler_address
-    with pytest.raises(InputError, match="must have a worker, found none"), connected(address, timeout_s=1.0):
+    monkeypatch.setattr("armour.sweeps.cluster.TIMEOUT_S", 1.0)
+    with pytest.raises(InputError, match="must have a worker, found none"), connected(address):
         pass
     monkeypatch.setattr("armour.sweeps.cluster.TIMEOUT_S", 0.1)
     with pytest.raises(InputError, match="lost all workers; start others, then repeat the same command to resume"):

@@ -510,7 +510,7 @@ def run(made: Trial, folder: Path) -> Outcome:
 
 def may_be_left(path: Path, code: int, arguments: list[str]) -> bool:
     """Return whether a command that fails may leave a file, as the pages say."""
-    if path.parent.suffix == ".parts":  # chunks of a sweep
+    if path.parent.suffix == ".parts":  # rows of a sweep so far
         return code == INTERRUPTED
     if code == INTERRUPTED and path.read_bytes().endswith(ENDS.get(path.suffix, b"\n")):  # written whole before
         return True

@@ -196,13 +196,7 @@ def requirement(
     that does not end has 100.
     """
     prior = prior_for("bayesian", scatter)
-    settings = ShotSettings(
-        prior.limit_m_s,
-        0.01 * prior.scatter_percent * prior.limit_m_s,
-        requirement_m_s=REQUIRED * prior.limit_m_s,
-        requirement_fraction=fraction,
-        prior=prior,
-    )
+    settings = ShotSettings(prior, requirement_m_s=REQUIRED * prior.limit_m_s, requirement_fraction=fraction)
     v50 = REQUIRED * prior.limit_m_s + (distance - float(ndtri(fraction))) * scatter
     known, dice = posterior(Shots((), ()), settings), np.random.default_rng([seed, firings])
     many = Missed(known, settings, firings, CANDIDATES)
@@ -221,10 +215,10 @@ def simulate(
     """Simulate firings of a procedure; without a scatter, each has one drawn from its prior."""
     prior = prior_for(procedure, scatter or 0.0)
     limit = prior.limit_m_s
-    guess = limit * prior.scatter_percent / 100.0
-    settings = ShotSettings(limit, guess, limits_of(prior), HALF_WIDTH_M_S, confidence, prior=prior)
+    settings = ShotSettings(prior, limits_of(prior), HALF_WIDTH_M_S, confidence)
     if procedure.endswith(WITHOUT):
-        settings = settings._replace(estimate_m_s=START * limit, limits_m_s=(WIDE[0] * limit, WIDE[1] * limit))
+        shifted = prior._replace(limit_m_s=START * limit, scatter_percent=prior.scatter_percent / START)
+        settings = settings._replace(prior=shifted, limits_m_s=(WIDE[0] * limit, WIDE[1] * limit))
     found = []
     for start in range(0, firings, BLOCK):
         # Above the limit in one block, below in the next: the grids of a block have one centre.

@@ -1,4 +1,4 @@
-"""Candidates of planned tests: armours that can be tested, as columns, and their ballistic limits by the model."""
+"""Armours that can be tested, the candidates of planned tests, and their ballistic limits by the model."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -60,7 +60,7 @@ class Candidates:
 
 @contextmanager
 def of_candidates() -> Iterator[None]:
-    """Call the values of a sweep candidates in the messages on them."""
+    """Say "candidates" instead of "sweep" in error messages."""
     try:
         yield
     except InputError as error:
@@ -75,7 +75,7 @@ def of_candidates() -> Iterator[None]:
 
 @of_candidates()
 def candidates_of(scenario: Scenario, choice: Choice, measure: Measure, cost: float | None) -> Candidates:
-    """Return the candidates of a choice, checked; without costs in it or a cost of each test, they have none."""
+    """Return the candidates of a choice, checked; they have costs if it has, or if a test costs something."""
     source = choice if isinstance(choice, Grid | Cases) else source_of(choice)
     file = str(source.path) if isinstance(source, Cases) else "candidates"
     count = source.count
@@ -86,9 +86,9 @@ def candidates_of(scenario: Scenario, choice: Choice, measure: Measure, cost: fl
     columns = dict(zip(canonical(columns, file), columns.values(), strict=True))
     _check_columns(scenario, columns, measure, file, has_costs=costs is not None)
     if costs is not None:
-        wrong = np.flatnonzero(~((costs > 0.0) & (costs <= MAX_COST)))[:MAX_PROBLEMS]
+        invalid = np.flatnonzero(~((costs > 0.0) & (costs <= MAX_COST)))[:MAX_PROBLEMS]
         message = f"must be greater than 0 and at most {MAX_COST:g}, found"
-        refuse(source.place(0, int(row), Problem(file, COST, f"{message} {costs[row]:g}")) for row in wrong)
+        refuse(source.place(0, int(row), Problem(file, COST, f"{message} {costs[row]:g}")) for row in invalid)
     if costs is not None or cost is not None:
         costs = (0.0 if costs is None else costs) + np.full(count, cost or 0.0)
     if measure == "outcome" and VELOCITY not in columns:
@@ -106,7 +106,7 @@ def candidates_of(scenario: Scenario, choice: Choice, measure: Measure, cost: fl
 def _check_columns(
     scenario: Scenario, columns: Mapping[str, Any], measure: Measure, file: str, *, has_costs: bool
 ) -> None:
-    """Check that candidates differ in what a test can differ in, and that it has an effect."""
+    """Check that the columns are keys that a test may have and that have an effect."""
     allowed = (*INPUTS, *NAMES.values())
     proposed = allowed if has_costs else (*allowed, COST)
     refuse(
@@ -117,19 +117,19 @@ def _check_columns(
     if not columns:
         raise mistake(file, "", "must have at least one key of an armour")
     if measure == "limit" and VELOCITY in columns:
-        message = "must not be given if the ballistic limit is measured; --measure outcome for shots at a velocity"
+        message = "must not be given if the ballistic limit is measured; use --measure outcome for shots at a velocity"
         raise mistake(file, VELOCITY, message)
     quantity = "outcome" if measure == "outcome" else LIMIT
     check_keys(scenario, {key: column[0].item() for key, column in columns.items()}, (quantity,), file)
 
 
 class LimitModel(NamedTuple):
-    """Ballistic limits of n candidates and designs as a function of k inputs."""
+    """Ballistic limits of n candidates and designs as functions of k inputs."""
 
     groups: tuple[MaterialGroup, ...]  # under the law of the flow stress
     places: tuple[tuple[str, str], ...]  # file and place of each in messages, (n,)
     names: tuple[str, ...]  # of the inputs
-    units: Floats  # of the inputs: values of the first scenario, or 1, (k,)
+    units: Floats  # of the inputs: a scenario's values, or 1, (k,)
     on_progress: OnProgress
 
     @property
@@ -138,7 +138,7 @@ class LimitModel(NamedTuple):
         return self.groups[0].scenario
 
     def limits(self, x: Floats) -> Floats:
-        """Return the limits given the inputs in their units, m/s, (n,)."""
+        """Return the limits, m/s, (n,), given the inputs in their units, (k,)."""
         limits = np.empty(len(self.places))
         for group in self.groups:
             fitted = {
@@ -161,7 +161,7 @@ class LimitModel(NamedTuple):
         refuse(problems)
 
     def gradients(self, x: Floats, limits: Floats) -> Floats:
-        """Return the relative gradients of the limits there, (n, k)."""
+        """Return the gradients of the limits, relative to the limits, (n, k)."""
 
         def changes(x: Floats) -> Floats:
             self.on_progress(len(limits), None)
@@ -173,9 +173,9 @@ class LimitModel(NamedTuple):
 def limit_model(
     candidates: Candidates, designs: Sequence[Scenario], fit: Sequence[str], law: Law | None, on_progress: OnProgress
 ) -> LimitModel:
-    """Return the limits of candidates and, after these, of designs as a function of inputs, which must be fittable."""
-    of_designs = (MaterialGroup(design, np.array([candidates.count + i]), {}) for i, design in enumerate(designs))
-    groups = (*candidates.groups, *of_designs)
+    """Return the limits of candidates, followed by those of designs, as functions of inputs, which are checked."""
+    design_groups = (MaterialGroup(design, np.array([candidates.count + i]), {}) for i, design in enumerate(designs))
+    groups = (*candidates.groups, *design_groups)
     if law is not None:
         groups = tuple(group._replace(scenario=with_law(group.scenario, law)) for group in groups)
     names = fitted_names(fit, law)

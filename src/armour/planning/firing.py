@@ -1,4 +1,4 @@
-"""Plan of a V50 firing: the velocity of the next shot, or the whole firing simulated."""
+"""Plan the next shot of a V50 firing, or simulate the whole firing."""
 
 from collections.abc import Container, Iterator, Sequence
 from dataclasses import dataclass
@@ -14,8 +14,8 @@ from armour.analysis.results import OnProgress, Result, ignore_progress
 from armour.errors import Problem, mistake, refuse
 from armour.evidence.model_error import NORMAL, ModelError
 from armour.planning.procedures import (
+    OTHER_CONFIDENCE,
     PROCEDURES,
-    SOONER,
     OperatingPoint,
     Rule,
     ShotSettings,
@@ -46,20 +46,20 @@ from armour.statistics.posterior import (
 from armour.statistics.v50 import MAX_VELOCITY_M_S, MIN_VELOCITY_M_S, MeanV50, Shots, Velocity, check_shots
 
 Procedure = Literal["bayesian", "neyer", "langlie", "up-and-down"]
-# Procedures that start from limits of V50, and have no requirement.
+# Procedures that start from limits of V50 and have no requirement.
 LIMITED = ("langlie", "neyer")
 HALF_WIDTH_M_S = 15.0
 # Probability of V50 within the limits of Langlie's and Neyer's procedures, unless they are given.
 LIMITS_PROBABILITY = 0.99
 CURVE_POINTS = 201
-# Part of a limit by the model, of which the error is not known, or of the middle of shots, within which V50 is expected
-# with a probability of 95 %, and that quantile of the normal distribution.
+# Without a model error, V50 is expected with a probability of 95 % within this fraction of the model's limit, or of the
+# middle of the shots; and the quantile of the normal distribution for that probability.
 WIDE, WITHIN = 0.3, 1.96
-# Shots beyond the interval of V50 with this probability, widened by a part of the limit, are warned of.
+# A warning is given of shots outside the interval of V50 with this probability, widened by a fraction of the limit.
 FAR_PROBABILITY, FAR_PART = 0.999, 0.1
-# A shot or a requirement is refused whose velocity and the model's limit differ by more than this factor.
+# A shot or a requirement is refused if its velocity differs from the expected V50 by more than this factor.
 ABSURD_FACTOR = 3.0
-# A simulated firing ends here at the latest.
+# Greatest number of simulated shots.
 MAX_SIMULATED = 100
 
 
@@ -87,7 +87,7 @@ class ShotPlan(Result):
     next_velocity_m_s : float or None
         Velocity of the next shot, m/s; None if the firing has ended.
     reason : str
-        Reason for this velocity.
+        Reason for the next velocity.
     stopped : str
         Reason why the firing has ended; empty while it continues.
     expected_shots : float or None
@@ -102,11 +102,11 @@ class ShotPlan(Result):
     requirement_m_s : float or None
         Required velocity, m/s.
     requirement_fraction : float
-        Fraction of shots that may perforate at it.
+        Fraction of shots that may perforate at the required velocity.
     probability_met : float or None
         Probability that the requirement is met, by the posterior.
     decision : {"met", "not met", ""}
-        Whether the requirement is met; empty without one, and while the shots do not yet decide it.
+        Whether the requirement is met; empty without a requirement, and while it is undecided.
     consumers_risk, producers_risk : float or None
         Greatest probability that armour which does not meet the requirement is accepted, and that armour which meets it
         is rejected: 1 minus the confidence.  None without a requirement, and if the decision uses the prior.
@@ -120,15 +120,15 @@ class ShotPlan(Result):
     earlier : int
         Number of earlier firings whose scatters are pooled.
     scatter_percent, scatter_factor : float
-        Expected scatter, per cent of V50, and the factor by which it may differ, given these.
+        Expected scatter, per cent of V50, and the factor by which it may differ, given the earlier firings.
     limits_m_s : tuple of float or None
         Limits of V50 that Langlie's and Neyer's procedures start from, m/s.
     prior, posterior : FiringEstimate
         V50 and the scatter without and with the shots.
     prior_share : float
-        Posterior over prior variance of V50: the share of the prior in the precision.
+        Share of the prior in the precision of V50: its posterior variance divided by its prior variance.
     expected_from : str
-        What the prior of V50 is from: tests of such armours, limits, or shots.
+        Source of the prior of V50: tests of such armours, limits, or shots.
     recommended : FittedCurve or None
         Curve that `armour.v50` recommends, from the shots alone; None without one, and for the Bayesian procedure.
     mean : MeanV50 or None
@@ -137,9 +137,9 @@ class ShotPlan(Result):
     model_ballistic_limit_m_s : float or None
         Ballistic limit by the model, m/s; None without a scenario.
     model_error : ModelError or None
-        Its relative error.
+        Relative error of the model's limit.
     true_v50_m_s, true_scatter_m_s : float or None
-        V50 and scatter that shots were simulated with, m/s.
+        V50 and scatter of the simulated shots, m/s.
     curve : PlanCurve
         Over ``velocity_m_s``, m/s: the densities of V50, ``prior`` and ``posterior``, s/m, and by the posterior the
         ``probability`` of complete penetration.
@@ -221,15 +221,15 @@ def plan_shots(
     ----------
     scenario : Scenario, optional
         Armour and projectile; its ballistic limit by the model, with the model error, is the prior of V50.  Without
-        one, or without a known error, V50 is expected within the limits given, or within 30 % of the limit by the model
-        or else of the middle of the shots.
+        one, or if the error is not known, V50 is expected within ``limits_m_s``, or else within 30 % of the limit by
+        the model or of the middle of the shots.
     shots : Shots, optional
-        Shots so far, which may all be of one kind.
+        Shots so far, possibly all of one kind.
     procedure : {"bayesian", "neyer", "langlie", "up-and-down"}
         Rule for the next velocity: bayesian, neyer, langlie or up-and-down.
     half_width_m_s : float, optional
-        Half width of the interval of V50 at which the firing ends, 0.1 to 10,000 m/s; by default 15, or, for the
-        up-and-down rule, the end by MIL-STD-662F: three shots of each kind within 27.4 m/s.
+        Half width of the interval of V50 at which the firing ends, 0.1 to 10,000 m/s; by default 15.  The up-and-down
+        rule ends by default as in MIL-STD-662F, with three shots of each kind within 27.4 m/s.
     confidence : float
         Confidence level of the interval, and of the requirement, 0.5 to 0.9999.
     requirement_m_s : float, optional
@@ -261,7 +261,7 @@ def plan_shots(
     seed : int
         Seed of the simulation, at least 0.
     on_progress : callable, optional
-        Called with the number of impacts computed or shots simulated since the last call, and None, as their total is
+        Called with the number of impacts computed or shots simulated since the last call, and None, as the total is
         not known.
 
     Returns
@@ -271,8 +271,8 @@ def plan_shots(
     Raises
     ------
     InputError
-        If a setting is out of its range or has no effect, nothing says where V50 may be, or the decision is to include
-        the model's prediction, whose error is not known.
+        If a setting is out of its range or has no effect, if there is no scenario, shot or limit to expect V50 from, or
+        if the decision is to include the model's prediction, whose error is not known.
     NoLimitError
         If the scenario has no ballistic limit in the range of the search.
 
@@ -283,11 +283,11 @@ def plan_shots(
     >>> round(plan.next_velocity_m_s, 1)
     726.8
     """
-    before = Shots((), ()) if shots is None else shots
-    check_shots(before, one_kind=True)
+    shots = shots or Shots((), ())
+    check_shots(shots, one_kind=True)
     for firing in earlier:
         check_shots(instance(firing, Shots))
-    settings_given = {
+    optional = {
         "requirement_m_s": requirement_m_s,
         "requirement_fraction": requirement_fraction != 0.5,
         "prior": prior,
@@ -296,7 +296,7 @@ def plan_shots(
         "true_scatter_m_s": true_scatter_m_s,
         "seed": seed,
     }
-    problems = [*_misused(procedure, {key for key, value in settings_given.items() if value}, simulate=simulate)]
+    problems = [*_conflicts(procedure, {key for key, value in optional.items() if value}, simulate=simulate)]
     if limits_m_s is not None and limits_m_s[0] >= limits_m_s[1]:
         problems.append(("limits_m_s", f"must rise, found {limits_m_s[0]:g} and {limits_m_s[1]:g}"))
     refuse(Problem("plan_shots", *problem) for problem in problems)
@@ -305,7 +305,7 @@ def plan_shots(
         scatter_percent, scatter_factor = pooled_scatter(firings, scatter_percent, scatter_factor)
     limit = None if scenario is None else ballistic_limit(scenario, on_progress=on_progress)
     model_error = None if limit is None else limit.model_error
-    expectation = FiringPrior(*_expected_v50(limit, before, limits_m_s), scatter_percent, scatter_factor)
+    expectation = FiringPrior(*_expected_v50(limit, shots, limits_m_s), scatter_percent, scatter_factor)
     if requirement_m_s is not None and (message := far_from(expectation.limit_m_s, requirement_m_s)):
         raise mistake("plan_shots", "requirement_m_s", message)
     if prior and model_error is None:
@@ -318,41 +318,38 @@ def plan_shots(
     limits = (limits_m_s or limits_of(expectation)) if procedure in LIMITED else None
     rule_ends = procedure == "up-and-down" or (procedure == "bayesian" and requirement_m_s is not None)
     settings = ShotSettings(
-        estimate_m_s=expectation.limit_m_s,
-        scatter_m_s=expectation.limit_m_s * scatter_percent / 100.0,
+        prior=expectation,
         limits_m_s=limits or (-inf, inf),
         half_width_m_s=HALF_WIDTH_M_S if half_width_m_s is None and not rule_ends else half_width_m_s,
         confidence=confidence,
         requirement_m_s=requirement_m_s,
         requirement_fraction=requirement_fraction,
-        scatter_factor=scatter_factor,
-        prior=expectation,
         by_prior=prior,
     )
-    rule, fired = PROCEDURES[procedure], before
+    rule, fired = PROCEDURES[procedure], shots
     if simulate:
         dice = np.random.default_rng(seed)
         if true_v50_m_s is None or true_scatter_m_s is None:
-            grid, weights = posterior_of(expectation, before.velocities_m_s, before.complete)
+            grid, weights = posterior_of(expectation, shots.velocities_m_s, shots.complete)
             point = dice.choice(len(weights), p=weights)
             true_v50_m_s, true_scatter_m_s = float(grid.v50_m_s[point]), float(grid.scatter_m_s[point])
-        fired = _simulated(before, settings, rule, (true_v50_m_s, true_scatter_m_s), dice, on_progress)
-    ended = rule.ended(fired, settings)
-    aim = None if ended else rule.aim(fired, settings)
-    without = posterior_of(expectation, (), ())
-    with_shots = posterior_of(expectation, fired.velocities_m_s, fired.complete)
-    prior_estimate, estimate, share, contradictions = learned(without, with_shots, confidence)
-    expects, has_begun = procedure == "bayesian" and aim is not None, len(before.complete) > 0
-    further, sooner = expected_shots(fired, settings) if expects else (None, None)
+        fired = _simulated(shots, settings, rule, (true_v50_m_s, true_scatter_m_s), dice, on_progress)
+    end_reason = rule.ended(fired, settings)
+    aim = None if end_reason else rule.aim(fired, settings)
+    prior_of_v50 = posterior_of(expectation, (), ())
+    posterior_of_v50 = posterior_of(expectation, fired.velocities_m_s, fired.complete)
+    prior_estimate, estimate, share, contradictions = learned(prior_of_v50, posterior_of_v50, confidence)
+    continues = procedure == "bayesian" and aim is not None
+    further, further_90 = expected_shots(fired, settings) if continues else (None, None)
     return ShotPlan(
         procedure=procedure,
         fired=fired,
-        simulated=len(fired.complete) - len(before.complete),
+        simulated=len(fired.complete) - len(shots.complete),
         next_velocity_m_s=None if aim is None else aimed(aim.velocity_m_s),
-        reason="" if aim is None else aim.why + _outside(aim.velocity_m_s, fired),
-        stopped=ended,
+        reason="" if aim is None else aim.why + _why_outside(aim.velocity_m_s, fired),
+        stopped=end_reason,
         expected_shots=further,
-        expected_shots_90=sooner if confidence > SOONER else None,
+        expected_shots_90=further_90 if confidence > OTHER_CONFIDENCE else None,
         confidence=confidence,
         half_width_m_s=settings.half_width_m_s,
         requirement_m_s=requirement_m_s,
@@ -368,14 +365,14 @@ def plan_shots(
         expected_from=expectation.error.source,
         true_v50_m_s=true_v50_m_s,
         true_scatter_m_s=true_scatter_m_s,
-        curve=_curve(without, with_shots, fired),
+        curve=_curve(prior_of_v50, posterior_of_v50, fired),
         contradicts_prior=bool(contradictions),
-        **_requirement(fired, settings, with_shots, operates=procedure == "bayesian" and not has_begun),
+        **_requirement(fired, settings, posterior_of_v50, operates=procedure == "bayesian" and not shots.complete),
         earlier=len(earlier),
         scatter_percent=scatter_percent,
         scatter_factor=scatter_factor,
         warnings=(
-            *_far_shots(before, expectation),
+            *_far_shots(shots, expectation),
             *contradictions,
             *(langlie_doubts(fired, settings) if procedure == "langlie" and aim else ()),
             *([f"the simulation stopped after {MAX_SIMULATED} shots without an end"] if simulate and aim else ()),
@@ -384,28 +381,28 @@ def plan_shots(
     ).of(scenario.subject(ANY_VELOCITY) if scenario else f"V50 of {fired.file}", scenario=scenario)
 
 
-def _misused(procedure: Procedure, given: Container[str], *, simulate: bool) -> Iterator[tuple[str, str]]:
-    """Give the settings, of those that are given, that do not go together, with what is wrong."""
+def _conflicts(procedure: Procedure, settings: Container[str], *, simulate: bool) -> Iterator[tuple[str, str]]:
+    """Yield the settings that do not go together, or are missing, with what must hold."""
     truths = ("true_v50_m_s", "true_scatter_m_s")
-    if "requirement_m_s" not in given:
-        unused = (key for key in ("requirement_fraction", "prior") if key in given)
+    if "requirement_m_s" not in settings:
+        unused = (key for key in ("requirement_fraction", "prior") if key in settings)
         yield from ((key, "must not be given without a requirement") for key in unused)
     elif procedure in LIMITED:
         yield "requirement_m_s", f"must not be given with {procedure}, which has no requirement"
-    elif procedure == "bayesian" and "half_width_m_s" in given:
+    elif procedure == "bayesian" and "half_width_m_s" in settings:
         yield "half_width_m_s", "must not be given with a requirement, which ends the firing"
     if not simulate:
-        yield from ((key, "must not be given without simulating") for key in (*truths, "seed") if key in given)
-    elif len(missing := [key for key in truths if key not in given]) == 1:
+        yield from ((key, "must not be given without simulating") for key in (*truths, "seed") if key in settings)
+    elif len(missing := [key for key in truths if key not in settings]) == 1:
         yield missing[0], "must be given, as both V50 and scatter to simulate or neither"
 
 
 def _expected_v50(
     limit: LimitResult | None, fired: Shots, limits_m_s: tuple[float, float] | None
 ) -> tuple[float, ModelError]:
-    """Return the V50 that is expected before the shots, m/s, and its error.
+    """Return the V50 expected before the shots, m/s, and its error.
 
-    It is the model's limit or, where its error is not known, what limits, or shots, say.
+    It is the model's limit or, if the model error is not known, follows from limits or shots.
     """
     if limit is not None and limit.model_error is not None:
         return limit.ballistic_limit_m_s, limit.model_error
@@ -434,7 +431,7 @@ def _simulated(
     dice: np.random.Generator,
     on_progress: OnProgress,
 ) -> Shots:
-    """Return shots with those that a rule fires after them at armour of a true V50 and scatter."""
+    """Return shots followed by those of a rule at armour with a true V50 and scatter."""
     for _ in range(MAX_SIMULATED):
         if rule.ended(fired, settings):
             break
@@ -444,27 +441,29 @@ def _simulated(
     return fired
 
 
-def _requirement(fired: Shots, settings: ShotSettings, with_shots: Posterior, *, operates: bool) -> dict[str, Any]:
-    """Return what a plan says of its requirement, by attribute; with a procedure's operating characteristic or not."""
+def _requirement(
+    fired: Shots, settings: ShotSettings, posterior_of_v50: Posterior, *, operates: bool
+) -> dict[str, Any]:
+    """Return the attributes of a plan about its requirement, with or without an operating characteristic."""
     if settings.requirement_m_s is None:
         return {"probability_met": None}
     current = posterior(fired, settings)
     [decision] = decisions(current.weights[None], current.grid, settings)
-    of_shots: dict[str, float] = {}
+    evidence: dict[str, float] = {}
     if demand := settings.demand():
         risk, [ratios] = 1.0 - settings.confidence, demand.ratios(current.weights[None]).tolist()
-        of_shots = dict(zip(("evidence_met", "evidence_not_met"), ratios, strict=True))
-        of_shots |= {"consumers_risk": risk, "producers_risk": risk}
+        evidence = dict(zip(("evidence_met", "evidence_not_met"), ratios, strict=True))
+        evidence |= {"consumers_risk": risk, "producers_risk": risk}
     return {
-        "probability_met": with_shots.probability_above(settings.requirement_m_s, settings.requirement_fraction),
+        "probability_met": posterior_of_v50.probability_above(settings.requirement_m_s, settings.requirement_fraction),
         "decision": ("", "met", "not met")[decision],
         "operating_characteristic": operating_characteristic(settings) if operates else (),
-        **of_shots,
+        **evidence,
     }
 
 
-def _outside(velocity_m_s: float, fired: Shots) -> str:
-    """Return why a velocity is beyond those of all shots, if it is and there are shots of both kinds."""
+def _why_outside(velocity_m_s: float, fired: Shots) -> str:
+    """Return why a velocity is beyond those of all shots; "" if it is not, or if there are no shots of both kinds."""
     partial, complete = fired.of(complete=False), fired.of(complete=True)
     velocities = sorted(fired.velocities_m_s)
     if not partial or not complete or velocities[0] <= velocity_m_s <= velocities[-1]:
@@ -487,7 +486,7 @@ def _curve(prior: Posterior, posterior: Posterior, fired: Shots) -> PlanCurve:
 
 
 def _far_shots(shots: Shots, prior: FiringPrior) -> Iterator[str]:
-    """Give a warning of shots whose velocity is far from any V50 that the prior expects."""
+    """Yield a warning of shots whose velocities are far from any V50 that the prior expects."""
     low, high = limits_of(prior, FAR_PROBABILITY)
     margin = FAR_PART * prior.limit_m_s
     if far := [f"{v:g}" for v in shots.velocities_m_s if not low - margin <= v <= high + margin]:
@@ -503,12 +502,12 @@ def limits_of(prior: FiringPrior, probability: float = LIMITS_PROBABILITY) -> tu
 
 
 def aimed(velocity_m_s: float) -> float:
-    """Return a velocity to aim at, m/s: to a tenth, within the range of velocities."""
+    """Return a velocity to aim at, m/s, rounded to a tenth and within the range of velocities."""
     return round(min(max(velocity_m_s, MIN_VELOCITY_M_S), MAX_VELOCITY_M_S), 1)
 
 
 def far_from(limit_m_s: float, velocity_m_s: float) -> str:
-    """Return why a velocity is so far from the model's limit that its unit must be wrong; "" if it is not."""
+    """Return that a velocity must be wrong, as it is so far from the expected V50; "" if it is near."""
     if limit_m_s / ABSURD_FACTOR <= velocity_m_s <= limit_m_s * ABSURD_FACTOR:
         return ""
     near = f"must be near the V50 expected, {limit_m_s:.0f} m/s: a third to three times it"

@@ -1,4 +1,4 @@
-"""Plans of tests: which armours to test next, to determine fitted inputs or the limit of a design best."""
+"""Choose the armours to test next, which best determine fitted inputs or the ballistic limit of a design."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -23,6 +23,7 @@ from armour.statistics.calibration import FLOW_STRESS, Law, check_fitted, law_of
 from armour.statistics.likelihood import (
     NO_PRIOR,
     InputFit,
+    Likelihood,
     fit_inputs,
     hazard,
     likelihood_of,
@@ -34,38 +35,38 @@ from armour.statistics.likelihood import (
 from armour.statistics.measured import LIMIT, MEASURED, Tests
 
 MAX_NUMBER = 200
-# Information on a relative change of an input below which a test does not inform: a standard deviation of a million.
-NOTHING = 1e-12
-# Part of a vector that may lie outside the directions that tests determine.
+# A test with less information on a relative change of an input, a standard deviation of a million, has none.
+LEAST_INFORMATION = 1e-12
+# Fraction of a vector that may lie outside the directions that tests determine.
 OUTSIDE = 1e-2
-# Parts of the range of a search within which a fit ends at its end.
+# A fit this close to an end of its range, as a fraction of the range, has ended there.
 AT_END = 1e-6
 
 Criterion = Literal["D", "I"]
 ScatterSource = Literal["given", "uncertainties", "residuals"]
 
 
-def _several(designs: object) -> tuple[Scenario, ...]:
+def _scenarios(designs: object) -> tuple[Scenario, ...]:
     return tuple(instance(design, Scenario) for design in (designs if isinstance(designs, list | tuple) else [designs]))
 
 
-Designs = Annotated[Scenario | Sequence[Scenario], PlainValidator(_several)]
+Designs = Annotated[Scenario | Sequence[Scenario], PlainValidator(_scenarios)]
 
 
 @dataclass(frozen=True)
 class PlannedTest:
-    """A planned test, and what is known once it has been made.
+    """A planned test, and what is known after it.
 
     Attributes
     ----------
     number : int
-        1 for the first; 0 for what is known before.
+        1 for the first; 0 for the state before all tests.
     inputs : dict of str to float or str
-        Its armour, and the velocity if the outcome is measured, by key of the scenario.
+        Inputs of its armour, and the velocity if the outcome is measured, by key of the scenario.
     ballistic_limit_m_s : float or None
         By the model, m/s.
     cost, total_cost : float or None
-        Of this test, and of all up to it; None without costs.
+        Cost of this test, and of all tests up to it; None without costs.
     half_widths : dict of str to float or None
         Expected half-width of the interval of each fitted input, in its unit; None if the tests do not determine it.
     limit_half_widths_m_s : tuple of float or None
@@ -83,12 +84,12 @@ class PlannedTest:
 
 @dataclass(frozen=True, repr=False)
 class PlannedTests(TableResult):
-    """Tests to make next, in their order.
+    """Tests to make next, in order.
 
     Attributes
     ----------
     planned : tuple of PlannedTest
-        Number 0, what is known before, comes first.
+        The first has number 0: the state before all tests.
     criterion : {"D", "I"}
     measure : {"limit", "outcome"}
     law : str
@@ -96,15 +97,15 @@ class PlannedTests(TableResult):
     values : dict of str to float
         Fitted inputs, at whose values the tests are planned.
     tests : str
-        File of the tests made before; empty without any.
+        File of the earlier tests; empty without any.
     scatter_percent : float
         Standard deviation of a test, % of the ballistic limit.
     scatter_known : bool
-        Whether it is given; otherwise it is estimated from the tests, which widens the intervals.
+        Whether the scatter is given; otherwise it is estimated from the tests, which widens the intervals.
     scatter_source : {"given", "uncertainties", "residuals"}
-        Where the scatter comes from: the argument, or the uncertainties or the residuals of the tests made before.
+        Source of the scatter: the argument, or the uncertainties or residuals of the earlier tests.
     designs : tuple of str
-        Files of the designs in question.
+        Files of the designs whose ballistic limits are to be determined.
     design_limits_m_s : tuple of float
         Their ballistic limits, m/s.
     efficiency : float or None
@@ -180,8 +181,8 @@ def plan_tests(
 ) -> PlannedTests:
     """Choose the tests that best determine fitted inputs or the ballistic limits of designs.
 
-    The information of a test is that of the likelihood of `armour.calibrate`, linearised at the fit to earlier tests or
-    else at the scenario's values.
+    The information of a test is that of the likelihood of `armour.calibrate`, linearised at the fit to earlier tests
+    or, without a fit, at the scenario's values.
 
     Parameters
     ----------
@@ -197,11 +198,11 @@ def plan_tests(
     number : int, default 4
         Number of tests to plan, 1 to 200.  A candidate may be tested several times.
     tests : Tests, optional
-        Tests made before.
+        Earlier tests.
     criterion : {"D", "I"}
         "D" minimises the joint confidence region of the inputs, "I" the mean variance of the designs' ballistic limits.
     designs : Scenario or sequence of Scenario, optional
-        Designs in question; by default the scenario's own armour.
+        Designs whose ballistic limits are to be determined; by default the scenario's armour.
     measure : {"limit", "outcome"}
         What a test measures: the ballistic limit, or whether one shot at ``impact.velocity_m_s`` perforates.
     scatter_percent : float, optional
@@ -227,62 +228,66 @@ def plan_tests(
     fit = tuple(fit)
     check_fitted(fit, law, "plan_tests")
     scenario.check_names([name for name in fit if law is None or name == FLOW_STRESS], "plan_tests", "fit")
-    chosen_from = candidates_of(scenario, candidates, measure, cost)
-    _check_materials([(design.file, design) for design in designs], chosen_from.groups[0].scenario, fit)
-    model = limit_model(chosen_from, designs, fit, law, on_progress)
-    source: ScatterSource = "uncertainties" if tests is not None and tests.weighted else "residuals"
-    if tests is not None and scatter_percent is not None and not tests.weighted:
-        tests = _weighted_by(tests, scatter_percent / 100.0)
+    armours = candidates_of(scenario, candidates, measure, cost)
+    _check_materials([(design.file, design) for design in designs], armours.groups[0].scenario, fit)
+    model = limit_model(armours, designs, fit, law, on_progress)
     scatter = None if scatter_percent is None else scatter_percent / 100.0
-    before = _knowledge(tests, model, fit, law, scatter, prior=prior)
-    limits = model.limits(before.x)
+    likelihood = None
+    if tests is not None:
+        if scatter is not None and not tests.weighted:
+            tests = _weighted_by(tests, scatter)
+        likelihood = _likelihood(tests, model, fit, law, prior=prior)
+        # The scenario of the tests may have other values than the candidates.
+        model = model._replace(units=likelihood.units)
+    knowledge = _knowledge(likelihood, model, scatter, prior=prior)
+    limits = model.limits(knowledge.x)
     model.check(limits)
-    gradients, count = model.gradients(before.x, limits), chosen_from.count
-    rows = _informing(chosen_from, gradients[:count], limits[:count], before.scatter, measure)
-    if (rows**2).sum(axis=1).max() < NOTHING:
+    gradients, count = model.gradients(knowledge.x, limits), armours.count
+    rows = _informing(armours, gradients[:count], limits[:count], knowledge.scatter, measure)
+    if (rows**2).sum(axis=1).max() < LEAST_INFORMATION:
         message = f"must depend on {', '.join(model.names)}, found no candidate that does"
-        raise mistake(chosen_from.file, "", message)
-    basis = optimal_design.identified(before.base, rows)
+        raise mistake(armours.file, "", message)
+    basis = optimal_design.identified(knowledge.base, rows)
     inputs = _determined(np.eye(len(basis)), basis)
     targets = _determined(gradients[count:] * limits[count:, None], basis)  # m/s
     if criterion == "I" and np.isnan(targets).any():
         message = 'must not be "I": the candidates do not determine the limit of a design'
         raise mistake("plan_tests", "criterion", message)
     task = Task(
-        base=basis.T @ before.base @ basis,
+        base=basis.T @ knowledge.base @ basis,
         rows=rows @ basis,
-        costs=np.ones(count) if chosen_from.costs is None else chosen_from.costs,
+        costs=np.ones(count) if armours.costs is None else armours.costs,
         targets=targets if criterion == "I" else None,
     )
     chosen = optimal_design.best_set(task, number)
-    of_interest = np.vstack([inputs * model.units[:, None], targets])
-    half_widths = [_half_widths(task, chosen[:place], before, of_interest, measure) for place in range(number + 1)]
-    lacking = tuple(name for name, row in zip(model.names, inputs, strict=True) if np.isnan(row).any())
+    quantities = np.vstack([inputs * model.units[:, None], targets])
+    half_widths = [_half_widths(task, chosen[:place], knowledge, quantities, measure) for place in range(number + 1)]
+    undetermined = tuple(name for name, row in zip(model.names, inputs, strict=True) if np.isnan(row).any())
     sensitivities = _sensitivities(task, chosen)
-    comparable = len(sensitivities) > 0 and (criterion == "I" or not lacking)
+    comparable = len(sensitivities) > 0 and (criterion == "I" or not undetermined)
     return PlannedTests(
-        planned=_planned(chosen_from, chosen, limits, half_widths, model.names),
+        planned=_planned(armours, chosen, limits, half_widths, model.names),
         criterion=criterion,
         measure=measure,
         law=law or (law_of(model.scenario) if FLOW_STRESS in model.names else ""),
-        values=dict(zip(model.names, (before.x * model.units).tolist(), strict=True)),
+        values=dict(zip(model.names, (knowledge.x * model.units).tolist(), strict=True)),
         tests="" if tests is None else tests.file,
-        scatter_percent=100.0 * before.scatter,
-        scatter_known=before.freedom is None,
-        scatter_source=source if scatter_percent is None else "given",
+        scatter_percent=100.0 * knowledge.scatter,
+        scatter_known=knowledge.freedom is None,
+        scatter_source="given" if scatter else "uncertainties" if knowledge.freedom is None else "residuals",
         designs=tuple(design.file for design in designs),
         design_limits_m_s=tuple(limits[count:].tolist()),
         efficiency=optimal_design.efficiency(task, chosen) if comparable else None,
-        not_identified=lacking,
-        candidates=chosen_from.values(),
+        not_identified=undetermined,
+        candidates=armours.values(),
         sensitivities=tuple(sensitivities.tolist()),
         confidence=CONFIDENCE,
-        warnings=(*before.warnings, *_doubts(task, number, lacking)),
-    ).of(chosen_from.subject(scenario), scenario=scenario, tests=tests)
+        warnings=(*knowledge.warnings, *_warnings(task, number, undetermined)),
+    ).of(armours.subject(scenario), scenario=scenario, tests=tests)
 
 
 def _informing(candidates: Candidates, gradients: Floats, limits: Floats, scatter: float, measure: Measure) -> Floats:
-    """Return the rows of the information that a test of each candidate gives of the inputs, (n, k)."""
+    """Return the rows of the information on the inputs from a test of each candidate, (n, k)."""
     if measure == "limit":
         return gradients / scatter
     velocities = candidates.columns[VELOCITY].astype(np.float64)
@@ -293,9 +298,12 @@ def _informing(candidates: Candidates, gradients: Floats, limits: Floats, scatte
 
 
 def _sensitivities(task: Task, chosen: Sequence[int]) -> Floats:
-    """Return the gain per cost of one more test of each candidate, relative to the planned ones; empty without any."""
+    """Return the gain per cost of one more test of each candidate, relative to the average planned test.
+
+    It is empty if the planned tests do not determine the inputs.
+    """
     information = task.information(chosen)
-    if optimal_design.missing(information, task.rows):
+    if optimal_design.missing_tests(information, task.rows):
         return np.empty(0)
     slopes = task.sensitivities(information) / task.costs
     gains: Floats = slopes / (slopes[chosen] @ task.costs[chosen] / task.costs[chosen].sum())
@@ -305,7 +313,7 @@ def _sensitivities(task: Task, chosen: Sequence[int]) -> Floats:
 def _planned(
     candidates: Candidates, chosen: Sequence[int], limits: Floats, half_widths: Sequence[Floats], names: Sequence[str]
 ) -> tuple[PlannedTest, ...]:
-    """Return what is known before the tests, and after each of them, given the half-widths of inputs and limits."""
+    """Return the plan before the tests and after each of them, given the half-widths of inputs and limits."""
     costs = None if candidates.costs is None else candidates.costs[chosen]
     planned = []
     for number, row in enumerate(half_widths):
@@ -325,12 +333,12 @@ def _planned(
     return tuple(planned)
 
 
-def _doubts(task: Task, number: int, lacking: Sequence[str]) -> Iterator[str]:
-    """Give warnings of inputs that candidates, or so many tests, do not determine."""
-    if lacking:
-        yield f"the candidates do not determine {', '.join(lacking)}: their limits depend on the inputs alike"
-    if number < (needed := optimal_design.missing(task.base, task.rows)):
-        yield f"{number} tests do not determine the inputs; at least {needed} are needed"
+def _warnings(task: Task, number: int, undetermined: Sequence[str]) -> Iterator[str]:
+    """Yield warnings of inputs that the candidates, or the planned number of tests, do not determine."""
+    if undetermined:
+        yield f"the candidates do not determine {', '.join(undetermined)}: their limits depend on the inputs alike"
+    if number < (least := optimal_design.missing_tests(task.base, task.rows)):
+        yield f"{number} tests do not determine the inputs; at least {least} are needed"
 
 
 def _weighted_by(tests: Tests, scatter: float) -> Tests:
@@ -348,28 +356,24 @@ class _Knowledge(NamedTuple):
     x: Floats  # inputs in their units, (k,)
     base: Floats  # information of the inputs, (k, k)
     scatter: float  # of a test, relative
-    freedom: float | None  # degrees of freedom of the scatter; None where it is given
+    freedom: float | None  # degrees of freedom of the scatter; None if it is given
     warnings: tuple[str, ...]
 
 
-def _knowledge(
-    tests: Tests | None,
-    model: LimitModel,
-    inputs: Sequence[str],
-    law: Law | None,
-    scatter: float | None,
-    *,
-    prior: bool,
-) -> _Knowledge:
-    """Return what earlier tests and the prior determine of the inputs, and how tests scatter."""
-    fit = likelihood = None
-    if tests is not None:
-        tests, names = under_law(tests, inputs, law)
-        first = [(tests.file, group.scenario) for group in tests.groups[:1]]
-        _check_materials(first, model.scenario, names)
-        likelihood = likelihood_of(tests, names, model.on_progress, prior=prior)
+def _likelihood(tests: Tests, model: LimitModel, fit: Sequence[str], law: Law | None, *, prior: bool) -> Likelihood:
+    """Return the likelihood of the inputs given earlier tests, checked."""
+    tests, names = under_law(tests, fit, law)
+    _check_materials([(tests.file, tests.groups[0].scenario)], model.scenario, names)
+    return likelihood_of(tests, names, model.on_progress, prior=prior)
+
+
+def _knowledge(likelihood: Likelihood | None, model: LimitModel, scatter: float | None, *, prior: bool) -> _Knowledge:
+    """Return what earlier tests and the prior tell of the inputs, and the scatter of a test."""
+    fit = None
+    if likelihood is not None:
+        tests = likelihood.tests
         if usable(tests, likelihood.kept) >= needed_of(likelihood):
-            fit = fit_inputs(tests, names, model.on_progress, prior=prior)
+            fit = fit_inputs(tests, likelihood.names, model.on_progress, prior=prior)
         scatter = scatter or (fit.spread if fit and not tests.weighted else _given_scatter(tests))
     if scatter is None:
         message = "must be given: there are too few tests to estimate it from"
@@ -388,7 +392,7 @@ def _knowledge(
 
 
 def _fitted(fit: InputFit, scatter: float) -> _Knowledge:
-    """Return what a fit determines."""
+    """Return what a fit to earlier tests tells."""
     tests, rows = fit.likelihood.tests, fit.rows.copy()
     rows[: len(tests.measurements)] *= fit.best.scatter / fit.spread
     rows /= fit.widened_by
@@ -399,7 +403,7 @@ def _fitted(fit: InputFit, scatter: float) -> _Knowledge:
             f"their standard deviations are multiplied by {fit.widened_by:.2f}"
         )
     lower, upper = fit.likelihood.lower, fit.likelihood.upper
-    # The search comes close to an end without meeting it.
+    # The search approaches an end without reaching it.
     if (np.minimum(fit.best.x - lower, upper - fit.best.x) < AT_END * (upper - lower)).any():
         warnings.append("the fit to the tests ends at the end of the range of its search")
     freedom = None if tests.weighted else fit.degrees_of_freedom
@@ -413,7 +417,7 @@ def _given_scatter(tests: Tests) -> float | None:
 
 
 def _check_materials(scenarios: Sequence[tuple[str, Scenario]], first: Scenario, names: Sequence[str]) -> None:
-    """Check that scenarios, of files, have the materials whose properties are fitted."""
+    """Check that scenarios, each with its file, have the materials whose properties are fitted."""
     must = "must be the same as for the candidates"
     refuse(
         Problem(file, key, f"{must}, {first.name_of(role)}, as it is fitted, found {name}")
@@ -425,23 +429,25 @@ def _check_materials(scenarios: Sequence[tuple[str, Scenario]], first: Scenario,
 
 
 def _determined(vectors: Floats, basis: Floats) -> Floats:
-    """Return vectors, (m, k), in the directions that the tests determine, (k, r); NaN for those outside of these."""
+    """Return vectors, (m, k), in the basis of what the tests determine, (k, r); NaN for those outside its span."""
     inside: Floats = vectors @ basis
     outside = np.linalg.norm(vectors - inside @ basis.T, axis=1) > OUTSIDE * np.linalg.norm(vectors, axis=1)
     inside[outside] = nan
     return inside
 
 
-def _half_widths(task: Task, chosen: Sequence[int], before: _Knowledge, gradients: Floats, measure: Measure) -> Floats:
-    """Return the expected half-widths of the intervals of quantities after tests, (m,), given their gradients, (m, k).
+def _half_widths(
+    task: Task, chosen: Sequence[int], knowledge: _Knowledge, gradients: Floats, measure: Measure
+) -> Floats:
+    """Return the expected half-widths of the intervals of m quantities after tests, given their gradients, (m, k).
 
-    They are NaN for what the tests do not determine.
+    They are NaN for quantities that the tests do not determine.
     """
     information = task.information(chosen)
-    if optimal_design.missing(information, task.rows):
+    if optimal_design.missing_tests(information, task.rows):
         return np.full(len(gradients), nan)
     # Further limits also add to the knowledge of the scatter.
-    freedom = before.freedom and before.freedom + (len(chosen) if measure == "limit" else 0)
+    freedom = knowledge.freedom and knowledge.freedom + (len(chosen) if measure == "limit" else 0)
     tail = 0.5 * (1.0 + CONFIDENCE)
     factor = float(norm.ppf(tail) if freedom is None else t.ppf(tail, freedom))
     variances = np.einsum("mr,rs,ms->m", gradients, np.linalg.inv(information), gradients)

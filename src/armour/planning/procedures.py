@@ -1,8 +1,8 @@
-"""Rules for the next velocity of a V50 firing and for its end: up and down, Langlie's, Neyer's and the Bayesian one.
+"""Choose the velocities of a V50 firing and end it: up and down, Langlie's, Neyer's and the Bayesian procedure.
 
 The Bayesian procedure fires the shot that is expected to be most informative, given the model's limit and its error.
-The target is V50 or, with a requirement, whether the velocity at which a small part of shots perforates exceeds the
-required one.  A shot's gain is the expected reduction of the variance of this target by its result,
+The target is V50 or, with a requirement, whether the velocity at which a given fraction of shots perforates exceeds the
+required one.  The gain of a shot is the expected reduction of the variance of this target by its result,
 Cov(target, result)^2 / Var(result) over the posterior.
 """
 
@@ -21,7 +21,6 @@ from armour.statistics.curves import FittedCurve, ShotLikelihood, fit_curve
 from armour.statistics.posterior import (
     NODES,
     PLAUSIBLE,
-    SCATTER_FACTOR,
     FiringPrior,
     Posterior,
     V50Grid,
@@ -35,22 +34,24 @@ from armour.statistics.v50 import MAX_VELOCITY_M_S, MIN_VELOCITY_M_S, SPANS_M_S,
 class ShotSettings(NamedTuple):
     """Settings of a procedure; velocities in m/s."""
 
-    estimate_m_s: float  # of V50: the model's ballistic limit
-    scatter_m_s: float  # guess of the standard deviation of the response curve
+    prior: FiringPrior  # of V50 and the scatter, whose medians are the estimates of the other procedures
     limits_m_s: tuple[float, float] = (-inf, inf)  # of V50; for Langlie's and Neyer's procedures
-    half_width_m_s: float | None = None  # of the interval of V50 at which the firing ends; None: the rule's own end
+    half_width_m_s: float | None = None  # of the interval of V50 that ends the firing; None if the rule has another end
     confidence: float = 0.95
     requirement_m_s: float | None = None
-    requirement_fraction: float = 0.5  # part of shots that may perforate at the requirement
-    scatter_factor: float = SCATTER_FACTOR  # by which the scatter may differ from the guess
-    prior: FiringPrior | None = None  # for the Bayesian procedure
-    by_prior: bool = False  # whether the prior takes part in the decision on a requirement
+    requirement_fraction: float = 0.5  # of shots that may perforate at the required velocity
+    by_prior: bool = False  # whether the decision on a requirement includes the prior
+
+    @property
+    def scatter_m_s(self) -> float:
+        """Expected standard deviation of the response curve, m/s."""
+        return self.prior.limit_m_s * self.prior.scatter_percent / 100.0
 
     def demand(self) -> Demand | None:
-        """Return the requirement on which the shots alone decide; None if there is none."""
+        """Return the curves for a requirement that is decided from shots alone; None for any other firing."""
         if self.requirement_m_s is None or self.by_prior:
             return None
-        return demand_of(self.requirement_m_s, self.requirement_fraction, self.scatter_m_s, self.scatter_factor)
+        return demand_of(self.requirement_m_s, self.requirement_fraction, self.scatter_m_s, self.prior.scatter_factor)
 
 
 class Aim(NamedTuple):
@@ -61,7 +62,7 @@ class Aim(NamedTuple):
 
 
 def recommended_fit(shots: Shots, confidence: float) -> FittedCurve | None:
-    """Return the probit curve of the penalised likelihood; None if the shots have none."""
+    """Return the probit curve of greatest penalised likelihood; None if the shots have none."""
     partial, complete = shots.of(complete=False), shots.of(complete=True)
     if not partial or not complete:
         return None
@@ -72,7 +73,7 @@ def recommended_fit(shots: Shots, confidence: float) -> FittedCurve | None:
 
 
 def narrow_enough(interval: tuple[float | None, float | None], settings: ShotSettings) -> str:
-    """Return that an interval of V50 is as narrow as required; "" if it is not."""
+    """Return why an interval of V50 ends the firing; "" if it is too wide."""
     low, high = interval
     if settings.half_width_m_s is None or low is None or high is None or 0.5 * (high - low) > settings.half_width_m_s:
         return ""
@@ -80,7 +81,7 @@ def narrow_enough(interval: tuple[float | None, float | None], settings: ShotSet
 
 
 def stopped(shots: Shots, settings: ShotSettings) -> str:
-    """Return why the firing ends; "" if it goes on."""
+    """Return why the firing ends; "" if it continues."""
     fit = None if settings.half_width_m_s is None else recommended_fit(shots, settings.confidence)
     return "" if fit is None else narrow_enough(fit.v50_interval_m_s, settings)
 
@@ -94,24 +95,24 @@ PAIRS = 3
 def next_up_and_down(shots: Shots, settings: ShotSettings) -> Aim:
     """Return the velocity of the next shot by the up-and-down rule of MIL-STD-662F [DoD1997].
 
-    The first shot is at the estimated V50 or, where a velocity is required, 75 ft/s above it.  After a complete
-    penetration the next shot is slower than this one was, after a partial penetration faster: by 100 ft/s until there
-    is a shot of each kind, then by 50 ft/s.  It ends with as many shots of each kind as the mean needs, within its
-    usual span.
+    The first shot is at the estimated V50 or, with a requirement, 75 ft/s above the required velocity.  Each further
+    one is slower than the last shot after a complete penetration and faster after a partial one: by 100 ft/s until
+    there is a shot of each kind, then by 50 ft/s.  The firing ends with enough shots of each kind for the mean, within
+    its usual span.
     """
     if not shots.complete:
         if settings.requirement_m_s is None:
-            return Aim(settings.estimate_m_s, "the first shot is at the estimated V50")
+            return Aim(settings.prior.limit_m_s, "the first shot is at the estimated V50")
         return Aim(settings.requirement_m_s + ABOVE_M_S, f"the first shot is {ABOVE_M_S:.1f} m/s above the requirement")
     step = STEP_M_S if len(set(shots.complete)) == 2 else FIRST_STEP_M_S
     last, complete = shots.velocities_m_s[-1], shots.complete[-1]
-    way, kind = ("below", "complete") if complete else ("above", "partial")
-    reason = f"{step:.1f} m/s {way} the last shot, a {kind} penetration"
+    side, kind = ("below", "complete") if complete else ("above", "partial")
+    reason = f"{step:.1f} m/s {side} the last shot, a {kind} penetration"
     return Aim(last - step if complete else last + step, reason)
 
 
 def stopped_up_and_down(shots: Shots, settings: ShotSettings) -> str:
-    """Return why the firing ends; "" if it goes on."""
+    """Return why the firing ends; "" if it continues."""
     if settings.half_width_m_s is not None:
         return stopped(shots, settings)
     if mean_of(shots) is None:
@@ -120,12 +121,12 @@ def stopped_up_and_down(shots: Shots, settings: ShotSettings) -> str:
 
 
 def mean_of(shots: Shots) -> MeanV50 | None:
-    """Return the mean of MIL-STD-662F that ends the firing; None without such shots within its span."""
+    """Return the mean of MIL-STD-662F that ends the firing; None if too few shots are within its span."""
     partial, complete = shots.of(complete=False), shots.of(complete=True)
     return mean_v50(partial, complete, PAIRS) if partial and complete else None
 
 
-# This many last shots of one kind, the next within this part of the limits of one of them, leave it in doubt.
+# A limit is in doubt if the last shots, this many, are alike and the next is within this fraction of the range from it.
 ALIKE, NEAR = 5, 0.02
 
 
@@ -133,8 +134,8 @@ def next_by_langlie(shots: Shots, settings: ShotSettings) -> Aim:
     """Return the velocity of the next shot by Langlie's one-shot test [Langlie1962].
 
     The first shot is midway between the limits.  Each further one is midway between the last shot and the latest shot
-    from which on as many penetrations were complete as partial; where there is none, midway between the last shot and
-    the lower limit after a complete, the upper limit after a partial penetration.
+    since which as many penetrations were complete as partial.  Without such a shot, it is midway between the last shot
+    and a limit: the lower one after a complete penetration, the upper one after a partial one.
     """
     lower, upper = settings.limits_m_s
     if not shots.complete:
@@ -153,14 +154,14 @@ def next_by_langlie(shots: Shots, settings: ShotSettings) -> Aim:
 
 
 def langlie_doubts(shots: Shots, settings: ShotSettings) -> Iterator[str]:
-    """Give a warning if the shots leave the limits or stay at one."""
+    """Yield a warning if the shots leave the limits or stay at one of them."""
     lower, upper = settings.limits_m_s
-    velocity, last = next_by_langlie(shots, settings).velocity_m_s, shots.complete[-ALIKE:]
+    velocity, last_results = next_by_langlie(shots, settings).velocity_m_s, shots.complete[-ALIKE:]
     if not lower <= velocity <= upper:
         yield f"the next velocity, {velocity:.1f} m/s, is outside the limits, {lower:.1f} to {upper:.1f} m/s"
-    end, name = (lower, "lower") if shots.complete and last[-1] else (upper, "upper")
-    if len(last) == ALIKE and len({*last}) == 1 and abs(velocity - end) < NEAR * (upper - lower):
-        kind = "complete" if last[-1] else "partial"
+    end, name = (lower, "lower") if shots.complete and last_results[-1] else (upper, "upper")
+    if len(last_results) == ALIKE and len({*last_results}) == 1 and abs(velocity - end) < NEAR * (upper - lower):
+        kind = "complete" if last_results[-1] else "partial"
         yield (
             f"the last {ALIKE} shots, all {kind}, have reached the {name} limit, {end:.1f} m/s: V50 may lie beyond it; "
             "give other limits"
@@ -170,7 +171,7 @@ def langlie_doubts(shots: Shots, settings: ShotSettings) -> Iterator[str]:
 REDUCTION = 0.8
 # Arguments of the normal distribution function at which the gain in information is examined.
 ARGUMENTS = np.arange(-4000, 4001) / 1000.0
-# The best argument if a constant probability, an infinite scatter, fits the shots best.
+# The best argument if a constant probability, as with an infinite scatter, fits the shots best.
 FLAT = 1.31525757633905
 
 
@@ -185,12 +186,12 @@ INFORMATION = _weights(ARGUMENTS)
 def next_by_neyer(shots: Shots, settings: ShotSettings) -> Aim:
     """Return the velocity of the next shot by Neyer's D-optimal test [Neyer1994].
 
-    1. A binary search finds shots of both kinds, and brings their velocities within the guess of the scatter.
-    2. Until shots of the two kinds overlap, so that V50 and scatter have unique estimates of maximum likelihood, V50 is
-       taken midway between the kinds; the guess of the scatter is reduced by a factor of 0.8 with each shot.
-    3. The estimates are those of maximum likelihood, V50 within and the scatter no more than the range of the shots.
+    1. A binary search finds shots of both kinds and brings their velocities within the guessed scatter of each other.
+    2. Until shots of the two kinds overlap, and V50 and scatter have unique maximum-likelihood estimates, V50 is taken
+       midway between the kinds, and the guessed scatter is multiplied by 0.8 after each shot.
+    3. V50 and scatter are the maximum-likelihood estimates, V50 within and the scatter at most the range of the shots.
 
-    In parts 2 and 3 the next velocity is the one that makes the determinant of the Fisher information greatest.
+    In parts 2 and 3 the next velocity maximises the determinant of the Fisher information.
     """
     lower, upper = settings.limits_m_s
     velocities, complete = shots.velocities_m_s, shots.complete
@@ -214,21 +215,21 @@ def next_by_neyer(shots: Shots, settings: ShotSettings) -> Aim:
         return Aim(middle, "binary search: midway between the highest partial and the lowest complete penetration")
     if gaps[-1] >= 0.0:
         scatter = min(guess, span) or guess  # a shot of each kind at one velocity has no span
-        return Aim(_best(velocities, middle, scatter), f"D-optimal for a guessed scatter of {scatter:.1f} m/s")
-    partial, completes = shots.of(complete=False), shots.of(complete=True)
-    if np.mean(completes) <= np.mean(partial):
+        return Aim(_d_optimal(velocities, middle, scatter), f"D-optimal for a guessed scatter of {scatter:.1f} m/s")
+    partials, completes = shots.of(complete=False), shots.of(complete=True)
+    if np.mean(completes) <= np.mean(partials):
         v50 = min(max(middle, slowest), fastest)
         return Aim(v50 + copysign(FLAT * span, -1.0 if complete[-1] else 1.0), "the shots have no rising curve")
-    curve = ShotLikelihood(partial, completes, "probit")
+    curve = ShotLikelihood(partials, completes, "probit")
     intercept, slope, _ = curve.mode
     v50 = min(max(curve.mean - curve.deviation * intercept / slope, slowest), fastest)
     scatter = min(curve.deviation / slope, span)
     reason = f"D-optimal for the estimates of maximum likelihood, V50 {v50:.1f} and scatter {scatter:.1f} m/s"
-    return Aim(_best(velocities, v50, scatter), reason)
+    return Aim(_d_optimal(velocities, v50, scatter), reason)
 
 
 def _gaps(shots: Shots) -> list[float]:
-    """Return lowest complete less highest partial after each shot from the first of the second kind on, m/s."""
+    """Return the lowest complete minus the highest partial velocity, m/s, after each shot once there are both kinds."""
     lowest, highest, gaps = np.inf, -np.inf, []
     for velocity, complete in zip(shots.velocities_m_s, shots.complete, strict=True):
         lowest, highest = (min(lowest, velocity), highest) if complete else (lowest, max(highest, velocity))
@@ -236,8 +237,8 @@ def _gaps(shots: Shots) -> list[float]:
     return [gap for gap in gaps if gap < np.inf]
 
 
-def _best(velocities: Sequence[float], v50: float, scatter: float) -> float:
-    """Return the velocity whose shot makes the determinant of the information on V50 and scatter greatest, m/s."""
+def _d_optimal(velocities: Sequence[float], v50: float, scatter: float) -> float:
+    """Return the velocity, m/s, that maximises the determinant of the information on V50 and scatter."""
     z = (np.array(velocities) - v50) / scatter
     weights = _weights(z)
     zero, one, two = weights.sum(), weights @ z, weights @ (z * z)
@@ -245,26 +246,23 @@ def _best(velocities: Sequence[float], v50: float, scatter: float) -> float:
     return v50 + scatter * float(ARGUMENTS[np.argmax(gain)])
 
 
-# Number of velocities that are examined; they extend over V50, up to a probability at each end, greater if the scatter
-# is implausible, and some scatters more, or over some scatters around a requirement.
+# Number of velocities that are examined.  They cover V50 but for the probability TAIL at each end, or WIDE_TAIL if the
+# scatter is implausible, and SCATTERS scatters more; or AROUND scatters on either side of a requirement.
 CANDIDATES, TAIL, WIDE_TAIL, SCATTERS, AROUND = 101, 1e-3, 0.025, 2.0, 4.0
-# Continuations of the firing that are simulated to estimate the number of further shots, the nodes of their grid, the
-# number of their velocities and the most shots of each.
+# Continuations of the firing that are simulated to estimate the number of further shots: their number, the nodes of
+# their grid, the number of their velocities and the most shots of each.
 FUTURES, FUTURE_NODES, FUTURE_CANDIDATES, MOST_SHOTS = 40, (401, 11), 61, 100
-# Multiplications of a product of matrices that is not worth a thread.
-SMALL = 2**17
 # Another confidence for which the number of shots is estimated.
-SOONER = 0.9
-# Simulated firings for each point of an operating characteristic, and where these are: the distance of the velocity in
-# question from the required one, in scatters.
+OTHER_CONFIDENCE = 0.9
+# Points of an operating characteristic: simulated firings at each, and the distances of the velocity in question from
+# the required one, in scatters.
 FIRINGS, DISTANCES = 100, (-3.0, -2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0, 3.0)
 
 
 def posterior(shots: Shots, settings: ShotSettings, nodes: tuple[int, int] = NODES) -> Posterior:
-    """Return the posterior given the shots: without the prior if the requirement is decided without it."""
+    """Return the posterior given the shots, or without the prior if the requirement is decided from shots alone."""
     if demand := settings.demand():
-        return demand.given(shots.velocities_m_s, shots.complete)
-    assert settings.prior is not None
+        return demand.posterior(shots.velocities_m_s, shots.complete)
     return posterior_of(settings.prior, shots.velocities_m_s, shots.complete, nodes)
 
 
@@ -275,19 +273,19 @@ def next_bayesian(shots: Shots, settings: ShotSettings) -> Aim:
     velocities = candidates(current, settings, CANDIDATES)
     step = velocities[1] - velocities[0]
     for _ in range(2):
-        gained = gains(current.weights[None], quantity, current.grid.response(velocities))[0]
-        best = float(velocities[np.argmax(gained)])
+        velocity_gains = gains(current.weights[None], quantity, current.grid.response(velocities))[0]
+        best = float(velocities[np.argmax(velocity_gains)])
         velocities = np.clip(np.linspace(best - step, best + step, 21), MIN_VELOCITY_M_S, MAX_VELOCITY_M_S)
     if settings.requirement_m_s is not None:
         return Aim(best, "expected to be most informative about whether the requirement is met")
-    before = current.variance(quantity)
-    after = max(before - float(gained.max()), 0.0)
-    change = f"from {before**0.5:.1f} to {after**0.5:.1f} m/s"
+    variance = current.variance(quantity)
+    expected_variance = max(variance - float(velocity_gains.max()), 0.0)
+    change = f"from {variance**0.5:.1f} to {expected_variance**0.5:.1f} m/s"
     return Aim(best, f"expected to narrow the standard deviation of V50 most, {change}")
 
 
 def stopped_bayesian(shots: Shots, settings: ShotSettings) -> str:
-    """Return why the firing ends; "" if it goes on."""
+    """Return why the firing ends; "" if it continues."""
     current = posterior(shots, settings)
     if settings.requirement_m_s is None:
         return narrow_enough(current.estimate(settings.confidence).v50_interval_m_s, settings)
@@ -302,17 +300,17 @@ def stopped_bayesian(shots: Shots, settings: ShotSettings) -> str:
 
 
 def decisions(weights: Floats, grid: V50Grid, settings: ShotSettings) -> Ints:
-    """Return 1 where a requirement is met, -1 where it is not and 0 where it is open, by n distributions, (n,)."""
+    """Return 1 if a requirement is met, -1 if it is not and 0 while it is undecided, by n distributions, (n,)."""
     if demand := settings.demand():
-        for_it, against = (demand.ratios(weights) * (1.0 - settings.confidence) >= 1.0).T
+        accepted, rejected = (demand.ratios(weights) * (1.0 - settings.confidence) >= 1.0).T
     else:
         met = expected(target(grid, settings), weights)
-        for_it, against = met >= settings.confidence, met <= 1.0 - settings.confidence
-    return for_it.astype(int) - against
+        accepted, rejected = met >= settings.confidence, met <= 1.0 - settings.confidence
+    return accepted.astype(int) - rejected
 
 
 def target(grid: V50Grid, settings: ShotSettings) -> Floats:
-    """Return what is to become known, at the points of a grid."""
+    """Return the quantity to determine, at the points of a grid: V50, or whether the requirement is met."""
     if settings.requirement_m_s is None:
         return grid.v50_m_s
     if demand := settings.demand():
@@ -321,37 +319,26 @@ def target(grid: V50Grid, settings: ShotSettings) -> Floats:
 
 
 def gains(weights: Floats, target: Floats, response: Floats) -> Floats:
-    """Return the reduction of the variance of a target, (points,), that shots at m velocities are expected to give.
+    """Return the expected reduction of the variance of a target, (points,), by a shot at each of m velocities.
 
     The weights of n distributions, (n, points), and the response at the velocities, (m, points), give (n, m).
     """
-    probability = _product(weights, response).clip(1e-12, 1.0 - 1e-12)
+    # Unlike those of the linear algebra, these sums do not depend on the number of its threads.
+    probability = np.einsum("np,mp->nm", weights, response).clip(1e-12, 1.0 - 1e-12)
     mean = expected(target, weights)
-    covariance = _product(weights * (target - mean[:, None]), response)
+    covariance = np.einsum("np,mp->nm", weights * (target - mean[:, None]), response)
     return covariance**2 / (probability * (1.0 - probability))
 
 
-def _product(weights: Floats, response: Floats) -> Floats:
-    """Return the sums over the points, (n, m)."""
-    if len(weights) > FUTURES:
-        return weights @ response.T
-    # On a busy machine the threads of the linear algebra cost more than few distributions are worth.
-    size = SMALL // (len(weights) * len(response))
-    sums = np.zeros((len(weights), len(response)))
-    for start in range(0, weights.shape[1], size):
-        sums += weights[:, start : start + size] @ response[:, start : start + size].T
-    return sums
-
-
 def candidates(current: Posterior, settings: ShotSettings, count: int) -> Floats:
-    """Return velocities to choose from, evenly spaced, m/s."""
-    greatest = settings.scatter_m_s * settings.scatter_factor ** float(ndtri(0.5 + 0.5 * PLAUSIBLE))
+    """Return evenly spaced velocities to choose from, m/s."""
+    greatest = settings.scatter_m_s * settings.prior.scatter_factor ** float(ndtri(0.5 + 0.5 * PLAUSIBLE))
     scatter = float(expected(current.grid.scatter_m_s, current.weights))
     if settings.demand():
         low = high = settings.requirement_m_s
         reach = AROUND * min(scatter, greatest)
     else:
-        # Shots that contradict each other imply a scatter beyond the prior, which is no reason to aim far away.
+        # Contradictory shots imply a scatter beyond the prior, which is no reason to aim far away.
         tail = TAIL if scatter <= greatest else WIDE_TAIL
         low, high = current.grid.v50_quantiles(current.weights, (tail, 1.0 - tail))[0]
         reach = SCATTERS * min(scatter, greatest)
@@ -359,7 +346,7 @@ def candidates(current: Posterior, settings: ShotSettings, count: int) -> Floats
 
 
 class Firings:
-    """Many firings at once, each with a posterior over the points of one grid."""
+    """Many simultaneous firings, each with a posterior over the points of one grid."""
 
     def __init__(self, current: Posterior, settings: ShotSettings, count: int, velocities: int) -> None:
         self.settings, self.grid = settings, current.grid
@@ -384,9 +371,9 @@ class Firings:
         return self.grid.v50_quantiles(self.weights, (0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence))
 
     def ended(self, confidence: float) -> Ints:
-        """Return which firings end: 1 if the requirement is met or the interval is narrow, -1 if it is not met.
+        """Return 1 for firings that end with the requirement met or a narrow interval, -1 for those with it not met.
 
-        Firings that go on have 0.
+        Firings that continue have 0.
         """
         settings = self.settings._replace(confidence=confidence)
         if settings.requirement_m_s is not None:
@@ -394,52 +381,52 @@ class Firings:
         low, high = self.intervals(confidence).T
         return (0.5 * (high - low) <= (settings.half_width_m_s or 0.0)).astype(int)
 
-    def keep(self, which: Bools) -> None:
+    def keep(self, kept: Bools) -> None:
         """Keep some of the firings."""
-        self.weights = self.weights[which]
+        self.weights = self.weights[kept]
 
 
 def fire(
     firings: Firings, v50_m_s: Floats, scatter_m_s: Floats, dice: np.random.Generator, least: int = 1
 ) -> tuple[Floats, Ints, Floats]:
-    """Simulate firings of armours, (n,) each, while at least a number of them go on.
+    """Simulate a firing at each of n armours, while at least a number of firings continue.
 
-    Return for each the number of shots at which it ended, infinite if it did not, its result, see `Firings.ended`, and
-    the number at which it would have ended with a confidence of 90 %.
+    Return for each the number of shots at its end, infinite if it has none; its result, see `Firings.ended`; and the
+    number of shots at which it would have ended with a confidence of 90 %.
     """
-    shots, sooner = np.full((2, len(v50_m_s)), inf)
+    shots, shots_90 = np.full((2, len(v50_m_s)), inf)
     ended = np.zeros(len(v50_m_s), dtype=int)
-    going = np.arange(len(v50_m_s))
+    active = np.arange(len(v50_m_s))
     for number in range(MOST_SHOTS + 1):
-        ended[going] = firings.ended(firings.settings.confidence)
-        shots[going[ended[going] != 0]] = number
-        early = going[firings.ended(SOONER) != 0]
-        sooner[early] = np.minimum(sooner[early], number)
-        keep = ended[going] == 0
-        going = going[keep]
-        if len(going) < least:
+        ended[active] = firings.ended(firings.settings.confidence)
+        shots[active[ended[active] != 0]] = number
+        ended_90 = active[firings.ended(OTHER_CONFIDENCE) != 0]
+        shots_90[ended_90] = np.minimum(shots_90[ended_90], number)
+        continues = ended[active] == 0
+        active = active[continues]
+        if len(active) < least:
             break
-        firings.keep(keep)
+        firings.keep(continues)
         velocities = firings.aims()
-        firings.add(velocities, dice.normal(v50_m_s[going], scatter_m_s[going]) < velocities)
-    return shots, ended, sooner
+        firings.add(velocities, dice.normal(v50_m_s[active], scatter_m_s[active]) < velocities)
+    return shots, ended, shots_90
 
 
 def expected_shots(shots: Shots, settings: ShotSettings) -> tuple[float | None, float | None]:
-    """Return the median number of further shots in simulated continuations, and that with a confidence of 90 %.
+    """Return the median number of further shots in simulated continuations, and the same with a confidence of 90 %.
 
-    It is None if it exceeds the maximum.
+    A number is None if it exceeds the maximum.
     """
     current = posterior(shots, settings, FUTURE_NODES)
-    # A prior that the decision does not use still predicts how long it takes.
-    truth = posterior(shots, settings._replace(requirement_m_s=None), FUTURE_NODES) if settings.prior else current
+    # A prior that the decision does not use still predicts the number of shots.
+    prediction = posterior(shots, settings._replace(requirement_m_s=None), FUTURE_NODES)
     dice = np.random.default_rng(0)
-    truths = dice.choice(len(truth.weights), FUTURES, p=truth.weights)
-    v50, scatter = truth.grid.v50_m_s[truths], truth.grid.scatter_m_s[truths]
-    # The median is known once half of them have ended.
+    points = dice.choice(len(prediction.weights), FUTURES, p=prediction.weights)
+    v50, scatter = prediction.grid.v50_m_s[points], prediction.grid.scatter_m_s[points]
+    # The median is known once half of the firings have ended.
     firings = Firings(current, settings, FUTURES, FUTURE_CANDIDATES)
-    needed, _, sooner = fire(firings, v50, scatter, dice, least=FUTURES // 2)
-    return _median(needed), _median(sooner)
+    further, _, further_90 = fire(firings, v50, scatter, dice, least=FUTURES // 2)
+    return _median(further), _median(further_90)
 
 
 def _median(shots: Floats) -> float | None:
@@ -470,7 +457,7 @@ class OperatingPoint:
 
 
 def operating_characteristic(settings: ShotSettings) -> tuple[OperatingPoint, ...]:
-    """Simulate firings at armours around a requirement, whose scatter is the expected one."""
+    """Simulate firings at armours of the expected scatter around a requirement."""
     assert settings.requirement_m_s is not None
     current, scatter = posterior(Shots((), ()), settings, FUTURE_NODES), settings.scatter_m_s
     edge = settings.requirement_m_s - float(ndtri(settings.requirement_fraction)) * scatter
@@ -484,16 +471,16 @@ def operating_characteristic(settings: ShotSettings) -> tuple[OperatingPoint, ..
             scatter_m_s=scatter,
             met=float((ends > 0).mean()),
             not_met=float((ends < 0).mean()),
-            shots=_median(needed),
+            shots=_median(numbers),
         )
-        for v50, needed, ends in zip(
+        for v50, numbers, ends in zip(
             points.tolist(), shots.reshape(-1, FIRINGS), ended.reshape(-1, FIRINGS), strict=True
         )
     )
 
 
 class Rule(NamedTuple):
-    """Functions of the shots so far: the next velocity, and why the firing has ended, "" if it goes on."""
+    """Functions of the shots so far: the next velocity, and why the firing has ended, "" if it continues."""
 
     aim: Callable[[Shots, ShotSettings], Aim]
     ended: Callable[[Shots, ShotSettings], str]

@@ -1,4 +1,4 @@
-"""The file of the shots of a firing, to which a command adds one."""
+"""Add a shot to the file of a firing."""
 
 import os
 from codecs import BOM_UTF8
@@ -14,13 +14,13 @@ from armour.files import reason
 from armour.statistics.v50 import Shots
 
 HEADER = ("shot", "velocity_m_s", "result")
-# A command waits for others that add a shot to the same file, each of which takes a second or two.
+# Time to wait for other commands that add a shot to the same file, each of which takes a second or two.
 WAIT_S = 120.0
 
 
 @contextmanager
 def locked(path: Path) -> Iterator[None]:
-    """Keep other commands from adding a shot to a file; the lock is a file beside it, since it is replaced itself."""
+    """Keep other commands from adding a shot to a file, by a lock file beside it, as the file itself is replaced."""
     target = Path(os.path.realpath(path))
     lock = FileLock(target.with_name(f".{target.name}.lock"), timeout=WAIT_S)
     try:
@@ -40,10 +40,10 @@ def content_of(path: Path) -> bytes | None:
 
 
 def with_shot(path: Path, velocity_m_s: float, word: str) -> bytes:
-    """Return the content of a file of shots, which need not exist, with one more; what `read_shots` read of it stays.
+    """Return the content of a file of shots, which need not exist, with one shot more.
 
-    The row has the columns of the file, and its result is spelt as the one before.  A shot that repeats another is
-    named, in a column that all rows get if they have none, before the others.
+    The row has the columns of the file, and its result is spelt like that of the last shot.  If it equals another row,
+    all rows get a first column with the name of their shot.
     """
     content = content_of(path)
     lines = [(1, [*HEADER])] if content is None else [*read_csv(path)]
@@ -65,7 +65,7 @@ def with_shot(path: Path, velocity_m_s: float, word: str) -> bytes:
 
 
 def _named(content: bytes, places: Sequence[int]) -> bytes:
-    """Return the content of a file with a column of names, numbers from 1, before the others of lines at places."""
+    """Return the content of a file with a first column of shots, numbered from 1, in the lines at some places."""
     lines = content.removeprefix(BOM_UTF8).splitlines(keepends=True)
     for name, place in enumerate(places):
         lines[place - 1] = f"{name or 'shot'},".encode() + lines[place - 1]
@@ -73,14 +73,14 @@ def _named(content: bytes, places: Sequence[int]) -> bytes:
 
 
 def _spelt(word: str, example: str) -> str:
-    """Return a word for a result as one of the pair of an example, with its capitals."""
+    """Return a word for a result from the pair to which an example belongs, capitalised like the example."""
     pair = next(pair for pair in OUTCOMES if example.lower() in pair)
     word = pair[PERFORATED[word.lower()]]
     return word.upper() if example.isupper() else word.capitalize() if example.istitle() else word
 
 
 def next_name(names: Sequence[str], count: int) -> str:
-    """Return the name of the shot after a number of shots: one more than the greatest number that is a name."""
+    """Return the name of the next shot: one more than the greatest name that is a number, else than the count."""
     return str(max((int(name) for name in names if name.isdecimal()), default=count) + 1)
 
 

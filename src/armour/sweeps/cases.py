@@ -22,13 +22,13 @@ from armour.scenario.keys import describe, key_name, parts_of
 from armour.scenario.schema import Steps
 from armour.scenario.sections import validated
 
-# Cases are held in memory, in 8 bytes a number.
+# Cases are kept in memory, at 8 bytes per number.
 MAX_CASES = 10_000_000
-# Longer than any name of a projectile or material.
+# Greatest length of the name of a projectile or material.
 MAX_NAME = 200
-# Characters of a wrong value in a message.
+# Characters of an invalid value that a message shows.
 MAX_SHOWN = 60
-# Rows that are read or checked at a time.
+# Number of rows that are read or checked at a time.
 BLOCK = 10_000
 
 
@@ -38,7 +38,7 @@ class Axis:
 
     key: str
     values: tuple[float, ...] | tuple[str, ...]
-    omission: str = ""  # warning that the end of a range is left out, as no whole number of steps leads to it
+    omission: str = ""  # warning that the end of a range is left out, because it is not a whole number of steps away
 
 
 @dataclass(frozen=True)
@@ -63,17 +63,17 @@ class Grid:
         return sha256(json.dumps([(axis.key, axis.values) for axis in self.axes]).encode()).hexdigest()
 
     def rows(self, places: NDArray[np.int64]) -> dict[str, Any]:
-        """Return some of the combinations, counted from 0, as columns by key."""
+        """Return the combinations with some numbers, counted from 0, as columns by key."""
         indices = np.unravel_index(places, [len(axis.values) for axis in self.axes])
         return {axis.key: np.array(axis.values)[i] for axis, i in zip(self.axes, indices, strict=True)}
 
     def place(self, start: int, row: int, problem: Problem) -> Problem:
-        """Return a problem in a row, counted from a row at which a chunk starts, with the values that make it."""
+        """Return a problem of a row, counted from the first row of a chunk, with the values of the row."""
         if problem.key in self.keys:
             return Problem("sweep", f"over {problem.key}", problem.message)
         indices = np.unravel_index(start + row, [len(axis.values) for axis in self.axes])
-        found = ((axis.key, axis.values[i]) for axis, i in zip(self.axes, indices, strict=True))
-        values = (f"{key}={value}" if isinstance(value, str) else f"{key}={value:g}" for key, value in found)
+        row_values = ((axis.key, axis.values[i]) for axis, i in zip(self.axes, indices, strict=True))
+        values = (f"{key}={value}" if isinstance(value, str) else f"{key}={value:g}" for key, value in row_values)
         return Problem("sweep", f"over {', '.join(values)}", f"{problem.key}: {problem.message}")
 
 
@@ -98,27 +98,27 @@ class Cases:
             self.count += len(block)
             if self.count > MAX_CASES:
                 raise mistake(path, "", f"must have at most {MAX_CASES:,} rows, found more")
-            blocks.append((np.array([line for line, _ in block]), *self._columns(block)))
+            blocks.append((np.array([line for line, _ in block]), *self._read(block)))
         if not self.count:
             raise mistake(path, "", "must have a header of keys and at least one row")
         self._lines, *columns = map(np.concatenate, zip(*blocks, strict=True))
-        self._all = dict(zip(self.keys, columns, strict=True))
-        found = sha256()
-        for key, column in self._all.items():
-            found.update(json.dumps([key, column.dtype.str, self.count]).encode())
-            found.update(column.tobytes())
-        self.digest = found.hexdigest()
+        self._columns = dict(zip(self.keys, columns, strict=True))
+        content = sha256()
+        for key, column in self._columns.items():
+            content.update(json.dumps([key, column.dtype.str, self.count]).encode())
+            content.update(column.tobytes())
+        self.digest = content.hexdigest()
 
     def rows(self, places: NDArray[np.int64]) -> dict[str, Any]:
-        """Return some of the rows, counted from 0, as columns by key."""
-        return {key: column[places] for key, column in self._all.items()}
+        """Return the rows with some numbers, counted from 0, as columns by key."""
+        return {key: column[places] for key, column in self._columns.items()}
 
     def place(self, start: int, row: int, problem: Problem) -> Problem:
-        """Return a problem in a row, counted from a row at which a chunk starts, with its line."""
+        """Return a problem of a row, counted from the first row of a chunk, with its line."""
         return Problem(str(self.path), f"line {self._lines[start + row]}", f"{problem.key}: {problem.message}")
 
-    def _columns(self, block: Sequence[tuple[int, Sequence[str]]]) -> list[Any]:
-        """Return the columns of lines, numbers or names, each (n,)."""
+    def _read(self, block: Sequence[tuple[int, Sequence[str]]]) -> list[Any]:
+        """Return the columns of n lines, each with numbers or names, (n,)."""
         file = str(self.path)
         refuse(
             Problem(file, f"line {line}", wrong_width(cells, self.keys))
@@ -141,7 +141,7 @@ class Cases:
 
 
 def _name(cell: str) -> str | None:
-    """Return a name; None for a text that cannot be one."""
+    """Return the name in a cell; None if it cannot be a name."""
     name = csv_value(cell)
     return name if 0 < len(name) <= MAX_NAME else None
 
@@ -158,7 +158,7 @@ def axis_of(text: str) -> Axis:
         raise mistake("sweep", f"over {key}", message)
     is_range = ":" in values
     cells = values.split(":" if is_range else ",")
-    numbers = [found for cell in cells if (found := number(cell)) is not None]
+    numbers = [value for cell in cells if (value := number(cell)) is not None]
     if len(numbers) < len(cells) or (is_range and len(numbers) != 3):
         message = f'must be MIN:MAX:STEP or VALUE,VALUE,... of finite numbers, found "{values[:MAX_SHOWN]}"'
         raise mistake("sweep", f"over {key}", message)
@@ -166,7 +166,7 @@ def axis_of(text: str) -> Axis:
 
 
 def source_of(over: Mapping[str, object] | str | PathLike[str]) -> Grid | Cases:
-    """Return the rows to compute."""
+    """Return the rows of a sweep: a grid of a mapping, or the cases in a file."""
     if not isinstance(over, Mapping):
         return Cases(Path(over))
     if not over:
@@ -183,12 +183,12 @@ def axis(key: str, values: object) -> Axis:
         except InputError as error:
             raise InputError([Problem("sweep", f"over {key}", str(problem)) for problem in error.problems]) from None
         return Axis(key, steps.values(), steps.omission())
-    found = np.asarray(values)
-    if found.ndim == 1 and found.size and found.dtype.kind in ("U" if is_name else "iuf"):
+    array = np.asarray(values)
+    if array.ndim == 1 and array.size and array.dtype.kind in ("U" if is_name else "iuf"):
         if is_name:
-            return Axis(key, tuple(found.tolist()))
-        if np.isfinite(found).all():
-            return Axis(key, tuple(found.astype(np.float64).tolist()))
+            return Axis(key, tuple(array.tolist()))
+        if np.isfinite(array).all():
+            return Axis(key, tuple(array.astype(np.float64).tolist()))
     must = f"must be a sequence of {'names' if is_name else 'finite numbers, or a range with min, max and step'}"
     shown = describe(values) if isinstance(values, str) else repr(values)[:MAX_SHOWN]
     raise mistake("sweep", f"over {key}", f"{must}, found {shown}")

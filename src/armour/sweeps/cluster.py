@@ -1,4 +1,4 @@
-"""Chunks of a sweep on a Dask cluster."""
+"""Compute the chunks of a sweep on a Dask cluster."""
 
 import asyncio
 import logging
@@ -17,18 +17,18 @@ if TYPE_CHECKING:
 
 # Chunks submitted ahead of time, per thread of the cluster.
 CHUNKS_AHEAD = 3
-# Time in which a scheduler and a worker must answer, and in which a new worker must appear if all are lost.
+# Time within which a scheduler and a worker must answer, and a new worker must appear if all are lost.
 TIMEOUT_S = 10.0
 
 
 @contextmanager
-def connected(scheduler: str, timeout_s: float = TIMEOUT_S) -> Iterator["Client"]:
+def connected(scheduler: str) -> Iterator["Client"]:
     """Connect to the cluster at an address; "local" starts one on this machine, with one process per core."""
     try:
         from distributed import Client, LocalCluster
     except ImportError:
         raise _error("needs dask.distributed; pip install 'armour[cluster]'") from None
-    # What goes wrong is said once, by an error.
+    # Failures are reported once, by an error.
     for name in ("distributed", "distributed.client"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
     if scheduler == "local":
@@ -36,40 +36,40 @@ def connected(scheduler: str, timeout_s: float = TIMEOUT_S) -> Iterator["Client"
             yield client
         return
     try:
-        asyncio.run(asyncio.wait_for(_check_scheduler(scheduler), timeout_s))
-        client = Client(scheduler, timeout=timeout_s)
+        asyncio.run(asyncio.wait_for(_check_scheduler(scheduler), TIMEOUT_S))
+        client = Client(scheduler, timeout=TIMEOUT_S)
     except Exception as error:  # of any kind, depending on the kind of address
-        found = "no answer" if isinstance(error, TimeoutError) else str(error)
+        obstacle = "no answer" if isinstance(error, TimeoutError) else str(error)
         raise _error(
-            f'must be "local" or the address of a Dask scheduler that answers, found "{scheduler}": {found}'
+            f'must be "local" or the address of a Dask scheduler that answers, found "{scheduler}": {obstacle}'
         ) from None
     with client:
         try:
-            client.wait_for_workers(1, timeout=timeout_s)
+            client.wait_for_workers(1, timeout=TIMEOUT_S)
         except TimeoutError:
             raise _error("must have a worker, found none; start some with the command dask worker") from None
         yield client
 
 
 async def _check_scheduler(address: str) -> None:
-    """Check that a scheduler answers; a `Client` waits for ever for another server's answer."""
+    """Check that a scheduler answers; a `Client` would wait for ever for an answer from another server."""
     from distributed import Security, rpc
 
     async with rpc(address, connection_args=Security().get_connection_args("client")) as scheduler:
-        found = await scheduler.identity()
-    if found.get("type") != "Scheduler":
-        raise ValueError(f"that is a {found.get('type')}")
+        identity = await scheduler.identity()
+    if identity.get("type") != "Scheduler":
+        raise ValueError(f"that is a {identity.get('type')}")
 
 
 @contextmanager
 def workers_of(client: "Client") -> Iterator[Workers]:
-    """Give the workers of a cluster; the chunks of one that dies are tried again."""
-    without = 0
+    """Yield the workers of a cluster; the chunks of a worker that dies are tried again."""
+    seconds_without = 0  # any worker: the check is made once a second
 
     def check() -> None:
-        nonlocal without
-        without = 0 if client.nthreads() else without + 1
-        if without > TIMEOUT_S:
+        nonlocal seconds_without
+        seconds_without = 0 if client.nthreads() else seconds_without + 1
+        if seconds_without > TIMEOUT_S:
             raise _error(f"lost all workers; start others, then {RESUME}")
 
     try:
@@ -84,17 +84,17 @@ def workers_of(client: "Client") -> Iterator[Workers]:
 
 
 class _SameProgram(Executor):
-    """Calls functions on the workers of a cluster, which must run this program."""
+    """Executor on the workers of a cluster, which must run the same program."""
 
     def __init__(self, client: "Client") -> None:
         self._executor = client.get_executor(pure=False)
 
     def submit(self, function: Callable[..., Any], /, *args: Any) -> Future[Any]:  # type: ignore[override]
-        """Call a function; it and its arguments go as bytes, which a worker of another version does not read."""
-        return self._executor.submit(_called_there, program(), pickle.dumps((function, args)))
+        """Submit a call, pickled here, so that a worker of another version does not unpickle it."""
+        return self._executor.submit(_call, program(), pickle.dumps((function, args)))
 
 
-def _called_there(expected: str, call: bytes) -> Any:
+def _call(expected: str, call: bytes) -> Any:
     """Call a pickled function on a worker."""
     if program() != expected:
         raise _error("must have workers with this version of armour, numba and numpy, found a worker with others")

@@ -1,9 +1,9 @@
-"""Rows of a sweep so far, from which it resumes.
+"""Keep the rows of an unfinished sweep, so that it can resume.
 
-A folder beside the output, named after it with the suffix ``.parts``, which only the user can enter, contains a SQLite
-database of the job and of its rows so far, in chunks.  SQLite keeps it whole through a kill at any instant, and open to
-one process at a time; checksums tell what the disk has changed.  Where the file system has no locks, as on some
-networks, the database is in the folder for temporary files.  Both are removed when the table is written.
+A folder beside the output, named after it with the suffix ``.parts`` and open to the user alone, contains a SQLite
+database of the job and its rows so far, in chunks.  SQLite keeps it intact if the process is killed, and open to one
+process at a time; checksums detect damage on the disk.  On a file system without locks, as in some networks, the
+database is in the folder for temporary files.  Both folders are removed when the table is written.
 """
 
 import json
@@ -30,8 +30,8 @@ from armour.files import exchangeable, make_private, reason, unwritable, wrong_e
 from armour.sweeps.tables import is_csv, write_table
 
 RESUME = "repeat the same command to resume"
-# The database, its journal, and what is being written.
-OWN_NAME = re.compile(r"rows|rows-journal|\.armour-[0-9a-f]{16}")
+# The database, its journal, and a table that is being written.
+FILE_NAME = re.compile(r"rows|rows-journal|\.armour-[0-9a-f]{16}")
 TABLES = """
 create table if not exists job (checksum, content);
 create table if not exists chunk (start integer primary key, checksum, content);
@@ -44,7 +44,7 @@ class Chunk(NamedTuple):
     """Part of a table."""
 
     columns: Mapping[str, Any]
-    warnings: Mapping[str, int]  # with the number of rows that each concerns
+    warnings: Mapping[str, int]  # and the number of rows that each concerns
 
     @property
     def rows(self) -> int:
@@ -53,15 +53,15 @@ class Chunk(NamedTuple):
 
 
 def parts_of(output: Path) -> Path:
-    """Return the folder of the rows of an output, which is there while its sweep is not finished."""
+    """Return the folder with the rows of an output, which exists while its sweep is unfinished."""
     return Path(f"{output}.parts")
 
 
 class Store:
-    """Rows of a table so far, ``done`` of them, with the number of rows of each warning; open to one process at a time.
+    """The first ``done`` rows of a table, and the number of rows of each warning; open to one process at a time.
 
-    With ``replace`` the table takes the place of an older file.  ``tell`` gets a line if rows are damaged, or are not
-    beside the output.
+    With ``replace``, the table replaces an older file.  ``tell`` gets a line if rows are damaged or not beside the
+    output.
     """
 
     def __init__(self, output: Path, job: Mapping[str, str], tell: Tell, *, replace: bool = False) -> None:
@@ -80,10 +80,10 @@ class Store:
             raise mistake(self.output, "", message)
         self._check_output()
         with self._disk():
-            make_own(self.folder)
+            make_folder(self.folder)
             if not has_locks(self.folder):
                 place = Path(gettempdir(), f"armour-{sha256(bytes(self.output.absolute())).hexdigest()[:16]}.parts")
-                make_own(place)
+                make_folder(place)
                 self.path = place / "rows"
                 self.tell(f"{self.folder}: cannot be locked; rows are kept in {place}: only this machine can resume")
             try:
@@ -98,7 +98,7 @@ class Store:
         return self
 
     def __exit__(self, *_error: object) -> None:
-        """Remove the folder if the table is written or there are no rows."""
+        """Remove the folders if the table is written or there are no rows."""
         self._database.close()
         if self._written or not self.done:
             for folder in (self.path.parent, self.folder):
@@ -113,7 +113,7 @@ class Store:
         self._count(chunk)
 
     def finish(self, made_by: Mapping[str, str] | None = None) -> None:
-        """Write the table; a Parquet file says what made it."""
+        """Write the table; a Parquet file records what made it."""
         part = new_file(self.folder)
         with self._disk():
             try:
@@ -128,11 +128,11 @@ class Store:
         self._written = True
 
     def _open(self) -> None:
-        """Lock the database and count its rows; those from the first damaged one on are removed."""
+        """Lock the database and count its rows; remove the first damaged chunk and all later ones."""
         self.done, self.warnings = 0, Counter()
         self._database = sqlite3.connect(self.path, timeout=0.0, isolation_level=None)
         try:
-            # Damaged text is none of what it must be, and no error.
+            # Damaged text is no error, but differs from what it must be.
             self._database.text_factory = partial(str, encoding="utf-8", errors="replace")
             self._database.execute("pragma locking_mode = exclusive")
             self._database.executescript(f"begin exclusive; {TABLES} commit")
@@ -152,15 +152,15 @@ class Store:
             raise
 
     def _check_job(self) -> None:
-        """Check that the rows are those of this job."""
+        """Check that the stored rows belong to this job."""
         checksum, content = self._database.execute("select * from job").fetchone() or ("", "")
         if checksum != checksum_of(content):
             raise sqlite3.DatabaseError("damaged job")
-        known = json.loads(content)
-        others = [name for name, value in self.job.items() if known.get(name) != value]
-        if others:
+        stored_job = json.loads(content)
+        differing = [name for name, value in self.job.items() if stored_job.get(name) != value]
+        if differing:
             message = (
-                f"contains rows of another sweep, which differs in {' and '.join(others)}; "
+                f"contains rows of another sweep, which differs in {' and '.join(differing)}; "
                 "finish that with its own command and program, or remove the folder to start again"
             )
             raise mistake(self.path.parent, "", message)
@@ -170,7 +170,7 @@ class Store:
         self.warnings.update(chunk.warnings)
 
     def _chunks(self) -> Iterator[Chunk]:
-        """Yield all chunks; raise an error at the first that is not as it was written."""
+        """Yield all chunks; raise an error at the first one that is damaged."""
         done = 0
         for start, checksum, content in self._database.execute("select * from chunk order by start"):
             if start != done or type(content) is not bytes or checksum != self._checksum(start, content):
@@ -182,17 +182,17 @@ class Store:
             raise sqlite3.DataError("missing rows")
 
     def _checksum(self, start: int, content: bytes) -> str:
-        """Return a checksum of a chunk, of its place and of its job."""
+        """Return a checksum of a chunk, its first row and its job."""
         return sha256(f"{self.job} {start} ".encode() + content).hexdigest()
 
     def _check_output(self) -> None:
-        may_go = self.replace and self.output.is_file() and not self.output.is_symlink()
-        if os.path.lexists(self.output) and not may_go:
+        is_replaceable = self.replace and self.output.is_file() and not self.output.is_symlink()
+        if os.path.lexists(self.output) and not is_replaceable:
             raise mistake(self.output, "", "exists already; choose another name, or remove it")
 
     @contextmanager
     def _disk(self) -> Iterator[None]:
-        """Turn what the file system or the database refuses into a message."""
+        """Turn errors of the file system and the database into those of an input."""
         try:
             yield
         except OSError as error:
@@ -204,18 +204,20 @@ class Store:
                 raise mistake(self.folder, "", message) from None
         else:
             return
-        kept = f"; what is done is kept, {RESUME}" if self.done else ""
-        raise mistake(path, "", f"cannot be written: {obstacle}{kept}")
+        way_out = f"; what is done is kept, {RESUME}" if self.done else ""
+        raise mistake(path, "", f"cannot be written: {obstacle}{way_out}")
 
 
-def make_own(folder: Path) -> None:
-    """Make the folder of a sweep; refuse one that another user can have changed, or with other files."""
+def make_folder(folder: Path) -> None:
+    """Make the folder of a sweep; refuse one that another user may have changed, or one with other files."""
     if not make_private(folder):
         message = "must belong to you and be writable by no other user; choose another output, or move it"
         raise mistake(folder, "", message)
-    others = [path.name for path in folder.iterdir() if not OWN_NAME.fullmatch(path.name)]
-    if others:
-        raise mistake(folder, "", f"contains other files, such as {others[0]}; choose another output, or move them")
+    other_names = [path.name for path in folder.iterdir() if not FILE_NAME.fullmatch(path.name)]
+    if other_names:
+        raise mistake(
+            folder, "", f"contains other files, such as {other_names[0]}; choose another output, or move them"
+        )
 
 
 def has_locks(folder: Path) -> bool:
@@ -250,7 +252,7 @@ def packed(chunk: Chunk) -> bytes:
 
 
 def unpacked(content: bytes) -> Chunk:
-    """Return the chunk that was packed."""
+    """Return a chunk that was packed as bytes."""
     with np.load(BytesIO(content)) as arrays:
         names, warnings = json.loads(str(arrays["about"]))
         return Chunk({name: arrays[f"arr_{number}"] for number, name in enumerate(names)}, warnings)

@@ -1,4 +1,4 @@
-"""Sweeps: quantities of a scenario for many rows of values, in memory, or in a table that is computed in chunks."""
+"""Compute quantities of a scenario for many rows of values, in memory or as a table written in chunks."""
 
 import json
 import shutil
@@ -34,15 +34,15 @@ from armour.sweeps.cases import BLOCK, Cases, Grid, source_of
 from armour.sweeps.store import RESUME, Chunk, Store
 from armour.sweeps.tables import csv_of, read_table
 
-# Rows that are kept in memory; more go to a file.
+# Greatest number of rows in memory; more need a file.
 MAX_ROWS = 10_000_000
-# A chunk takes about this time, so that a kill costs little, and has at most this many rows.
+# A chunk takes about this time, so that an interruption costs little, and has at most this many rows.
 CHUNK_S = 1.0
 MAX_CHUNK = 100_000
-# Samples grow until one takes this time, after the first, which also loads the compiled code.
+# Samples grow until one takes this time; the first does not count, as it also loads the compiled code.
 SAMPLE_S = 0.1
 SAMPLES = (4, 4, 32, 256, 2048)
-# What a sweep may take without approval.
+# A sweep that takes longer or has more rows needs approval.
 LONG_S = 3600.0
 MANY_ROWS = 10**8
 
@@ -51,26 +51,26 @@ LIBRARIES = ("numba", "numpy")
 
 # Columns of values by key.
 Rows = Mapping[str, Any]
-# Callback with a number of rows that are done, and whether they were on disk already.
+# Called with a number of rows that are done, and whether they were on disk already.
 OnChunk = Callable[[int, bool], None]
 
 
 class Effort(NamedTuple):
-    """Work of a sweep."""
+    """Cost of a sweep."""
 
-    row_s: float  # of a chunk, on one worker, by rows that may be slower than the others
+    row_s: float  # time per row of a chunk on one worker, by the slowest sample
     seconds: float
     words: str
-    is_large: bool  # whether to ask before such a sweep
+    is_large: bool  # whether it needs approval
 
 
 class Workers(NamedTuple):
-    """What computes chunks: any executor of `concurrent.futures`."""
+    """Executor that computes chunks."""
 
     executor: Executor
-    number: int  # of chunks that are computed at the same time
-    ahead: int  # chunks that are submitted at a time
-    check: Callable[[], None] = lambda: None  # raises an error if there are none left
+    number: int  # of chunks that it computes at the same time
+    ahead: int  # greatest number of chunks submitted and not yet returned
+    check: Callable[[], None] = lambda: None  # raises an error if there are no workers left
 
 
 @dataclass(frozen=True, repr=False)
@@ -83,13 +83,13 @@ class SweepResult(TableResult):
     ----------
     scenario : Scenario
     keys, quantities : tuple of str
-        Names of the columns: keys whose values differ, and what is computed.
+        Names of the columns: keys whose values vary, and what is computed.
     rows : int
     output : Path or None
         File of the table; None if it is kept in memory.
     warnings : tuple of str
-        Conditions of the model's tests that rows lie outside of, quantities that are not the whole answer, and omitted
-        ends of ranges.
+        Rows outside the conditions of the model's tests, quantities without a value, unused threats, and omitted ends
+        of ranges.
     columns : dict of str to array
         Column by name, read from the file when it is first used.  A question without an answer gives NaN.
     """
@@ -197,10 +197,10 @@ def sweep(
         if source.count > MAX_ROWS:
             raise mistake("sweep", "output", f"must be given for more than {MAX_ROWS:,} rows, found {source.count:,}")
         check(scenario, source, names)
-        warnings += left_out(scenario, names)
+        warnings += general_warnings(scenario, names)
         check_rows(scenario, source)
-        columns, concerning = chunk_of(scenario, source.rows(np.arange(source.count)), names, threads)
-        warnings += lines_of(concerning, source.count)
+        columns, row_counts = chunk_of(scenario, source.rows(np.arange(source.count)), names, threads)
+        warnings += row_warnings(row_counts, source.count)
         on_progress(source.count, source.count)
     else:
         output = Path(output).absolute()
@@ -213,8 +213,8 @@ def sweep(
             on_chunk=lambda rows, _stored: on_progress(rows, source.count),
             tell=lambda line: warnings.append(line.removeprefix("warning: ")),
         )
-    found = SweepResult(scenario, source.keys, names, source.count, output, tuple(warnings), columns)
-    return found.of(subject_of(scenario, source, names), scenario=scenario)
+    result = SweepResult(scenario, source.keys, names, source.count, output, tuple(warnings), columns)
+    return result.of(subject_of(scenario, source, names), scenario=scenario)
 
 
 def write_sweep(
@@ -234,14 +234,14 @@ def write_sweep(
 ) -> int:
     """Compute quantities of a scenario for every row of a source, write them to a table and return the number of rows.
 
-    Rows are kept on disk, a chunk after the other: the same call resumes an interrupted sweep.  A question without an
+    Rows are kept on disk chunk by chunk, so that the same call resumes an interrupted sweep.  A question without an
     answer gives an empty field in CSV and NaN in Parquet.  Chunks are computed by workers, each on one thread, or here.
-    Without a size of chunks, some rows are measured; ``approve`` gets what all rows of a new sweep take and raises an
-    error to stop.  ``tell`` gets a line if kept rows are damaged, and at the end one for each warning on some rows.
-    ``replace`` allows the output to take the place of an older file; a Parquet file says what ``command`` made it.
+    Their size is that given, or follows from the measured time of some rows; ``approve`` is then called with the cost
+    of a new sweep, and raises an error to stop it.  ``tell`` is called with each warning, and if kept rows are damaged.
+    ``replace`` allows the output to replace an older file; a Parquet file records the ``command`` that made it.
     """
     check(scenario, source, quantities)
-    for line in left_out(scenario, quantities):
+    for line in general_warnings(scenario, quantities):
         tell(f"warning: {line}")
     compute = partial(chunk_of, scenario, quantities=quantities, threads=threads if workers is None else 1)
     with Store(output, job_of(scenario, source, quantities), tell, replace=replace) as store:
@@ -249,7 +249,7 @@ def write_sweep(
             try:
                 effort = effort_of(scenario, source, quantities, output, threads, workers)
             except InputError:
-                check_rows(scenario, source)  # says which row is wrong
+                check_rows(scenario, source)  # names the row
                 raise
             if not store.done:
                 approve(effort)
@@ -258,11 +258,11 @@ def write_sweep(
             on_chunk(store.done, True)
         else:
             check_rows(scenario, source)
-        missing = (rows for _, rows in blocks_of(source, size, store.done))
+        blocks = (rows for _, rows in blocks_of(source, size, store.done))
         try:
             with (
-                ThreadPoolExecutor(1) as executor,  # whose next chunk waits while one is computed
-                closing(computed(missing, compute, workers or Workers(executor, 1, ahead=2))) as chunks,
+                ThreadPoolExecutor(1) as executor,
+                closing(computed(blocks, compute, workers or Workers(executor, 1, ahead=2))) as chunks,
             ):
                 for chunk in chunks:
                     store.append(chunk)
@@ -270,13 +270,13 @@ def write_sweep(
             store.finish(made_by(scenario, command))
         except KeyboardInterrupt:
             raise KeyboardInterrupt(f"{store.done:,} of {source.count:,} rows are done; {RESUME}") from None
-    for line in lines_of(store.warnings, source.count):
+    for line in row_warnings(store.warnings, source.count):
         tell(f"warning: {line}")
     return source.count
 
 
 def blocks_of(source: Grid | Cases, size: int, start: int = 0) -> Iterator[tuple[int, Rows]]:
-    """Yield blocks of the rows of a source from one on, each with the place of its first row."""
+    """Yield the number of the first row of each block of a source, and the rows of the block."""
     for first in range(start, source.count, size):
         yield first, source.rows(np.arange(first, min(first + size, source.count)))
 
@@ -288,7 +288,7 @@ def chunk_of(scenario: Scenario, rows: Rows, quantities: Sequence[str], threads:
 
 
 def computed(blocks: Iterator[Rows], compute: Callable[[Rows], Chunk], workers: Workers) -> Generator[Chunk]:
-    """Yield the chunks of blocks of rows, in their order, while workers compute the next ones."""
+    """Yield the chunks of blocks of rows in order, while workers compute the next ones."""
     running: deque[Future[Chunk]] = deque()
     try:
         while True:
@@ -305,7 +305,7 @@ def computed(blocks: Iterator[Rows], compute: Callable[[Rows], Chunk], workers: 
 
 
 def check(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -> None:
-    """Check the question, and that every key has an effect."""
+    """Check the quantities, and that every key has an effect."""
     check_quantities(scenario, quantities, "sweep", "quantities")
     if len(set(source.keys)) != len(source.keys):
         raise mistake("sweep", "over", "must not name a key twice")
@@ -313,14 +313,14 @@ def check(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -
     check_keys(scenario, first, quantities, "sweep")
 
 
-def left_out(scenario: Scenario, quantities: Sequence[str]) -> list[str]:
-    """Return a warning if threats of the scenario are not used, and for each quantity that needs an error left out."""
-    needing = [
+def general_warnings(scenario: Scenario, quantities: Sequence[str]) -> list[str]:
+    """Return warnings of threats that are not used and of quantities that need the model error, if it is excluded."""
+    without_value = [
         name for name in quantities if "uncertainty.model" in QUANTITIES[name].reads and scenario.excludes_error()
     ]
     return [
         *(scenario.unused_threats() if reads_of(quantities) else ()),
-        *(f"{name}: has no value if uncertainty.model.included is false" for name in needing),
+        *(f"{name}: has no value if uncertainty.model.included is false" for name in without_value),
     ]
 
 
@@ -331,8 +331,8 @@ def check_rows(scenario: Scenario, source: Grid | Cases) -> None:
             pass
 
 
-def lines_of(warnings: Mapping[str, int], rows: int) -> list[str]:
-    """Return warnings on some of the rows of a table as lines."""
+def row_warnings(warnings: Mapping[str, int], rows: int) -> list[str]:
+    """Return warnings on some of the rows of a table, with the number of these rows."""
     return [f"{words}; this concerns {number:,} of {rows:,} rows" for words, number in sorted(warnings.items())]
 
 
@@ -344,29 +344,30 @@ def effort_of(
     threads: int | None = None,
     workers: Workers | None = None,
 ) -> Effort:
-    """Measure some rows of a sweep: from all over it, and as many at its start, where they may be slow."""
-    each = slowest = bytes_each = 0.0
-    for earlier, number in enumerate(SAMPLES):
+    """Measure rows from all over a sweep, and as many at its start, which may be slower."""
+    row_s = slowest_row_s = row_bytes = 0.0
+    for sample, number in enumerate(SAMPLES):
         count = min(number, source.count)
         spread = groups_of(scenario, rows := source.rows(np.linspace(0, source.count - 1, count).astype(np.int64)))
         begun = perf_counter()
         results, _ = evaluate_groups(spread, quantities, 1 if workers else threads)
         evaluated = perf_counter()
-        # Rows of a chunk follow each other, and share more scenarios than rows from all over the source.
+        # Consecutive rows, as in a chunk, share more scenarios than rows from all over the source.
         first = groups_of(scenario, source.rows(np.arange(count)))
         grouped = perf_counter()
         evaluate_groups(first, quantities, 1 if workers else threads)
-        each, slowest = ((end - start) / count for start, end in ((begun, grouped), (evaluated, perf_counter())))
-        slowest = max(each, slowest)
-        bytes_each = len(csv_of({**rows, **results})) / count
-        if count < number or (earlier and slowest * count > SAMPLE_S):
+        row_s = (grouped - begun) / count
+        slowest_row_s = max(row_s, (perf_counter() - evaluated) / count)
+        row_bytes = len(csv_of({**rows, **results})) / count
+        if count < number or (sample and slowest_row_s * count > SAMPLE_S):
             break
-    seconds = each * source.count / (workers.number if workers else 1)
-    needed, free = 2.0 * bytes_each * source.count, shutil.disk_usage(output.parent).free
+    seconds = row_s * source.count / (workers.number if workers else 1)
+    needed_bytes, free_bytes = 2.0 * row_bytes * source.count, shutil.disk_usage(output.parent).free
     words = f"{source.count:,} rows; about {duration(seconds)}"
-    if needed > free:
-        words += f"; {needed / 1e9:.3g} GB to write and join, but {free / 1e9:.3g} GB are free"
-    return Effort(slowest, seconds, words, seconds > LONG_S or source.count > MANY_ROWS or needed > free)
+    if needed_bytes > free_bytes:
+        words += f"; {needed_bytes / 1e9:.3g} GB to write and join, but {free_bytes / 1e9:.3g} GB are free"
+    is_large = seconds > LONG_S or source.count > MANY_ROWS or needed_bytes > free_bytes
+    return Effort(slowest_row_s, seconds, words, is_large)
 
 
 def duration(seconds: float) -> str:
@@ -379,21 +380,21 @@ def duration(seconds: float) -> str:
 
 
 def program() -> str:
-    """Return the hash of this program; another each time while a function is replaced, whose content is not known."""
+    """Return the hash of this program, or a random one while a function is replaced, whose content is not known."""
     return token_hex(32) if replaced_function() else _program()
 
 
 @cache
 def _program() -> str:
     """Return a hash of this program, of its data, and of the versions of the libraries that compute."""
-    found = sha256(json.dumps(installed(LIBRARIES)).encode())
+    content = sha256(json.dumps(installed(LIBRARIES)).encode())
     for path in [*sorted(PACKAGE.rglob("*.py")), *sorted(shipped("configs").glob("*.toml"))]:
-        found.update(sha256(path.name.encode() + b"\n" + path.read_bytes()).digest())
-    return found.hexdigest()
+        content.update(sha256(path.name.encode() + b"\n" + path.read_bytes()).digest())
+    return content.hexdigest()
 
 
 def job_of(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -> dict[str, str]:
-    """Return the job of a sweep: the content of everything that its rows depend on."""
+    """Return the job of a sweep: the content of everything on which its rows depend."""
     return {
         "version": armour.__version__,
         "program": program(),

@@ -1,4 +1,4 @@
-"""Tables of a sweep, in CSV or Parquet by the ending of their file."""
+"""Write and read the tables of a sweep, in CSV or Parquet depending on the suffix of the file."""
 
 import csv
 import json
@@ -13,12 +13,12 @@ import numpy as np
 from armour.errors import mistake
 from armour.files import csv_cell, csv_value
 
-# Rows of a row group of Parquet, whatever the size of a chunk.
+# Rows in a row group of Parquet, whatever the size of a chunk.
 ROW_GROUP = 100_000
 
 
 def is_csv(path: Path) -> bool:
-    """Return whether a table is CSV; otherwise it is Parquet, which needs pyarrow."""
+    """Return whether a table is CSV and not Parquet, which needs pyarrow."""
     if path.suffix.lower() == ".csv":
         return True
     try:
@@ -31,12 +31,12 @@ def is_csv(path: Path) -> bool:
 def write_table(
     file: BinaryIO, chunks: Iterable[Mapping[str, Any]], *, as_csv: bool, made_by: Mapping[str, str] | None = None
 ) -> None:
-    """Write columns by name, a chunk after the other; Parquet says what made it."""
+    """Write columns by name, chunk by chunk; a Parquet file records what made it."""
     if as_csv:
         for number, columns in enumerate(chunks):
             file.write(csv_of(columns, header=number == 0))
         return
-    # Imported here because it is not installed with the program by default.
+    # Imported here because it is an optional dependency.
     import pyarrow as pa
     from pyarrow import parquet
 
@@ -45,15 +45,15 @@ def write_table(
         pa.table({name: pa.array(values) for name, values in columns.items()}, metadata=about) for columns in chunks
     )
     first = next(tables)
-    kept = first.slice(0, 0)
+    rest = first.slice(0, 0)
     with parquet.ParquetWriter(file, first.schema) as writer:
         for table in chain([first], tables):
-            kept = pa.concat_tables([kept, table])
-            while kept.num_rows >= ROW_GROUP:
-                writer.write_table(kept.slice(0, ROW_GROUP).combine_chunks())
-                kept = kept.slice(ROW_GROUP)
-        if kept.num_rows:
-            writer.write_table(kept.combine_chunks())
+            rest = pa.concat_tables([rest, table])
+            while rest.num_rows >= ROW_GROUP:
+                writer.write_table(rest.slice(0, ROW_GROUP).combine_chunks())
+                rest = rest.slice(ROW_GROUP)
+        if rest.num_rows:
+            writer.write_table(rest.combine_chunks())
 
 
 def csv_of(columns: Mapping[str, Any], *, header: bool = False) -> bytes:
@@ -67,7 +67,7 @@ def csv_of(columns: Mapping[str, Any], *, header: bool = False) -> bytes:
 
 
 def _cells(values: Any) -> list[Any]:
-    """Return the values of a column as cells of CSV: None, which gives an empty field, for NaN."""
+    """Return the values of a column as cells of CSV; NaN becomes None, which is written as an empty field."""
     column = np.asarray(values)
     cells: list[Any] = column.tolist()
     if column.dtype.kind not in "fiu":
@@ -90,7 +90,7 @@ def read_table(path: Path) -> dict[str, Any]:
 
 
 def _column(cells: Iterable[str]) -> Any:
-    """Return cells of CSV as an array of numbers or, where one is a text, of texts."""
+    """Return cells of CSV as an array of numbers, or of texts if one is not a number."""
     try:
         return np.array([float(cell) if cell else np.nan for cell in cells])
     except ValueError:
