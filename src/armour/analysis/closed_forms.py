@@ -22,7 +22,7 @@ from armour.units import MM, MPA, G
 
 # Range of the exponent of Lambert and Jonas.
 EXPONENTS = (1.0, 20.0)
-# Greatest ratio of residual to impact velocity far above the limit; a greater one would create energy.
+# Largest ratio of residual to impact velocity far above the limit; a larger one would create energy.
 MAX_RATIO = 1.0
 # Range of the exponent of the areal density.
 MAX_POWER = 4.0
@@ -91,8 +91,8 @@ class ArealDensityRule(NamedTuple):
 def fit_areal_density_rule(areal_densities: Floats, limits: Floats, p: float | None = None) -> ArealDensityRule:
     """Fit the rule ``limit = k A^p`` to measured ballistic limits by least squares of the relative errors.
 
-    For a given p the factor is ``k = sum(s) / sum(s^2)`` with ``s = A^p / limit``; p is the minimum of what is left,
-    ``n - sum(s)^2 / sum(s^2)``.
+    For a given p the factor is ``k = sum(s) / sum(s^2)`` with ``s = A^p / limit``; p minimises the sum of squares that
+    remains, ``n - sum(s)^2 / sum(s^2)``.
 
     Parameters
     ----------
@@ -111,14 +111,14 @@ def fit_areal_density_rule(areal_densities: Floats, limits: Floats, p: float | N
     middle = float(np.exp(np.mean(np.log(areal_densities))))
     ratios = areal_densities / middle
 
-    def left(p: float) -> float:
+    def remainder(p: float) -> float:
         s = ratios**p / limits
         return -float(s.sum() ** 2 / (s @ s))
 
     if p is None:
         from scipy.optimize import minimize_scalar
 
-        p = float(minimize_scalar(left, bounds=(0.0, MAX_POWER), method="bounded", options={"xatol": 1e-8}).x)
+        p = float(minimize_scalar(remainder, bounds=(0.0, MAX_POWER), method="bounded", options={"xatol": 1e-8}).x)
     s = ratios**p / limits
     return ArealDensityRule(float(s.sum() / (s @ s)) / middle**p, p)
 
@@ -152,7 +152,7 @@ def residual_velocity(V: float, limit: float, ratio: float, exponent: float) -> 
 
 def fit_lambert_jonas(impact: Sequence[float], residual: Sequence[float], limit: float) -> ResidualVelocityFit:
     """Fit ratio and exponent of Lambert and Jonas by least squares."""
-    # Imported here because Florence's formula, which `armour validate` computes, does not need scipy.
+    # Imported here because Florence's formula, which `armour validate` uses, does not need scipy.
     from scipy.optimize import minimize_scalar
 
     def fit(exponent: float) -> ResidualVelocityFit:
@@ -240,16 +240,22 @@ def bodies_of(scenario: Scenario) -> list[Body]:
     return [body for body, keys in BODIES.items() if all(key in values for key in keys)]
 
 
+def mass_and_diameter(scenario: Scenario, body: Body) -> tuple[float, float]:
+    """Return mass, g, and diameter, mm, of a body of the projectile."""
+    mass, diameter = BODIES[body]
+    projectile = scenario.entry("projectile", scenario.impact.projectile)
+    return projectile[mass], projectile[diameter]
+
+
 def florence_ballistic_limit(scenario: Scenario, body: Body = "penetrator") -> float:
     """Compute Florence's limit of a scenario's armour, m/s."""
-    mass_g, diameter_mm = _body(scenario, body)
-    return florence_limit(mass_g * G, diameter_mm * MM / 2.0, _plates(scenario))
+    return florence_limit(*_in_symbols(scenario, body))
 
 
 def florence_result(scenario: Scenario, body: Body, on_progress: OnProgress = ignore_progress) -> FlorenceResult:
-    """Compute Florence's limit and the best armour of the same areal density according to it."""
-    mass_g, diameter_mm = _body(scenario, body)
-    m, r, plates = mass_g * G, diameter_mm * MM / 2.0, _plates(scenario)
+    """Compute Florence's limit, and the best armour of the same areal density by Florence's formula."""
+    mass_g, diameter_mm = mass_and_diameter(scenario, body)
+    m, r, plates = _in_symbols(scenario, body)
     cosine = scenario.cosine()
     h1, h2 = florence_split(m, r, plates.rho1, plates.rho2, scenario.areal_density_kg_m2() / cosine)
     best_mm = h1 * cosine / MM, h2 * cosine / MM
@@ -271,16 +277,10 @@ def florence_result(scenario: Scenario, body: Body, on_progress: OnProgress = ig
     )
 
 
-def _body(scenario: Scenario, body: Body) -> tuple[float, float]:
-    """Return mass, g, and diameter, mm, of a body."""
-    mass, diameter = BODIES[body]
-    projectile = scenario.entry("projectile", scenario.impact.projectile)
-    return projectile[mass], projectile[diameter]
-
-
-def _plates(scenario: Scenario) -> Plates:
-    """Return the scenario's armour, along the line of fire, in the symbols of Florence's formula."""
-    armour = scenario.core_armour()
-    metal = scenario.entry("metal", scenario.armour.backing)
+def _in_symbols(scenario: Scenario, body: Body) -> tuple[float, float, Plates]:
+    """Return mass and radius of a body, and the armour along the line of fire, in the symbols of Florence's formula."""
+    mass_g, diameter_mm = mass_and_diameter(scenario, body)
+    armour, metal = scenario.core_armour(), scenario.entry("metal", scenario.armour.backing)
     strength, strain = TENSILE
-    return Plates(armour.rho_c, armour.Hc0, armour.rho_B, armour.Hb, metal[strength] * MPA, metal[strain])
+    plates = Plates(armour.rho_c, armour.Hc0, armour.rho_B, armour.Hb, metal[strength] * MPA, metal[strain])
+    return mass_g * G, diameter_mm * MM / 2.0, plates

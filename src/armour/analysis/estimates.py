@@ -60,9 +60,9 @@ def proportion_of_replicates(hits: Sequence[int], sizes: Sequence[int]) -> Estim
     plain = proportion(sum(hits), samples)
     if min(sum(hits), samples - sum(hits)) < len(sizes):
         return plain
-    found = mean_of_replicates(np.divide(hits, sizes))
+    mean = mean_of_replicates(np.divide(hits, sizes))
     # Replicates may agree to the last hit; their spread does not resolve less than one hit in all of them.
-    half = max(found.high - found.value, -log(TAIL) / samples)
+    half = max(mean.high - mean.value, -log(TAIL) / samples)
     return Estimate(plain.value, max(0.0, plain.value - half), min(1.0, plain.value + half))
 
 

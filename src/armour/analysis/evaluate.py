@@ -1,6 +1,6 @@
 """Evaluate quantities of a scenario for many values of its keys at once.
 
-Sweeps, suites, figures, uncertainty, sensitivity, calibration and designs use it, or the `Variants` that it is made of.
+Sweeps, suites, figures, uncertainty, sensitivity, calibration and designs use it, or its `Variants` directly.
 A question without an answer gives NaN; a run that does not end raises an InputError that names the key at fault.
 """
 
@@ -36,8 +36,8 @@ class Group(NamedTuple):
 def evaluate(scenario: Scenario, columns: Mapping[str, Any], quantities: Sequence[str]) -> dict[str, Any]:
     """Return quantities by name, each an array, (n,), for n rows of values by key of the scenario or name of input.
 
-    Without values, they are those of the scenario itself.  A question without an answer gives NaN.  Raise an InputError
-    if a quantity is unknown, the columns are not n numbers each, a row is not a valid scenario, or a key has no effect.
+    Without columns, the quantities are those of the scenario itself.  A question without an answer gives NaN.  Raise an
+    InputError if a quantity is unknown, the columns differ in length, a row is not valid, or a key has no effect.
     """
     check_quantities(scenario, quantities, "evaluate", "quantities")
     columns = _checked(columns)
@@ -59,38 +59,39 @@ def check_quantities(scenario: Scenario, quantities: Sequence[str], file: str, k
 
 def _checked(columns: Mapping[str, Any]) -> dict[str, Any]:
     """Return columns as arrays of numbers, or of names of projectiles and materials, (n,), with n of at least 1."""
-    found = {key: np.asarray(values) for key, values in columns.items()}
+    arrays = {key: np.asarray(values) for key, values in columns.items()}
     problems = []
-    for key, values in found.items():
+    for key, values in arrays.items():
         allowed = "U" if key in NAMING else "iuf"
         if values.ndim != 1 or values.dtype.kind not in allowed or not len(values):
             shape = f"an array of shape {values.shape} of {values.dtype}"
-            what = "name" if allowed == "U" else "number"
-            problems.append(Problem("evaluate", key, f"must be a column of at least one {what}, found {shape}"))
-    counts = {key: len(values) for key, values in found.items() if values.ndim == 1}
+            kind = "name" if allowed == "U" else "number"
+            problems.append(Problem("evaluate", key, f"must be a column of at least one {kind}, found {shape}"))
+    counts = {key: len(values) for key, values in arrays.items() if values.ndim == 1}
     if len(set(counts.values())) > 1:
         listed = ", ".join(f"{key} {count}" for key, count in counts.items())
         problems.append(Problem("evaluate", "columns", f"must be of equal lengths, found {listed}"))
     refuse(problems)
-    return {key: values if key in NAMING else values.astype(np.float64) for key, values in found.items()}
+    return {key: values if key in NAMING else values.astype(np.float64) for key, values in arrays.items()}
 
 
 def check_keys(scenario: Scenario, row: Mapping[str, float | str], quantities: Sequence[str], file: str) -> None:
     """Check that each key of a table affects the quantities, given one row."""
     row = dict(zip(canonical(row, file), row.values(), strict=True))
     try:
-        made = scenario.replaced({key: value for key, value in row.items() if key not in INPUTS})
+        changed = scenario.replaced({key: value for key, value in row.items() if key not in INPUTS})
     except InputError:
         return  # the check of the rows reports it
     reads, computed = {*ROUND_AND_ARMOUR, *reads_of(quantities)}, " or ".join(quantities)
-    check_effect(map(parts_of, row), [(made, reads)], file, computed)
-    check_columns(made, list(row), reads, file, computed)
+    check_effect(map(parts_of, row), [(changed, reads)], file, computed)
+    check_columns(changed, list(row), reads, file, computed)
 
 
 def groups_of(scenario: Scenario, columns: Mapping[str, Floats]) -> list[Group]:
     """Return rows of values as variants of the scenario, grouped by their settings."""
     return [
-        Group(where, variants_of(made, inputs, len(where))) for where, made, inputs in scenarios_of(scenario, columns)
+        Group(where, variants_of(changed, inputs, len(where)))
+        for where, changed, inputs in scenarios_of(scenario, columns)
     ]
 
 
@@ -99,8 +100,8 @@ def scenarios_of(
 ) -> Iterator[tuple[Ints, Scenario, dict[str, Floats]]]:
     """Check rows of values, and yield their scenarios, each with the places of its rows and their values of inputs.
 
-    Inputs go straight into the engine's arrays; each combination of values of other keys makes a scenario.  `place`
-    completes the problem in a row.
+    Inputs go straight into the engine's arrays; each combination of values of the other keys makes a scenario.
+    `place` completes the problem in a row.
     """
     columns = dict(zip(canonical(columns, scenario.file), columns.values(), strict=True))
     count = len(next(iter(columns.values()))) if columns else 1
@@ -116,13 +117,13 @@ def scenarios_of(
     for index in np.argsort(first):
         row = int(first[index])
         try:
-            made = scenario.replaced({key: columns[key][row].item() for key in others})
+            changed = scenario.replaced({key: columns[key][row].item() for key in others})
         except InputError as error:
             raise InputError([place(row, problem) for problem in error.problems]) from None
         where = np.flatnonzero(which.reshape(-1) == index)
-        own = {key: values[where] for key, values in inputs.items()}
-        made.check_rows(own, partial(_placed, where, place))
-        yield where, made, own
+        inputs_of_rows = {key: values[where] for key, values in inputs.items()}
+        changed.check_rows(inputs_of_rows, partial(_placed, where, place))
+        yield where, changed, inputs_of_rows
 
 
 def _placed(where: Ints, place: Place, row: int, problem: Problem) -> Problem:
@@ -166,7 +167,7 @@ class Answers:
 
     def __init__(self, variants: Variants) -> None:
         self.variants = variants
-        self._least: dict[str, searches.Least] = {}
+        self._least_by_layer: dict[str, searches.Least] = {}
 
     @cached_property
     def impacts(self) -> batch.Impacts:
@@ -186,9 +187,9 @@ class Answers:
 
     def least(self, layer: str) -> searches.Least:
         """Return the least thicknesses of a layer, a key of `LEAST`, that stop the impacts."""
-        if layer not in self._least:
-            self._least[layer] = LEAST[layer](self.variants)
-        return self._least[layer]
+        if layer not in self._least_by_layer:
+            self._least_by_layer[layer] = LEAST[layer](self.variants)
+        return self._least_by_layer[layer]
 
     @cached_property
     def with_least_ceramic(self) -> Variants:
@@ -242,11 +243,13 @@ class Answers:
         return distributions.probability_above(self.variants.velocities)
 
     def changes(self, quantities: Sequence[str]) -> dict[str, int]:
-        """Return ways in which quantities are not all of the answer, in words, each with its number of rows."""
-        found: dict[str, Bools] = {}
+        """Return warnings that the outcome changes more than once, each with the number of rows concerned."""
+        rows_by_words: dict[str, Bools] = {}
         if limits := [name for name in quantities if "ballistic_limit" in QUANTITIES[name].reads]:
-            found[f"{', '.join(limits)}: {AGAIN}"] = searches.changes_above(self.variants, self.ballistic_limits)
+            rows_by_words[f"{', '.join(limits)}: {AGAIN}"] = searches.changes_above(
+                self.variants, self.ballistic_limits
+            )
         for name in quantities:
             if layer := QUANTITIES[name].least:
-                found[f"{name}: {THICKER.format(layer)}"] = self.least(layer).changes_again
-        return {words: int(np.count_nonzero(rows)) for words, rows in found.items() if rows.any()}
+                rows_by_words[f"{name}: {THICKER.format(layer)}"] = self.least(layer).changes_again
+        return {words: int(np.count_nonzero(rows)) for words, rows in rows_by_words.items() if rows.any()}

@@ -13,10 +13,10 @@ from armour.scenario.scenario import Scenario
 from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S
 
 FLOW_STRESS = "ceramic.flow_stress_GPa"
-# Least and greatest flow stress that is tried, GPa; the values tried at a time, and how often they are tried more
-# closely, after which two neighbours differ by less than 0.01 %.
-RANGE_GPA, TRIED, TIMES = (0.1, 100.0), 64, 3
-# Probability for which a flow stress is given where none is required.
+# Range of flow stresses that is searched, GPa; the number of values in a grid, and the number of grids, each finer than
+# the one before, until two neighbours differ by less than 0.01 %.
+RANGE_GPA, POINTS, GRIDS = (0.1, 100.0), 64, 3
+# Probability that is used if the scenario requires none.
 USUAL = 0.9
 
 
@@ -64,13 +64,13 @@ def needed_flow_stress(
     ceramic = scenario.entry_of("ceramic")
     if ceramic is None or not scenario.armour.ceramic_thickness_mm or not is_untested(ceramic):
         return None
-    wanted, sources = probability or USUAL, ceramic.flow_stress_sources_GPa
-    likely = scenario.impact.velocity_m_s / float(constant_law_error().quantile(1.0 - wanted))
+    required, sources = probability or USUAL, ceramic.flow_stress_sources_GPa
+    likely_m_s = scenario.impact.velocity_m_s / float(constant_law_error().quantile(1.0 - required))
     return NeededFlowStress(
         ceramic.name,
         _needed(scenario, required_m_s),
-        wanted,
-        _needed(scenario, max(required_m_s, likely)),
+        required,
+        _needed(scenario, max(required_m_s, likely_m_s)),
         sources,
         tuple(limits_over(scenario, np.array(sources)).tolist()),
     )
@@ -92,12 +92,12 @@ def limits_over(scenario: Scenario, flow_stresses_GPa: Floats) -> Floats:
 def _needed(scenario: Scenario, required_m_s: float) -> float | None:
     """Return the least flow stress from which on the ballistic limit is at least the one required, GPa."""
     low, high = RANGE_GPA
-    for _ in range(TIMES):
-        tried = np.geomspace(low, high, TRIED)
-        short = np.flatnonzero(limits_over(scenario, tried) < required_m_s)
+    for _ in range(GRIDS):
+        grid = np.geomspace(low, high, POINTS)
+        short = np.flatnonzero(limits_over(scenario, grid) < required_m_s)
         if not len(short):
             return low
-        if short[-1] == TRIED - 1:
+        if short[-1] == POINTS - 1:
             return None
-        low, high = tried[short[-1] : short[-1] + 2].tolist()
+        low, high = grid[short[-1] : short[-1] + 2].tolist()
     return high

@@ -96,8 +96,8 @@ def history_of(trace: Sequence[Instant], armour: Parameters, spacing: float) -> 
 
 
 def refined(trace: Sequence[Instant], armour: Parameters, spacing: float) -> list[Instant]:
-    """Return a trace with instants at the multiples of a spacing, s, on the cubics through its steps."""
-    found = [trace[0]]
+    """Return a trace with added instants at the multiples of a spacing, s, on the cubics through its steps."""
+    instants = [trace[0]]
     for before, after in pairwise(trace):
         dt = after.t - before.t
         inside = range(floor(before.t / spacing) + 1, ceil(after.t / spacing)) if dt > 0.0 else ()
@@ -105,8 +105,8 @@ def refined(trace: Sequence[Instant], armour: Parameters, spacing: float) -> lis
             k0, k1 = (stages.rates(instant.y, after.s, armour) for instant in (before, after))
             times = [spacing * i for i in inside]
             states = [state_within(before.y, k0, after.y, k1, dt, (t - before.t) / dt) for t in times]
-            # A bulge never recedes; just after the plate has started to move, the cubic's may by its error.
+            # A bulge never recedes, but that of the cubic may by its error, just after the plate starts to move.
             grown = [y._replace(h=max(y.h, before.y.h)) for y in states]
-            found += [Instant(t, y, after.s) for t, y in zip(times, grown, strict=True)]
-        found.append(after)
-    return found
+            instants += [Instant(t, y, after.s) for t, y in zip(times, grown, strict=True)]
+        instants.append(after)
+    return instants

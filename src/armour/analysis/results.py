@@ -26,9 +26,9 @@ def made_by(scenario: Scenario | None = None, command: str = "") -> dict[str, st
     """Return what makes an output: versions, command, and the hash of the content of a scenario."""
     from armour import MODEL_VERSION, __version__  # whose public names include those of this module
 
-    made = {"version": __version__, "model_version": MODEL_VERSION}
-    made |= {"command": command} if command else {}
-    return made | ({} if scenario is None else {"scenario_sha256": scenario.digest()})
+    origin = {"version": __version__, "model_version": MODEL_VERSION}
+    origin |= {"command": command} if command else {}
+    return origin | ({} if scenario is None else {"scenario_sha256": scenario.digest()})
 
 
 @dataclass(frozen=True, repr=False)
@@ -98,23 +98,23 @@ class TableResult(Result):
 
 def data_frame(columns: Mapping[str, Any]) -> Any:
     """Return columns as a data frame of pandas, or else of polars."""
-    # What has no value in any row is a number that is not known.
+    # A column without any value is one of unknown numbers.
     empty = [key for key, values in columns.items() if isinstance(values, list) and set(values) == {None}]
     for name in ("pandas", "polars"):
         try:
-            made = import_module(name).DataFrame
+            frame = import_module(name).DataFrame
         except ModuleNotFoundError as error:
             if error.name != name:
                 raise
             continue
         if name == "pandas":
-            return made({**columns, **{key: [nan] * len(columns[key]) for key in empty}})
-        return made(_uniform(columns), schema_overrides=dict.fromkeys(empty, float))
+            return frame({**columns, **{key: [nan] * len(columns[key]) for key in empty}})
+        return frame(_uniform(columns), schema_overrides=dict.fromkeys(empty, float))
     raise ModuleNotFoundError("a data frame needs pandas or polars; install one of them")
 
 
 def _uniform(columns: Mapping[str, Any]) -> dict[str, Any]:
-    """Return columns with those of numbers and texts as texts, since those of polars have one type."""
+    """Return columns with mixed numbers and texts as texts, since a column of polars has one type."""
     mixed = {key for key, values in columns.items() if {float, str} <= set(map(type, values))}
     return {
         key: [None if value is None else str(value) for value in values] if key in mixed else values
@@ -136,10 +136,10 @@ def same_columns(columns: Mapping[str, Any], others: Mapping[str, Any]) -> bool:
     )
 
 
-# How much is done since the last call, and how much there is, None if not known.
+# Called with the work done since the last call and the total, None if that is unknown.
 OnProgress = Callable[[int, int | None], None]
 
-# Rows of the first part, of impacts and of searches, and seconds that each further part is to take.
+# Rows of the first portion, of impacts and of searches, and the time that each further portion should take, s.
 FIRST_IMPACTS, FIRST_SEARCHES = 256, 16
 PORTION_S = 0.5
 
@@ -149,14 +149,14 @@ def ignore_progress(_done: int, _total: int | None) -> None:
 
 
 def portions(count: int, most: int, first: int = FIRST_SEARCHES) -> Iterator[slice]:
-    """Yield the parts of n rows that are computed one after the other: at most some, which bounds the memory.
+    """Yield the portions of n rows to compute one after the other, each of at most so many rows, to bound the memory.
 
-    Each takes about half a second at the speed of the part before it; what is computed does not depend on them.
+    Each takes about half a second at the speed of the one before it; the results do not depend on the portions.
     """
     start, size = 0, min(first, most)
     while start < count:
         end, begun = min(start + size, count), perf_counter()
         yield slice(start, end)
-        # A clock may be too coarse for short parts.
+        # A clock may be too coarse for short portions.
         speed = (end - start) / max(perf_counter() - begun, 1e-3)
         start, size = end, min(max(int(PORTION_S * speed), 1), most)

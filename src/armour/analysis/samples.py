@@ -31,12 +31,12 @@ def own_errors(scenario: Scenario, layers: Mapping[str, float] | None = None) ->
 
 
 def section_of(scenario: Scenario) -> Uncertainty:
-    """Return the distributions of a scenario, with that of the model error if it is known."""
+    """Return the distributions of a scenario, including that of the model error if it is known."""
     return section_at(scenario, scenario.inputs(), with_error=bool(own_errors(scenario).known.all()))
 
 
-def section_at(scenario: Scenario, own: Mapping[str, float], *, with_error: bool) -> Uncertainty:
-    """Return the distributions of a scenario with other values of its inputs, with the model error or not."""
+def section_at(scenario: Scenario, values: Mapping[str, float], *, with_error: bool) -> Uncertainty:
+    """Return the distributions of a scenario at other values of its inputs, with or without the model error."""
     section = scenario.uncertainty
     if section is None or not (section.inputs() or with_error):
         example = '{ distribution = "normal", standard_deviation_percent = 5 }'
@@ -46,7 +46,7 @@ def section_at(scenario: Scenario, own: Mapping[str, float], *, with_error: bool
     problems = [
         Problem(scenario.file, f"uncertainty.{name}", lacking)
         for name, distribution in section.inputs().items()
-        if (lacking := distribution.mean_problem(own[name]))
+        if (lacking := distribution.mean_problem(values[name]))
     ]
     refuse(problems)
     return section.with_error() if with_error else section
@@ -66,8 +66,8 @@ def sampled(scenario: Scenario, columns: Mapping[str, Floats], count: int, error
     """
     problems = []
     inputs = {name: values for name, values in columns.items() if name != ERROR}
-    for name, _, found in scenario.wrong_rows(inputs):
-        message = f"must not include values that are not allowed: {found[0].message}; give it a min or max"
+    for name, _, row_problems in scenario.wrong_rows(inputs):
+        message = f"must not include values that are not allowed: {row_problems[0].message}; give it a min or max"
         problems.append(Problem(scenario.file, f"uncertainty.{name}", message))
     refuse(problems)
     variants = variants_of(scenario, inputs, count)

@@ -36,7 +36,7 @@ class Variants(NamedTuple):
     threads: int | None = None  # on which the engine computes; None for one per core
 
     def at(self, where: Ints | Bools | slice) -> "Variants":
-        """Return some of the rows."""
+        """Return the rows at some places."""
         return Variants._make([*(column[where] for column in self[:4]), *self[4:]])
 
     @property
@@ -86,7 +86,7 @@ class Variants(NamedTuple):
 
 
 def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -> Variants:
-    """Return n variants of a scenario with values, (n,), of some of its named inputs.
+    """Return n variants of a scenario with given values, (n,), of some of its named inputs.
 
     Each row equals the scenario that `Scenario.with_inputs` makes of its values.
     """
@@ -95,14 +95,14 @@ def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -
     if OBLIQUITY in columns:
         # The cosine of NumPy may differ from that of a single scenario in the last digit.
         cosines[:] = [cosine_of(obliquity) for obliquity in columns[OBLIQUITY].tolist()]
-        given = scenario.inputs()
-        columns = {**{name: np.full(count, given[name]) for name in LAYERS if name in given}, **columns}
+        inputs = scenario.inputs()
+        columns = {**{name: np.full(count, inputs[name]) for name in LAYERS if name in inputs}, **columns}
     _set_inputs(rows, columns, cosines)
     field = batch.fields(rows)
-    rod = {key: f"projectile.{key}" for key in ROD}
-    if any(name in columns for name in rod.values()):
-        own = scenario.inputs()
-        field.L0[:] = length_mm(*(columns.get(name, own[name]) for name in rod.values())) * MM
+    rod = [f"projectile.{key}" for key in ROD]
+    if any(name in columns for name in rod):
+        inputs = scenario.inputs()
+        field.L0[:] = length_mm(*(columns.get(name, inputs[name]) for name in rod)) * MM
     if YIELD in columns:
         entry = scenario.entry_of("backing")
         assert entry is not None
@@ -131,10 +131,10 @@ def concatenated(parts: Sequence[Variants]) -> Variants:
 
 
 def outside_limits(variants: Variants, *, velocities: bool = True) -> Iterator[tuple[str, int]]:
-    """Yield the limits of what the model was compared with that some rows lie outside of, and how many do."""
+    """Yield the limits of the tested range that some rows lie outside, and the number of these rows."""
     speeds = variants.velocities if velocities else np.full_like(variants.velocities, np.nan)
-    for each in limits_outside(variants.armours, speeds):
-        yield f"{each.key}: {each.words}", each.armours
+    for limit in limits_outside(variants.armours, speeds):
+        yield f"{limit.key}: {limit.words}", limit.armours
     armour = batch.fields(variants.parameters)
     for bare in (False, True):
         if count := int(np.count_nonzero((armour.Hc0 == 0.0) == bare)):
@@ -143,7 +143,7 @@ def outside_limits(variants: Variants, *, velocities: bool = True) -> Iterator[t
 
 
 def unusual(variants: Variants) -> Bools:
-    """Return which rows are far from all that the model was compared with."""
+    """Return which rows are far from all tests that the model was compared with."""
     return is_unusual(batch.fields(variants.parameters))
 
 
@@ -162,9 +162,9 @@ def grid_of(scenario: Scenario) -> Optimise:
 
 def impacts(variants: Variants) -> batch.Impacts:
     """Simulate the impact of each row."""
-    found = batch.impacts(variants.parameters, variants.velocities, variants.options)
-    check_resolved(found.outcome != Outcome.UNRESOLVED, variants)
-    return found
+    ends = batch.impacts(variants.parameters, variants.velocities, variants.options)
+    check_resolved(ends.outcome != Outcome.UNRESOLVED, variants)
+    return ends
 
 
 def perforated(variants: Variants) -> Bools:
@@ -184,6 +184,6 @@ def with_thicknesses(
 ) -> Variants:
     """Return the variants with other thicknesses, mm."""
     parameters = variants.parameters.copy()
-    given = {CERAMIC: ceramic_mm, BACKING: backing_mm}
-    _set_inputs(parameters, {name: values for name, values in given.items() if values is not None}, variants.cosines)
+    layers = {CERAMIC: ceramic_mm, BACKING: backing_mm}
+    _set_inputs(parameters, {name: values for name, values in layers.items() if values is not None}, variants.cosines)
     return variants._replace(parameters=parameters)

@@ -26,7 +26,7 @@ from armour.validation.rivals import Error, areal_densities, measured_limits
 from armour.validation.suite import Case, Suite, load_suite
 from armour.validation.validate import paper_suite, validate
 
-# Table of the paper's suite that the rule of areal density is fitted to.
+# Table of the paper's suite to which the areal density rule is fitted.
 TESTS = "table 3, Wilkins' measurements"
 
 
@@ -63,7 +63,7 @@ class Comparison(TableResult):
     limit : LimitResult
         Ballistic limit by the model.
     florence : tuple of FlorenceResult
-        One per body with a known mass and diameter; empty if values of the metal are missing.
+        One per body with a known mass and diameter; empty if the metal lacks values that the formula needs.
     fits : tuple of ResidualVelocityFit
         Fits of Lambert and Jonas and of Recht and Ipson to the model's residual velocities.
     fitted_m_s : tuple of float
@@ -71,12 +71,12 @@ class Comparison(TableResult):
     curve : tuple of ImpactResult
         Impacts by the model around and above the limit.
     tests : str
-        Tests that the rule of areal density is fitted to: number, round, materials and areal densities.
+        Tests to which the areal density rule is fitted: number, round, materials and areal densities.
     rules : tuple of RuleResult
-        The rule with p = 1 and with p fitted; empty if the tests are of another round or of other materials.
+        The rule with p = 1 and with p fitted; empty if the tests used another round or other materials.
     errors : tuple of Error
-        Errors of every prediction on these tests, by the model with the values of the library, with the attributes that
-        `SuiteResult` lists; empty with the rules.
+        Errors of every method on these tests, the model with the values of the library, with the attributes that
+        `SuiteResult` lists; empty if there are no rules.
     florence_missing : tuple of str
         Keys of the library that Florence's limit needs and the metal of the back plate lacks.
     """
@@ -108,8 +108,8 @@ class Comparison(TableResult):
         }
 
     def _words(self) -> str:
-        limits = [*(f.ballistic_limit_m_s for f in self.florence), *(rule.ballistic_limit_m_s for rule in self.rules)]
-        others = ", ".join(f"{limit:.1f}" for limit in limits)
+        formulas: list[FlorenceResult | RuleResult] = [*self.florence, *self.rules]
+        others = ", ".join(f"{formula.ballistic_limit_m_s:.1f}" for formula in formulas)
         by_formulas = f", by formulas {others} m/s" if others else ""
         return f"ballistic limit {self.limit.ballistic_limit_m_s:.1f} m/s{by_formulas}"
 
@@ -155,7 +155,7 @@ def compare(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) ->
     above = [impact for impact in curve if impact.impact_velocity_m_s > limit.ballistic_limit_m_s]
     velocities = [impact.impact_velocity_m_s for impact in above]
     residuals = [impact.residual_velocity_m_s for impact in above]
-    cases, along = _tests().cases, scenario.areal_density_kg_m2() / scenario.cosine()
+    cases = _tests().cases
     is_tested = all(scenario.entry_of(role) == cases[0].scenario.entry_of(role) for role in ROLES)
     return Comparison(
         areal_density_kg_m2=scenario.areal_density_kg_m2(),
@@ -167,8 +167,8 @@ def compare(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) ->
         ),
         fitted_m_s=(velocities[0], velocities[-1]),
         curve=curve,
-        tests=_words(cases),
-        rules=tuple(_rule(cases, p, along) for p in (1.0, None)) if is_tested else (),
+        tests=_tests_in_words(cases),
+        rules=tuple(_rule(cases, p, scenario) for p in (1.0, None)) if is_tested else (),
         errors=_errors() if is_tested else (),
         florence_missing=tuple(problem.key for problem in missing),
     ).of(scenario.subject(ANY_VELOCITY), scenario=scenario)
@@ -176,7 +176,7 @@ def compare(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) ->
 
 @cache
 def _tests() -> Suite:
-    """Return the measured ballistic limits that the rule of areal density is fitted to."""
+    """Return the measured ballistic limits to which the areal density rule is fitted."""
     return load_suite(paper_suite()).only(TESTS)
 
 
@@ -185,15 +185,15 @@ def _errors() -> tuple[Error, ...]:
     return validate(_tests()).errors
 
 
-def _words(cases: Sequence[Case]) -> str:
+def _tests_in_words(cases: Sequence[Case]) -> str:
     """Return number, round, materials and areal densities of tests."""
     projectile, ceramic, backing = (cases[0].scenario.name_of(role) for role in ROLES)
     densities = areal_densities(cases)
-    between = f"{densities.min():.1f} to {densities.max():.1f} kg/m²"
-    return f"{len(cases)} tests of {projectile} on {ceramic} and {backing}, {between} ({TESTS})"
+    span = f"{densities.min():.1f} to {densities.max():.1f} kg/m²"
+    return f"{len(cases)} tests of {projectile} on {ceramic} and {backing}, {span} ({TESTS})"
 
 
-def _rule(cases: Sequence[Case], p: float | None, areal_density_kg_m2: float) -> RuleResult:
-    """Return the limit of an areal density along the line of fire by the rule that is fitted to tests."""
+def _rule(cases: Sequence[Case], p: float | None, scenario: Scenario) -> RuleResult:
+    """Return the limit of a scenario's armour by the rule that is fitted to tests, with p or with a fitted exponent."""
     rule = fit_areal_density_rule(areal_densities(cases), measured_limits(cases), p)
-    return RuleResult(rule.k, rule.p, p is None, rule.limit(areal_density_kg_m2))
+    return RuleResult(rule.k, rule.p, p is None, rule.limit(scenario.areal_density_kg_m2() / scenario.cosine()))

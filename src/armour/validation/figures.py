@@ -17,7 +17,7 @@ from armour.scenario.sections import Section, validated
 from armour.validation.suite import load_suite
 from armour.validation.validate import SuiteResult, validate
 
-# Suites whose expected values a parity figure shows, with the text that names of its cases contain.
+# Parity figures: the suite whose expected values each shows, and the text that the names of its cases contain.
 PARITIES = {"parity_table3": ("paper", "table 3"), "parity_plates": ("plates", "")}
 
 
@@ -38,7 +38,7 @@ class FigureMark(Section):
 
 
 class FigureLevel(Section):
-    """A value of the ordinate at which the paper's text compares curves."""
+    """A value on the y axis at which the paper's text compares curves."""
 
     label: str
     value: float
@@ -47,8 +47,8 @@ class FigureLevel(Section):
 class FigureSection(Section):
     """A figure, or a panel of one: quantities of a scenario over one or more of its keys, which take the same values.
 
-    Sections of one name are the panels of a figure.  ``add_to_x`` is added to the abscissa, and the quantities are
-    divided by ``divide_by``.
+    Sections with the same name are the panels of a figure.  ``add_to_x`` is added to the values of x, and the
+    quantities are divided by ``divide_by``.
     """
 
     name: str
@@ -82,7 +82,7 @@ class FigureFile(Section):
 
 @dataclass(frozen=True)
 class Figure:
-    """Curves of a figure, or of a panel of one, by label, over the abscissa ``x``; None without a value."""
+    """Curves of a figure, or of a panel of one, by label, over ``x``; None where a curve has no value."""
 
     section: FigureSection
     x: tuple[float, ...]
@@ -113,7 +113,7 @@ def compute_figure(section: FigureSection, folder: Path) -> Figure:
                 parts.append(QUANTITIES[name].label)
             scaled = computed[name] / section.divide_by
             curves[", ".join(parts)] = tuple(float(value) if np.isfinite(value) else None for value in scaled)
-    # Rounded, so that a sum has the digits of its terms.
+    # Rounded so that a sum has no more digits than its terms.
     return Figure(section, tuple(round(value + section.add_to_x, 9) for value in x), curves)
 
 

@@ -1,4 +1,4 @@
-"""Questions a suite may ask: any quantity, the lightest design, and what replacing one material saves."""
+"""Questions that a suite may ask: any quantity, the lightest design, and what replacing a material saves."""
 
 from collections.abc import Callable
 from functools import cached_property
@@ -13,7 +13,7 @@ from armour.scenario.scenario import Scenario
 
 
 class Subject:
-    """A scenario, and the one with a material replaced, if any; nothing is computed twice."""
+    """A scenario and, if given, the same with a material replaced; nothing is computed twice."""
 
     def __init__(self, scenario: Scenario, replacement: Scenario | None = None) -> None:
         self.scenario, self.replacement = scenario, replacement
@@ -33,7 +33,7 @@ class Subject:
 
     @cached_property
     def required(self) -> tuple[Variants, Variants]:
-        """Armours with the least of the layer whose material is replaced, before and after the replacement."""
+        """Armours with the least thickness of the layer whose material is replaced, before and after that."""
         assert self.replacement is not None, "a suite gives replaced_by with SAVINGS"
         before, after = self.answers, Subject(self.replacement).answers
         if self.scenario.armour.ceramic != self.replacement.armour.ceramic:
@@ -43,12 +43,12 @@ class Subject:
 
 # Questions about the lightest design: its attributes.
 LIGHTEST = ("optimum_ceramic_thickness_mm", "optimum_backing_thickness_mm", "optimum_areal_density_kg_m2")
-# Questions about the replacement of one material by another: what is less with it, in per cent of what it was.
+# Questions about the replacement of a material by another: what is reduced by it, reported in per cent of its value.
 SAVINGS: dict[str, Callable[[Variants], Floats]] = {
     "thickness_saved_percent": lambda armours: armours.ceramics_mm + armours.backings_mm,
     "weight_saved_percent": lambda armours: armours.areal_densities_kg_m2,
 }
-# What a suite may ask, and what each question reads, see `armour.scenario.effect`.
+# All questions that a suite may ask, and what each reads, see `armour.scenario.effect`.
 QUESTIONS: dict[str, tuple[str, ...]] = {
     **{name: quantity.reads for name, quantity in QUANTITIES.items()},
     **dict.fromkeys(LIGHTEST, DESIGNS),

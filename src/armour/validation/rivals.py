@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from armour.analysis.closed_forms import (
-    BODIES,
     bodies_of,
     fit_areal_density_rule,
     florence_ballistic_limit,
+    mass_and_diameter,
     missing_for_florence,
 )
 from armour.analysis.variants import Floats
@@ -25,8 +25,8 @@ MIN_FITTED = 3
 class Error:
     """Mean and largest magnitude of the relative errors of a method of prediction for a table.
 
-    Where something is fitted to the table, by least squares of the relative errors, ``left_out_percent`` is the mean
-    with each test left out of the fit that predicts it.  ``fitted`` states what is fitted, and to what.
+    ``fitted`` says what was fitted to which tests, if anything was.  After a fit to the table itself, by least squares
+    of the relative errors, ``left_out_percent`` is the mean with each test left out of the fit that predicts it.
     """
 
     table: str
@@ -39,20 +39,20 @@ class Error:
 
 
 def errors_of(computed: Iterable[tuple[Case, float | str | None]]) -> tuple[Error, ...]:
-    """Return the errors of all predictions, given the cases of a table with this model's values; none without rivals.
+    """Return the errors of all predictions, given a table's cases with this model's values; none without rivals.
 
     The predictions are those of the rivals, of this model and of simpler formulas.
     """
     rows = [(case, value) for case, value in computed if case.rivals and abs(float(case.expected or 0.0)) >= TINY]
     cases = [case for case, _ in rows]
-    percents_of: dict[str, list[float]] = {}
+    percents: dict[str, list[float]] = {}
     for case, value in rows:
         by_model = {"this model": value} if isinstance(value, float) else {}
         for name, predicted in {**case.rivals, **by_model, **_florence(case)}.items():
-            percents_of.setdefault(name, []).append(100.0 * abs(predicted / float(case.expected or 0.0) - 1.0))
+            percents.setdefault(name, []).append(100.0 * abs(predicted / float(case.expected or 0.0) - 1.0))
     errors = [
-        _error(cases[0].group, name, percents, _fitted_before(cases[0]) if name == "this model" else "")
-        for name, percents in percents_of.items()
+        _error(cases[0].group, name, magnitudes, _fitted_before(cases[0]) if name == "this model" else "")
+        for name, magnitudes in percents.items()
     ]
     if len(cases) >= MIN_FITTED and cases[0].quantity == LIMIT:
         errors += [*_refitted(cases), *_rules(cases)]
@@ -64,25 +64,24 @@ def _florence(case: Case) -> Mapping[str, float]:
     scenario = case.scenario
     if case.quantity != LIMIT or missing_for_florence(scenario):
         return {}
-    named = {}
+    limits = {}
     for body in bodies_of(scenario):
-        projectile = scenario.entry("projectile", scenario.impact.projectile)
-        mass, diameter = (projectile[key] for key in BODIES[body])
-        named[f"Florence, {body} ({mass:g} g, {diameter:g} mm)"] = florence_ballistic_limit(scenario, body)
-    return named
+        mass, diameter = mass_and_diameter(scenario, body)
+        limits[f"Florence, {body} ({mass:g} g, {diameter:g} mm)"] = florence_ballistic_limit(scenario, body)
+    return limits
 
 
 def _fitted_before(case: Case) -> str:
-    """Return what the flow stress of a case's ceramic was fitted to, by its source; empty if it was not fitted."""
+    """Return what the flow stress of a case's ceramic was fitted to, according to its source; empty if not fitted."""
     name = case.scenario.name_of("ceramic")
     value = case.scenario.entry("ceramic", name).values["flow_stress_GPa"] if name else None
     return f"flow stress of {name}: {value.source}" if value is not None and value.status == "fitted" else ""
 
 
 def _refitted(cases: Sequence[Case]) -> Iterator[Error]:
-    """Yield the errors of this model with a flow stress of the ceramic that is fitted to measured limits.
+    """Yield the errors of this model with the ceramic's flow stress fitted to the measured limits.
 
-    The rows of a table differ in numbers only: in inputs; or in settings, and then nothing is fitted.
+    Nothing is fitted if the rows of the table differ in their settings.
     """
     # Imported here for scipy, which a suite without rivals does not need.
     from armour.statistics.calibration import FLOW_STRESS, fit_by_law
@@ -98,8 +97,8 @@ def _refitted(cases: Sequence[Case]) -> Iterator[Error]:
     ]
     for row in rows:
         del row[FLOW_STRESS]
-    done, result = fit_by_law(read_tests(rows, scenario), [FLOW_STRESS], None)
-    [stress] = intervals(done)
+    fit, result = fit_by_law(read_tests(rows, scenario), [FLOW_STRESS], None)
+    [stress] = intervals(fit)
     if stress.estimate is None:
         return
     computed = np.array([[residual.computed, residual.left_out] for residual in result.residuals], dtype=np.float64).T
@@ -108,7 +107,7 @@ def _refitted(cases: Sequence[Case]) -> Iterator[Error]:
 
 
 def _rules(cases: Sequence[Case]) -> Iterator[Error]:
-    """Yield the errors of the rule of areal density that is fitted to measured limits, with p = 1 and with p fitted."""
+    """Yield the errors of the areal density rule, fitted to the measured limits with p = 1 and with p fitted too."""
     densities, limits = areal_densities(cases), measured_limits(cases)
     for p in (1.0, None):
         if p is None and len(np.unique(densities.round(6))) < MIN_FITTED:
@@ -125,19 +124,19 @@ def _rules(cases: Sequence[Case]) -> Iterator[Error]:
 
 
 def areal_densities(cases: Sequence[Case]) -> Floats:
-    """Return areal densities of cases along the line of fire, kg/m²."""
+    """Return the areal densities of cases along the line of fire, kg/m²."""
     return np.array([case.scenario.areal_density_kg_m2() / case.scenario.cosine() for case in cases])
 
 
 def measured_limits(cases: Sequence[Case]) -> Floats:
-    """Return measured ballistic limits of cases, m/s."""
+    """Return the measured ballistic limits of cases, m/s."""
     return np.array([float(case.expected or 0.0) for case in cases])
 
 
 def _fitted_error(cases: Sequence[Case], predictor: str, fitted: str, predicted: Floats, left_out: Floats) -> Error:
-    """Return the errors of a prediction that is fitted to measured limits, given all predicted values."""
-    off, apart = (100.0 * np.abs(values / measured_limits(cases) - 1.0) for values in (predicted, left_out))
-    return _error(cases[0].group, predictor, off.tolist(), fitted, float(apart.mean()))
+    """Return the errors of a prediction fitted to the measured limits, in sample and with each test left out."""
+    in_sample, out = (100.0 * np.abs(values / measured_limits(cases) - 1.0) for values in (predicted, left_out))
+    return _error(cases[0].group, predictor, in_sample.tolist(), fitted, float(out.mean()))
 
 
 def _error(

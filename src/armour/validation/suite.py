@@ -1,4 +1,4 @@
-"""Suites: cases with expected values, given or in tables of tests, and the bands of the computed values."""
+"""Suites: cases with expected values, listed in the suite or in files of tests, and bands for computed values."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -29,7 +29,7 @@ Cells = Mapping[str, float | str]
 
 
 class Between(Section):
-    """Numbers from a least one to below a greatest one."""
+    """Numbers from a minimum to below a maximum."""
 
     min: float = -inf
     below: float = inf
@@ -41,26 +41,14 @@ Condition = Annotated[
     Discriminator(lambda value: LIST_TAG if isinstance(value, list) else RANGE_TAG),
     BeforeValidator(lambda value: value if isinstance(value, list | dict) else [value]),
 ]
-Where = dict[str, Condition]
-Percent = Annotated[float, Field(ge=0.0, le=1e6)]
-
-
-class GroupSection(Section):
-    """Rows of a table that are summarised together, with the bands of their relative deviations."""
-
-    name: Annotated[str, Field(min_length=1)]
-    where: Where = {}
-    mean_percent: Annotated[float, Field(ge=-1e6, le=1e6)] = 0.0
-    mean_band_percent: Percent | None = None
-    rms_band_percent: Percent | None = None
 
 
 def meets(cells: Cells, where: Mapping[str, Condition]) -> bool:
-    """Whether the cells of a row, without the empty ones, meet every condition."""
-    return all(_met(condition, cells.get(column)) for column, condition in where.items())
+    """Return whether the cells of a row, without the empty ones, meet every condition."""
+    return all(_meets(cells.get(column), condition) for column, condition in where.items())
 
 
-def _met(condition: Condition, cell: float | str | None) -> bool:
+def _meets(cell: float | str | None, condition: Condition) -> bool:
     value = number(str(cell))
     if isinstance(condition, Between):
         return value is not None and condition.min <= value < condition.below
@@ -69,7 +57,7 @@ def _met(condition: Condition, cell: float | str | None) -> bool:
 
 # Column of a table that holds the expected values.
 EXPECTED = "expected"
-# Column of a table that holds measured values, from which the expected ones are the relative differences.
+# Column of a table that holds measured values; the expected values are then relative differences from these.
 MEASURED_COLUMN = "measured"
 # Largest number; it keeps what is computed from numbers finite.
 LARGEST = 1e12
@@ -78,6 +66,16 @@ Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
 Width = Annotated[float, Field(ge=0.0, le=LARGEST)]
 Read = Callable[[Path], dict[str, Any]]
 Parts = tuple[str | int, ...]
+
+
+class GroupSection(Section):
+    """Rows of a table that are summarised together, with the bands of their relative deviations."""
+
+    name: Name
+    where: dict[str, Condition] = {}
+    mean_percent: Number = 0.0
+    mean_band_percent: Width | None = None
+    rms_band_percent: Width | None = None
 
 
 class _Expectation(Section):
@@ -121,7 +119,7 @@ def _outcome(expected: float | str) -> float | str:
 
 
 class CaseSection(_Expectation):
-    """A case."""
+    """A case, which stands by itself."""
 
     expected: Annotated[NumberOrText, AfterValidator(_outcome)] | None = None
     replaced_by: dict[str, Any] | None = None
@@ -145,18 +143,14 @@ class CaseSection(_Expectation):
         return self
 
 
-class TableSection(_Expectation):
+class TableSection(_Expectation, GroupSection):
     """A table of cases that differ in some values of the scenario: rows of the suite, or of a CSV file of tests."""
 
     columns: list[Name] = []
     rows: Annotated[list[list[Number]], Field(min_length=1)] = []
     file: str = ""
-    where: Where = {}
     group: list[GroupSection] = []
     rms_band: Width | None = None
-    rms_band_percent: Width | None = None
-    mean_percent: Number = 0.0
-    mean_band_percent: Percent | None = None
     rivals: list[Name] = []
     replaced_by: ClassVar = None
 
@@ -166,8 +160,8 @@ class TableSection(_Expectation):
             raise ValueError(f"a table must be of numbers that one scenario answers, found {self.quantity}")
         if self.rms_band is not None and self.rms_band_percent is not None:
             raise ValueError("must have rms_band or rms_band_percent, found both")
-        of_others = ("columns", "rows", "rivals", "rms_band") if self.file else ("where", "group", "mean_band_percent")
-        if wrong := [key for key in of_others if key in self.model_fields_set]:
+        excluded = ("columns", "rows", "rivals", "rms_band") if self.file else ("where", "group", "mean_band_percent")
+        if wrong := [key for key in excluded if key in self.model_fields_set]:
             raise ValueError(f"must not have {wrong[0]} {'with' if self.file else 'without'} a file")
         if self.file:
             if self.quantity not in MEASURED:
@@ -193,7 +187,7 @@ class TableSection(_Expectation):
         return MEASURED_COLUMN in self.columns and MEASURED_COLUMN not in self.rivals
 
 
-# What the cases of no table are called.
+# Name under which cases outside a table are listed.
 CASES = "cases"
 
 
@@ -230,7 +224,7 @@ class Case:
     name : str
     scenario : Scenario
     expected : float or str or None
-        None for a regression value that is not filled yet.
+        None for a regression value that has not been filled in yet.
     place : tuple of str and int
         Keys and indices of the expected value in the file.
     replacement : Scenario or None
@@ -238,9 +232,9 @@ class Case:
     rivals : mapping of str to float
         Predictions of other methods, by name.
     measured : float or None
-        Where given, the expected value is the magnitude of the relative difference from it, in per cent.
+        If given, the expected value is the magnitude of the relative difference from it, in per cent.
     cells : mapping of str to float or str
-        Row of the CSV file from which the case is read: inputs of its own, measurements and notes.
+        Row of the CSV file from which the case is read: its inputs, measurements and notes.
     """
 
     suite: SuiteSection
@@ -256,7 +250,7 @@ class Case:
 
     @property
     def scenarios(self) -> tuple[Scenario, ...]:
-        """The scenario, and the one with a material replaced, if any."""
+        """The scenario and, if there is one, that with a material replaced."""
         return (self.scenario,) if self.replacement is None else (self.scenario, self.replacement)
 
     @property
@@ -300,9 +294,8 @@ class Case:
     @property
     def not_scored(self) -> str:
         """Reason why the case is shown but not scored; empty if it is scored."""
-        return self.section.not_scored or (
-            "no expected value yet; --update fills it in" if self.expected is None else ""
-        )
+        missing = "no expected value yet; --update fills it in"
+        return self.section.not_scored or (missing if self.expected is None else "")
 
     @property
     def regression(self) -> bool:
@@ -310,22 +303,18 @@ class Case:
         return is_regression(self.section, self.suite) and not self.cells
 
     def compared(self, value: float | str) -> float | str:
-        """Return a value of the quantity as what the expected value is: the value, or its relative difference."""
+        """Return a computed value or, if a measured value is given, its relative difference from that, per cent."""
         if self.measured is None or isinstance(value, str):
             return value
         return 100.0 * abs(value / self.measured - 1.0)
 
 
+MISSING = "is missing and must be given; --update fills in only a regression value without a source"
+
+
 def is_regression(section: CaseSection | TableSection, suite: SuiteSection) -> bool:
-    """Return whether the expected values of a section are results of this program: not those with a source."""
+    """Return whether the expected values of a section are results of this program, not values with a source."""
     return (section.regression or suite.regression) and not (section.source or suite.source)
-
-
-def _unless(section: CaseSection, suite: SuiteSection) -> str:
-    """Return why a value that is missing is not one that an update fills in."""
-    if section.regression or suite.regression:
-        return "as there is a source: only a regression value without source is filled in by --update"
-    return "but for a regression value"
 
 
 @dataclass(frozen=True, repr=False)
@@ -353,18 +342,18 @@ class Suite:
     @checked
     def only(self, text: str) -> "Suite":
         """Return the suite with only the cases whose name contains the text; raise InputError if there is none."""
-        named = [text.lower() in case.full_name.lower() for case in self.cases]
-        cases = tuple(compress(self.cases, named))
+        is_chosen = [text.lower() in case.full_name.lower() for case in self.cases]
+        cases = tuple(compress(self.cases, is_chosen))
         if not cases:
             raise mistake(self.file, "", f'must have a case whose name contains "{text}", found none')
-        kept = {case.group for case in cases}
-        # The bands of a table of a file are made for all its rows.
-        partial = {case.group for case, chosen in zip(self.cases, named, strict=True) if case.cells and not chosen}
-        unbound: dict[str, Any] = {"group": [], "rms_band_percent": None, "mean_band_percent": None}
+        names = {case.group for case in cases}
+        # The bands of a table with a file hold for all its rows together.
+        partial = {case.group for case, chosen in zip(self.cases, is_chosen, strict=True) if case.cells and not chosen}
+        no_bands: dict[str, Any] = {"group": [], "rms_band_percent": None, "mean_band_percent": None}
         tables = (
-            table.model_copy(update=unbound if table.name in partial else None)
+            table.model_copy(update=no_bands if table.name in partial else None)
             for table in self.tables
-            if table.name in kept
+            if table.name in names
         )
         return replace(self, cases=cases, tables=tuple(tables))
 
@@ -376,8 +365,8 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
     Parameters
     ----------
     path : path-like
-        A TOML file or, where there is no such file, the name of a shipped suite, "paper" or "plates".  The files that
-        it names are relative to its folder or, where there is no such file, shipped ones.
+        A TOML file or, if there is no such file, the name of a shipped suite, "paper" or "plates".  The files that it
+        names are relative to its folder or, if there are no such files, shipped ones.
     changes : mapping of str to object, optional
         Values that replace those of every scenario, by dotted key; tables are merged.
 
@@ -396,8 +385,8 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
     if not suite.case and not suite.table:
         raise mistake(path, "case", "is missing: a suite must have at least one case or table")
     refuse(
-        Problem(str(path), key_name(["case", i, EXPECTED]), f"is missing and must be given, {_unless(case, suite)}")
-        for i, case in enumerate(suite.case)
+        Problem(str(path), key_name(["case", index, EXPECTED]), MISSING)
+        for index, case in enumerate(suite.case)
         if case.expected is None and not is_regression(case, suite)
     )
     read = cache(read_toml)
@@ -418,16 +407,15 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
 
 
 def _placed(problem: Problem, row: "_Row", path: Path) -> Problem:
-    """Return a problem in the scenario of a case with its place in the suite; one in a file of tests is as it is."""
+    """Return a problem in the scenario of a case with its place in the suite; leave one in a file of tests."""
     if row.section.file:
         return problem
-    in_row = problem.key in row.inputs
-    where = key_name([*row.place[: 4 if in_row else 2], *([] if in_row else ["scenario"])])
-    return Problem(str(path), where, f"must be a valid scenario: {problem}")
+    key = row.place[:4] if problem.key in row.inputs else (*row.place[:2], "scenario")
+    return Problem(str(path), key_name(key), f"must be a valid scenario: {problem}")
 
 
 class _Row(NamedTuple):
-    """A case as the file gives it: a section of its own, or a row of a table; or a table whose rows are in a file."""
+    """What the suite's file gives of a case, a row of a table, or a table whose rows are in a file of tests."""
 
     section: CaseSection | TableSection
     place: Parts
@@ -471,7 +459,7 @@ def _cases(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, o
 
 
 def _cases_of_file(common: Case, table: TableSection, folder: Path) -> list[Case]:
-    """Return the cases of the file of a table, given what they have in common."""
+    """Return the cases of a table's file of tests, given what they have in common."""
     tests = read_tests(_file(folder, table.file), common.scenario, common.suite.notes)
     scenarios = {int(place): group.scenario for group in tests.groups for place in group.where}
     cases = [
@@ -509,8 +497,8 @@ def _scenario(file: Path, read: Read, *changes: Mapping[str, object]) -> Scenari
 def _file(folder: Path, name: str) -> Path:
     """Return the file that a suite in a folder names: a path there or in the shipped folder, or a shipped scenario."""
     file = folder / name
-    other = shipped_files("scenarios", ".toml").get(name, shipped("suites") / name)
-    return other if not exists(file) and exists(other) else file
+    shipped_file = shipped_files("scenarios", ".toml").get(name, shipped("suites") / name)
+    return shipped_file if not exists(file) and exists(shipped_file) else file
 
 
 def _in_words(key: str, value: float) -> str:

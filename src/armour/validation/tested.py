@@ -1,4 +1,4 @@
-"""What entries of the library were tested with, of tests by which the error of the model is known."""
+"""Partners with which entries of the library were tested, in the tests from which the model error is known."""
 
 import csv
 from functools import cache
@@ -15,7 +15,7 @@ from armour.scenario.scenario import load_scenario
 @cache
 def tested_with() -> dict[tuple[Kind, str], tuple[str, ...]]:
     """Return the rounds that materials were tested with, and the materials that rounds were, by kind and name."""
-    # The shipped files, whatever is in the working folder.
+    # Uses the shipped files, whatever is in the working folder.
     library, case = shipped_library(), load_scenario(shipped_files("scenarios", ".toml")["wilkins"])
     rounds = library.known("projectile")
     plates = [row for row in _rows("plates.csv") if row["round"] in rounds]

@@ -1,4 +1,4 @@
-"""Check the model against a suite: computed values, their deviations and whether these lie within the bands."""
+"""Check the model against a suite: computed values, their deviations, and whether these lie within their bands."""
 
 import codecs
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -52,16 +52,16 @@ class Check:
 
     @property
     def in_group(self) -> bool:
-        """Whether the case is a row of a file that is scored with the others, not by itself."""
+        """Whether the case is a row of a file of tests, which is scored with the other rows, not by itself."""
         return bool(self.case.cells) and self.status == "not scored" and not (self.case.not_scored or self.message)
 
     @property
     def deviation_percent(self) -> float | None:
         """Deviation relative to the expected value, in per cent; None for a value that is a relative difference."""
         expected, deviation = self.case.expected, self.deviation
-        if deviation is not None and isinstance(expected, float) and self.case.measured is None:
-            return None if abs(expected) < TINY else 100.0 * deviation / abs(expected)
-        return None
+        if deviation is None or not isinstance(expected, float) or abs(expected) < TINY:
+            return None
+        return 100.0 * deviation / abs(expected) if self.case.measured is None else None
 
     def to_dict(self) -> dict[str, Any]:
         """Return the check as plain data."""
@@ -85,25 +85,25 @@ class Check:
 
 @dataclass(frozen=True)
 class TableSummary:
-    """Mean, root mean square and magnitudes of the deviations of a table's rows, or of those of a group of them.
+    """Mean, root mean square and magnitudes of the deviations of a table's rows, or of a group of them.
 
-    They are in per cent if a band is relative or the rows are from a file, otherwise in the unit of the quantity.
+    They are in per cent if the band is relative or the rows are from a file, otherwise in the unit of the quantity.
 
     Attributes
     ----------
     name, group : str
         Name of the table and of the group of its rows; the group is empty for all rows.
     count : int
-        Number of rows with a value.
+        Number of rows with a deviation.
     unit : str
         Unit of the deviations.
     mean, rms, largest, mean_magnitude : float
-        Mean, root mean square and greatest magnitude of the deviations, and mean of their magnitudes.
+        Mean, root mean square and largest magnitude of the deviations, and mean of their magnitudes.
     rms_band : float or None
-        Greatest root mean square allowed.
+        Largest root mean square allowed.
     status : {"within", "outside", "no answer", "not scored"}
     mean_expected, mean_band : float or None
-        Mean that is expected, and its greatest deviation from it allowed.
+        Expected mean, and the largest deviation of the mean from it that is allowed.
     """
 
     name: str
@@ -157,9 +157,8 @@ class SuiteResult(TableResult):
         return self.count(*FAILED) == 0
 
     def count(self, *statuses: Status) -> int:
-        """Return the number of cases and scored tables with one of the statuses."""
-        judged: list[Check | TableSummary] = [*self.checks, *self.summaries]
-        return sum(each.status in statuses for each in judged)
+        """Return the number of cases and tables with one of the statuses."""
+        return sum(row.status in statuses for rows in (self.checks, self.summaries) for row in rows)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain data."""
@@ -184,7 +183,7 @@ OnCheck = Callable[[Check, int], None]
 
 
 def paper_suite() -> Path:
-    """Return the path of the suite of everything that the paper publishes, ``load_suite("paper")``."""
+    """Return the path of the suite of all published values of the paper, which ``load_suite("paper")`` reads."""
     return shipped_suites()["paper"]
 
 
@@ -207,14 +206,14 @@ def validate(suite: Suite, *, on_check: OnCheck | None = None) -> SuiteResult:
     InputError
         If a run of a scenario does not end.
     """
-    answered: dict[tuple[str, ...], Subject] = {}
-    of_files = _of_files(suite.cases)
+    subjects: dict[tuple[str, ...], Subject] = {}
+    values_of_tests = _values_of_tests(suite.cases)
     checks = []
     for place, case in enumerate(suite.cases):
-        if place in of_files:
-            checks.append(_judged(case, of_files[place], f"no {case.quantity} in its range"))
+        if place in values_of_tests:
+            checks.append(_judged(case, values_of_tests[place], f"no {case.quantity} in its range"))
         else:
-            checks.append(check(case, answered))
+            checks.append(check(case, subjects))
         if on_check is not None:
             on_check(checks[-1], len(suite.cases))
     return result_of(suite, checks)
@@ -233,18 +232,18 @@ def result_of(suite: Suite, checks: Sequence[Check]) -> SuiteResult:
     )
 
 
-def check(case: Case, answered: dict[tuple[str, ...], Subject]) -> Check:
-    """Compute a case; scenarios that several cases share are computed once and kept, by their contents."""
-    contents = tuple(scenario.digest() for scenario in case.scenarios)
+def check(case: Case, subjects: dict[tuple[str, ...], Subject]) -> Check:
+    """Compute a case; a subject that several cases share is computed once and kept by the contents of its scenarios."""
+    digests = tuple(scenario.digest() for scenario in case.scenarios)
     try:
-        subject = answered.setdefault(contents, Subject(*case.scenarios))
+        subject = subjects.setdefault(digests, Subject(*case.scenarios))
         return _judged(case, case.compared(answer(case.quantity, subject)))
     except NoAnswerError as error:
         return _judged(case, None, str(error))
 
 
 def _judged(case: Case, computed: float | str | None, message: str = "") -> Check:
-    """Return the check of a computed value, or None and why there is none; rows of files may have no band."""
+    """Return the check of a computed value; if it is None, the message says why.  Rows of files may have no band."""
     status: Status = "not scored"
     calibrated = _calibrated_to(case)
     if not (case.not_scored or calibrated):
@@ -257,15 +256,15 @@ def _judged(case: Case, computed: float | str | None, message: str = "") -> Chec
     return Check(case, computed, status, message if computed is None else calibrated)
 
 
-def _of_files(cases: Sequence[Case]) -> dict[int, float | None]:
-    """Compute the cases of files, those of one scenario at once; return the values by place, None without an answer."""
-    together: dict[tuple[int, str, tuple[str, ...]], list[int]] = {}
+def _values_of_tests(cases: Sequence[Case]) -> dict[int, float | None]:
+    """Compute the cases of files of tests, those of a scenario at once; return values by place, None if unanswered."""
+    batches: dict[tuple[int, str, tuple[str, ...]], list[int]] = {}
     for place, case in enumerate(cases):
         if case.cells:
             inputs = tuple(name for name in INPUTS if name in case.cells)
-            together.setdefault((id(case.scenario), case.quantity, inputs), []).append(place)
+            batches.setdefault((id(case.scenario), case.quantity, inputs), []).append(place)
     computed: dict[int, float | None] = {}
-    for (_, quantity, inputs), places in together.items():
+    for (_, quantity, inputs), places in batches.items():
         columns = {name: np.array([float(cases[place].cells[name]) for place in places]) for name in inputs}
         values = evaluate_groups(groups_of(cases[places[0]].scenario, columns), [quantity])[0][quantity]
         for place, value in zip(places, np.broadcast_to(values, len(places)).tolist(), strict=True):
@@ -274,7 +273,7 @@ def _of_files(cases: Sequence[Case]) -> dict[int, float | None]:
 
 
 def _calibrated_to(case: Case) -> str:
-    """Return which value of the case's materials was calibrated to this test; empty if none was."""
+    """Return the value of the case's materials that was calibrated to this test, in words; empty if there is none."""
     names = {key: case.scenario.name_of(role) for role, key in NAMES.items()}
     measured = case.expected if case.measured is None else case.measured
     values: Mapping[str, object] = {**case.scenario.inputs(), **names, **case.cells, case.quantity: measured}
@@ -290,32 +289,32 @@ def _calibrated_to(case: Case) -> str:
 
 
 def _same(tested: float | str, value: object) -> bool:
-    """Whether a test and a case have the same value."""
+    """Return whether a test and a case have the same value."""
     if isinstance(tested, str) or not isinstance(value, int | float):
         return tested == value
     return abs(value - tested) <= 1e-6 * abs(tested)
 
 
 def _summaries(table: TableSection, rows: Sequence[Check]) -> Iterator[TableSummary]:
-    """Yield the summary of a table and of each group of it."""
+    """Yield the summaries of a table and of each of its groups."""
     yield _summary(table, table, rows)
     for group in table.group:
-        if of_group := [row for row in rows if meets(row.case.cells, group.where)]:
-            yield _summary(table, group, of_group)
+        if rows_of_group := [row for row in rows if meets(row.case.cells, group.where)]:
+            yield _summary(table, group, rows_of_group)
 
 
-def _summary(table: TableSection, bands: TableSection | GroupSection, rows: Sequence[Check]) -> TableSummary:
+def _summary(table: TableSection, bands: GroupSection, rows: Sequence[Check]) -> TableSummary:
     percent = bool(table.file) or table.rms_band_percent is not None
     deviations = [row.deviation_percent if percent else row.deviation for row in rows]
     numbers = [deviation for deviation in deviations if deviation is not None]
     count = len(numbers) or 1
-    mean, rms = sum(numbers) / count, sqrt(sum(d * d for d in numbers) / count)
+    mean, rms = sum(numbers) / count, sqrt(sum(number * number for number in numbers) / count)
     rms_band, mean_band = bands.rms_band_percent if percent else table.rms_band, bands.mean_band_percent
     status: Status = "not scored"
     if not (rms_band is None and mean_band is None):
-        held = rms_band is None or rms <= rms_band
-        held = held and (mean_band is None or abs(mean - bands.mean_percent) <= mean_band)
-        status = "within" if numbers and held else "outside"
+        rms_within = rms_band is None or rms <= rms_band
+        mean_within = mean_band is None or abs(mean - bands.mean_percent) <= mean_band
+        status = "within" if numbers and rms_within and mean_within else "outside"
     return TableSummary(
         name=table.name,
         count=len(numbers),
@@ -332,12 +331,12 @@ def _summary(table: TableSection, bands: TableSection | GroupSection, rows: Sequ
     )
 
 
-# Significant digits of the values that are written.
+# Significant digits with which an update writes values.
 DIGITS = 8
 
 
 def updates_of(result: SuiteResult) -> list[Check]:
-    """Return the checks of regression values that differ from the computed ones, these to the digits as written."""
+    """Return the checks of regression values that differ from the computed ones, rounded as they are written."""
     updates = []
     for check in result.checks:
         computed = float(f"{check.computed:.{DIGITS}g}") if isinstance(check.computed, float) else check.computed
@@ -347,7 +346,7 @@ def updates_of(result: SuiteResult) -> list[Check]:
 
 
 def kept_by_update(result: SuiteResult) -> SuiteResult:
-    """Return the result of the cases whose values an update keeps: all but the regression values."""
+    """Return the result without the regression values, which an update replaces."""
     checks = tuple(check for check in result.checks if not check.case.regression)
     groups = {check.case.group for check in checks}
     return replace(
@@ -356,7 +355,7 @@ def kept_by_update(result: SuiteResult) -> SuiteResult:
 
 
 def updated_file(content: bytes, updates: Sequence[Check]) -> bytes:
-    """Return a suite file with other expected values; its comments, layout, line ends and byte order mark stay."""
+    """Return a suite file with new expected values; its comments, layout, line ends and byte order mark stay."""
     import tomlkit  # slow to import
 
     mark = codecs.BOM_UTF8 if content.startswith(codecs.BOM_UTF8) else b""

@@ -177,7 +177,7 @@ def test_a_map_has_the_frontiers_and_the_lightest_designs():
 def test_a_frontier_is_where_the_probability_is_that_of_its_line():
     """The lightest design lies on the side of the line on which it is stopped, its thinner neighbours on the other."""
     found = designs(0.9)
-    [pair_map] = design._maps(found).of_pairs
+    _, [pair_map] = design._maps(found)
     [frontier] = [each for each in pair_map.frontiers if each.label == "stopped in 90 % of cases or more"]
     for each, stops in ((best_of(found), True), (replace(best_of(found), ceramic_thickness_mm=2.0), False)):
         by_row = [np.interp(each.backing_thickness_mm, pair_map.grid.backing_mm, row) for row in frontier.values]

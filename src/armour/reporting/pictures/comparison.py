@@ -7,10 +7,10 @@ from armour.validation.comparison import Comparison
 
 
 def draw(result: Comparison, sheet: Sheet) -> Picture:
-    """Draw the curves, and those limits that are within their range."""
+    """Draw the curves, and the limits within their range."""
     limit = result.limit.ballistic_limit_m_s
-    impact = [each.impact_velocity_m_s for each in result.curve]
-    limits = {f"Florence, {each.projectile}": each.ballistic_limit_m_s for each in result.florence}
+    impact = [point.impact_velocity_m_s for point in result.curve]
+    limits = {f"Florence, {formula.projectile}": formula.ballistic_limit_m_s for formula in result.florence}
     limits |= {f"areal density rule, p = {rule.p:.4g}": rule.ballistic_limit_m_s for rule in result.rules}
     beyond = [f"{name} {at:.0f} m/s" for name, at in limits.items() if not impact[0] <= at <= impact[-1]]
     title = f"Ballistic limit {limit:.0f} m/s by this model"
@@ -18,9 +18,8 @@ def draw(result: Comparison, sheet: Sheet) -> Picture:
         title += f", {min(limits.values()):.0f} to {max(limits.values()):.0f} m/s by formulas"
     picture = sheet.panels(title, 1.2 * drawing.PANEL, note=f"Not drawn: {', '.join(beyond)}." if beyond else "")
     [axes] = picture.axes
-    axes.plot(
-        impact, [each.residual_velocity_m_s for each in result.curve], color=drawing.COLOURS[0], label="this model"
-    )
+    residual = [point.residual_velocity_m_s for point in result.curve]
+    axes.plot(impact, residual, color=drawing.COLOURS[0], label="this model")
     for fit, colour, style in zip(result.fits, drawing.COLOURS[1:], drawing.STYLES[1:], strict=False):
         fitted = [residual_velocity(velocity, limit, fit.ratio, fit.exponent) for velocity in impact]
         label = f"{fit.name}: ratio {fit.ratio:.3f}, exponent {fit.exponent:.2f}"

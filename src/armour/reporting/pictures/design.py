@@ -27,21 +27,21 @@ from armour.reporting.views.confidence import chance
 from armour.reporting.views.design import COST, CRITERIA, least_sure, pair_words, required_margins, title
 from armour.reporting.views.suite import grouped
 
-# Pairs of materials that are shown, by a point and by a line; nodes of the grid along an axis, and designs on offer up
-# to which each is a dot.
+# Largest numbers of pairs of materials that are shown as points and as lines; nodes of the grid along an axis; largest
+# number of designs on offer that are shown as dots.
 MAX_PAIRS, MAX_LINES, NODES, MAX_DOTS = 12, 6, 25, 250
-# Characters in a line of the title of a panel that has others beside it.
+# Characters in a line of the title of a panel beside others.
 TITLE_CHARACTERS = 34
-# Probability that a map shows where no confidence is asked for.
+# Probability that a map shows if the scenario requires no confidence.
 USUAL = 0.95
-# Words of designs between the velocity and the limit of half of them.
+# Name of the region where less than half of the armours stop the projectile.
 EVEN = "perforated more often than not"
-# Difference of two frontiers, m/s, below which one line is drawn, and what tints a region.
+# Difference between two frontiers, m/s, below which one line is drawn; opacity of a tinted region.
 SAME_M_S, TINT = 1.0, 0.14
 
 
 class _Panel(NamedTuple):
-    """A panel: its height, inches, title, what draws it, and a note."""
+    """A panel: its height, inches, its title, the function that draws it, and a note."""
 
     height: float
     title: str
@@ -50,14 +50,11 @@ class _Panel(NamedTuple):
 
 
 def draw(result: DesignResult, sheet: Sheet) -> Picture:
-    """Draw the designs: limits over one thickness, or the map of the best pair with what is beside it.
-
-    Beside the map are the best design of each pair, and the Pareto front.
-    """
-    maps = _maps(result)
-    if maps.layer:
-        return _draw_lines(result, maps, sheet)
-    panels = [_map_panel(maps)]
+    """Draw limits over the one thickness that varies, or else a map of the best pair, the best pairs and the front."""
+    layer, maps = _maps(result)
+    if layer:
+        return _draw_lines(result, layer, maps, sheet)
+    panels = [maps[0].panel()]
     if sum(pair.best is not None for pair in result.pairs) > 1:
         panels.append(_pairs_panel(result))
     if result.pareto:
@@ -66,11 +63,11 @@ def draw(result: DesignResult, sheet: Sheet) -> Picture:
 
 
 def draw_map(result: DesignResult, sheet: Sheet) -> Picture:
-    """Draw the designs of the best pair over both thicknesses, or those of all pairs over the one that differs."""
-    maps = _maps(result)
-    if maps.layer:
-        return _draw_lines(result, maps, sheet, beside=False)
-    return _draw_panels(title(result), [_map_panel(maps)], sheet)
+    """Draw the designs of the best pair over both thicknesses, or those of all pairs over the one that varies."""
+    layer, maps = _maps(result)
+    if layer:
+        return _draw_lines(result, layer, maps, sheet, beside=False)
+    return _draw_panels(title(result), [maps[0].panel()], sheet)
 
 
 def draw_front(result: DesignResult, sheet: Sheet) -> Picture:
@@ -88,20 +85,14 @@ def _draw_panels(answer: str, panels: Sequence[_Panel], sheet: Sheet) -> Picture
     return picture
 
 
-class _Maps(NamedTuple):
-    """The layer whose thickness alone differs, if that is so, and the pairs that are drawn."""
-
-    layer: str
-    of_pairs: "list[_Map]"
-
-
-def _maps(result: DesignResult) -> _Maps:
+def _maps(result: DesignResult) -> "tuple[str, list[_Map]]":
+    """Return the layer whose thickness alone varies, or an empty text, and the maps of the pairs that are drawn."""
     catalogue = catalogue_of(drawing.needed(result, "scenario"))
     names = [(offer.ceramic.material, offer.backing.material) for offer in catalogue.offers]
     design = result.shown or next((pair.best for pair in result.pairs if pair.best is not None), None)
     best = 0 if design is None else names.index((design.ceramic, design.backing))
     confidences = tuple(1.0 - bound if bound < NO_BOUND else None for bound in catalogue.bounds.tolist())
-    probabilities = tuple({1.0 - USUAL, 0.5, USUAL, *(c for c in confidences if c is not None)})
+    probabilities = tuple({1.0 - USUAL, 0.5, USUAL, *(level for level in confidences if level is not None)})
 
     def pair_map(pair: int) -> _Map:
         layers = (np.array(layer.thicknesses()) for layer in catalogue.offers[pair][:2])
@@ -110,11 +101,11 @@ def _maps(result: DesignResult) -> _Maps:
 
     single = [tuple(len(layer.thicknesses()) == 1 for layer in offer[:2]) for offer in catalogue.offers]
     if not any(single[best]):
-        return _Maps("", [pair_map(best)])
+        return "", [pair_map(best)]
     layer = "backing" if single[best][0] and not single[best][1] else "ceramic"
-    alike = [pair for pair, of in enumerate(single) if of[layer == "ceramic"]]
-    alike.sort(key=lambda pair: pair != best)
-    return _Maps(layer, [pair_map(pair) for pair in alike[:MAX_LINES]])
+    pairs = [pair for pair, is_single in enumerate(single) if is_single[layer == "ceramic"]]
+    pairs.sort(key=lambda pair: pair != best)
+    return layer, [pair_map(pair) for pair in pairs[:MAX_LINES]]
 
 
 def _nodes(offered: Any) -> Any:
@@ -123,21 +114,22 @@ def _nodes(offered: Any) -> Any:
     return np.union1d(even, offered) if len(offered) <= NODES else even
 
 
-def _draw_lines(result: DesignResult, maps: _Maps, sheet: Sheet, *, beside: bool = True) -> Picture:
+def _draw_lines(
+    result: DesignResult, layer: str, maps: "Sequence[_Map]", sheet: Sheet, *, beside: bool = True
+) -> Picture:
     """Draw the limits of pairs of materials over one thickness, a panel for each threat."""
-    layer, of_pairs = maps
-    catalogue, count = of_pairs[0].catalogue, len(result.threats)
+    catalogue, count = maps[0].catalogue, len(result.threats)
     beside = beside and count in (2, 3)
-    stop = "as required." if any(of_pairs[0].confidences) else "by the model."
-    if any(pair_map.over_sources is not None for pair_map in of_pairs):
+    stop = "as required." if any(maps[0].confidences) else "by the model."
+    if any(pair_map.over_sources is not None for pair_map in maps):
         stop = "untested ones even with the least flow stress of their sources, which bands show."
     note = f"Filled dots are designs on offer that stop the threat{',' * stop.startswith('untested')} {stop}"
     width = 3.4 * count if beside else drawing.WIDTH
     picture = sheet.panels(title(result), *[drawing.PANEL] * count, note=note, width=width, beside=beside, sharex=True)
     for place, (axes, threat) in enumerate(zip(picture.axes, catalogue.threats, strict=True)):
-        limits = np.concatenate([pair_map.limits_m_s[..., place].ravel() for pair_map in of_pairs])
+        limits = np.concatenate([pair_map.limits_m_s[..., place].ravel() for pair_map in maps])
         axes.set_ylim(drawing.widened([threat.required_m_s, *limits], 0.12))
-        for index, pair_map in enumerate(of_pairs):
+        for index, pair_map in enumerate(maps):
             pair_map.draw_line(axes, layer, place, drawing.COLOURS[index % len(drawing.COLOURS)])
         axes.axhline(threat.required_m_s, linestyle="--", label=f"{threat.required_m_s:g} m/s required", **drawing.RULE)
         words = "\n".join(wrapped(result.threats[place], TITLE_CHARACTERS if beside else 100))
@@ -158,7 +150,7 @@ class _Frontier(NamedTuple):
 
 @dataclass(frozen=True)
 class _Map:
-    """A map of designs as it is drawn, with the confidences asked for against each threat, None where none is."""
+    """A map of the designs of a pair, with the confidence required against each threat, None where none is."""
 
     result: DesignResult
     catalogue: Catalogue
@@ -167,42 +159,42 @@ class _Map:
 
     @cached_property
     def governing(self) -> int:
-        """The governing threat of the design that is named."""
+        """The index of the governing threat of the named design."""
         return self.result.threats.index(self.result.shown.governing) if self.result.shown else 0
 
     @cached_property
     def shown(self) -> float:
-        """Confidence of the line of a probability: the greatest that is asked for."""
-        return max((c for c in self.confidences if c is not None), default=USUAL)
+        """The confidence of the line of a probability: the largest one required."""
+        return max((level for level in self.confidences if level is not None), default=USUAL)
 
     @cached_property
     def above_m_s(self) -> Any:
-        """How far the limits exceed the velocities required, m/s, (ceramics, back plates): the least of the threats."""
+        """The least excess of the limits over the required velocities of the threats, m/s, (ceramics, back plates)."""
         required = np.array([threat.required_m_s for threat in self.catalogue.threats])
         return (self.grid.limits_m_s - required).min(axis=-1)
 
     def surely_m_s(self, confidences: Sequence[float]) -> Any:
-        """How far velocities stopped with confidences exceed those of the threats, m/s, (ceramics, back plates)."""
-        stopped = [self.grid.stopped_with(c)[..., i] for i, c in enumerate(confidences)]
+        """Return the least excess of velocities stopped with confidences over the threats', m/s, as `above_m_s`."""
+        stopped = [self.grid.stopped_with(level)[..., threat] for threat, level in enumerate(confidences)]
         return (np.stack(stopped, axis=-1) - self.catalogue.velocities_m_s).min(axis=-1)
 
     @cached_property
     def frontiers(self) -> list[_Frontier]:
-        """Where as many are stopped as not, where the probability is that shown, and the limit is that required."""
+        """Where half of the armours stop the threat, where as many as required do, and where the limit suffices."""
         even = self.surely_m_s([0.5] * len(self.confidences))
-        wanted = self.surely_m_s([self.shown if c is None else c for c in self.confidences])
+        required = self.surely_m_s([self.shown if level is None else level for level in self.confidences])
         label, margin = f"stopped in {percent(self.shown)} of cases or more", required_margins(self.catalogue.scenario)
         if any(self.confidences):
-            wanted = np.minimum(wanted, self.above_m_s)
+            required = np.minimum(required, self.above_m_s)
             if len(set(self.confidences)) > 1 or margin:
                 label = "meets the requirements"
         frontiers = [
             _Frontier(even, {"color": drawing.VERMILION, "linestyle": "--"}, (-np.inf, 0.0), EVEN),
-            _Frontier(wanted, {"color": drawing.BLUE, "linestyle": "-"}, (0.0, np.inf), label),
+            _Frontier(required, {"color": drawing.BLUE, "linestyle": "-"}, (0.0, np.inf), label),
         ]
         if not any(self.confidences):
             with np.errstate(invalid="ignore"):
-                if not np.nanmax(abs(self.above_m_s - even), initial=0.0) < SAME_M_S or np.isnan(wanted).all():
+                if not np.nanmax(abs(self.above_m_s - even), initial=0.0) < SAME_M_S or np.isnan(required).all():
                     label = f"ballistic limit by the model = velocity{' + margin' if margin else ''}"
                     frontiers.append(_Frontier(self.above_m_s, {"color": drawing.INK, "linestyle": "-"}, None, label))
         return [frontier for frontier in frontiers if not np.isnan(frontier.values).all()]
@@ -253,8 +245,8 @@ class _Map:
         return np.stack([self.grid.limits_m_s, *over])
 
     def name(self, layer: str) -> str:
-        """Return what tells the pair from others: the material of the layer, and of the other one if they differ."""
-        ceramic, backing = (of.material for of in self.catalogue.offers[self.grid.pair][:2])
+        """Return what distinguishes the pair from others: the layer's material and, if that varies, the other's."""
+        ceramic, backing = (offer.material for offer in self.catalogue.offers[self.grid.pair][:2])
         if not ceramic:
             return backing
         ceramic += " (untested)" * self.catalogue.untested[self.grid.pair]
@@ -262,21 +254,20 @@ class _Map:
         return ceramic if one_metal and layer == "ceramic" else f"{ceramic} on {backing}"
 
     def draw_line(self, axes: Axes, layer: str, threat: int, colour: str) -> None:
-        """Draw the limits against a threat over a thickness, what is known of them, and the designs on offer."""
+        """Draw the limits against a threat over a thickness, with their uncertainty and the designs on offer."""
         x = getattr(self.grid, f"{layer}_mm")
         limits = self.grid.limits_m_s[..., threat].ravel()
         ends = None if self.over_sources is None else self.over_sources[..., threat].reshape(-1, len(x))
-        band: Any = {"color": colour, "alpha": 0.3, "linewidth": 0}
         if ends is not None and len(ends) > 1:
-            axes.fill_between(x, ends[0], ends[-1], **band)
+            axes.fill_between(x, ends[0], ends[-1], color=colour, **drawing.BAND)
         if not np.isnan(self.grid.stopped_m_s[..., threat, :]).all():
-            low, high = (self.grid.stopped_with(p)[..., threat].ravel() for p in (USUAL, 1.0 - USUAL))
-            axes.fill_between(x, low, high, **band)
+            low, high = (self.grid.stopped_with(level)[..., threat].ravel() for level in (USUAL, 1.0 - USUAL))
+            axes.fill_between(x, low, high, color=colour, **drawing.BAND)
         axes.plot(x, limits, color=colour, label=drawing.legible(self.name(layer)))
-        layers = dict(zip(("ceramic", "backing"), self.catalogue.offers[self.grid.pair][:2], strict=True))
-        if layers[layer].free_range():
+        offer = getattr(self.catalogue.offers[self.grid.pair], layer)
+        if offer.free_range():
             return
-        offered = np.searchsorted(x, layers[layer].thicknesses())
+        offered = np.searchsorted(x, offer.thicknesses())
         least = limits if ends is None else ends[0]
         stops = least >= self.catalogue.threats[threat].required_m_s
         if (confidence := self.confidences[threat]) is not None:
@@ -288,16 +279,14 @@ class _Map:
             drawing.points(axes, x[places], limits[places], words, filled=filled, color=colour)
 
     def _marked(self) -> Iterator[tuple[Design, dict[str, Any]]]:
-        """Give the lightest designs: as asked for, as likely perforated as not, and between the values of the grid."""
+        """Yield the lightest designs: that stops half of the time, the refined one, and the one that is required."""
         best, sure = self.result.shown, least_sure(self.result)
         large = {"markersize": 9.0}
         if any(self.confidences) and not np.isnan(self.grid.stopped_m_s).all():
             even = lightest(self.catalogue, self.grid.pair, 0.5)
             if even is not None:
-                yield (
-                    even,
-                    {**large, "name": self._named(even, "50 % or more"), "filled": False, "color": drawing.VERMILION},
-                )
+                name = self._named(even, "50 % or more")
+                yield even, {**large, "name": name, "filled": False, "color": drawing.VERMILION}
         if (refined := self.result.refined) is not None:
             label = f"refined: {_design_text(refined, self.result.minimised)}"
             yield refined, {"marker": "D", "color": drawing.GREEN, "label": label, "name": ""}
@@ -307,13 +296,13 @@ class _Map:
             yield best, {**large, "name": name, "color": colour}
 
     def _named(self, design: Design, sure: str) -> str:
-        """Return the name of a design: thicknesses, objective, and how surely it stops."""
+        """Return the name of a design: thicknesses, objective, and probability of stopping."""
         thicknesses = f"{design.ceramic_thickness_mm:.4g} on " if design.ceramic else ""
         objective = drawing.value_text(CRITERIA[self.result.minimised], getattr(design, self.result.minimised))
         return f"{thicknesses}{design.backing_thickness_mm:.4g} mm\n{objective}, {sure}"
 
     def _draw_offered(self, axes: Axes) -> None:
-        """Draw the thicknesses on offer, where there are few."""
+        """Draw the thicknesses on offer, if there are few."""
         layers = self.catalogue.offers[self.grid.pair][:2]
         offered = list(product(*(layer.thicknesses() for layer in layers)))
         if len(offered) <= MAX_DOTS and not any(layer.free_range() for layer in layers):
@@ -323,7 +312,7 @@ class _Map:
             drawing.points(axes, x, y, words, filled=False, **look)
 
     def _draw_tested(self, axes: Axes) -> None:
-        """Draw the outline of the thicknesses that were tested, as far as it is within the map."""
+        """Draw the outline of the thicknesses that were tested, cut to the map."""
         tested = thicknesses_tested(self.catalogue, self.grid.pair, self.governing)
         if len(tested) == 2:
             on_map = {"ceramic": self.grid.ceramic_mm, "backing": self.grid.backing_mm}
@@ -333,8 +322,11 @@ class _Map:
                 x, y = [left, right, right, left, left], [low, low, high, high, low]
                 axes.plot(x, y, linestyle="-.", linewidth=1.0, color=drawing.GREEN, label="thicknesses tested")
 
-    def note(self) -> str:
-        """Return what the map does not show."""
+    def panel(self) -> _Panel:
+        """Return the panel of the map."""
+        return _Panel(1.6 * drawing.PANEL, "", self.draw, self._note())
+
+    def _note(self) -> str:
         if np.isnan(self.grid.stopped_m_s).all():
             return "No probability is known for these designs."
         notes = []
@@ -346,19 +338,13 @@ class _Map:
 
 
 def _tint(axes: Axes, x: Any, y: Any, values: Any, low: float, high: float, label: str, **look: Any) -> None:
-    """Tint where values are between two; the region has its edge, if that is drawn, in the legend."""
+    """Tint the region where values lie between two; the legend shows its edge too, if the look has a line."""
     z = np.ma.masked_invalid(np.array(values, float))
     low, high = max(low, z.min() - 1.0), min(high, z.max() + 1.0)
     if low < z.max() and high > z.min():
         axes.contourf(x, y, z, levels=[low, high], colors=[look["color"]], alpha=TINT)
         edge: Any = {"edgecolor": look["color"], "linewidth": 1.2 if "linestyle" in look else 0.0}
         axes.fill([], [], facecolor=(look["color"], TINT), label=label, linestyle=look.get("linestyle", "-"), **edge)
-
-
-def _map_panel(maps: _Maps) -> _Panel:
-    """Return the panel of the map of a pair."""
-    [pair_map] = maps.of_pairs
-    return _Panel(1.6 * drawing.PANEL, "", pair_map.draw, pair_map.note())
 
 
 def _pairs_panel(result: DesignResult) -> _Panel:
@@ -383,7 +369,7 @@ def _pairs_panel(result: DesignResult) -> _Panel:
 
 
 def _front_panel(result: DesignResult) -> _Panel:
-    """Return the panel of the Pareto front over its first two criteria, a series for each pair of materials."""
+    """Return the panel of the Pareto front over its first two criteria, with a series for each pair of materials."""
     keys = result.criteria[:2]
 
     def draw_designs(axes: Axes, designs: Sequence[Design], name: str, **look: Any) -> None:

@@ -54,17 +54,20 @@ STYLE: Any = {
     "xtick.color": INK,
     "ytick.color": INK,
 }
-# Formats of files, with what keeps two files of a picture the same.
+# Formats of files, with the metadata that make the files of a picture reproducible.
 METADATA: dict[str, Any] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
 # Widths of a picture and of one in a column of a page, and the height of a panel, inches.
 WIDTH, COLUMN, PANEL = 5.2, 3.45, 2.6
-# Width of a character as a part of the size of the font, and of a bold one; characters of a name at the end of a curve.
+# Width of a plain and of a bold character as a part of the font size; longest name at the end of a curve, characters.
 CHARACTER, BOLD, END_CHARACTERS = 0.56, 0.64, 20
-# Points of a panel up to which their marks are large.
+# Largest number of points of a panel that have large marks.
 MANY = 100
-# Looks of a reference line, of a shaded range, and of the paper behind a name.
+# Looks of a reference line, of a shaded range, of a band about a curve, and of the paper behind a name; width of the
+# caps of a range, points.
 RULE: Any = {"linewidth": 1.0, "color": INK}
 SHADE: Any = {"color": SOFT, "alpha": 0.18, "linewidth": 0}
+BAND: Any = {"alpha": 0.3, "linewidth": 0}
+CAP = 3.0
 BEHIND: Any = {"facecolor": PAPER, "alpha": 0.75, "linewidth": 0, "pad": 0.5}
 
 
@@ -83,7 +86,7 @@ class Points(Line2D):
 
 @dataclass(frozen=True)
 class Picture:
-    """Panels that are drawn, with a title, which is the answer, and a note."""
+    """Panels with a title, which gives the answer, and a note."""
 
     axes: list[Axes]
     title: str
@@ -97,28 +100,26 @@ class Picture:
 
 @dataclass(frozen=True)
 class Sheet:
-    """What a picture is drawn on: a figure of a width, inches, or of the picture's own; or axes of a user."""
+    """What to draw on: a new figure of a given width, inches, or of the picture's default width; or a user's axes."""
 
     width: float | None = None
     ax: Axes | None = None
 
     def across(self, width: float = WIDTH) -> float:
-        """Return the width of a picture that has one of its own, inches."""
+        """Return the width of a picture with a default width, inches."""
         return self.width or width
 
     def panels(
         self, title: str, *heights: float, note: str = "", width: float = WIDTH, beside: bool = False, **subplots: Any
     ) -> Picture:
-        """Return a picture with empty panels of heights in inches, below or beside each other."""
+        """Return a picture with empty panels of given heights, inches, below or beside each other."""
         if self.ax is not None:
             if len(heights) > 1:
                 raise mistake("plot", "ax", f"must not be given for a picture of {len(heights)} panels")
             return Picture([self.ax], title, note)
         figure = NotebookFigure(figsize=(self.across(width), max(heights) if beside else sum(heights)))
-        if beside:
-            grid = figure.subplots(1, len(heights), squeeze=False, **subplots)
-        else:
-            grid = figure.subplots(len(heights), 1, squeeze=False, height_ratios=heights, **subplots)
+        rows = heights[:1] if beside else heights
+        grid = figure.subplots(len(rows), len(heights) // len(rows), squeeze=False, height_ratios=rows, **subplots)
         return Picture(grid.ravel().tolist(), title, note)
 
 
@@ -130,9 +131,9 @@ def drawn(
     title: str | None = None,
     bare: bool = False,
 ) -> Picture:
-    """Return a picture with legends, title, what it is about, which is the first line of a heading, and note.
+    """Draw a picture with its legends, title, subject (the first line of the heading) and note.
 
-    A bare one has only the legends, and one in axes of a user no note.
+    A bare picture has only legends; one in a user's axes has no note.
     """
     with mpl.rc_context(STYLE):
         picture = draw(sheet)
@@ -153,31 +154,31 @@ def drawn(
 
 
 def _make_room(figure: Any, parts: Sequence[Any]) -> None:
-    """Make a figure higher by what is written about its panels, which takes none of their height."""
+    """Make a figure taller by the height of the parts outside its panels, so that these keep their height."""
     more = sum(part.get_window_extent().height for part in parts) / figure.dpi
     figure.set_figheight(figure.get_figheight() + more)
 
 
 def _write(figure: Figure, lines: Sequence[str], note: str) -> list[Any]:
-    """Write the title, bold, beneath it what it is about, and the note below the panels, at the left edge."""
+    """Write the title in bold, the subject beneath it, and the note below the panels, all at the left edge."""
     width, (title, *subject) = figure.get_figwidth(), lines
     bold, plain = _lines([title], width, TITLE, BOLD), _lines(subject, width, FONT)
     look: Any = {"x": 0.05 / width, "ha": "left", "linespacing": 1.25}
     above = figure.suptitle("\n".join([*bold, *([""] * len(plain))]), fontsize=TITLE, fontweight="bold", **look)
-    # At a distance from the edge: what is below makes the figure higher.
+    # At a distance from the top edge, since a note or a legend makes the figure taller.
     place = offset_copy(figure.transFigure, figure, y=-0.05 - 1.25 * TITLE * len(bold) / 72.0, units="inches")
     figure.text(y=1.0, s="\n".join(plain), va="top", transform=place, **look)
     return [above, figure.supxlabel("\n".join(_lines([note], width, NAME)), fontsize=NAME, **look)]
 
 
 def _lines(texts: Iterable[str], width: float, size: float, character: float = CHARACTER) -> list[str]:
-    """Return the lines of texts of a size within a width, inches."""
+    """Wrap texts of a font size to a width, inches."""
     room = max(10, int(72.0 * (width - 0.1) / (character * size)))
     return [line for text in texts for part in printable_lines(text).splitlines() for line in wrapped(part, room)]
 
 
 def _name(axes: Axes) -> list[Any]:
-    """Name several curves at their ends where these are apart, and the rest in a legend below the panel, if any."""
+    """Name several curves at their ends if these are apart, and everything else in a legend below the panel."""
     handles: list[Any] = [] if axes.get_legend() else axes.get_legend_handles_labels()[0]
     curves, scale = list(filter(is_curve, handles)), 72.0 / axes.figure.dpi
     ends = [_end(line, axes) for line in curves]
@@ -204,7 +205,7 @@ def _name(axes: Axes) -> list[Any]:
 
 
 def is_curve(artist: Any) -> bool:
-    """Return whether an artist is a line of values, and no mark or line across the panel."""
+    """Return whether an artist is a curve, rather than marks or a line across the panel."""
     return (
         isinstance(artist, Line2D)
         and artist.get_linestyle() != "None"
@@ -215,7 +216,7 @@ def is_curve(artist: Any) -> bool:
 
 
 def _end(line: Any, axes: Axes) -> Any:
-    """Return the last point of a curve within its panel; None if it is none over x, or leaves the panel before."""
+    """Return the last point of a curve within its panel; None if x does not increase or the curve leaves the panel."""
     points = np.asarray(line.get_xydata(), float)
     points = points[np.isfinite(points).all(axis=1)]
     points = points[points[:, 0] <= axes.get_xlim()[1]]
@@ -224,7 +225,7 @@ def _end(line: Any, axes: Axes) -> Any:
 
 
 def saved(figure: Figure, suffix: str, made_by: str = "", **options: Any) -> bytes:
-    """Return a figure as a file of the format that the suffix names, a key of `METADATA`, and what made it."""
+    """Return the content of a figure's file, in the format of a suffix, a key of `METADATA`, with what made it."""
     content = BytesIO()
     metadata = METADATA[suffix] | {"Subject" if suffix == ".pdf" else "Description": made_by}
     with mpl.rc_context(STYLE):
@@ -233,25 +234,25 @@ def saved(figure: Figure, suffix: str, made_by: str = "", **options: Any) -> byt
 
 
 def needed(result: Result, key: str) -> Any:
-    """Return what a picture shows beside the result, its scenario or shots; only a result made by hand has none."""
+    """Return the scenario or shots of a result; refuse a result that was made by hand and has none."""
     if (value := result.question.get(key)) is None:
         raise mistake("plot", key, "must be given to draw this result")
     return value
 
 
 def legible(label: str) -> str:
-    """Return a label of the user's for a legend, in which it must not begin with an underscore."""
+    """Return a user's text as a label, with a space before an underscore, which would hide it from the legend."""
     return printable_lines(f" {label}" if label.startswith("_") else label)
 
 
 def look_of(index: int) -> dict[str, Any]:
-    """Return colour and marker of one of several series; when colours repeat, they have other markers."""
+    """Return the colour and marker of one of several series; repeated colours get other markers."""
     turn, colour = divmod(index, len(COLOURS))
     return {"color": COLOURS[colour], "marker": MARKERS[(colour + turn) % len(MARKERS)]}
 
 
 def points(axes: Axes, x: Any, y: Any, words: Sequence[str] = (), *, filled: bool = True, **look: Any) -> None:
-    """Draw separate points; those beyond fixed limits are left out, as a mark on an edge is not cut."""
+    """Draw separate points; leave out those beyond fixed limits, since marks are not clipped at the panel's edge."""
     x, y = np.array(x, float), np.array(y, float)
     for values, (low, high), free in (
         (x, sorted(axes.get_xlim()), axes.get_autoscalex_on()),
@@ -267,21 +268,25 @@ def points(axes: Axes, x: Any, y: Any, words: Sequence[str] = (), *, filled: boo
         axes.autoscale_view()
 
 
-def ranges(axes: Axes, x: Any, y: Any, ends: Sequence[Sequence[float]], colour: str, along: str = "x") -> None:
-    """Draw ranges along an axis through points; a range need not contain its point."""
+def ranges(axes: Axes, y: Any, ends: Sequence[Sequence[float]], colour: str) -> None:
+    """Draw ranges along x at given y."""
     low, high = np.sort(np.array(ends, float), axis=1).T
     # As lists: matplotlib 3.10 converts arrays of one element in a way that numpy deprecates.
-    given = {
-        "x": list(x),
-        "y": list(y),
-        along: (0.5 * (low + high)).tolist(),
-        f"{along}err": (0.5 * (high - low)).tolist(),
-    }
-    axes.errorbar(**given, fmt="none", ecolor=colour, capsize=3.0)
+    middles, halves = (0.5 * (low + high)).tolist(), (0.5 * (high - low)).tolist()
+    axes.errorbar(middles, list(y), xerr=halves, fmt="none", ecolor=colour, capsize=CAP)
+
+
+def velocities(axes: Axes, lines: Iterable[tuple[str, float | None, str, str]], *, named: bool = True) -> None:
+    """Draw lines at the velocities that are within the panel, given the name, velocity, colour and style of each."""
+    low, high = axes.get_xlim()
+    for name, velocity, colour, style in lines:
+        if velocity is not None and low <= velocity <= high:
+            label = f"{name} {velocity:.1f} m/s" if named else ""
+            axes.axvline(velocity, linestyle=style, linewidth=1.0, color=colour, label=label)
 
 
 def name_point(axes: Axes, x: float, y: float, name: str, *, above: bool = True) -> None:
-    """Write the name of a point above it to the right, or below it to the left, as far as there is room."""
+    """Write the name of a point above it to the right, or below it to the left, if there is room."""
     [(across, up)] = axes.transAxes.inverted().transform(axes.transData.transform([(x, y)])).tolist()
     right = across < 0.67 if above else across < 0.33
     above = above or up < 0.1
@@ -293,10 +298,10 @@ def name_point(axes: Axes, x: float, y: float, name: str, *, above: bool = True)
 def contours(
     axes: Axes, x: Any, y: Any, z: Any, levels: Any, at: float, label: str = "", fmt: Any = "%g", **look: Any
 ) -> None:
-    """Draw lines of equal value, at given values or about so many, named on a rising diagonal of the panel.
+    """Draw contours at given levels, or at about a given number of them, labelled along a rising diagonal of the panel.
 
-    ``at`` is how far above the middle one the diagonal lies, as a part of the panel: lines of several quantities, which
-    all fall, are named at different places.
+    ``at`` is how far that diagonal lies above the middle one, as a part of the panel, so that the labels of several
+    quantities do not coincide.
     """
     z = np.ma.masked_invalid(np.array(z, float))
     if np.ndim(levels) == 0:
@@ -315,14 +320,14 @@ def contours(
 
 
 def _on_diagonal(vertices: Any, axes: Axes, at: float) -> Any:
-    """Return the point of a line that is nearest to a rising diagonal, not at an edge unless the whole line is."""
+    """Return the point of a line that is nearest to a rising diagonal, away from the edges where possible."""
     parts = axes.transLimits.transform(vertices)
     distance = abs(parts[:, 1] - parts[:, 0] - at) + 10.0 * (np.minimum(parts, 1.0 - parts).min(axis=1) < 0.06)
     return tuple(vertices[distance.argmin()])
 
 
 def colours_of(axes: Axes, x: Any, y: Any, z: Any, heading: str) -> None:
-    """Draw a quantity over a grid as colours, in the light part of a scale, on which lines and names are legible."""
+    """Draw a quantity over a grid as colours that are light enough for lines and names to be legible."""
     colours = mpl.colors.ListedColormap(mpl.colormaps["Blues"](np.linspace(0.02, 0.5, 256)))
     axes.grid(visible=False)
     mesh = axes.pcolormesh(x, y, np.ma.masked_invalid(z), cmap=colours, shading="nearest", rasterized=True)
@@ -344,7 +349,7 @@ def rows_height(names: Iterable[str], *, titled: bool = False) -> float:
 def rows(
     axes: Axes, names: Sequence[str], values: Mapping[str, Sequence[float | None]], start: float | None = None
 ) -> None:
-    """Draw values of each name as marks in its row, from a start on with stems."""
+    """Draw the values of each name as marks in its row, with stems from a start if that is given."""
     name_rows(axes, names)
     if start is not None:
         axes.axvline(start, **RULE)
@@ -352,12 +357,12 @@ def rows(
         numbers, look = np.array(series, float), look_of(index)
         places = np.flatnonzero(np.isfinite(numbers))
         if start is not None:
-            ranges(axes, places, places, [(start, number) for number in numbers[places]], look["color"])
+            ranges(axes, places, [(start, number) for number in numbers[places]], look["color"])
         points(axes, numbers[places], places, label=legible(label), filled=not index, **look)
 
 
 def name_rows(axes: Axes, names: Sequence[str]) -> None:
-    """Name the rows of a panel, the first on top."""
+    """Name the rows of a panel, with the first on top."""
     axes.set_yticks(range(len(names)), ["\n".join(wrapped(printable_lines(name), 22)) for name in names])
     axes.set_ylim(len(names) - 0.5, -0.5)
     axes.grid(visible=False, axis="y")
@@ -366,7 +371,7 @@ def name_rows(axes: Axes, names: Sequence[str]) -> None:
 
 
 class Compared(NamedTuple):
-    """A known and a computed value, with their name, the word for the known one and its standard deviation, if any."""
+    """A known and a computed value, with a name, the word for the known one, and its standard deviation, if any."""
 
     name: str
     word: str
@@ -378,11 +383,11 @@ class Compared(NamedTuple):
 def agreement(
     axes: Axes, quantity: str, word: str, groups: Mapping[str, Sequence[Compared]], part: float = 0.0
 ) -> None:
-    """Draw computed over known values, with lines of agreement and, on request, a part away from it."""
+    """Draw computed over known values, with the line of agreement and, if a part is given, lines that part away."""
     column = column_of(quantity, ".5g")
-    every = [point for group in groups.values() for point in group]
-    low, high = widened(value for p in every for value in (p.known - p.deviation, p.known + p.deviation, p.computed))
-    # Few points that are near each other are shown with the lines beside them.
+    pairs = [pair for group in groups.values() for pair in group]
+    low, high = widened(value for p in pairs for value in (p.known - p.deviation, p.known + p.deviation, p.computed))
+    # The axes of values that are close together reach the lines on both sides.
     margin = part * high if high - low < part * high else 0.0
     span = low - margin, high + margin
     axes.set(xlabel=f"{word} {column.heading}", ylabel=f"computed {column.heading}", xlim=span, ylim=span)
@@ -395,16 +400,13 @@ def agreement(
             + f", computed {value_text(column, p.computed)}"
             for p in group
         ]
-        look = look_of(index) | {"label": legible(label), "markersize": 5.0 if len(every) <= MANY else 3.0}
+        look = look_of(index) | {"label": legible(label), "markersize": 5.0 if len(pairs) <= MANY else 3.0}
         if any(p.deviation for p in group):
             ends = [(p.known - p.deviation, p.known + p.deviation) for p in group]
-            ranges(axes, known, computed, ends, look["color"])
+            ranges(axes, computed, ends, look["color"])
         points(axes, known, computed, words, filled=False, **look)
-    lines = [
-        (1.0, "agreement", "-"),
-        *([(1.0 - part, f"± {percent(part)}", ":"), (1.0 + part, "", ":")] if part else []),
-    ]
-    for factor, label, style in lines:
+    lines = [(1.0, "agreement", "-"), (1.0 - part, f"± {percent(part)}", ":"), (1.0 + part, "", ":")]
+    for factor, label, style in lines if part else lines[:1]:
         axes.plot(span, [factor * end for end in span], linestyle=style, color=INK, linewidth=0.8, label=label)
 
 
@@ -414,14 +416,14 @@ def value_text(column: Any, value: float) -> str:
 
 
 def widened(values: Iterable[float], part: float = 0.05) -> tuple[float, float]:
-    """Return the range of values, wider by a part of it at each end."""
+    """Return the range of values, widened by a part of it at each end."""
     numbers = list(values)
     margin = part * (max(numbers) - min(numbers)) or 0.05 * abs(numbers[0]) or 1.0
     return min(numbers) - margin, max(numbers) + margin
 
 
 def on_grid(x: Any, y: Any, values: Any) -> tuple[Any, Any, Any]:
-    """Return the different x and y of points in order, and their values, z[j, i] at x[i] and y[j]; NaN without one."""
+    """Return the sorted distinct x and y of points, and the values z[j, i] at x[i] and y[j], NaN where missing."""
     xs, ys = np.unique(x), np.unique(y)
     z = np.full((len(ys), len(xs)), np.nan)
     z[np.searchsorted(ys, y), np.searchsorted(xs, x)] = values

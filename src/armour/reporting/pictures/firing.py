@@ -44,37 +44,33 @@ def draw(result: FiringResult, sheet: Sheet) -> Picture:
     x = np.linspace(low, high, 400).tolist()
     if fit is result.recommended:
         band = penalised_band(shots.of(complete=False), shots.of(complete=True), fit.curve, x, result.confidence)
-        axes.fill_between(x, *band, color=drawing.BLUE, alpha=0.3, linewidth=0)
+        axes.fill_between(x, *band, color=drawing.BLUE, **drawing.BAND)
     draw_shots(axes, shots)
     axes.plot(x, [fit.probability(v) for v in x], color=drawing.BLUE, label=f"{fit.curve}, {fit.method}")
     if low <= fit.v50_m_s <= high:
         if bounded:
             start, end = (edge if e is None else e for e, edge in zip(ends or (), (low, high), strict=True))
-            drawing.ranges(axes, [fit.v50_m_s], [0.5], [(start, end)], drawing.BLUE)
+            drawing.ranges(axes, [0.5], [(start, end)], drawing.BLUE)
         drawing.points(axes, [fit.v50_m_s], [0.5], [words], color=drawing.BLUE)
     if after is not None:
         name = f"posterior, V50 {after.v50_m_s:.1f} m/s"
-        drawing.ranges(axes, [after.v50_m_s], [POSTERIOR], [after.v50_interval_m_s], drawing.PURPLE)
+        drawing.ranges(axes, [POSTERIOR], [after.v50_interval_m_s], drawing.PURPLE)
         drawing.points(axes, [after.v50_m_s], [POSTERIOR], [name], marker="D", color=drawing.PURPLE, label=name)
-    mean = None if result.mean is None else result.mean.v50_m_s
-    standard = result.mean is not None and result.mean.rule != "no usual rule"
-    for name, at, colour, style in (
-        ("MIL-STD-662F" if standard else "mean of shots", mean, drawing.SOFT, "-"),
-        (f"{result.decision}: required", result.requirement_m_s, drawing.VERMILION, "--"),
-        ("limit by this model", model, drawing.INK, ":"),
-    ):
-        if at is not None and low <= at <= high:
-            axes.axvline(at, linestyle=style, linewidth=1.0, color=colour, label=f"{name} {at:.1f} m/s")
+    if result.mean is not None:
+        name = "mean of shots" if result.mean.rule == "no usual rule" else "MIL-STD-662F"
+        drawing.velocities(axes, [(name, result.mean.v50_m_s, drawing.SOFT, "-")])
+    required = (f"{result.decision}: required", result.requirement_m_s, drawing.VERMILION, "--")
+    drawing.velocities(axes, [required, ("limit by this model", model, drawing.INK, ":")])
     return picture
 
 
 def _velocities(result: FiringResult, fit: FittedCurve, shots: Shots) -> tuple[float, float]:
-    """Return the range of velocities that is drawn: that of the shots, and of V50 and limits that are near them."""
+    """Return the range of velocities to draw: that of the shots, and of V50 and limits near them."""
     slowest, fastest = min(shots.velocities_m_s), max(shots.velocities_m_s)
     reach, margin = fastest - slowest or 0.01 * fastest, 0.1 * (fastest - slowest)
-    near = (slowest, fastest, fit.v50_m_s, *fit.v50_interval_m_s, result.model_ballistic_limit_m_s)
-    wanted = [velocity for velocity in near if velocity is not None]
-    low, high = max(slowest - reach, min(wanted) - margin), min(fastest + reach, max(wanted) + margin)
+    limits = (fit.v50_m_s, *fit.v50_interval_m_s, result.model_ballistic_limit_m_s)
+    shown = [slowest, fastest, *(limit for limit in limits if limit is not None)]
+    low, high = max(slowest - reach, min(shown) - margin), min(fastest + reach, max(shown) + margin)
     if result.posterior is None:
         return low, high
     start, end = result.posterior.v50_interval_m_s

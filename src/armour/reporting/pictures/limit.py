@@ -13,16 +13,15 @@ CURVE_POINTS = 200
 
 
 def draw(result: LimitResult, sheet: Sheet) -> Picture:
-    """Draw both over the impact velocity, with that of the scenario; without a model error there is no probability."""
+    """Draw both over the impact velocity; without a model error, draw the residual velocity alone."""
     scenario, limit = drawing.needed(result, "scenario"), result.ballistic_limit_m_s
     threat, error, ends = scenario.impact.velocity_m_s, result.model_error, result.interval_m_s
     curve = residual_velocity_curve(scenario, curve_velocities(result, scenario))
-    impact = [each.impact_velocity_m_s for each in curve]
+    impact = [point.impact_velocity_m_s for point in curve]
     reach = drawing.widened([impact[0], impact[-1], threat, *(ends or ())])
-    title = f"Ballistic limit {limit:.0f} m/s"
     residual_alone = error is None or ends is None
-    if not residual_alone:
-        title += f", 95 % interval {interval(ends, '.0f')} m/s"
+    title = f"Ballistic limit {limit:.0f} m/s"
+    title += "" if residual_alone else f", 95 % interval {interval(ends, '.0f')} m/s"
     picture = sheet.panels(title, *[drawing.PANEL] * (1 if residual_alone else 2), sharex=True)
     if error is not None and ends is not None:
         likely, velocities = picture.axes[0], np.linspace(*reach, CURVE_POINTS)
@@ -36,8 +35,10 @@ def draw(result: LimitResult, sheet: Sheet) -> Picture:
         drawing.points(likely, [threat], [100.0 * at], marker="D", color=drawing.VERMILION, label=label)
     residual = picture.axes[-1]
     residual.plot(impact, impact, linestyle=":", linewidth=1.0, color=drawing.INK, label="no armour")
-    residual.plot(impact, [each.residual_velocity_m_s for each in curve], color=drawing.BLUE, label="projectile")
-    residual.plot(impact, [each.plug_velocity_m_s for each in curve], linestyle="--", color=drawing.GREEN, label="plug")
+    residual.plot(impact, [point.residual_velocity_m_s for point in curve], color=drawing.BLUE, label="projectile")
+    residual.plot(
+        impact, [point.plug_velocity_m_s for point in curve], linestyle="--", color=drawing.GREEN, label="plug"
+    )
     residual.axvline(limit, linestyle=":", label="ballistic limit" if residual_alone else "", **drawing.RULE)
     label = f"{threat:g} m/s" if residual_alone else ""
     residual.axvline(threat, linestyle="--", linewidth=1.0, color=drawing.VERMILION, label=label)

@@ -38,7 +38,7 @@ def draw(plan: ShotPlan, sheet: Sheet) -> Picture:
     elif fit := plan.recommended:
         last.plot(x, [fit.probability(v) for v in x], color=drawing.BLUE, label=f"{fit.curve}, {fit.method}")
     draw_shots(last, plan.fired)
-    _draw_velocities(last, plan, x, named=not dense)
+    _draw_velocities(last, plan, named=not dense)
     return picture
 
 
@@ -54,13 +54,13 @@ def _title(plan: ShotPlan) -> str:
 
 
 def _draw_densities(axes: Axes, plan: ShotPlan, x: list[float]) -> None:
-    """Draw what is known of V50 before and after the shots."""
+    """Draw the probability densities of V50 before and after the shots."""
     label = "prior, the model with its error" if plan.model_error else "prior"
     axes.plot(x, plan.curve.prior, linestyle="--", color=drawing.PURPLE, label=label)
     if plan.fired.complete:
         axes.plot(x, plan.curve.posterior, color=drawing.BLUE, label="posterior, with the shots")
-    _draw_velocities(axes, plan, x, named=True)
     axes.set(xlabel=in_words(VELOCITY), ylabel="probability density of V50, s/m", xlim=(x[0], x[-1]))
+    _draw_velocities(axes, plan, named=True)
     axes.set_ylim(bottom=0.0)
     axes.label_outer()
 
@@ -69,12 +69,10 @@ def _draw_operating(axes: Axes, plan: ShotPlan) -> None:
     """Draw the fractions of simulated firings that accept and reject armours around the requirement."""
     armours = plan.operating_characteristic
     v50 = [armour.v50_m_s for armour in armours]
-    for key, label, colour, style in (
-        ("met", "met", drawing.GREEN, "-"),
-        ("not_met", "not met", drawing.VERMILION, "--"),
-    ):
-        look: Any = {"marker": "o", "markerfacecolor": "none", "linestyle": style, "color": colour, "label": label}
-        axes.plot(v50, [getattr(armour, key) for armour in armours], **look)
+    look: Any = {"marker": "o", "markerfacecolor": "none"}
+    axes.plot(v50, [armour.met for armour in armours], color=drawing.GREEN, label="met", **look)
+    not_met = [armour.not_met for armour in armours]
+    axes.plot(v50, not_met, linestyle="--", color=drawing.VERMILION, label="not met", **look)
     if (accepted := plan.consumers_risk) is not None:
         label = f"either risk {percent(accepted)}"
         axes.axhline(accepted, linestyle=":", linewidth=1.0, color=drawing.SOFT, label=label)
@@ -89,17 +87,11 @@ def draw_shots(axes: Axes, shots: Shots) -> None:
     for kind, complete, colour, marker in KINDS:
         if velocities := shots.of(complete=complete):
             words = [f"{kind} at {velocity:g} m/s" for velocity in velocities]
-            drawing.points(
-                axes, velocities, [complete] * len(velocities), words, marker=marker, label=kind, color=colour
-            )
+            look: Any = {"marker": marker, "label": kind, "color": colour}
+            drawing.points(axes, velocities, [complete] * len(velocities), words, **look)
 
 
-def _draw_velocities(axes: Axes, plan: ShotPlan, x: list[float], *, named: bool) -> None:
-    """Draw lines at the next velocity and the required one, perhaps with their names."""
-    for name, at, colour, style in (
-        ("next shot", plan.next_velocity_m_s, drawing.INK, ":"),
-        ("requirement", plan.requirement_m_s, drawing.SOFT, "-."),
-    ):
-        if at is not None and x[0] <= at <= x[-1]:
-            label = f"{name} {at:.1f} m/s" if named else ""
-            axes.axvline(at, linestyle=style, linewidth=1.0, color=colour, label=label)
+def _draw_velocities(axes: Axes, plan: ShotPlan, *, named: bool) -> None:
+    """Draw lines at the next velocity and the required one."""
+    following = ("next shot", plan.next_velocity_m_s, drawing.INK, ":")
+    drawing.velocities(axes, [following, ("requirement", plan.requirement_m_s, drawing.SOFT, "-.")], named=named)

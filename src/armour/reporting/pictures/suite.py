@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from math import sqrt
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,12 +16,12 @@ from armour.validation.figures import Figure
 from armour.validation.suite import CASES
 from armour.validation.validate import SuiteResult
 
-# Cases that are not drawn.
+# Kinds of cases that are not drawn.
 LEFT_OUT = "outcomes, relative differences, and those of no table or without an answer"
 
 
 def draw(result: SuiteResult, sheet: Sheet) -> Picture:
-    """Draw computed over expected values of a suite's tables, or else of its cases, a panel for each quantity."""
+    """Draw computed over expected values of a suite's tables or, without tables, of its cases, by quantity."""
     if not (checks := drawn_checks(result)):
         raise mistake("plot", "result", "must have a case whose value is a number, found none")
     by_quantity = grouped(checks, lambda check: check.case.quantity)
@@ -32,13 +33,14 @@ def draw(result: SuiteResult, sheet: Sheet) -> Picture:
     note = f"{left_out} of {len(result.checks)} cases are not shown: {LEFT_OUT}." if left_out else ""
     heights = [sheet.across(drawing.COLUMN) - 0.3] * len(by_quantity)
     picture = sheet.panels(title, *heights, note=note, width=drawing.COLUMN)
-    for axes, (quantity, same) in zip(picture.axes, by_quantity.items(), strict=True):
+    for axes, (quantity, checks_of_quantity) in zip(picture.axes, by_quantity.items(), strict=True):
         groups = {
-            group or CASES: [Compared(c.case.name, "expected", c.case.expected, c.computed) for c in of_group]
-            for group, of_group in grouped(same, lambda check: check.case.group).items()
+            group or CASES: [Compared(c.case.name, "expected", c.case.expected, c.computed) for c in members]
+            for group, members in grouped(checks_of_quantity, lambda check: check.case.group).items()
         }
-        # A band that all have in common, as a part of the expected values; else a tenth.
-        bands = {round((c.case.band or 0.0) / abs(c.case.expected), 4) for c in same if abs(c.case.expected) > TINY}
+        # The relative band, if all cases have the same; otherwise a tenth.
+        cases = [check.case for check in checks_of_quantity if abs(check.case.expected) > TINY]
+        bands = {round((case.band or 0.0) / abs(case.expected), 4) for case in cases}
         [part] = bands if len(bands) == 1 else [0.0]
         drawing.agreement(axes, quantity, "expected", groups, part or 0.1)
     return picture
@@ -50,7 +52,7 @@ def draw_figure(panels: Sequence[Figure], sheet: Sheet) -> Picture:
     named: set[str] = set()
     for axes, figure in zip(picture.axes, panels, strict=True):
         _draw_panel(axes, figure)
-        # Of series that several panels have, the first alone is named.
+        # A series that several panels share is named in the first of them only.
         handles, labels = axes.get_legend_handles_labels()
         for handle, label in zip(handles, labels, strict=True):
             handle.set_label("" if label in named else label)
@@ -62,13 +64,8 @@ def _draw_panel(axes: Axes, figure: Figure) -> None:
     section = figure.section
     axes.set(xlabel=section.x_label, ylabel=section.y_label, xlim=(figure.x[0], figure.x[-1]))
     for index, (label, values) in enumerate(figure.curves.items()):
-        axes.plot(
-            figure.x,
-            np.array(values, float),
-            linestyle=drawing.STYLES[index],
-            color=drawing.COLOURS[index],
-            label=drawing.legible(label),
-        )
+        look: Any = {"linestyle": drawing.STYLES[index], "color": drawing.COLOURS[index]}
+        axes.plot(figure.x, np.array(values, float), label=drawing.legible(label), **look)
     for level in section.level:
         axes.axhline(level.value, linestyle=":", label=drawing.legible(level.label), **drawing.RULE)
     colours = dict(zip(figure.curves, drawing.COLOURS, strict=False))
@@ -76,7 +73,7 @@ def _draw_panel(axes: Axes, figure: Figure) -> None:
         xs, ys = zip(*mark.points, strict=True)
         colour = colours.get(mark.of, drawing.SOFT)
         if mark.x_ends:
-            drawing.ranges(axes, xs, ys, mark.x_ends, colour)
+            drawing.ranges(axes, ys, mark.x_ends, colour)
         drawing.points(axes, xs, ys, marker=marker, markersize=size, color=colour, label=drawing.legible(mark.label))
     shown = [value for values in figure.curves.values() for value in values if value is not None]
     if shown and min(shown) < 0.3 * max(shown):

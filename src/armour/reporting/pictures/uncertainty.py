@@ -12,7 +12,7 @@ SHOWN_PROBABILITY = 0.002
 
 
 def draw(result: UncertaintyResult, sheet: Sheet) -> Picture:
-    """Draw the probability of perforation over velocity, and the ballistic limits at quantiles of each input."""
+    """Draw the probability of perforation over velocity, and the ballistic limit at quantiles of each input."""
     curve, p, level = result.curve, result.probability_of_perforation, percent(result.confidence)
     at = drawing.needed(result, "scenario").impact.velocity_m_s
     names = [label_and_unit(index.input)[0] for index in result.inputs]
@@ -24,14 +24,15 @@ def draw(result: UncertaintyResult, sheet: Sheet) -> Picture:
     )
     axes = picture.axes[0]
     axes.set(ylabel="probability of perforation", ylim=(0.0, 1.0))
-    axes.fill_between(curve.velocity_m_s, curve.low, curve.high, color=drawing.BLUE, alpha=0.3, linewidth=0)
+    axes.fill_between(curve.velocity_m_s, curve.low, curve.high, color=drawing.BLUE, **drawing.BAND)
     axes.plot(curve.velocity_m_s, curve.probability, color=drawing.BLUE)
     limits = {"nominal ballistic limit": result.deterministic_m_s}
     limits |= {name: result.ballistic_limit_m_s[name].value for name in ("V05", "V50", "V95")}
     for (name, limit), style in zip(limits.items(), (":", "-.", "-", "--"), strict=True):
         colour = drawing.SOFT if name in result.ballistic_limit_m_s else drawing.INK
         axes.axvline(limit, linestyle=style, linewidth=1.0, color=colour, label=f"{name} {limit:.1f} m/s")
-    drawing.ranges(axes, [at], [p.value], [(p.low, p.high)], drawing.VERMILION, "y")
+    interval = [[p.value - p.low], [p.high - p.value]]
+    axes.errorbar([at], [p.value], interval, fmt="none", ecolor=drawing.VERMILION, capsize=drawing.CAP)
     label = f"{p.value:.3f} at {at:g} m/s"
     drawing.points(axes, [at], [p.value], [f"perforated {label}"], color=drawing.VERMILION, label=label)
     if names:
