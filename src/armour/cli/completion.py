@@ -30,7 +30,7 @@ def _files(ending: str, *shipped: Callable[[], Iterable[str]]) -> Callable[[str]
     """Return the completion of shipped names, and of files beside them; without any, shells offer files and folders."""
 
     def offered(incomplete: str) -> list[str]:
-        names = [name for known in shipped for name in known() if name.startswith(incomplete)]
+        names = [name for shipped_by_kind in shipped for name in shipped_by_kind() if name.startswith(incomplete)]
         return names and [*names, *sorted(filter(_PLAIN.fullmatch, glob(f"{escape(incomplete)}*{ending}")))]
 
     return offered
