@@ -63,17 +63,6 @@ def test_a_save_between_reading_and_writing_stays(cli, folder: Path, monkeypatch
     assert table.read_text() == f"{saved}750,C\n"
 
 
-def test_a_second_name_of_the_table_is_not_parted_from_it(cli, folder: Path):
-    (folder / "f.csv").write_text("velocity_m_s,result\n723,P\n770,C\n")
-    (folder / "second.csv").hardlink_to(folder / "f.csv")
-    message = "must have no second name (hard link), which would keep what it has now; use a symbolic link"
-    assert cli.fails(2, *PLAIN, "--result", "partial") == [f"f.csv: {message}"]
-    (folder / "second.csv").unlink()
-    (folder / "second.csv").symlink_to("f.csv")
-    assert cli(*PLAIN, "--result", "partial").exit_code == 0
-    assert len(rows(folder / "second.csv")) == 4
-
-
 def test_two_shots_at_once_are_both_there(folder: Path):
     command = [sys.executable, "-m", "armour", *PLAIN, "--result", "partial"]
     velocities = ("700", "710")

@@ -174,6 +174,7 @@ def test_an_encoding_without_the_units(tmp_path: Path, monkeypatch: pytest.Monke
 def test_only_a_use_that_compiles_says_so(cli, monkeypatch: pytest.MonkeyPatch, kept: bool):
     monkeypatch.setattr(cache, "is_compiled", lambda _name: kept)
     monkeypatch.setattr(cache, "_kernels", {})
+    monkeypatch.setattr(cache, "_logged", set())
     result = cli("sweep", "wilkins", "--over", "armour.ceramic_thickness_mm=6,7", "-o", "a.csv")
     said = [] if kept else ["compiling the numerical code, which takes about ten seconds"]
     assert result.stderr.splitlines() == [*said, "wrote a.csv: 2 rows"]

@@ -151,7 +151,7 @@ ROWS = batch.packed([armour("7.62 mm AP", "AD85", "6061-T6", 8.0, 6.0)] * 2)
 @pytest.fixture
 def unsaid(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nothing has been said of plain Python in this process."""
-    monkeypatch.setattr(cache, "_said", set())
+    monkeypatch.setattr(cache, "_logged", set())
 
 
 def limits() -> list[float]:

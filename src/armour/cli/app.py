@@ -43,10 +43,6 @@ class _Helpful:
 
     def format_help(self, ctx: Any, formatter: Any) -> None:
         """Print the help; a reader that has closed the pipe is no error, which rich ends with exit code 1."""
-        from typer import rich_utils
-
-        # Ranges stand in the descriptions: beside the types they are cut.
-        rich_utils.RANGE_STRING = ""
         with suppress(SystemExit):
             super().format_help(ctx, formatter)  # type: ignore[misc]
 
@@ -59,17 +55,17 @@ class _Helpful:
 
 
 class Command(_Helpful, TyperCommand):
-    """A command; the parameters of a `question` are made when they are asked for, as the imports take long."""
+    """A command; the parameters of a `question` are made on their first use, since their imports are slow."""
 
     def get_params(self, ctx: Any) -> list[Any]:
         """Return the parameters."""
         function: Any = vars(self.callback)["__wrapped__"]
         if hasattr(function, "parameters") and not self.params:
             function.__signature__ = inspect.Signature(function.parameters())
-            made: Any = get_command_from_info(
+            complete_command: Any = get_command_from_info(
                 CommandInfo(callback=function), pretty_exceptions_short=False, rich_markup_mode=None
             )
-            self.params, self.callback = made.params, made.callback
+            self.params, self.callback = complete_command.params, complete_command.callback
         return super().get_params(ctx)
 
 
@@ -143,8 +139,8 @@ app = typer.Typer(
 )
 
 
-def _version(asked: bool) -> None:
-    if asked:
+def _version(is_given: bool) -> None:
+    if is_given:
         emit(f"armour {__version__}, model {MODEL_VERSION}\n")
         raise typer.Exit
 

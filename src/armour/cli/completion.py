@@ -6,20 +6,13 @@ since every command imports this module.
 
 import os
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager, redirect_stdout
+from collections.abc import Callable, Iterable, Iterator
 from glob import escape, glob
-from io import StringIO
-from itertools import pairwise
 from typing import Any, Literal, get_args, get_origin
 
 from armour.analysis.quantities import QUANTITIES
-from armour.cli.console import emit
 from armour.files import shipped_files, shipped_notebooks, shipped_suites, shipped_tests
 
-# What bash splits words at, and what the shell takes for more than itself.
-_SPLIT = re.compile("[=:]+")
-_UNSAFE = re.compile(r"[^\w@%+=:,./-]")
 # Names of files that are offered: what typer prints for zsh is evaluated there, other shells insert words as they are.
 _PLAIN = re.compile(rf"(?:[\w@%+=:,./-]|{re.escape(os.sep)}| (?! ))+")
 
@@ -37,7 +30,7 @@ def _files(ending: str, *shipped: Callable[[], Iterable[str]]) -> Callable[[str]
     """Return the completion of shipped names, and of files beside them; without any, shells offer files and folders."""
 
     def offered(incomplete: str) -> list[str]:
-        names = [name for known in shipped for name in known() if name.startswith(incomplete)]
+        names = [name for shipped_by_kind in shipped for name in shipped_by_kind() if name.startswith(incomplete)]
         return names and [*names, *sorted(filter(_PLAIN.fullmatch, glob(f"{escape(incomplete)}*{ending}")))]
 
     return offered
@@ -121,41 +114,3 @@ def _choices(annotation: Any) -> list[str]:
     if get_origin(annotation) is Literal:
         return [word for word in get_args(annotation) if isinstance(word, str)]
     return [word for inner in get_args(annotation) for word in _choices(inner)]
-
-
-@contextmanager
-def for_bash() -> Iterator[None]:
-    """Let typer answer the script for bash, which splits words at "=" and ":" and takes what is offered as it stands.
-
-    A typed word is put together before, so that options are told from their values.  Of what is offered, bash is given
-    the part after the last split, quoted unless a quote is open.
-    """
-    typed = os.environ["COMP_WORDS"].split("\n")[: int(os.environ["COMP_CWORD"]) + 1]
-    words = _joined(typed)
-    os.environ.update(COMP_WORDS="\n".join(words), COMP_CWORD=str(len(words) - 1))
-    last = "" if _SPLIT.fullmatch(typed[-1]) else typed[-1]
-    before = words[-1].removesuffix(last)
-    before = before.partition("=")[2] if before.startswith("-") else before
-    answer = StringIO()
-    try:
-        with redirect_stdout(answer):
-            yield
-    finally:
-        offered = [word.removeprefix(before) for word in answer.getvalue().splitlines() if word]
-        if not last.startswith(("'", '"')):
-            offered = [_UNSAFE.sub(r"\\\g<0>", word) for word in offered]
-        if len(offered) == 1 and offered[0].endswith("="):
-            # A second word, as bash ends a single one with a space.
-            offered.append(f"{offered[0]}VALUE")
-        emit("".join(f"{word}\n" for word in offered))
-
-
-def _joined(typed: Sequence[str]) -> list[str]:
-    """Return words, of which those that bash has split are joined."""
-    words = [typed[0]]
-    for previous, word in pairwise(typed):
-        if word and (_SPLIT.fullmatch(word) or _SPLIT.fullmatch(previous)):
-            words[-1] += word
-        else:
-            words.append(word)
-    return words

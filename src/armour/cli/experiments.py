@@ -104,6 +104,12 @@ def calibrate(
     return Answer(result, contents=contents, file=str(tests))
 
 
+def limit_option(end: str) -> Any:
+    """Make the option of one end of the range in which V50 is expected."""
+    description = f"{end} limit of V50, m/s, for langlie and neyer, or without a scenario."
+    return option(description, metavar="NUMBER", parser=number)
+
+
 @question(LIMIT_READS, first="searching", named=LIMITS)
 def plan_shots(
     on_progress: "OnProgress",
@@ -116,18 +122,8 @@ def plan_shots(
             autocompletion=completion.tables,
         ),
     ] = None,
-    lower_m_s: Annotated[
-        str | None,
-        option(
-            "Lower limit of V50, m/s, for langlie and neyer, or without a scenario.", metavar="NUMBER", parser=number
-        ),
-    ] = None,
-    upper_m_s: Annotated[
-        str | None,
-        option(
-            "Upper limit of V50, m/s, for langlie and neyer, or without a scenario.", metavar="NUMBER", parser=number
-        ),
-    ] = None,
+    lower_m_s: Annotated[Any, limit_option("Lower")] = None,
+    upper_m_s: Annotated[Any, limit_option("Upper")] = None,
     earlier: Annotated[
         list[Path] | None,
         option(
@@ -261,9 +257,11 @@ def plan_tests(
     from armour.reporting.views.planned_tests import form_table
 
     source = _source(candidates)
-    made = None if tests is None else armour.read_tests(table_file(tests), scenario)
+    earlier_tests = None if tests is None else armour.read_tests(table_file(tests), scenario)
     designs = [read_scenario(path, None, FIT) for path in design or []]
-    result = armour.plan_tests(scenario, source, tests=made, designs=designs, on_progress=on_progress, **options)
+    result = armour.plan_tests(
+        scenario, source, tests=earlier_tests, designs=designs, on_progress=on_progress, **options
+    )
     return Answer(result, contents={csv: lambda: csv_text(form_table(result))})
 
 

@@ -46,19 +46,22 @@ def _list(kinds: Sequence[str], *, tested: bool, as_json: bool) -> None:
     from armour.scenario.library import shipped_library
     from armour.scenario.threats import named_threats
 
-    library, found = shipped_library(), None
+    library, tested_entries = shipped_library(), None
     data: dict[str, dict[str, Any]] = library.to_dict()
     threats = named_threats()
     if tested:
         from armour.validation.tested import tested_with
 
-        found = tested_with()
-        for (kind, name), words in found.items():
-            data[kind][name]["tested_with"] = list(words)
-        data = {kind: {name: data[kind][name] for of, name in found if of == kind} for kind in data}
-        threats = {name: threat for name, threat in threats.items() if ("projectile", threat.projectile) in found}
+        tested_entries = tested_with()
+        tested_data: dict[str, dict[str, Any]] = {kind: {} for kind in data}
+        for (kind, name), words in tested_entries.items():
+            tested_data[kind][name] = {**data[kind][name], "tested_with": list(words)}
+        data = tested_data
+        threats = {
+            name: threat for name, threat in threats.items() if ("projectile", threat.projectile) in tested_entries
+        }
     data["threat"] = {name: threat.model_dump() for name, threat in threats.items()}
-    tables: dict[str, Table | str] = {kind: library_table(library, kind, found) for kind in library.entries}
+    tables: dict[str, Table | str] = {kind: library_table(library, kind, tested_entries) for kind in library.entries}
     tables["threat"] = threat_table(threats)
     if len(kinds) > 1:
         tables["metal"] = f"{len(data['metal'])} metals: armour library metals"
@@ -111,19 +114,19 @@ def init(
         show(*shipped_tables())
         return
     suites = shipped_suites()
-    known = {**shipped_files("scenarios", ".toml"), **suites, **shipped_tests(), **shipped_notebooks()}
-    if source not in known:
+    shipped = {**shipped_files("scenarios", ".toml"), **suites, **shipped_tests(), **shipped_notebooks()}
+    if source not in shipped:
         message = (
-            f'must name a shipped scenario, suite, table or notebook, found "{source}"{choices(source, list(known))}'
+            f'must name a shipped scenario, suite, table or notebook, found "{source}"{choices(source, list(shipped))}'
         )
         raise mistake("init", "--from", message)
     if str(file) == "-":
         raise mistake("init", "FILE", "must be the name of a file to write, found -")
-    ending = known[source].suffix
+    ending = shipped[source].suffix
     check_outputs(file, force=force)
     refuse(wrong_ending(file, (ending,)) if {ending, file.suffix} & {".csv", ".ipynb"} else [])
     is_scenario = ending == ".toml" and source not in suites
-    write({file: SCHEMA_LINE * is_scenario + known[source].read_bytes()})
+    write({file: SCHEMA_LINE * is_scenario + shipped[source].read_bytes()})
     if ending == ".toml":
         command = "check {}" if is_scenario else "validate {}" + " --update" * (source == "regression")
         say(f"next: armour {command.format(file)}")

@@ -3,7 +3,6 @@
 import os
 import signal
 import sys
-from contextlib import nullcontext
 from io import TextIOWrapper
 from typing import Any
 
@@ -28,12 +27,12 @@ def _run() -> None:
             sys.stdout.reconfigure(errors="backslashreplace")
         # Pydantic looks for plugins among all installed packages, which takes a while.
         os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
+        # The matrices here are small: threads of the linear algebra only make every start slower.
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
         from armour.cli.app import app
-        from armour.cli.completion import for_bash
 
         signal.signal(signal.SIGINT, signal.default_int_handler)
-        with for_bash() if os.environ.get("_ARMOUR_COMPLETE") == "complete_bash" else nullcontext():
-            app(prog_name="armour")
+        app(prog_name="armour")
     except OSError as error:
         _give_up(error)
     finally:

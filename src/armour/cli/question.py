@@ -135,9 +135,6 @@ Force = Annotated[bool, option("Replace existing files.", "--force")]
 AsJson = Annotated[bool, option("Print one JSON object and nothing else.", "--json")]
 Verbose = Annotated[bool, option("Show every row and every warning.", "--verbose", "-v")]
 
-# Parameters of a question that are no options: a function to call, and the name of the scenario as it was given.
-NO_OPTIONS = ("on_progress", "source")
-
 
 class Answer(NamedTuple):
     """What a command shows and writes: a result, and what comes with it."""
@@ -170,7 +167,7 @@ def question(
     named: Mapping[str, str] = {},
     **keys: tuple[str, str],
 ) -> Callable[[Callable[..., Answer]], Callable[..., None]]:
-    """Make a command of a function (scenario, on_progress, options) -> Answer, perhaps with the source of the scenario.
+    """Make a command of a function (scenario, on_progress, options) -> Answer.
 
     The command reads the scenario with what ``--set`` changes of the sections that it ``reads`` for ``what`` it
     answers, with ``--prior`` those of ``prior_reads`` too, checks the outputs, computes, shows, writes the files and
@@ -215,7 +212,7 @@ def _parameters(function: Callable[..., Answer], keys: Mapping[str, tuple[str, s
     parameters = {
         name: each.replace(kind=each.KEYWORD_ONLY)
         for name, each in inspect.signature(function).parameters.items()
-        if name not in (*NO_OPTIONS, "options")
+        if name not in ("on_progress", "options")
     }
     parameters["scenario"] = parameters["scenario"].replace(annotation=ScenarioFile)
     parameters |= {name: number_option(name, description) for name, (_key, description) in keys.items()}
@@ -268,10 +265,9 @@ def _arguments(
 ) -> dict[str, Any]:
     """Return the arguments of the function; an option that is not given has the default of the public function."""
     names = inspect.signature(function).parameters
-    arguments = {
+    return {
         name: value for name, value in values.items() if name in names or (name not in parameters and value is not None)
     } | {"scenario": scenario, "on_progress": on_progress}
-    return arguments | ({"source": str(values["scenario"])} if "source" in names else {})
 
 
 def _respond(answer: Answer, scenario: "Scenario | None", values: Mapping[str, Any], *, of_threats: bool) -> None:

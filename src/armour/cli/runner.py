@@ -53,24 +53,17 @@ def check_outputs(
     problems += (problem for path in paths for problem in unwritable(path))
     sources = [0 if str(source) == "-" else source for source in inputs]  # the descriptor of standard input
     for path in filter(isfile, new):
+        from armour.reporting.junit import is_junit_of_armour  # imports a parser of XML
+
         if any(exists(source) and os.path.samefile(path, source) for source in sources):
             problems.append(Problem(str(path), "", "must not be the file that is read; choose another name"))
-        elif not (force or (path == junit and _is_junit_of_armour(path))):
+        elif not (force or (path == junit and is_junit_of_armour(path))):
             problems.append(Problem(str(path), "", "exists already; choose another name, or --force"))
-    if updated is not None and isfile(updated) and updated.stat().st_nlink > 1:
-        message = "must have no second name (hard link), which would keep what it has now; use a symbolic link"
-        problems.append(Problem(str(updated), "", message))
     if not problems:
         resolved = [path.resolve() for path in paths]
         twice = dict.fromkeys(str(path) for path in resolved if resolved.count(path) > 1)
         problems += (Problem(path, "", "must not be written twice; choose another name") for path in twice)
     refuse(problems)
-
-
-def _is_junit_of_armour(path: Path) -> bool:
-    from armour.reporting.junit import is_junit_of_armour  # imports a parser of XML
-
-    return is_junit_of_armour(path)
 
 
 def read_scenario(
@@ -102,8 +95,8 @@ def read_scenario(
     if str(path) == "-":
         file, folder, text = STANDARD_INPUT, Path(), decoded(sys.stdin.buffer, STANDARD_INPUT)
     else:
-        found = scenario_file(path)
-        file, folder, text = str(path), found.parent, read_text(found)
+        real_path = scenario_file(path)
+        file, folder, text = str(path), real_path.parent, read_text(real_path)
     data = parse_toml(text, file)
     try:
         loaded = parse_changed(data, changes, file=file, folder=folder)
@@ -215,13 +208,9 @@ def _without_folders(word: str) -> str:
 def write(contents: Mapping[Path, str | bytes]) -> None:
     """Write outputs, and report each on standard error."""
     for path, content in contents.items():
-        write_file(path, _encoded(content))
+        # A name of a file may have bytes that are not Unicode; they are escaped.
+        write_file(path, content.encode(errors="backslashreplace") if isinstance(content, str) else content)
         say(f"wrote {path}")
-
-
-def _encoded(content: str | bytes) -> bytes:
-    """Encode a text; what is no Unicode, such as bytes of the name of a file, is escaped."""
-    return content.encode(errors="backslashreplace") if isinstance(content, str) else content
 
 
 def warnings_of(

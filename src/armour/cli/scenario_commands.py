@@ -2,7 +2,7 @@
 
 import shlex
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from os.path import exists
 from pathlib import Path
 from time import perf_counter
@@ -32,6 +32,7 @@ from armour.cli.question import (
 from armour.cli.runner import (
     CHECK_FAILED,
     NO_ANSWER,
+    STANDARD_INPUT,
     accepted,
     as_options,
     check_outputs,
@@ -58,7 +59,7 @@ if TYPE_CHECKING:
     from armour.reporting.scenario_report import Contents
     from armour.scenario.scenario import Scenario
     from armour.sweeps.cases import Grid
-    from armour.sweeps.sweep import Effort, Workers
+    from armour.sweeps.sweep import Effort
 
 # What a check and a report require: the key, and the help of the option.
 CONFIDENCE = ("design.confidence", "Required probability of stopping each threat, such as 0.95.")
@@ -89,12 +90,12 @@ def simulate(
 
     result = armour.simulate(scenario, history=history is not None or plot is not None)
     on_progress(1, None)
-    sure = armour.confidence(scenario, on_progress=on_progress)
-    limit = sure.ballistic_limit_m_s
+    confidence = armour.confidence(scenario, on_progress=on_progress)
+    limit = confidence.ballistic_limit_m_s
     of_limit = () if limit is None else scenario_warnings(scenario, limit, "ballistic_limit")
-    warnings = tuple(dict.fromkeys((*result.warnings, *of_limit, *sure.warnings)))
-    more = {"warnings": list(warnings), "confidence": sure.to_dict()}
-    return Answer(result.of(confidence=sure), warnings, more, {history: lambda: view.csv(result)})
+    warnings = tuple(dict.fromkeys((*result.warnings, *of_limit, *confidence.warnings)))
+    more = {"warnings": list(warnings), "confidence": confidence.to_dict()}
+    return Answer(result.of(confidence=confidence), warnings, more, {history: lambda: view.csv(result)})
 
 
 @question(LIMIT_READS, what="the ballistic limit", first="searching")
@@ -208,7 +209,6 @@ def _read_each(paths: Sequence[Path], changes: Sequence[str] | None, confidence:
 def optimise(
     scenario: "Scenario",
     on_progress: "OnProgress",
-    source: str,
     csv: Annotated[
         Path | None,
         option(
@@ -234,27 +234,28 @@ def optimise(
     if page is not None:
         refuse(wrong_ending(page, (".html",)))
     result = armour.optimise(scenario, on_progress=on_progress, **options)
-    drawn = ""
+    source = "-" if scenario.file == STANDARD_INPUT else scenario.file
+    map_page = ""
     if page is not None:
         from armour.reporting.design_page import design_page
 
         command, needed = ["armour", "simulate", source], accepted(changes or (), IMPACT_READS)
-        drawn = design_page(scenario, command, needed, on_progress, [str(line) for line in view.verdict(result)])
-    named = None if source == "-" else result.shown
-    then = "" if named is None else _check_of(scenario, named, source, changes or ())
-    contents = {csv: lambda: view.csv(result), page: lambda: drawn}
+        map_page = design_page(scenario, command, needed, on_progress, [str(line) for line in view.verdict(result)])
+    design = None if source == "-" else result.shown
+    then = "" if design is None else _check_of(scenario, design, source, changes or ())
+    contents = {csv: lambda: view.csv(result), page: lambda: map_page}
     return Answer(result, contents=contents, then=then, exit_code=NO_ANSWER if result.reason else 0)
 
 
 def _check_of(scenario: "Scenario", best: "BestDesign", source: str, changes: Sequence[str]) -> str:
     """Return the command that checks the best design of a scenario."""
     values = best.changes_to(scenario)
-    said = {*values, CONFIDENCE[0]}
-    kept = [change for change in accepted(changes, CHECK_READS) if change.partition("=")[0].strip() not in said]
+    replaced = {*values, CONFIDENCE[0]}
+    kept = [change for change in accepted(changes, CHECK_READS) if change.partition("=")[0].strip() not in replaced]
     kept += [f"{key}={str(value).removesuffix('.0')}" for key, value in values.items()]
     required = scenario.design and scenario.design.confidence
-    asked = ["--confidence", f"{required:g}"] if required else []
-    return shlex.join(["armour", "check", source, *asked, *set_options(kept)])
+    confidence = ["--confidence", f"{required:g}"] if required else []
+    return shlex.join(["armour", "check", source, *confidence, *set_options(kept)])
 
 
 @question(("impact", "armour", "ballistic_limit"), first="computing")
@@ -350,7 +351,11 @@ def sweep(
     with as_options("sweep"), ExitStack() as stack:
         source = Cases(cases) if cases is not None else grid_of("--over", over or [])
         count = stack.enter_context(progress("rows", source.count))
-        workers = stack.enter_context(_workers(scheduler)) if scheduler else None
+        workers = None
+        if scheduler:
+            from armour.sweeps.cluster import connected, workers_of  # imports Dask
+
+            workers = stack.enter_context(workers_of(stack.enter_context(connected(scheduler))))
         rows = write_sweep(
             loaded,
             source,
@@ -398,15 +403,6 @@ def _check_drawn(keys: int, quantity: str) -> None:
         raise wrong_option("--plot", "must be given with a number first in --quantities, found outcome")
 
 
-@contextmanager
-def _workers(scheduler: str) -> Iterator["Workers"]:
-    """Give the workers of the cluster at an address."""
-    from armour.sweeps.cluster import connected, workers_of
-
-    with connected(scheduler) as client, workers_of(client) as workers:
-        yield workers
-
-
 def _notes(names: list[str], *, drawn: bool) -> Iterator[str]:
     """Yield what the quantities of a sweep mean, and which is drawn."""
     required = [name for name in names if QUANTITIES[name].on_grid]
@@ -428,7 +424,7 @@ def grid_of(option: str, texts: Sequence[str]) -> "Grid":
 
 
 def _approve(effort: "Effort", yes: bool) -> None:
-    """Announce a sweep that is not over at once; refuse a large one without ``--yes``."""
+    """Announce a sweep that takes a while; refuse a large one without ``--yes``."""
     if effort.is_large and not yes:
         raise mistake("sweep", "", f"{effort.words}; --yes to go on")
     if effort.seconds > ANNOUNCED_S:
@@ -469,23 +465,25 @@ def report(
 
     check_outputs(output, inputs=[source], force=force)
     refuse(wrong_ending(output, REPORT_ENDINGS))
-    asked = [] if confidence is None else ["--confidence", str(confidence)]
+    confidence_option = [] if confidence is None else ["--confidence", str(confidence)]
     changes = changes or []
     command = command_line()
-    needed = set_options(accepted(changes, DESIGNS))
-    map_command = shlex.join(["armour", "optimise", str(source), *asked, *needed, "--map", "map.html"])
+    accepted_options = set_options(accepted(changes, DESIGNS))
+    map_command = shlex.join(
+        ["armour", "optimise", str(source), *confidence_option, *accepted_options, "--map", "map.html"]
+    )
     if str(source) != "-":
         source = scenario_file(source, shipped_suites())
     is_suite = str(source) != "-" and {"case", "table"} & read_toml(source).keys()
-    for name, given in (("--as-is", as_is), ("--confidence", asked)):
-        if is_suite and given:
+    for name, is_given in (("--as-is", as_is), ("--confidence", confidence_option)):
+        if is_suite and is_given:
             raise wrong_option(name, "must be given with a scenario, found a suite")
     if is_suite:
-        made = _suite_report(source, changes, command)
+        content = _suite_report(source, changes, command)
     else:
         contents = _contents(source, changes, confidence, as_is=as_is)
-        made = scenario_report(contents, command, map_command)
-    write({output: report_text(made, output)})
+        content = scenario_report(contents, command, map_command)
+    write({output: report_text(content, output)})
 
 
 def _contents(source: Path, changes: list[str], confidence: Any, *, as_is: bool) -> "Contents":

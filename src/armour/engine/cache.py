@@ -31,7 +31,7 @@ OTHERS_KEPT = 4
 log = logging.getLogger(__name__)
 _lock = Lock()
 _kernels: dict[str, Kernel] = {}
-_said: set[str] = set()
+_logged: set[str] = set()
 
 
 def digest(package: Path = PACKAGE) -> str:
@@ -106,11 +106,17 @@ def kernel(name: str) -> Kernel:
                 first_line, *_ = f"{error}\n".splitlines()
                 reason = f"numba does not work: {first_line}"
                 _kernels[name] = getattr(loops, name)
-        if reason and reason not in _said:
-            log.warning("computing in plain Python, about a hundred times slower: %s", reason)
-            _said.add(reason)
+        if reason:
+            log_once(logging.WARNING, f"computing in plain Python, about a hundred times slower: {reason}")
         loop: Kernel = getattr(loops, name) if reason else _kernels[name]
         return loop
+
+
+def log_once(level: int, message: str) -> None:
+    """Log a message, if this process has not logged it yet."""
+    if message not in _logged:
+        log.log(level, message)
+        _logged.add(message)
 
 
 def load(name: str) -> Kernel:
@@ -120,7 +126,7 @@ def load(name: str) -> Kernel:
     path, hindrance = folder()
     if not is_compiled(name):
         kept = f" at every start: compiled code cannot be kept {hindrance}; XDG_CACHE_HOME names another folder"
-        log.info(COMPILING + kept * bool(hindrance))
+        log_once(logging.INFO, COMPILING + kept * bool(hindrance))
     if path is None:
         return compiled(name)
     try:

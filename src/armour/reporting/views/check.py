@@ -13,7 +13,7 @@ from armour.reporting.views.confidence import STOPPING, chance, error_note, flow
 
 PROBABILITY = Column("probability", prose=True)
 INTERVAL = Column("95 % interval", "m/s", prose=True)
-LIMIT = column_of("ballistic_limit_m_s", ".0f", "limit by the model")
+LIMIT = column_of("ballistic_limit_m_s", ".0f", "limit by model")
 WITH_ERROR = Column("with the model error", "m/s", prose=True)
 MARGIN = column_of("margin_m_s", "+.0f")
 # Words of the verdicts, of which one that is overlooked does harm.
