@@ -1,4 +1,4 @@
-"""A report: what its HTML and Markdown versions show, and its Markdown."""
+"""A report: what its HTML and Markdown versions show."""
 
 import re
 import sys
@@ -9,9 +9,8 @@ from typing import Any, NamedTuple
 from armour import MODEL_VERSION, __version__
 from armour.analysis.results import installed
 from armour.errors import in_two_lines
-from armour.files import printable, read_toml, shipped
+from armour.files import read_toml, shipped
 from armour.reporting.table import Column, Table
-from armour.reporting.text import printable_lines
 from armour.scenario.scenario import Scenario
 
 # Packages whose versions the results can depend on.
@@ -84,59 +83,3 @@ def reference_notes(texts: Iterable[str]) -> tuple[tuple[str, str], ...]:
 def _cited(source: dict[str, str]) -> str:
     parts = [source[part] for part in ("authors", "title", "where", "year") if part in source]
     return ", ".join(parts) + (f", doi {source['doi']}" if "doi" in source else "")
-
-
-def markdown_table(table: Table) -> str:
-    """Format a table as Markdown, without its title."""
-    lines = [
-        [markdown_text(heading) for heading in table.headings()],
-        ["---:" if column.numeric else "---" for column in table.columns],
-        *([markdown_text(text) for text in texts] for texts in table.texts()),
-    ]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
-
-
-def markdown_text(text: str) -> str:
-    """Escape the markup and the control characters of a text, and join its lines."""
-    text = re.sub(r"[\\|*_<>`\[~$&]", r"\\\g<0>", printable(" ".join(text.split())))
-    # What begins a heading, a list or a rule at the start of a line.
-    return re.sub(r"^(#{0,5}|\d{0,9})([#+\-.)])(?=[ -]|$)", r"\1\\\2", text)
-
-
-def markdown_report(report: Report) -> str:
-    """Format a report as Markdown, without its pictures."""
-    parts = [f"# {markdown_text(report.title)}"]
-    if report.byline:
-        parts.append(", ".join(markdown_text(f"{name}: {text}") for name, text in report.byline))
-    if report.cards:
-        cards = ([markdown_text(text) for text in card] for card in report.cards)
-        parts.append(
-            "\n".join(
-                f"* {subject}: **{words}**" + (f"; {detail}" if detail else "") for subject, words, detail in cards
-            )
-        )
-    parts += (markdown_text(words) for words in (report.lead, report.text) if words)
-    parts += (f"Warning: {markdown_text(warning)}" for warning in report.warnings)
-    for section in report.sections:
-        parts += _section(section)
-    return "\n\n".join(parts) + "\n"
-
-
-def _section(section: ReportSection) -> list[str]:
-    parts = [f"## {markdown_text(section.heading)}", *(markdown_text(words) for words in section.paragraphs)]
-    if section.code:
-        parts.append(_fenced(section.code, section.language))
-    for table in section.tables:
-        if len(section.tables) > 1 and table.title:
-            parts.append(f"### {markdown_text(table.title)}")
-        parts.append(markdown_table(table))
-    if section.notes:
-        parts.append("\n".join(f"* {markdown_text(name)}: {markdown_text(note)}." for name, note in section.notes))
-    return parts if len(parts) > 1 else []
-
-
-def _fenced(text: str, language: str) -> str:
-    """Return text within a fence longer than any in it."""
-    text = printable_lines(text)
-    fence = "`" * max(3, 1 + max((len(run) for run in re.findall("`+", text)), default=0))
-    return f"{fence}{language}\n{text.rstrip()}\n{fence}"

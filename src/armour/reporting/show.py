@@ -155,7 +155,7 @@ def report(
 def report_text(made: "Report", path: Path) -> str:
     """Return a report in the format of a file, HTML or Markdown."""
     if path.suffix.lower() == ".md":
-        from armour.reporting.report import markdown_report
+        from armour.reporting.markdown import markdown_report
 
         return markdown_report(made)
     from armour.reporting.html import html_report
