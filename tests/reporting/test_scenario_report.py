@@ -15,8 +15,8 @@ from armour.evidence.model_error import NO_TEST
 from armour.reporting.markdown import markdown_report
 from armour.reporting.report import Report, ReportSection
 from armour.reporting.scenario_report import Contents, contents_of, scenario_report
-from armour.reporting.views.confidence import SAMPLED_ALONE, chance, from_tests
 from armour.reporting.views.design import AREAL_DENSITY, COST, frontier_table
+from armour.reporting.words import SAMPLED_ALONE, chance, from_tests
 from armour.scenario.scenario import load_scenario
 from armour.statistics.uncertainty import uncertainty
 from tests.helpers.cases import RANGE, SCENARIOS, scenario

@@ -7,12 +7,18 @@ from markupsafe import Markup
 from armour.files import printable
 from armour.reporting.html import rendered
 from armour.reporting.report import Report
+from armour.reporting.table import Table
 from armour.reporting.text import printable_lines
 
 
 def markdown_report(report: Report) -> str:
     """Format a report as Markdown."""
     return rendered("report.md", markdown_text, report=report, fenced=_fenced).rstrip() + "\n"
+
+
+def markdown_table(table: Table) -> str:
+    """Format a table, without its title."""
+    return rendered("table.md", markdown_text, table=table).rstrip()
 
 
 def markdown_text(text: str) -> str:

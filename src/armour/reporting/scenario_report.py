@@ -29,7 +29,9 @@ from armour.reporting.views import design as design_view
 from armour.reporting.views import impact as impact_view
 from armour.reporting.views import sensitivity as sensitivity_view
 from armour.reporting.views import uncertainty as uncertainty_view
-from armour.reporting.views.confidence import (
+from armour.reporting.views.design import AREAL_DENSITY, COST
+from armour.reporting.views.library import entry_table
+from armour.reporting.words import (
     SAMPLED_ALONE,
     STOPPING,
     chance,
@@ -37,8 +39,6 @@ from armour.reporting.views.confidence import (
     flow_stress_notes,
     from_tests,
 )
-from armour.reporting.views.design import AREAL_DENSITY, COST
-from armour.reporting.views.library import entry_table
 from armour.scenario.inputs import INPUTS, NAMES, ROLES
 from armour.scenario.scenario import Scenario, title_beside
 from armour.scenario.schema import DesignSection

@@ -23,9 +23,9 @@ from armour.reporting.pictures import drawing
 from armour.reporting.pictures.drawing import Picture, Sheet
 from armour.reporting.table import in_words
 from armour.reporting.text import percent, wrapped
-from armour.reporting.views.confidence import chance
 from armour.reporting.views.design import COST, CRITERIA, least_sure, pair_words, required_margins, title
 from armour.reporting.views.suite import grouped
+from armour.reporting.words import chance
 
 # Pairs of materials that are shown, by a point and by a line; nodes of the grid along an axis, and designs on offer up
 # to which each is a dot.

@@ -9,7 +9,7 @@ from armour.errors import listed
 from armour.reporting.junit import TestCase, junit_suite
 from armour.reporting.table import Column, Table, column_of, listing
 from armour.reporting.text import Verdict, interval, percent, with_interval
-from armour.reporting.views.confidence import STOPPING, chance, error_note, flow_stress_notes, why_unknown
+from armour.reporting.words import STOPPING, chance, error_note, flow_stress_notes, why_unknown
 
 PROBABILITY = Column("probability", prose=True)
 INTERVAL = Column("95 % interval", "m/s", prose=True)

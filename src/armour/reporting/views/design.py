@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from armour.design.optimise import OBJECTIVES, BestDesign, Design, DesignResult, Pair
 from armour.reporting.table import Column, Source, Table, column_of, csv_text, listing, record
 from armour.reporting.text import Verdict, interval, number, percent
-from armour.reporting.views.confidence import STOPPING, chance, error_note, flow_stress_notes, risk, with_error
+from armour.reporting.words import STOPPING, chance, error_note, flow_stress_notes, risk, with_error
 from armour.scenario.scenario import Scenario
 
 if TYPE_CHECKING:

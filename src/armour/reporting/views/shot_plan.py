@@ -5,7 +5,7 @@ from itertools import zip_longest
 from armour.planning.firing import ShotPlan
 from armour.reporting.table import Column, Table, column_of, listing, record
 from armour.reporting.text import interval, percent, with_interval
-from armour.reporting.views.confidence import chance, error_note
+from armour.reporting.words import chance, error_note
 from armour.statistics.posterior import FiringEstimate
 
 SCATTER_ASSUMED = "the prior for the scatter is assumed; the model does not predict scatter"
