@@ -2,20 +2,18 @@
 
 from math import ceil, floor
 
-from armour.analysis.ballistic_limit import no_error
+from armour.analysis.ballistic_limit import ConfidenceResult, no_error
 from armour.analysis.flow_stress import NeededFlowStress
 from armour.analysis.results import Result
+from armour.design.check import CheckedThreat
 from armour.evidence.model_error import ModelError
 from armour.reporting.table import Column, Source, column_of
 from armour.reporting.text import interval, number, percent
 from armour.scenario.scenario import Scenario
 
+BALLISTIC_LIMIT = column_of("ballistic_limit_m_s")
 STOPPING = Column("probability of stopping the projectile", prose=True)
-
-
 EXCLUDED = "model error: excluded by uncertainty.model"
-
-
 # What distributions tell where the model error is not known.
 SAMPLED_ALONE = "a probability from the given distributions alone takes the model as exact"
 
@@ -50,14 +48,19 @@ def error_note(result: Result, error: ModelError | None, answer: Scenario | None
         if scenario is None:
             return "model error: unknown for such an armour, or not included"
         return EXCLUDED if scenario.excludes_error() else f"model error: unknown, {no_error(scenario)}"
+    return model_error_words(error)
+
+
+def model_error_words(error: ModelError) -> str:
+    """Return what the model error is, what it is estimated from, and what it is extrapolated from."""
     return "; ".join([from_tests(error), *extrapolation(error)])
 
 
 def from_tests(error: ModelError) -> str:
     """Return what the model error is, and what it is estimated from."""
     if error.ratio.logarithmic:
-        low, middle, high = (error.quantiles_percent[p] for p in ("0.025", "0.5", "0.975"))
-        words = f"model error: {number(middle, '+.0f')} % ({interval((low, high), '+.0f')} %), from {error.source}"
+        low, median, high = (error.quantiles_percent[level] for level in ("0.025", "0.5", "0.975"))
+        words = f"model error: {number(median, '+.0f')} % ({interval((low, high), '+.0f')} %), from {error.source}"
         return words if not error.at_least else f"{words}; at least that, as {error.at_least}"
     mean = f"{error.mean_percent:+.1f} % " if error.mean_percent else ""
     return f"model error: {mean}± {error.scale_percent:.1f} %, from {error.source}"
@@ -73,32 +76,30 @@ def flow_stress_notes(needed: NeededFlowStress | None, against: str = "the threa
     if needed is None:
         return []
     least, likely, sources = needed.needed_GPa, needed.needed_for_probability_GPa, needed.sources_GPa
-    given = ("", "; one source gives {:g}", "; sources give {:g} to {:g}")[len(sources)].format(*sources)
+    source_words = ("", "; one source gives {:g}", "; sources give {:g} to {:g}")[len(sources)].format(*sources)
     if least is None:
-        return [f"does not stop {against} with any flow stress of {needed.ceramic} up to 100 GPa{given}"]
-    chance, error = percent(needed.probability), "with the error seen on AD85"
-    surely = f"{_rounded_up(likely)} GPa for {chance}" if likely else f"more than 100 GPa for {chance}"
+        return [f"does not stop {against} with any flow stress of {needed.ceramic} up to 100 GPa{source_words}"]
+    for_probability = f"{_rounded_up(likely)} GPa" if likely else "more than 100 GPa"
     words = f"stops {against} if the flow stress of {needed.ceramic} is {_rounded_up(least)} GPa or more"
-    found = [f"{words} ({surely}, {error}){given}"]
-    if sources:
-        over = "these sources" if len(sources) > 1 else "this source"
-        found.append(f"ballistic limit over {over}: {' to '.join(f'{limit:.0f}' for limit in needed.limits_m_s)} m/s")
-    return found
+    words += f" ({for_probability} for {percent(needed.probability)}, with the error seen on AD85){source_words}"
+    if not sources:
+        return [words]
+    over = "these sources" if len(sources) > 1 else "this source"
+    return [words, f"ballistic limit over {over}: {' to '.join(f'{limit:.0f}' for limit in needed.limits_m_s)} m/s"]
 
 
 def _rounded_up(number: float) -> str:
     return f"{ceil(10.0 * number - 1e-9) / 10.0:g}"
 
 
-def why_unknown(reason: str, probability_at_normal_incidence: float | None) -> str:
-    """Return why a probability is not known, and that at 0 degrees where this is."""
-    found = f"{STOPPING.label}: unknown, {reason}"
-    if probability_at_normal_incidence is None:
-        return found
-    return f"{found}; at 0°: {chance(probability_at_normal_incidence)}, and bare plates stop cores at least as well"
-
-
-BALLISTIC_LIMIT = column_of("ballistic_limit_m_s")
+def basis_notes(answer: ConfidenceResult | CheckedThreat) -> list[str]:
+    """Return what the probability rests on, or why it is unknown and what the flow stress must be."""
+    if answer.model_error is not None and answer.probability_of_stopping is not None:
+        return [model_error_words(answer.model_error)]
+    unknown = f"{STOPPING.label}: unknown, {answer.reason}"
+    if (at_normal := answer.probability_at_normal_incidence) is not None:
+        unknown += f"; at 0°: {chance(at_normal)}, and bare plates stop cores at least as well"
+    return [unknown, *flow_stress_notes(answer.flow_stress)]
 
 
 def with_error(median_m_s: float | None, interval_m_s: tuple[float, float] | None) -> Source:
