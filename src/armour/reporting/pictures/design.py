@@ -23,7 +23,7 @@ from armour.reporting.pictures import drawing
 from armour.reporting.pictures.drawing import Picture, Sheet
 from armour.reporting.table import in_words
 from armour.reporting.text import percent, wrapped
-from armour.reporting.views.design import COST, CRITERIA, least_sure, pair_words, required_margins, title
+from armour.reporting.views.design import COST, CRITERIA, least_probability, pair_words, required_margins, title
 from armour.reporting.views.suite import grouped
 from armour.reporting.words import chance
 
@@ -289,7 +289,7 @@ class _Map:
 
     def _marked(self) -> Iterator[tuple[Design, dict[str, Any]]]:
         """Give the lightest designs: as asked for, as likely perforated as not, and between the values of the grid."""
-        best, sure = self.result.shown, least_sure(self.result)
+        best, sure = self.result.shown, least_probability(self.result)
         large = {"markersize": 9.0}
         if any(self.confidences) and not np.isnan(self.grid.stopped_m_s).all():
             even = lightest(self.catalogue, self.grid, 0.5)
