@@ -40,7 +40,7 @@ class ReportSection:
     tables: tuple[Table, ...] = ()
     notes: tuple[tuple[str, str], ...] = ()
     folded: bool = False
-    drawn: bool = False  # whether the pictures show what is in the tables, which HTML then leaves out
+    drawn: bool = False  # whether the pictures show the contents of the tables, which HTML then leaves out
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class Report:
     cards: tuple[Card, ...] = ()
     warnings: tuple[str, ...] = ()
     cross_section: Scenario | None = None  # of the armour that is drawn to scale
-    passed: bool | None = None  # None where nothing was asked for
+    passed: bool | None = None  # None without requirements
     byline: tuple[tuple[str, str], ...] = ()  # such as the author: what it is, and its text
     text: str = ""  # after the verdict
 
@@ -64,7 +64,7 @@ class Report:
 
 
 def origin_section(command: str, words: str = "", scenario: Scenario | None = None) -> ReportSection:
-    """Return the section on the command that makes a report, the scenario and the programs it depends on."""
+    """Return the section with the command that makes a report, the scenario, and the versions it depends on."""
     versions = [("armour", __version__), ("model", MODEL_VERSION), ("Python", sys.version.split()[0])]
     versions += installed(PACKAGES)
     table = Table((Column("program"), Column("version")), tuple(versions))
@@ -74,12 +74,12 @@ def origin_section(command: str, words: str = "", scenario: Scenario | None = No
 
 
 def reference_notes(texts: Iterable[str]) -> tuple[tuple[str, str], ...]:
-    """Return the sources of the bibliography that texts cite by their keys in brackets, in this order."""
-    known = read_toml(shipped("configs") / "references.toml")
-    keys = dict.fromkeys(key for text in texts for key in re.findall(r"\[(\w+)\]", text) if key in known)
-    return tuple((key, _cited(known[key])) for key in keys)
+    """Return the sources of the bibliography that texts cite by keys in brackets, in the order of the citations."""
+    sources = read_toml(shipped("configs") / "references.toml")
+    keys = dict.fromkeys(key for text in texts for key in re.findall(r"\[(\w+)\]", text) if key in sources)
+    return tuple((key, _citation(sources[key])) for key in keys)
 
 
-def _cited(source: dict[str, str]) -> str:
+def _citation(source: dict[str, str]) -> str:
     parts = [source[part] for part in ("authors", "title", "where", "year") if part in source]
     return ", ".join(parts) + (f", doi {source['doi']}" if "doi" in source else "")
