@@ -22,7 +22,7 @@ from typer.testing import CliRunner
 
 import armour
 from armour.analysis.quantities import label_and_unit
-from armour.reporting.report import markdown_table
+from armour.reporting.markdown import markdown_table
 from armour.reporting.views.library import entry_table, entry_tables, library_table, threat_table
 from armour.scenario.inputs import INPUTS
 from armour.scenario.library import Kind
@@ -36,7 +36,9 @@ OUTSIDE = {"contributing.md": "CONTRIBUTING.md", "changes.md": "CHANGELOG.md"}
 # Weight in the search, by folder or page: pages that answer a question come before those that list names, and those on
 # the project itself last.
 WEIGHTS = {"howto": 10.0, "learn": 1.0, "tutorials": 3.0, "reference": 0.1, "reference/api": 0.02}
-WEIGHTS |= dict.fromkeys(["changes.md", "contributing.md", "design.md", "performance.md", "study.ipynb", "campaigns.md"], 0.02)
+WEIGHTS |= dict.fromkeys(
+    ["changes.md", "contributing.md", "design.md", "performance.md", "study.ipynb", "campaigns.md"], 0.02
+)
 WEIGHTS |= dict.fromkeys(["left-out.md", "own-tests.md"], 0.02)
 # Pictures that the pages filled so far show, by their place in the site.
 PICTURES: dict[str, str] = {}
@@ -158,7 +160,7 @@ def library(kind: Any) -> str:
     head, rule, *rows = (line.split(" | ", 1) for line in markdown_table(table).splitlines())
     lines = [f"{head[0]} | tested with | {head[1]}", f"{rule[0]} | --- | {rule[1]}"]
     for (name, *cells), (_, values) in zip(table.texts(), rows, strict=True):
-        key = ("projectile", cells[1]) if kind == "threat" else (kind, name)
+        key: tuple[Any, str] = ("projectile", cells[1]) if kind == "threat" else (kind, name)
         first, *others = tested_with().get(key, [""])
         tests = f"{first} and {len(others)} more" if others else first
         lines.append(f"| [{name}](library/{kind}s.md#{_anchor(name)}) | {tests} | {values}")

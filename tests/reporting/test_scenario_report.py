@@ -6,16 +6,17 @@ from functools import cache
 import pytest
 
 from armour import __version__
-from armour.analysis.ballistic_limit import ConfidenceResult, ballistic_limit
+from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.impact import energy_balance
 from armour.design.check import CheckedThreat, check, verdict_of
 from armour.design.optimise import DesignResult, optimise
 from armour.errors import Note
 from armour.evidence.model_error import NO_TEST
-from armour.reporting.report import Report, ReportSection, markdown_report
+from armour.reporting.markdown import markdown_report
+from armour.reporting.report import Report, ReportSection
 from armour.reporting.scenario_report import Contents, contents_of, scenario_report
-from armour.reporting.views.confidence import SAMPLED_ALONE, chance, from_tests
 from armour.reporting.views.design import AREAL_DENSITY, COST, frontier_table
+from armour.reporting.words import SAMPLED_ALONE, chance, from_tests
 from armour.scenario.scenario import load_scenario
 from armour.statistics.uncertainty import uncertainty
 from tests.helpers.cases import RANGE, SCENARIOS, scenario
@@ -154,7 +155,7 @@ def asked(*given: tuple[float | None, float | None]) -> Contents:
     result = replace(wilkins().check, threats=tuple(threats))
     faced = [{"projectile": "7.62 mm AP", "velocity_m_s": 800.0}, {**OTHER_THREAT}][: len(threats)]
     facing = wilkins().scenario.replaced({"threat": faced})
-    return replace(wilkins(), scenario=facing, check=result, threats=tuple(threats), threat=threats[0])
+    return replace(wilkins(), scenario=facing, check=result, threats=tuple(threats))
 
 
 OTHER_THREAT = {"projectile": "7.62 mm APM2", "velocity_m_s": 840.0, "name": OTHER}
@@ -216,7 +217,7 @@ def test_the_answer_without_a_design():
     assert found["Asked for"] == ("no probability", "--confidence 0.95 asks for a probability of 95 %")
     statement, detail = found["Probability of stopping the projectile"]
     assert statement == "7 %"
-    error = wilkins().confidence.model_error
+    error = wilkins().threat.model_error
     assert error is not None
     assert detail == from_tests(error)
     assert statements(asked((0.96, 0.95)))["Asked for"] == ("at least 95 %", "")
@@ -294,7 +295,7 @@ def test_warnings_name_inputs_in_words():
 
 def test_the_answer_with_distributions():
     sampled = uncertainty_result().of(scenario=scenario())
-    error = wilkins().confidence.model_error
+    error = wilkins().threat.model_error
     with_error = replace(sampled, model_error=error).of(scenario=scenario())
     given = replace(wilkins(), uncertainty=with_error, sampled=(wilkins().threat.threat,))
     detail = statements(given)["Probability of stopping the projectile"][1]
@@ -302,7 +303,8 @@ def test_the_answer_with_distributions():
     assert error is not None
     assert detail == f"{found}{from_tests(error).removeprefix('model error: ')}"
     # Without a model error the distributions alone tell no probability, unless the scenario says so.
-    unknown = replace(wilkins(), uncertainty=sampled, confidence=ConfidenceResult(None, 700.0, None, NO_TEST))
+    untested = replace(wilkins().threat, probability_of_stopping=None, model_error=None, reason=NO_TEST)
+    unknown = replace(wilkins(), uncertainty=sampled, threats=(untested,))
     assert statements(unknown)["Probability of stopping the projectile"][1].endswith(SAMPLED_ALONE)
     left_out = replace(unknown, sampled=(unknown.threat.threat,))
     without = "95 % interval 78.0 to 80.0 % by sampling, from the given distributions, without the model error"

@@ -43,16 +43,6 @@ def test_threats_are_in_place_of_the_impact():
     assert scenario().subject({}, threats).endswith("6061-T6 against 4 threats")
 
 
-@pytest.mark.parametrize(
-    ("title", "shown"),
-    [
-        ("", False),
-        ("8 mm SiC on 6.35 mm 6061-T6, 7.62 mm AP", False),
-        ("6.35 mm SiC on 8 mm 6061-T6, 7.62 mm AP", False),
-        ("8 mm SiC on 6.35 mm 6061-T6, 7.62 mm AP: dwell", False),
-        ("Door, variant B of 8 mm", True),
-    ],
-)
-def test_a_title_of_the_same_words_is_not_repeated(title: str, shown: bool):
-    words = "8 mm SiC on 6.35 mm 6061-T6 against 7.62 mm AP at 800 m/s"
-    assert heading(words, title) == [words, *([f"scenario: {title}"] if shown else [])]
+def test_the_title_is_shown_beside_the_armour_and_the_round():
+    assert heading("8 mm SiC against 7.62 mm AP", "Door") == ["8 mm SiC against 7.62 mm AP", "scenario: Door"]
+    assert heading("8 mm SiC against 7.62 mm AP", "") == ["8 mm SiC against 7.62 mm AP"]

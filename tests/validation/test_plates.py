@@ -8,7 +8,7 @@ from functools import cache
 
 import pytest
 
-from armour.reporting.report import markdown_report
+from armour.reporting.markdown import markdown_report
 from armour.reporting.views import suite as suite_view
 from armour.scenario.inputs import INPUTS
 from armour.scenario.library import shipped_library

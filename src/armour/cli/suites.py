@@ -48,7 +48,7 @@ def validate(
 
     The exit code is 3 if a value lies outside its band; with --update, if a value that is not replaced does.
     """
-    from armour.reporting.report import markdown_report
+    from armour.reporting.markdown import markdown_report
     from armour.reporting.views import suite as view
     from armour.scenario.changes import changes_of
     from armour.scenario.scenario import files_of

@@ -51,7 +51,7 @@ def design_page(
     on_progress : callable, optional
         Called with impacts.
     answer : sequence of str
-        What `armour optimise` says where it names no best design, such as the flow stress that it takes.
+        What `armour optimise` says if it names no best design, such as the flow stress that is needed.
 
     Raises
     ------
@@ -74,7 +74,7 @@ def design_page(
 
 
 def _question(catalogue: Catalogue) -> dict[str, Any]:
-    """Return what is asked, and what the page does not show."""
+    """Return the question of the scenario, and what the page does not show."""
     from scipy.special import ndtri  # slow to import
 
     section, scenario = catalogue.section, catalogue.scenario
@@ -100,23 +100,23 @@ def _question(catalogue: Catalogue) -> dict[str, Any]:
 
 def _subject(catalogue: Catalogue) -> str:
     layers = catalogue.section.ceramic, catalogue.section.backing
-    names = [list(dict.fromkeys(layer.material for layer in of)) for of in layers]
-    armour = " on ".join(" or ".join(each) for each in names if each != [""])
+    materials = [list(dict.fromkeys(layer.material for layer in options)) for options in layers]
+    armour = " on ".join(" or ".join(names) for names in materials if names != [""])
     return f"{armour} against {' and '.join(catalogue.titles)}"
 
 
 def _threat(catalogue: Catalogue, i: int) -> dict[str, Any]:
     threat, bound = catalogue.threats[i], float(catalogue.bounds[i])
-    own = threat.probability_of_perforation
+    most = threat.probability_of_perforation
     rows, *_ = catalogue.against_each(catalogue.candidates(0, np.ones(1), np.ones(1)), [i])
     core = Parameters(*rows.parameters[0].tolist())
     return {
-        "name": threat.name or (threat.threat or threat.projectile),
+        "name": threat.name or threat.threat or threat.projectile,
         "projectile": threat.projectile,
         "velocity": threat.velocity_m_s,
         "obliquity": threat.obliquity_deg,
         "margin": threat.margin_m_s,
-        "own": None if own is None or bound >= NO_BOUND else 1.0 - own,
+        "own": None if most is None or bound >= NO_BOUND else 1.0 - most,
         "rod": [core.L0 / MM, core.D0 / MM],
     }
 
@@ -125,8 +125,8 @@ def _notes(catalogue: Catalogue) -> Iterator[str]:
     """Give what the page does not show."""
     section = catalogue.section
     if section.minimise != "areal_density_kg_m2":
-        what = "cost" if section.minimise == COST else "thickness"
-        yield f"The scenario asks for the least {what}; this page compares areal densities."
+        objective = "cost" if section.minimise == COST else "thickness"
+        yield f"The scenario asks for the least {objective}; this page compares areal densities."
     if section.pareto:
         yield "The Pareto front of the scenario is not shown; armour optimise lists it."
     if catalogue.scenario.uncertainty is not None and catalogue.scenario.uncertainty.inputs():
@@ -136,9 +136,9 @@ def _notes(catalogue: Catalogue) -> Iterator[str]:
         )
     if catalogue.scenario.excludes_error():
         yield "The model error is excluded by uncertainty.model, so no probability is known."
-    limits = {"thickness": section.thickness_max_mm, "cost": section.cost_max_per_m2}
-    if given := [name for name, most in limits.items() if most is not None]:
-        yield f"Designs beyond the greatest {' or '.join(given)} of the scenario are drawn, but not chosen."
+    bounds = {"thickness": section.thickness_max_mm, "cost": section.cost_max_per_m2}
+    if bounded := [name for name, bound in bounds.items() if bound is not None]:
+        yield f"Designs beyond the greatest {' or '.join(bounded)} of the scenario are drawn, but not chosen."
 
 
 def _pairs(catalogue: Catalogue, on_progress: OnProgress) -> list[dict[str, Any]]:
@@ -172,17 +172,19 @@ def _nodes(layer: Layer, nodes: int, free: int) -> Floats:
 def _pair(catalogue: Catalogue, pair: int, grid: tuple[Floats, Floats], on_progress: OnProgress) -> dict[str, Any]:
     ceramics, backings = grid = with_edges_of_known(catalogue, pair, *grid)
     offer = catalogue.offers[pair]
-    found = design_map(catalogue, pair, ceramics, backings, PROBABILITIES, on_progress)
+    designs = design_map(catalogue, pair, ceramics, backings, PROBABILITIES, on_progress)
     # A slider of the page has the greatest areal density.
-    massless = found.candidates._replace(areal_density_kg_m2=np.zeros(len(found.candidates.pair)))
+    massless = designs.candidates._replace(areal_density_kg_m2=np.zeros(len(designs.candidates.pair)))
     violations = catalogue.violations(massless)
     tested = [thicknesses_tested(catalogue, pair, i) for i in range(len(catalogue.threats))]
-    given = {layer: getattr(offer, layer).density_kg_m3 for layer in ("ceramic", "backing")}
+    densities = {"ceramic": offer.ceramic.density_kg_m3, "backing": offer.backing.density_kg_m3}
     return {
         "ceramic": offer.ceramic.material,
         "backing": offer.backing.material,
         "densities": [offer.ceramic_density_kg_m3, offer.backing_density_kg_m3],
-        "changes": [f"{layer}.density_kg_m3={density:.17g}" for layer, density in given.items() if density is not None],
+        "changes": [
+            f"{layer}.density_kg_m3={density:.17g}" for layer, density in densities.items() if density is not None
+        ],
         "ceramics": ceramics.tolist(),
         "backings": backings.tolist(),
         "offered": [_places(ceramics, offer.ceramic), _places(backings, offer.backing)],
@@ -190,21 +192,24 @@ def _pair(catalogue: Catalogue, pair: int, grid: tuple[Floats, Floats], on_progr
         "excluded": np.flatnonzero(violations > 0.0).tolist(),
         "untested": catalogue.untested[pair],
         "single": bool(catalogue.one_source[pair]),
-        "over": _over_sources(catalogue, found),
-        "tested": [[list(each["ceramic"]), list(each["backing"])] if len(each) == 2 else None for each in tested],
-        "source": _source(catalogue, found),
-        **_numbers(found),
+        "over": _over_sources(catalogue, designs),
+        "tested": [
+            [list(layers["ceramic"]), list(layers["backing"])] if len(layers) == 2 else None for layers in tested
+        ],
+        "source": _source(catalogue, designs),
+        **_numbers(designs),
     }
 
 
-def _over_sources(catalogue: Catalogue, found: DesignMap) -> list[list[float]] | None:
+def _over_sources(catalogue: Catalogue, designs: DesignMap) -> list[list[float]] | None:
     """Return the limits with the least and the greatest flow stress of sources, of designs and threats in turn.
 
-    There are none without sources, and none where both thicknesses differ, as they would take too much room.
+    There are none without sources, nor if both thicknesses vary, as they would take too much room.
     """
-    if min(len(found.ceramic_mm), len(found.backing_mm)) > 1 or (over := limits_over_sources(catalogue, found)) is None:
+    if min(len(designs.ceramic_mm), len(designs.backing_mm)) > 1:
         return None
-    return [ends.ravel().round(1).tolist() for ends in (over[0], over[-1])]
+    limits = limits_over_sources(catalogue, designs)
+    return None if limits is None else [limits[place].ravel().round(1).tolist() for place in (0, -1)]
 
 
 def _places(nodes: Floats, layer: Layer) -> list[int]:
@@ -214,25 +219,25 @@ def _places(nodes: Floats, layer: Layer) -> list[int]:
     return np.searchsorted(nodes, layer.thicknesses()).tolist()
 
 
-def _source(catalogue: Catalogue, found: DesignMap) -> str:
+def _source(catalogue: Catalogue, designs: DesignMap) -> str:
     """Return what the probabilities of a pair rest on."""
-    known = np.flatnonzero(~np.isnan(found.stopped_m_s[..., 0, 0]))
-    if not len(known):
+    places = np.flatnonzero(~np.isnan(designs.stopped_m_s[..., 0, 0]))
+    if not len(places):
         return ""
-    if (given := given_error(catalogue.scenario)) is not None:
-        return given.source
-    rows, *_ = catalogue.against_each(found.candidates.at(known[:1]), [0])
+    if (error := given_error(catalogue.scenario)) is not None:
+        return error.source
+    rows, *_ = catalogue.against_each(designs.candidates.at(places[:1]), [0])
     return next(evidence.title for evidence, _ in rows.armours.by_evidence())
 
 
-def _numbers(found: DesignMap) -> Mapping[str, Any]:
+def _numbers(designs: DesignMap) -> Mapping[str, Any]:
     """Return limits and velocities that are stopped as bytes.
 
     Of each design and threat there is the limit, the least of the velocities, 0 where it is unknown, both as 32-bit
     floats, and the differences of the velocities as 16-bit multiples of the step, rounded down in sum.
     """
-    limits = found.limits_m_s.reshape(-1)
-    stopped = np.nan_to_num(found.stopped_m_s.reshape(len(limits), -1))
+    limits = designs.limits_m_s.reshape(-1)
+    stopped = np.nan_to_num(designs.stopped_m_s.reshape(len(limits), -1))
     floats = np.column_stack([limits, stopped[:, 0]]).astype("<f4")
     above = np.maximum(stopped - floats[:, 1:].astype(np.float64), 0.0)
     step = max(float(np.diff(above, axis=1).max(initial=0.0)) / 65_000.0, 1e-3)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from xml.etree import ElementTree
 
 import numpy as np
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup, escape
 
 from armour.reporting.report import Report
@@ -39,6 +39,11 @@ MAX_POINTS, SPACING, RADIUS = 200, 4.0, 6.0
 LINE_HEIGHT, ABOVE = 10.5, 8.0
 # Width of a character of a tooltip, points, and characters in a line of it.
 CHARACTER, LINE_CHARACTERS = 5.0, 54
+
+
+def _safe_text(text: str) -> str:
+    """Escape the control characters of a text, and let no line end between a number and its unit."""
+    return unbroken(printable_lines(text))
 
 
 class ShownPicture(NamedTuple):
@@ -68,13 +73,12 @@ def html_tables(tables: Iterable[Table | str]) -> str:
     return rendered("notebook.html", tables=list(tables))
 
 
-def rendered(template: str, **context: Any) -> str:
-    """Return a page or a part of one."""
+def rendered(template: str, safe_text: Callable[[str], str] = _safe_text, **context: Any) -> str:
+    """Render a template, with its texts made safe by a function and, if it is HTML, escaped."""
     environment = Environment(
         loader=FileSystemLoader(TEMPLATES),
-        autoescape=True,
-        # Control characters are escaped, and no line of a text ends between a number and its unit.
-        finalize=lambda value: unbroken(printable_lines(value)) if type(value) is str else value,
+        autoescape=select_autoescape(),
+        finalize=lambda value: safe_text(value) if type(value) is str else value,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,

@@ -1,17 +1,11 @@
 """Report on a scenario: its answer, and the results that explain it and say how reliable it is."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from armour import __version__
-from armour.analysis.ballistic_limit import (
-    ConfidenceResult,
-    ballistic_limit,
-    confidence_in,
-    model_error,
-    not_monotonic,
-)
+from armour.analysis.ballistic_limit import ballistic_limit, not_monotonic
 from armour.analysis.impact import ImpactResult, energy_balance, simulate
 from armour.analysis.results import OnProgress, ignore_progress
 from armour.analysis.samples import own_errors
@@ -22,14 +16,16 @@ from armour.evidence.model_error import given_error
 from armour.evidence.tests import armour_of
 from armour.reporting.lookup import drawing_of
 from armour.reporting.report import Card, Report, ReportSection, origin_section, reference_notes
-from armour.reporting.table import Column, Table, column_of, in_words, listing
+from armour.reporting.table import Column, Source, Table, column_of, in_words, listing
 from armour.reporting.text import interval, percent
 from armour.reporting.views import check as check_view
 from armour.reporting.views import design as design_view
 from armour.reporting.views import impact as impact_view
 from armour.reporting.views import sensitivity as sensitivity_view
 from armour.reporting.views import uncertainty as uncertainty_view
-from armour.reporting.views.confidence import (
+from armour.reporting.views.design import AREAL_DENSITY, COST
+from armour.reporting.views.library import entry_table
+from armour.reporting.words import (
     SAMPLED_ALONE,
     STOPPING,
     chance,
@@ -37,16 +33,14 @@ from armour.reporting.views.confidence import (
     flow_stress_notes,
     from_tests,
 )
-from armour.reporting.views.design import AREAL_DENSITY, COST
-from armour.reporting.views.library import entry_table
 from armour.scenario.inputs import INPUTS, NAMES, ROLES
-from armour.scenario.scenario import Scenario, title_beside
-from armour.scenario.schema import DesignSection
+from armour.scenario.scenario import Scenario
+from armour.scenario.schema import DesignSection, Distribution
 from armour.statistics.sensitivity import SensitivityResult, sensitivity
 from armour.statistics.uncertainty import UncertaintyResult, probability_of_perforation, uncertainty
 
-# Keys of [design] that ask something of any armour, not for a design.
-OF_ANY_ARMOUR = {"confidence", "thickness_tolerance_mm", "angles_as_at_normal_incidence"}
+# Keys of [design] that apply to any armour and do not ask for a design.
+KEYS_FOR_ANY_ARMOUR = {"confidence", "thickness_tolerance_mm", "angles_as_at_normal_incidence"}
 # What the model leaves out, see docs/limits.md.
 ASSUMPTIONS = (
     ("Penetrator", "a flat-ended cylinder of one material; jacket, tip, sabot and fracture of the core are left out"),
@@ -62,190 +56,184 @@ ASSUMPTIONS = (
 
 @dataclass(frozen=True)
 class Contents:
-    """Results of a scenario as it was read, and of the armour that is reported: the best design, or its own."""
+    """Results of a scenario as it was read, and of the armour reported: the best design, or the scenario's own."""
 
     scenario: Scenario
     design: DesignResult | None  # None for the scenario's own armour
     check: CheckResult  # of the armour, with exact inputs
-    threats: tuple[CheckedThreat, ...]  # the same, with the scenario's distributions where these apply
+    threats: tuple[CheckedThreat, ...]  # the same, with the scenario's distributions where they apply
     sampled: tuple[str, ...]  # threats that they apply to
-    threat: CheckedThreat  # that most likely perforates the armour, as far as is known
-    answer: Scenario  # the armour against it
+    answer: Scenario  # the armour against the threat most likely to perforate it
     impact: ImpactResult  # with its history
-    confidence: ConfidenceResult
     sensitivity: SensitivityResult
     uncertainty: UncertaintyResult | None  # None without distributions that apply to the answer
     warnings: tuple[str, ...]
+
+    @property
+    def threat(self) -> CheckedThreat:
+        """The threat most likely to perforate the armour, as far as is known."""
+        return min(self.threats, key=check_view.standing)
 
 
 def asks_for_design(scenario: Scenario) -> bool:
     """Return whether a scenario asks for the best design."""
     section = scenario.design
-    return scenario.optimise is not None or (section is not None and not section.model_fields_set <= OF_ANY_ARMOUR)
+    return scenario.optimise is not None or (
+        section is not None and not section.model_fields_set <= KEYS_FOR_ANY_ARMOUR
+    )
 
 
 def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *, as_is: bool = False) -> Contents:
     """Answer a scenario and gather the results that a report shows.
 
-    The armour is the best design where the scenario asks for one, unless it is to be reported as it is.
+    The armour is the best design if the scenario asks for one, unless its own armour is to be reported as it is.
     """
 
     def on_part(done: int, _total: int | None) -> None:
         on_progress(done, None)
 
     design = optimise(scenario, on_progress=on_part) if asks_for_design(scenario) and not as_is else None
-    # Where no design is named, the report is on the best one of a pair that is not ranked.
-    shown = None if design is None else design.shown or next((pair.best for pair in design.pairs if pair.best), None)
-    armour = scenario if shown is None else scenario.replaced(shown.changes_to(scenario))
+    # Without a best design, the report is on the best one of a pair that is not ranked.
+    best = None if design is None else design.shown or next((pair.best for pair in design.pairs if pair.best), None)
+    armour = scenario if best is None else scenario.replaced(best.changes_to(scenario))
     checked = check(armour, on_progress=on_part)
-    faced = [armour.against(threat) for threat in armour.threats()]
-    distributed = scenario.uncertainty is not None and bool(scenario.uncertainty.inputs())
-    misplaced = [_misplaced(scenario, against) for against in faced]
+    impacts = [armour.against(threat) for threat in armour.threats()]
+    distributions = scenario.uncertainty.inputs() if scenario.uncertainty is not None else {}
+    misplaced = [_misplaced(distributions, scenario, impact) for impact in impacts]
     threats, sampled = list(checked.threats), []
-    for place, (against, warnings) in enumerate(zip(faced, misplaced, strict=True)):
-        if distributed and not warnings and (against.excludes_error() or own_errors(against).known.all()):
-            threats[place] = _sampled(threats[place], against, on_part)
+    for place, (impact, notes) in enumerate(zip(impacts, misplaced, strict=True)):
+        if distributions and not notes and (impact.excludes_error() or own_errors(impact).known.all()):
+            threats[place] = _sampled(threats[place], impact, on_part)
             sampled.append(threats[place].threat)
     worst = min(range(len(threats)), key=lambda place: check_view.standing(threats[place]))
-    answer = faced[worst]
-    if design is not None and shown is not None and design.shown is not None:
-        probabilities = {found.threat: found.probability_of_stopping for found in threats}
-        shown = replace(shown, probabilities_of_stopping=probabilities)
-        named = replace(design, nearest=shown) if design.reason else replace(design, best=shown)
-        design = named.of(**design.question)
-    sure, not_alone = _confidence(answer)
-    unused = scenario.unused_distributions() if distributed else ()
+    answer = impacts[worst]
+    if design is not None and design.shown is not None:
+        probabilities = {threat.threat: threat.probability_of_stopping for threat in threats}
+        shown = replace(design.shown, probabilities_of_stopping=probabilities)
+        updated = replace(design, nearest=shown) if design.reason else replace(design, best=shown)
+        design = updated.of(**design.question)
+    unused = scenario.unused_distributions() if distributions else ()
     return Contents(
         scenario=scenario,
         design=design,
         check=checked,
         threats=tuple(threats),
         sampled=tuple(sampled),
-        threat=threats[worst],
         answer=answer,
         impact=simulate(answer, history=True),
-        confidence=sure,
         sensitivity=sensitivity(answer, on_progress=on_part),
-        uncertainty=uncertainty(answer, on_progress=on_part) if distributed and not misplaced[worst] else None,
+        uncertainty=uncertainty(answer, on_progress=on_part) if distributions and not misplaced[worst] else None,
         warnings=(
             *(warning for warning in (checked if design is None else design).warnings if warning not in unused),
-            *not_alone,
-            *dict.fromkeys(warning for found in misplaced for warning in found),
+            *_not_monotonic(answer),
+            *dict.fromkeys(note for notes in misplaced for note in notes),
         ),
     )
 
 
-def _confidence(scenario: Scenario) -> tuple[ConfidenceResult, Sequence[str]]:
-    """Return the confidence in the armour, and a warning where the outcome changes more than once."""
+def _not_monotonic(scenario: Scenario) -> tuple[str, ...]:
+    """Return a warning if the outcome changes more than once with the velocity."""
     try:
-        limit = ballistic_limit(scenario)
-    except NoLimitError as error:
-        reason = "there is no ballistic limit in the range searched"
-        highest = scenario.ballistic_limit.velocity_max_m_s
-        return confidence_in(scenario, None, model_error(scenario, highest) if error.above else None, reason), ()
-    return confidence_in(scenario, limit.ballistic_limit_m_s, limit.model_error), not_monotonic(limit)
-
-
-def _sampled(found: CheckedThreat, scenario: Scenario, on_part: OnProgress) -> CheckedThreat:
-    """Return an armour against a threat with the probability that the distributions give."""
-    probability = 1.0 - probability_of_perforation(scenario, on_progress=on_part).value
-    required = found.required_probability
-    verdict = found.verdict if required is None else verdict_of(required, probability, stops=True)
-    return replace(found, probability_of_stopping=probability, verdict=verdict)
-
-
-def _misplaced(scenario: Scenario, answer: Scenario) -> tuple[Note, ...]:
-    """Return a warning for each distribution that is about another value than the answer's."""
-    if scenario.uncertainty is None:
+        return not_monotonic(ballistic_limit(scenario))
+    except NoLimitError:
         return ()
-    own, found = scenario.inputs(), answer.inputs()
+
+
+def _sampled(threat: CheckedThreat, scenario: Scenario, on_part: OnProgress) -> CheckedThreat:
+    """Return a checked threat with the probability from the scenario's distributions."""
+    probability = 1.0 - probability_of_perforation(scenario, on_progress=on_part).value
+    required = threat.required_probability
+    verdict = threat.verdict if required is None else verdict_of(required, probability, stops=True)
+    return replace(threat, probability_of_stopping=probability, verdict=verdict)
+
+
+def _misplaced(distributions: Mapping[str, Distribution], scenario: Scenario, answer: Scenario) -> tuple[Note, ...]:
+    """Return a warning for each distribution that is about a value other than the answer's."""
+    scenario_values, values = scenario.inputs(), answer.inputs()
     return tuple(
         Note(
-            f"is given for a value other than {found[name]:g}, which the armour and threat reported have; "
+            f"is given for a value other than {values[name]:g}, which the armour and threat reported have; "
             "the report has no sampled probability of perforation",
             f"uncertainty.{name}",
         )
-        for name, distribution in scenario.uncertainty.inputs().items()
-        if name in found
-        and ((distribution.placed and own.get(name) != found[name]) or not distribution.contains(found[name]))
+        for name, distribution in distributions.items()
+        if name in values
+        and (
+            (distribution.placed and scenario_values.get(name) != values[name])
+            or not distribution.contains(values[name])
+        )
     )
 
 
 def scenario_report(contents: Contents, command: str, map_command: str = "") -> Report:
     """Report the results of a scenario; the commands are those that make the report and a map of the designs."""
     passed, lead = _verdict(contents)
-    title = contents.answer.subject(threats=contents.scenario.threat)
     return Report(
-        title=title,
+        title=contents.answer.subject(threats=contents.scenario.threat),
         lead=lead,
         passed=passed,
-        byline=_byline(contents.scenario, title),
+        byline=_byline(contents.scenario),
         sections=tuple(_sections(contents, command, map_command)),
-        cards=tuple(_cards(contents)),
+        cards=(_probability(contents), _armour(contents), _requirements(contents)),
         warnings=tuple(_warnings(contents)),
         cross_section=contents.answer,
     )
 
 
-def _byline(scenario: Scenario, subject: str) -> tuple[tuple[str, str], ...]:
+def _byline(scenario: Scenario) -> tuple[tuple[str, str], ...]:
     """Return title, project, author and date, where the scenario has them, and the version of the program."""
-    given = (
-        ("scenario", title_beside(subject, scenario.title)),
-        ("project", scenario.project),
-        ("author", scenario.author),
-        ("date", scenario.date),
-    )
-    return (*((name, text) for name, text in given if text), ("program version", f"armour {__version__}"))
+    texts = {
+        "scenario": scenario.title,
+        "project": scenario.project,
+        "author": scenario.author,
+        "date": scenario.date,
+        "program version": f"armour {__version__}",
+    }
+    return tuple((name, text) for name, text in texts.items() if text)
 
 
-def _is_asked(contents: Contents) -> bool:
-    """Return whether a probability or a margin is asked for."""
-    return any(of.required_probability is not None or of.required_margin_m_s for of in contents.threats)
+def _has_requirements(contents: Contents) -> bool:
+    """Return whether a probability or a margin is required."""
+    return any(threat.required_probability is not None or threat.required_margin_m_s for threat in contents.threats)
 
 
 def _verdict(contents: Contents) -> tuple[bool | None, str]:
-    """Return whether the armour does what was asked for, None where nothing was, and this in words."""
-    threats = contents.threats
+    """Return whether the armour meets the requirements, None without any, and this in words."""
     if contents.design is not None and contents.design.reason:
         return False, f"{design_view.title(contents.design)}."
-    if not _is_asked(contents):
+    if not _has_requirements(contents):
         return None, ""
-    if failed := [of.threat for of in threats if of.verdict == "fails"]:
-        return False, f"Does not meet the requirements against {' and '.join(failed)}."
-    if unknown := [of.threat for of in threats if of.verdict == "not known"]:
-        return False, f"Not known to meet the requirements against {' and '.join(unknown)}."
-    return True, f"Meets the requirements{' against every threat' if len(threats) > 1 else ''}."
+    for verdict, words in (("fails", "Does not meet"), ("not known", "Not known to meet")):
+        if names := [threat.threat for threat in contents.threats if threat.verdict == verdict]:
+            return False, f"{words} the requirements against {' and '.join(names)}."
+    return True, f"Meets the requirements{' against every threat' if len(contents.threats) > 1 else ''}."
 
 
-def _cards(contents: Contents) -> Iterator[Card]:
-    """Give the probability, the armour and what was asked for."""
-    found = chance(contents.threat.probability_of_stopping, contents.threat.model_error)
-    value, against = found, ""
-    others = [of for of in contents.threats if of is not contents.threat]
-    unknown = [of.threat for of in others if of.probability_of_stopping is None]
-    if others:
-        against = f"against {contents.threat.threat}; "
-    if contents.threat.probability_of_stopping is not None and unknown:
-        value = f"{found} or unknown"
-        against = f"unknown against {' and '.join(unknown)}; {found} {against}"
-    elif contents.threat.probability_of_stopping is not None and others:
-        against = f"against {contents.threat.threat}, the most likely of {len(contents.threats)} threats to perforate; "
-    yield Card(STOPPING.label.capitalize(), value, against + _basis(contents))
-    yield _armour(contents)
-    yield _asked(contents)
+def _probability(contents: Contents) -> Card:
+    """Return the probability of stopping the threat that most likely perforates, and what it rests on."""
+    threat, count = contents.threat, len(contents.threats)
+    statement = probability = chance(threat.probability_of_stopping, threat.model_error)
+    unknown = [threat.threat for threat in contents.threats if threat.probability_of_stopping is None]
+    against = f"against {threat.threat}; " if count > 1 else ""
+    if threat.probability_of_stopping is not None and unknown:
+        statement = f"{probability} or unknown"
+        against = f"unknown against {' and '.join(unknown)}; {probability} {against}"
+    elif threat.probability_of_stopping is not None and count > 1:
+        against = f"against {threat.threat}, the most likely of {count} threats to perforate; "
+    return Card(STOPPING.label.capitalize(), statement, against + _basis(contents))
 
 
 def _basis(contents: Contents) -> str:
-    """Return what the probability rests on, or why it is not known."""
-    sure, sampled = contents.confidence, contents.uncertainty
-    error = from_tests(sure.model_error) if sure.model_error else ""
-    if sampled is None or contents.threat.threat not in contents.sampled:
-        alone = f"; {SAMPLED_ALONE}" if sampled is not None and sure.probability_of_stopping is None else ""
-        return f"{sure.reason or error}{alone}"
-    p = sampled.probability_of_perforation
-    given = f" and the {error}" if sampled.model_error is not None else ", without the model error"
-    interval = f"95 % interval {100.0 * (1.0 - p.high):.1f} to {100.0 * (1.0 - p.low):.1f} %"
-    return f"{interval} by sampling, from the given distributions{given}"
+    """Return what the probability rests on, or why it is unknown."""
+    threat, sampled = contents.threat, contents.uncertainty
+    error = from_tests(threat.model_error) if threat.model_error else ""
+    if sampled is None or threat.threat not in contents.sampled:
+        alone = f"; {SAMPLED_ALONE}" if sampled is not None and threat.probability_of_stopping is None else ""
+        return f"{threat.reason or error}{alone}"
+    perforation = sampled.probability_of_perforation
+    low, high = (100.0 * (1.0 - end) for end in (perforation.high, perforation.low))
+    with_error = f" and the {error}" if sampled.model_error is not None else ", without the model error"
+    return f"95 % interval {low:.1f} to {high:.1f} % by sampling, from the given distributions{with_error}"
 
 
 def _armour(contents: Contents) -> Card:
@@ -260,26 +248,27 @@ def _armour(contents: Contents) -> Card:
             subject = "Nearest design" if design.reason == "none passes" else f"{subject} by the computed limit"
         areal_density, thickness = shown.areal_density_kg_m2, shown.thickness_mm
         cost = f", cost {COST.text(shown.cost_per_m2)} per m²" if shown.cost_per_m2 else ""
-    words = f"{AREAL_DENSITY.text(areal_density)} kg/m², {round(thickness, 3):g} mm thick{cost}"
-    return Card(subject, contents.answer.armour_words(), words)
+    detail = f"{AREAL_DENSITY.text(areal_density)} kg/m², {round(thickness, 3):g} mm thick{cost}"
+    return Card(subject, contents.answer.armour_words(), detail)
 
 
-def _asked(contents: Contents) -> Card:
-    """Return the probabilities that were asked for, and the bounds of a design."""
-    bounds = sorted({of.required_probability for of in contents.threats if of.required_probability is not None})
-    margins = sorted({of.required_margin_m_s for of in contents.threats} - {0.0})
-    asked = [f"at least {' or '.join(map(percent, bounds))}"] if bounds else []
-    asked += [f"margin of {' or '.join(f'{margin:g}' for margin in margins)} m/s"] if margins else []
-    details = [] if bounds else ["--confidence 0.95 asks for a probability of 95 %"]
+def _requirements(contents: Contents) -> Card:
+    """Return the required probabilities and margins, and the bounds of a design."""
+    threats = contents.threats
+    probabilities = sorted({p for threat in threats if (p := threat.required_probability) is not None})
+    margins = sorted({threat.required_margin_m_s for threat in threats} - {0.0})
+    requirements = [f"at least {' or '.join(map(percent, probabilities))}"] if probabilities else []
+    requirements += [f"margin of {' or '.join(f'{margin:g}' for margin in margins)} m/s"] if margins else []
+    details = [] if probabilities else ["--confidence 0.95 asks for a probability of 95 %"]
     if contents.design is not None:
         section = contents.scenario.design or DesignSection()
         for objective, name in zip(OBJECTIVES.values(), ("areal density", "thickness", "cost"), strict=True):
-            most = getattr(section, objective.bound)
-            details += [f"{name} of at most {most:g}{objective.unit}"] if most is not None else []
-        added = ((section.added_thickness_mm, "mm"), (section.added_areal_density_kg_m2, "kg/m²"))
-        if given := [f"{value:g} {unit}" for value, unit in added if value]:
-            details.append(f"{' and '.join(given)} added for adhesive or cover")
-    return Card("Asked for", ", ".join(asked) or "no probability", "; ".join(details))
+            bound = getattr(section, objective.bound)
+            details += [f"{name} of at most {bound:g}{objective.unit}"] if bound is not None else []
+        additions = ((section.added_thickness_mm, "mm"), (section.added_areal_density_kg_m2, "kg/m²"))
+        if words := [f"{value:g} {unit}" for value, unit in additions if value]:
+            details.append(f"{' and '.join(words)} added for adhesive or cover")
+    return Card("Asked for", ", ".join(requirements) or "no probability", "; ".join(details))
 
 
 def _warnings(contents: Contents) -> Iterator[str]:
@@ -290,29 +279,27 @@ def _warnings(contents: Contents) -> Iterator[str]:
             continue
         name = warning.key.removeprefix("uncertainty.")
         words = warning.key
-        if of_threat := re.match(r"threat\[(\d+)\]", warning.key):
-            words = contents.threats[int(of_threat[1])].threat
+        if match := re.match(r"threat\[(\d+)\]", warning.key):
+            words = contents.threats[int(match[1])].threat
         elif name in INPUTS or name in NAMES.values():
             words = in_words(name) if name == warning.key else f"distribution of the {in_words(name)}"
         yield Note(warning.text, words, warning.brief)
-    if error := contents.confidence.model_error:
+    if error := contents.threat.model_error:
         yield from (f"the model error is {text}" for text in extrapolation(error))
 
 
 def _sections(contents: Contents, command: str, map_command: str) -> Iterator[ReportSection]:
     """Give the sections: first the answer, then, folded, what explains it."""
     design, scenario, answer = contents.design, contents.scenario, contents.answer
-    what_ifs = [check_view.what_if_table(of, of.threat) for of in contents.check.threats]
-    first = what_ifs.pop([of.threat for of in contents.threats].index(contents.threat.threat))
-    exact = "With exact inputs." if contents.sampled else ""
-    several = f"Against {contents.threat.threat}." if what_ifs else ""
-    needed = flow_stress_notes(contents.threat.flow_stress, contents.threat.threat)
-    yield ReportSection(
-        "Threats",
-        tuple(f"{answer.armour_words()} {note}" if not place else note for place, note in enumerate(needed)),
-        tables=(_threats(contents),),
-    )
-    yield ReportSection("What if", tuple(filter(None, (several, exact))), tables=(first,))
+    threat = contents.threat
+    what_ifs = {checked.threat: check_view.what_if_table(checked, checked.threat) for checked in contents.check.threats}
+    what_if = what_ifs.pop(threat.threat)
+    exact = ("With exact inputs.",) if contents.sampled else ()
+    against = (f"Against {threat.threat}.",) if what_ifs else ()
+    notes = flow_stress_notes(threat.flow_stress, threat.threat)
+    notes[:1] = [f"{answer.armour_words()} {note}" for note in notes[:1]]
+    yield ReportSection("Threats", tuple(notes), tables=(_threats(contents),))
+    yield ReportSection("What if", (*against, *exact), tables=(what_if,))
     if design is not None:
         hint = ("This command makes an interactive page of all designs:",) if map_command else ()
         # The title of the map is the answer, which the report begins with.
@@ -321,13 +308,12 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Re
     yield ReportSection("Assumptions and limits", notes=ASSUMPTIONS)
     entries = list(filter(None, map(answer.entry_of, ROLES)))
     [(evidence, _)] = armour_of(answer).by_evidence()
-    error = contents.confidence.model_error
-    used = evidence.source if error is not None and given_error(answer) is None else ""
-    cited = [value.source for entry in entries for value in entry.values.values()]
-    yield ReportSection("References", notes=reference_notes(("[Paper]", used, *cited)))
+    tests = evidence.source if threat.model_error is not None and given_error(answer) is None else ""
+    values = [value.source for entry in entries for value in entry.values.values()]
+    yield ReportSection("References", notes=reference_notes(("[Paper]", tests, *values)))
     if what_ifs:
-        others = what_ifs[0].title if len(what_ifs) == 1 else "the other threats"
-        yield ReportSection(f"What if, against {others}", tables=tuple(what_ifs), folded=True)
+        others = next(iter(what_ifs)) if len(what_ifs) == 1 else "the other threats"
+        yield ReportSection(f"What if, against {others}", tables=tuple(what_ifs.values()), folded=True)
     if design is not None:
         yield _search(design)
     if (sampled := contents.uncertainty) is not None:
@@ -341,9 +327,11 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Re
     yield ReportSection(
         "Sensitivity to the inputs", pictures=(drawing,), tables=(elasticities,), folded=True, drawn=True
     )
-    values = Column("quantity", prose=True)
     tables = (
-        replace(entry_table(entry, values, in_words), title=f"{entry.kind.capitalize()}: {entry.name}")
+        replace(
+            entry_table(entry, Column("quantity", prose=True), in_words),
+            title=f"{entry.kind.capitalize()}: {entry.name}",
+        )
         for entry in entries
     )
     yield ReportSection("Values and their sources", tables=tuple(tables), folded=True)
@@ -352,30 +340,34 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Re
 
 
 def _threats(contents: Contents) -> Table:
-    """Return every threat, with what was asked for and what was found."""
-    named = {threat.title: threat.name or threat.threat for threat in contents.scenario.threats()}
-    asked = _is_asked(contents)
-    inputs = {of.threat: "distributions" if of.threat in contents.sampled else "exact" for of in contents.threats}
-    mixed = len(set(inputs.values())) > 1
+    """Return every threat with its requirement, the probability and the ballistic limit."""
+    names = {threat.title: threat.name or threat.threat for threat in contents.scenario.threats()}
+    requirements: list[Source] = []
+    if _has_requirements(contents):
+        requirements = [(Column("required", prose=True), _required), (Column("result"), check_view.verdict)]
+    is_mixed = 0 < len(contents.sampled) < len(contents.threats)
+    inputs: Source = (
+        Column("inputs"),
+        lambda threat: "distributions" if threat.threat in contents.sampled else "exact",
+    )
     return listing(
         contents.threats,
-        (Column("threat", prose=True), lambda of: named[of.threat]),
+        (Column("threat", prose=True), lambda threat: names[threat.threat]),
         column_of("projectile", prose=True),
         column_of("velocity_m_s", "g", "velocity"),
         column_of("obliquity_deg", "g", "obliquity"),
-        (check_view.PROBABILITY, lambda of: chance(of.probability_of_stopping)),
-        (Column("inputs"), lambda of: inputs[of.threat] if mixed else ""),
-        (Column("required", prose=True), lambda of: _required(of) if asked else ""),
-        (Column("result"), lambda of: check_view.verdict(of) if asked else ""),
+        (check_view.PROBABILITY, lambda threat: chance(threat.probability_of_stopping)),
+        *([inputs] if is_mixed else []),
+        *requirements,
         column_of("ballistic_limit_m_s", ".0f", "ballistic limit"),
-        (check_view.INTERVAL, lambda of: interval(of.interval_m_s, ".0f")),
+        (check_view.INTERVAL, lambda threat: interval(threat.interval_m_s, ".0f")),
         column_of("margin_m_s", "+.0f"),
     )
 
 
-def _required(found: CheckedThreat) -> str:
-    words = check_view.required(found)
-    return words if found.required_probability is not None else f"limit above {words}"
+def _required(threat: CheckedThreat) -> str:
+    words = check_view.required(threat)
+    return words if threat.required_probability is not None else f"limit above {words}"
 
 
 def _search(design: DesignResult) -> ReportSection:
@@ -398,13 +390,13 @@ def _impact(contents: Contents) -> ReportSection:
     )
     table = listing(
         zip(contents.impact.stages, energy.rows, strict=True),
-        (Column("stage", prose=True), lambda of: f"{of[0].stage}: {impact_view.STAGES[of[0].stage].words}"),
-        (column_of("start_us", ".1f"), lambda of: of[0].start_us),
-        (column_of("end_us", ".1f"), lambda of: of[0].end_us),
-        (column_of("velocity_lost_m_s", ".1f"), lambda of: of[0].velocity_lost_m_s),
-        (column_of("length_lost_mm", ".2f"), lambda of: of[0].length_lost_mm),
-        (Column("energy carried by eroded material", "J", ".1f"), lambda of: of[1].eroded),
-        (Column("energy lost in braking the penetrator", "J", ".1f"), lambda of: of[1].braked),
+        (Column("stage", prose=True), lambda row: f"{row[0].stage}: {impact_view.STAGES[row[0].stage].words}"),
+        (column_of("start_us", ".1f"), lambda row: row[0].start_us),
+        (column_of("end_us", ".1f"), lambda row: row[0].end_us),
+        (column_of("velocity_lost_m_s", ".1f"), lambda row: row[0].velocity_lost_m_s),
+        (column_of("length_lost_mm", ".2f"), lambda row: row[0].length_lost_mm),
+        (Column("energy carried by eroded material", "J", ".1f"), lambda row: row[1].eroded),
+        (Column("energy lost in braking the penetrator", "J", ".1f"), lambda row: row[1].braked),
     )
     # The table has the stages in words.
     drawing = drawing_of(contents.impact, note="")
@@ -414,8 +406,8 @@ def _impact(contents: Contents) -> ReportSection:
 def _which_armour(contents: Contents) -> str:
     """Return which armour is reported where the scenario asks for a design, and how to get the other."""
     if contents.design is not None:
-        own = contents.scenario.armour_words()
-        return f"This report is about the design found, not the scenario's own armour, {own}; use --as-is for that."
+        armour = contents.scenario.armour_words()
+        return f"This report is about the design found, not the scenario's own armour, {armour}; use --as-is for that."
     if asks_for_design(contents.scenario):
         return "This report is about the scenario's own armour; without --as-is it is about the design found."
     return ""

@@ -80,21 +80,21 @@ CalibrationResult, FiringResult, PlannedTests, ShotPlan, SuiteResult or SweepRes
         raise mistake("plot", "result", f"must be one that is drawn, found {type(result).__name__}")
     from armour.reporting.pictures.drawing import Sheet, drawn
 
-    own = result.question
-    if scenario is not None and "scenario" in own and not _same(scenario, own["scenario"]):
+    question = result.question
+    if scenario is not None and "scenario" in question and not _same(scenario, question["scenario"]):
         raise mistake("plot", "scenario", "must be the scenario of the result, found another; it can be left out")
-    if shots is not None and shots != own.get("shots", shots):
+    if shots is not None and shots != question.get("shots", shots):
         raise mistake("plot", "shots", "must be the shots of the result, found others; they can be left out")
-    given: dict[str, Any] = {"scenario": scenario, "shots": shots}
-    result = copy(result).of(**{key: value for key, value in given.items() if value is not None})
+    arguments: dict[str, Any] = {"scenario": scenario, "shots": shots}
+    result = copy(result).of(**{name: value for name, value in arguments.items() if value is not None})
     figure: Figure = drawn(drawing_of(result), Sheet(ax=ax), result.heading(), title=title).figure
     return figure
 
 
 def _same(scenario: Scenario, other: Scenario) -> bool:
     """Return whether two scenarios give the same results."""
-    first, second = (item.model_dump(exclude=TEXTS | {"library"}) for item in (scenario, other))
-    return first == second and scenario.inputs() == other.inputs()
+    sections, other_sections = (each.model_dump(exclude=TEXTS | {"library"}) for each in (scenario, other))
+    return sections == other_sections and scenario.inputs() == other.inputs()
 
 
 def in_html(result: "Result") -> str | None:
@@ -144,20 +144,20 @@ def report(
     refuse(wrong_ending(path, REPORT_ENDINGS) or unwritable(path))
     if isinstance(subject, Scenario):
         options = (", as_is=True" if as_is else "") + (f", {confidence=}" if confidence is not None else "")
-        asked = subject if confidence is None else subject.replaced({"design.confidence": confidence})
-        contents = contents_of(asked, on_progress, as_is=as_is)
-        made = scenario_report(contents, f'armour.report(scenario, "{path}"{options})')
+        scenario = subject if confidence is None else subject.replaced({"design.confidence": confidence})
+        contents = contents_of(scenario, on_progress, as_is=as_is)
+        content = scenario_report(contents, f'armour.report(scenario, "{path}"{options})')
     else:
-        made = suite.report(subject, f'armour.report(result, "{path}")')
-    write_file(path, report_text(made, path).encode(errors="backslashreplace"))
+        content = suite.report(subject, f'armour.report(result, "{path}")')
+    write_file(path, report_text(content, path).encode(errors="backslashreplace"))
 
 
-def report_text(made: "Report", path: Path) -> str:
+def report_text(content: "Report", path: Path) -> str:
     """Return a report in the format of a file, HTML or Markdown."""
     if path.suffix.lower() == ".md":
-        from armour.reporting.report import markdown_report
+        from armour.reporting.markdown import markdown_report
 
-        return markdown_report(made)
+        return markdown_report(content)
     from armour.reporting.html import html_report
 
-    return html_report(made)
+    return html_report(content)

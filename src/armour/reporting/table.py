@@ -78,18 +78,18 @@ def between(result: Any, *, prose: bool = False) -> Column:
     return Column(f"{percent(result.confidence)} interval", prose=prose)
 
 
-def deviation_percent(value: float | None, known: float) -> float | None:
-    """Return the deviation of a value from a known one, per cent."""
-    return None if value is None else 100.0 * (value / known - 1.0)
+def deviation_percent(value: float | None, reference: float) -> float | None:
+    """Return the deviation of a value from a reference, per cent."""
+    return None if value is None else 100.0 * (value / reference - 1.0)
 
 
 def listing(items: Iterable[Any], *sources: Source, title: str = "", rest: str = "") -> Table:
     """Make a table with a row for each item, without the columns that are empty in all of them."""
     rows = [[_cell(item, source) for source in sources] for item in items]
     columns = [_column(source) for source in sources]
-    kept = [index for index, column in enumerate(columns) if not rows or any(column.text(row[index]) for row in rows)]
-    shown = tuple(tuple(row[index] for index in kept) for row in rows)
-    return Table(tuple(columns[index] for index in kept), shown, title, rest=rest)
+    filled = [index for index, column in enumerate(columns) if not rows or any(column.text(row[index]) for row in rows)]
+    cells = tuple(tuple(row[index] for index in filled) for row in rows)
+    return Table(tuple(columns[index] for index in filled), cells, title, rest=rest)
 
 
 def record(item: Any, *sources: Source, title: str = "") -> Table:
@@ -110,9 +110,9 @@ def csv_text(table: Table) -> str:
     """Format a table as a CSV file: the keys of its columns, and numbers with all their digits."""
     text = StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    kept = [index for index, column in enumerate(table.columns) if column.key]
-    writer.writerow([_csv_cell(table.columns[index].key) for index in kept])
-    writer.writerows([_csv_cell(row[index]) for index in kept] for row in table.rows)
+    keyed = [index for index, column in enumerate(table.columns) if column.key]
+    writer.writerow([_csv_cell(table.columns[index].key) for index in keyed])
+    writer.writerows([_csv_cell(row[index]) for index in keyed] for row in table.rows)
     return text.getvalue()
 
 

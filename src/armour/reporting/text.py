@@ -1,4 +1,4 @@
-"""Texts: words of keys, numbers, intervals, and text from files made safe for terminals and XML."""
+"""Texts: numbers, intervals, and text from files made safe for terminals and XML."""
 
 import re
 from math import isfinite
@@ -20,9 +20,9 @@ class Verdict(str):
     @classmethod
     def of(cls, text: str, *, good: bool) -> "Verdict":
         """Make a verdict."""
-        made = cls(text)
-        made.good = good
-        return made
+        verdict = cls(text)
+        verdict.good = good
+        return verdict
 
 
 # The space between a number and its unit, or after ±.

@@ -387,15 +387,8 @@ def _names(names: Sequence[object], unknown: str) -> str:
 
 
 def heading(computed: str, title: str) -> list[str]:
-    """Return the first lines of an output: what is computed and, where it says something else, the scenario's title."""
-    title = title_beside(computed, title)
-    return [computed, f"scenario: {title}"] if title else [computed]
-
-
-def title_beside(computed: str, title: str) -> str:
-    """Return the scenario's title, unless half of its words or more are among those of what is computed."""
-    words, computed_words = title.replace(",", "").split(), computed.split()
-    return title if 2 * sum(word in computed_words for word in words) < len(words) else ""
+    """Return the first lines of an output: what is computed, and the scenario's title."""
+    return [computed, *([f"scenario: {title}"] if title else [])]
 
 
 @checked

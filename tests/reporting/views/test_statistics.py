@@ -6,9 +6,9 @@ from armour.analysis.estimates import Estimate
 from armour.reporting.views import firing as v50_view
 from armour.reporting.views import uncertainty as uncertainty_view
 from armour.reporting.views.calibration import coefficient_table, correlation_table, residual_table
-from armour.reporting.views.confidence import SAMPLED_ALONE, chance, risk
 from armour.reporting.views.firing import v50_table
 from armour.reporting.views.uncertainty import INDEX_NOTE
+from armour.reporting.words import SAMPLED_ALONE, chance, risk
 from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.likelihood import Coefficient
 from armour.statistics.uncertainty import Influence

@@ -4,7 +4,7 @@ from armour.design.check import CheckResult
 from armour.reporting.pictures import drawing
 from armour.reporting.pictures.drawing import Picture, Sheet
 from armour.reporting.views.check import outcome, verdict
-from armour.reporting.views.confidence import chance
+from armour.reporting.words import chance
 
 
 def draw(result: CheckResult, sheet: Sheet) -> Picture:

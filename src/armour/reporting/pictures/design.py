@@ -23,9 +23,9 @@ from armour.reporting.pictures import drawing
 from armour.reporting.pictures.drawing import Picture, Sheet
 from armour.reporting.table import in_words
 from armour.reporting.text import percent, wrapped
-from armour.reporting.views.confidence import chance
-from armour.reporting.views.design import COST, CRITERIA, least_sure, pair_words, required_margins, title
+from armour.reporting.views.design import COST, CRITERIA, least_probability, pair_words, required_margins, title
 from armour.reporting.views.suite import grouped
+from armour.reporting.words import chance
 
 # Largest numbers of pairs of materials that are shown as points and as lines; nodes of the grid along an axis; largest
 # number of designs on offer that are shown as dots.
@@ -280,7 +280,7 @@ class _Map:
 
     def _marked(self) -> Iterator[tuple[Design, dict[str, Any]]]:
         """Yield the lightest designs: that stops half of the time, the refined one, and the one that is required."""
-        best, sure = self.result.shown, least_sure(self.result)
+        best, sure = self.result.shown, least_probability(self.result)
         large = {"markersize": 9.0}
         if any(self.confidences) and not np.isnan(self.grid.stopped_m_s).all():
             even = lightest(self.catalogue, self.grid.pair, 0.5)

@@ -6,7 +6,7 @@ from armour.analysis.ballistic_limit import LimitResult, curve_velocities, resid
 from armour.reporting.pictures import drawing
 from armour.reporting.pictures.drawing import Picture, Sheet
 from armour.reporting.text import interval
-from armour.reporting.views.confidence import chance
+from armour.reporting.words import chance
 
 # Points of a curve of probability.
 CURVE_POINTS = 200

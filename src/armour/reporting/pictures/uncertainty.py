@@ -4,7 +4,7 @@ from armour.analysis.quantities import label_and_unit
 from armour.reporting.pictures import drawing
 from armour.reporting.pictures.drawing import Picture, Sheet
 from armour.reporting.text import percent
-from armour.reporting.views.confidence import risk
+from armour.reporting.words import risk
 from armour.statistics.uncertainty import UncertaintyResult
 
 # Probabilities between which the curve is shown whole.

@@ -4,12 +4,12 @@ from collections.abc import Mapping
 from math import inf
 from xml.etree.ElementTree import Element
 
-from armour.design.check import CheckedThreat, CheckResult
+from armour.design.check import CheckedThreat, CheckResult, WhatIf
 from armour.errors import listed
 from armour.reporting.junit import TestCase, junit_suite
 from armour.reporting.table import Column, Table, column_of, listing
 from armour.reporting.text import Verdict, interval, percent, with_interval
-from armour.reporting.views.confidence import STOPPING, chance, error_note, flow_stress_notes, why_unknown
+from armour.reporting.words import STOPPING, basis_notes, chance
 
 PROBABILITY = Column("probability", prose=True)
 INTERVAL = Column("95 % interval", "m/s", prose=True)
@@ -20,9 +20,9 @@ MARGIN = column_of("margin_m_s", "+.0f")
 VERDICTS = {"passes": "passes", "fails": "FAILS", "not known": "not known"}
 
 
-def verdict(found: CheckedThreat | CheckResult) -> str:
-    """Return whether an armour passes, in words."""
-    return VERDICTS[found.verdict]
+def verdict(threat: CheckedThreat) -> str:
+    """Return whether an armour passes against a threat, in words."""
+    return VERDICTS[threat.verdict]
 
 
 def required(threat: CheckedThreat) -> str:
@@ -34,28 +34,26 @@ def required(threat: CheckedThreat) -> str:
 
 
 def finding(threat: CheckedThreat) -> str:
-    """Return what was found of an armour against a threat, beside what is required."""
+    """Return the probability or the ballistic limit of an armour against a threat, and the required one."""
     limit = threat.ballistic_limit_m_s
     by_model = "no ballistic limit found" if limit is None else f"ballistic limit by the model {limit:.0f} m/s"
     if threat.required_probability is None:
         return f"{by_model}, {required(threat)} required"
-    found = (
-        f"{STOPPING.label} {chance(threat.probability_of_stopping, threat.model_error)}, {required(threat)} required"
-    )
+    probability = chance(threat.probability_of_stopping, threat.model_error)
+    words = f"{STOPPING.label} {probability}, {required(threat)} required"
     needed = threat.velocity_m_s + threat.required_margin_m_s
-    return found if threat.probability_of_stopping is not None else f"{found}; {by_model}, {needed:g} m/s required"
+    return words if threat.probability_of_stopping is not None else f"{words}; {by_model}, {needed:g} m/s required"
 
 
 def threat_table(result: CheckResult) -> Table:
     """Return each threat with the ballistic limit, the margin, the probability and the verdict."""
-    probable = any(threat.probability_of_stopping is not None for threat in result.threats)
     return listing(
         result.threats,
-        (Column("threat", prose=True), lambda of: of.threat),
+        column_of("threat", prose=True),
         LIMIT,
         (WITH_ERROR, _with_error),
         MARGIN,
-        (PROBABILITY, lambda of: chance(of.probability_of_stopping, of.model_error) if probable else "unknown"),
+        (PROBABILITY, lambda threat: chance(threat.probability_of_stopping, threat.model_error)),
         (Column("verdict"), verdict),
     )
 
@@ -68,19 +66,20 @@ def _with_error(threat: CheckedThreat) -> str:
 
 def what_if_table(threat: CheckedThreat, title: str) -> Table:
     """Return an armour with each change against a threat: the probabilities or, where these are not known, margins."""
-    known = threat.probability_of_stopping is not None
+    is_known = threat.probability_of_stopping is not None
     return listing(
         (threat.as_given(), *threat.what_ifs),
-        (Column("if", prose=True), lambda of: of.change),
+        (Column("if", prose=True), lambda what_if: what_if.change),
         LIMIT,
-        (INTERVAL, lambda of: interval(of.interval_m_s, ".0f")),
-        (
-            MARGIN,
-            lambda of: None if known or of.ballistic_limit_m_s is None else of.ballistic_limit_m_s - of.velocity_m_s,
-        ),
-        (PROBABILITY, lambda of: chance(of.probability_of_stopping) if known else ""),
+        (INTERVAL, lambda what_if: interval(what_if.interval_m_s, ".0f")),
+        (MARGIN, lambda what_if: None if is_known else _margin(what_if)),
+        (PROBABILITY, lambda what_if: chance(what_if.probability_of_stopping) if is_known else ""),
         title=title,
     )
+
+
+def _margin(what_if: WhatIf) -> float | None:
+    return None if what_if.ballistic_limit_m_s is None else what_if.ballistic_limit_m_s - what_if.velocity_m_s
 
 
 def outcome(result: CheckResult) -> str:
@@ -90,47 +89,37 @@ def outcome(result: CheckResult) -> str:
     if result.verdict == "passes":
         by_model = all(threat.required_probability is None for threat in result.threats)
         return f"passes against every threat{' by the computed limit' if by_model else ''}"
-    named = {each: [of.threat for of in result.threats if of.verdict == each] for each in ("fails", "not known")}
-    return "; ".join(f"{VERDICTS[each]} against {listed(names)}" for each, names in named.items() if names)
+    words = []
+    for missed in ("fails", "not known"):
+        if names := [threat.threat for threat in result.threats if threat.verdict == missed]:
+            words.append(f"{VERDICTS[missed]} against {listed(names)}")
+    return "; ".join(words)
 
 
-def governing(result: CheckResult) -> CheckedThreat:
-    """Return the threat that most likely perforates the armour, as far as is known: of the worst verdict."""
-    return min(result.threats, key=standing)
+def standing(threat: CheckedThreat) -> tuple[int, float]:
+    """Return a key that sorts threats, those most likely to perforate first.
 
-
-def standing(found: CheckedThreat) -> tuple[int, float]:
-    """Return by what threats are ordered, those that most likely perforate first.
-
-    A threat of an unknown probability comes first if it perforates by the model, and last otherwise.
+    A threat of unknown probability comes first if it perforates by the model, and last otherwise.
     """
-    if found.probability_of_stopping is not None:
-        return 1, found.probability_of_stopping
-    stopped = -inf if found.verdict == "fails" else inf
-    margin = stopped if found.margin_m_s is None else found.margin_m_s - found.required_margin_m_s
+    if threat.probability_of_stopping is not None:
+        return 1, threat.probability_of_stopping
+    unlimited = -inf if threat.verdict == "fails" else inf
+    margin = unlimited if threat.margin_m_s is None else threat.margin_m_s - threat.required_margin_m_s
     return (0 if margin < 0.0 else 2), margin
 
 
 def tables(result: CheckResult) -> list[Table | str]:
-    """Return the verdict, a table of the threats, and what changes would do against the one that governs, or each."""
-    several, worst = len(result.threats) > 1, governing(result)
-    found: list[Table | str] = [Verdict.of(outcome(result), good=result.verdict == "passes"), threat_table(result)]
-    shown = result.threats if result.question.get("every_row") else (worst,)
-    for threat in shown:
+    """Return the verdict, the threats, and what changes do against the one most likely to perforate, or each."""
+    several = len(result.threats) > 1
+    shown: list[Table | str] = [Verdict.of(outcome(result), good=result.verdict == "passes"), threat_table(result)]
+    explained = result.threats if result.question.get("every_row") else (min(result.threats, key=standing),)
+    for threat in explained:
         against = f"against {threat.threat}"
-        found += [f"{against}: {note}" if several else note for note in _rests_on(result, threat)]
-        found.append(what_if_table(threat, f"with a change, {against}" if several else "with a change"))
-    if len(shown) < len(result.threats):
-        found.append("changes against the other threats with -v")
-    return found
-
-
-def _rests_on(result: CheckResult, threat: CheckedThreat) -> list[str]:
-    """Return what the probability rests on, or why it is not known and what the flow stress must be."""
-    if threat.model_error is not None:
-        return [error_note(result, threat.model_error)]
-    unknown = why_unknown(threat.reason, threat.probability_at_normal_incidence)
-    return [*flow_stress_notes(threat.flow_stress), unknown]
+        shown += [f"{against}: {note}" if several else note for note in basis_notes(threat)]
+        shown.append(what_if_table(threat, f"with a change, {against}" if several else "with a change"))
+    if len(explained) < len(result.threats):
+        shown.append("changes against the other threats with -v")
+    return shown
 
 
 def junit(result: CheckResult, file: str, seconds: float, origin: Mapping[str, str]) -> Element:

@@ -1,131 +1,21 @@
 """The probability that an armour stops its threat."""
 
-from math import ceil, floor
-
-from armour.analysis.ballistic_limit import ConfidenceResult, no_error
-from armour.analysis.flow_stress import NeededFlowStress
-from armour.analysis.results import Result
-from armour.evidence.model_error import ModelError
-from armour.reporting.table import Column, Source, Table, column_of, record
-from armour.reporting.text import interval, number, percent
-from armour.scenario.scenario import Scenario
-
-STOPPING = Column("probability of stopping the projectile", prose=True)
-
-
-EXCLUDED = "model error: excluded by uncertainty.model"
-
-
-# What distributions tell where the model error is not known.
-SAMPLED_ALONE = "a probability from the given distributions alone takes the model as exact"
-
-
-def chance(probability: float | None, error: ModelError | None = None) -> str:
-    """Format a probability of stopping, such as "73 %": rounded down, so that none is shown that is not reached."""
-    if probability is None:
-        return "unknown"
-    if error is not None and error.at_least and probability <= 0.99:
-        return f"at least {rounded_down(100.0 * probability):.0f} %"
-    if probability < 0.01:
-        return "below 1 %"
-    return "above 99 %" if probability > 0.99 else f"{rounded_down(100.0 * probability):.0f} %"
-
-
-def risk(probability: float) -> str:
-    """Format the probability of perforation, given that of stopping: both add up to 100 %."""
-    if probability < 0.01:
-        return "above 99 %"
-    return "below 1 %" if probability > 0.99 else f"{100.0 - rounded_down(100.0 * probability):.0f} %"
-
-
-def rounded_down(number: float, decimals: int = 0) -> float:
-    """Return a positive number rounded down, but for the error of the arithmetic."""
-    return floor(round(number * 10**decimals, 9)) / 10**decimals
-
-
-def error_note(result: Result, error: ModelError | None, answer: Scenario | None = None) -> str:
-    """Return what the model error is and rests on, in a sentence, for a result on its scenario or on another one."""
-    if error is None:
-        scenario = answer or result.question.get("scenario")
-        if scenario is None:
-            return "model error: unknown for such an armour, or not included"
-        return EXCLUDED if scenario.excludes_error() else f"model error: unknown, {no_error(scenario)}"
-    return "; ".join([from_tests(error), *extrapolation(error)])
-
-
-def from_tests(error: ModelError) -> str:
-    """Return what the model error is, and what it is estimated from."""
-    if error.ratio.logarithmic:
-        low, middle, high = (error.quantiles_percent[p] for p in ("0.025", "0.5", "0.975"))
-        words = f"model error: {number(middle, '+.0f')} % ({interval((low, high), '+.0f')} %), from {error.source}"
-        return words if not error.at_least else f"{words}; at least that, as {error.at_least}"
-    mean = f"{error.mean_percent:+.1f} % " if error.mean_percent else ""
-    return f"model error: {mean}± {error.scale_percent:.1f} %, from {error.source}"
-
-
-def extrapolation(error: ModelError) -> list[str]:
-    """Return what the model error is extrapolated from, if it is."""
-    return [f"extrapolated from {', '.join(error.extrapolated)}"] if error.extrapolated else []
-
-
-def confidence_notes(result: ConfidenceResult) -> list[str]:
-    """Return what the probability rests on, or why it is not known and what the flow stress must be."""
-    if result.model_error is None or result.probability_of_stopping is None:
-        unknown = why_unknown(result.reason, result.probability_at_normal_incidence)
-        return [unknown, *flow_stress_notes(result.flow_stress)]
-    return [error_note(result, result.model_error)]
-
-
-def flow_stress_notes(needed: NeededFlowStress | None, against: str = "the threat") -> list[str]:
-    """Return with which flow stress a ceramic without tests stops a threat, and the limits over its sources."""
-    if needed is None:
-        return []
-    least, likely, sources = needed.needed_GPa, needed.needed_for_probability_GPa, needed.sources_GPa
-    given = ("", "; one source gives {:g}", "; sources give {:g} to {:g}")[len(sources)].format(*sources)
-    if least is None:
-        return [f"does not stop {against} with any flow stress of {needed.ceramic} up to 100 GPa{given}"]
-    chance, error = percent(needed.probability), "with the error seen on AD85"
-    surely = f"{_rounded_up(likely)} GPa for {chance}" if likely else f"more than 100 GPa for {chance}"
-    words = f"stops {against} if the flow stress of {needed.ceramic} is {_rounded_up(least)} GPa or more"
-    found = [f"{words} ({surely}, {error}){given}"]
-    if sources:
-        over = "these sources" if len(sources) > 1 else "this source"
-        found.append(f"ballistic limit over {over}: {' to '.join(f'{limit:.0f}' for limit in needed.limits_m_s)} m/s")
-    return found
-
-
-def _rounded_up(number: float) -> str:
-    return f"{ceil(10.0 * number - 1e-9) / 10.0:g}"
-
-
-def why_unknown(reason: str, probability_at_normal_incidence: float | None) -> str:
-    """Return why a probability is not known, and that at 0 degrees where this is."""
-    found = f"{STOPPING.label}: unknown, {reason}"
-    if probability_at_normal_incidence is None:
-        return found
-    return f"{found}; at 0°: {chance(probability_at_normal_incidence)}, and bare plates stop cores at least as well"
-
-
-BALLISTIC_LIMIT = column_of("ballistic_limit_m_s")
-
-
-def with_error(median_m_s: float | None, interval_m_s: tuple[float, float] | None) -> Source:
-    """Return where the model error puts the ballistic limit of the armour."""
-    limit = "" if median_m_s is None else f"{median_m_s:.0f} m/s (95 % interval {interval(interval_m_s, '.0f')} m/s)"
-    return Column("with the model error", prose=True), limit
+from armour.analysis.ballistic_limit import ConfidenceResult
+from armour.reporting.table import Table, record
+from armour.reporting.words import BALLISTIC_LIMIT, STOPPING, basis_notes, chance, with_error
 
 
 def confidence_table(result: ConfidenceResult) -> Table:
     """Return the ballistic limit and the probability that it exceeds the impact velocity."""
-    sure = result.probability_of_stopping
+    probability = result.probability_of_stopping
     return record(
         result,
         BALLISTIC_LIMIT,
         with_error(result.median_m_s, result.interval_m_s),
-        (STOPPING, None if sure is None else chance(sure, result.model_error)),
+        (STOPPING, None if probability is None else chance(probability, result.model_error)),
     )
 
 
 def tables(result: ConfidenceResult) -> list[Table | str]:
     """Return the probability, and what it rests on."""
-    return [confidence_table(result), *confidence_notes(result)]
+    return [confidence_table(result), *basis_notes(result)]

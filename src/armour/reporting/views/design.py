@@ -3,22 +3,18 @@
 from collections.abc import Mapping
 from dataclasses import replace
 from math import inf
-from typing import TYPE_CHECKING
 
 from armour.design.optimise import OBJECTIVES, BestDesign, Design, DesignResult, Pair
 from armour.reporting.table import Column, Source, Table, column_of, csv_text, listing, record
 from armour.reporting.text import Verdict, interval, number, percent
-from armour.reporting.views.confidence import STOPPING, chance, error_note, flow_stress_notes, risk, with_error
+from armour.reporting.words import BALLISTIC_LIMIT, STOPPING, chance, error_note, flow_stress_notes, risk, with_error
 from armour.scenario.scenario import Scenario
-
-if TYPE_CHECKING:
-    pass
 
 # Probability of stopping the projectile below which the notes say how to ask for more, and how.
 LOW, ASK = 0.75, "--confidence 0.95 designs for 95 %"
 # Rows of the frontier that are shown unless all are asked for.
 FRONTIER_ROWS = 5
-AREAL_DENSITY, BALLISTIC_LIMIT = column_of("areal_density_kg_m2"), column_of("ballistic_limit_m_s")
+AREAL_DENSITY = column_of("areal_density_kg_m2")
 CERAMIC, BACKING = column_of("ceramic"), column_of("backing")
 # Thicknesses are shown with at most 3 decimals, and with no more than those of a table need.
 CERAMIC_THICKNESS, BACKING_THICKNESS = (column_of(f"{layer}_thickness_mm", ".3f") for layer in ("ceramic", "backing"))
@@ -43,18 +39,17 @@ def best_table(design: BestDesign, required: Mapping[str, float], title: str = "
     if design.ballistic_limit_m_s is None:
         limit = [(Column("ballistic limit"), "outside the range")]
     elif (error := design.model_error) is not None:
-        of = design.ballistic_limit_m_s
-        limit.append(with_error(error.median(of), error.interval(of)))
-    sure = chance(design.probabilities_of_stopping[design.governing], design.model_error)
-    against: list[Source] = [(STOPPING, sure), MARGIN, (REQUIRED, required.get(design.governing))]
+        limit.append(with_error(error.median(design.ballistic_limit_m_s), error.interval(design.ballistic_limit_m_s)))
+    probability = chance(design.probabilities_of_stopping[design.governing], design.model_error)
+    threat: list[Source] = [(STOPPING, probability), MARGIN, (REQUIRED, required.get(design.governing))]
     if len(design.margins_m_s) > 1:  # the table of the threats has these of each
-        limit, against = [(GOVERNED_BY, design.governing), *limit], []
+        limit, threat = [(GOVERNED_BY, design.governing), *limit], []
     return record(
         design,
         (Column("armour", prose=True), armour_in_words(design)),
         AREAL_DENSITY,
         *limit,
-        *against,
+        *threat,
         THICKNESS,
         (COST, design.cost_per_m2 or None),
         title=title,
@@ -64,46 +59,41 @@ def best_table(design: BestDesign, required: Mapping[str, float], title: str = "
 def armour_in_words(design: Design) -> str:
     """Return the layers of a design, such as "11 mm AD85 on 6 mm 5083-H3"."""
     ceramic = f"{design.ceramic} (untested)" if design.untested else design.ceramic
-    names = (design.ceramic_thickness_mm, ceramic), (design.backing_thickness_mm, design.backing)
-    return " on ".join(f"{round(thickness, 3):g} mm {name}" for thickness, name in names if name)
+    layers = (design.ceramic_thickness_mm, ceramic), (design.backing_thickness_mm, design.backing)
+    return " on ".join(f"{round(thickness, 3):g} mm {name}" for thickness, name in layers if name)
 
 
 def verdict(result: DesignResult) -> list[Table | str]:
     """Return, without a best design, what is nearest to one, and why it is no more than that."""
-    objective, nearest, beyond = OBJECTIVES[result.minimised], result.nearest, result.without_limits
+    nearest, unlimited = result.nearest, result.without_limits
     if not result.reason:
         return []
     if nearest is None:
         return [Verdict.of(f"not known: {result.explanation}", good=False)]
     armour, notes = armour_in_words(nearest), _flow_stress_notes(nearest)
+    threats = "every threat" if len(result.threats) > 1 else result.threats[0]
     if result.reason == "not known":
-        reaches = f"{armour} is the {objective.least} that stops {_every(result)} by the computed limit"
-        return [Verdict.of(f"not known: {reaches}", good=False), *notes, result.explanation]
-    short = ", ".join(f"{lacking:.0f} m/s against {threat}" for threat, lacking in nearest.short_m_s.items() if lacking)
-    over = "; ".join(_beyond(nearest))
-    found: list[Table | str] = [
-        Verdict.of(f"none passes: the nearest, {armour}, lacks {'; '.join(filter(None, (short, over)))}", good=False)
-    ]
-    if beyond is not None and beyond.exceeds:
-        words = f"{armour_in_words(beyond)} would stop {_every(result)}, but has {'; '.join(_beyond(beyond))}"
-        return [*found, words, *notes]
-    return [*found, result.explanation, *notes]
+        least = OBJECTIVES[result.minimised].least
+        words = f"not known: {armour} is the {least} that stops {threats} by the computed limit"
+        return [Verdict.of(words, good=False), *notes, result.explanation]
+    short = ", ".join(f"{short:.0f} m/s against {threat}" for threat, short in nearest.short_m_s.items() if short)
+    lacking = "; ".join(filter(None, (short, *_excesses(nearest))))
+    explanation = result.explanation
+    if unlimited is not None and unlimited.exceeds:
+        explanation = f"{armour_in_words(unlimited)} would stop {threats}, but has {'; '.join(_excesses(unlimited))}"
+    return [Verdict.of(f"none passes: the nearest, {armour}, lacks {lacking}", good=False), explanation, *notes]
 
 
-def _every(result: DesignResult) -> str:
-    return "every threat" if len(result.threats) > 1 else result.threats[0]
-
-
-def _beyond(design: BestDesign) -> list[str]:
+def _excesses(design: BestDesign) -> list[str]:
     """Return by how much a design exceeds limits."""
     units = {objective.bound: objective.unit for objective in OBJECTIVES.values()}
     return [f"{excess:.3g}{units[key]} more than design.{key} allows" for key, excess in design.exceeds.items()]
 
 
 def _flow_stress_notes(design: BestDesign) -> list[str]:
-    """Return what flow stress the ceramic of a design needs, if it has no tests, against the threat that needs most."""
-    most = max(design.flow_stress.items(), key=lambda item: item[1].needed_GPa or inf, default=None)
-    return [] if most is None else flow_stress_notes(most[1], most[0])
+    """Return what flow stress the untested ceramic of a design needs against the threat that needs the greatest."""
+    threat = max(design.flow_stress, key=lambda threat: design.flow_stress[threat].needed_GPa or inf, default="")
+    return flow_stress_notes(design.flow_stress.get(threat), threat)
 
 
 def _aligned(table: Table) -> Table:
@@ -171,16 +161,21 @@ def margin_table(result: DesignResult, required: Mapping[str, float]) -> Table:
     from armour.analysis.estimates import CONFIDENCE
 
     best = _shown(result)
-    stop, sampled = best.probabilities_of_stopping, best.probabilities
     return listing(
         best.margins_m_s,
         (Column("threat", prose=True), str),
         (MARGIN, best.margins_m_s.__getitem__),
         (Column("short by", "m/s", ".0f"), lambda threat: best.short_m_s[threat] or None),
-        (STOPPING, lambda threat: chance(stop[threat])),
+        (STOPPING, lambda threat: chance(best.probabilities_of_stopping[threat])),
         (REQUIRED, required.get),
-        (Column("probability of perforation", spec=".3f"), lambda threat: getattr(sampled.get(threat), "value", None)),
-        (Column(f"{percent(CONFIDENCE)} interval, by sampling"), lambda threat: interval(sampled.get(threat), ".3f")),
+        (
+            Column("probability of perforation", spec=".3f"),
+            lambda threat: getattr(best.probabilities.get(threat), "value", None),
+        ),
+        (
+            Column(f"{percent(CONFIDENCE)} interval, by sampling"),
+            lambda threat: interval(best.probabilities.get(threat), ".3f"),
+        ),
         (Column("note"), lambda threat: "governs" if threat == best.governing else ""),
     )
 
@@ -194,7 +189,7 @@ def pair_table(result: DesignResult) -> Table:
         (TESTS, _tests),
         BACKING,
         *((column, lambda pair, key=column.key: getattr(pair.best, key, None)) for column in shown),
-        (Column("result", prose=True), lambda pair: pair.reason or _named(result, pair)),
+        (Column("result", prose=True), lambda pair: _result(result, pair)),
         title="pairs of materials",
         rest="--json",
     )
@@ -231,16 +226,16 @@ def every_table(result: DesignResult) -> Table:
     )
 
 
-def _tests(of: Design | Pair) -> str:
-    return "untested" if of.untested else ""
+def _tests(item: Design | Pair) -> str:
+    return "untested" if item.untested else ""
 
 
-def _named(result: DesignResult, pair: Pair) -> str:
-    """Return what the best design of a pair is that has no reason not to be best."""
-    least, best = OBJECTIVES[result.minimised].least, pair.best
-    if best is None:
-        return ""
-    return least if result.best is not None and best.model_error is not None else f"{least} by the computed limit"
+def _result(result: DesignResult, pair: Pair) -> str:
+    """Return why the best design of a pair is not the best of all, or what it is."""
+    if pair.reason or pair.best is None:
+        return pair.reason
+    least = OBJECTIVES[result.minimised].least
+    return least if result.best is not None and pair.best.model_error is not None else f"{least} by the computed limit"
 
 
 def csv(result: DesignResult) -> str:
@@ -250,7 +245,7 @@ def csv(result: DesignResult) -> str:
 
 
 def _shown(result: DesignResult) -> BestDesign:
-    """Return the best design or, without one, the nearest; that there is one is checked before."""
+    """Return the best design or, without one, the nearest, of a result that has one of them."""
     assert result.shown is not None
     return result.shown
 
@@ -259,45 +254,39 @@ def tables(result: DesignResult) -> list[Table | str]:
     """Return all tables of a design search: the frontier of a single pair of materials, or a row for each pair."""
     scenario: Scenario | None = result.question.get("scenario")
     required, best = required_margins(scenario), result.shown
-    found: list[Table | str] = [*verdict(result)]
+    shown: list[Table | str] = [*verdict(result)]
     if best is not None:
         answer = None if scenario is None or best.model_error is not None else _answer(scenario, best)
         error = [] if result.reason == "not known" else [error_note(result, best.model_error, answer)]
-        needed = [] if result.reason else _flow_stress_notes(best)
-        found += [best_table(best, required), *error, *needed, *margin_notes(best)]
+        notes = [] if result.reason else _flow_stress_notes(best)
+        shown += [best_table(best, required), *error, *notes, *margin_notes(best)]
     if result.refined is not None:
         objective = OBJECTIVES[result.minimised]
         if result.refined == best:
-            found.append(f"no {objective.less} design was found between the values of the grid")
+            shown.append(f"no {objective.less} design was found between the values of the grid")
         else:
-            found.append(
+            shown.append(
                 best_table(result.refined, required, f"{objective.least} design between the values of the grid")
             )
     if best is not None and (len(result.threats) > 1 or best.probabilities):
-        found.append(margin_table(result, required))
+        shown.append(margin_table(result, required))
     verbose = result.question.get("every_row")
     if len(result.pairs) > 1 or not all(pair.ranked for pair in result.pairs):
-        found.append(pair_table(result))
-        found += [note for pair in result.pairs if not pair.ranked for note in _of_one_source(pair)]
+        shown.append(pair_table(result))
+        unranked = [pair.best for pair in result.pairs if pair.best is not None and not pair.ranked]
+        shown += [f"{armour_in_words(best)} {note}" for best in unranked for note in _flow_stress_notes(best)[:1]]
     if result.every and (verbose or result.reason):
-        found.append(every_table(result))
+        shown.append(every_table(result))
     if result.frontier and (len(result.pairs) == 1 or verbose):
-        shown = result if verbose else _around_best(result)
-        found.append(frontier_table(shown))
-        if len(shown.frontier) < len(result.frontier):
-            found.append(f"{len(result.frontier) - len(shown.frontier)} more back plates with -v")
+        part = result if verbose else _around_best(result)
+        shown.append(frontier_table(part))
+        if len(part.frontier) < len(result.frontier):
+            shown.append(f"{len(result.frontier) - len(part.frontier)} more back plates with -v")
         if result.without_mm:
-            found.append(left_out(result))
+            shown.append(left_out(result))
     if result.pareto:
-        found.append(pareto_table(result))
-    return [*found, f"{number(result.examined, 'd')} designs computed"]
-
-
-def _of_one_source(pair: Pair) -> list[str]:
-    """Return what flow stress the best design of a pair needs that is not ranked for it."""
-    if pair.best is None:
-        return []
-    return [f"{armour_in_words(pair.best)} {note}" for note in _flow_stress_notes(pair.best)[:1]]
+        shown.append(pareto_table(result))
+    return [*shown, f"{number(result.examined, 'd')} designs computed"]
 
 
 def _answer(scenario: Scenario, best: BestDesign) -> Scenario:
@@ -307,7 +296,7 @@ def _answer(scenario: Scenario, best: BestDesign) -> Scenario:
 
 
 def margin_notes(best: BestDesign) -> list[str]:
-    """Return how likely the best design is perforated, and how to ask for less, where it is likely."""
+    """Return, if the best design is likely to be perforated, how likely, and how to ask for less."""
     least = min((p for p in best.probabilities_of_stopping.values() if p is not None), default=1.0)
     return [f"perforated with a probability of {risk(least)}; {ASK}"] if least < LOW else []
 
@@ -324,19 +313,19 @@ def title(result: DesignResult) -> str:
     if result.reason:
         words = str(verdict(result)[0])
         return words[:1].upper() + words[1:]
-    best, sure = _shown(result), least_sure(result)
-    stops = "" if sure is None else f", stops with {chance(sure)}"
+    best, probability = _shown(result), least_probability(result)
+    stops = "" if probability is None else f", stops with {chance(probability)}"
     column = CRITERIA[result.minimised]
     value = f"{column.text(getattr(best, result.minimised))} {column.unit}".rstrip()
     return f"{OBJECTIVES[result.minimised].least.capitalize()}: {armour_in_words(best)}, {value}{stops}"
 
 
-def least_sure(result: DesignResult) -> float | None:
-    """Return the least of the probabilities that the best design stops each threat; None where one is unknown."""
+def least_probability(result: DesignResult) -> float | None:
+    """Return the least of the probabilities that the best design stops each threat; None if one is unknown."""
     if result.shown is None:
         return None
-    found = [result.shown.probabilities_of_stopping[threat] for threat in result.threats]
-    return None if None in found else min(p for p in found if p is not None)
+    probabilities = [result.shown.probabilities_of_stopping[threat] for threat in result.threats]
+    return None if None in probabilities else min(p for p in probabilities if p is not None)
 
 
 def pair_words(design: Design) -> str:

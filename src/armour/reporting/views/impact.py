@@ -7,8 +7,8 @@ from armour.analysis.history import History
 from armour.analysis.impact import ImpactResult
 from armour.reporting.table import Column, Table, column_of, csv_text, listing, record
 from armour.reporting.text import Verdict
-from armour.reporting.views.confidence import SAMPLED_ALONE
 from armour.reporting.views.confidence import tables as confidence_tables
+from armour.reporting.words import SAMPLED_ALONE
 
 
 class StageWords(NamedTuple):

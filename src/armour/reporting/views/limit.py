@@ -2,7 +2,7 @@
 
 from armour.analysis.ballistic_limit import LimitResult
 from armour.reporting.table import Column, Table, column_of, listing, record
-from armour.reporting.views.confidence import error_note, with_error
+from armour.reporting.words import error_note, with_error
 
 # Points of a curve of probability.
 CURVE_POINTS = 200

@@ -5,10 +5,21 @@ from itertools import zip_longest
 from armour.planning.firing import ShotPlan
 from armour.reporting.table import Column, Table, column_of, listing, record
 from armour.reporting.text import interval, percent, with_interval
-from armour.reporting.views.confidence import chance, error_note
+from armour.reporting.words import chance, model_error_words
 from armour.statistics.posterior import FiringEstimate
 
 SCATTER_ASSUMED = "the prior for the scatter is assumed; the model does not predict scatter"
+
+
+DECISION = (
+    "the shots alone decide, as soon as a likelihood ratio is large enough; the model's limit and its error play no "
+    "part"
+)
+ONE_SIDE = (
+    "all shots lie on one side of the required velocity, which says little as long as the scatter may be large; the "
+    "next velocity is chosen to say more"
+)
+REPORT = "the posterior includes the model's prediction; report V50 from armour v50, which uses the shots alone"
 
 
 def tables(plan: ShotPlan) -> list[Table | str]:
@@ -25,17 +36,14 @@ def tables(plan: ShotPlan) -> list[Table | str]:
             shown.append(ONE_SIDE)
     if plan.operating_characteristic:
         shown.append(operating_table(plan))
-    by_model = plan.model_error is not None
-    shown += [
-        prior_table(plan.prior, plan.posterior, plan.confidence),
-        error_note(plan, plan.model_error)
-        if by_model
-        else f"prior of V50: {plan.expected_from}, with a probability of 95 %",
-        scatter_note(plan) if plan.earlier else SCATTER_ASSUMED,
-    ]
+    origin = f"prior of V50: {plan.expected_from}, with a probability of 95 %"
+    if plan.model_error is not None:
+        origin = model_error_words(plan.model_error)
+    shown += [prior_table(plan.prior, plan.posterior, plan.confidence), origin]
+    shown.append(scatter_note(plan) if plan.earlier else SCATTER_ASSUMED)
     if plan.fired.complete and not plan.contradicts_prior:
         shown.append(share_note(plan.prior_share))
-        if len(set(plan.fired.complete)) == 2 and by_model:
+        if len(set(plan.fired.complete)) == 2 and plan.model_error is not None:
             shown.append(REPORT)
     if plan.fired.complete:
         shown.append(_shot_table(plan))
@@ -43,14 +51,13 @@ def tables(plan: ShotPlan) -> list[Table | str]:
 
 
 def _plan_table(plan: ShotPlan) -> Table:
-    """Return what is next, what ends the firing, and what is known of it."""
-    fraction, more = plan.requirement_fraction, plan.expected_shots
-    fit, mean = plan.recommended, plan.mean
-    met = "V50" if fraction == 0.5 else f"velocity at which {percent(fraction)} perforate"
-    by = ", by the posterior" if plan.consumers_risk is not None else ""
+    """Return the next shot, what ends the firing, and the present estimates."""
+    fit, mean, fraction = plan.recommended, plan.mean, plan.requirement_fraction
+    required = "V50" if fraction == 0.5 else f"velocity at which {percent(fraction)} perforate"
+    by_posterior = ", by the posterior" if plan.consumers_risk is not None else ""
     expected = ""
     if plan.next_velocity_m_s is not None and plan.procedure == "bayesian":
-        expected = "more than 100" if more is None else f"{more:.0f}"
+        expected = _number_of_shots(plan.expected_shots)
         if plan.expected_shots_90 is not None:
             expected += f"; {plan.expected_shots_90:.0f} with --confidence 0.9"
     return record(
@@ -69,13 +76,13 @@ def _plan_table(plan: ShotPlan) -> Table:
         ),
         column_of("half_width_m_s", "g", "half width at which the firing ends"),
         (Column("limits of V50", "m/s"), interval(plan.limits_m_s, ".0f")),
-        column_of("requirement_m_s", "g", f"required of the {met}"),
+        column_of("requirement_m_s", "g", f"required of the {required}"),
         (Column("consumer's risk, of accepting what fails it"), _risk(plan.consumers_risk)),
         (Column("producer's risk, of rejecting what meets it"), _risk(plan.producers_risk)),
         (Column("likelihood ratio for it"), _ratio(plan.evidence_met, plan.consumers_risk)),
         (Column("likelihood ratio against it"), _ratio(plan.evidence_not_met, plan.producers_risk)),
         (
-            Column(f"probability that it is met{by}"),
+            Column(f"probability that it is met{by_posterior}"),
             "" if plan.probability_met is None else chance(plan.probability_met),
         ),
         column_of("true_v50_m_s", "g", "V50 simulated"),
@@ -92,25 +99,16 @@ def scatter_note(plan: ShotPlan) -> str:
     )
 
 
-DECISION = (
-    "the shots alone decide, as soon as a likelihood ratio is large enough; the model's limit and its error play no "
-    "part"
-)
-
-
-ONE_SIDE = (
-    "all shots lie on one side of the required velocity, which says little as long as the scatter may be large; the "
-    "next velocity is chosen to say more"
-)
-REPORT = "the posterior includes the model's prediction; report V50 from armour v50, which uses the shots alone"
-
-
 def _risk(risk: float | None) -> str:
     return "" if risk is None else f"at most {percent(risk)}"
 
 
 def _ratio(ratio: float | None, risk: float | None) -> str:
     return "" if ratio is None or risk is None else f"{min(ratio, 9999.0):.2g} of {1.0 / risk:.3g}"
+
+
+def _number_of_shots(median: float | None) -> str:
+    return "more than 100" if median is None else f"{median:.0f}"
 
 
 def operating_table(plan: ShotPlan) -> Table:
@@ -121,21 +119,24 @@ def operating_table(plan: ShotPlan) -> Table:
         (Column("V50", "m/s", ".0f"), lambda point: point.v50_m_s),
         (Column("met"), lambda point: percent(point.met)),
         (Column("not met"), lambda point: percent(point.not_met)),
-        (Column("median of shots"), lambda point: "more than 100" if point.shots is None else f"{point.shots:.0f}"),
+        (Column("median of shots"), lambda point: _number_of_shots(point.shots)),
         title=f"operating characteristic: simulated firings at a scatter of {scatter:.0f} m/s",
     )
 
 
 def prior_table(prior: FiringEstimate, posterior: FiringEstimate, level: float) -> Table:
     """Return V50 and the scatter before and after the shots."""
-    between = f"{percent(level)} interval"
+    interval_words = f"{percent(level)} interval"
     return listing(
         (("prior", prior), ("posterior", posterior)),
         (Column("distribution"), lambda row: row[0]),
-        (Column(f"V50, {between}", "m/s"), lambda row: with_interval(row[1].v50_m_s, row[1].v50_interval_m_s, ".0f")),
+        (
+            Column(f"V50, {interval_words}", "m/s"),
+            lambda row: with_interval(row[1].v50_m_s, row[1].v50_interval_m_s, ".0f"),
+        ),
         (Column("standard deviation of V50", "m/s", ".0f"), lambda row: row[1].standard_deviation_m_s),
         (
-            Column(f"scatter, {between}", "m/s"),
+            Column(f"scatter, {interval_words}", "m/s"),
             lambda row: with_interval(row[1].scatter_m_s, row[1].scatter_interval_m_s, ".0f"),
         ),
     )

@@ -3,7 +3,7 @@
 from armour.analysis.estimates import Estimate
 from armour.reporting.table import Column, Table, column_of, in_words, listing, record
 from armour.reporting.text import interval, percent, with_interval
-from armour.reporting.views.confidence import SAMPLED_ALONE, STOPPING, error_note, rounded_down
+from armour.reporting.words import SAMPLED_ALONE, STOPPING, error_note, rounded_down
 from armour.statistics.uncertainty import UncertaintyResult
 
 SAMPLING_NOTE = "more samples make the intervals narrower; the spread of the ballistic limit is V05 to V95"

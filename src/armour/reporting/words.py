@@ -1,0 +1,108 @@
+"""Words on the probability that an armour stops its threat, the model error and the flow stress of a ceramic."""
+
+from math import ceil, floor
+
+from armour.analysis.ballistic_limit import ConfidenceResult, no_error
+from armour.analysis.flow_stress import NeededFlowStress
+from armour.analysis.results import Result
+from armour.design.check import CheckedThreat
+from armour.evidence.model_error import ModelError
+from armour.reporting.table import Column, Source, column_of
+from armour.reporting.text import interval, number, percent
+from armour.scenario.scenario import Scenario
+
+BALLISTIC_LIMIT = column_of("ballistic_limit_m_s")
+STOPPING = Column("probability of stopping the projectile", prose=True)
+EXCLUDED = "model error: excluded by uncertainty.model"
+# What distributions tell where the model error is not known.
+SAMPLED_ALONE = "a probability from the given distributions alone takes the model as exact"
+
+
+def chance(probability: float | None, error: ModelError | None = None) -> str:
+    """Format a probability of stopping, such as "73 %": rounded down, so that none is shown that is not reached."""
+    if probability is None:
+        return "unknown"
+    if error is not None and error.at_least and probability <= 0.99:
+        return f"at least {rounded_down(100.0 * probability):.0f} %"
+    if probability < 0.01:
+        return "below 1 %"
+    return "above 99 %" if probability > 0.99 else f"{rounded_down(100.0 * probability):.0f} %"
+
+
+def risk(probability: float) -> str:
+    """Format the probability of perforation, given that of stopping: both add up to 100 %."""
+    if probability < 0.01:
+        return "above 99 %"
+    return "below 1 %" if probability > 0.99 else f"{100.0 - rounded_down(100.0 * probability):.0f} %"
+
+
+def rounded_down(number: float, decimals: int = 0) -> float:
+    """Return a positive number rounded down, but for the error of the arithmetic."""
+    return floor(round(number * 10**decimals, 9)) / 10**decimals
+
+
+def error_note(result: Result, error: ModelError | None, answer: Scenario | None = None) -> str:
+    """Return what the model error is and rests on, in a sentence, for a result on its scenario or on another one."""
+    if error is None:
+        scenario = answer or result.question.get("scenario")
+        if scenario is None:
+            return "model error: unknown for such an armour, or not included"
+        return EXCLUDED if scenario.excludes_error() else f"model error: unknown, {no_error(scenario)}"
+    return model_error_words(error)
+
+
+def model_error_words(error: ModelError) -> str:
+    """Return what the model error is, what it is estimated from, and what it is extrapolated from."""
+    return "; ".join([from_tests(error), *extrapolation(error)])
+
+
+def from_tests(error: ModelError) -> str:
+    """Return what the model error is, and what it is estimated from."""
+    if error.ratio.logarithmic:
+        low, median, high = (error.quantiles_percent[level] for level in ("0.025", "0.5", "0.975"))
+        words = f"model error: {number(median, '+.0f')} % ({interval((low, high), '+.0f')} %), from {error.source}"
+        return words if not error.at_least else f"{words}; at least that, as {error.at_least}"
+    mean = f"{error.mean_percent:+.1f} % " if error.mean_percent else ""
+    return f"model error: {mean}± {error.scale_percent:.1f} %, from {error.source}"
+
+
+def extrapolation(error: ModelError) -> list[str]:
+    """Return what the model error is extrapolated from, if it is."""
+    return [f"extrapolated from {', '.join(error.extrapolated)}"] if error.extrapolated else []
+
+
+def flow_stress_notes(needed: NeededFlowStress | None, against: str = "the threat") -> list[str]:
+    """Return with which flow stress a ceramic without tests stops a threat, and the limits over its sources."""
+    if needed is None:
+        return []
+    least, likely, sources = needed.needed_GPa, needed.needed_for_probability_GPa, needed.sources_GPa
+    source_words = ("", "; one source gives {:g}", "; sources give {:g} to {:g}")[len(sources)].format(*sources)
+    if least is None:
+        return [f"does not stop {against} with any flow stress of {needed.ceramic} up to 100 GPa{source_words}"]
+    for_probability = f"{_rounded_up(likely)} GPa" if likely else "more than 100 GPa"
+    words = f"stops {against} if the flow stress of {needed.ceramic} is {_rounded_up(least)} GPa or more"
+    words += f" ({for_probability} for {percent(needed.probability)}, with the error seen on AD85){source_words}"
+    if not sources:
+        return [words]
+    over = "these sources" if len(sources) > 1 else "this source"
+    return [words, f"ballistic limit over {over}: {' to '.join(f'{limit:.0f}' for limit in needed.limits_m_s)} m/s"]
+
+
+def _rounded_up(number: float) -> str:
+    return f"{ceil(10.0 * number - 1e-9) / 10.0:g}"
+
+
+def basis_notes(answer: ConfidenceResult | CheckedThreat) -> list[str]:
+    """Return what the probability rests on, or why it is unknown and what the flow stress must be."""
+    if answer.model_error is not None and answer.probability_of_stopping is not None:
+        return [model_error_words(answer.model_error)]
+    unknown = f"{STOPPING.label}: unknown, {answer.reason}"
+    if (at_normal := answer.probability_at_normal_incidence) is not None:
+        unknown += f"; at 0°: {chance(at_normal)}, and bare plates stop cores at least as well"
+    return [unknown, *flow_stress_notes(answer.flow_stress)]
+
+
+def with_error(median_m_s: float | None, interval_m_s: tuple[float, float] | None) -> Source:
+    """Return where the model error puts the ballistic limit of the armour."""
+    limit = "" if median_m_s is None else f"{median_m_s:.0f} m/s (95 % interval {interval(interval_m_s, '.0f')} m/s)"
+    return Column("with the model error", prose=True), limit
