@@ -70,9 +70,10 @@ coverage: $(VENV)/developing
 release: $(VENV)/developing
 	$(BIN)/python tools/release.py
 
-# Run the campaigns, which take longer than tests, and write docs/campaigns.md: about three hours of one core.
+# Run the campaigns, one on each core, and write their results into docs/campaigns.md: about three hours of one core.
+# `make campaigns CAMPAIGN=inputs` or, with options, `CAMPAIGN="coverage curves"` runs a single one.
 campaigns: $(VENV)/developing $(VENV)/mutating
-	$(BIN)/python -m tools.campaigns
+	$(BIN)/python -m tools.campaigns $(if $(CAMPAIGN),"$(CAMPAIGN)")
 
 # Run the mutation tests of core/ alone: about an hour. tools/mutants.md summarises the results.
 mutants: $(VENV)/developing $(VENV)/mutating

@@ -2,10 +2,6 @@
 
 Of processor time other load on the machine changes little, and of the ratio of two methods in the same turn even less:
 medians over the turns are given.
-
-    python -m tools.benchmarks.methods
-
-compares the engine with C only: it checks that their numbers are equal and prints the ratios of their shortest times.
 """
 
 import subprocess
@@ -214,19 +210,3 @@ def _times(fast: dict[str, list[float]], slow: dict[str, list[float]]) -> dict[s
     ratios = {name: REPEATED * ratio(times, slow["engine"]) for name, times in slow.items()}
     ratios |= {name: ratio(times, fast["engine"]) for name, times in fast.items()}
     return {name: Time(value * engine, value) for name, value in ratios.items()}
-
-
-def main() -> None:
-    """Print the time of the engine over that of C."""
-    rows = batch.packed(random_designs(COUNT))
-    near = 1.05 * batch.ballistic_limits(rows, LOW, HIGH, TOLERANCE, ONE).perforated
-    with TemporaryDirectory() as folder:
-        impacts, limits = by_engine_and_c(rows, near, Path(folder))
-        print(f"{COUNT:,} designs: the numbers are equal to the last bit")
-        for what, calls, turns in (("impact", impacts, TURNS), ("ballistic limit", limits, TURNS // 4)):
-            engine, c = (1e6 * min(times) / COUNT for times in in_turn(calls, turns).values())
-            print(f"{what}: engine {engine:.2f} µs, C {c:.2f} µs, ratio {engine / c:.2f}")
-
-
-if __name__ == "__main__":
-    main()

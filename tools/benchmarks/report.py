@@ -7,21 +7,16 @@ from collections.abc import Iterable
 from pathlib import Path
 from textwrap import fill
 
-from armour.sweeps.sweep import CHUNK_S, MAX_CHUNK, duration
+from armour.sweeps.sweep import duration
 from tools.benchmarks import cluster, commands, methods
-from tools.benchmarks.cluster import Cluster
 from tools.benchmarks.commands import Commands
 from tools.benchmarks.methods import ALLOWED, COUNT, Methods, Time
 
-# A sweep beyond a machine.
-MANY_ROWS, MANY_CORES = 10**9, 1000
 # Load of the machine by others that lengthens elapsed times, in cores.
 LOAD = 1.5
-# Time of a task of the scheduler by the documentation of Dask, s.
-DASK_TASK_S = 1e-3
 
 
-def page(method: Methods, command: Commands, dask: Cluster, load: float) -> str:
+def page(method: Methods, command: Commands, rates: list[float], load: float) -> str:
     """Return the page as Markdown; the load of the machine is that by others, in cores."""
     text = f"""# Performance
 
@@ -78,13 +73,10 @@ with the workers; elapsed time, the shortest of {cluster.TURNS} sweeps of {clust
 
 | computed by | rows per second |
 |---|---:|
-{_lines(f"| {name} | {rate:,.0f} |" for name, rate in zip(WAYS, dask.rates, strict=True))}
+{_lines(f"| {name} | {rate:,.0f} |" for name, rate in zip(WAYS, rates, strict=True))}
 
-A chunk, of about a second of work, takes client and scheduler {_short(dask.send.chunk)}, and each of its rows
-{_short(dask.send.row)}, to hash, send, receive and write; joining the table at the end takes {_short(dask.join.row)}
-for each row.
-
-{_beyond(command, dask)}
+The client checks, receives and writes all rows. To use more cores than it keeps busy, split the values over several
+sweeps with separate output files, whose clients share nothing.
 """
     return (
         "\n\n".join(
@@ -155,39 +147,6 @@ def _agreement(method: Methods) -> str:
 *C* is `tools/benchmarks/reference.c`: the same equations, steps, events and search, written by hand and
 compiled by `cc {" ".join(methods.FLAGS)}`, which allows what the engine's compiler may do. Both give the same numbers
 to the last bit: outcomes, steps, durations, final states and brackets of the limits."""
-
-
-def _beyond(command: Commands, dask: Cluster) -> str:
-    """Return the appendix on many rows on many cores, from what was measured here."""
-    table: dict[str, list[str]] = {}
-    for unit in ("ballistic limit", "impact"):
-        [each] = [g.each for g in command.growth if (g.command, g.unit) == ("sweep", unit)]
-        row_s = each - dask.join.row
-        chunks = MANY_ROWS / min(CHUNK_S / row_s, MAX_CHUNK)
-        scheduler = chunks * max(dask.task, DASK_TASK_S)
-        client = chunks * dask.send.chunk + MANY_ROWS * dask.send.row
-        work = MANY_ROWS * row_s
-        cells = {
-            f"computing, on {MANY_CORES:,} cores": duration(work / MANY_CORES),
-            "the scheduler, a task for each chunk": duration(scheduler),
-            "the client, checking, sending and writing": duration(MANY_ROWS * dask.check + client),
-            "the client, joining": duration(chunks * dask.join.chunk + MANY_ROWS * dask.join.row),
-            "cores that the client keeps busy": f"{work / client:,.0f}",
-        }
-        for key, cell in cells.items():
-            table.setdefault(key, []).append(cell)
-    return f"""## Appendix: a billion rows
-
-Not measured, but computed from the times above for a sweep of 10^9 rows with two keys and one quantity, to CSV. The
-documentation of Dask gives {_short(DASK_TASK_S)} per task for its scheduler; it took {_short(dask.task)} here, and the
-longer is used.
-
-| what | limits | impacts |
-|---|---:|---:|
-{_lines(f"| {key} | {' | '.join(cells)} |" for key, cells in table.items())}
-
-The client is the bottleneck. To use more cores, split the values over several sweeps with separate output files, whose
-clients share nothing. The chunks and the table take {2 * MANY_ROWS * dask.row_bytes / 1e9:,.0f} GB of disk."""
 
 
 def _short(seconds: float) -> str:

@@ -1,96 +1,72 @@
-"""Run the campaigns and write docs/campaigns.md, with what each has found.
+"""Run the campaigns of docs/campaigns.md and write their results into its tables.
 
     python -m tools.campaigns [NAME]...
 
-runs the named campaigns, by default all, one after the other; a name may have options, as in "coverage firings
---samples 100". A campaign ends with a line for the page and exit code 0, or 3 if something is not as it should be. The
-page is written after each one: an interrupted run keeps what it has, and another run may go on beside it.
+runs the named campaigns, by default all, one on each core. A name may have options, as in "inputs --trials 100"; its
+result is written only if the page has such a row. A campaign ends with its result and exit code 0, or 3 if something
+is not as it should be. The page is written after each one, so that an interrupted run keeps what it has.
 """
 
-import ast
-import json
+import os
+import re
 import subprocess
 import sys
-import time
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from datetime import UTC, datetime
 from pathlib import Path
 
 from armour import MODEL_VERSION, __version__
+from armour.engine.batch import available_cores
 from tools.campaigns.verdict import RESULT, WRONG
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE, KNOWN = ROOT / "docs" / "campaigns.md", Path(__file__).with_name("results.json")
-CAMPAIGNS = {
-    "Faults and inputs": ("inputs", "sweeps", "tables", "cache"),
-    "Numbers": ("accuracy", "unusual", "perturbations", "mutants"),
-    "Statistics": ("coverage", "own_tests", "evidence"),
-}
+PAGE = ROOT / "docs" / "campaigns.md"
 ENDINGS = {0: "yes", WRONG: "**no**"}
-TEXT = """# Campaigns
-
-This page is written by `make campaigns`, which runs the programs of `tools/campaigns`, each also run alone by `python
--m tools.campaigns NAME`. They try what takes too long for the tests: many inputs, faults at every step, and how often
-the stated intervals contain the truth. "As expected" is "yes" if the program found nothing wrong: no fault, no share
-below the least that it requires. Minutes are those of one core, which others may have used as well.
-"""
-HEAD = """| program | what it does | result | as expected | minutes | version, model, commit, date |
-|---|---|---|---|--:|---|
-"""
 
 
-def run(name: str, options: list[str]) -> dict[str, str]:
-    """Run a campaign, show what it prints, and return what the page tells of it."""
-    start, lines = time.monotonic(), []
-    command = [sys.executable, "-m", f"tools.campaigns.{name}", *options]
+def run(name: str) -> list[str]:
+    """Run a campaign, show what it prints, and return its results as cells of the page."""
+    program, *options = name.split()
+    results = []
+    command = [sys.executable, "-m", f"tools.campaigns.{program}", *options]
     with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         for line in process.stdout:
-            print(line, end="", flush=True)
-            lines.append(line.strip())
-    results = [line.removeprefix(RESULT) for line in lines if line.startswith(RESULT)]
-    return {
-        "purpose": purpose(name),
-        "result": "; ".join(results),
-        "ending": ENDINGS.get(process.returncode, f"**ended with exit code {process.returncode}**"),
-        "minutes": f"{(time.monotonic() - start) / 60.0:.1f}",
-        "version": f"{__version__}, {MODEL_VERSION}, {commit()}, {datetime.now(UTC):%Y-%m-%d}",
-    }
+            print(f"{name}: {line}", end="", flush=True)
+            results += [line.removeprefix(RESULT).strip()] if line.startswith(RESULT) else []
+        _, status, usage = os.wait4(process.pid, 0)
+        code = process.returncode = os.waitstatus_to_exitcode(status)
+    ending = ENDINGS.get(code, f"**ended with exit code {code}**")
+    minutes = f"{(usage.ru_utime + usage.ru_stime) / 60.0:.1f}"
+    version = f"{__version__}, {MODEL_VERSION}, {commit()}, {datetime.now(UTC):%Y-%m-%d}"
+    return ["; ".join(results), ending, minutes, version]
 
 
 def commit() -> str:
     """Return the commit, and whether the program was changed after it."""
-    found = subprocess.check_output(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, text=True).strip()
-    same = subprocess.run(["git", "diff", "--quiet", "HEAD", "--", "src", "configs"], cwd=ROOT, check=False)
-    return f"{found}, changed" if same.returncode else found
+    revision = subprocess.check_output(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, text=True).strip()
+    difference = subprocess.run(["git", "diff", "--quiet", "HEAD", "--", "src", "configs"], cwd=ROOT, check=False)
+    return f"{revision}, changed" if difference.returncode else revision
 
 
-def page(known: dict[str, dict[str, str]]) -> str:
-    """Return the page of what is known."""
-    parts = [TEXT]
-    for heading, names in CAMPAIGNS.items():
-        rows = [f"| `{name}` | {' | '.join(known[name].values())} |\n" for name in names if name in known]
-        parts += [f"## {heading}\n", HEAD + "".join(rows)] if rows else []
-    return "\n".join(parts)
-
-
-def purpose(name: str) -> str:
-    """Return what a campaign does: the first line of its docstring."""
-    docstring = ast.get_docstring(ast.parse(Path(__file__).with_name(f"{name}.py").read_text(encoding="utf-8")))
-    return " ".join((docstring or "").partition("\n\n")[0].split())
+def write(name: str, cells: list[str]) -> None:
+    """Write the results of a campaign into its row of the page."""
+    row = re.compile(rf"^(\| `{re.escape(name)}` \| .+?) \| .*$", re.MULTILINE)
+    page = PAGE.read_text(encoding="utf-8")
+    PAGE.write_text(row.sub(lambda old: f"{old[1]} | {' | '.join(cells)} |", page), encoding="utf-8")
 
 
 def main(names: list[str]) -> int:
     """Run campaigns; the exit code is 3 if one did not end as it should."""
-    endings, ran = set(), names or [name for some in CAMPAIGNS.values() for name in some]
-    for words in ran:
-        name, *options = words.split()
-        print(f"{name}: {purpose(name)}", flush=True)
-        found = run(name, options)
-        known = json.loads(KNOWN.read_text(encoding="utf-8")) | {name: found}
-        endings.add(found["ending"])
-        KNOWN.write_text(json.dumps(known, indent=1) + "\n", encoding="utf-8")
-        PAGE.write_text(page(known), encoding="utf-8")
-    return WRONG if endings - {ENDINGS[0]} else 0
+    rows = re.findall(r"^\| `(.+?)` \|", PAGE.read_text(encoding="utf-8"), re.MULTILINE)
+    code = 0
+    with ThreadPoolExecutor(available_cores()) as pool:
+        campaigns = {pool.submit(run, name): name for name in names or rows}
+        for campaign in as_completed(campaigns):
+            cells = campaign.result()
+            write(campaigns[campaign], cells)
+            code = code if ENDINGS[0] in cells else WRONG
+    return code
 
 
 if __name__ == "__main__":

@@ -42,7 +42,7 @@ def run(name: str, samples: int | None, seed: int) -> int:
     percents = [share.percent for share in judged]
     error = 100.0 * sqrt(0.95 * 0.05 / min(share.samples for share in judged))
     text = f"{min(percents):.1f} to {max(percents):.1f} % in {len(judged)} cases, standard error {error:.1f} %"
-    return verdict(f"{name}: {text}", right=all(share.percent >= (share.least or 0.0) for share in judged))
+    return verdict(text, right=all(share.percent >= (share.least or 0.0) for share in judged))
 
 
 def main() -> int:

@@ -1,4 +1,4 @@
-"""Predict tests left out of the fits of the model error, also by simpler rules, and write docs/left-out.md.
+"""Predict tests left out of the fits of the model error, also by simpler rules, and fill docs/left-out.md.
 
     python -m tools.campaigns.evidence
 
@@ -7,9 +7,11 @@ property; of AD85, one series of tests.  Scores are mean logarithms of the proba
 measured over the computed limit.
 """
 
+import re
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -261,59 +263,11 @@ def picture(sheet: Sheet) -> Picture:
     return shown
 
 
-TEXT = """# Tests left out
-
-This page is written by `python -m tools.campaigns.evidence`. It shows how well the distributions of
-[howto/confidence.md](howto/confidence.md) predict tests that they were not fitted to. RMS is that of the logarithm of
-the measured over the predicted ballistic limit, in per cent. The score is the mean logarithm of its probability
-density; a higher score is better. "Within 90" and "within 95" are the shares of tests within their intervals, per cent;
-"95 true" is the share of tests above the limit that they are stated to exceed with a probability of 95 %.
-
-## Plates, one alloy at a time
-
-Two simple rules are compared with the model, with the same random effects of alloy and round: the limit k sqrt(Y t
-D²/m), with a fitted factor k, yield strength Y, thickness t along the line of fire, diameter D and mass m of the core;
-and the same with the terms of this model. **With the same terms, the simple rule ties with this model on aluminium**:
-there, the statistics of the tests predict the limit of a plate as well as the mechanics do. The second row of each
-group predicts by the mean and standard deviation of the other tests alone.
-
-{alloys}
-
-## Bands
-
-Predictions with their alloy left out, in bands with {least} tests or more, and by round. "Stated" and "observed" are
-the mean probability and the share of tests above the limit that the model computes.
-
-{bands}
-
-**On steel, what is stated of a band or a round may be off by 40 points**, though the intervals hold: rounds differ, and
-the distribution is that of a new alloy and a new round, whichever the round is. A term in the diameter of the core does
-not help; one own test of the lot does ([own-tests.md](own-tests.md)). Of .30 APM2 on aluminium 5 to 6 diameters thick,
-79 % of 38 tests lie within their intervals, and the others above: plates of AA6061-T651 in one report.
-
-## An end of the range left out
-
-The {end:.0f} % of tests with the least, or the greatest, thickness over the diameter or strength are left out and
-predicted by the others; the tests beyond a factor of 1.65, which the program calls unknown, are among them.
-
-{ends}
-
-## Angles
-
-Plates that were tested at an angle and, in the same report against the same round, at normal incidence: none of {pairs}
-limits at an angle is below the greatest one at normal incidence of plates within 2 % of the thickness. So, from 30 to
-45 degrees, an aluminium plate is stated to stop a core with at least the probability at normal incidence.
-
-{angles}
-
-## AD85, one series at a time
-
-Wilkins' 13 tests come in three series, of 4, 5 and 4 tests. Each is left out of the fits of all three laws of the flow
-stress, which then have equal weights. Each law alone, and a rule that the limit is proportional to the areal density,
-are shown too. The half-width is that of the 95 % interval, in per cent. "Within" are numbers of tests.
-
-{series}
-"""
+def write_tables(page: Path, *tables: str) -> None:
+    """Write tables in place of those of a page, in their order."""
+    remaining = iter(tables)
+    text = page.read_text(encoding="utf-8")
+    page.write_text(re.sub(r"(?:^\|.*\n)+", lambda _: f"{next(remaining)}\n", text, flags=re.M), encoding="utf-8")
 
 
 def main() -> int:
@@ -334,19 +288,16 @@ def main() -> int:
         [pair.plate, pair.round, *(f"{number:g}" for number in pair[2:]), f"{100.0 * (pair[4] / pair[5] - 1.0):+.0f}"]
         for pair in sorted(matched_pairs(), key=lambda pair: (pair.obliquity_deg, pair.plate))
     ]
-    page = TEXT.format(
-        alloys=table(("tests of", "method", *numbers), methods),
-        least=LEAST,
-        bands=table(("tests of", "property", "band", "tests", "within 95", "95 true", "stated", "observed"), of_bands),
-        end=100.0 * END,
-        ends=table(("tests of", "left out", *numbers), of_ends),
-        pairs=len(matched_pairs()),
-        angles=table(
+    write_tables(
+        PAGE,
+        table(("tests of", "method", *numbers), methods),
+        table(("tests of", "property", "band", "tests", "within 95", "95 true", "stated", "observed"), of_bands),
+        table(("tests of", "left out", *numbers), of_ends),
+        table(
             ("plate", "round", "thickness, mm", "angle, degrees", "limit, m/s", "at 0 degrees, m/s", "more, %"), angles
         ),
-        series=table(("method", "series", "tests", "RMS, %", "half-width, %", "within 90", "within 95"), [*series()]),
+        table(("method", "series", "tests", "RMS, %", "half-width, %", "within 90", "within 95"), [*series()]),
     )
-    PAGE.write_text(page, encoding="utf-8")
     PICTURE.write_bytes(saved(drawn(picture, Sheet()).figure, ".png"))
     text = f"95 % intervals contain {min(within):.0f} to {max(within):.0f} % of the tests of alloys left out, by group"
     return verdict(text, right=min(within) >= LEAST_PERCENT)

@@ -1,4 +1,4 @@
-"""Predict real and simulated armours from own tests of their lots, and write docs/own-tests.md.
+"""Predict real and simulated armours from own tests of their lots, and fill docs/own-tests.md.
 
     python -m tools.campaigns.own_tests
 
@@ -27,7 +27,7 @@ from armour.scenario.scenario import load_scenario
 from armour.statistics.calibration import FLOW_STRESS, with_ceramic
 from armour.statistics.measured import LIMIT, read_tests
 from armour.statistics.own_tests import SHOT_SCATTER, UNTESTED, own_tests
-from tools.campaigns.evidence import NAMES, ranges_of, table
+from tools.campaigns.evidence import NAMES, ranges_of, table, write_tables
 from tools.campaigns.verdict import verdict
 from tools.evidence import GROUPS, LAWS, ROOT, SERIES, fitted, fitted_law, plates_of, tiles_of
 
@@ -257,60 +257,8 @@ def _column(place: int, array: Floats) -> Floats:
     return array[:, [place]]
 
 
-TEXT = """# Own tests, left out
-
-This page is written by `python -m tools.campaigns.own_tests`. It shows how well the own tests that `armour calibrate`
-gives to an entry predict the other armours of their lot: real ones, with the lot left out of the shipped fits, and
-simulated ones. RMS is that of the logarithm of the measured over the predicted ballistic limit; "within 95" is the
-share of limits within their intervals, and "95 true" that of limits above the one that they are stated to exceed with
-a probability of 95 %; all in per cent, as is the half-width of the interval.
-
-## Plates
-
-A lot is an alloy against a round. The alloy is left out of the fit; own tests are drawn from the lot, {draws} times,
-and the rest of it is predicted. Lots count alike. With no own test, the shipped fit predicts. "Off" is the mean
-difference, of a lot, of the stated probability and the observed share of limits above the computed ones.
-
-{plates}
-
-Lots of {least_tests} tests or more, of which less than {least_share:g} % lie within the intervals:
-
-{lots}
-
-{peculiar}
-
-Lots differ in their scatter, and in how the limit rises with the thickness. So the standard deviation of a test of a
-lot is taken as at least 4 %, and the rise of the limit as that of the fit with the standard deviation that alloys show.
-Neither is needed for the means of the groups; without them, .30 APM2 on MARS600 would lose 16 points to the shipped
-fit, and three lots on aluminium 5 to 14. The 4 % were chosen on the lots on aluminium, where 3.5 % let two lose 6 to 7;
-on steel and of fragments, tests scatter by more. No alloy is recognised by its name: of 17 of the 20
-steels there is one report, so that the effect of an alloy is that of its lot.
-
-## AD85, one series at a time
-
-A series of Wilkins' tests is left out of the fits of all three laws; all choices of its tests are own ones, and the
-rest of it is predicted.
-
-{wilkins}
-
-## Simulated lots with a ceramic
-
-Armour of AD85 on 6061-T6 follows one of three laws, each as often; its lot has an effect with a standard deviation of
-5 %, of a strange lot 10 %, on another metal 15 %, and each test a scatter of 2, 3.5 or 5 %. Own tests are of armours of
-7 to 9 mm on 5 to 7 mm; inside them, thinner and thicker armours are predicted. "Two lots, mixed" takes half of the
-tests from another lot. Outcomes are those of shots near the computed limit; of "stopped shots only", those lots count
-whose shots, below it, are all stopped. SiC has a flow stress that is uncertain by 40 %.
-
-{simulated}
-"""
-NOTES = {
-    "MARS600": "its two thinnest plates, 0.6 diameters, have limits 20 % lower than the trend of the others says",
-    "AA6082-T6": "8 tests of two reports, of which those at 30 degrees lie 7 to 10 % above, and the thickest 8 % below",
-}
-
-
 def main() -> int:
-    """Write the page."""
+    """Write the tables of the page."""
     of_plates, of_lots, trues, lost = [], [], [], []
     shipped: dict[tuple[str, str], float] = {}
     for name in PLATES:
@@ -343,18 +291,12 @@ def main() -> int:
             rows.append(["SiC, not tested before", f"{own}", design, *numbers(found.means())])
             shares += (100.0 * found.means()[1:3]).tolist()
     head = "RMS", "within 95", "95 true", "half-width"
-    PAGE.write_text(
-        TEXT.format(
-            draws=DRAWS,
-            plates=table(("tests of", "own tests", "lots", *head, "off"), of_plates),
-            least_tests=LEAST_TESTS,
-            least_share=LEAST_SHARE,
-            lots=table(("tests of", "lot", "tests", "own tests", "within 95", "by the shipped fit", "RMS"), of_lots),
-            peculiar="\n".join(f"* {lot}: {words}." for lot, words in NOTES.items()),
-            wilkins=table(("own tests", *head), of_wilkins),
-            simulated=table(("lots", "own tests", "armour", *head), rows),
-        ),
-        encoding="utf-8",
+    write_tables(
+        PAGE,
+        table(("tests of", "own tests", "lots", *head, "off"), of_plates),
+        table(("tests of", "lot", "tests", "own tests", "within 95", "by the shipped fit", "RMS"), of_lots),
+        table(("own tests", *head), of_wilkins),
+        table(("lots", "own tests", "armour", *head), rows),
     )
     text = (
         f"limits stated to be exceeded with 95 %: {min(trues):.1f} % or more are, by group; lots lose at most "
