@@ -140,7 +140,8 @@ def _kind(content: Mapping[str, Any], places: Mapping[str, str]) -> str:
     if "const" in content or "enum" in content:
         return ", ".join(f"`{json.dumps(value)}`" for value in content.get("enum", [content.get("const")]))
     if content["type"] == "array":
-        return f"list of: {_kind(content['items'], places)}"
+        parts = content.get("prefixItems") or [content["items"]]
+        return f"list of: {' and '.join(_kind(part, places) for part in parts)}"
     if content["type"] == "object":
         inner = content.get("additionalProperties")
         return f"by name: {_kind(inner, places)}" if isinstance(inner, dict) else "table"

@@ -50,6 +50,18 @@ def test_a_mixture_of_many_armours_is_that_of_each():
         assert many.quantile(0.1 * columns)[i] == pytest.approx(single.quantile(0.1 * factor))
 
 
+def test_numbers_of_an_armour_do_not_depend_on_how_many_are_computed_with_it():
+    """A sweep computes as many rows at a time as it has measured to take about a second."""
+    shifts = np.linspace(-0.5, 0.5, 2000)
+    many = THREE.mapped(lambda array: np.repeat(array[:, None], len(shifts), axis=1))
+    many = many._replace(locations=many.locations + shifts)
+    few = many.mapped(lambda array: array[:, 700:702])
+    np.testing.assert_array_equal(few.quantile(0.025), many.quantile(0.025)[700:702])
+    np.testing.assert_array_equal(few.probability_above(650.0), many.probability_above(650.0)[700:702])
+    chances = np.linspace(0.0, 1.0, 2000)
+    np.testing.assert_array_equal(THREE.drawn(chances[700:702])[1], THREE.drawn(chances)[1][700:702])
+
+
 def test_the_distribution_of_an_unknown_armour_is_unknown():
     weights = np.array([[1.0, np.nan]])
     mixture = Mixture(weights, np.full((1, 2), 6.5), np.full((1, 2), 0.1), np.full((1, 2), 9.0))

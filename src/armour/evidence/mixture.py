@@ -35,6 +35,11 @@ class Mixture(NamedTuple):
     degrees_of_freedom: Floats
     logarithmic: bool = True
 
+    @property
+    def many(self) -> bool:
+        """Whether the distribution is that of each of n armours, whose numbers must not depend on n."""
+        return self.weights.ndim > 1
+
     def times(self, limits: ArrayLike) -> "Mixture":
         """Return the distribution of a ratio times limits by the model, m/s, (k, ...) or one for all."""
         factors = np.asarray(limits, dtype=np.float64)
@@ -54,25 +59,27 @@ class Mixture(NamedTuple):
     def probability_above(self, values: ArrayLike) -> Any:
         """Return the probability of exceeding each value, such as a velocity in m/s."""
         weights, locations, scales, freedom, places = self._at(values)
-        return (weights * probability_below(freedom, (locations - places) / scales)).sum(axis=0)
+        return (weights * probability_below(freedom, (locations - places) / scales, many=self.many)).sum(axis=0)
 
     def quantile(self, probabilities: ArrayLike) -> Any:
         """Return the values that are not exceeded with given probabilities, 0 to 1."""
         chances = np.asarray(probabilities, dtype=np.float64)
         weights, locations, scales, freedom = self._parts(chances)
-        by_component = np.where(weights > 0.0, 0.0, np.nan) + _quantiles(locations, scales, freedom, chances)
+        by_component = np.where(weights > 0.0, 0.0, np.nan) + _quantiles(locations, scales, freedom, chances, self.many)
         low, high = np.fmin.reduce(by_component), np.fmax.reduce(by_component)
         places = np.where(low == high, low, 0.5 * (low + high))
-        # Newton's method, within an interval that it narrows.
+        moving = np.ones_like(places, dtype=bool)
+        # Newton's method, within an interval that it narrows, for each until its own last step.
         for _ in range(MOST_STEPS if len(by_component) > 1 else 0):
-            below = (weights * probability_below(freedom, (places - locations) / scales)).sum(axis=0)
+            below = (weights * probability_below(freedom, (places - locations) / scales, many=self.many)).sum(axis=0)
             low, high = np.where(below < chances, places, low), np.where(below < chances, high, places)
             with np.errstate(all="ignore"):
-                last, places = places, places + (chances - below) * np.exp(-self._log_density(places))
-                places = np.where((places >= low) & (places <= high), places, 0.5 * (low + high))
-                places = np.where(low == high, low, places)
-                if not (np.abs(places - last) > TOLERANCE * np.maximum(1.0, np.abs(places))).any():
-                    break
+                new = places + (chances - below) * np.exp(-self._log_density(places))
+                new = np.where((new >= low) & (new <= high), new, 0.5 * (low + high))
+                last, places = places, np.where(moving, np.where(low == high, low, new), places)
+                moving &= np.abs(places - last) > TOLERANCE * np.maximum(1.0, np.abs(places))
+            if not moving.any():
+                break
         return np.exp(places) if self.logarithmic else places
 
     def log_density(self, values: ArrayLike) -> Any:
@@ -96,7 +103,7 @@ class Mixture(NamedTuple):
         ends = np.cumsum(self.weights)
         which = np.minimum(np.searchsorted(ends, chances, side="right"), np.flatnonzero(self.weights)[-1])
         parts = ((chances - ends[which]) / self.weights[which] + 1.0).clip(2.0**-53, 1.0 - 2.0**-53)
-        values = _quantiles(self.locations[which], self.scales[which], self.degrees_of_freedom[which], parts)
+        values = _quantiles(self.locations[which], self.scales[which], self.degrees_of_freedom[which], parts, many=True)
         return which, np.exp(values) if self.logarithmic else values
 
     def _parts(self, values: Floats) -> list[Floats]:
@@ -110,6 +117,6 @@ class Mixture(NamedTuple):
         return [*self._parts(places), places]
 
 
-def _quantiles(locations: Floats, scales: Floats, freedom: Floats, probabilities: Floats) -> Floats:
+def _quantiles(locations: Floats, scales: Floats, freedom: Floats, probabilities: Floats, many: bool) -> Floats:
     """Return quantiles of Student's t distributions."""
-    return locations + scales * quantile(freedom, probabilities)
+    return locations + scales * quantile(freedom, probabilities, many=many)

@@ -1,4 +1,4 @@
-"""Student's t distribution: by quadrature for a few numbers, as scipy is slow to import, and by scipy for many."""
+"""Student's t distribution: by quadrature for one armour, as scipy is slow to import, and by scipy for many."""
 
 from math import lgamma
 
@@ -7,8 +7,6 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
-# Numbers computed here, at most.
-MOST = 1000
 # The quadrature, exact to 1e-12 for two and a half degrees of freedom or more, and the standard deviations it covers.
 _OFF_DIAGONAL = np.arange(1.0, 64.0) / np.sqrt(4.0 * np.arange(1.0, 64.0) ** 2 - 1.0)
 # Gauss-Legendre by Golub and Welsch: numpy's own function would import all of numpy.polynomial.
@@ -21,20 +19,20 @@ TOLERANCE, MOST_STEPS = 1e-14, 100
 LEAST_DENSITY = 1e-300
 
 
-def probability_below(freedom: Floats, t: Floats) -> Floats:
+def probability_below(freedom: Floats, t: Floats, *, many: bool) -> Floats:
     """Return the probability of less than t, with the broadcast shape."""
     freedom, t = np.broadcast_arrays(freedom, t)
-    if t.size > MOST:
+    if many:
         from scipy.special import stdtr  # slow to import
 
         return np.asarray(stdtr(freedom, t))
     return _below(freedom, _constants(freedom), np.arctan(t / np.sqrt(freedom)))
 
 
-def quantile(freedom: Floats, probabilities: Floats) -> Floats:
+def quantile(freedom: Floats, probabilities: Floats, *, many: bool) -> Floats:
     """Return the values that are not exceeded with given probabilities, with the broadcast shape."""
     freedom, probabilities = np.broadcast_arrays(freedom, probabilities)
-    if probabilities.size > MOST:
+    if many:
         from scipy.special import stdtrit  # slow to import
 
         values = stdtrit(freedom, probabilities)
