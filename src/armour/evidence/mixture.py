@@ -10,6 +10,8 @@ from armour.evidence.student import Floats, density_at_0, probability_below, qua
 
 # Of a quantile, or its logarithm, and the most steps to it; ten are usual.
 TOLERANCE, MOST_STEPS = 1e-12, 200
+# Numbers of one armour that are computed without scipy, at most.
+MOST = 1000
 
 
 class Mixture(NamedTuple):
@@ -35,10 +37,9 @@ class Mixture(NamedTuple):
     degrees_of_freedom: Floats
     logarithmic: bool = True
 
-    @property
-    def many(self) -> bool:
-        """Whether the distribution is that of each of n armours, whose numbers must not depend on n."""
-        return self.weights.ndim > 1
+    def _many(self, values: Floats) -> bool:
+        """Return whether to compute by scipy: for n armours whatever n is, and for many numbers of one armour."""
+        return self.weights.ndim > 1 or values.size > MOST
 
     def times(self, limits: ArrayLike) -> "Mixture":
         """Return the distribution of a ratio times limits by the model, m/s, (k, ...) or one for all."""
@@ -59,19 +60,21 @@ class Mixture(NamedTuple):
     def probability_above(self, values: ArrayLike) -> Any:
         """Return the probability of exceeding each value, such as a velocity in m/s."""
         weights, locations, scales, freedom, places = self._at(values)
-        return (weights * probability_below(freedom, (locations - places) / scales, many=self.many)).sum(axis=0)
+        below = probability_below(freedom, (locations - places) / scales, many=self._many(places))
+        return (weights * below).sum(axis=0)
 
     def quantile(self, probabilities: ArrayLike) -> Any:
         """Return the values that are not exceeded with given probabilities, 0 to 1."""
         chances = np.asarray(probabilities, dtype=np.float64)
         weights, locations, scales, freedom = self._parts(chances)
-        by_component = np.where(weights > 0.0, 0.0, np.nan) + _quantiles(locations, scales, freedom, chances, self.many)
+        many = self._many(chances)
+        by_component = np.where(weights > 0.0, 0.0, np.nan) + _quantiles(locations, scales, freedom, chances, many)
         low, high = np.fmin.reduce(by_component), np.fmax.reduce(by_component)
         places = np.where(low == high, low, 0.5 * (low + high))
         moving = np.ones_like(places, dtype=bool)
         # Newton's method, within an interval that it narrows, for each until its own last step.
         for _ in range(MOST_STEPS if len(by_component) > 1 else 0):
-            below = (weights * probability_below(freedom, (places - locations) / scales, many=self.many)).sum(axis=0)
+            below = (weights * probability_below(freedom, (places - locations) / scales, many=many)).sum(axis=0)
             low, high = np.where(below < chances, places, low), np.where(below < chances, high, places)
             with np.errstate(all="ignore"):
                 new = places + (chances - below) * np.exp(-self._log_density(places))
