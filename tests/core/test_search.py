@@ -1,5 +1,6 @@
 """Searches against bisection on the outcome."""
 
+from collections.abc import Callable
 from math import inf
 
 import pytest
@@ -9,12 +10,14 @@ from armour.core import search
 from armour.core.run import TOLERANCE
 from armour.core.search import (
     RunSettings,
+    Trial,
     find_ballistic_limit,
     find_least_ceramic_thickness,
     impact,
     narrowed_change,
     scan,
 )
+from armour.core.state import Parameters
 from tests.helpers.cases import armour
 from tests.helpers.runs import perforates, random_designs
 
@@ -25,82 +28,171 @@ SOLVER = RunSettings(1.0, 0.0, STEPS, TOLERANCE)
 
 def test_the_limits_are_those_of_scan_and_bisection():
     for p in random_designs(COUNT)[:LIMITS]:
-        found = find_ballistic_limit(p, VELOCITIES, 1e-4, 1.0, 0.0, STEPS)
-        above = next(i for i, velocity in enumerate(VELOCITIES) if found.high <= velocity)
+        result = find_ballistic_limit(p, VELOCITIES, 1e-4, 1.0, 0.0, STEPS)
+        above = next(i for i, velocity in enumerate(VELOCITIES) if result.high <= velocity)
         low, high = bisect(lambda v, p=p: perforates(p, v), VELOCITIES[above - 1], VELOCITIES[above], 1e-6)  # type: ignore[misc]
-        assert found.low <= high
-        assert found.high >= low
-        assert found.high - found.low <= 1e-4
-        assert found.resolved
-        assert found.runs <= 20
+        assert result.low <= high
+        assert result.high >= low
+        assert result.high - result.low <= 1e-4
+        assert result.resolved
+        assert result.runs <= 20
 
 
 def test_the_ends_of_a_fine_bracket_have_their_outcomes():
     """The residual energy vanishes some 5e-10 m/s below the change of the outcome."""
     p = armour("7.62 mm AP", "AD85", "6061-T6", 7.83, 7.24)
     for flow_stress in (5.238e9, 5.24e9, 5.248e9, 5.258e9):
-        own = p._replace(Yc0=flow_stress)
-        found = find_ballistic_limit(own, VELOCITIES, 1e-9, 1.0, 0.0, STEPS)
-        assert perforates(own, found.high)
-        assert not perforates(own, found.low)
+        harder = p._replace(Yc0=flow_stress)
+        result = find_ballistic_limit(harder, VELOCITIES, 1e-9, 1.0, 0.0, STEPS)
+        assert perforates(harder, result.high)
+        assert not perforates(harder, result.low)
 
 
 def test_a_change_to_stop_is_narrowed():
     """Where a faster projectile is stopped again, the lower impact perforates."""
     p = armour()
     limit = find_ballistic_limit(p, VELOCITIES, 1e-6, 1.0, 0.0, STEPS).high
-    found = narrowed_change(p, impact(p, limit + 50.0, SOLVER), impact(p, limit - 50.0, SOLVER), 1e-3, SOLVER)
-    assert found.low <= limit <= found.high
-    assert found.high - found.low <= 1.2e-3
+    result = narrowed_change(p, impact(p, limit + 50.0, SOLVER), impact(p, limit - 50.0, SOLVER), 1e-3, SOLVER)
+    assert result.low <= limit <= result.high
+    assert result.high - result.low <= 1.2e-3
 
 
 @pytest.mark.parametrize("index", range(0, COUNT, 2))
 def test_the_least_thickness_is_that_of_bisection(index: int):
     p = random_designs(COUNT)[index]
     thick = 10.0 * p.D0
-    found = find_least_ceramic_thickness(p, 700.0, 0.0, thick, 1e-8, 1.0, 0.0, STEPS)
+    result = find_least_ceramic_thickness(p, 700.0, 0.0, thick, 1e-8, 1.0, 0.0, STEPS)
     if not perforates(p._replace(Hc0=0.0), 700.0):
-        assert (found.low, found.high) == (0.0, inf)
+        assert (result.low, result.high) == (0.0, inf)
         return
     _, high = bisect(lambda Hc0: not perforates(p._replace(Hc0=Hc0), 700.0), 0.0, thick, 1e-9)
-    assert -found.low == pytest.approx(high, abs=2e-8)
-    assert 0.0 < found.high - found.low <= 1e-8
-    assert found.resolved
+    assert -result.low == pytest.approx(high, abs=2e-8)
+    assert 0.0 < result.high - result.low <= 1e-8
+    assert result.resolved
 
 
 def test_the_least_thickness_by_a_law_of_the_flow_stress():
     p = armour()._replace(n_B=0.4, n_cB=-0.3, a_c=0.2, a_B=-0.1)
-    found = find_least_ceramic_thickness(p, 800.0, 0.0, 0.05, 1e-8, 1.0, 0.0, STEPS)
-    assert perforates(p._replace(Hc0=-found.high), 800.0)
-    assert not perforates(p._replace(Hc0=-found.low), 800.0)
-    assert 0.0 < found.high - found.low <= 1e-8
+    result = find_least_ceramic_thickness(p, 800.0, 0.0, 0.05, 1e-8, 1.0, 0.0, STEPS)
+    assert perforates(p._replace(Hc0=-result.high), 800.0)
+    assert not perforates(p._replace(Hc0=-result.low), 800.0)
+    assert 0.0 < result.high - result.low <= 1e-8
 
 
 def test_a_range_without_a_root():
     p = armour()
     slow = scan(20.0, 500.0)
-    found = find_ballistic_limit(p, slow, 1e-3, 1.0, 0.0, STEPS)
-    assert (found.low, found.high, found.resolved) == (500.0, inf, True)
-    found = find_ballistic_limit(p, scan(900.0, 1500.0), 1e-3, 1.0, 0.0, STEPS)
-    assert (found.low, found.high, found.resolved) == (-inf, 900.0, True)
-    found = find_least_ceramic_thickness(p, 3000.0, 0.0, 0.01, 1e-8, 1.0, 0.0, STEPS)
-    assert (found.low, found.high, found.resolved) == (-inf, -0.01, True)
-    found = find_least_ceramic_thickness(p, 200.0, 0.002, 0.01, 1e-8, 1.0, 0.0, STEPS)
-    assert (found.low, found.high, found.resolved) == (-0.002, inf, True)
+    result = find_ballistic_limit(p, slow, 1e-3, 1.0, 0.0, STEPS)
+    assert (result.low, result.high, result.resolved) == (500.0, inf, True)
+    result = find_ballistic_limit(p, scan(900.0, 1500.0), 1e-3, 1.0, 0.0, STEPS)
+    assert (result.low, result.high, result.resolved) == (-inf, 900.0, True)
+    result = find_least_ceramic_thickness(p, 3000.0, 0.0, 0.01, 1e-8, 1.0, 0.0, STEPS)
+    assert (result.low, result.high, result.resolved) == (-inf, -0.01, True)
+    result = find_least_ceramic_thickness(p, 200.0, 0.002, 0.01, 1e-8, 1.0, 0.0, STEPS)
+    assert (result.low, result.high, result.resolved) == (-0.002, inf, True)
 
 
 @pytest.mark.parametrize("steps", [3, 21])
 def test_an_unresolved_run_ends_the_search(steps: int):
-    found = find_ballistic_limit(armour(), VELOCITIES, 1e-3, 1.0, 0.0, steps)
-    assert found.low == found.high
-    assert not found.resolved
+    result = find_ballistic_limit(armour(), VELOCITIES, 1e-3, 1.0, 0.0, steps)
+    assert result.low == result.high
+    assert not result.resolved
     assert not find_least_ceramic_thickness(armour(), 800.0, 0.0, 0.01, 1e-8, 1.0, 0.0, steps).resolved
 
 
+class Impacts:
+    """Impacts whose outcome is a function of the velocity or of the ceramic thickness, m, which it counts."""
+
+    def __init__(self, perforates: Callable[[float], bool], unresolved: tuple[float, float] = (inf, inf)) -> None:
+        self.perforates, self.unresolved, self.count = perforates, unresolved, 0
+
+    def at_velocity(self, _p: Parameters, V: float, _solver: RunSettings) -> Trial:
+        return self.trial(V, V)
+
+    def at_thickness(self, p: Parameters, V: float, _solver: RunSettings) -> Trial:
+        return self.trial(p.Hc0, V)
+
+    def trial(self, x: float, V: float) -> Trial:
+        self.count += 1
+        resolved = not self.unresolved[0] <= x <= self.unresolved[1]
+        perforated = resolved and self.perforates(x)
+        return Trial(V, perforated, resolved, 1.0 if perforated else -1.0)
+
+
+FAST = scan(1000.0, 4000.0)  # no velocity lacks the energy to perforate
+
+
+@pytest.mark.parametrize(
+    ("change", "unresolved", "low", "high"),
+    [
+        (inf, (inf, inf), 4000.0, inf),
+        (0.0, (inf, inf), -inf, 1000.0),
+        (2500.0, (900.0, 1000.0), 1000.0, 1000.0),
+        (2500.0, (2000.0, 2100.0), 2000.0, 2000.0),
+        (2500.0, (2499.0, 2501.0), 2500.0, 2500.0),
+    ],
+)
+def test_every_run_of_a_search_is_counted(monkeypatch: pytest.MonkeyPatch, change, unresolved, low, high):
+    impacts = Impacts(lambda V: change < V, unresolved)
+    monkeypatch.setattr(search, "impact", impacts.at_velocity)
+    result = find_ballistic_limit(armour(), FAST, 0.01, 1.0, 0.0, STEPS)
+    assert result.low == pytest.approx(low, abs=1.0)
+    assert result.high == pytest.approx(high, abs=1.0)
+    assert result.resolved is (unresolved[0] == inf)
+    assert result.low == result.high or result.resolved
+    assert result.runs == impacts.count
+
+
+def test_a_change_is_as_narrow_as_its_tolerance(monkeypatch: pytest.MonkeyPatch):
+    for tolerance in (1.0, 0.01):
+        impacts = Impacts(lambda V: V > 2500.0)
+        monkeypatch.setattr(search, "impact", impacts.at_velocity)
+        result = find_ballistic_limit(armour(), FAST, tolerance, 1.0, 0.0, STEPS)
+        assert result.low <= 2500.0 <= result.high
+        assert result.high - result.low <= 1.01 * tolerance
+        assert result.runs == impacts.count
+
+
+def test_usual_runs_that_contradict_the_rough_ones_scan_again(monkeypatch: pytest.MonkeyPatch):
+    """The rough runs see a change at 1,500 m/s, the usual ones at 2,500."""
+    rough, usual = Impacts(lambda V: V > 1500.0), Impacts(lambda V: V > 2500.0)
+    monkeypatch.setattr(
+        search,
+        "impact",
+        lambda p, V, solver: (rough if solver.tolerance > TOLERANCE else usual).at_velocity(p, V, solver),
+    )
+    result = find_ballistic_limit(armour(), FAST, 0.01, 1.0, 0.0, STEPS)
+    assert result.low <= 2500.0 <= result.high <= result.low + 0.0101
+    assert result.runs == rough.count + usual.count
+
+
+@pytest.mark.parametrize(
+    ("thickness", "unresolved", "low", "high"),
+    [
+        (0.005, (inf, inf), -0.005, -0.005),
+        (0.0, (inf, inf), -0.001, inf),
+        (0.02, (inf, inf), -inf, -0.01),
+        (0.005, (0.001, 0.001), -inf, inf),
+        (0.005, (0.01, 0.01), -inf, inf),
+        (0.005, (0.004, 0.006), -inf, inf),
+    ],
+)
+def test_every_run_of_a_search_for_a_thickness_is_counted(
+    monkeypatch: pytest.MonkeyPatch, thickness, unresolved, low, high
+):
+    impacts = Impacts(lambda Hc0: Hc0 < thickness, unresolved)
+    monkeypatch.setattr(search, "impact", impacts.at_thickness)
+    result = find_least_ceramic_thickness(armour(), 800.0, 0.001, 0.01, 1e-6, 1.0, 0.0, STEPS)
+    assert result.low == pytest.approx(low, abs=1e-6)
+    assert result.high == pytest.approx(high, abs=1e-6)
+    assert result.resolved is (unresolved[0] == inf)
+    assert result.runs == impacts.count
+
+
 def test_a_tolerance_below_rounding_ends():
-    found = find_ballistic_limit(armour(), VELOCITIES, 0.0, 1.0, 0.0, STEPS)
-    assert found.high - found.low < 1e-9
-    assert found.runs < 140
+    result = find_ballistic_limit(armour(), VELOCITIES, 0.0, 1.0, 0.0, STEPS)
+    assert result.high - result.low < 1e-9
+    assert result.runs < 140
 
 
 def test_the_residual_energy_continues_below_the_limit():

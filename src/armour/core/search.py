@@ -115,17 +115,15 @@ def find_ballistic_limit(
 def scanned_limit(p: Parameters, velocities: Sequence[float], tolerance: float, solver: RunSettings) -> SearchResult:
     """Find the ballistic limit by runs of one kind, see `find_ballistic_limit`."""
     first = first_scanned(p, velocities)
-    below = Trial(-inf, False, True, 0.0)
-    for i in range(first, len(velocities)):
+    below = impact(p, velocities[first], solver)
+    if below.perforated or not below.resolved:
+        return SearchResult(-inf if below.resolved else below.V, below.V, 1, below.resolved)
+    for i in range(first + 1, len(velocities)):
         above = impact(p, velocities[i], solver)
         runs = i - first + 1
         if not above.resolved:
             return SearchResult(above.V, above.V, runs, False)
         if above.perforated:
-            if i == 0:
-                return SearchResult(-inf, above.V, runs, True)
-            if i == first:  # by the bound the velocity does not perforate: rounding
-                below = impact(p, velocities[i - 1], solver)
             change = narrowed_change(p, below, above, tolerance, solver)
             return SearchResult(change.low, change.high, change.runs + runs, change.resolved)
         below = above
