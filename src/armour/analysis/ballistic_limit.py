@@ -184,16 +184,16 @@ def find_crossings(scenario: Scenario, points: int, on_progress: OnProgress) -> 
     count(1, last, last.V)
     lowest_perforates = last.perforated
     for velocity in velocities[first + 1 :]:
-        tried = search.impact(armour, velocity, solver)
-        count(1, tried, velocity)
-        if tried.perforated != last.perforated:
-            found = search.narrowed_change(armour, last, tried, section.tolerance_m_s, solver)
-            if not crossings and tried.perforated:
+        trial = search.impact(armour, velocity, solver)
+        count(1, trial, velocity)
+        if trial.perforated != last.perforated:
+            change = search.narrowed_change(armour, last, trial, section.tolerance_m_s, solver)
+            if not crossings and trial.perforated:
                 # The limit is the engine's, to the last bit.
-                found = search.find_ballistic_limit(armour, velocities, section.tolerance_m_s, *solver[:3])
-            count(found.runs, found, found.high)
-            crossings.append(Crossing((found.low, found.high), "perforated" if tried.perforated else "stopped"))
-        last = tried
+                change = search.find_ballistic_limit(armour, velocities, section.tolerance_m_s, *solver[:3])
+            count(change.runs, change, change.high)
+            crossings.append(Crossing((change.low, change.high), "perforated" if trial.perforated else "stopped"))
+        last = trial
     return tuple(crossings), runs, lowest_perforates
 
 
@@ -215,11 +215,11 @@ def curve_velocities(limit: LimitResult, scenario: Scenario) -> list[float]:
     last crossing.
     """
     section = scenario.ballistic_limit
-    found = limit.ballistic_limit_m_s
-    low = max(section.velocity_min_m_s, 0.7 * found)
+    ballistic_limit = limit.ballistic_limit_m_s
+    low = max(section.velocity_min_m_s, 0.7 * ballistic_limit)
     last = limit.crossings[-1].bracket_m_s[1]
-    high = min(section.velocity_max_m_s, max(1.6 * found, 1.1 * last))
-    rising = [found + (high - found) * (i / CURVE_POINTS) ** 2 for i in range(CURVE_POINTS + 1)]
+    high = min(section.velocity_max_m_s, max(1.6 * ballistic_limit, 1.1 * last))
+    rising = [ballistic_limit + (high - ballistic_limit) * (i / CURVE_POINTS) ** 2 for i in range(CURVE_POINTS + 1)]
     return [low, limit.bracket_m_s[0], *rising]
 
 

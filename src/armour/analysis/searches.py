@@ -116,15 +116,15 @@ def distributions(variants: Variants, limits: Floats) -> Mixture:
 
 def changes_above(variants: Variants, limits: Floats) -> Bools:
     """Return which unusual rows are seen to stop an impact faster than their ballistic limit, (n,)."""
-    section, found = variants.scenario.ballistic_limit, np.zeros(len(limits), dtype=bool)
+    section, again = variants.scenario.ballistic_limit, np.zeros(len(limits), dtype=bool)
     velocities = np.array(scan(section.velocity_min_m_s, section.velocity_max_m_s, DENSE_SCAN_POINTS))
     where = np.flatnonzero(unusual(variants) & np.isfinite(limits))
     for start in range(0, len(where), SCANS_AT_A_TIME):
-        some = where[start : start + SCANS_AT_A_TIME]
-        row, place = np.nonzero(velocities > limits[some, None])
-        faster = variants.at(some[row])._replace(velocities=velocities[place])
-        found[some[row[~perforated(faster)]]] = True
-    return found
+        part = where[start : start + SCANS_AT_A_TIME]
+        row, place = np.nonzero(velocities > limits[part, None])
+        faster = variants.at(part[row])._replace(velocities=velocities[place])
+        again[part[row[~perforated(faster)]]] = True
+    return again
 
 
 def bisect_rows(
@@ -156,14 +156,14 @@ def least_ceramics_mm(variants: Variants) -> Least:
     below, above = np.empty_like(variants.velocities), np.empty_like(variants.velocities)
     for cosine in np.unique(variants.cosines):
         rows = variants.cosines == cosine
-        some = variants.at(rows)
+        alike = variants.at(rows)
         range_m = low / cosine * MM, high / cosine * MM
-        found = batch.least_thicknesses(
-            some.parameters, some.velocities, *range_m, THICKNESS_TOLERANCE_MM * MM, variants.options
+        brackets = batch.least_thicknesses(
+            alike.parameters, alike.velocities, *range_m, THICKNESS_TOLERANCE_MM * MM, variants.options
         )
-        check_resolved(found.resolved, some)
+        check_resolved(brackets.resolved, alike)
         # The perforated end of a bracket of thicknesses is the lower one.
-        below[rows], above[rows] = found.perforated / MM * cosine, found.stopped / MM * cosine
+        below[rows], above[rows] = brackets.perforated / MM * cosine, brackets.stopped / MM * cosine
     least = np.where(np.isfinite(above) & ~np.isfinite(below), low, np.nan)
     where = np.flatnonzero(np.isfinite(above) & np.isfinite(below))
     stops, is_unusual = _conditions(lambda values, rows: with_thicknesses(variants.at(rows), ceramic_mm=values))
@@ -194,9 +194,9 @@ def least_totals_mm(variants: Variants) -> Least:
     where = np.flatnonzero(low <= high)
 
     def scaled(values: Floats, rows: Ints) -> Variants:
-        some = where[rows]
-        ceramic_mm, backing_mm = (values * layer[some] / totals[some] for layer in (ceramics, backings))
-        return with_thicknesses(variants.at(some), ceramic_mm=ceramic_mm, backing_mm=backing_mm)
+        places = where[rows]
+        ceramic_mm, backing_mm = (values * layer[places] / totals[places] for layer in (ceramics, backings))
+        return with_thicknesses(variants.at(places), ceramic_mm=ceramic_mm, backing_mm=backing_mm)
 
     least = Least(np.full(len(totals), np.nan), np.zeros(len(totals), dtype=bool))
     ends = low[where] * totals[where], high[where] * totals[where]
@@ -231,14 +231,14 @@ def scanned_where_unusual(
 
     The least thickness given decides whether it is; if that is NaN, the other quantities of the row do.
     """
-    found = Least(least.copy(), np.zeros(len(least), dtype=bool))
+    scanned = Least(least.copy(), np.zeros(len(least), dtype=bool))
     where = np.flatnonzero(is_unusual(least, np.arange(len(least))))
     for start in range(0, len(where), SCANS_AT_A_TIME):
         rows = where[start : start + SCANS_AT_A_TIME]
         values = np.linspace(low[rows], high[rows], points, axis=1)
         stopped = stops(values.ravel(), np.repeat(rows, points)).reshape(values.shape)
-        first, some = stopped.argmax(axis=1), np.arange(len(rows))
-        upper = bisect_rows(stops, rows, values[some, np.maximum(first - 1, 0)], values[some, first])
-        found.mm[rows] = np.where(stopped.any(axis=1), upper, np.nan)
-        found.changes_again[rows] = (stopped[:, :-1] > stopped[:, 1:]).any(axis=1)
-    return found
+        first, numbers = stopped.argmax(axis=1), np.arange(len(rows))
+        upper = bisect_rows(stops, rows, values[numbers, np.maximum(first - 1, 0)], values[numbers, first])
+        scanned.mm[rows] = np.where(stopped.any(axis=1), upper, np.nan)
+        scanned.changes_again[rows] = (stopped[:, :-1] > stopped[:, 1:]).any(axis=1)
+    return scanned

@@ -67,10 +67,10 @@ def folder() -> tuple[Path | None, str]:
 
 def replaced_function() -> str:
     """Return the name of a function of the core that a program has replaced by its own, or ""."""
-    own = ("armour.core", "builtins", "collections", "enum", "math", "typing")
+    of_the_core = ("armour.core", "builtins", "collections", "enum", "math", "typing")
     for name, module in list(sys.modules.items()):
         for attribute, value in vars(module).items() if name.startswith("armour.core.") else ():
-            if callable(value) and not getattr(value, "__module__", "").startswith(own):
+            if callable(value) and not getattr(value, "__module__", "").startswith(of_the_core):
                 return f"{name}.{attribute}"
     return ""
 

@@ -114,10 +114,10 @@ def residual_table(result: CalibrationResult) -> Table:
 
 def tables(result: CalibrationResult) -> list[Table | str]:
     """Return all tables of a calibration."""
-    found: list[Table | str] = [law_table(result)] if result.laws else []
-    found.append(coefficient_table(result))
-    found += [PRIOR_NOTE] if _has_prior(result) else []
-    found.append(calibration_table(result))
+    parts: list[Table | str] = [law_table(result)] if result.laws else []
+    parts.append(coefficient_table(result))
+    parts += [PRIOR_NOTE] if _has_prior(result) else []
+    parts.append(calibration_table(result))
     if len(result.coefficients) > 1:
-        found.append(correlation_table(result))
-    return [*found, residual_table(result)]
+        parts.append(correlation_table(result))
+    return [*parts, residual_table(result)]

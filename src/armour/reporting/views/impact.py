@@ -34,13 +34,13 @@ STAGES = {
 
 def tables(result: ImpactResult) -> list[Table | str]:
     """Return the outcome of an impact, its probability where that was computed, and what remains, stage by stage."""
-    found: list[Table | str] = [verdict(result)]
+    parts: list[Table | str] = [verdict(result)]
     if (confidence := result.question.get("confidence")) is not None:
-        found += confidence_tables(confidence)
+        parts += confidence_tables(confidence)
         distributed = result.question["scenario"].uncertainty
         if confidence.model_error is None and distributed is not None and distributed.inputs():
-            found.append(f"{SAMPLED_ALONE}: armour uncertainty")
-    return [*found, impact_table(result), stage_table(result)]
+            parts.append(f"{SAMPLED_ALONE}: armour uncertainty")
+    return [*parts, impact_table(result), stage_table(result)]
 
 
 def verdict(result: ImpactResult) -> Verdict:

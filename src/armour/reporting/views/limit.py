@@ -29,7 +29,7 @@ def tables(result: LimitResult) -> list[Table | str]:
     below, above = result.bracket_m_s
     scanned = f"{result.scanned_velocities} velocities from {low:g} to {high:g} m/s were scanned"
     width = f"bracket width {above - below:.1g} m/s"
-    found: list[Table | str] = [limit_table(result), error_note(result, result.model_error)]
+    parts: list[Table | str] = [limit_table(result), error_note(result, result.model_error)]
     if result.monotonic:
-        return [*found, f"{scanned}, all above the limit perforate; {width}"]
-    return [*found, f"{scanned}, the outcome changes {len(result.crossings)} times; {width}", crossing_table(result)]
+        return [*parts, f"{scanned}, all above the limit perforate; {width}"]
+    return [*parts, f"{scanned}, the outcome changes {len(result.crossings)} times; {width}", crossing_table(result)]

@@ -31,13 +31,13 @@ def estimate_table(result: UncertaintyResult) -> Table:
     )
     limits = {**result.ballistic_limit_m_s, "mean ballistic limit": mean}
     # A probability and velocities have different decimals, so that the numbers are formatted here.
-    found = [
+    parts = [
         (STOPPING.label, "%", stopped, ".1f"),
         *((name, "m/s", estimate, ".0f") for name, estimate in limits.items()),
     ]
     sampling = Column(f"sampling error, {percent(result.confidence)} interval")
     columns = (Column("quantity"), Column("unit"), Column("estimate", spec="g"), sampling)
-    rows = ((name, unit, format(e.value, spec), interval(e, spec)) for name, unit, e, spec in found)
+    rows = ((name, unit, format(e.value, spec), interval(e, spec)) for name, unit, e, spec in parts)
     return Table(columns, tuple(rows))
 
 
@@ -54,16 +54,16 @@ def index_table(result: UncertaintyResult) -> Table:
 
 def tables(result: UncertaintyResult) -> list[Table | str]:
     """Return all tables of a propagated uncertainty."""
-    found: list[Table | str] = [estimate_table(result), SAMPLING_NOTE, error_note(result, result.model_error)]
+    parts: list[Table | str] = [estimate_table(result), SAMPLING_NOTE, error_note(result, result.model_error)]
     if result.model_error is None:
-        found.append(SAMPLED_ALONE)
-    found += [uncertainty_table(result), index_table(result)]
+        parts.append(SAMPLED_ALONE)
+    parts += [uncertainty_table(result), index_table(result)]
     estimates = [estimate for index in result.inputs for estimate in (index.first, index.total) if estimate]
     if any(estimate.low < 0.0 or estimate.high > 1.0 for estimate in estimates):
-        found.append(INDEX_NOTE)
+        parts.append(INDEX_NOTE)
     if any(index.first and not index.total for index in result.inputs):
-        found.append(
+        parts.append(
             "inputs are correlated: variance that they share is attributed to each of them, so that the first-order "
             "indices may sum to more than 1; total indices are not given"
         )
-    return found
+    return parts
