@@ -85,9 +85,21 @@ def obstacle() -> str:
 
 
 def is_compiled(name: str) -> bool:
-    """Return whether there is the compiled code of a loop, without importing numba."""
+    """Return whether there is the compiled code of a loop as it was written, without importing numba."""
     path = None if obstacle() else folder()[0]
-    return path is not None and any(name in file.name for file in path.glob("*/*.nbi"))
+    with suppress(OSError):
+        return path is not None and seal(path, name).read_text(encoding="utf-8") == content_of(path, name)
+    return False
+
+
+def seal(path: Path, name: str) -> Path:
+    """Return the file that holds a hash of the compiled code of a loop: numba would run code that is damaged."""
+    return path / f"{name}.sha256"
+
+
+def content_of(path: Path, name: str) -> str:
+    """Return a hash of the files of the compiled code of a loop."""
+    return sha256(b"".join(file.read_bytes() for file in sorted(path.glob(f"*/*{name}*")))).hexdigest()
 
 
 def is_loaded(name: str) -> bool:
@@ -124,17 +136,23 @@ def load(name: str) -> Kernel:
     from armour.engine.kernels import compiled
 
     path, hindrance = folder()
-    if not is_compiled(name):
+    whole = is_compiled(name)
+    if not whole:
         kept = f" at every start: compiled code cannot be kept {hindrance}; XDG_CACHE_HOME names another folder"
         log_once(logging.INFO, COMPILING + kept * bool(hindrance))
     if path is None:
         return compiled(name)
+    if not whole:
+        for file in path.glob(f"*/*{name}*"):
+            file.unlink(missing_ok=True)
     try:
         loop: Kernel = compiled(name, path)
     except Exception:  # a damaged file, or a full disk
         shutil.rmtree(path, ignore_errors=True)
         return compiled(name)
     with suppress(OSError):
+        if not whole:
+            seal(path, name).write_text(content_of(path, name), encoding="utf-8")
         others = [other for other in path.parent.glob("kernels-*") if other != path]
         for other in sorted(others, key=os.path.getmtime)[:-OTHERS_KEPT]:
             shutil.rmtree(other)
