@@ -157,6 +157,21 @@ main()
     assert (done.returncode, done.stderr) == (130, "interrupted\n")
 
 
+def test_interrupted_in_a_serializer_of_pydantic():
+    code = """
+from pydantic import BaseModel, model_serializer
+from armour.cli import main
+class Section(BaseModel):
+    @model_serializer
+    def interrupted(self):
+        raise KeyboardInterrupt
+main._run = Section().model_dump
+main.main()
+"""
+    done = process("-c", code)
+    assert (done.returncode, done.stderr) == (130, "interrupted\n")
+
+
 def test_one_line_of_a_pipe(tmp_path: Path):
     code, output, messages = piped(f"simulate {SCENARIOS / 'wilkins.toml'}", tmp_path)
     assert (code, output, messages) == (0, "6.35 mm AD85 on 6.35 mm 6061-T6 against 7.62 mm AP at 800 m/s\n", "")

@@ -491,8 +491,8 @@ def may_be_left(path: Path, code: int, arguments: list[str]) -> bool:
         return code == INTERRUPTED
     if code == INTERRUPTED and path.read_bytes().endswith(ENDS.get(path.suffix, b"\n")):  # written whole before
         return True
-    if code == NO_ANSWER and "--map" in arguments:  # how far the designs are from what is required
-        return path.suffix == ".html"
+    if code == NO_ANSWER and arguments[0] == "optimise":  # how far the designs are from what is required
+        return True
     return path.suffix == ".lock"
 
 

@@ -16,6 +16,10 @@ def main() -> None:
         _run()
     except KeyboardInterrupt:
         _end()
+    except Exception as error:
+        if isinstance(error.__cause__, KeyboardInterrupt):  # pydantic makes its own error of one in a serializer
+            _end()
+        raise
 
 
 def _run() -> None:
