@@ -11,6 +11,7 @@ from armour.core.state import Outcome, Parameters
 from armour.engine import batch
 from armour.errors import InputError
 from armour.scenario.scenario import load_scenario
+from armour.units import US
 from tests.helpers.cases import SCENARIOS, scenario
 from tests.helpers.runs import crossing_time, random_designs
 
@@ -42,6 +43,19 @@ def test_given_steps_converge_to_the_usual_result():
     errors = [abs(simulate(scenario(solver={"time_step_us": us})).residual_velocity_m_s - usual) for us in (1.0, 0.1)]
     assert errors[0] < 0.1
     assert errors[1] < 1e-3
+
+
+@pytest.mark.parametrize("dt_us", [1.0, 0.1])
+def test_given_steps_end_every_impact_near_the_usual_result(dt_us: float):
+    """At the back face the plate ahead vanishes and its rates grow without limit, whatever the step."""
+    rows = np.repeat(batch.packed(random_designs(40)), 40, axis=0)
+    velocities = np.tile(np.geomspace(300.0, 4000.0, 40), 40)
+    usual = batch.impacts(rows, velocities)
+    given = batch.impacts(rows, velocities, batch.SolverOptions(time_step=dt_us * US))
+    np.testing.assert_array_equal(given.outcome == Outcome.UNRESOLVED, False)
+    same = given.outcome == usual.outcome
+    assert np.mean(same) > 0.99
+    np.testing.assert_allclose(given.V[same], usual.V[same], atol=dt_us)
 
 
 def test_steps_too_short_to_end_name_the_key(monkeypatch: pytest.MonkeyPatch):

@@ -11,6 +11,8 @@ from armour.core.state import Outcome, Parameters, Stage, State
 # Greatest error of a step, estimated by its third-order method: the sum of the errors of the depth over the armour's
 # thickness, of the length over that at impact, and of the velocities over the impact velocity.
 TOLERANCE = 4e-7
+# The same of a fixed step, which is shortened where it exceeds this: at the back face, where the plate ahead vanishes.
+LARGEST_ERROR = 1e-2
 # Usual step control: the part of the allowed step that is taken, and the limits of the change from step to step.
 SAFETY, LEAST_CHANGE, GREATEST_CHANGE = 0.9, 0.2, 5.0
 # First step, as a part of the time in which the projectile moves by its diameter.
@@ -47,9 +49,9 @@ def run(
 ) -> Run:
     """Integrate one impact at Vi, m/s, with fixed steps of dt, s, or, if dt is 0, with steps whose error is controlled.
 
-    An event ends a step early; the rest of a fixed step follows it.  The projectile counts as stopped below
-    ``V_arrest``, m/s.  A run that takes ``max_steps`` steps ends as `Outcome.UNRESOLVED`.  ``trace`` receives every
-    instant from impact to end.
+    An event ends a step early; the rest of a fixed step follows it.  A fixed step is shortened where it would fail.
+    The projectile counts as stopped below ``V_arrest``, m/s.  A run that takes ``max_steps`` steps ends as
+    `Outcome.UNRESOLVED`.  ``trace`` receives every instant from impact to end.
     """
     p = with_intact_strength(p)
     t = 0.0
@@ -67,16 +69,15 @@ def run(
             return Run(Outcome.UNRESOLVED, t, y, steps, 0.0)
         steps += 1
         trial = step(t, y, k, s, p, length)
-        if not fixed:
-            change = allowed_change(trial.error, p, Vi, tolerance)
-            length = trial.dt * change
-            if change < SAFETY:
-                continue
+        change = allowed_change(trial.error, p, Vi, LARGEST_ERROR if fixed else tolerance)
+        length = dt if fixed and change >= SAFETY else trial.dt * change
+        if change < SAFETY:
+            continue
         g_end = event_functions(t + trial.dt, trial.y_end, s, p, V_arrest)
         event, x = first_event(trial, g, g_end, s, p, V_arrest)
         t += x * trial.dt
-        if fixed:
-            length = (1.0 - x) * trial.dt if event >= 0 and x < 1.0 else dt
+        if fixed and event >= 0 and x < 1.0:
+            length = (1.0 - x) * trial.dt
         ended = s
         if event < 0:
             y, k, g = trial.y_end, trial.k_end, g_end
