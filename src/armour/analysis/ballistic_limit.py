@@ -13,9 +13,11 @@ import numpy as np
 from armour.analysis.flow_stress import NeededFlowStress, needed_flow_stress
 from armour.analysis.impact import ImpactResult, impact_at, unresolved_error
 from armour.analysis.results import OnProgress, Result, ignore_progress
-from armour.analysis.searches import ballistic_limits, limits_by_law
+from armour.analysis.searches import ballistic_limits, limits_by_law, outcomes_at, searched
 from armour.analysis.variants import variants_of
 from armour.core import search
+from armour.core.state import Outcome
+from armour.engine import batch
 from armour.errors import InputError, NoLimitError
 from armour.evidence.model_error import ModelError, error_of, why_unknown
 from armour.evidence.tests import armour_of, is_unusual, scenario_warnings
@@ -164,37 +166,33 @@ def not_monotonic(limit: LimitResult) -> tuple[str, ...]:
 
 def find_crossings(scenario: Scenario, points: int, on_progress: OnProgress) -> tuple[tuple[Crossing, ...], int, bool]:
     """Return the changes of the outcome that the scan sees, the impacts computed, and whether the lowest perforates."""
-    section, armour = scenario.ballistic_limit, scenario.core_armour()
-    solver = search.RunSettings(
-        scenario.solver.arrest_velocity_m_s, scenario.solver.time_step, scenario.solver.max_steps
-    )
-    velocities = search.scan(section.velocity_min_m_s, section.velocity_max_m_s, points)
+    section, solver, armour = scenario.ballistic_limit, scenario.solver, scenario.core_armour()
+    low, high, tolerance = section.velocity_min_m_s, section.velocity_max_m_s, section.tolerance_m_s
+    options = batch.SolverOptions(solver.arrest_velocity_m_s, solver.time_step, solver.max_steps)
+    velocities = search.scan(low, high, points)
+    scanned = velocities[search.first_scanned(armour, velocities) :]
+    outcomes = outcomes_at(armour, scanned, options, points)
+    runs = len(scanned)
+    on_progress(runs, None)
+    for velocity in np.array(scanned)[outcomes == Outcome.UNRESOLVED]:
+        raise unresolved_error(scenario, velocity)
+    perforated = outcomes == Outcome.PERFORATED
     crossings: list[Crossing] = []
-    runs = 0
-
-    def count(more: int, last: search.Trial | search.SearchResult, velocity: float) -> None:
-        nonlocal runs
-        runs += more
-        on_progress(more, None)
-        if not last.resolved:
-            raise unresolved_error(scenario, velocity)
-
-    first = search.first_scanned(armour, velocities)
-    last = search.impact(armour, velocities[first], solver)
-    count(1, last, last.V)
-    lowest_perforates = last.perforated
-    for velocity in velocities[first + 1 :]:
-        trial = search.impact(armour, velocity, solver)
-        count(1, trial, velocity)
-        if trial.perforated != last.perforated:
-            change = search.narrowed_change(armour, last, trial, section.tolerance_m_s, solver)
-            if not crossings and trial.perforated:
-                # The limit is the engine's, to the last bit.
-                change = search.find_ballistic_limit(armour, velocities, section.tolerance_m_s, *solver[:3])
-            count(change.runs, change, change.high)
-            crossings.append(Crossing((change.low, change.high), "perforated" if trial.perforated else "stopped"))
-        last = trial
-    return tuple(crossings), runs, lowest_perforates
+    for i in np.flatnonzero(perforated[:-1] != perforated[1:]):
+        if not crossings and perforated[i + 1]:
+            # The limit is the engine's, to the last bit.
+            brackets = searched(batch.packed([armour]), low, high, tolerance, options, points)
+            change = search.SearchResult._make(column.item() for column in brackets)
+        else:
+            settings = search.RunSettings(*options[:3])
+            below, above = (search.impact(armour, velocity, settings) for velocity in scanned[i : i + 2])
+            change = search.narrowed_change(armour, below, above, tolerance, settings)
+        runs += change.runs
+        on_progress(change.runs, None)
+        if not change.resolved:
+            raise unresolved_error(scenario, change.high)
+        crossings.append(Crossing((change.low, change.high), "perforated" if perforated[i + 1] else "stopped"))
+    return tuple(crossings), runs, bool(perforated[0])
 
 
 def residual_velocity_curve(
