@@ -1,6 +1,5 @@
-"""Processor time and memory of commands, and how they grow with what is asked: whole processes, on all cores."""
+"""Processor time of commands, and how it grows with what is asked: whole processes, on all cores."""
 
-import json
 import os
 import subprocess
 import sys
@@ -67,9 +66,8 @@ class Growth(NamedTuple):
     fixed: float  # s
     each: float  # s
     error: float  # largest relative error of the sum
-    most: int  # the greatest number, and its time and memory
+    most: int  # the greatest number, and its time
     seconds: float
-    peak_MiB: float
 
 
 class Commands(NamedTuple):
@@ -85,11 +83,11 @@ def measured() -> Commands:
     with TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "wilkins.csv").write_bytes((SCENARIOS / "tests" / "wilkins.csv").read_bytes())
-        first, _ = used(["optimise", OPTIMUM], folder, XDG_CACHE_HOME=name)
+        first = used(["optimise", OPTIMUM], folder, XDG_CACHE_HOME=name)
         waits: dict[str, list[float]] = {command: [] for command in WAITED_FOR}
         for _ in range(TURNS):
             for command, times in waits.items():
-                times.append(used(command.split(), folder)[0])
+                times.append(used(command.split(), folder))
         growth = [grown(command, unit, folder) for command, unit in GROWING]
     return Commands({command: median(times) for command, times in waits.items()}, first, growth)
 
@@ -97,32 +95,20 @@ def measured() -> Commands:
 def grown(command: str, unit: str, folder: Path) -> Growth:
     """Measure how a command grows; the fit has the least relative errors."""
     numbers, arguments = GROWING[command, unit]
-    found = np.array([used(arguments(number), folder) for number in numbers])
-    seconds = found[:, 0]
+    seconds = np.array([used(arguments(number), folder) for number in numbers])
     columns = np.column_stack([1.0 / seconds, np.array(numbers) / seconds])
     fixed, each = np.linalg.lstsq(columns, np.ones(len(numbers)))[0].tolist()
     error = float(np.abs(columns @ [fixed, each] - 1.0).max())
-    return Growth(command, unit, fixed, each, error, numbers[-1], *found[-1].tolist())
+    return Growth(command, unit, fixed, each, error, numbers[-1], float(seconds[-1]))
 
 
-def used(arguments: list[str], folder: Path, **environment: str) -> tuple[float, float]:
-    """Return the processor time, s, and the greatest memory, MiB, of a command run in a folder."""
-    script = (
-        "import json, resource, subprocess, sys\n"
-        "code = subprocess.run(json.loads(sys.argv[1]), stdout=-3, stderr=-3).returncode\n"
-        "used = resource.getrusage(resource.RUSAGE_CHILDREN)\n"
-        "print(code, used.ru_utime + used.ru_stime, used.ru_maxrss / 1024)"
-    )
-    command = json.dumps([sys.executable, "-m", "armour", *arguments])
-    done = subprocess.run(
-        [sys.executable, "-c", script, command],
-        cwd=folder,
-        env=os.environ | environment,
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    code, seconds, peak = done.stdout.split()
-    if code not in ("0", "3"):
+def used(arguments: list[str], folder: Path, **environment: str) -> float:
+    """Return the processor time of a command run in a folder, s."""
+    command = [sys.executable, "-m", "armour", *arguments]
+    null = subprocess.DEVNULL
+    with subprocess.Popen(command, cwd=folder, env=os.environ | environment, stdout=null, stderr=null) as process:
+        _, status, usage = os.wait4(process.pid, 0)
+        code = process.returncode = os.waitstatus_to_exitcode(status)
+    if code not in (0, 3):
         raise RuntimeError(f"armour {' '.join(arguments)}: exit code {code}")
-    return float(seconds), float(peak)
+    return usage.ru_utime + usage.ru_stime

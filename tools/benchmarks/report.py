@@ -36,7 +36,7 @@ takes {_example(command)}. Up to the numbers of the examples, such sums differ b
 
 {_growth(command)}
 
-MiB are the most memory of the example. A catalogue has as many designs as pairs of its offers, times the
+A catalogue has as many designs as pairs of its offers, times the
 threats. `uncertainty` computes a ballistic limit for
 each sample and, for a quarter of the samples, one for each input and one more. On {os.cpu_count()} cores the engine,
 that is, the compiled numerical code, finds {method.cores:.1f} times as many ballistic limits per second as on one.
@@ -78,9 +78,9 @@ def _waits(command: Commands) -> str:
 def _growth(command: Commands) -> str:
     rows = []
     for g in command.growth:
-        example = f"{g.most:,}: {g.seconds:.1f} s | {g.peak_MiB:.0f}"
+        example = f"{g.most:,}: {g.seconds:.1f} s"
         rows.append(f"| `{g.command}`: {g.unit} | {g.fixed:.1f} | {_short(g.each)} | {example} |")
-    return f"| for each | fixed, s | each | example | MiB |\n|---|---:|---:|---:|---:|\n{_lines(rows)}"
+    return f"| for each | fixed, s | each | example |\n|---|---:|---:|---:|\n{_lines(rows)}"
 
 
 def _example(command: Commands) -> str:
