@@ -10,7 +10,7 @@ from textwrap import fill
 from armour.sweeps.sweep import duration
 from tools.benchmarks import commands, methods
 from tools.benchmarks.commands import Commands
-from tools.benchmarks.methods import COUNT, Methods, Time
+from tools.benchmarks.methods import COUNT, Methods
 
 
 def page(method: Methods, command: Commands) -> str:
@@ -90,23 +90,25 @@ def _example(command: Commands) -> str:
 
 def _methods(method: Methods) -> str:
     return _lines(
-        f"| {name} | {_cells(method.impacts[name])} | {_cells(method.limits.get(name))} |"
+        f"| {name} | {_cells(method.impacts, name)} | {_cells(method.limits, name)} |"
         for name in ("C", "engine", "plain Python", "scipy's LSODA")
         if name in method.impacts
     )
 
 
-def _cells(time: Time | None) -> str:
-    if time is None:
+def _cells(each: dict[str, float], name: str) -> str:
+    """Return the time of a method and its ratio to the engine's, both empty if it was not measured."""
+    if name not in each:
         return " | "
-    return f"{1e6 * time.each:,.{0 if time.each > 1e-3 else 1}f} | {time.ratio:,.{0 if time.ratio > 10 else 2}f}"
+    seconds, ratio = each[name], each[name] / each["engine"]
+    return f"{1e6 * seconds:,.{0 if seconds > 1e-3 else 1}f} | {ratio:,.{0 if ratio > 10 else 2}f}"
 
 
 def _agreement(method: Methods) -> str:
     """Compare the engine with the reference in C."""
     if "C" not in method.impacts:
         return "No C compiler was found for the comparison with C."
-    impact, limit = (1.0 / times["C"].ratio for times in (method.impacts, method.limits))
+    impact, limit = (each["engine"] / each["C"] for each in (method.impacts, method.limits))
     return f"""The engine takes {impact:.2f} times as long as C for an impact, and {limit:.2f} times for a limit.
 *C* is `tools/benchmarks/reference.c`: the same equations, steps, events and search, written by hand and
 compiled by `cc {" ".join(methods.FLAGS)}`, which allows what the engine's compiler may do. Both give the same numbers
