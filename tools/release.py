@@ -10,8 +10,6 @@ import subprocess
 import sys
 import tarfile
 import tempfile
-import tomllib
-import zipfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -63,21 +61,6 @@ def run(*command: object, cwd: Path, env: dict[str, str] | None = None) -> None:
     subprocess.run(list(map(str, command)), cwd=cwd, env=env, check=True)
 
 
-def stray(sdist: Path, wheel: Path) -> list[str]:
-    """Return the files of the archives that are not in the repository, and those that the wheel lacks."""
-    tracked = set(output("git", "ls-files").splitlines())
-    with tarfile.open(sdist) as archive:
-        packed = {name.split("/", 1)[1] for name in archive.getnames()} - {"PKG-INFO"}
-    options = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["hatch"]["build"]
-    data = options["targets"]["wheel"]["force-include"]
-    expected = {name.removeprefix("src/") for name in tracked if name.startswith("src/armour/")}
-    expected |= {f"armour/{name}" for name in tracked if data.keys() & {name, name.split("/")[0]}}
-    names = {name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info/" not in name}
-    found = [f"{sdist.name}: {name}: is not in the repository" for name in sorted(packed - tracked)]
-    found += [f"{wheel.name}: {name}: is not in the repository" for name in sorted(names - expected)]
-    return found + [f"{wheel.name}: {name}: is missing" for name in sorted(expected - names)]
-
-
 def check(sdist: Path, wheel: Path, folder: Path) -> None:
     """Install the wheel where nothing else is, use it, and run the tests of the sdist with it."""
     environment = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "VIRTUAL_ENV"))}
@@ -117,8 +100,6 @@ def main() -> None:
         run(sys.executable, "-m", "build", "--outdir", folder / "dist", cwd=ROOT)
         [sdist], [wheel] = (folder / "dist").glob("*.tar.gz"), (folder / "dist").glob("*.whl")
         run(sys.executable, "-m", "twine", "check", "--strict", sdist, wheel, cwd=ROOT)
-        if found := stray(sdist, wheel):
-            sys.exit("\n".join(found))
         check(sdist, wheel, folder)
         (ROOT / "dist").mkdir(exist_ok=True)
         kept = [Path(shutil.copy(file, ROOT / "dist")) for file in (sdist, wheel)]

@@ -13,6 +13,7 @@ import pytest
 from armour import MODEL_VERSION, __version__
 from armour.cli.app import app
 from armour.engine import cache
+from armour.engine.loops import NAMES
 from tests.helpers.cases import SCENARIOS
 
 pytestmark = pytest.mark.slow
@@ -185,8 +186,10 @@ def test_an_encoding_without_the_units(tmp_path: Path, monkeypatch: pytest.Monke
 
 
 @pytest.mark.parametrize("kept", [False, True])
-@pytest.mark.usefixtures("folder")
-def test_only_a_use_that_compiles_says_so(cli, monkeypatch: pytest.MonkeyPatch, kept: bool):
+def test_only_a_use_that_compiles_says_so(cli, folder: Path, monkeypatch: pytest.MonkeyPatch, kept: bool):
+    loops = {name: cache.kernel(name) for name in NAMES}
+    monkeypatch.setenv("XDG_CACHE_HOME", str(folder / "cache"))
+    monkeypatch.setattr("armour.engine.kernels.compiled", lambda name, _folder: loops[name])
     monkeypatch.setattr(cache, "is_compiled", lambda _name: kept)
     monkeypatch.setattr(cache, "_kernels", {})
     monkeypatch.setattr(cache, "_logged", set())

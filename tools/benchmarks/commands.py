@@ -1,6 +1,5 @@
-"""Processor time and memory of commands, and how they grow with what is asked: whole processes, on all cores."""
+"""Processor time of commands, and how it grows with what is asked: whole processes, on all cores."""
 
-import json
 import os
 import subprocess
 import sys
@@ -32,70 +31,29 @@ WAITED_FOR = (
     "validate",
 )
 TURNS = 3
-STUDY = """
-[impact]
-projectile = "7.62 mm AP"
-velocity_m_s = 850.0
-
-[armour]
-ceramic = "AD85"
-ceramic_thickness_mm = 10.0
-backing = "5083-H3"
-backing_thickness_mm = 6.0
-
-[[design.backing]]
-material = "5083-H3"
-thickness_mm = [3.0, 4.0, 5.0, 6.0, 8.0, 10.0]
-"""
-# Designs of a ceramic in the study: 17 thicknesses on 6 back plates.
-DESIGNS = 102
-THREAT = """
-[[threat]]
-projectile = "7.62 mm AP"
-velocity_m_s = {velocity}
-"""
-OFFER = """
-[library.ceramic.{name}]
-based_on = "AD85"
-density_kg_m3 = {density}
-
-[[design.ceramic]]
-material = "{name}"
-thickness_mm = {{ min = 6.0, max = 14.0, step = 0.5 }}
-"""
 
 
-def optimise_grid(designs: int, _folder: Path) -> list[str]:
+def optimise_grid(designs: int) -> list[str]:
     """A grid with as many ceramics as back plates."""
     steps = round(designs**0.5) - 1
     spans = {"ceramic_thickness_mm": 18.0, "backing_thickness_mm": 12.0}
     return ["optimise", OPTIMUM, *(f"--set=optimise.{key}.step={span / steps!r}" for key, span in spans.items())]
 
 
-def study(ceramics: int, threats: int, folder: Path) -> list[str]:
-    """A catalogue, in a scenario of its own."""
-    offers = (OFFER.format(name=f"c{i}", density=3420.0 + 0.1 * i) for i in range(ceramics))
-    impacts = (THREAT.format(velocity=850.0 - 0.1 * i) for i in range(threats))
-    (folder / "study.toml").write_text("".join([STUDY, *offers, *impacts]))
-    return ["optimise", "study.toml"]
-
-
-def sweep(rows: int, quantity: str, _folder: Path) -> list[str]:
+def sweep(rows: int, quantity: str) -> list[str]:
     """A sweep over both thicknesses."""
     over = [f"--over={CERAMIC}=2:11.98:0.02", f"--over={BACKING}=3:{3 + (rows // 500 - 1) * 4e-4:.4f}:4e-4"]
     return ["sweep", "wilkins", *over, "--quantities", quantity, "-o", "table.csv", "--force"]
 
 
 # Numbers of what grows, and the command for a number, by the command and what grows.
-GROWING: dict[tuple[str, str], tuple[tuple[int, ...], Callable[[int, Path], list[str]]]] = {
-    ("sweep", "impact"): ((10**4, 10**5, 10**6), lambda n, folder: sweep(n, "residual_velocity_m_s", folder)),
-    ("sweep", "ballistic limit"): ((10**3, 10**4, 10**5), lambda n, folder: sweep(n, "ballistic_limit_m_s", folder)),
+GROWING: dict[tuple[str, str], tuple[tuple[int, ...], Callable[[int], list[str]]]] = {
+    ("sweep", "impact"): ((10**4, 10**5, 10**6), lambda n: sweep(n, "residual_velocity_m_s")),
+    ("sweep", "ballistic limit"): ((10**3, 10**4, 10**5), lambda n: sweep(n, "ballistic_limit_m_s")),
     ("optimise", "design of a grid"): ((10**2, 100**2, 1000**2), optimise_grid),
-    ("optimise", f"ceramic, in {DESIGNS} designs"): ((1, 100, 1000), lambda n, folder: study(n, 1, folder)),
-    ("optimise", f"threat, to {DESIGNS} designs"): ((1, 100, 1000), lambda n, folder: study(1, n, folder)),
     ("uncertainty", "sample of 5 inputs"): (
         (2**7, 2**13, 2**16),
-        lambda n, _: ["uncertainty", "uncertain", f"--set=uncertainty.samples={n}"],
+        lambda n: ["uncertainty", "uncertain", f"--set=uncertainty.samples={n}"],
     ),
 }
 
@@ -108,9 +66,8 @@ class Growth(NamedTuple):
     fixed: float  # s
     each: float  # s
     error: float  # largest relative error of the sum
-    most: int  # the greatest number, and its time and memory
+    most: int  # the greatest number, and its time
     seconds: float
-    peak_MiB: float
 
 
 class Commands(NamedTuple):
@@ -126,11 +83,11 @@ def measured() -> Commands:
     with TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "wilkins.csv").write_bytes((SCENARIOS / "tests" / "wilkins.csv").read_bytes())
-        first, _ = used(["optimise", OPTIMUM], folder, XDG_CACHE_HOME=name)
+        first = used(["optimise", OPTIMUM], folder, XDG_CACHE_HOME=name)
         waits: dict[str, list[float]] = {command: [] for command in WAITED_FOR}
         for _ in range(TURNS):
             for command, times in waits.items():
-                times.append(used(command.split(), folder)[0])
+                times.append(used(command.split(), folder))
         growth = [grown(command, unit, folder) for command, unit in GROWING]
     return Commands({command: median(times) for command, times in waits.items()}, first, growth)
 
@@ -138,32 +95,20 @@ def measured() -> Commands:
 def grown(command: str, unit: str, folder: Path) -> Growth:
     """Measure how a command grows; the fit has the least relative errors."""
     numbers, arguments = GROWING[command, unit]
-    found = np.array([used(arguments(number, folder), folder) for number in numbers])
-    seconds = found[:, 0]
+    seconds = np.array([used(arguments(number), folder) for number in numbers])
     columns = np.column_stack([1.0 / seconds, np.array(numbers) / seconds])
     fixed, each = np.linalg.lstsq(columns, np.ones(len(numbers)))[0].tolist()
     error = float(np.abs(columns @ [fixed, each] - 1.0).max())
-    return Growth(command, unit, fixed, each, error, numbers[-1], *found[-1].tolist())
+    return Growth(command, unit, fixed, each, error, numbers[-1], float(seconds[-1]))
 
 
-def used(arguments: list[str], folder: Path, **environment: str) -> tuple[float, float]:
-    """Return the processor time, s, and the greatest memory, MiB, of a command run in a folder."""
-    script = (
-        "import json, resource, subprocess, sys\n"
-        "code = subprocess.run(json.loads(sys.argv[1]), stdout=-3, stderr=-3).returncode\n"
-        "used = resource.getrusage(resource.RUSAGE_CHILDREN)\n"
-        "print(code, used.ru_utime + used.ru_stime, used.ru_maxrss / 1024)"
-    )
-    command = json.dumps([sys.executable, "-m", "armour", *arguments])
-    done = subprocess.run(
-        [sys.executable, "-c", script, command],
-        cwd=folder,
-        env=os.environ | environment,
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    code, seconds, peak = done.stdout.split()
-    if code not in ("0", "3"):
+def used(arguments: list[str], folder: Path, **environment: str) -> float:
+    """Return the processor time of a command run in a folder, s."""
+    command = [sys.executable, "-m", "armour", *arguments]
+    null = subprocess.DEVNULL
+    with subprocess.Popen(command, cwd=folder, env=os.environ | environment, stdout=null, stderr=null) as process:
+        _, status, usage = os.wait4(process.pid, 0)
+        code = process.returncode = os.waitstatus_to_exitcode(status)
+    if code not in (0, 3):
         raise RuntimeError(f"armour {' '.join(arguments)}: exit code {code}")
-    return float(seconds), float(peak)
+    return usage.ru_utime + usage.ru_stime

@@ -1,8 +1,4 @@
-"""An impact and a ballistic limit of the same random designs by several methods, in turn in one run.
-
-Of processor time other load on the machine changes little, and of the ratio of two methods in the same turn even less:
-medians over the turns are given.
-"""
+"""An impact and a ballistic limit of the same random designs by several methods: medians of processor time."""
 
 import subprocess
 from collections.abc import Callable
@@ -18,62 +14,45 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from armour.core.search import find_ballistic_limit, scan
-from armour.core.state import Outcome, Parameters
+from armour.core.state import Parameters
 from armour.engine import batch
 from tests.helpers.runs import perforates, random_designs
 from tests.numerics.reference import Reference
 
 COUNT = 1000
 TURNS = 60
-# Designs for methods that take hundreds of times as long, and how often the engine computes them in a turn.
-SOME, FEW_TURNS, REPEATED = slice(None, None, 25), 3, 50
+# Designs for methods that take hundreds of times as long.
+SOME, FEW_TURNS = slice(None, None, 25), 3
 LOW, HIGH, TOLERANCE = 20.0, 4000.0, 3.5e-4  # m/s
 ONE, ALL = batch.SolverOptions(threads=1), batch.SolverOptions()
-# Greatest error of the ballistic limit with the settings of scipy's solvers, m/s; the engine's is below it.
-ALLOWED = 2e-3
-SETTINGS = [(rtol, longest) for longest in (0.02, 0.01, 0.005, 0.002) for rtol in (1e-5, 1e-7)]
+# Tolerance and longest step, diameters, of scipy's LSODA: with looser ones limits are off by more than the engine's.
+TOLERANCE_OF_LSODA, LONGEST_STEP = 1e-7, 0.005
 # What numba asks of LLVM: all of the processor's instructions, no rounding changed, and errno not set.
 FLAGS = ("-O3", "-march=native", "-ffp-contract=off", "-fno-math-errno")
 SOURCE = Path(__file__).with_name("reference.c")
 
-
 Calls = dict[str, Callable[[], Any]]
-
-
-class Time(NamedTuple):
-    """Time of a method."""
-
-    each: float  # of one impact or limit, s
-    ratio: float  # over the engine's on one core
 
 
 class Methods(NamedTuple):
     """What was measured."""
 
-    impacts: dict[str, Time]  # by method
-    limits: dict[str, Time]
+    impacts: dict[str, float]  # time of one, s, by method
+    limits: dict[str, float]
     steps: float  # mean number of steps of an impact
     runs: float  # mean number of runs of a ballistic limit
-    error_m_s: float  # largest error of the engine's ballistic limits
-    settings: dict[str, tuple[float, float]]  # tolerance and longest step, diameters, of scipy's methods
     cores: float  # ballistic limits on all cores over those on one in the same elapsed time, the shortest
 
 
-def in_turn(calls: Calls, turns: int, clock: Callable[[], float] = thread_time) -> dict[str, list[float]]:
-    """Return the times of each call, s, of which one is made after the other in every turn, after one that warms."""
-    times: dict[str, list[float]] = {name: [] for name in calls}
-    for turn in range(-1, turns):
-        for name, call in calls.items():
-            start = clock()
-            call()
-            if turn >= 0:
-                times[name].append(clock() - start)
+def times_of(call: Callable[[], Any], turns: int, clock: Callable[[], float] = thread_time) -> list[float]:
+    """Return the times of a call, s, after one that warms."""
+    call()
+    times = []
+    for _ in range(turns):
+        start = clock()
+        call()
+        times.append(clock() - start)
     return times
-
-
-def ratio(times: list[float], others: list[float]) -> float:
-    """Return the median ratio of times to others in the same turn."""
-    return median(time / other for time, other in zip(times, others, strict=True))
 
 
 class InC:
@@ -127,34 +106,9 @@ def by_engine_and_c(rows: np.ndarray, velocities: np.ndarray, folder: Path) -> t
     return impacts, limits
 
 
-def fine_limits(designs: tuple[Parameters, ...], limits: np.ndarray) -> np.ndarray:
-    """Return the ballistic limits that are given, to 1e-6 m/s with steps of a thousandth of a diameter, m/s."""
-    rows = batch.packed(designs)
-    low, high = limits - 0.01, limits + 0.01
-    for _ in range(15):
-        middle = 0.5 * (low + high)
-        perforated = np.empty(len(rows), bool)
-        for i, (p, V) in enumerate(zip(designs, middle, strict=True)):
-            options = ONE._replace(time_step=p.D0 / V / 1000.0)
-            perforated[i] = batch.impacts(rows[i : i + 1], V, options).outcome[0] == Outcome.PERFORATED
-        high, low = np.where(perforated, middle, high), np.where(perforated, low, middle)
-    return high
-
-
-def by_scipy(method: str, rtol: float, longest: float) -> Callable[[Parameters, float], bool]:
-    """Return a function that computes by scipy whether an impact perforates."""
-    return lambda p, velocity: Reference(p, velocity, method, rtol, longest).perforated
-
-
-def loosest(method: str, designs: tuple[Parameters, ...], limits: np.ndarray) -> tuple[float, float]:
-    """Return the loosest tolerance and longest step with which scipy's ballistic limits are within `ALLOWED`."""
-    for settings in SETTINGS:
-        perforated = by_scipy(method, *settings)
-        if all(
-            perforated(p, V + ALLOWED) and not perforated(p, V - ALLOWED) for p, V in zip(designs, limits, strict=True)
-        ):
-            return settings
-    raise ValueError(f"{method}: no setting is within {ALLOWED} m/s")
+def by_lsoda(p: Parameters, velocity: float) -> bool:
+    """Return whether an impact perforates, by scipy."""
+    return Reference(p, velocity, "LSODA", TOLERANCE_OF_LSODA, LONGEST_STEP).perforated
 
 
 def measured() -> Methods:
@@ -162,51 +116,23 @@ def measured() -> Methods:
     designs = random_designs(COUNT)
     rows = batch.packed(designs)
     limits = batch.ballistic_limits(rows, LOW, HIGH, TOLERANCE, ONE)
-    fine = fine_limits(designs, limits.perforated)
-    near = 1.05 * fine
-
-    def engine_impacts(part: slice) -> Any:
-        return batch.impacts(rows[part], near[part], ONE)
-
-    def engine_limits(part: slice) -> Any:
-        return batch.ballistic_limits(rows[part], LOW, HIGH, TOLERANCE, ONE)
+    near = 1.05 * limits.perforated
 
     with TemporaryDirectory() as folder:
         impacts, searches = by_engine_and_c(rows, near, Path(folder))
-        impact_times, limit_times = in_turn(impacts, TURNS), in_turn(searches, TURNS // 4)
+        impact_s = {name: median(times_of(call, TURNS)) / COUNT for name, call in impacts.items()}
+        limit_s = {name: median(times_of(call, TURNS // 4)) / COUNT for name, call in searches.items()}
 
-    def each(perforated: Callable[[Parameters, float], bool]) -> Callable[[], object]:
-        return lambda: [perforated(p, V) for p, V in zip(designs[SOME], near[SOME], strict=True)]
-
+    some, velocities = designs[SOME], scan(LOW, HIGH)
     slow: Calls = {
-        "engine": lambda: [engine_impacts(SOME) for _ in range(REPEATED)],
-        "plain Python": each(perforates),
+        "plain Python": lambda: [perforates(p, V) for p, V in zip(some, near[SOME], strict=True)],
+        "scipy's LSODA": lambda: [by_lsoda(p, V) for p, V in zip(some, near[SOME], strict=True)],
     }
-    settings = {method: loosest(method, designs[SOME], fine[SOME]) for method in ("LSODA", "DOP853")}
-    slow |= {f"`solve_ivp`, {method}": each(by_scipy(method, *of)) for method, of in settings.items()}
-    velocities = scan(LOW, HIGH)
-    slow_searches: Calls = {
-        "engine": lambda: [engine_limits(SOME) for _ in range(REPEATED)],
-        "plain Python": lambda: [
-            find_ballistic_limit(p, velocities, TOLERANCE, ONE.V_arrest, 0.0, ONE.max_steps) for p in designs[SOME]
-        ],
-    }
+    impact_s |= {name: median(times_of(call, FEW_TURNS)) / len(some) for name, call in slow.items()}
+    settings = velocities, TOLERANCE, ONE.V_arrest, 0.0, ONE.max_steps
+    searched = times_of(lambda: [find_ballistic_limit(p, *settings) for p in some], FEW_TURNS)
+    limit_s["plain Python"] = median(searched) / len(some)
     many = partial(batch.ballistic_limits, np.tile(rows, (10, 1)), LOW, HIGH, TOLERANCE)
-    on_cores = in_turn({"one": partial(many, ONE), "all": partial(many, ALL)}, 2 * FEW_TURNS, perf_counter)
-    return Methods(
-        _times(impact_times, in_turn(slow, FEW_TURNS)),
-        _times(limit_times, in_turn(slow_searches, FEW_TURNS)),
-        float(impacts["engine"]().steps.mean()),
-        float(limits.runs.mean()),
-        float(np.abs(limits.perforated - fine).max()),
-        settings,
-        min(on_cores["one"]) / min(on_cores["all"]),
-    )
-
-
-def _times(fast: dict[str, list[float]], slow: dict[str, list[float]]) -> dict[str, Time]:
-    """Return the times by method: of fast ones, on all designs, and of slow ones by their ratio to the engine's."""
-    engine = median(fast["engine"]) / COUNT
-    ratios = {name: REPEATED * ratio(times, slow["engine"]) for name, times in slow.items()}
-    ratios |= {name: ratio(times, fast["engine"]) for name, times in fast.items()}
-    return {name: Time(value * engine, value) for name, value in ratios.items()}
+    one, every = (min(times_of(partial(many, options), 2 * FEW_TURNS, perf_counter)) for options in (ONE, ALL))
+    steps, runs = float(impacts["engine"]().steps.mean()), float(limits.runs.mean())
+    return Methods(impact_s, limit_s, steps, runs, one / every)

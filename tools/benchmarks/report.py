@@ -8,21 +8,18 @@ from pathlib import Path
 from textwrap import fill
 
 from armour.sweeps.sweep import duration
-from tools.benchmarks import cluster, commands, methods
+from tools.benchmarks import commands, methods
 from tools.benchmarks.commands import Commands
-from tools.benchmarks.methods import ALLOWED, COUNT, Methods, Time
-
-# Load of the machine by others that lengthens elapsed times, in cores.
-LOAD = 1.5
+from tools.benchmarks.methods import COUNT, Methods
 
 
-def page(method: Methods, command: Commands, rates: list[float], load: float) -> str:
-    """Return the page as Markdown; the load of the machine is that by others, in cores."""
+def page(method: Methods, command: Commands) -> str:
+    """Return the page as Markdown."""
     text = f"""# Performance
 
 Written by `make bench`, on a machine with {os.cpu_count()} cores. Times are processor time, that is, the times of all
 cores together, unless stated otherwise. Where a command uses one core only, you wait as long; where it uses all, such
-as in a large sweep, you wait less.{_others(load)}
+as in a large sweep, you wait less.
 
 ## What you wait for
 
@@ -39,8 +36,8 @@ takes {_example(command)}. Up to the numbers of the examples, such sums differ b
 
 {_growth(command)}
 
-MiB are the most memory of the example. The number of designs is that of all pairs of materials, times the threats.
-`uncertainty` computes a ballistic limit for
+A catalogue has as many designs as pairs of its offers, times the
+threats. `uncertainty` computes a ballistic limit for
 each sample and, for a quarter of the samples, one for each input and one more. On {os.cpu_count()} cores the engine,
 that is, the compiled numerical code, finds {method.cores:.1f} times as many ballistic limits per second as on one.
 
@@ -57,26 +54,12 @@ Ratios are those to the engine.
 
 {_agreement(method)}
 
-*Plain Python* runs the same functions without compiling them. The engine's ballistic limits
-differ by at most {method.error_m_s:.1g} m/s from those with steps of a thousandth of the time in which the projectile
-crosses its diameter. [Steps](design.md#steps-and-events)
-and [searches](design.md#searches) are described under Design.
-
-`solve_ivp` of scipy has the loosest settings by which its limits are within {ALLOWED:g} m/s: {_settings(method)}.
-Without a limit on its steps it misses plates that move for less than a step, at any tolerance, and its ballistic limits
-are off by up to 10 m/s.
-
-## On a Dask cluster
-
-`armour sweep --scheduler` with workers of one thread each, on this machine, where client and scheduler share the cores
-with the workers; elapsed time, the shortest of {cluster.TURNS} sweeps of {cluster.ROWS:,} ballistic limits:
-
-| computed by | rows per second |
-|---|---:|
-{_lines(f"| {name} | {rate:,.0f} |" for name, rate in zip(WAYS, rates, strict=True))}
-
-The client checks, receives and writes all rows. To use more cores than it keeps busy, split the values over several
-sweeps with separate output files, whose clients share nothing.
+*Plain Python* runs the same functions without compiling them. LSODA, by scipy's `solve_ivp`, has a tolerance of
+{methods.TOLERANCE_OF_LSODA:g} and steps of at most {methods.LONGEST_STEP:g} diameters: with looser ones, its limits
+are off by more than 0.002 m/s, and without a limit on its steps, which then miss plates that move for less than a step,
+by up to 10 m/s. How far the engine's limits are from those with far shorter steps is a result of the
+[campaigns](campaigns.md#numbers). [Steps](design.md#steps-and-events) and [searches](design.md#searches) are described
+under Design.
 """
     return (
         "\n\n".join(
@@ -87,27 +70,17 @@ sweeps with separate output files, whose clients share nothing.
     )
 
 
-WAYS = ("one thread, no cluster", "1 worker", "2 workers")
-
-
-def _others(load: float) -> str:
-    if load < LOAD:
-        return ""
-    return f" Other programs wanted {load:.0f} cores at the same time, so that elapsed times are too long."
-
-
 def _waits(command: Commands) -> str:
-    names = {re.sub(" -.*", "", name): seconds for name, seconds in command.waits.items()}
-    rows = (f"| `{name}` | {seconds:.1f} |" for name, seconds in names.items())
+    rows = (f"| `{re.sub(' -.*', '', name)}` | {seconds:.1f} |" for name, seconds in command.waits.items())
     return f"| armour | s |\n|---|---:|\n{_lines(rows)}"
 
 
 def _growth(command: Commands) -> str:
     rows = []
     for g in command.growth:
-        example = f"{g.most:,}: {g.seconds:.1f} s | {g.peak_MiB:.0f}"
+        example = f"{g.most:,}: {g.seconds:.1f} s"
         rows.append(f"| `{g.command}`: {g.unit} | {g.fixed:.1f} | {_short(g.each)} | {example} |")
-    return f"| for each | fixed, s | each | example | MiB |\n|---|---:|---:|---:|---:|\n{_lines(rows)}"
+    return f"| for each | fixed, s | each | example |\n|---|---:|---:|---:|\n{_lines(rows)}"
 
 
 def _example(command: Commands) -> str:
@@ -116,33 +89,26 @@ def _example(command: Commands) -> str:
 
 
 def _methods(method: Methods) -> str:
-    names = {"C": "C", "engine": "engine", "plain Python": "plain Python"}
-    names |= {name: name for name in method.impacts if name not in names}
     return _lines(
-        f"| {name} | {_cells(method.impacts.get(name))} | {_cells(method.limits.get(name))} |"
-        for name in names
+        f"| {name} | {_cells(method.impacts, name)} | {_cells(method.limits, name)} |"
+        for name in ("C", "engine", "plain Python", "scipy's LSODA")
         if name in method.impacts
     )
 
 
-def _cells(time: Time | None) -> str:
-    if time is None:
+def _cells(each: dict[str, float], name: str) -> str:
+    """Return the time of a method and its ratio to the engine's, both empty if it was not measured."""
+    if name not in each:
         return " | "
-    return f"{1e6 * time.each:,.{0 if time.each > 1e-3 else 1}f} | {time.ratio:,.{0 if time.ratio > 10 else 2}f}"
-
-
-def _settings(method: Methods) -> str:
-    found: dict[str, list[str]] = {}
-    for name, (rtol, longest) in method.settings.items():
-        found.setdefault(f"a tolerance of {rtol:g} and steps of at most {longest:g} diameters", []).append(name)
-    return "; ".join(f"{words}, by {' and '.join(names)}" for words, names in found.items())
+    seconds, ratio = each[name], each[name] / each["engine"]
+    return f"{1e6 * seconds:,.{0 if seconds > 1e-3 else 1}f} | {ratio:,.{0 if ratio > 10 else 2}f}"
 
 
 def _agreement(method: Methods) -> str:
     """Compare the engine with the reference in C."""
     if "C" not in method.impacts:
         return "No C compiler was found for the comparison with C."
-    impact, limit = (1.0 / times["C"].ratio for times in (method.impacts, method.limits))
+    impact, limit = (each["engine"] / each["C"] for each in (method.impacts, method.limits))
     return f"""The engine takes {impact:.2f} times as long as C for an impact, and {limit:.2f} times for a limit.
 *C* is `tools/benchmarks/reference.c`: the same equations, steps, events and search, written by hand and
 compiled by `cc {" ".join(methods.FLAGS)}`, which allows what the engine's compiler may do. Both give the same numbers
@@ -160,5 +126,4 @@ def _lines(lines: Iterable[str]) -> str:
 
 
 if __name__ == "__main__":
-    load = os.getloadavg()[0]
-    Path(sys.argv[1]).write_text(page(methods.measured(), commands.measured(), cluster.measured(), load))
+    Path(sys.argv[1]).write_text(page(methods.measured(), commands.measured()))

@@ -35,11 +35,12 @@ _logged: set[str] = set()
 
 
 def digest(package: Path = PACKAGE) -> str:
-    """Return a hash of the source of the core and the loops, and of the versions of what compiles them."""
+    """Return a hash of the place and source of the core and the loops, and of the versions of what compiles them."""
     from importlib.metadata import version  # slow to import
 
     versions = [version(name) for name in ("numba", "llvmlite", "numpy")]
-    content = sha256(f"{versions} {sys.version}".encode())
+    # numba compiles anew for each place: two installations would remove each other's compiled code.
+    content = sha256(f"{package} {versions} {sys.version}".encode())
     engine = package / "engine"
     for path in [*sorted((package / "core").glob("*.py")), engine / "kernels.py", engine / "loops.py"]:
         content.update(sha256(path.name.encode() + path.read_bytes()).digest())

@@ -359,7 +359,7 @@ def effort_of(
         row_s = (grouped - begun) / count
         slowest_row_s = max(row_s, (perf_counter() - evaluated) / count)
         row_bytes = len(csv_of({**rows, **results})) / count
-        if count < number or (sample and slowest_row_s * count > SAMPLE_S):
+        if sample and (count < number or slowest_row_s * count > SAMPLE_S):
             break
     seconds = row_s * source.count / (workers.number if workers else 1)
     needed_bytes, free_bytes = 2.0 * row_bytes * source.count, shutil.disk_usage(output.parent).free
