@@ -53,7 +53,7 @@ def test_interrupted_it_says_how_to_resume(cli, folder: Path, monkeypatch: pytes
     with monkeypatch.context() as patch:
         patch.setattr("armour.sweeps.store.Store.finish", interrupted)
         [line] = cli.fails(130, *command)
-    assert line == "interrupted; 5 of 5 rows are done; repeat the same command to resume"
+    assert line == "interrupted; 5 of 5 rows are done; repeat the same sweep to resume"
     with (folder / "t.csv.parts" / "rows").open("r+b") as rows:
         rows.write(b"no database")
     result = cli(*command)

@@ -92,7 +92,7 @@ def test_a_cluster_without_workers(client: Client, tmp_path: Path, monkeypatch: 
     with pytest.raises(InputError, match="must have a worker, found none"), connected(address):
         pass
     monkeypatch.setattr("armour.sweeps.cluster.TIMEOUT_S", 0.1)
-    with pytest.raises(InputError, match="lost all workers; start others, then repeat the same command to resume"):
+    with pytest.raises(InputError, match="lost all workers; start others, then repeat the same sweep to resume"):
         sweep_on(client, tmp_path / "a.csv")
 
 

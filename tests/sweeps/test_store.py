@@ -128,7 +128,7 @@ def test_rows_that_are_damaged_after_they_were_read_make_no_table(output: Path):
     filled(output, 3)
     with Store(output, JOB, print) as store:
         store._database.execute("update chunk set content = zeroblob(9) where start = 3")
-        with pytest.raises(InputError, match="damaged rows; what is done is kept, repeat the same command"):
+        with pytest.raises(InputError, match="damaged rows; what is done is kept, repeat the same sweep"):
             store.finish()
     assert not output.exists()
     assert finished(output) == [f"{rows_of(output)}: damaged, all but the first 3 rows are computed again"]

@@ -31,6 +31,7 @@ class NeededFlowStress:
         Least flow stress from which on the ballistic limit by the model is at least the velocity required, GPa; None
         if 100 GPa is too little.
     probability : float
+        Probability of stopping the threat that is required.
     needed_for_probability_GPa : float or None
         Least flow stress from which on the probability of stopping the threat is at least this, with the model error of
         AD85, of constant flow stress, GPa; None if 100 GPa is too little.

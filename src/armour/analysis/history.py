@@ -21,7 +21,7 @@ from armour.units import KN, MM, US
 class History(TableResult):
     """Quantities of an impact over time, one array each, all of the same length.
 
-    A change of stage gives two entries at the same time, one before and one after the change.
+    A change of stage, or armour ahead that starts or stops moving, gives two entries at one time, before and after it.
 
     Attributes
     ----------

@@ -230,7 +230,7 @@ def plan_shots(
     half_width_m_s : float, optional
         Half width of the interval of V50 at which the firing ends, 0.1 to 10,000 m/s; by default 15.  The up-and-down
         rule ends by default as in MIL-STD-662F, with three shots of each kind within 27.4 m/s.
-    confidence : float
+    confidence : float, default 0.95
         Confidence level of the interval, and of the requirement, 0.5 to 0.9999.
     requirement_m_s : float, optional
         Required velocity, m/s.  The Bayesian procedure then ends when the shots show that the requirement is met or not
@@ -241,10 +241,10 @@ def plan_shots(
     prior : bool
         Whether to include the model's prediction in the decision on the requirement, which then uses the posterior and
         has no stated risks.
-    scatter_percent : float
+    scatter_percent : float, default 2.0
         Expected scatter, the standard deviation of the response curve, 0.01 to 50 % of V50: the median of its prior,
         and the initial guess of Neyer's procedure.
-    scatter_factor : float
+    scatter_factor : float, default 2.0
         Factor by which the scatter may differ from this, 1.01 to 10: one standard deviation of its logarithm.
     earlier : sequence of Shots
         Earlier firings at armours of the kind, each with penetrations of both kinds.  Their scatters, pooled with the

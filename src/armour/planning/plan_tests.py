@@ -91,7 +91,9 @@ class PlannedTests(TableResult):
     planned : tuple of PlannedTest
         The first has number 0: the state before all tests.
     criterion : {"D", "I"}
+        What the tests minimise, as in `plan_tests`.
     measure : {"limit", "outcome"}
+        What a test measures, as in `plan_tests`.
     law : str
         Law of the ceramic's flow stress; empty if the flow stress is not fitted.
     values : dict of str to float
@@ -193,8 +195,9 @@ def plan_tests(
         ``cost`` is the cost of a target.
     fit : str or sequence of str, default "ceramic.flow_stress_GPa"
         Input to determine, or several; by default the ceramic's flow stress.
-    law : {"constant", "ceramic", "backing", "product", "linear"}, optional
-        Law of the ceramic's flow stress, as in calibrate, whose coefficients are determined too.
+    law : str, optional
+        Law of the ceramic's flow stress, as in calibrate, whose coefficients are determined too: constant, ceramic,
+        backing, product or linear.
     number : int, default 4
         Number of tests to plan, 1 to 200.  A candidate may be tested several times.
     tests : Tests, optional

@@ -46,7 +46,11 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(function)
     def call(*args: P.args, **kwargs: P.kwargs) -> R:
-        bound = parameters.bind(*args, **kwargs)
+        try:
+            bound = parameters.bind(*args, **kwargs)
+        except TypeError:
+            # Python's own message names the function.
+            return function(*args, **kwargs)
         bound.apply_defaults()
         annotated = {name: value for name, value in bound.arguments.items() if name in model().model_fields}
         bound.arguments |= dict(validated(model(), annotated, function.__name__))

@@ -96,7 +96,8 @@ class _Source(NamedTuple):
 class Scenario(Section):
     """A validated scenario: an impact, an armour and settings of the computations.
 
-    `load_scenario` and `parse_scenario` make scenarios, and `replaced` one with other values.
+    `load_scenario` and `parse_scenario` make scenarios.  A scenario cannot be changed: `replaced` returns one with
+    other values.  Sections and keys of the file are attributes, as in ``scenario.impact.velocity_m_s``.
     """
 
     title: Line = ""

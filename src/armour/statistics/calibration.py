@@ -138,6 +138,7 @@ class CalibrationResult(TableResult):
     law : str
         Law of the ceramic's flow stress, "combined" for several at once; empty if the flow stress is not fitted.
     weights : {"uncertainties", "relative"}
+        Standard deviations of the measurements: those given, or one fraction of the measured values.
     coefficients : tuple of Coefficient
         An end of an interval that the tests do not bound is None.
     correlation : tuple of tuple of float
@@ -230,7 +231,7 @@ def calibrate(
         Inputs that the tests have in common: the scenario that the tests were read with.
     fit : str or sequence of str, default "ceramic.flow_stress_GPa"
         Input to fit, or several; by default the ceramic's flow stress.
-    law : {"constant", "ceramic", "backing", "product", "linear", "all"}, optional
+    law : str, optional
         Law of the ceramic's flow stress, whose coefficients are fitted too: constant, ceramic (linear in its
         thickness), backing (a power of the back plate's thickness), product (a power of the product of both) or linear
         (in both); or all, to compare them and keep the one with the smallest leave-one-out error.  By default the

@@ -264,7 +264,7 @@ def v50(
     span_m_s : float, optional
         Greatest span of their velocities, m/s, at most 10,000; by default the usual one for 5, 3 or 2 shots of each
         kind: 38.1, 27.4 or 18.3 (125, 90 or 60 ft/s).  Required for other numbers of shots.
-    confidence : float
+    confidence : float, default 0.95
         Confidence level of the intervals, 0.5 to 0.9999.
     prior : bool
         Whether to add the posterior of V50, whose prior is the scenario's ballistic limit with the model error.

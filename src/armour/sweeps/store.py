@@ -29,7 +29,7 @@ from armour.errors import mistake, refuse
 from armour.files import exchangeable, make_private, reason, unwritable, wrong_ending
 from armour.sweeps.tables import is_csv, write_table
 
-RESUME = "repeat the same command to resume"
+RESUME = "repeat the same sweep to resume"
 # The database, its journal, and a table that is being written.
 FILE_NAME = re.compile(r"rows|rows-journal|\.armour-[0-9a-f]{16}")
 TABLES = """

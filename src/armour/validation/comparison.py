@@ -108,10 +108,7 @@ class Comparison(TableResult):
         }
 
     def _words(self) -> str:
-        formulas: list[FlorenceResult | RuleResult] = [*self.florence, *self.rules]
-        others = ", ".join(f"{formula.ballistic_limit_m_s:.1f}" for formula in formulas)
-        by_formulas = f", by formulas {others} m/s" if others else ""
-        return f"ballistic limit {self.limit.ballistic_limit_m_s:.1f} m/s{by_formulas}"
+        return f"ballistic limit {self.limit.ballistic_limit_m_s:.1f} m/s"
 
     def _columns(self) -> dict[str, Any]:
         names = "impact_velocity_m_s", "residual_velocity_m_s", "plug_velocity_m_s"
