@@ -29,6 +29,7 @@ def test_a_folder_is_its_scenarios(cli, doors: Path):
     assert headings == ["doors/a.toml", "doors/b.toml"]
     # Each is shown as it is alone, with its file before its heading.
     assert cli("check", "doors/a.toml").stdout in result.stdout.replace("doors/a.toml: ", "")
+    assert result.stdout.endswith("\n\npasses: 1 of 2; FAILS: doors/b.toml\n")
     (doors / "b.toml").write_text(PASSES)
     assert cli("check", "doors").exit_code == 0
 
@@ -69,6 +70,8 @@ def test_a_suite_of_tests_for_every_scenario(cli, folder: Path, doors: Path):
     assert [(suite.get("tests"), suite.get("failures")) for suite in suites] == [("1", "0"), ("1", "1")]
     assert [case.get("classname") for case in suites.iter("testcase")] == ["doors/a.toml", "doors/b.toml"]
     assert all(float(suite.get("time", "")) > 0.0 for suite in suites)
+    [failure] = suites.iter("failure")
+    assert failure.text == failure.get("message") == "FAILS: ballistic limit by the model 724 m/s, 800 m/s required"
     # The next run replaces it.
     (doors / "b.toml").write_text(PASSES)
     assert cli("check", "doors", "--junit", "j.xml").exit_code == 0

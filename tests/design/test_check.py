@@ -77,4 +77,5 @@ def test_a_test_case_for_every_threat():
     cases = found.findall("testcase")
     assert {case.attrib["classname"] for case in cases} == {"a.toml"}
     assert [len(case) for case in cases] == [0, 1]
+    assert [case.get("time") for case in cases] == ["1.250", None]
     assert "ballistic limit by the model 724 m/s" in cases[1][0].attrib["message"]

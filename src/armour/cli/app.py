@@ -154,8 +154,8 @@ def _armour(
     First steps: `armour init mine.toml` writes a scenario with every key explained; `armour check mine.toml` checks
     its armour.
 
-    Exit codes: 0 success; 1 the question has no answer in the given range; 2 invalid input; 3 `check` or `validate`
-    failed; 130 interrupted.
+    Exit codes: 0 success; 1 the question has no answer in the given range; 2 invalid input; 3 `check`, `validate` or
+    the requirement of `v50` failed; 130 interrupted.
     """
 
 

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from armour import __version__
 from armour.cli import completion
 from armour.cli.console import emit, say, show, show_json
 from armour.cli.question import AsJson, Force, argument, option
-from armour.cli.runner import check_outputs, respond, write
+from armour.cli.runner import check_outputs, origin_of, respond, write
 from armour.errors import choices, mistake, refuse
 from armour.files import shipped_files, shipped_notebooks, shipped_suites, shipped_tests, wrong_ending
 
@@ -65,7 +66,7 @@ def _list(kinds: Sequence[str], *, tested: bool, as_json: bool) -> None:
     tables["threat"] = threat_table(threats)
     if len(kinds) > 1:
         tables["metal"] = f"{len(data['metal'])} metals: armour library metals"
-    respond({kind: data[kind] for kind in kinds}, [tables[kind] for kind in kinds], as_json=as_json)
+    respond({kind: data[kind] for kind in kinds}, [tables[kind] for kind in kinds], as_json=as_json, origin=origin_of())
 
 
 def show_entry(
@@ -81,14 +82,16 @@ def show_entry(
     as_json = as_json or (ctx.parent is not None and ctx.parent.params["as_json"])
     if threat := named_threats().get(name):
         content = {"kind": "threat", "name": name, **threat.model_dump()}
-        respond(content, [threat_table({name: threat}), f"source: {threat.source}"], as_json=as_json, of=[name])
+        shown = (threat_table({name: threat}), f"source: {threat.source}")
+        respond(content, shown, as_json=as_json, of=[name], origin=origin_of())
         return
     try:
         entries = shipped_library().find(name)
     except KeyError as error:
         raise mistake("library", name, error.args[0]) from None
     for entry in entries:
-        respond(entry.to_dict(), entry_tables(entry), as_json=as_json, of=[f"{entry.name} ({entry.kind})"])
+        title = f"{entry.name} ({entry.kind})"
+        respond(entry.to_dict(), entry_tables(entry), as_json=as_json, of=[title], origin=origin_of())
 
 
 def init(
@@ -146,7 +149,7 @@ def compile_() -> None:
         raise mistake("compile", "", reason)
     path, hindrance = cache.folder()
     if path is None:
-        raise mistake("compile", "", f"compiled code cannot be kept {hindrance}")
+        raise mistake("compile", "", f"compiled code cannot be kept {hindrance}; XDG_CACHE_HOME names another folder")
     for name in NAMES:
         cache.kernel(name)
     emit(f"{path.parent}\n")
@@ -159,4 +162,4 @@ def schema() -> None:
     """
     from armour.scenario.scenario import scenario_schema
 
-    show_json(scenario_schema())
+    show_json({**scenario_schema(), "$comment": f"made by armour {__version__}"})

@@ -167,6 +167,9 @@ def check(
         results.append(result)
         suites.append(view.junit(result, each.file, perf_counter() - start, origin_of(each)))
         warnings += warnings_of(each, result.warnings, of_threats=True, verbose=verbose)
+    if not (as_json or is_one):
+        emit("\n")
+        show(view.summary({each.file: result for each, result in zip(scenarios, results, strict=True)}))
     respond(
         results[0].to_dict()
         if is_one

@@ -29,7 +29,7 @@ def validate(
         argument(
             "SUITE",
             "Suite file (TOML), or a shipped suite: paper (the default) or plates. A [[case]] has name, scenario, "
-            "quantity, expected, and band or band_percent. `armour init FILE.toml --from paper` writes an example.",
+            "quantity, expected, and band or band_percent. `armour init FILE.toml --from regression` writes one.",
             autocompletion=completion.suites,
         ),
     ] = None,
@@ -40,7 +40,9 @@ def validate(
     ] = False,
     verbose: Annotated[bool, option("Show every case, and why some are not scored.", "--verbose", "-v")] = False,
     markdown: Annotated[Path | None, option("Write the result as Markdown.", "--markdown", metavar="FILE")] = None,
-    junit: Annotated[Path | None, option("Write the result as JUnit XML.", "--junit", metavar="FILE")] = None,
+    junit: Annotated[
+        Path | None, option("Write the result as JUnit XML; such a file is replaced.", "--junit", metavar="FILE")
+    ] = None,
     force: Force = False,
     as_json: AsJson = False,
 ) -> None:

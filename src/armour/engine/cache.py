@@ -79,7 +79,7 @@ def replaced_function() -> str:
 def obstacle() -> str:
     """Return why the loops are not compiled, or "" if they are."""
     if os.environ.get("ARMOUR_COMPILED") == "0":
-        return "ARMOUR_COMPILED is 0"
+        return "ARMOUR_COMPILED is 0 in the environment"
     if name := replaced_function():
         return f"{name} is replaced"
     return "" if find_spec("numba") else "numba is not installed"

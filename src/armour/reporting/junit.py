@@ -39,7 +39,9 @@ def junit_suite(name: str, cases: Iterable[TestCase], seconds: float, origin: Ma
         if each.seconds is not None:
             case.set("time", f"{each.seconds:.3f}")
         if each.result:
-            ElementTree.SubElement(case, each.result, message=printable(each.message))
+            message = printable(each.message)
+            # GitLab shows the text of the element, others its attribute.
+            ElementTree.SubElement(case, each.result, message=message).text = message
     suite.set("tests", str(len(suite.findall("testcase"))))
     suite.set("failures", str(len(suite.findall("testcase/failure"))))
     suite.set("skipped", str(len(suite.findall("testcase/skipped"))))

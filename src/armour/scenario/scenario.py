@@ -614,7 +614,8 @@ def scenario_schema() -> dict[str, Any]:
     for name, section in (("Scenario", schema), *schema["$defs"].items()):
         for key, content in section["properties"].items():
             content["description"] = content.get("description") or meanings[name.split("_")[0]][key]
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "armour scenario"}
+    about = {"title": "armour scenario", "description": "An impact, an armour and settings of the computations."}
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, **about}
 
 
 def _library_of(source: _Source) -> tuple[Library, dict[Kind, dict[str, str]], list[Problem]]:

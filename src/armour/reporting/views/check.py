@@ -122,10 +122,23 @@ def tables(result: CheckResult) -> list[Table | str]:
     return shown
 
 
+def summary(results: Mapping[str, CheckResult]) -> Verdict:
+    """Return how many armours pass, each of a file, and which do not."""
+    words = [f"passes: {sum(result.verdict == 'passes' for result in results.values())} of {len(results)}"]
+    for missed in ("fails", "not known"):
+        if files := [file for file, result in results.items() if result.verdict == missed]:
+            words.append(f"{VERDICTS[missed]}: {', '.join(files)}")
+    return Verdict.of("; ".join(words), good=len(words) == 1)
+
+
 def junit(result: CheckResult, file: str, seconds: float, origin: Mapping[str, str]) -> Element:
-    """Return the check of a file's scenario as a test suite: a test case for every threat."""
-    cases = []
+    """Return the check of a file's scenario as a test suite: a test case for every threat.
+
+    The first one has the time, in seconds, of all of them.
+    """
+    cases: list[TestCase] = []
     for threat in result.threats:
         kind = "" if threat.verdict == "passes" else "failure"
-        cases.append(TestCase(file, threat.threat, kind, f"{verdict(threat)}: {finding(threat)}"))
+        took = None if cases else seconds
+        cases.append(TestCase(file, threat.threat, kind, f"{verdict(threat)}: {finding(threat)}", took))
     return junit_suite(" ".join(result.heading()[:1]), cases, seconds, origin)
