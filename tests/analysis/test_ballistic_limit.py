@@ -91,16 +91,18 @@ def test_a_run_that_does_not_end_names_its_velocity(monkeypatch: pytest.MonkeyPa
 def test_the_engine_finds_the_same_to_the_last_bit(
     changes: dict[str, float], points: int, monkeypatch: pytest.MonkeyPatch
 ):
-    """It is used where it is loaded and, for a dense scan, where it is compiled."""
+    """It is used where it is loaded and, for a dense scan or given steps, where it is compiled."""
     case = scenario().with_inputs(changes)
     assert is_unusual(case.core_armour()) == (points == 1025)
-    found = []
+    found, limits = [], []
     for loaded, compiled in ((False, False), (False, True), (True, False)):
         monkeypatch.setattr("armour.engine.cache.is_loaded", lambda _name, answer=loaded: answer)
         monkeypatch.setattr("armour.engine.cache.is_compiled", lambda _name, answer=compiled: answer)
         found.append(confidence(case))
+        limits.append([ballistic_limit(each) for each in (case, case.replaced({"solver.time_step_us": 1.0}))])
     assert found[0].probability_of_stopping is not None or points == 1025
     assert found[0] == found[1] == found[2]
+    assert limits[0] == limits[1] == limits[2]
 
 
 def test_the_residual_velocity_rises_as_a_square_root():

@@ -13,11 +13,10 @@ import numpy as np
 from armour.analysis.flow_stress import NeededFlowStress, needed_flow_stress
 from armour.analysis.impact import ImpactResult, impact_at, unresolved_error
 from armour.analysis.results import OnProgress, Result, ignore_progress
-from armour.analysis.searches import ballistic_limits, limits_by_law, outcomes_at, searched
+from armour.analysis.searches import ballistic_limits, limit_brackets, limits_by_law, outcomes_at
 from armour.analysis.variants import variants_of
 from armour.core import search
 from armour.core.state import Outcome
-from armour.engine import batch
 from armour.errors import InputError, NoLimitError
 from armour.evidence.model_error import ModelError, error_of, why_unknown
 from armour.evidence.tests import armour_of, is_unusual, scenario_warnings
@@ -166,22 +165,23 @@ def not_monotonic(limit: LimitResult) -> tuple[str, ...]:
 
 def find_crossings(scenario: Scenario, points: int, on_progress: OnProgress) -> tuple[tuple[Crossing, ...], int, bool]:
     """Return the changes of the outcome that the scan sees, the impacts computed, and whether the lowest perforates."""
-    section, solver, armour = scenario.ballistic_limit, scenario.solver, scenario.core_armour()
+    section, armour, variants = scenario.ballistic_limit, scenario.core_armour(), variants_of(scenario, {}, 1)
     low, high, tolerance = section.velocity_min_m_s, section.velocity_max_m_s, section.tolerance_m_s
-    options = batch.SolverOptions(solver.arrest_velocity_m_s, solver.time_step, solver.max_steps)
+    options = variants.options
     velocities = search.scan(low, high, points)
     scanned = velocities[search.first_scanned(armour, velocities) :]
     outcomes = outcomes_at(armour, scanned, options, points)
     runs = len(scanned)
     on_progress(runs, None)
-    for velocity in np.array(scanned)[outcomes == Outcome.UNRESOLVED]:
-        raise unresolved_error(scenario, velocity)
+    unresolved = np.flatnonzero(outcomes == Outcome.UNRESOLVED)
+    if len(unresolved):
+        raise unresolved_error(scenario, scanned[unresolved[0]])
     perforated = outcomes == Outcome.PERFORATED
     crossings: list[Crossing] = []
     for i in np.flatnonzero(perforated[:-1] != perforated[1:]):
         if not crossings and perforated[i + 1]:
             # The limit is the engine's, to the last bit.
-            brackets = searched(batch.packed([armour]), low, high, tolerance, options, points)
+            brackets = limit_brackets(variants.parameters, low, high, tolerance, options, points)
             change = search.SearchResult._make(column.item() for column in brackets)
         else:
             settings = search.RunSettings(*options[:3])

@@ -63,33 +63,39 @@ def ballistic_limits(
     dense = unusual(variants) if points is None else np.zeros(len(limits), dtype=bool)
     for rows, number in ((~dense, points or SCAN_POINTS), (dense, DENSE_SCAN_POINTS)):
         if rows.any():
-            brackets = searched(variants.parameters[rows], *range_m_s, tolerance, variants.options, number)
+            brackets = limit_brackets(variants.parameters[rows], *range_m_s, tolerance, variants.options, number)
             check_resolved(brackets.resolved, variants.at(rows)._replace(velocities=brackets.perforated))
             limits[rows] = np.where(np.isneginf(brackets.stopped), -np.inf, brackets.perforated)
             on_progress(int(brackets.runs.sum()), None)
     return limits
 
 
-def searched(
+def limit_brackets(
     rows: Floats, low: float, high: float, tolerance: float, options: batch.SolverOptions, points: int
 ) -> batch.Brackets:
-    """Search by the engine or, for a single row, here if that is quicker than to load or compile it: the same bits."""
-    if len(rows) > 1 or _is_quicker("ballistic_limits", options, points):
+    """Return the brackets of the limits of rows, by the engine or, of a single row, by Python if that is quicker.
+
+    Both find the same to the last bit.
+    """
+    if len(rows) > 1 or _engine_is_quicker("ballistic_limits", options, points):
         return batch.ballistic_limits(rows, low, high, tolerance, options, points)
     velocities = scan(low, high, points)
     result = find_ballistic_limit(Parameters(*rows[0].tolist()), velocities, tolerance, *options[:3])
     return batch.Brackets(*(np.array([value]) for value in result))
 
 
-def _is_quicker(kernel: str, options: batch.SolverOptions, points: int) -> bool:
-    """Return whether the engine scans velocities more quickly than this process, which may have to load it."""
+def _engine_is_quicker(kernel: str, options: batch.SolverOptions, points: int) -> bool:
+    """Return whether the engine scans the velocities for one armour more quickly than Python, its loading included."""
     slow = points == DENSE_SCAN_POINTS or options.time_step > 0.0
     return cache.is_loaded(kernel) or (slow and cache.is_compiled(kernel))
 
 
 def outcomes_at(armour: Parameters, velocities: Sequence[float], options: batch.SolverOptions, points: int) -> Ints:
-    """Return the outcomes of an armour at velocities, m/s, of a scan of that many points; see `searched`."""
-    if _is_quicker("impacts", options, points):
+    """Return the outcome of an armour at each velocity, m/s; they are of a scan with that number of points.
+
+    The engine computes them, or Python if that is quicker: the same outcomes.
+    """
+    if _engine_is_quicker("impacts", options, points):
         return batch.impacts(batch.packed([armour] * len(velocities)), np.array(velocities), options).outcome
     V_arrest, time_step, max_steps, _ = options
     return np.array([run(armour, velocity, time_step, V_arrest, max_steps).outcome for velocity in velocities])
