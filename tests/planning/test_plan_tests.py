@@ -272,11 +272,29 @@ def test_wrong_settings(wilkins: Scenario, settings: dict[str, object], words: s
 
 
 def test_too_many_candidates_and_a_design_of_another_ceramic(wilkins: Scenario, monkeypatch: pytest.MonkeyPatch):
-    with pytest.raises(InputError, match="must be the same as for the candidates, AD85"):
+    with pytest.raises(InputError, match="as it is fitted: AD85, found B4C"):
         plan_tests(wilkins, GRID, scatter_percent=3.0, designs=[wilkins.replaced({"armour.ceramic": "B4C"})])
     monkeypatch.setattr("armour.planning.candidates.MAX_CANDIDATES", 8)
     with pytest.raises(InputError, match="candidates: must be at most 8 candidates, found 9"):
         plan_tests(wilkins, GRID, scatter_percent=3.0)
+
+
+def test_a_ceramic_of_the_same_name_with_other_values_is_another_one(wilkins: Scenario):
+    denser = wilkins.replaced({"library.ceramic.AD85": {"based_on": "AD85", "density_kg_m3": 3900.0}})
+    tests = read_tests([{CERAMIC: 6.0, "ballistic_limit_m_s": 700.0}], denser)
+    for settings in ({"designs": [denser]}, {"tests": tests}):
+        with pytest.raises(InputError, match="must be the same as for the candidates, with the same values"):
+            plan_tests(wilkins, GRID, scatter_percent=3.0, **settings)
+
+
+def test_the_prior_is_that_of_the_scenario(wilkins: Scenario):
+    flow_stress = {"distribution": "normal", "standard_deviation_percent": 10.0}
+    known = wilkins.replaced({f"uncertainty.{FLOW_STRESS}": flow_stress})
+    limits = [{CERAMIC: c, "ballistic_limit_m_s": v} for c, v in LIMITS]
+    for scenario in (wilkins, known.with_inputs({FLOW_STRESS: 4.0})):
+        read = read_tests(limits, scenario)
+        with pytest.raises(InputError, match="must have the distributions of the scenario that the tests were read"):
+            plan_tests(known, GRID, scatter_percent=3.0, tests=read, prior=True)
 
 
 def test_a_result_is_plain_data(wilkins: Scenario):

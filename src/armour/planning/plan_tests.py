@@ -19,7 +19,7 @@ from armour.planning.optimal_design import Task
 from armour.scenario.checked import Names, checked, instance
 from armour.scenario.inputs import NAMES, VELOCITY
 from armour.scenario.scenario import Scenario
-from armour.statistics.calibration import FLOW_STRESS, Law, check_fitted, law_of, under_law
+from armour.statistics.calibration import FLOW_STRESS, Law, check_fitted, check_same_prior, law_of, under_law
 from armour.statistics.likelihood import (
     NO_PRIOR,
     InputFit,
@@ -239,6 +239,8 @@ def plan_tests(
     if tests is not None:
         if scatter is not None and not tests.weighted:
             tests = _weighted_by(tests, scatter)
+        if prior:
+            check_same_prior(tests, scenario, "plan_tests")
         likelihood = _likelihood(tests, model, fit, law, prior=prior)
         # The scenario of the tests may have other values than the candidates.
         model = model._replace(units=likelihood.units)
@@ -420,15 +422,21 @@ def _given_scatter(tests: Tests) -> float | None:
 
 
 def _check_materials(scenarios: Sequence[tuple[str, Scenario]], first: Scenario, names: Sequence[str]) -> None:
-    """Check that scenarios, each with its file, have the materials whose properties are fitted."""
-    must = "must be the same as for the candidates"
+    """Check that scenarios, each with its file, have the materials whose properties are fitted, with equal others."""
+    must = "must be the same as for the candidates, with the same values"
     refuse(
-        Problem(file, key, f"{must}, {first.name_of(role)}, as it is fitted, found {name}")
+        Problem(file, key, f"{must}, as it is fitted: {first.name_of(role)}, found {scenario.name_of(role)}")
         for role, key in NAMES.items()
         if any(fitted.startswith(f"{role}.") for fitted in names)
         for file, scenario in scenarios
-        if (name := scenario.name_of(role)) != first.name_of(role)
+        if _values_of(scenario, role, names) != _values_of(first, role, names)
     )
+
+
+def _values_of(scenario: Scenario, role: str, fitted: Sequence[str]) -> dict[str, float]:
+    """Return the values of a projectile or material that are not fitted, by input."""
+    inputs = scenario.inputs().items()
+    return {name: value for name, value in inputs if name.startswith(f"{role}.") and name not in fitted}
 
 
 def _determined(vectors: Floats, basis: Floats) -> Floats:

@@ -19,6 +19,7 @@ from armour.scenario.inputs import ROLES
 from armour.scenario.keys import key_name
 from armour.scenario.library import FLOW_STRESS_LAW
 from armour.scenario.scenario import Scenario
+from armour.scenario.schema import Uncertainty
 from armour.statistics.likelihood import MIN_P_VALUE, Coefficient, InputFit, fit_inputs, intervals, usable, without
 from armour.statistics.measured import Tests, common_of, subject_of
 from armour.statistics.own_tests import NOTHING_OF_ERROR, own_tests
@@ -259,6 +260,8 @@ def calibrate(
     if different := [name for name, value in common_of(tests.scenario).items() if common[name] != value]:
         message = f"must be the one that the tests were read with, found other {' and '.join(different)}"
         raise mistake("calibrate", "scenario", f"{message}; read_tests reads them with this one")
+    if prior:
+        check_same_prior(tests, scenario, "calibrate")
     for role in {name.partition(".")[0] for name in fit} & {*ROLES}:
         entry = tests.groups[0].scenario.entry_of(role)
         if entry is not None and entry.evidence is not None:
@@ -320,6 +323,16 @@ def check_fitted(fit: Sequence[str], law: str | None, function: str) -> None:
         raise mistake(function, "fit", "must name at least one input")
     if law is not None and FLOW_STRESS not in fit:
         raise mistake(function, "law", f'must not be given unless {FLOW_STRESS} is fitted, found "{law}"')
+
+
+def check_same_prior(tests: Tests, scenario: Scenario, function: str) -> None:
+    """Check that the scenario that tests were read with, whose distributions are the prior, has those of a scenario."""
+    read_with = tests.scenario
+    names = (scenario.uncertainty or Uncertainty()).inputs()
+    values, read_values = ([inputs.get(name) for name in names] for inputs in (scenario.inputs(), read_with.inputs()))
+    if read_with.uncertainty != scenario.uncertainty or read_values != values:
+        message = "must have the distributions of the scenario that the tests were read with, found others"
+        raise mistake(function, "scenario", f"{message}; read_tests reads them with this one")
 
 
 def fit_by_law(
