@@ -13,7 +13,7 @@ from armour.errors import InputError, Problem, choices, mistake, refuse
 from armour.files import csv_value, reason, table_file
 from armour.units import missing_unit
 
-# Greatest number of rows, more than the tests or shots of anyone; their fits take about a minute.
+# Greatest number of rows, more than anyone has tests or shots; a fit to so many takes about a minute.
 MAX_ROWS = 100_000
 # Greatest length of a line; a device such as /dev/zero has no end of line.
 MAX_LINE = 100_000
@@ -45,7 +45,7 @@ class Frame(Protocol):
         """Return a column."""
 
 
-# Rows that are given: mappings by column, or a data frame.
+# Rows given in Python: mappings by column, or a data frame.
 Rows = Iterable[Mapping[str, Any]] | Frame
 # A line: its place, for messages, and its cells.
 Line = tuple[str, list[str]]
@@ -62,9 +62,9 @@ class CsvRow(NamedTuple):
 def read_rows(
     file: str, lines: Iterable[Line], *, numbers: Sequence[str], texts: Sequence[str], needed: Sequence[str]
 ) -> tuple[list[CsvRow], list[Problem]]:
-    """Return the rows of a table and the mistakes in them, to which the caller adds those that it finds.
+    """Return the rows of a table and the mistakes in them, to which the caller adds its own.
 
-    The header names columns of numbers and of texts, at least the needed ones; the first of texts is the name of a row.
+    The header names columns of numbers and of texts, at least those needed; the first column of texts names the row.
     """
     lines = list(islice(lines, MAX_ROWS + 2))
     if not lines:
@@ -108,37 +108,37 @@ def read_rows(
 
 
 def read_csv(path: Path) -> Iterator[tuple[int, list[str]]]:
-    """Yield the lines of a CSV file that are not blank: number and cells; a cell ends on the line that it begins on."""
+    """Yield the number and cells of each line of a CSV file that is not blank; no cell spans several lines."""
 
     def texts() -> Iterator[str]:
         for place, line in enumerate(iter(lambda: file.readline(MAX_LINE), ""), 1):
             if len(line) == MAX_LINE:
                 raise mistake(path, f"line {place}", f"must be shorter than {MAX_LINE:,} characters")
-            if not line.isascii() and (found := _UNDECODED.search(line)):
-                byte = ord(found[0]) - 0xDC00
+            if not line.isascii() and (undecoded := _UNDECODED.search(line)):
+                byte = ord(undecoded[0]) - 0xDC00
                 raise mistake(path, f"line {place}", f"must be UTF-8 text, found the byte {byte:#04x}")
             yield line
 
-    read = 0
+    last_line = 0
     try:
         with open(path, encoding="utf-8-sig", errors="surrogateescape", newline="") as file:
             reader = csv.reader(texts(), strict=True)
             for cells in reader:
-                if reader.line_num > read + 1:
+                if reader.line_num > last_line + 1:
                     raise csv.Error
-                read += 1
+                last_line += 1
                 stripped = [cell.strip() for cell in cells]
                 if any(stripped):
-                    yield read, stripped
+                    yield last_line, stripped
     except csv.Error:
         message = "must close each quote on its line, before a comma or the end of the line"
-        raise mistake(path, f"line {read + 1}", message) from None
+        raise mistake(path, f"line {last_line + 1}", message) from None
     except (OSError, ValueError) as error:
         raise mistake(path, "", f"cannot be read: {reason(error)}") from None
 
 
 def lines_of(table: str | PathLike[str] | Rows) -> tuple[str, Iterator[Line]]:
-    """Return the name of a table, for messages, and its lines: of a CSV file, or rows that are given."""
+    """Return the name of a table, for messages, and its lines, from a CSV file or from rows given in Python."""
     if isinstance(table, str | PathLike):
         path = table_file(table)
         return str(path), ((f"line {number}", cells) for number, cells in read_csv(path))

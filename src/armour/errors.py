@@ -13,7 +13,7 @@ from difflib import get_close_matches
 from os import PathLike
 from typing import NamedTuple, Self
 
-# Greatest number of names of which one is suggested, as a wrong name is compared with each of them.
+# Greatest number of names to suggest one from, as a wrong name is compared with each of them.
 MAX_WORDS = 1000
 # Precedes a list of names in a message.
 CHOOSE = "; choose from "
@@ -54,7 +54,7 @@ class Note(str):
     text : str
         What a reader should know.
     brief : str
-        What is outside what the model was compared with, in a few words; empty of other warnings.
+        What lies outside the tests of the model, in a few words; empty for other warnings.
     """
 
     key: str
@@ -113,7 +113,7 @@ def refuse(problems: Iterable[Problem]) -> None:
 
 
 def _listed_once(problems: Iterable[Problem]) -> Iterator[Problem]:
-    """Yield the problems; a list of choices that several of them have is left to the first."""
+    """Yield the problems; a list of choices that several of them have stays with the first only."""
     lists = set[str]()
     for problem in problems:
         message, _, names = problem.message.partition(CHOOSE)
@@ -123,8 +123,8 @@ def _listed_once(problems: Iterable[Problem]) -> Iterator[Problem]:
 
 def listed(names: Sequence[str]) -> str:
     """Return names as part of a sentence: the first ones, and how many more there are."""
-    more = len(names) - MAX_NAMES
-    return ", ".join(names[:MAX_NAMES]) + (f" and {more} more" if more > 0 else "")
+    omitted = len(names) - MAX_NAMES
+    return ", ".join(names[:MAX_NAMES]) + (f" and {omitted} more" if omitted > 0 else "")
 
 
 def in_two_lines(warnings: Sequence[str], where: str) -> list[str]:
@@ -133,13 +133,16 @@ def in_two_lines(warnings: Sequence[str], where: str) -> list[str]:
     `where` says, in words, where all of them are.
     """
     outside = [warning for warning in warnings if isinstance(warning, Note) and warning.brief]
-    others = [warning for warning in warnings if warning not in outside]
+    other_warnings = [warning for warning in warnings if warning not in outside]
     briefs = list(dict.fromkeys(warning.brief for warning in outside))
     lines: list[str] = list(outside[:1])
     if len(briefs) > 1:
         lines = [f"outside what the model was compared with: {listed(briefs)}; explained {where}"]
-    more = len(others) - 1
-    return [*lines, *(f"{warning}; {more} more {where}" if more > 0 else warning for warning in others[:1])]
+    omitted = len(other_warnings) - 1
+    return [
+        *lines,
+        *(f"{warning}; {omitted} more {where}" if omitted > 0 else warning for warning in other_warnings[:1]),
+    ]
 
 
 def suggestion(word: str, names: Sequence[str]) -> str:

@@ -62,7 +62,7 @@ def shipped_notebooks() -> dict[str, Path]:
 
 
 def located(path: Path, files: Mapping[str, Path], hint: str = "") -> Path:
-    """Return the file at a path or, where there is none, the shipped file of this name.
+    """Return the file at a path or, if there is none, the shipped file of that name.
 
     If there is neither, raise an InputError with the closest name and a hint, by default all names.
     """
@@ -82,12 +82,12 @@ def located(path: Path, files: Mapping[str, Path], hint: str = "") -> Path:
 
 
 def table_file(path: str | PathLike[str]) -> Path:
-    """Return the file of a path or, where there is none, of the shipped table of tests or shots of that name."""
+    """Return the file at a path or, if there is none, the shipped table of tests or shots of that name."""
     return located(Path(path), shipped_tests())
 
 
 def suite_file(path: str | PathLike[str]) -> Path:
-    """Return the file of a path or, where there is none, of the shipped suite of that name."""
+    """Return the file at a path or, if there is none, the shipped suite of that name."""
     return located(Path(path), shipped_suites())
 
 
@@ -132,7 +132,7 @@ def parse_toml(text: str, file: str) -> dict[str, Any]:
     except RecursionError:
         message = "must be valid TOML, found values nested too deeply"
     except ValueError as error:
-        # Most errors are texts without quotes and decimal commas, which the line shows.
+        # Most errors are texts without quotes, and decimal commas; the line shows them.
         place = re.search(r"at line (\d+)", str(error))
         line = ": " + printable(text.split("\n")[int(place[1]) - 1].strip()[:MAX_SHOWN]) if place else ""
         message = f"must be valid TOML, found an error: {error}{line}"
@@ -165,7 +165,7 @@ def csv_value(cell: str) -> str:
 
 
 def wrong_ending(path: Path, endings: Sequence[str]) -> list[Problem]:
-    """Return the problem of an output file that does not end in one of some endings, such as ".csv", or []."""
+    """Return the problem of an output file whose ending is not one of those allowed, such as ".csv"; [] if it is."""
     if path.suffix.lower() in endings:
         return []
     words = " or ".join(filter(None, (", ".join(endings[:-1]), endings[-1])))
@@ -195,14 +195,15 @@ def _obstacle(path: Path) -> str:
 
 
 def _is_stream(path: Path) -> bool:
-    """Return whether there is a device or a pipe at a path, which is written to; files are replaced."""
+    """Return whether a path is a device or a pipe, which is written to; files are replaced."""
     return path.exists() and not path.is_file()
 
 
 def write_file(path: Path, content: bytes) -> None:
-    """Write a file whole or not at all, under another name at first; raise an InputError if it cannot be written.
+    """Write a file completely or not at all, under another name at first; raise an InputError if it cannot be written.
 
-    The target of a symbolic link is replaced, and the new file has its permissions; devices and pipes are written to.
+    The target of a symbolic link is replaced, and the new file keeps its permissions.  Devices and pipes are written
+    to directly.
     """
     refuse(unwritable(path))
     target = Path(os.path.realpath(path))
@@ -227,9 +228,9 @@ def write_file(path: Path, content: bytes) -> None:
 
 
 def exchangeable(folder: Path, writable: int, *, by_owners: bool = False) -> bool:
-    """Return whether another user could replace a folder by another one.
+    """Return whether another user could replace a folder.
 
-    This is so if the mode of the folder, or of one above it, has bits of ``writable`` and no sticky bit or, with
+    This is the case if the mode of the folder, or of one above it, has bits of ``writable`` and no sticky bit or, with
     ``by_owners``, if its owner is not this user, root or the owner of this user's home.
     """
     if not hasattr(os, "geteuid"):

@@ -29,7 +29,7 @@ def intact_strength(
 ) -> float:
     """Return the flow stress of intact ceramic, Hc0 > 0, by a law of both thicknesses over the diameter, Pa.
 
-    An extension: the paper takes it as constant, and suggests that it depends on the thicknesses.
+    This extends the paper, which takes the flow stress as constant but suggests that it depends on the thicknesses.
     """
     c, b = max(Hc0 / D0, THINNEST_CERAMIC), Hb / D0
     factor: float = b**n_B * (c * b) ** n_cB * (1.0 + a_c * (c - 1.0) + a_B * (b - 1.0))
@@ -82,7 +82,7 @@ def deceleration(pressure: float, rho_p: float, L: float) -> float:
     """Return dV/dt under a pressure on the end of the rigid part, m/s^2 (3), (18), (29).
 
     The pressure is Yp where the projectile erodes (3) and the target's where it is rigid (18), (29).  Equation (18)
-    is read with a bracket that its print lacks, so that the cross-section divides out; (29) with rho_p for the
+    is read with a bracket that is missing in print, so that the cross-section cancels, and (29) with rho_p for the
     printed rho_B.
     """
     return -pressure / (rho_p * L)

@@ -1,4 +1,4 @@
-"""Events that end a stage: how far each is away, where in a step the earliest happens, and what follows it."""
+"""Events that end a stage: how far away each is, where in a step the earliest happens, and what follows it."""
 
 from enum import IntEnum
 from math import inf
@@ -59,7 +59,7 @@ def event_functions(t: float, y: State, s: Stage, p: Parameters, V_arrest: float
 
 
 def first_event(whole: Step, g: Margins, g_end: Margins, s: Stage, p: Parameters, V_arrest: float) -> tuple[int, float]:
-    """Return the earliest event of a step on the cubic through it, or -1, and the fraction just after which it happens.
+    """Return the earliest event on the cubic through a step, or -1, and the fraction of the step just after it.
 
     The event functions are g at its start and g_end at its end.
     """

@@ -11,7 +11,8 @@ from armour.core.state import Outcome, Parameters, Stage, State
 # Greatest error of a step, estimated by its third-order method: the sum of the errors of the depth over the armour's
 # thickness, of the length over that at impact, and of the velocities over the impact velocity.
 TOLERANCE = 4e-7
-# The same of a fixed step, which is shortened where it exceeds this: at the back face, where the plate ahead vanishes.
+# The same for a fixed step, which is shortened where its error exceeds this: at the back face, where the plate ahead
+# vanishes.
 LARGEST_ERROR = 1e-2
 # Usual step control: the part of the allowed step that is taken, and the limits of the change from step to step.
 SAFETY, LEAST_CHANGE, GREATEST_CHANGE = 0.9, 0.2, 5.0
@@ -58,9 +59,8 @@ def run(
     y = State(Z=0.0, L=p.L0, V=Vi, W=0.0, h=0.0)
     s = first_stage(y, p)
     k, g = rates(y, s, p), event_functions(t, y, s, p, V_arrest)
-    steps, length, fixed = 0, FIRST_STEP * p.D0 / Vi, dt > 0.0
-    if fixed:
-        length = dt
+    steps, fixed = 0, dt > 0.0
+    length = dt if fixed else FIRST_STEP * p.D0 / Vi
     outcome = Outcome.RUNNING if Vi >= V_arrest else Outcome.STOPPED
     if trace is not None:
         trace.append(Instant(t, y, s))

@@ -14,14 +14,14 @@ from armour.core.roots import MOST_TRIALS, bracket, narrowed, next_point
 from armour.core.run import TOLERANCE, Run, run
 from armour.core.state import Outcome, Parameters, with_ceramic
 
-# Rough runs: their tolerance, the part of a limit by which they may miss it, which usual runs check, and the width,
-# m/s, to which they narrow it.
+# Rough runs: their tolerance, the fraction of a limit by which they may miss it, which the usual runs check, and the
+# width, m/s, to which they narrow it.
 ROUGH, ROUGH_ERROR, ROUGH_WIDTH = 1e-4, 1e-3, 1.0
-# Energy that a projectile that stops lacks at least, as a part of its own: its sign is that of the outcome.
+# Least energy that a stopped projectile lacks, as a fraction of its own, so that the sign is that of the outcome.
 SMALL = 1e-14
 # Number of velocities of a scan.
 SCAN_POINTS = 33
-# The same where the outcome is likely to change more than once.
+# Number of velocities where the outcome is likely to change more than once.
 DENSE_SCAN_POINTS = 1025
 
 
@@ -69,16 +69,16 @@ def residual_energy(end: Run, p: Parameters, V: float, V_arrest: float) -> float
     """Return the square of the residual velocity less that of the arrest velocity, m^2/s^2; negative if it stops.
 
     A projectile that stops together with all material ahead, at a constant deceleration (33), would have perforated
-    with more energy in proportion to the armour that is left: this continues the function below the limit without a
-    bend.  For others the part of the armour that is left only gives the sign.
+    with more energy, in proportion to the armour that remains: this continues the function below the limit without a
+    kink.  For other projectiles the fraction of the armour that remains only gives the sign.
     """
     f = end.y.V * end.y.V - V_arrest * V_arrest
-    left = p.Hc0 + p.Hb - end.y.Z
+    remaining = p.Hc0 + p.Hb - end.y.Z
     if end.outcome == Outcome.PERFORATED:
         return max(f, 0.0)
     if end.constant_dV < 0.0:
-        return min(f + 2.0 * end.constant_dV * left, -SMALL * V * V)
-    return -V * V * max(left / (p.Hc0 + p.Hb), 1e-3)
+        return min(f + 2.0 * end.constant_dV * remaining, -SMALL * V * V)
+    return -V * V * max(remaining / (p.Hc0 + p.Hb), 1e-3)
 
 
 def first_scanned(p: Parameters, velocities: Sequence[float]) -> int:
@@ -95,8 +95,8 @@ def find_ballistic_limit(
     """Find the ballistic limit: the lowest change of the outcome that a scan of velocities, m/s, sees.
 
     There is no limit if the lowest velocity perforates.  ``tolerance`` is the width of the final bracket, m/s; ``dt``
-    is that of `armour.core.run.run`.  An unresolved run is both ends of the bracket.  Rough runs locate the limit; the
-    usual ones narrow it from there, or scan again if they contradict the rough ones.
+    is that of `armour.core.run.run`.  The velocity of an unresolved run is both ends of the bracket.  Rough runs locate
+    the limit; the usual ones narrow it from there, or scan again if they contradict the rough ones.
     """
     solver = RunSettings(V_arrest, dt, max_steps, TOLERANCE)
     rough = scanned_limit(p, velocities, ROUGH_WIDTH, RunSettings(V_arrest, dt, max_steps, ROUGH))

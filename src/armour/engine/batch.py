@@ -17,7 +17,7 @@ Ints = NDArray[np.int64]
 
 # Rows that a thread takes at a time, at most.
 PORTION = 256
-# Portions of few rows for each thread, as some take longer, and the least that is worth a thread: about a millisecond.
+# Portions for each thread when there are few rows, as some take longer, and the fewest rows worth a thread, about 1 ms.
 PORTIONS_PER_THREAD = 4
 LEAST_PORTIONS = {"impacts": 128, "ballistic_limits": 8, "least_thicknesses": 8}
 
@@ -119,11 +119,11 @@ def _computed(
     name: str, inputs: list[Floats], settings: tuple[Any, ...], width: int, threads: int | None
 ) -> tuple[Ints, Floats]:
     """Call a kernel on portions of the inputs; return its integers, shape (n, 2), and numbers, shape (n, width)."""
-    rows, *others = (np.ascontiguousarray(array, dtype=np.float64) for array in inputs)
+    rows, *velocities = (np.ascontiguousarray(array, dtype=np.float64) for array in inputs)
     if rows.ndim != 2 or rows.shape[1] != len(Parameters._fields):
         raise ValueError(f"rows must be of the shape (n, {len(Parameters._fields)}), found {rows.shape}")
     count = len(rows)
-    inputs = [rows, *(np.ascontiguousarray(np.broadcast_to(velocities, count)) for velocities in others)]
+    inputs = [rows, *(np.ascontiguousarray(np.broadcast_to(column, count)) for column in velocities)]
     counts, ends = np.empty((count, 2), np.int64), np.empty((count, width))
     kernel = cache.kernel(name)
     workers = threads or available_cores()

@@ -1,8 +1,9 @@
 """Compiled kernels, kept by numba in the user's cache folder from one process to the next.
 
-Numba itself notices changes of the loops' file only: the folder is named after a digest of all that is compiled.  It
-is used if no other user can write to it or put another in its place.  Otherwise every process compiles.  Without numba,
-with ``ARMOUR_COMPILED=0`` in the environment, or with a replaced function of the core, Python runs the loops.
+Numba itself notices only changes to the file of the loops, so the folder is named after a digest of all code that is
+compiled.  The folder is used only if no other user can write to it or replace it; otherwise every process compiles.
+Without numba, with ``ARMOUR_COMPILED=0`` in the environment, or if a function of the core has been replaced, Python
+runs the loops.
 """
 
 import logging
@@ -25,7 +26,7 @@ Kernel = Callable[..., None]
 
 PACKAGE = Path(__file__).resolve().parent.parent
 COMPILING = "compiling the numerical code, which takes about ten seconds"
-# Folders of other versions of the program that are kept.
+# Number of folders of other versions of the program that are kept.
 OTHERS_KEPT = 4
 
 log = logging.getLogger(__name__)
@@ -35,11 +36,11 @@ _logged: set[str] = set()
 
 
 def digest(package: Path = PACKAGE) -> str:
-    """Return a hash of the place and source of the core and the loops, and of the versions of what compiles them."""
+    """Return a hash of the location and source of the core and the loops, and of the compiler's versions."""
     from importlib.metadata import version  # slow to import
 
     versions = [version(name) for name in ("numba", "llvmlite", "numpy")]
-    # numba compiles anew for each place: two installations would remove each other's compiled code.
+    # numba compiles again for each location: two installations would remove each other's compiled code.
     content = sha256(f"{package} {versions} {sys.version}".encode())
     engine = package / "engine"
     for path in [*sorted((package / "core").glob("*.py")), engine / "kernels.py", engine / "loops.py"]:
@@ -48,7 +49,7 @@ def digest(package: Path = PACKAGE) -> str:
 
 
 def folder() -> tuple[Path | None, str]:
-    """Return the folder of the compiled code, which is made, or None and why compiled code cannot be kept."""
+    """Make the folder of the compiled code and return it, or return None and why compiled code cannot be kept."""
     try:
         path = Path(user_cache_dir("armour", appauthor=False), f"kernels-{digest()}")
     except (OSError, RuntimeError):  # RuntimeError: no home; older versions of platformdirs return a relative path
@@ -67,11 +68,11 @@ def folder() -> tuple[Path | None, str]:
 
 
 def replaced_function() -> str:
-    """Return the name of a function of the core that a program has replaced by its own, or ""."""
-    of_the_core = ("armour.core", "builtins", "collections", "enum", "math", "typing")
+    """Return the name of a function of the core that another program has replaced, or ""."""
+    expected_modules = ("armour.core", "builtins", "collections", "enum", "math", "typing")
     for name, module in list(sys.modules.items()):
         for attribute, value in vars(module).items() if name.startswith("armour.core.") else ():
-            if callable(value) and not getattr(value, "__module__", "").startswith(of_the_core):
+            if callable(value) and not getattr(value, "__module__", "").startswith(expected_modules):
                 return f"{name}.{attribute}"
     return ""
 
@@ -86,7 +87,7 @@ def obstacle() -> str:
 
 
 def is_compiled(name: str) -> bool:
-    """Return whether there is the compiled code of a loop as it was written, without importing numba."""
+    """Return whether the compiled code of a loop is there, unchanged since it was written, without importing numba."""
     path = None if obstacle() else folder()[0]
     with suppress(OSError):
         return path is not None and seal(path, name).read_text(encoding="utf-8") == content_of(path, name)
@@ -109,13 +110,13 @@ def is_loaded(name: str) -> bool:
 
 
 def kernel(name: str) -> Kernel:
-    """Return a loop of `armour.engine.loops`: compiled, which is loaded or compiled once in a process, or as it is."""
+    """Return a loop of `armour.engine.loops`, compiled or loaded once in a process, or in plain Python."""
     with _lock:
         reason = obstacle()
         if not reason and name not in _kernels:
             try:
                 _kernels[name] = load(name)
-            except Exception as error:  # whatever a numba raises that does not fit numpy, Python or the machine
+            except Exception as error:  # any error of a numba that does not fit numpy, Python or the machine
                 first_line, *_ = f"{error}\n".splitlines()
                 reason = f"numba does not work: {first_line}"
                 _kernels[name] = getattr(loops, name)
@@ -126,14 +127,14 @@ def kernel(name: str) -> Kernel:
 
 
 def log_once(level: int, message: str) -> None:
-    """Log a message, if this process has not logged it yet."""
+    """Log a message unless this process has logged it before."""
     if message not in _logged:
         log.log(level, message)
         _logged.add(message)
 
 
 def load(name: str) -> Kernel:
-    """Load a loop, or compile it, which is logged, and keep it."""
+    """Load the compiled code of a loop, or compile it and keep the code; log the compiling."""
     from armour.engine.kernels import compiled
 
     path, hindrance = folder()
@@ -154,7 +155,7 @@ def load(name: str) -> Kernel:
     with suppress(OSError):
         if not whole:
             seal(path, name).write_text(content_of(path, name), encoding="utf-8")
-        others = [other for other in path.parent.glob("kernels-*") if other != path]
-        for other in sorted(others, key=os.path.getmtime)[:-OTHERS_KEPT]:
-            shutil.rmtree(other)
+        other_versions = [version for version in path.parent.glob("kernels-*") if version != path]
+        for version in sorted(other_versions, key=os.path.getmtime)[:-OTHERS_KEPT]:
+            shutil.rmtree(version)
     return loop

@@ -20,7 +20,7 @@ from armour.engine import loops
 # Functions that only compiled code calls need no wrappers, and nothing here needs reference counts.
 OPTIONS: Any = {"no_cfunc_wrapper": True, "_nrt": False}
 
-# Called in every step: numba leaves them out of line by itself, which takes a fifth longer.
+# Called in every step: numba would not inline them by itself, which takes a fifth longer.
 INLINED = stages.rates, rk4.step
 # Make the functions of the core callable from compiled code.
 for _module in (state, equations, stages, roots, rk4, events, bounds, core_run, search):
@@ -31,7 +31,7 @@ for _module in (state, equations, stages, roots, rk4, events, bounds, core_run, 
 
 @overload(loops.parameters_at, jit_options=OPTIONS, strict=False)
 def compiled_parameters_at(rows: Any, i: Any) -> Any:  # noqa: ARG001 (numba gives types, by these names)
-    """Compile `loops.parameters_at`: numba knows no lists of arrays."""
+    """Compile `loops.parameters_at`: numba cannot convert an array to a list."""
     return lambda rows, i: Parameters(
         rows[i, 0], rows[i, 1], rows[i, 2], rows[i, 3], rows[i, 4], rows[i, 5], rows[i, 6], rows[i, 7], rows[i, 8],
         rows[i, 9], rows[i, 10], rows[i, 11], rows[i, 12], rows[i, 13], rows[i, 14], rows[i, 15], int(rows[i, 16]),
@@ -40,7 +40,7 @@ def compiled_parameters_at(rows: Any, i: Any) -> Any:  # noqa: ARG001 (numba giv
 
 @overload(loops.numbers, jit_options=OPTIONS, strict=False)
 def compiled_numbers(velocities: Any) -> Any:  # noqa: ARG001
-    """Compile `loops.numbers`: compiled code has its own numbers."""
+    """Compile `loops.numbers`, which compiled code does not need."""
     return lambda velocities: velocities
 
 
@@ -60,17 +60,17 @@ SIGNATURES: dict[str, tuple[Any, ...]] = {
 
 
 def compiled(name: str, folder: Path | None = None) -> Any:
-    """Return a loop: compiled or, with a folder, loaded from there if it is there, else kept there."""
-    njit: Any = numba.njit  # its stubs know neither of the options
+    """Compile a loop; with a folder, load its compiled code from there, or keep it there."""
+    njit: Any = numba.njit  # its stubs lack both options
     kernel = njit(error_model="numpy", nogil=True, **OPTIONS)(getattr(loops, name))
     if folder is not None:
-        # These settings are the process's: they are its own again when the kernel knows its folder.
+        # These settings belong to the whole process and are restored as soon as the kernel has its folder.
         settings: Any = config
         before = settings.CACHE_DIR, settings.CACHE_LOCATOR_CLASSES
         settings.CACHE_DIR, settings.CACHE_LOCATOR_CLASSES = str(folder), "UserProvidedCacheLocator"
         kernel.enable_caching()
         settings.CACHE_DIR, settings.CACHE_LOCATOR_CLASSES = before
-    # Numba makes so many objects that looking for garbage among them takes a tenth of the time.
+    # Numba creates so many objects that garbage collection takes a tenth of the time.
     collecting = gc.isenabled()
     gc.disable()
     try:

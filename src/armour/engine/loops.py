@@ -40,7 +40,7 @@ def ballistic_limits(rows: Any, settings: Any, counts: Any, ends: Any) -> None:
 
 
 def least_thicknesses(rows: Any, velocities: Any, settings: Any, counts: Any, ends: Any) -> None:
-    """Do the same for the least ceramic thickness that stops each impact."""
+    """Write the same for searches for the least ceramic thickness that stops an impact."""
     for i in range(len(rows)):
         least = find_least_ceramic_thickness(parameters_at(rows, i), float(velocities[i]), *settings)
         counts[i, 0], counts[i, 1] = least.runs, least.resolved
