@@ -116,7 +116,9 @@ def test_limits_of_unusual_rows_are_searched_densely_and_in_place():
     variants = variants_of(narrow_ranges(), {"armour.ceramic_thickness_mm": ceramics}, 3)
     usual = alone(scenario())
     together = variants._replace(parameters=np.concatenate([usual.parameters, variants.parameters, usual.parameters]))
-    together = together._replace(velocities=np.full(5, 359.086), cosines=np.ones(5), which=np.zeros(5, dtype=int))
+    together = together._replace(
+        velocities=np.full(5, 359.086), cosines=np.ones(5), material_of_row=np.zeros(5, dtype=int)
+    )
     limits = ballistic_limits(together, (1.0, 10_000.0))
     alone_limits = [ballistic_limits(together.at(np.array([i])), (1.0, 10_000.0))[0] for i in range(5)]
     assert limits.tolist() == alone_limits

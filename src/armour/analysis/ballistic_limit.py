@@ -1,4 +1,4 @@
-"""Ballistic limit: the lowest change of the outcome that a scan of impact velocities sees; the confidence in it.
+"""Ballistic limit, the lowest change of the outcome in a scan of impact velocities, and the confidence in an armour.
 
 The confidence in an armour is the probability that it stops its threat, given the model error.
 """
@@ -53,8 +53,8 @@ class LimitResult(Result):
     ballistic_limit_m_s : float
         Lowest velocity found to perforate, m/s: the upper end of the bracket.
     bracket_m_s : tuple of float
-        Velocities just below the limit, stopped, and at it, perforated, m/s.  The lower one may be known without an
-        impact there, from those near it.
+        Velocities just below the limit, stopped, and at it, perforated, m/s.  The lower one may follow from impacts
+        nearby instead of one at that velocity.
     runs : int
         Number of impacts computed.
     areal_density_kg_m2 : float
@@ -148,12 +148,12 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
 def model_error(scenario: Scenario, limit_m_s: float) -> ModelError | None:
     """Return the error of a scenario's ballistic limit by the model, m/s; None if it is not known or not included.
 
-    It is that of the section ``uncertainty.model`` or of tests of such armours.  With a ceramic, these are described by
-    several laws of its flow stress; the limits by the others than the scenario's are computed here.
+    It is that of the section ``uncertainty.model`` or of tests of such armours.  With a ceramic, several laws of its
+    flow stress describe these tests; the limits by all laws but the scenario's own are computed here.
     """
     variants = variants_of(scenario, {}, 1)
     errors = variants.errors
-    # Of its own law the ratio is exactly 1.
+    # The ratio by its own law is exactly 1.
     ratio = errors.ratio.times(limits_by_law(variants, errors, np.array([limit_m_s])) / limit_m_s).one()
     return error_of(scenario, ratio, variants.armours)
 
@@ -180,7 +180,7 @@ def find_crossings(scenario: Scenario, points: int, on_progress: OnProgress) -> 
     crossings: list[Crossing] = []
     for i in np.flatnonzero(perforated[:-1] != perforated[1:]):
         if not crossings and perforated[i + 1]:
-            # The limit is the engine's, to the last bit.
+            # The limit equals the engine's to the last bit.
             brackets = limit_brackets(variants.parameters, low, high, tolerance, options, points)
             change = search.SearchResult._make(column.item() for column in brackets)
         else:
@@ -251,7 +251,7 @@ def _listed(crossings: tuple[Crossing, ...]) -> str:
     return ", ".join(f"{crossing.above} above {crossing.bracket_m_s[1]:.2f} m/s" for crossing in crossings)
 
 
-# Probability above which a lower bound is given as the probability.
+# Probability above which a lower bound is reported as the probability.
 SURE = 0.995
 EXCLUDED = "uncertainty.model excludes the model error"
 

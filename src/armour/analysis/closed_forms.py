@@ -1,4 +1,4 @@
-"""Closed forms for comparison with the model: Florence's ballistic limit, a rule of areal density, residual velocities.
+"""Closed forms to compare with the model: Florence's ballistic limit, an areal density rule, residual velocities.
 
 SI units.  ``1`` is the ceramic and ``2`` the back plate: densities rho, thicknesses h, and the back plate's ultimate
 tensile strength sigma2 and strain to fracture eps2.
@@ -91,8 +91,8 @@ class ArealDensityRule(NamedTuple):
 def fit_areal_density_rule(areal_densities: Floats, limits: Floats, p: float | None = None) -> ArealDensityRule:
     """Fit the rule ``limit = k A^p`` to measured ballistic limits by least squares of the relative errors.
 
-    For a given p the factor is ``k = sum(s) / sum(s^2)`` with ``s = A^p / limit``; p minimises the sum of squares that
-    remains, ``n - sum(s)^2 / sum(s^2)``.
+    For a given p the factor is ``k = sum(s) / sum(s^2)`` with ``s = A^p / limit``; p minimises the remaining sum of
+    squares, ``n - sum(s)^2 / sum(s^2)``.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def fit_areal_density_rule(areal_densities: Floats, limits: Floats, p: float | N
     -------
     ArealDensityRule
     """
-    # The areal density relative to its geometric mean, and k with it, do not overflow.
+    # Relative to their geometric mean, the powers of the areal densities do not overflow.
     middle = float(np.exp(np.mean(np.log(areal_densities))))
     ratios = areal_densities / middle
 

@@ -1,6 +1,6 @@
 """Evaluate quantities of a scenario for many values of its keys at once.
 
-Sweeps, suites, figures, uncertainty, sensitivity, calibration and designs use it, or its `Variants` directly.
+Sweeps, suites, figures, uncertainty, sensitivity, calibration and designs use this module, or `Variants` directly.
 A question without an answer gives NaN; a run that does not end raises an InputError that names the key at fault.
 """
 
@@ -39,16 +39,18 @@ def evaluate(scenario: Scenario, columns: Mapping[str, Any], quantities: Sequenc
     Without columns, the quantities are those of the scenario itself.  A question without an answer gives NaN.  Raise an
     InputError if a quantity is unknown, the columns differ in length, a row is not valid, or a key has no effect.
     """
-    check_quantities(scenario, quantities, "evaluate", "quantities")
+    check_quantities(scenario, quantities, "evaluate")
     columns = _checked(columns)
     check_keys(scenario, {key: values[0].item() for key, values in columns.items()}, quantities, "evaluate")
     return evaluate_groups(groups_of(scenario, columns), quantities)[0]
 
 
-def check_quantities(scenario: Scenario, quantities: Sequence[str], file: str, key: str) -> None:
+def check_quantities(scenario: Scenario, quantities: Sequence[str], file: str) -> None:
     """Check that quantities are known, and that the scenario has the grid that they need."""
     unknown = [name for name in quantities if name not in QUANTITIES]
-    problems = [Problem(file, key, f'unknown quantity "{name}"{choices(name, list(QUANTITIES))}') for name in unknown]
+    problems = [
+        Problem(file, "quantities", f'unknown quantity "{name}"{choices(name, list(QUANTITIES))}') for name in unknown
+    ]
     if any(QUANTITIES[name].on_grid for name in quantities if name not in unknown):
         try:
             grid_of(scenario)
@@ -58,7 +60,7 @@ def check_quantities(scenario: Scenario, quantities: Sequence[str], file: str, k
 
 
 def _checked(columns: Mapping[str, Any]) -> dict[str, Any]:
-    """Return columns as arrays of numbers, or of names of projectiles and materials, (n,), with n of at least 1."""
+    """Return columns as arrays, (n,), of numbers or of names of projectiles and materials, with n at least 1."""
     arrays = {key: np.asarray(values) for key, values in columns.items()}
     problems = []
     for key, values in arrays.items():
@@ -105,22 +107,22 @@ def scenarios_of(
     """
     columns = dict(zip(canonical(columns, scenario.file), columns.values(), strict=True))
     count = len(next(iter(columns.values()))) if columns else 1
-    others = [key for key in columns if key not in INPUTS]
+    settings = [key for key in columns if key not in INPUTS]
     inputs = {key: columns[key] for key in columns if key in INPUTS}
-    if not others:
+    if not settings:
         scenario.check_rows(inputs, place)
         yield np.arange(count), scenario, inputs
         return
     # Places in the sorted values, as these may be numbers in one column and names in another.
-    table = np.column_stack([np.unique(columns[key], return_inverse=True)[1] for key in others])
-    _, first, which = np.unique(table, axis=0, return_index=True, return_inverse=True)
+    table = np.column_stack([np.unique(columns[key], return_inverse=True)[1] for key in settings])
+    _, first, combination_of_row = np.unique(table, axis=0, return_index=True, return_inverse=True)
     for index in np.argsort(first):
         row = int(first[index])
         try:
-            changed = scenario.replaced({key: columns[key][row].item() for key in others})
+            changed = scenario.replaced({key: columns[key][row].item() for key in settings})
         except InputError as error:
             raise InputError([place(row, problem) for problem in error.problems]) from None
-        where = np.flatnonzero(which.reshape(-1) == index)
+        where = np.flatnonzero(combination_of_row.reshape(-1) == index)
         inputs_of_rows = {key: values[where] for key, values in inputs.items()}
         changed.check_rows(inputs_of_rows, partial(_placed, where, place))
         yield where, changed, inputs_of_rows

@@ -52,7 +52,7 @@ class NeededFlowStress:
 def needed_flow_stress(
     scenario: Scenario, required_m_s: float, probability: float | None = None
 ) -> NeededFlowStress | None:
-    """Return what the flow stress of a ceramic without tests must be; None if the armour has no such ceramic.
+    """Return the flow stress that a ceramic without tests needs; None if the armour has no such ceramic.
 
     Parameters
     ----------

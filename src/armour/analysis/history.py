@@ -105,7 +105,7 @@ def refined(trace: Sequence[Instant], armour: Parameters, spacing: float) -> lis
             k0, k1 = (stages.rates(instant.y, after.s, armour) for instant in (before, after))
             times = [spacing * i for i in inside]
             states = [state_within(before.y, k0, after.y, k1, dt, (t - before.t) / dt) for t in times]
-            # A bulge never recedes, but that of the cubic may by its error, just after the plate starts to move.
+            # A bulge never recedes, but that of the cubic may, by its error, just after the plate starts to move.
             grown = [y._replace(h=max(y.h, before.y.h)) for y in states]
             instants += [Instant(t, y, after.s) for t, y in zip(times, grown, strict=True)]
         instants.append(after)

@@ -173,14 +173,14 @@ def run_impact(scenario: Scenario, armour: Parameters, velocity: float, trace: l
 
 
 def unresolved_error(scenario: Scenario, velocity: float) -> InputError:
-    """Return the error of a run that does not end: it names the time step if one is given, else the arrest velocity."""
+    """Return the error of a run that does not end; it names the time step if one is given, else the arrest velocity."""
     solver = scenario.solver
     if solver.time_step_us is not None:
-        key, found, advice = "time_step_us", f"{solver.time_step_us:g}", "raise it or leave it out"
+        key, value, advice = "time_step_us", f"{solver.time_step_us:g}", "raise it or leave it out"
     else:
-        key, found, advice = "arrest_velocity_m_s", f"{solver.arrest_velocity_m_s:g}", "raise it"
-        found += "" if key in solver.model_fields_set else ", the default"
-    message = f"must let the run at {velocity:g} m/s end within {solver.max_steps} steps, found {found}; {advice}"
+        key, value, advice = "arrest_velocity_m_s", f"{solver.arrest_velocity_m_s:g}", "raise it"
+        value += "" if key in solver.model_fields_set else ", the default"
+    message = f"must let the run at {velocity:g} m/s end within {solver.max_steps} steps, found {value}; {advice}"
     return mistake(scenario.file, f"solver.{key}", message)
 
 
@@ -241,8 +241,8 @@ class EnergyBalance:
 def energy_balance(scenario: Scenario, impact: ImpactResult) -> EnergyBalance:
     """Integrate the loss of kinetic energy in each stage of an impact along its run.
 
-    The powers are integrated over each time step by Simpson's rule, the state in its middle being that of the cubic
-    through the states and rates at its ends, so that the balance closes to the fourth order of the time step.
+    Simpson's rule integrates the powers over each time step.  The state in the middle of a step is that of the cubic
+    through the states and rates at its ends, so the balance closes to the fourth order of the time step.
     """
     armour = stages.with_intact_strength(scenario.core_armour())
     trace: list[Instant] = []

@@ -1,7 +1,7 @@
 """Quantities that can be computed for a scenario, by name, and the words of quantities, inputs and keys.
 
-The help of the command line lists them, so that nothing is imported here that takes long; `armour.analysis.evaluate`
-computes what they are made of.
+The help of the command line lists them, so this module imports nothing that is slow to import;
+`armour.analysis.evaluate` computes the quantities.
 """
 
 from collections.abc import Callable, Iterable
@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from armour.scenario.inputs import ERROR, OF_ERROR, YIELD
 from armour.units import MM, US, words_and_unit
 
-# What the quantities on the grid are.
+# Description of the quantities on the grid.
 REQUIRED = (
     "the least thickness in its range of [optimise] that stops the projectile with the scenario's other layer (total: "
     "both in proportion; areal density: of that ceramic on the scenario's back plate); none if no thickness does"
@@ -91,7 +91,7 @@ SPELLING = {"backing": "back plate", "caliber": "calibre", "m2": "m²", "youngs"
 
 
 def reads_of(names: Iterable[str]) -> set[str]:
-    """Return what any of some quantities depends on, see `Quantity`."""
+    """Return everything that the given quantities depend on, see `Quantity`."""
     return {read for name in names for read in QUANTITIES[name].reads}
 
 

@@ -23,7 +23,7 @@ def installed(packages: Iterable[str]) -> list[tuple[str, str]]:
 
 
 def made_by(scenario: Scenario | None = None, command: str = "") -> dict[str, str]:
-    """Return what makes an output: versions, command, and the hash of the content of a scenario."""
+    """Return the origin of an output: versions, command, and the hash of the content of a scenario."""
     from armour import MODEL_VERSION, __version__  # whose public names include those of this module
 
     origin = {"version": __version__, "model_version": MODEL_VERSION}
@@ -38,7 +38,7 @@ class Result:
     Attributes
     ----------
     question : mapping
-        What was computed, in words, and its scenario or shots, for tables and figures; no part of the data.
+        What was computed, in words, and its scenario or shots, for tables and figures; not part of the data.
     """
 
     # Makes the tables of a result as HTML.  They belong to a layer above; `armour/__init__.py` sets this.
@@ -46,7 +46,7 @@ class Result:
     question: ClassVar[Mapping[str, Any]] = {}
 
     def of(self, computed: str | None = None, **question: Any) -> Self:
-        """Note what was computed, in words, and the scenario, the shots or what else a view shows."""
+        """Record what was computed, in words, and the scenario, shots or other data that a view shows."""
         words = {} if computed is None else {"computed": computed}
         vars(self)["question"] = {**self.question, **words, **question}
         return self
@@ -128,10 +128,10 @@ def by_column(rows: Any) -> dict[str, list[Any]]:
     return {key: [row[key] for row in rows] for key in (rows[0] if rows else ())}
 
 
-def same_columns(columns: Mapping[str, Any], others: Mapping[str, Any]) -> bool:
+def same_columns(columns: Mapping[str, Any], expected: Mapping[str, Any]) -> bool:
     """Return whether arrays by name are the same, NaN included."""
-    return columns.keys() == others.keys() and all(
-        values.dtype == others[name].dtype and values.tobytes() == others[name].tobytes()
+    return columns.keys() == expected.keys() and all(
+        values.dtype == expected[name].dtype and values.tobytes() == expected[name].tobytes()
         for name, values in columns.items()
     )
 
@@ -139,7 +139,7 @@ def same_columns(columns: Mapping[str, Any], others: Mapping[str, Any]) -> bool:
 # Called with the work done since the last call and the total, None if that is unknown.
 OnProgress = Callable[[int, int | None], None]
 
-# Rows of the first portion, of impacts and of searches, and the time that each further portion should take, s.
+# Number of rows in the first portion, of impacts and of searches, and the time that each further one should take, s.
 FIRST_IMPACTS, FIRST_SEARCHES = 256, 16
 PORTION_S = 0.5
 
@@ -149,7 +149,7 @@ def ignore_progress(_done: int, _total: int | None) -> None:
 
 
 def portions(count: int, most: int, first: int = FIRST_SEARCHES) -> Iterator[slice]:
-    """Yield the portions of n rows to compute one after the other, each of at most so many rows, to bound the memory.
+    """Yield the portions of n rows to compute one after the other, each of limited size, to bound the memory.
 
     Each takes about half a second at the speed of the one before it; the results do not depend on the portions.
     """

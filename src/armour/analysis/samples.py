@@ -21,7 +21,7 @@ class Samples(NamedTuple):
     """n samples of the uncertain inputs."""
 
     variants: Variants  # at velocities at which the model perforates if the armour is perforated
-    factor: Any  # ballistic limit of the armour over that of the model, (n,) or a number
+    factor: Any  # ballistic limit of the armour divided by that of the model, (n,) or a number
 
 
 def own_errors(scenario: Scenario, layers: Mapping[str, float] | None = None) -> Errors:
@@ -53,7 +53,7 @@ def section_at(scenario: Scenario, values: Mapping[str, float], *, with_error: b
 
 
 def own_values(scenario: Scenario) -> dict[str, float]:
-    """Return the scenario's own values of the inputs; the model error has a chance of one half to be less."""
+    """Return the scenario's own values of the inputs, with the model error at its median."""
     return {**scenario.inputs(), ERROR: 0.5}
 
 
@@ -61,8 +61,8 @@ def sampled(scenario: Scenario, columns: Mapping[str, Floats], count: int, error
     """Return n samples of values, which the scenario must allow.
 
     An armour whose ballistic limit is the model's times a factor is perforated if the model perforates at the impact
-    velocity divided by the factor.  The model error, by default of the scenario's armour, is drawn at the
-    chances of its column; the law of the flow stress that it is drawn from is that of the sample.
+    velocity divided by the factor.  The model error, by default that of the scenario's armour, is the quantile at the
+    probabilities in its column; each sample has the law of the flow stress that its error is drawn from.
     """
     problems = []
     inputs = {name: values for name, values in columns.items() if name != ERROR}
@@ -81,15 +81,17 @@ def sampled(scenario: Scenario, columns: Mapping[str, Floats], count: int, error
 
 
 def by_laws(variants: Variants, errors: Errors, laws: Ints) -> Variants:
-    """Return samples, each with one of the laws of the error of their armour, of which one row is given.
+    """Return samples, each with one of the laws of the error of their armour; the errors have one row.
 
-    Parameters by another law than the first, which is their own, are in proportion to theirs.
+    The first law is the samples' own.  Parameters by the others are scaled in proportion to the samples' own.
     """
     parameters = variants.parameters.copy()
     fields = batch.fields(parameters)
     for law in np.unique(laws[laws > 0]):
         rows = laws == law
-        for name, (value,), (own,) in zip(LAW_FIELDS, errors.parameters[law], errors.parameters[0], strict=True):
+        for name, (value,), (first_value,) in zip(
+            LAW_FIELDS, errors.parameters[law], errors.parameters[0], strict=True
+        ):
             column = getattr(fields, name)
-            column[rows] = column[rows] * value / own if own else value
+            column[rows] = column[rows] * value / first_value if first_value else value
     return variants._replace(parameters=parameters)

@@ -28,7 +28,7 @@ from armour.units import MM
 # Width, mm, to which a least thickness is bisected.
 THICKNESS_TOLERANCE_MM = 1e-6
 
-# Rows whose outcome is computed at all points of a scan at a time, which bounds the memory.
+# Number of rows to compute at all points of a scan at a time, which bounds the memory.
 SCANS_AT_A_TIME = 250
 
 # Whether a condition holds at values of some rows: (values, rows) -> holds.
@@ -52,9 +52,9 @@ def ballistic_limits(
 ) -> Floats:
     """Return the ballistic limit of each row, m/s; -inf where the lowest velocity perforates, inf where none does.
 
-    It is, to the last bit, the number that `armour.analysis.ballistic_limit.ballistic_limit` finds.  The range of
-    velocities and the tolerance, m/s, are by default those of the section.  The scan has a number of points, by default
-    the usual one, and the dense one where a row is unusual.
+    The limit equals that of `armour.analysis.ballistic_limit.ballistic_limit` to the last bit.  The range of velocities
+    and the tolerance, m/s, are by default those of the section.  By default the scan has the usual number of points,
+    or the dense one for unusual rows.
     """
     section = variants.scenario.ballistic_limit
     range_m_s = range_m_s or (section.velocity_min_m_s, section.velocity_max_m_s)
@@ -73,9 +73,9 @@ def ballistic_limits(
 def limit_brackets(
     rows: Floats, low: float, high: float, tolerance: float, options: batch.SolverOptions, points: int
 ) -> batch.Brackets:
-    """Return the brackets of the limits of rows, by the engine or, of a single row, by Python if that is quicker.
+    """Return the brackets of the limits of rows, by the engine or, for a single row, by Python if that is quicker.
 
-    Both find the same to the last bit.
+    Both give the same brackets to the last bit.
     """
     if len(rows) > 1 or _engine_is_quicker("ballistic_limits", options, points):
         return batch.ballistic_limits(rows, low, high, tolerance, options, points)
@@ -91,9 +91,9 @@ def _engine_is_quicker(kernel: str, options: batch.SolverOptions, points: int) -
 
 
 def outcomes_at(armour: Parameters, velocities: Sequence[float], options: batch.SolverOptions, points: int) -> Ints:
-    """Return the outcome of an armour at each velocity, m/s; they are of a scan with that number of points.
+    """Return the outcome of an armour at each velocity, m/s, of a scan with a number of points.
 
-    The engine computes them, or Python if that is quicker: the same outcomes.
+    The engine computes them, or Python if that is quicker; the outcomes are the same.
     """
     if _engine_is_quicker("impacts", options, points):
         return batch.impacts(batch.packed([armour] * len(velocities)), np.array(velocities), options).outcome
@@ -104,7 +104,7 @@ def outcomes_at(armour: Parameters, velocities: Sequence[float], options: batch.
 def limits_anywhere(variants: Variants, on_progress: OnProgress = ignore_progress) -> Floats:
     """Return the ballistic limit of each row, m/s, also outside the range of the section.
 
-    It is then searched for from 20 to 10,000 m/s; for a limit beyond these, the nearer one stands.
+    It is then searched for from 20 to 10,000 m/s; a limit beyond this range is replaced by the nearer end.
     """
     slowest = min(variants.scenario.ballistic_limit.velocity_min_m_s, SLOWEST_M_S)
     limits = ballistic_limits(variants, on_progress=on_progress)
@@ -117,7 +117,7 @@ def limits_anywhere(variants: Variants, on_progress: OnProgress = ignore_progres
 def limits_by_law(variants: Variants, errors: Errors, own_limits: Floats) -> Floats:
     """Return the ballistic limits by each law of the rows' errors, m/s, (laws, n), given those of the rows.
 
-    They are searched for beyond the range of the section too.  A row without a limit, NaN, has none.
+    They are searched for beyond the range of the section too.  A row without a limit, NaN, has none by any law.
     """
     limits = np.tile(own_limits, (len(errors.ratio.weights), 1))
     for law in range(1, len(limits)):
@@ -128,7 +128,7 @@ def limits_by_law(variants: Variants, errors: Errors, own_limits: Floats) -> Flo
 
 
 def distributions(variants: Variants, limits: Floats) -> Mixture:
-    """Return where the model error puts the ballistic limits of n armours, given those of the model, m/s, (n,)."""
+    """Return the distributions of the ballistic limits of n armours, given those of the model, m/s, (n,)."""
     errors = variants.errors
     return errors.ratio.times(limits_by_law(variants, errors, limits))
 
@@ -151,8 +151,8 @@ def bisect_rows(
 ) -> Floats:
     """Return the upper ends of brackets of rows, (low, high), mm, after bisection.
 
-    A condition holds there and not at the lower ends.  Narrower brackets (below, above) that are known to contain the
-    change save evaluations, but do not alter the result.
+    A condition holds at the upper ends and not at the lower ones.  Narrower brackets (below, above) known to contain
+    the change save evaluations without altering the result.
     """
     low, high = low.copy(), high.copy()
     below, above = low if below is None else below, high if above is None else above
@@ -194,7 +194,6 @@ def least_ceramics_mm(variants: Variants) -> Least:
 def least_backings_mm(variants: Variants) -> Least:
     """Return the least back plate thickness of the grid's range that stops each impact, mm; NaN if none does."""
     count, backing = len(variants.velocities), variants.grid.backing_thickness_mm
-
     stops, is_unusual = _conditions(lambda values, rows: with_thicknesses(variants.at(rows), backing_mm=values))
     return least_values_mm(stops, is_unusual, np.full(count, backing.min), np.full(count, backing.max))
 
@@ -248,7 +247,7 @@ def scanned_where_unusual(
 ) -> Least:
     """Return least thicknesses of rows, mm, with those of a scan from low to high for unusual rows.
 
-    The least thickness given decides whether it is; if that is NaN, the other quantities of the row do.
+    A row is unusual by the least thickness given or, if that is NaN, by the other quantities of the row.
     """
     scanned = Least(least.copy(), np.zeros(len(least), dtype=bool))
     where = np.flatnonzero(is_unusual(least, np.arange(len(least))))

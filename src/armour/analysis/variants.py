@@ -29,8 +29,8 @@ class Variants(NamedTuple):
     parameters: Floats  # (n, fields), see `armour.engine.batch.packed`; thicknesses along the line of fire
     velocities: Floats  # impact velocities, m/s, (n,)
     cosines: Floats  # of the obliquities, (n,)
-    which: Ints  # index of the materials of each row, (n,)
-    scenario: Scenario  # which has the settings, and whose other values the rows may replace
+    material_of_row: Ints  # index of the materials of each row, (n,)
+    scenario: Scenario  # gives the settings, and the values that the rows do not replace
     materials: tuple[Materials, ...]
     own_strength: bool = True  # whether the back plates have the strength of the library
     threads: int | None = None  # on which the engine computes; None for one per core
@@ -59,7 +59,7 @@ class Variants(NamedTuple):
     @property
     def armours(self) -> Armours:
         """The armours of the rows."""
-        return Armours(batch.fields(self.parameters), self.cosines, self.which, self.materials)
+        return Armours(batch.fields(self.parameters), self.cosines, self.material_of_row, self.materials)
 
     def by_law(self, law: int, errors: Errors) -> "Variants":
         """Return the variants with the parameters of a law of their errors."""
@@ -93,7 +93,7 @@ def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -
     rows = np.tile(batch.packed([scenario.core_armour()]), (count, 1))
     cosines = np.full(count, scenario.cosine())
     if OBLIQUITY in columns:
-        # The cosine of NumPy may differ from that of a single scenario in the last digit.
+        # NumPy's cosine may differ from that of a single scenario in the last digit.
         cosines[:] = [cosine_of(obliquity) for obliquity in columns[OBLIQUITY].tolist()]
         inputs = scenario.inputs()
         columns = {**{name: np.full(count, inputs[name]) for name in LAYERS if name in inputs}, **columns}
@@ -112,8 +112,10 @@ def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -
                 getattr(field, target.field)[:] = DEFAULTS[key][0] * columns[YIELD] * target.factor
     velocities = np.array(np.broadcast_to(columns.get(VELOCITY, scenario.impact.velocity_m_s), count), dtype=np.float64)
     own_strength = columns.keys().isdisjoint((YIELD, "backing.flow_stress_GPa"))
-    which = np.zeros(count, dtype=np.int64)
-    return Variants(rows, velocities, cosines, which, scenario, tuple(armour_of(scenario).materials), own_strength)
+    materials = armour_of(scenario).materials
+    return Variants(
+        rows, velocities, cosines, np.zeros(count, dtype=np.int64), scenario, tuple(materials), own_strength
+    )
 
 
 def _set_inputs(parameters: Floats, columns: Mapping[str, Floats | float], cosines: Floats) -> None:

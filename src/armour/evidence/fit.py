@@ -1,7 +1,7 @@
-"""Fits of the ballistic limits of tests over those by the model: shipped, for a new lot, or updated by own tests.
+"""Fits of the ratio of measured to computed ballistic limits: shipped, for a new lot, or updated by own tests.
 
-The logarithm of their ratio is linear in terms of armour and round, with normal effects of the lot (an alloy as it was
-made, or a series of tests), of the round and of the test.  docs/methods.md describes it.
+The logarithm of the ratio is linear in terms of armour and round, with normal effects of the lot (a production lot of
+an alloy, or a series of tests), of the round and of the test.  docs/methods.md describes the fits.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -18,13 +18,13 @@ from armour.scenario.inputs import INPUTS
 from armour.scenario.library import DEFAULTS
 from armour.units import GPA, MM, MPA
 
-# Flow stress over yield strength of a plate.
+# Ratio of flow stress to yield strength of a plate.
 CONSTRAINT = DEFAULTS["flow_stress_GPa"][0] * GPA / MPA
 # m/D^3 of a usual core, g/mm3.
 CORE = 0.0215
 # Fraction of the trend beyond the tests that is added to the scale there.
 TREND_DOUBT = 0.5
-# Least standard deviation of a test assumed for own tests, as lots differ in it.
+# Least standard deviation of a test that is assumed for own tests, as it differs between lots.
 LEAST_REST = 0.04
 # Most iterations of the approximation of outcomes, and the least precision of one.
 MOST_ROUNDS, LEAST_PRECISION = 100, 1e-9
@@ -89,7 +89,7 @@ class LotTests(NamedTuple):
     errors: Floats  # logarithms of measured limits, or of velocities of shots, over the computed limits
     sides: Floats  # 0, or 1 where the limit is above the velocity of a shot and -1 where it is below
     uncertainties: Floats  # relative standard deviations of the measurements
-    armours: Any  # numbers of the armours: shots at the same one have the same limit
+    armours: Any  # numbers of the armours: shots at the same armour have the same limit
 
 
 class Fit(NamedTuple):
@@ -122,7 +122,7 @@ class Fit(NamedTuple):
         return matrix @ self.coefficients, np.sqrt(variance)
 
     def _matrix(self, q: Quantities) -> Floats:
-        """Return the terms of n armours and, for an updated fit, which of its rounds they are fired at with."""
+        """Return the terms of n armours and, for an updated fit, which of its rounds is fired at each."""
         rounds = np.empty((len(q["path_ratio"]), 0)) if self.rods is None else _same(rods_of(q), self.rods)
         return np.column_stack([matrix_of(self.terms, self.reference, q), rounds])
 
@@ -155,7 +155,7 @@ class Fit(NamedTuple):
             log_density += log_probability
         S = K + np.diag(variances)
         G = np.linalg.solve(S, Z @ C).T
-        # Tests that contradict each other or the fit widen it; outcomes count by their information.
+        # Tests that contradict each other or the fit widen it; outcomes count in proportion to their information.
         squares, expected_squares = deviations @ np.linalg.solve(S, deviations), np.trace(np.linalg.solve(S, K))
         widened_by = max(1.0, (nu + squares) / (nu + expected_squares))
         return self._replace(
@@ -194,9 +194,9 @@ def as_measurements(
 ) -> tuple[Floats, Floats, float]:
     """Return the normal measurements equivalent to the outcomes of n shots: means and variances, (n,).
 
-    Limits have a normal distribution with a mean and a covariance.  Each is above the place of its shot, side 1, or
-    below it, -1, but for an error with a variance.  The method is expectation propagation; the third number is the
-    logarithm of the probability of the outcomes.
+    The limits have a normal distribution with a mean and a covariance.  Each lies above the place of its shot, side 1,
+    or below it, -1, apart from an error with a given variance.  The method is expectation propagation.  The third
+    result is the logarithm of the probability of the outcomes.
     """
     n = len(mean)
     from scipy.special import log_ndtr  # slow to import

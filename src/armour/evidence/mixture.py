@@ -8,9 +8,9 @@ from numpy.typing import ArrayLike
 
 from armour.evidence.student import Floats, density_at_0, probability_below, quantile
 
-# Of a quantile, or its logarithm, and the most steps to it; ten are usual.
+# Tolerance of a quantile, or of its logarithm, and the most steps to it; ten are usual.
 TOLERANCE, MOST_STEPS = 1e-12, 200
-# Numbers of one armour that are computed without scipy, at most.
+# Greatest count of numbers of one armour to compute without scipy.
 MOST = 1000
 
 
@@ -27,7 +27,7 @@ class Mixture(NamedTuple):
     locations, scales : array, (k, ...)
         Of the logarithms: of m/s, or of the ratio.
     degrees_of_freedom : array, (k, ...)
-        At most 1e6, which is as good as a normal distribution.
+        At most 1e6, where the distribution is practically normal.
     logarithmic : bool
     """
 
@@ -72,7 +72,7 @@ class Mixture(NamedTuple):
         low, high = np.fmin.reduce(by_component), np.fmax.reduce(by_component)
         places = np.where(low == high, low, 0.5 * (low + high))
         moving = np.ones_like(places, dtype=bool)
-        # Newton's method, within an interval that it narrows, for each until its own last step.
+        # Newton's method, for each value until its own last step, within an interval that the steps narrow.
         for _ in range(MOST_STEPS if len(by_component) > 1 else 0):
             below = (weights * probability_below(freedom, (places - locations) / scales, many=many)).sum(axis=0)
             low, high = np.where(below < chances, places, low), np.where(below < chances, high, places)
@@ -104,10 +104,11 @@ class Mixture(NamedTuple):
         The mixture is of one armour, its arrays (k,).  A chance chooses the component, and within it the quantile.
         """
         ends = np.cumsum(self.weights)
-        which = np.minimum(np.searchsorted(ends, chances, side="right"), np.flatnonzero(self.weights)[-1])
-        parts = ((chances - ends[which]) / self.weights[which] + 1.0).clip(2.0**-53, 1.0 - 2.0**-53)
-        values = _quantiles(self.locations[which], self.scales[which], self.degrees_of_freedom[which], parts, many=True)
-        return which, np.exp(values) if self.logarithmic else values
+        components = np.minimum(np.searchsorted(ends, chances, side="right"), np.flatnonzero(self.weights)[-1])
+        weights, locations, scales, freedom = (array[components] for array in self[:4])
+        parts = ((chances - ends[components]) / weights + 1.0).clip(2.0**-53, 1.0 - 2.0**-53)
+        values = _quantiles(locations, scales, freedom, parts, many=True)
+        return components, np.exp(values) if self.logarithmic else values
 
     def _parts(self, values: Floats) -> list[Floats]:
         """Return weights, locations, scales and degrees of freedom with axes after the first one to broadcast."""

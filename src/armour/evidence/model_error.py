@@ -1,4 +1,4 @@
-"""The model error of a scenario or of many variants of it: from which tests it is, and where it is not known."""
+"""The model error of a scenario or of many variants of it: the tests it comes from, and where it is not known."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -16,7 +16,7 @@ from armour.scenario.inputs import cosine_of
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Model, Solver
 
-# Degrees of freedom from which Student's t distribution is as good as normal.
+# Degrees of freedom at which Student's t distribution is practically normal.
 NORMAL = 1e6
 # Probabilities of the quantiles that results give.
 QUANTILES = (0.025, 0.05, 0.5, 0.95, 0.975)
@@ -145,7 +145,7 @@ def given_error(scenario: Scenario) -> ModelError | None:
 
 
 def other_settings(scenario: Scenario) -> str:
-    """Return the settings that differ from those with which the tests were computed, in words; "" for none."""
+    """Return in words the settings that differ from those used to compute the tests; "" for none."""
     sections = (("model", scenario.model, Model()), ("solver", scenario.solver, Solver()))
     values = ((name, key, value, getattr(usual, key)) for name, section, usual in sections for key, value in section)
     return ", ".join(f"{name}.{key} = {value}" for name, key, value, usual in values if value != usual)
@@ -154,9 +154,9 @@ def other_settings(scenario: Scenario) -> str:
 def errors_of(scenario: Scenario, armours: Armours) -> Errors:
     """Return the errors of the model for n armours under the settings of a scenario.
 
-    They are from the own tests of the library entries, or else from the shipped tests.
+    They come from the own tests of the library entries, or else from the shipped tests.
     """
-    count, error = len(armours.which), given_error(scenario)
+    count, error = len(armours.material_of_row), given_error(scenario)
     if scenario.excludes_error() or (error is None and other_settings(scenario)):
         return Errors.unknown(count)
     if error is not None:
@@ -237,7 +237,7 @@ def why_unknown(scenario: Scenario, armour: Armours) -> str:
     [(evidence, _)] = armour.by_evidence()
     if evidence.lot and not evidence.fits:
         return f"of {evidence.lot}, {evidence.source}"
-    q, reason, ceramic = armour.quantities(), NO_TEST, armour.materials[armour.which[0]].ceramic
+    q, reason, ceramic = armour.quantities(), NO_TEST, armour.materials[armour.material_of_row[0]].ceramic
     if evidence.ceramic and ceramic is not None and is_untested(ceramic):
         reason = f"no test of {ceramic.name} on metal is known"
     if evidence.holds(q).all():

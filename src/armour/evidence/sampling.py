@@ -12,8 +12,8 @@ from scipy.stats import qmc
 from armour.evidence.student import Floats
 from armour.scenario.schema import Distribution, Uncertainty, correlation_matrix
 
-# Independent replicates into which samples are divided, by `np.array_split`; their differences give the intervals.
-# More of them would be smaller, and converge slower as a whole.
+# Independent replicates into which `np.array_split` divides samples; their differences give the intervals.
+# More replicates would be smaller, and the samples as a whole would converge more slowly.
 REPLICATES = 16
 # Greatest shift of the mean by truncation without a warning, in standard deviations; probabilities that give the mean.
 MOVED = 0.1

@@ -7,13 +7,13 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
-# The quadrature, exact to 1e-12 for two and a half degrees of freedom or more, and the standard deviations it covers.
+# Quadrature, exact to 1e-12 for two and a half degrees of freedom or more, and the standard deviations it covers.
 _OFF_DIAGONAL = np.arange(1.0, 64.0) / np.sqrt(4.0 * np.arange(1.0, 64.0) ** 2 - 1.0)
 # Gauss-Legendre by Golub and Welsch: numpy's own function would import all of numpy.polynomial.
 NODES, _VECTORS = np.linalg.eigh(np.diag(_OFF_DIAGONAL, 1) + np.diag(_OFF_DIAGONAL, -1))
 WEIGHTS = 2.0 * _VECTORS[0] ** 2
 COVERED = 9.0
-# Of an angle; ten steps to it are usual.
+# Tolerance of an angle, and the most steps to it; ten are usual.
 TOLERANCE, MOST_STEPS = 1e-14, 100
 # Least density to divide by, far beyond any probability of use.
 LEAST_DENSITY = 1e-300
@@ -46,7 +46,7 @@ def quantile(freedom: Floats, probabilities: Floats, *, many: bool) -> Floats:
             if not (np.abs(step) > TOLERANCE).any():
                 break
         values = np.sqrt(freedom) * np.tan(angle)
-    # Versions of scipy differ at 0 and at 1.
+    # Versions of scipy give different results at 0 and 1.
     ends = [np.isnan(probabilities), probabilities == 0.0, probabilities == 1.0]
     return np.select(ends, [np.nan, -np.inf, np.inf], values)
 

@@ -1,4 +1,4 @@
-"""The tests that the model was compared with, shipped or own: their ranges, and where an armour lies outside them."""
+"""The tests that the model was compared with, shipped or the user's own, and where an armour lies outside them."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
@@ -17,7 +17,7 @@ from armour.scenario.scenario import Scenario
 FAR = 2.0
 # Factors outside the ranges of the tests beyond which the error is not known: of bare plates and with a ceramic.
 FARTHEST_BARE, FARTHEST_CERAMIC = float(np.exp(0.5)), 2.0
-# The same for the quantities that own tests of a ceramic without shipped tests have in common.
+# The factor for quantities that own tests of a ceramic without shipped tests have in common.
 ALIKE = 1.1
 # Standard deviations between lots of a ceramic beyond those of the shipped tests, also on another metal than theirs.
 STRANGE, STRANGE_METAL = 0.10, 0.15
@@ -83,11 +83,11 @@ class Evidence(NamedTuple):
     ceramic: str = ""  # empty of bare plates
     obliquity_max_deg: float = 0.0  # greatest angle of the tests
     at_least_deg: float = 0.0  # greatest angle at which plates are known to have at least the limit at normal incidence
-    at_least: str = ""  # the tests that say so
+    at_least: str = ""  # the tests that show it
     lot: str = ""  # of own tests
 
     def differences(self, q: Quantities) -> Any:
-        """Return in how many respects n armours differ from the tests; the presence of a ceramic outweighs all."""
+        """Return the number of respects in which n armours differ from the tests; a ceramic or none outweighs all."""
         by_ceramic = MOST * (bool(self.ceramic) == (q["ceramic_thickness_ratio"] == 0.0))
         return sum((limits.fails(q) for limits in self.kind), start=by_ceramic) + self.has_other_law(q)
 
@@ -131,11 +131,11 @@ def _ranges(data: Mapping[str, Sequence[float]]) -> tuple[DataRange, ...]:
 
 @cache
 def shipped_evidence() -> tuple[Evidence, ...]:
-    """Return the tests that the model was compared with; of those closest to an armour, the first is used."""
+    """Return the tests that the model was compared with; of several equally close to an armour, the first is used."""
     tests = []
     for data in shipped_data()["tests"]:
         kind, laws = data["kind"], shipped_data()["law"]
-        # A mass ratio follows from slenderness and density, of which there are ranges.
+        # The mass ratio follows from slenderness and density, which have ranges of their own.
         compared = kind | {k: v for k, v in data.get("computed", data["measured"]).items() if k != "rod_mass_ratio"}
         whole = Evidence(
             laws=tuple(_ranges(laws[fit]) for fit in data["fits"] if fit in laws),
@@ -154,7 +154,7 @@ def shipped_evidence() -> tuple[Evidence, ...]:
 
 
 def shipped_evidence_of(fit: str) -> Evidence:
-    """Return the tests that a fit is of."""
+    """Return the tests that a fit is based on."""
     return next(tests for tests in shipped_evidence() if fit in [shipped_fit.name for shipped_fit in tests.fits])
 
 
@@ -170,13 +170,13 @@ class Armours(NamedTuple):
 
     parameters: Parameters  # of the core, arrays, (n,)
     cosines: Any  # of the obliquities, (n,)
-    which: Any  # index of the materials of each, (n,)
+    material_of_row: Any  # index of the materials of each armour, (n,)
     materials: Sequence[Materials]
 
     def at(self, where: Any) -> "Armours":
         """Return some of the armours."""
         parameters = Parameters._make(np.asarray(values)[where] for values in self.parameters)
-        return Armours(parameters, self.cosines[where], self.which[where], self.materials)
+        return Armours(parameters, self.cosines[where], self.material_of_row[where], self.materials)
 
     def at_normal_incidence(self) -> "Armours":
         """Return the armours with the thicknesses of their layers in place of those along the line of fire."""
@@ -187,17 +187,17 @@ class Armours(NamedTuple):
     def quantities(self) -> dict[str, Any]:
         """Return what the evidence depends on."""
         tensile = np.array([tensile_strength(materials.backing) for materials in self.materials])
-        return quantities(self.parameters, tensile[self.which], self.cosines)
+        return quantities(self.parameters, tensile[self.material_of_row], self.cosines)
 
     def by_evidence(self) -> Iterator[tuple[Evidence, Any]]:
-        """Yield the evidence that armours have, with the rows of these, (n,).
+        """Yield each evidence with the rows of the armours that it applies to, (n,).
 
-        It is from the own tests of an entry, or else from the closest shipped tests.
+        It comes from the own tests of an entry, or else from the closest shipped tests.
         """
-        is_bare, has_shipped = self.parameters.Hc0 == 0.0, np.ones(len(self.which), dtype=bool)
+        is_bare, has_shipped = self.parameters.Hc0 == 0.0, np.ones(len(self.material_of_row), dtype=bool)
         for place, materials in enumerate(self.materials):
             for entry, has_kind in ((materials.ceramic, ~is_bare), (materials.backing, is_bare)):
-                rows = (self.which == place) & has_kind
+                rows = (self.material_of_row == place) & has_kind
                 if entry is not None and entry.evidence is not None and rows.any():
                     has_shipped = has_shipped & ~rows
                     yield own_evidence(entry, entry.evidence), rows
@@ -233,12 +233,12 @@ def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
     )
     kind = tuple(limits for limits in shipped.kind if limits.name not in ("tensile_ratio", *own_tests.calibrated))
     between_lots = STRANGE * bool(shipped.ceramic) if not is_outside(kind, tested).any() else STRANGE_METAL
-    # Beyond the angles of the shipped tests, own tests inform about their own angle only.
+    # Beyond the angles of the shipped tests, own tests hold for their own angle only.
     paths = DataRange("path_ratio", np.inf, -np.inf).containing(tested["path_ratio"])
     at_angle = (paths,) * (cosine_of(shipped.obliquity_max_deg) * paths.high > 1.0 + 2.0 * ROUNDING)
     velocities, sides = tested["velocity_m_s"], tested["side"]
     rows = np.column_stack([tested[name] for name in (*VARIED, *IN_COMMON)])
-    # Shots at equal armours count as shots at one armour; each measured limit is of an armour of its own.
+    # Shots at equal armours count as shots at one armour; each measured limit belongs to an armour of its own.
     armours = np.where(sides == 0.0, -1.0 - np.arange(len(rows)), np.unique(rows, axis=0, return_inverse=True)[1])
     updated = []
     for law in own_tests.law:
@@ -298,7 +298,7 @@ def is_unusual(armour: Parameters) -> Any:
 
 
 class Outside(NamedTuple):
-    """A limit of what the model was compared with, outside which some of n armours lie."""
+    """A limit of the tests of the model, outside which some of n armours lie."""
 
     key: str  # of the input that it depends on
     words: str
@@ -312,14 +312,14 @@ class Outside(NamedTuple):
 
 
 def limits_outside(armours: Armours, velocities: Any) -> Iterator[Outside]:
-    """Yield the limits of what the model was compared with, outside which some of n armours, or velocities, m/s, lie.
+    """Yield the limits of the tests of the model outside which some of n armours, or velocities, m/s, lie.
 
     A NaN is not outside.
     """
     ceramics = ", ".join(dict.fromkeys(tests.ceramic for tests in shipped_evidence() if tests.ceramic))
     for evidence, rows in armours.by_evidence():
         members, speeds, (low, high) = armours.at(rows), velocities[rows], evidence.velocities_m_s
-        q, ceramic = members.quantities(), members.materials[members.which[0]].ceramic
+        q, ceramic = members.quantities(), members.materials[members.material_of_row[0]].ceramic
         name, is_shipped = f', found "{ceramic.name}"' if ceramic else "", not evidence.lot
         no_test = f"{ceramic.name if ceramic else ''} (no test)"
         angle = f"{np.degrees(np.arccos(members.cosines.min())):.0f}° ({evidence.angles()})"

@@ -36,7 +36,7 @@ from armour.sweeps.tables import csv_of, read_table
 
 # Greatest number of rows in memory; more need a file.
 MAX_ROWS = 10_000_000
-# A chunk takes about this time, so that an interruption costs little, and has at most this many rows.
+# Target time of a chunk, so that an interruption costs little, and its greatest number of rows.
 CHUNK_S = 1.0
 MAX_CHUNK = 100_000
 # Samples grow until one takes this time; the first does not count, as it also loads the compiled code.
@@ -83,7 +83,7 @@ class SweepResult(TableResult):
     ----------
     scenario : Scenario
     keys, quantities : tuple of str
-        Names of the columns: keys whose values vary, and what is computed.
+        Names of the columns: keys whose values vary, and computed quantities.
     rows : int
     output : Path or None
         File of the table; None if it is kept in memory.
@@ -190,8 +190,7 @@ def sweep(
     if not names:
         raise mistake("sweep", "quantities", "must name at least one quantity, found none")
     source = source_of(over)
-    axes = source.axes if isinstance(source, Grid) else ()
-    warnings = [f"{axis.key}: {axis.omission}" for axis in axes if axis.omission]
+    warnings = [f"{axis.key}: {axis.omission}" for axis in source.axes if axis.omission]
     columns: Mapping[str, Any] = {}
     if output is None:
         if source.count > MAX_ROWS:
@@ -235,10 +234,10 @@ def write_sweep(
     """Compute quantities of a scenario for every row of a source, write them to a table and return the number of rows.
 
     Rows are kept on disk chunk by chunk, so that the same call resumes an interrupted sweep.  A question without an
-    answer gives an empty field in CSV and NaN in Parquet.  Chunks are computed by workers, each on one thread, or here.
-    Their size is that given, or follows from the measured time of some rows; ``approve`` is then called with the cost
-    of a new sweep, and raises an error to stop it.  ``tell`` is called with each warning, and if kept rows are damaged.
-    ``replace`` allows the output to replace an older file; a Parquet file records the ``command`` that made it.
+    answer gives an empty field in CSV and NaN in Parquet.  Chunks are computed by workers, each on one thread, or in
+    this process.  Their size is given, or follows from the measured time of some rows; ``approve`` is then called with
+    the cost of a new sweep, and raises an error to stop it.  ``tell`` is called with each warning, and if kept rows are
+    damaged.  With ``replace``, the output replaces an older file; a Parquet file records the ``command`` that made it.
     """
     check(scenario, source, quantities)
     for line in general_warnings(scenario, quantities):
@@ -306,7 +305,7 @@ def computed(blocks: Iterator[Rows], compute: Callable[[Rows], Chunk], workers: 
 
 def check(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -> None:
     """Check the quantities, and that every key has an effect."""
-    check_quantities(scenario, quantities, "sweep", "quantities")
+    check_quantities(scenario, quantities, "sweep")
     if len(set(source.keys)) != len(source.keys):
         raise mistake("sweep", "over", "must not name a key twice")
     first = {key: values[0].item() for key, values in source.rows(np.arange(1)).items()}
@@ -314,7 +313,7 @@ def check(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -
 
 
 def general_warnings(scenario: Scenario, quantities: Sequence[str]) -> list[str]:
-    """Return warnings of threats that are not used and of quantities that need the model error, if it is excluded."""
+    """Return warnings of unused threats and of quantities that need the model error, if it is excluded."""
     without_value = [
         name for name in quantities if "uncertainty.model" in QUANTITIES[name].reads and scenario.excludes_error()
     ]
@@ -344,7 +343,7 @@ def effort_of(
     threads: int | None = None,
     workers: Workers | None = None,
 ) -> Effort:
-    """Measure rows from all over a sweep, and as many at its start, which may be slower."""
+    """Measure the time of rows from all over a sweep, and of as many at its start, which may be slower."""
     row_s = slowest_row_s = row_bytes = 0.0
     for sample, number in enumerate(SAMPLES):
         count = min(number, source.count)
@@ -380,7 +379,7 @@ def duration(seconds: float) -> str:
 
 
 def program() -> str:
-    """Return the hash of this program, or a random one while a function is replaced, whose content is not known."""
+    """Return the hash of this program, or a random one while a function is replaced by unknown code."""
     return token_hex(32) if replaced_function() else _program()
 
 
@@ -406,6 +405,5 @@ def job_of(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) 
 
 def subject_of(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -> str:
     """Return the armours and rounds of a sweep, such as "AD85 on 6.35 mm 6061-T6 against 7.62 mm AP"."""
-    axes = source.axes if isinstance(source, Grid) else ()
-    varied = {**dict.fromkeys(source.keys, ()), **{axis.key: axis.values for axis in axes}}
+    varied = {**dict.fromkeys(source.keys, ()), **{axis.key: axis.values for axis in source.axes}}
     return scenario.subject(varied if "impact" in reads_of(quantities) else {**ANY_VELOCITY, **varied})
