@@ -17,7 +17,7 @@ from armour.scenario.schema import FreeRange, Range
 BACKING_TOLERANCE_MM = 1e-3
 # Ratio of the distances of the back plate thicknesses of one round and the next.
 CLOSER = 10
-# Parts into which the margin that the thickest design has beyond the required one is divided for a Pareto front.
+# Number of parts into which a Pareto front divides the excess margin of the thickest design.
 MARGIN_PARTS = 10
 
 
@@ -44,7 +44,7 @@ def joined(parts: Sequence[CandidateDesigns]) -> CandidateDesigns:
 
 
 def _with_more_margin(requirement: Requirement, pair: int, columns: Sequence[str]) -> list[CandidateDesigns]:
-    """Return designs of a pair with free thicknesses: the thickest, and the least for margins up to those of it."""
+    """Return designs of a pair with free thicknesses: the thickest, and the thinnest for margins up to its own."""
     catalogue, offer = requirement.catalogue, requirement.catalogue.offers[pair]
     layers = offer.ceramic, offer.backing
     ranges = [layer.free_range() for layer in layers]
@@ -96,7 +96,7 @@ def _of_pair(
     if backing is None:
         return least("ceramic", ceramic, backings)
 
-    # Both are free: each round has back plate thicknesses closer together around the best designs of the round before.
+    # Both are free: in each round, the back plate thicknesses are closer together around the best of the round before.
     rounds: list[CandidateDesigns] = []
     backings, width = first_backings(backing)
 
@@ -127,7 +127,7 @@ def _least(
 ) -> Least:
     """Return the least thickness of a free layer that passes with each thickness of the other.
 
-    Searches by the outcome at the velocities required and, to verify, by the limit if one lies below them.
+    The search is by the outcome at the velocities required and, to verify, by the limit if one lies below them.
     """
 
     def stops(values: Floats, rows: Ints) -> Bools:
@@ -139,7 +139,7 @@ def _least(
     def scanned(values: Floats, rows: Ints) -> Bools:
         threats = range(len(requirement.catalogue.threats))
         variants, *_ = requirement.catalogue.against_each(designs(values, other_mm[rows]), threats)
-        # Where a probability is bounded, the thickest may be beyond the tests, and thinner ones not.
+        # If a probability is bounded, the thickest may lie beyond the tests while thinner ones do not.
         return unusual(variants).reshape(-1, len(threats)).any(axis=1) | (
             np.isnan(values) & requirement.catalogue.bounded
         )

@@ -21,13 +21,12 @@ from armour.scenario.inputs import (
     CERAMIC,
     INPUTS,
     OBLIQUITY,
-    ROLES,
     VELOCITY,
     cosine_of,
     fields_of,
     inputs_of_entry,
 )
-from armour.scenario.library import penetrator_length_mm
+from armour.scenario.library import LibraryEntry, penetrator_length_mm
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import (
     MAX_DESIGNS,
@@ -45,13 +44,13 @@ from armour.units import MM
 # Largest relative constraint violation that is rounding.
 ROUNDING = 1e-12
 COST = "cost_per_m2"
-# A probability of perforation that bounds nothing.
+# Probability of perforation that stands for no bound.
 NO_BOUND = 0.5
 # Words of the layers by their names in keys.
 LAYERS = {"ceramic": "ceramic", "backing": "back plate"}
 # Criterion that is not a column of the candidates.
 MARGIN = "margin_m_s"
-# Back plate thicknesses that are tried first where both layers are free: of a range without a step; with one, at most.
+# Number of back plate thicknesses tried first if both layers are free: in a range without a step, and at most with one.
 FIRST_VALUES, MOST_VALUES = 41, 100
 # Decimals to which areal densities, thicknesses and costs are rounded, so that equal sums compare equal.
 DIGITS = 9
@@ -135,13 +134,13 @@ class Catalogue:
 
     @cached_property
     def one_source(self) -> Bools:
-        """Whether a single source gives the flow stress of the ceramic of each pair, which is never best then."""
+        """Whether a single source gives the flow stress of the ceramic of each pair; such a pair is never the best."""
         ceramics = (materials.ceramic for materials in self.materials)
         return np.array([ceramic is not None and len(ceramic.flow_stress_sources_GPa) == 1 for ceramic in ceramics])
 
     @cached_property
     def untested(self) -> list[bool]:
-        """Whether no test on metal is known of the ceramic of each pair."""
+        """Whether no test of the ceramic of each pair on metal is known."""
         ceramics = (materials.ceramic for materials in self.materials)
         return [ceramic is not None and is_untested(ceramic) for ceramic in ceramics]
 
@@ -158,8 +157,8 @@ class Catalogue:
     def against_each(self, candidates: CandidateDesigns, threats: Sequence[int]) -> tuple[Variants, Floats, Floats]:
         """Return designs against each of some threats, the rows of a design together, at the velocities of the threats.
 
-        With the rows, (designs times threats), are the ballistic limits that their margins require, m/s, and the bounds
-        on the probabilities of perforation that the model error decides on; 1 for none.
+        Besides the rows, (designs times threats), return the ballistic limits that their margins require, m/s, and the
+        bounds on the probabilities of perforation that the model error decides on; 1 for none.
         """
         design_of_row, place = np.divmod(np.arange(len(candidates.pair) * len(threats)), len(threats))
         threat_of_row = np.array(threats, dtype=np.int64)[place]
@@ -196,22 +195,22 @@ class Catalogue:
         return required.reshape(-1, len(self.threats))
 
     def bounded_m_s(self, rows: Variants, bounds: Floats) -> Floats:
-        """Return the ballistic limits, m/s, (n,), with which the probabilities of perforation keep to bounds."""
+        """Return the ballistic limits, m/s, (n,), at which the probabilities of perforation equal bounds."""
         errors = rows.errors
         limits = limits_by_law(rows, errors, np.ones(len(bounds)))
         required = required_by_law(rows, errors, bounds, limits)
         return np.where(errors.known, required, np.inf) + self.more_margin_m_s
 
     def distributions(self, candidates: CandidateDesigns, limits: Floats) -> Mixture:
-        """Return the distributions of the ballistic limits, m/s, of which (designs, threats) are those of the model."""
+        """Return the distributions of ballistic limits, m/s, given those of the model, (designs, threats)."""
         rows, *_ = self.against_each(candidates, range(len(self.threats)))
         return distributions(rows, limits.ravel())
 
     def short_m_s(self, candidates: CandidateDesigns, limits: Floats) -> Floats:
-        """Return what designs lack against each threat, m/s, given their limits by the model, (designs, threats).
+        """Return the shortfall of designs against each threat, m/s, (designs, threats), given their ballistic limits.
 
-        It is the greater of what the limit lacks to the one required and, where a probability is bounded and known, of
-        what the velocity that is stopped with it lacks to that of the threat; at most 0 if nothing.
+        It is that of the limit from the one required or, if it is greater and a probability is bounded and known, that
+        of the velocity stopped with this probability from the velocity of the threat; at most 0 for no shortfall.
         """
         rows, required, bounds = self.against_each(candidates, range(len(self.threats)))
         short = required - limits.ravel()
@@ -263,7 +262,7 @@ class Catalogue:
         return getattr(candidates, self.section.minimise)
 
     def ranges(self, pair: int) -> list[tuple[str, str, float, float]]:
-        """Return key, name and ends, mm, of the ranges of thicknesses of a pair; lists of thicknesses are none."""
+        """Return key, name and ends, mm, of the ranges of thicknesses of a pair, without lists of thicknesses."""
         ranges = []
         places = divmod(pair, len(self.section.backing))
         for layer, place, (role, name) in zip(self.offers[pair][:2], places, LAYERS.items(), strict=True):
@@ -279,7 +278,7 @@ class Catalogue:
         return f"design.{role}[{place}].thickness_mm" if in_catalogue else f"optimise.{role}_thickness_mm"
 
     def omissions(self) -> Iterator[str]:
-        """Warn of each range of thicknesses whose end is no whole number of steps from its start."""
+        """Warn of each range of thicknesses that is not a whole number of steps."""
         for role in LAYERS:
             for place, layer in enumerate(getattr(self.section, role)):
                 thickness = layer.thickness_mm
@@ -293,9 +292,9 @@ class Catalogue:
 
 
 def required_by_law(rows: Variants, errors: Errors, bounds: Floats, limits: Floats) -> Floats:
-    """Return the own ballistic limits, m/s, (n,), with which probabilities of perforation keep to bounds.
+    """Return the ballistic limits by the first law, m/s, (n,), at which the probabilities of perforation equal bounds.
 
-    The limits by other laws of the flow stress are given, (laws, n), of which the first row is not used.
+    The limits by the other laws of the flow stress are given, (laws, n); their first row is not used.
     """
     remaining = bounds.copy()
     for law in range(1, len(limits)):
@@ -309,7 +308,7 @@ def required_by_law(rows: Variants, errors: Errors, bounds: Floats, limits: Floa
 
 
 def catalogue_of(scenario: Scenario) -> Catalogue:
-    """Return the catalogue of a scenario; its impact is the threat if it lists none."""
+    """Return the catalogue of a scenario; if it lists no threats, its impact is the threat."""
     section = _section_of(scenario)
     threats = scenario.threats()
     titles = tuple(threat.title for threat in threats)
@@ -319,7 +318,6 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
     sampled = bool(bounded and uncertain)
     problems = [
         *_too_many(scenario.file, section, len(threats)),
-        *_listed_twice(scenario.file, section),
         *_wrong_layers(scenario.file, section, sampled=sampled),
     ]
     if bounded and not uncertain and scenario.excludes_error():
@@ -327,10 +325,13 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
         problems.append(Problem(scenario.file, "uncertainty.model.included", message))
     refuse(problems)
 
+    # A bare plate has no ceramic.
+    ceramics = [scenario.entry("ceramic", layer.material) if layer.material else None for layer in section.ceramic]
+    metals = [scenario.entry("metal", layer.material) for layer in section.backing]
     projectiles = [scenario.entry("projectile", threat.projectile) for threat in threats]
     inputs = {
-        "ceramic": [_inputs_of_layer(scenario, "ceramic", layer) for layer in section.ceramic],
-        "backing": [_inputs_of_layer(scenario, "backing", layer) for layer in section.backing],
+        "ceramic": [_inputs_of_layer("ceramic", *pair) for pair in zip(ceramics, section.ceramic, strict=True)],
+        "backing": [_inputs_of_layer("backing", *pair) for pair in zip(metals, section.backing, strict=True)],
         "projectile": [
             {OBLIQUITY: threat.obliquity_deg, **inputs_of_entry("projectile", projectile)}
             for threat, projectile in zip(threats, projectiles, strict=True)
@@ -356,40 +357,28 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
         sampled=sampled,
         offers=offers,
         layers=layers,
-        materials=tuple(_materials(scenario, offer) for offer in offers),
+        materials=tuple(Materials(*pair) for pair in product(ceramics, metals)),
         projectiles=parameters["projectile"],
         varying=frozenset({VELOCITY, CERAMIC, BACKING} | varying),
     )
 
 
-def _listed_twice(file: str, section: DesignSection) -> Iterator[Problem]:
-    """Yield the materials that a catalogue lists more than once."""
-    for role in LAYERS:
-        names = [layer.material for layer in getattr(section, role)]
-        for i, name in enumerate(names):
-            if name in names[:i]:
-                message = f'must be listed once, with all its thicknesses, found "{name}" twice'
-                yield Problem(file, f"design.{role}[{i}].material", message)
-
-
 def _wrong_layers(file: str, section: DesignSection, *, sampled: bool) -> Iterator[Problem]:
-    """Yield the layers that lack a step that sampling needs, or a cost that is asked for."""
+    """Yield the layers listed twice, and those that lack a step that sampling needs, or a cost that is asked for."""
     costs = COST in (section.minimise, *(section.pareto or ())) or section.cost_max_per_m2 is not None
     for role in LAYERS:
-        for i, layer in enumerate(getattr(section, role)):
+        layers = getattr(section, role)
+        for i, layer in enumerate(layers):
             key = f"design.{role}[{i}]"
+            if layer.material in [earlier.material for earlier in layers[:i]]:
+                message = f'must be listed once, with all its thicknesses, found "{layer.material}" twice'
+                yield Problem(file, f"{key}.material", message)
             if sampled and layer.free_range():
                 message = "must have a step if a probability is bounded and [uncertainty] has distributions to sample"
                 yield Problem(file, f"{key}.thickness_mm", message)
             if costs and layer.material and not _has_cost(layer):
                 message = f'must have a cost if [design] asks for costs, found none for "{layer.material}"'
                 yield Problem(file, key, message)
-
-
-def _materials(scenario: Scenario, offer: Offer) -> Materials:
-    """Return the entries of the library of an offer; a bare plate has no ceramic."""
-    ceramic = scenario.entry("ceramic", offer.ceramic.material) if offer.ceramic.material else None
-    return Materials(ceramic, scenario.entry("metal", offer.backing.material))
 
 
 def _has_cost(layer: Layer) -> bool:
@@ -418,11 +407,11 @@ def _too_many(file: str, section: DesignSection, threats: int) -> Iterator[Probl
         yield Problem(file, "threat", message)
 
 
-def _inputs_of_layer(scenario: Scenario, role: str, layer: CeramicLayer | BackingLayer) -> dict[str, float]:
-    """Return the values of the inputs of a layer's material, by name; of a bare plate's ceramic, none."""
-    if not layer.material:
+def _inputs_of_layer(role: str, entry: LibraryEntry | None, layer: Layer) -> dict[str, float]:
+    """Return the values of the inputs of a layer's material, by name; none without a material."""
+    if entry is None:
         return {}
-    inputs = inputs_of_entry(role, scenario.entry(ROLES[role], layer.material))
+    inputs = inputs_of_entry(role, entry)
     return inputs if layer.density_kg_m3 is None else inputs | {f"{role}.density_kg_m3": layer.density_kg_m3}
 
 

@@ -16,7 +16,7 @@ from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, VELOCITY
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import DesignSection, Threat
 
-# Changes that every armour is checked against: factor of the impact velocity, and angles.
+# Changes to check every armour against: factor of the impact velocity, and angles.
 FASTER, ANGLES_DEG = 1.05, (0.0, 30.0)
 Verdict = Literal["passes", "fails", "not known"]
 
@@ -70,7 +70,7 @@ class CheckedThreat:
     flow_stress : NeededFlowStress or None
         Flow stress with which a ceramic without tests stops the threat; None of other armours.
     model_error : ModelError or None
-        What the probability rests on; None if it is not known.
+        Model error from which the probability is computed; None if it is not known.
     verdict : {"passes", "fails", "not known"}
         Whether the armour stops the threat with the required probability or, if none is, with the required margin.  If
         the probability is not known, it fails where the ballistic limit by the model is too low, and is not known
@@ -178,12 +178,12 @@ def check(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> C
 
 
 def verdict_of(required: float | None, probability: float | None, *, stops: bool) -> Verdict:
-    """Return the verdict on an armour, given the required probability, and whether the limit by the model suffices."""
-    if required is not None and probability is not None:
-        return "passes" if probability >= required else "fails"
+    """Return the verdict on an armour; `stops` says whether its ballistic limit by the model is high enough."""
     if required is None:
         return "passes" if stops else "fails"
-    return "not known" if stops else "fails"
+    if probability is None:
+        return "not known" if stops else "fails"
+    return "passes" if probability >= required else "fails"
 
 
 def _checked(against: Scenario, threat: Threat, section: DesignSection, on_progress: OnProgress) -> CheckedThreat:
@@ -200,7 +200,7 @@ def _checked(against: Scenario, threat: Threat, section: DesignSection, on_progr
     what_ifs = []
     for change, values in _changes(against, section.thickness_tolerance_mm):
         changed, changed_limit, changed_error = against.replaced(values), limit, error
-        if VELOCITY not in values:  # on which the limit does not depend
+        if VELOCITY not in values:  # the limit does not depend on the velocity
             changed_limit, changed_error, _ = limit_and_error(changed, on_progress)
         velocity = changed.impact.velocity_m_s
         interval = None if changed_limit is None or changed_error is None else changed_error.interval(changed_limit)
@@ -227,7 +227,7 @@ def _checked(against: Scenario, threat: Threat, section: DesignSection, on_progr
 
 
 def _changes(scenario: Scenario, tolerance_mm: float) -> Iterator[tuple[str, dict[str, float]]]:
-    """Yield the changes of an armour and its threat that are checked, in words and by key."""
+    """Yield the changes of an armour and its threat to check, in words and by key."""
     for key, words in ((CERAMIC, "ceramic"), (BACKING, "back plate")):
         thickness = getattr(scenario.armour, key.partition(".")[2])
         if thickness > tolerance_mm > 0.0:

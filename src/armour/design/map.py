@@ -1,4 +1,4 @@
-"""Ballistic limits of the designs of a pair of materials over both thicknesses, and how surely they are reached."""
+"""Ballistic limits of the designs of a pair of materials over both thicknesses, and their probabilities."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -15,9 +15,9 @@ from armour.engine import batch
 from armour.evidence.model_error import given_error
 from armour.units import GPA
 
-# Thicknesses along an axis between which an edge of what is known is looked for, and its width in the end, mm.
+# Number of thicknesses along an axis between which to look for an edge of the known model error, and its width, mm.
 EDGE_POINTS, EDGE_MM = 101, 1e-6
-# Designs that are tried at a time until one stops the threats.
+# Number of designs to try at a time until one stops the threats.
 DESIGNS_AT_A_TIME = 1000
 
 

@@ -24,10 +24,10 @@ from armour.scenario.library import strength_notes
 from armour.scenario.scenario import Scenario, Varied
 from armour.scenario.schema import DesignSection, shot
 
-# Words that begin the reason of a pair of materials: without tests, where others have them; with a single source of the
+# Words that begin the reason of a pair of materials: without tests, if others have them; with a single source of the
 # ceramic's flow stress; and nearly as good as the best.
 UNTESTED, ONE_SOURCE, RUNNER_UP = "no test", "one source of its flow stress", "runner-up: "
-# Most designs that a result lists, and most among which the nearest to passing is looked for.
+# Most designs that a result lists, and most to compare in the search for the one nearest to passing.
 MOST_SHOWN, MOST_COMPARED = 25, 20_000
 Reason = Literal["", "none passes", "not known"]
 # Most thicknesses that a warning lists.
@@ -83,7 +83,7 @@ class Design:
 
 @dataclass(frozen=True)
 class BestDesign(Design):
-    """A design with its ballistic limits, and what it lacks if it does not pass.
+    """A design with its ballistic limits and, if it does not pass, its shortfall.
 
     Attributes
     ----------
@@ -101,7 +101,7 @@ class BestDesign(Design):
     model_error : ModelError or None
         Relative error of the ballistic limit against the governing threat.
     short_m_s : dict of str to float
-        By threat: what the ballistic limit lacks to the one required, with the model error where it is known, m/s.
+        By threat: shortfall of the ballistic limit from the one required, with the model error if it is known, m/s.
     exceeds : dict of str to float
         Excess over each limit of the section ``design`` that is exceeded, by its key.
     flow_stress : dict of str to NeededFlowStress
@@ -121,7 +121,7 @@ class BestDesign(Design):
     flow_stress: dict[str, NeededFlowStress] = field(default_factory=dict)
 
     def changes_to(self, scenario: Scenario) -> dict[str, str | float]:
-        """Return what to change in a scenario so that the design is its armour, by key."""
+        """Return the changes, by key, that make the design the armour of a scenario."""
         names = {"ceramic": self.ceramic or None, "backing": self.backing}
         named = {NAMES[role]: name for role, name in names.items() if name and name != scenario.name_of(role)}
         numbers = {
@@ -147,8 +147,8 @@ class Pair:
     reason : str
         Reason why its best design is not the best of all, or why it has none.
     ranked : bool
-        Whether its best design is compared with that of other pairs; not one without tests if others have tests, nor
-        one with a ceramic of which a single source gives the flow stress.
+        Whether its best design is compared with that of other pairs: not if it has no tests and others have, nor if
+        a single source gives the flow stress of its ceramic.
     untested : bool
         Whether no test of the ceramic on metal is known.
     """
@@ -175,12 +175,12 @@ class DesignResult(TableResult):
         None if no design is known to pass.
     reason : {"", "none passes", "not known"}
         Why there is no best design: none passes, or it is not known whether one does, as the probability is not known
-        of any with a ballistic limit by the model that is high enough.
+        for any design whose ballistic limit by the model is high enough.
     explanation : str
         The same in a sentence; empty if there is one.
     nearest : BestDesign or None
-        Without a best design: the best one by the ballistic limit by the model or, if none passes, the one within the
-        limits of the section ``design`` that lacks least against the threat that it lacks most against.
+        Without a best design: the best one by the model's ballistic limit or, if none passes, the one within the limits
+        of the section ``design`` whose greatest shortfall against a threat is the smallest.
     without_limits : BestDesign or None
         If none passes: the best one without these limits, where there is one.
     frontier : tuple of Design
@@ -339,7 +339,7 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
         ranges = [low for _, name, low, _ in catalogue.ranges(pair) if name == "ceramic"]
         ends = {
             "ceramic_min_mm": min(ranges, default=0.0) or None,
-            "without_mm": _without(search, place, frontier),
+            "without_mm": _failing_backings(search, place, frontier),
             "not_monotonic_mm": search.not_monotonic_mm(frontier),
             "refined": _refined(search, place) if refine else None,
             "pareto": _pareto(search, criteria) if criteria else (),
@@ -376,9 +376,9 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
 
 
 def _best_place(catalogue: Catalogue, on_progress: OnProgress) -> tuple[Search, Bools, int | None, Reason]:
-    """Return a search, which designs of it are tested, its best design, and why this does not pass, if it does not.
+    """Return a search, which of its designs are tested, the best design, and why this does not pass, if it does not.
 
-    If no design passes, bounds on probabilities that are not known are left out: the limits by the model decide.
+    If no design passes, bounds on probabilities that are not known are left out, so that the model's limits decide.
     """
     requirement = Requirement(catalogue, on_progress)
     while True:
@@ -399,17 +399,17 @@ def _best_place(catalogue: Catalogue, on_progress: OnProgress) -> tuple[Search, 
 
 
 def _first(search: Search, tested: Bools) -> int | None:
-    """Return the best design that passes, a tested one if there is one; never of a ceramic with a single source."""
+    """Return the best design that passes, a tested one if any; none with a ceramic whose flow stress has one source."""
     several_sources = ~search.catalogue.one_source[search.candidates.pair]
     first = search.first(np.flatnonzero(tested & several_sources))
     return search.first(np.flatnonzero(~tested & several_sources)) if first is None else first
 
 
 def _nearest(requirement: Requirement) -> Search:
-    """Return a search of the designs within the constraints, or nearest to them, beginning with those that lack least.
+    """Return a search of the designs within the constraints, or nearest to them, in order of their shortfall.
 
-    What a design lacks is the greatest of what it lacks against each threat.  Of very many designs, the thickest
-    ceramics within the constraints on each back plate are compared.
+    The shortfall of a design is the greatest of those against each threat.  If there are very many designs, only the
+    thickest ceramics within the constraints on each back plate are compared.
     """
     catalogue = requirement.catalogue
     designs = joined([_sampled_designs(catalogue, pair) for pair in range(len(catalogue.offers))])
@@ -440,7 +440,7 @@ def _sampled_designs(catalogue: Catalogue, pair: int) -> CandidateDesigns:
 
 
 def _short_pairs(search: Search) -> tuple[Pair, ...]:
-    """Return each pair of materials with what its design that lacks least lacks, in the order of the search."""
+    """Return each pair of materials with the least shortfall of its designs, in the order of the search."""
     pairs = []
     for place in np.sort(np.unique(search.candidates.pair, return_index=True)[1]):
         [design], [short] = _designs(search, np.array([place])), _short(search, np.array([place]))
@@ -453,12 +453,12 @@ def _short_pairs(search: Search) -> tuple[Pair, ...]:
 
 
 def _short(search: Search, where: Ints) -> Floats:
-    """Return what designs lack against each threat, m/s, (designs, threats)."""
+    """Return the shortfall of designs against each threat, m/s, (designs, threats)."""
     return search.catalogue.short_m_s(search.candidates.at(where), search.limits(where))
 
 
 def _why_not_known(search: Search, place: int | None) -> str:
-    """Return why it is not known whether a design passes that does by the model."""
+    """Return why it is not known whether a design passes that passes by the model."""
     catalogue = search.catalogue
     if place is None:
         pairs = search.candidates.pair[search.stopping]
@@ -494,7 +494,7 @@ def _unused_impact(scenario: Scenario) -> Iterator[Note]:
         yield Note(f"{shot(impact)} is none of the threats, against which the armour is designed", "impact")
 
 
-def _without(search: Search, best: int, frontier: Ints) -> tuple[float, ...]:
+def _failing_backings(search: Search, best: int, frontier: Ints) -> tuple[float, ...]:
     """Return the back plate thicknesses offered on which no ceramic passes, mm."""
     if search.catalogue.offers[search.candidates.pair[best]].backing.free_range() is not None:
         return ()
@@ -517,7 +517,7 @@ def _outside(search: Search, place: int) -> list[str]:
 
 
 def _changing(search: Search, columns: Sequence[tuple[int, str, float]]) -> Iterator[str]:
-    """Warn of each pair and layer of which a thicker one may fail, with thicknesses of the other one, mm."""
+    """Warn of each layer of a pair that may fail if it is thicker, with the thicknesses of the other layer, mm."""
     changing = search.requirement.changing
     for pair, layer, other_mm in columns:
         changing[pair, layer].add(other_mm)
@@ -525,10 +525,10 @@ def _changing(search: Search, columns: Sequence[tuple[int, str, float]]) -> Iter
         if thicknesses:
             armour = " on ".join(part.material for part in search.catalogue.offers[pair][:2] if part.material)
             words = ", ".join(f"{thickness:.4g}" for thickness in sorted(thicknesses)[:MOST_LISTED])
-            more = " and more" if len(thicknesses) > MOST_LISTED else ""
+            omission = " and more" if len(thicknesses) > MOST_LISTED else ""
             yield (
                 f"{armour}: a thicker {layer} is perforated at a velocity that a thinner one stops, "
-                f"with a {'ceramic' if layer == 'back plate' else 'back plate'} of {words}{more} mm"
+                f"with a {'ceramic' if layer == 'back plate' else 'back plate'} of {words}{omission} mm"
             )
 
 
@@ -560,14 +560,14 @@ def _least_of_the_range(
 
 
 def _pareto(search: Search, criteria: Sequence[str]) -> tuple[Design, ...]:
-    """Return the Pareto front, with free thicknesses refined by every criterion."""
+    """Return the Pareto front, with free thicknesses refined for every criterion."""
     if any(layer.free_range() for offer in search.catalogue.offers for layer in offer[:2]):
         search = Search(search.requirement, candidates_of(search.requirement, criteria))
     return _designs(search, search.pareto(criteria), with_margins=MARGIN in criteria)
 
 
 def _refined(search: Search, first: int) -> BestDesign:
-    """Return the best design with both layers free; that of the search if none is better."""
+    """Return the best design with both layers free, or that of the search if none is better."""
     refined = Search(search.requirement, candidates_of(search.requirement, refine=True))
     place = refined.first(np.flatnonzero(refined.values < search.values[first]))
     return _best(search, first) if place is None else _best(refined, place)
@@ -649,7 +649,7 @@ def _flow_stress(
 
 
 def _of_stopping(catalogue: Catalogue, distributions: Mixture, sampled: dict[str, Estimate]) -> dict[str, float | None]:
-    """Return the probabilities that a design stops each threat: of the samples, else by the model error."""
+    """Return the probabilities that a design stops each threat, from the samples or else from the model error."""
     chances = distributions.probability_above(catalogue.velocities_m_s).tolist()
     by_error = {title: None if isnan(p) else p for title, p in zip(catalogue.titles, chances, strict=True)}
     return by_error | {title: 1.0 - estimate.value for title, estimate in sampled.items()}
@@ -671,11 +671,11 @@ def _pairs(search: Search, best: int | None, tested: Bools) -> tuple[Pair, ...]:
     least = inf if best is None else float(search.values[best])
     greatest = least * (1.0 + search.catalogue.section.runners_up_percent / 100.0)
     offers = search.catalogue.offers
-    possible = [designs[search.stopping[designs]] for designs in map(search.of_pair, range(len(offers)))]
+    possible = [designs[search.stopping[designs]] for designs in map(search.of_pairs, range(len(offers)))]
     if search.catalogue.sampled:
         # Only possible runners-up are sampled, as each design takes thousands of impacts.
         possible = [designs[search.values[designs] <= greatest] for designs in possible]
-    # The limits of the first designs, which most often pass, are computed together, which is quicker.
+    # The first designs pass most often; computing their limits together is quicker.
     possible = [designs[np.argsort(~tested[designs], kind="stable")] for designs in possible]
     search.limits(np.array([designs[0] for designs in possible if len(designs)], dtype=np.int64))
     places = [search.first(designs) for designs in possible]
@@ -728,7 +728,7 @@ def _unconstrained(search: Search) -> Search:
 
 
 def _why_none(search: Search, unconstrained: Search, pairs: Sequence[int]) -> str:
-    """Return why no design of some pairs passes: the constraints that keep it out, or what it would have to stop."""
+    """Return why no design of some pairs passes: the constraints that it exceeds, or what it would have to stop."""
     catalogue, section = search.catalogue, search.catalogue.section
     bounded = catalogue.bounded
     threats = catalogue.titles[0] if len(catalogue.titles) == 1 else "every threat"
@@ -746,7 +746,7 @@ def _why_none(search: Search, unconstrained: Search, pairs: Sequence[int]) -> st
     all_pairs = len(pairs) == len(catalogue.offers)
     if unknown.all():
         against, why = _why_error_unknown(catalogue, designs)
-        # In the table of pairs, what can give the error need not stand in each row.
+        # The table of pairs need not say in each row what can give the error.
         return f"the model error is not known{against}: {why if all_pairs else why.removesuffix(f'; {REMEDY}')}"
     hint = f"; if the model error is not known, {REMEDY}" if unknown.any() else ""
     if catalogue.sampled:
@@ -758,9 +758,9 @@ def _why_none(search: Search, unconstrained: Search, pairs: Sequence[int]) -> st
 
 
 def _why_error_unknown(catalogue: Catalogue, designs: CandidateDesigns) -> tuple[str, str]:
-    """Return against which threat, in words, the model error of designs is not known, "" for each, and why.
+    """Return the threat, in words, against which the model error of designs is not known, "" for all, and why.
 
-    The reason is that of the pair whose error is known against the most threats.
+    The reason is that for the pair whose error is known against the most threats.
     """
     one_of_each = designs.at(np.unique(designs.pair, return_index=True)[1])
     rows, *_ = catalogue.against_each(one_of_each, range(len(catalogue.threats)))
@@ -772,7 +772,7 @@ def _why_error_unknown(catalogue: Catalogue, designs: CandidateDesigns) -> tuple
 
 
 def _exceeded(section: DesignSection, unconstrained: Search, place: int, threats: str) -> str:
-    """Return which constraints the best design without them exceeds, in words; "" for none."""
+    """Return in words the constraints that the best design without them exceeds; "" for none."""
     least = OBJECTIVES[section.minimise].least
     [design] = _designs(unconstrained, np.array([place]))
     exceeded = []

@@ -17,9 +17,9 @@ from armour.scenario.inputs import BACKING, CERAMIC
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import MAX_SAMPLES, Uncertainty
 
-# Samples of a design after which it is first checked whether it can still pass.
+# Number of samples after which a design is first checked for whether it can still pass.
 FIRST_SAMPLES = 64
-# Probability of as many perforations as are seen, if the bound held, below which the other samples are not needed.
+# Sampling stops early if the number of perforations would be less probable than this were the bound to hold.
 IMPROBABLE = 1e-9
 # Samples that are computed at a time at most, which bounds the memory.
 MOST_SAMPLES = 2**15
@@ -32,7 +32,7 @@ class Reliability:
 
     def __init__(self, catalogue: Catalogue, on_progress: OnProgress = ignore_progress) -> None:
         self.catalogue, self.on_progress = catalogue, on_progress
-        # Many designs are of the same materials, and it takes long to make a scenario.
+        # Many designs have the same materials, and making a scenario is slow.
         self.against = lru_cache(MOST_SCENARIOS)(catalogue.against)
         section = section_of(self.against(0, 0))
         _check(catalogue, section)
@@ -60,7 +60,7 @@ class Reliability:
     def within(self, bound: float, scenario: Scenario, ceramic_mm: float, backing_mm: float) -> Estimate | None:
         """Estimate the probability of perforation of a design; None if its interval exceeds a bound.
 
-        A model error that is not known is left out.  Samples are taken in growing parts, only as many as show that the
+        A model error that is not known is left out.  Samples are taken in growing parts, until these show that the
         bound is exceeded.
         """
         layers = _layers(scenario, ceramic_mm, backing_mm)
@@ -72,7 +72,7 @@ class Reliability:
             part = points[start:end]
             columns = columns_of(section, values, part)
             if ceramic_mm == 0.0:
-                columns.pop(CERAMIC, None)  # a layer that is absent has no thickness that varies
+                columns.pop(CERAMIC, None)  # an absent layer has no thickness to vary
             columns = {**{name: np.full(len(part), value) for name, value in layers.items()}, **columns}
             hits += int(perforated(sampled(scenario, columns, len(part), errors).variants).sum())
             estimate = proportion(hits, len(points))
@@ -90,7 +90,7 @@ def _layers(scenario: Scenario, ceramic_mm: float, backing_mm: float) -> dict[st
 
 
 def _check(catalogue: Catalogue, section: Uncertainty) -> None:
-    """Check that the distributions follow designs, materials and threats, and that the samples suffice."""
+    """Check that the distributions apply to every design, material and threat, and that there are enough samples."""
     file = catalogue.scenario.file
     problems = []
     assert catalogue.scenario.uncertainty is not None

@@ -1,4 +1,4 @@
-"""Search for the designs of a catalogue that pass: what is required of them, and their order by the objective."""
+"""Search for the designs of a catalogue that pass: the requirement, and the order of designs by the objective."""
 
 from bisect import bisect_left, bisect_right
 from collections import defaultdict
@@ -22,14 +22,14 @@ if TYPE_CHECKING:
 # Impacts and limits that are computed at a time, which bounds the memory.
 IMPACTS_AT_A_TIME = 50_000
 LIMITS_AT_A_TIME = 10_000
-# Designs up to which all threats are computed together.  Of more, those that one threat perforates are not tried
-# against the next, which saves more than the additional calls of the engine cost.
+# Number of designs up to which all threats are computed together.  If there are more, those that one threat perforates
+# are not tried against the next, which saves more than the additional calls of the engine cost.
 FEW_DESIGNS = 100
-# Most designs that are tried at a time until one passes; those after it are tried in vain.
+# Most designs to try at a time until one passes; those after it are tried in vain.
 FIRST_AT_A_TIME = 500
 # Most back plates of a frontier, besides the best: a square grid of the most designs has as many.
 MOST_BACKINGS = 1000
-# Differences of criteria that matter on a Pareto front: kg/m², mm and, for costs, as a part of the lowest.
+# Differences of criteria that matter on a Pareto front: kg/m², mm and, for costs, as a fraction of the lowest.
 RESOLUTION = {"areal_density_kg_m2": 0.01, "thickness_mm": 0.01, COST: 0.001}
 
 
@@ -71,7 +71,7 @@ class Requirement:
         return tested
 
     def _stopped(self, rows: Variants) -> Bools:
-        """Return whether rows stop the projectile at their velocities; not at ones that are too high to compute."""
+        """Return whether rows stop the projectile at their velocities; not if these are too high to compute."""
         stopped = rows.velocities <= FASTEST_M_S
         possible = np.flatnonzero(stopped & (rows.velocities > 0.0))
         stopped[possible] = ~perforated(rows.at(possible))
@@ -81,8 +81,8 @@ class Requirement:
     def within_bounds(self, rows: Variants, bounds: Floats) -> Bools:
         """Return whether rows keep to bounds on the probability of perforation at their velocities.
 
-        Most do by every law of the flow stress or by none, as one impact by each law shows.  The others do if they
-        stop the projectile at the least ballistic limit with which the bound is kept.
+        Most rows do so by every law of the flow stress or by none, as one impact by each law shows.  The others do if
+        they stop the projectile at the least ballistic limit that keeps to the bound.
         """
         errors = rows.errors
         by_any, by_all = np.zeros(len(bounds), dtype=bool), np.ones(len(bounds), dtype=bool)
@@ -107,8 +107,8 @@ class Requirement:
     def limits(self, candidates: CandidateDesigns, *, lowest: bool = True) -> Floats:
         """Return the ballistic limits of designs against each threat, m/s, (designs, threats).
 
-        The search extends beyond the range of the section ``ballistic_limit``, see `limits_anywhere`.  For the lowest
-        ones, velocities are scanned more densely where the limit is at least the velocity required.
+        The search extends beyond the range of the section ``ballistic_limit``, see `limits_anywhere`.  With ``lowest``,
+        velocities are scanned more densely where the limit is at least the velocity required.
         """
         limits = np.empty((len(candidates.pair), len(self.catalogue.threats)))
         for part in portions(len(limits), max(LIMITS_AT_A_TIME // limits.shape[1], 1)):
@@ -146,12 +146,8 @@ class Search:
         self._limits = np.full((len(self.values), len(self.catalogue.threats)), np.nan)
         self._probabilities: dict[int, dict[str, Estimate] | None] = {}
 
-    def of_pair(self, pair: int) -> Ints:
-        """Return the designs of a pair, in the order of the objective."""
-        return np.flatnonzero(self.candidates.pair == pair)
-
-    def of_pairs(self, pairs: Sequence[int]) -> Ints:
-        """Return the designs of some pairs, in the order of the objective."""
+    def of_pairs(self, pairs: int | Sequence[int]) -> Ints:
+        """Return the designs of one or several pairs, in the order of the objective."""
         return np.flatnonzero(np.isin(self.candidates.pair, pairs))
 
     def limits(self, where: Ints) -> Floats:
@@ -192,12 +188,12 @@ class Search:
     def frontier_backings(self, best: int) -> Floats:
         """Return the thicknesses of the back plates of the frontier of the best design's pair, mm.
 
-        They are, with the best, those that are tried first where both layers are free, else all; of very many, every
-        second, third, and so on.
+        They are those tried first if both layers are free, otherwise all; of very many, every second, third, and so on.
+        That of the best design is always among them.
         """
         pair = int(self.candidates.pair[best])
         ceramic, backing = (layer.free_range() for layer in self.catalogue.offers[pair][:2])
-        backings = np.unique(self.candidates.backing_mm[self.of_pair(pair)])
+        backings = np.unique(self.candidates.backing_mm[self.of_pairs(pair)])
         if ceramic is not None and backing is not None:
             backings = first_backings(backing)[0]
         return np.append(backings[:: -(-len(backings) // MOST_BACKINGS)], self.candidates.backing_mm[best])
@@ -205,11 +201,11 @@ class Search:
     def frontier(self, best: int) -> Ints:
         """Return for each back plate of `frontier_backings` the thinnest ceramic that passes.
 
-        Bounds on the probability hold too: beyond the thinnest ceramic that passes, the least that keeps to them is
-        bisected, which assumes that a thicker one keeps to them.
+        Bounds on the probability hold too: beyond the thinnest ceramic that passes, bisection finds the least that
+        keeps to them, assuming that every thicker one does.
         """
         ceramics, backings = self.candidates.ceramic_mm, self.candidates.backing_mm
-        stopping = self.of_pair(int(self.candidates.pair[best]))
+        stopping = self.of_pairs(int(self.candidates.pair[best]))
         stopping = stopping[self.stopping[stopping] & np.isin(backings[stopping], self.frontier_backings(best))]
         stopping = stopping[np.lexsort((ceramics[stopping], backings[stopping]))]
         remaining, frontier = stopping, stopping[:0]
@@ -223,16 +219,16 @@ class Search:
         if self.reliability is None:
             return frontier
 
+        def passes(place: int) -> bool:
+            return self.first(np.array([place])) is not None
+
         within_bounds = []
         for place in frontier.tolist():
             thicker = (backings[stopping] == backings[place]) & (ceramics[stopping] >= ceramics[place])
             column = stopping[thicker].tolist()
-            index = column.index(best) if best in column else bisect_left(column, True, key=self._passes_within_bounds)
+            index = column.index(best) if best in column else bisect_left(column, True, key=passes)
             within_bounds += column[index : index + 1]
         return np.array(within_bounds, dtype=np.int64)
-
-    def _passes_within_bounds(self, place: int) -> bool:
-        return bool(self.passes(np.array([place]))[0]) and self.probabilities(place) is not None
 
     def changing(self) -> Iterator[tuple[int, str, float]]:
         """Yield each pair and layer of which a thicker one is perforated at a velocity that a thinner one stops.
@@ -253,7 +249,7 @@ class Search:
     def not_monotonic_mm(self, frontier: Ints) -> tuple[float, ...]:
         """Return the back plate thicknesses of a frontier at which a thicker ceramic is known not to pass, mm."""
         ceramics, backings = self.candidates.ceramic_mm, self.candidates.backing_mm
-        designs = self.of_pair(int(self.candidates.pair[frontier[0]]))
+        designs = self.of_pairs(int(self.candidates.pair[frontier[0]]))
         with_limits = designs[self.stopping[designs] & ~np.isnan(self._limits[designs]).any(axis=1)]
         required = self.catalogue.required_m_s(self.candidates.at(with_limits))
         failing = designs[~self.stopping[designs]]
@@ -269,8 +265,8 @@ class Search:
     def pareto(self, criteria: Sequence[str]) -> Ints:
         """Return the Pareto front of the designs that pass, bounds on probabilities included.
 
-        Of designs that do not differ by the resolution of a criterion, one stands.
-        Only the members of the front are verified, by scan; margins of the others come from the quick search.
+        One design stands for all that do not differ from it by the resolution of a criterion.  Only the members of the
+        front are verified, by a scan; the margins of the others come from the quick search.
         """
         remaining = np.flatnonzero(self.stopping)
         limits = self._limits.copy()
@@ -292,20 +288,20 @@ class Search:
         return limits - self.catalogue.velocities_m_s
 
     def _resolutions(self, costs: Floats, criteria: Sequence[str]) -> Floats:
-        """Return the difference of each criterion that matters; limits are determined to a tolerance."""
+        """Return the least difference of each criterion that matters; that of limits is their tolerance."""
         resolutions = {**RESOLUTION, MARGIN: self.catalogue.scenario.ballistic_limit.tolerance_m_s}
         scales = (costs[:, i].min(initial=np.inf) if name == COST else 1.0 for i, name in enumerate(criteria))
         return np.array([resolutions[name] * scale for name, scale in zip(criteria, scales, strict=True)])
 
 
 def undominated(costs: Floats) -> Ints:
-    """Return the rows, of two or three columns, that no other row dominates; of equal rows the first.
+    """Return the rows, of two or three columns, that no other row dominates; the first of equal rows.
 
     A row dominates another if it is at most equal to it in every column and less in one.
     """
     order = np.lexsort(costs.T[::-1])
     front = []
-    # Second and third columns of the rows so far that no other of these dominates in them: one rises, the other falls.
+    # Second and third columns of the rows so far that none of the others dominates; the second rises, the third falls.
     seconds: list[float] = []
     thirds: list[float] = []
     for row, (_, second, *rest) in zip(order.tolist(), costs[order].tolist(), strict=True):
@@ -322,7 +318,7 @@ def undominated(costs: Floats) -> Ints:
 
 
 def distinct(costs: Floats, front: Ints, resolutions: Floats) -> Ints:
-    """Return the rows of a front without those that another matches in every column; the best of each column stay.
+    """Return the rows of a front without those that another matches in every column; keep the best of each column.
 
     A row matches another if no column exceeds the other's by more than its resolution.
     """
