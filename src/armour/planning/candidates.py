@@ -1,4 +1,4 @@
-"""Armours that can be tested, the candidates of planned tests, and their ballistic limits by the model."""
+"""Armours available for testing, the candidates of planned tests, and their ballistic limits by the model."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -75,7 +75,7 @@ def of_candidates() -> Iterator[None]:
 
 @of_candidates()
 def candidates_of(scenario: Scenario, choice: Choice, measure: Measure, cost: float | None) -> Candidates:
-    """Return the candidates of a choice, checked; they have costs if it has, or if a test costs something."""
+    """Return the candidates of a choice, checked; they have costs if the choice has, or if a test has a cost."""
     source = choice if isinstance(choice, Grid | Cases) else source_of(choice)
     file = str(source.path) if isinstance(source, Cases) else "candidates"
     count = source.count

@@ -53,9 +53,9 @@ HALF_WIDTH_M_S = 15.0
 LIMITS_PROBABILITY = 0.99
 CURVE_POINTS = 201
 # Without a model error, V50 is expected with a probability of 95 % within this fraction of the model's limit, or of the
-# middle of the shots; and the quantile of the normal distribution for that probability.
+# middle of the shots; the second number is the quantile of the normal distribution for that probability.
 WIDE, WITHIN = 0.3, 1.96
-# A warning is given of shots outside the interval of V50 with this probability, widened by a fraction of the limit.
+# Shots outside the interval of V50 with this probability, widened by a fraction of the limit, give a warning.
 FAR_PROBABILITY, FAR_PART = 0.999, 0.1
 # A shot or a requirement is refused if its velocity differs from the expected V50 by more than this factor.
 ABSURD_FACTOR = 3.0
@@ -382,7 +382,7 @@ def plan_shots(
 
 
 def _conflicts(procedure: Procedure, settings: Container[str], *, simulate: bool) -> Iterator[tuple[str, str]]:
-    """Yield the settings that do not go together, or are missing, with what must hold."""
+    """Yield the settings that exclude each other or are missing, each with a message."""
     truths = ("true_v50_m_s", "true_scatter_m_s")
     if "requirement_m_s" not in settings:
         unused = (key for key in ("requirement_fraction", "prior") if key in settings)
@@ -463,7 +463,7 @@ def _requirement(
 
 
 def _why_outside(velocity_m_s: float, fired: Shots) -> str:
-    """Return why a velocity is beyond those of all shots; "" if it is not, or if there are no shots of both kinds."""
+    """Return why a velocity lies beyond those of all shots; "" if it does not, or without shots of both kinds."""
     partial, complete = fired.of(complete=False), fired.of(complete=True)
     velocities = sorted(fired.velocities_m_s)
     if not partial or not complete or velocities[0] <= velocity_m_s <= velocities[-1]:
@@ -507,7 +507,7 @@ def aimed(velocity_m_s: float) -> float:
 
 
 def far_from(limit_m_s: float, velocity_m_s: float) -> str:
-    """Return that a velocity must be wrong, as it is so far from the expected V50; "" if it is near."""
+    """Return a message that a velocity is too far from the expected V50 to be right; "" if it is near."""
     if limit_m_s / ABSURD_FACTOR <= velocity_m_s <= limit_m_s * ABSURD_FACTOR:
         return ""
     near = f"must be near the V50 expected, {limit_m_s:.0f} m/s: a third to three times it"

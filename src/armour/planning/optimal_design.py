@@ -1,8 +1,8 @@
-"""Optimal design of experiments: which of n candidate tests to make, given the information that each gives.
+"""Optimal design of experiments: which of n candidate tests to make, given the information from each.
 
 A test whose row is f, one of (n, k), gives the information f f' on k parameters.  The information M of several tests
-is the sum of theirs and of a base, from earlier tests or a prior.  The loss is to be minimised: for criterion D it is
-minus the logarithm of the determinant of M; for I, the logarithm of the mean of c' M^-1 c over the targets c, (t, k).
+is their sum plus a base, from earlier tests or a prior.  The loss to minimise is, for criterion D, minus the logarithm
+of the determinant of M; for I, the logarithm of the mean of c' M^-1 c over the targets c, (t, k).
 """
 
 from collections.abc import Sequence
@@ -77,7 +77,7 @@ def _root(information: Floats) -> Floats:
 
 
 def missing_tests(base: Floats, rows: Floats) -> int:
-    """Return the least number of tests after which the information is regular."""
+    """Return the least number of tests that make the information regular."""
     return int(rows.shape[1]) - int(np.linalg.matrix_rank(_scaled(base, rows)[0], tol=SINGULAR))
 
 
@@ -87,7 +87,7 @@ def _scaled(base: Floats, rows: Floats) -> tuple[Floats, Floats]:
     stacked = np.vstack([root, rows])
     triangle = np.linalg.qr(stacked, mode="r")
     scaled = np.linalg.solve(np.asarray(triangle).T, stacked.T).T
-    # A base alone has lengths up to 1; one candidate of many has little of the whole.
+    # The base alone has lengths up to 1, while one candidate of many has only a small part of the whole.
     scaled /= max(np.linalg.norm(scaled[len(root) :], axis=1).max(), 1e-150)
     return scaled[: len(root)], scaled[len(root) :]
 
@@ -196,7 +196,7 @@ def continuous_design(task: Task, cost: float) -> tuple[Floats, float]:
             break
         shares = shares * slopes**power
         shares /= shares.sum()
-    # The logarithm of the variance is not convex, so that the bound is that of the variance.
+    # The logarithm of the variance is not convex, so the bound is that of the variance itself.
     bound = gap if task.targets is None else -log(max(1.0 - gap, 1e-300))
     return shares, float(task.loss(information)) - bound
 

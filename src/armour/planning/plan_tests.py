@@ -35,7 +35,7 @@ from armour.statistics.likelihood import (
 from armour.statistics.measured import LIMIT, MEASURED, Tests
 
 MAX_NUMBER = 200
-# A test with less information on a relative change of an input, a standard deviation of a million, has none.
+# A test with less information on a relative change of an input, a standard deviation of a million, counts for nothing.
 LEAST_INFORMATION = 1e-12
 # Fraction of a vector that may lie outside the directions that tests determine.
 OUTSIDE = 1e-2
@@ -55,7 +55,7 @@ Designs = Annotated[Scenario | Sequence[Scenario], PlainValidator(_scenarios)]
 
 @dataclass(frozen=True)
 class PlannedTest:
-    """A planned test, and what is known after it.
+    """A planned test, and the state of knowledge after it.
 
     Attributes
     ----------
@@ -241,7 +241,9 @@ def plan_tests(
             tests = _weighted_by(tests, scatter)
         if prior:
             check_same_prior(tests, scenario, "plan_tests")
-        likelihood = _likelihood(tests, model, fit, law, prior=prior)
+        tests_by_law, names = under_law(tests, fit, law)
+        _check_materials([(tests.file, tests_by_law.groups[0].scenario)], model.scenario, names)
+        likelihood = likelihood_of(tests_by_law, names, on_progress, prior=prior)
         # The scenario of the tests may have other values than the candidates.
         model = model._replace(units=likelihood.units)
     knowledge = _knowledge(likelihood, model, scatter, prior=prior)
@@ -356,7 +358,7 @@ def _weighted_by(tests: Tests, scatter: float) -> Tests:
 
 
 class _Knowledge(NamedTuple):
-    """What is known before the planned tests."""
+    """State of knowledge before the planned tests."""
 
     x: Floats  # inputs in their units, (k,)
     base: Floats  # information of the inputs, (k, k)
@@ -365,15 +367,8 @@ class _Knowledge(NamedTuple):
     warnings: tuple[str, ...]
 
 
-def _likelihood(tests: Tests, model: LimitModel, fit: Sequence[str], law: Law | None, *, prior: bool) -> Likelihood:
-    """Return the likelihood of the inputs given earlier tests, checked."""
-    tests, names = under_law(tests, fit, law)
-    _check_materials([(tests.file, tests.groups[0].scenario)], model.scenario, names)
-    return likelihood_of(tests, names, model.on_progress, prior=prior)
-
-
 def _knowledge(likelihood: Likelihood | None, model: LimitModel, scatter: float | None, *, prior: bool) -> _Knowledge:
-    """Return what earlier tests and the prior tell of the inputs, and the scatter of a test."""
+    """Return the knowledge of the inputs from earlier tests and the prior, and the scatter of a test."""
     fit = None
     if likelihood is not None:
         tests = likelihood.tests
@@ -397,7 +392,7 @@ def _knowledge(likelihood: Likelihood | None, model: LimitModel, scatter: float 
 
 
 def _fitted(fit: InputFit, scatter: float) -> _Knowledge:
-    """Return what a fit to earlier tests tells."""
+    """Return the knowledge from a fit to earlier tests."""
     tests, rows = fit.likelihood.tests, fit.rows.copy()
     rows[: len(tests.measurements)] *= fit.best.scatter / fit.spread
     rows /= fit.widened_by
@@ -440,7 +435,7 @@ def _values_of(scenario: Scenario, role: str, fitted: Sequence[str]) -> dict[str
 
 
 def _determined(vectors: Floats, basis: Floats) -> Floats:
-    """Return vectors, (m, k), in the basis of what the tests determine, (k, r); NaN for those outside its span."""
+    """Return vectors, (m, k), in the basis that the tests determine, (k, r); NaN for those outside its span."""
     inside: Floats = vectors @ basis
     outside = np.linalg.norm(vectors - inside @ basis.T, axis=1) > OUTSIDE * np.linalg.norm(vectors, axis=1)
     inside[outside] = nan

@@ -126,7 +126,7 @@ def mean_of(shots: Shots) -> MeanV50 | None:
     return mean_v50(partial, complete, PAIRS) if partial and complete else None
 
 
-# A limit is in doubt if the last shots, this many, are alike and the next is within this fraction of the range from it.
+# A limit is in doubt if this many last shots are alike and the next is within this fraction of the range from it.
 ALIKE, NEAR = 5, 0.02
 
 
@@ -171,7 +171,7 @@ def langlie_doubts(shots: Shots, settings: ShotSettings) -> Iterator[str]:
 REDUCTION = 0.8
 # Arguments of the normal distribution function at which the gain in information is examined.
 ARGUMENTS = np.arange(-4000, 4001) / 1000.0
-# The best argument if a constant probability, as with an infinite scatter, fits the shots best.
+# The best argument if a constant probability, that of an infinite scatter, fits the shots best.
 FLAT = 1.31525757633905
 
 
@@ -209,14 +209,13 @@ def next_by_neyer(shots: Shots, settings: ShotSettings) -> Aim:
     for gap in gaps[:-1]:
         if 0.0 <= gap <= guess:
             guess *= REDUCTION
-    highest, lowest = shots.of(complete=False)[-1], shots.of(complete=True)[0]
-    middle, span = 0.5 * (highest + lowest), fastest - slowest
+    partials, completes = shots.of(complete=False), shots.of(complete=True)
+    middle, span = 0.5 * (partials[-1] + completes[0]), fastest - slowest
     if gaps[-1] > guess:
         return Aim(middle, "binary search: midway between the highest partial and the lowest complete penetration")
     if gaps[-1] >= 0.0:
         scatter = min(guess, span) or guess  # a shot of each kind at one velocity has no span
         return Aim(_d_optimal(velocities, middle, scatter), f"D-optimal for a guessed scatter of {scatter:.1f} m/s")
-    partials, completes = shots.of(complete=False), shots.of(complete=True)
     if np.mean(completes) <= np.mean(partials):
         v50 = min(max(middle, slowest), fastest)
         return Aim(v50 + copysign(FLAT * span, -1.0 if complete[-1] else 1.0), "the shots have no rising curve")
@@ -246,11 +245,11 @@ def _d_optimal(velocities: Sequence[float], v50: float, scatter: float) -> float
     return v50 + scatter * float(ARGUMENTS[np.argmax(gain)])
 
 
-# Number of velocities that are examined.  They cover V50 but for the probability TAIL at each end, or WIDE_TAIL if the
+# Number of velocities examined.  They cover V50 except for the probability TAIL at each end, or WIDE_TAIL if the
 # scatter is implausible, and SCATTERS scatters more; or AROUND scatters on either side of a requirement.
 CANDIDATES, TAIL, WIDE_TAIL, SCATTERS, AROUND = 101, 1e-3, 0.025, 2.0, 4.0
-# Continuations of the firing that are simulated to estimate the number of further shots: their number, the nodes of
-# their grid, the number of their velocities and the most shots of each.
+# Simulated continuations of the firing, to estimate the number of further shots: their number, the nodes of their grid,
+# the number of their velocities and the most shots of each.
 FUTURES, FUTURE_NODES, FUTURE_CANDIDATES, MOST_SHOTS = 40, (401, 11), 61, 100
 # Another confidence for which the number of shots is estimated.
 OTHER_CONFIDENCE = 0.9
@@ -323,7 +322,7 @@ def gains(weights: Floats, target: Floats, response: Floats) -> Floats:
 
     The weights of n distributions, (n, points), and the response at the velocities, (m, points), give (n, m).
     """
-    # Unlike those of the linear algebra, these sums do not depend on the number of its threads.
+    # Unlike in matrix products, these sums do not depend on the number of threads.
     probability = np.einsum("np,mp->nm", weights, response).clip(1e-12, 1.0 - 1e-12)
     mean = expected(target, weights)
     covariance = np.einsum("np,mp->nm", weights * (target - mean[:, None]), response)
@@ -418,7 +417,7 @@ def expected_shots(shots: Shots, settings: ShotSettings) -> tuple[float | None, 
     A number is None if it exceeds the maximum.
     """
     current = posterior(shots, settings, FUTURE_NODES)
-    # A prior that the decision does not use still predicts the number of shots.
+    # Even if the decision does not use the prior, the prior predicts the number of shots.
     prediction = posterior(shots, settings._replace(requirement_m_s=None), FUTURE_NODES)
     dice = np.random.default_rng(0)
     points = dice.choice(len(prediction.weights), FUTURES, p=prediction.weights)

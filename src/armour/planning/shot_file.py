@@ -14,7 +14,7 @@ from armour.files import reason
 from armour.statistics.v50 import Shots
 
 HEADER = ("shot", "velocity_m_s", "result")
-# Time to wait for other commands that add a shot to the same file, each of which takes a second or two.
+# Time to wait for other commands that are adding a shot to the same file; each takes a second or two.
 WAIT_S = 120.0
 
 
@@ -40,10 +40,10 @@ def content_of(path: Path) -> bytes | None:
 
 
 def with_shot(path: Path, velocity_m_s: float, word: str) -> bytes:
-    """Return the content of a file of shots, which need not exist, with one shot more.
+    """Return the content of a file of shots, which need not exist, with one more shot.
 
-    The row has the columns of the file, and its result is spelt like that of the last shot.  If it equals another row,
-    all rows get a first column with the name of their shot.
+    The row has the columns of the file, and its result is spelt like that of the last shot.  If the row equals another
+    one, all rows get a first column with the name of their shot.
     """
     content = content_of(path)
     lines = [(1, [*HEADER])] if content is None else [*read_csv(path)]
@@ -80,7 +80,7 @@ def _spelt(word: str, example: str) -> str:
 
 
 def next_name(names: Sequence[str], count: int) -> str:
-    """Return the name of the next shot: one more than the greatest name that is a number, else than the count."""
+    """Return the name of the next shot: the greatest name that is a number or, without one, the count, plus 1."""
     return str(max((int(name) for name in names if name.isdecimal()), default=count) + 1)
 
 

@@ -38,13 +38,13 @@ LAWS: dict[Law, tuple[str, ...]] = {
 
 
 def law_of(scenario: Scenario) -> str:
-    """Return the law of the scenario's ceramic; several laws at once are "combined"."""
+    """Return the law of the scenario's ceramic, or "combined" for several laws at once."""
     nonzero = {key for key in FLOW_STRESS_LAW if _ceramic_value(scenario, key)}
     return next((law for law, keys in LAWS.items() if nonzero == set(keys)), "combined")
 
 
 def with_law(scenario: Scenario, law: Law) -> Scenario:
-    """Return the scenario with the coefficients of one law, 0 if its ceramic lacks them, and of no other."""
+    """Return the scenario with the coefficients of one law only, 0 if its ceramic lacks them."""
     changes = {key: 0.0 for key in FLOW_STRESS_LAW if (key in LAWS[law]) != bool(_ceramic_value(scenario, key))}
     return with_ceramic(scenario, changes) if changes else scenario
 
@@ -71,9 +71,9 @@ ASSUMED = (
 ONE_SIDED = "all shots have the same outcome: if others were left out, the limits that follow are wrong"
 # Greatest number of folds of the leave-one-out error.
 MAX_FOLDS = 100
-# Fraction of tables of sound tests in which a test is called out of line.
+# Fraction of tables of sound tests in which a test is reported as out of line.
 FALSE_ALARMS = 0.05
-# Least difference of a computed value from a bound that counts: half of the last digit that is shown.
+# Least difference of a computed value from a bound that counts: half of the last digit shown.
 EQUAL = 0.005
 
 
@@ -292,7 +292,7 @@ def calibrate(
 
 
 def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str]) -> CalibrationResult:
-    """Return a result with the evidence that the tests give under its law, or with a warning that they give none."""
+    """Return a result with the evidence of the tests under its law, or with a warning that they give none."""
     values = {c.name: c.estimate for c in result.coefficients if c.estimate is not None}
     # A single value that the tests do not identify keeps its present value; the tests still inform about the limits.
     if len(result.coefficients) == 1:
@@ -305,7 +305,7 @@ def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str
 
 
 def under_law(tests: Tests, inputs: Sequence[str], law: Law | None) -> tuple[Tests, list[str]]:
-    """Return tests with a law of the flow stress, by default the one they have, and all inputs to fit."""
+    """Return tests with a law of the flow stress, by default their own, and all inputs to fit."""
     if law is None:
         return tests, [*inputs]
     groups = tuple(group._replace(scenario=with_law(group.scenario, law)) for group in tests.groups)
@@ -344,7 +344,7 @@ def fit_by_law(
     prior: bool = False,
     assumes: bool = True,
 ) -> tuple[InputFit, CalibrationResult]:
-    """Return a fit with one law, and its result without the coefficients, whose intervals take long to compute.
+    """Return a fit with one law, and its result without the coefficients, whose intervals are slow to compute.
 
     If there are too few tests to estimate their scatter, it may be assumed.
     """
@@ -403,7 +403,7 @@ def out_of_line(deviations: Floats, left_out: Floats, coefficients: int) -> Bool
     """Return which measurements are out of line, (n,), from the deviations of fits with and without each.
 
     Their studentised left-out deviations exceed a quantile of Student's t, with Bonferroni's correction.  In a linear
-    model, the product of both deviations is what a measurement adds to the sum of squares.
+    model, a measurement adds the product of both deviations to the sum of squares.
     """
     freedom = len(deviations) - coefficients - 1
     if freedom < 1:
@@ -433,7 +433,7 @@ def _out_of_line(tests: Tests, residuals: Sequence[Residual], coefficients: int)
 
 
 def _outside_limits(tests: Tests) -> Iterator[str]:
-    """Yield a warning for each limit of what the model was compared with that some tests lie outside of."""
+    """Yield a warning for each limit of the tests of the model outside which some of these tests lie."""
     counts: Counter[str] = Counter()
     for group in tests.groups:
         rows = variants_of(group.scenario, group.columns, len(group.where))

@@ -34,9 +34,10 @@ LOG_INFORMATION: dict[Link, Callable[[Floats], Floats]] = {
 }
 # Argument of the distribution function at probability 0.95.
 Z95: dict[Link, float] = {link: float(quantile(0.95)) for link, quantile in QUANTILES.items()}
-# Slopes, per standard deviation of the velocities, of the search along a line, and one in place of an infinite slope.
+# Slopes, per standard deviation of the velocities, to search along a line, and the one that stands for an infinite one.
 SLOPES, STEEP = np.geomspace(1e-6, 5e3, 81), 2.0**20
-# The penalised likelihood of few shots can have several maxima along a line: a search looks between any two of them.
+# Greatest number of shots for which a search looks between any two of them, as the penalised likelihood of few shots
+# can have several maxima along a line.
 FEW = 60
 # Range of the search for intercepts, as arguments of F beyond the shots, and their number.
 BEYOND, INTERCEPTS = 8.0, 61
@@ -214,7 +215,7 @@ class ShotLikelihood:
 
     def quantile_end(self, z: float, direction: float, root: float) -> float:
         """Return an end of the interval of the velocity at which the argument of F has a value."""
-        # Far away the slope is 0 and the probability constant: at most that of the quantile if above, else at least.
+        # Far away the slope is 0 and the probability constant: at most that of the quantile above it, at least below.
         above = direction * (z - self.flat.intercept) >= 0.0
         if self.holds(self.flat if above else self._curve(np.array([z, 0.0])), root):
             return direction * inf

@@ -94,7 +94,7 @@ STARTS, LAW_START = (1.0, 0.5, 2.0), 0.3
 # Tolerance of ballistic limits, m/s, and change of inputs for the derivatives.
 LIMIT_TOLERANCE_M_S = 1e-9
 DIFFERENCE = 1e-4
-# Accuracies of the inputs of a fit, and of fits that are compared with it: with an input held, or tests left out.
+# Accuracy of the inputs of a fit, and of fits compared with it, in which an input is held or tests are left out.
 FIT_TOLERANCE, COMPARED_TOLERANCE = 1e-10, 1e-5
 # Change of inputs, in their units, up to which a fit to fewer tests is linearised.
 SMALL_CHANGE = 1e-3
@@ -102,9 +102,9 @@ SMALL_CHANGE = 1e-3
 EQUAL = 1e-3
 # Range of the scatter, and relative accuracy of the most likely one.
 SCATTERS, SCATTER_TOLERANCE = (1e-6, 1.0), 1e-3
-# Least p value of a fit that the uncertainties given explain.
+# Least p value at which the given uncertainties are taken to explain the deviations.
 MIN_P_VALUE = 0.05
-# Least degrees of freedom that give a p value, and their decimals that rounding errors do not reach.
+# Least degrees of freedom that give a p value, and the number of their decimals free of rounding errors.
 MIN_FREEDOM, FREEDOM_DIGITS = 0.5, 9
 # First step and accuracy of the ends of an interval, in standard errors.
 FIRST_STEP, END_TOLERANCE = 1.8, 1e-3
@@ -219,7 +219,7 @@ class Point(NamedTuple):
 
     x: Floats  # in their units, (k,)
     scatter: float  # 1 if uncertainties are given
-    loss: float  # -2 times the logarithm of likelihood and prior, but for what does not depend on the inputs
+    loss: float  # -2 times the logarithm of likelihood and prior, up to a constant independent of the inputs
 
 
 @dataclass(frozen=True)
@@ -405,13 +405,13 @@ def _by_uncertainties(best: Point, linear: _Linearised) -> Precision:
     """Return the precision by the given uncertainties, widened if the deviations are larger than these explain."""
     count, scores = len(best.x), linear.residuals[len(linear.z) :]
     covariance, leverages = _inverted(linear.rows, count)
-    # What the outcomes determine of the inputs takes no degree of freedom from the measured values and the prior.
+    # The part of the inputs that outcomes determine takes no degree of freedom from measured values and prior.
     freedom = float(linear.exact.sum() + len(scores) - count + leverages[: len(linear.z)][~linear.exact].sum())
     freedom = round(freedom, FREEDOM_DIGITS) + 0.0  # outcomes alone leave none, but for rounding
     chi_squared = float((linear.z[linear.exact] ** 2).sum()) + float((scores**2).sum())
     p_value = float(chi2.sf(chi_squared, freedom)) if freedom > MIN_FREEDOM else None
     widened_by, threshold = 1.0, NORMAL_THRESHOLD
-    # A prior that the tests contradict is not mended by a wider interval.
+    # A wider interval does not repair a prior that the tests contradict.
     if p_value is not None and p_value < MIN_P_VALUE and not len(scores):
         widened_by = sqrt(chi_squared / freedom)
         threshold = (widened_by * float(t.ppf(UPPER, freedom))) ** 2
@@ -432,7 +432,7 @@ def _by_scatter(best: Point, linear: _Linearised) -> Precision:
     columns[-1, count] = sqrt(2.0 * exact.sum())
     _, leverages = _inverted(columns, count)
     number = 0.5 * float(linear.scatter_information.sum())  # of measured values that would determine it as well
-    # What the prior determines takes no degree of freedom from the tests and adds no error to the scatter.
+    # The part that the prior determines takes no degree of freedom from the tests and adds no error to the scatter.
     by_tests = count - float(leverages[measured:].sum())
     freedom = number - by_tests
     columns[:measured] *= sqrt(freedom / number)
@@ -518,13 +518,14 @@ def _end(fit: InputFit, index: int, bound: float, error: float) -> tuple[float |
     The end is None if the likelihood does not fall enough up to the bound.
     """
     likelihood, best = fit.likelihood, fit.best
-    # Changes of the other inputs that follow a change of this one.
-    others = np.arange(len(best.x)) != index
-    slopes = np.linalg.lstsq(fit.rows[:, others], -fit.rows[:, index], rcond=1e-6)[0]
+    # Most likely changes of the other inputs per change of this one.
+    other_inputs = np.arange(len(best.x)) != index
+    slopes = np.linalg.lstsq(fit.rows[:, other_inputs], -fit.rows[:, index], rcond=1e-6)[0]
 
     def deviance(value: float) -> float:
         start = best.x.copy()
-        start[index], start[others] = value, start[others] + slopes * (value - best.x[index])
+        start[index] = value
+        start[other_inputs] += slopes * (value - best.x[index])
         start = np.clip(start, likelihood.lower, likelihood.upper)
         return search(likelihood, start, held=index, tolerance=COMPARED_TOLERANCE).loss - best.loss
 
@@ -536,7 +537,8 @@ def _end(fit: InputFit, index: int, bound: float, error: float) -> tuple[float |
 def without(fit: InputFit, kept: Bools) -> Floats:
     """Return the inputs fitted to some of the measurements, in their units, (k,), with the scatter of the fit to all.
 
-    A small change is Newton's step from the fit to all, with an error of second order; else the search is repeated.
+    A small change is Newton's step from the fit to all, with an error of second order; otherwise the search is
+    repeated.
     """
     likelihood = fit.likelihood._replace(kept=kept)
     kept_rows = np.append(kept, np.ones(len(fit.residuals) - len(kept), dtype=bool))
@@ -548,7 +550,7 @@ def without(fit: InputFit, kept: Bools) -> Floats:
 
 
 def check_fittable(file: str, scenario: Scenario, groups: Sequence[MaterialGroup], inputs: Sequence[str]) -> None:
-    """Check that the inputs can be fitted to tests of a scenario, of a file."""
+    """Check that the inputs can be fitted to the tests of a scenario in a file."""
     scenario.check_names(inputs, "calibrate", "fit")
     problems = []
     for name in inputs:
@@ -578,11 +580,11 @@ def check_enough(likelihood: Likelihood) -> None:
 
 
 def needed_of(likelihood: Likelihood) -> int:
-    """Return the number of measurements that a fit needs: without uncertainties one more, for their scatter."""
+    """Return the number of measurements that a fit needs; without uncertainties, one more for their scatter."""
     count = len(likelihood.names)
     return max(count - len(likelihood.prior.where), 1) if likelihood.tests.weighted else count + 1
 
 
 def usable(tests: Tests, kept: Bools) -> int:
-    """Return how many measurements are kept; without uncertainties outcomes do not count."""
+    """Return the number of measurements kept; without uncertainties, outcomes do not count."""
     return int((kept & [tests.weighted or m.side == 0 for m in tests.measurements]).sum())

@@ -159,7 +159,7 @@ def read_tests(path: Table, scenario: Scenario, notes: Names = ()) -> Tests:
 
 
 def _mistakes(row: CsvRow, repeated_names: Container[str]) -> list[tuple[str, str]]:
-    """Return the mistakes in a row, column and message, given the names that several tests have."""
+    """Return the mistakes in a row as columns and messages, given the names that several tests have."""
     mistakes = []
     name, outcome = row.texts.get("test"), row.texts.get(OUTCOME)
     perforated = None if outcome is None else PERFORATED.get(outcome.lower())
@@ -188,7 +188,7 @@ def _mistakes(row: CsvRow, repeated_names: Container[str]) -> list[tuple[str, st
 
 
 def _measurements(test: int, row: CsvRow) -> list[Measurement]:
-    """Return the measurements in a row; the outcome counts where there is no other."""
+    """Return the measurements in a row; the outcome counts only if there is no other."""
     measurements = [
         Measurement(test, name, row.numbers[name], row.numbers.get(uncertainty), 0)
         for name, uncertainty in MEASURED.items()

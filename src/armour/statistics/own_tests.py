@@ -33,12 +33,12 @@ UNTESTED = 0.40
 # Greatest factor between the fitted flow stress of such a ceramic and its entry's value, number of steps to it, and the
 # change of its logarithm for a derivative, which is 0.35 to 0.62 for most armours, and its least value.
 FACTOR, STEPS, CHANGE, LEAST_SLOPE = 8.0, 6, 0.05, 0.3
-# Why calibrated entries without usable tests have no model error.
+# Reason why calibrated entries without usable tests have no model error.
 NOTHING_OF_ERROR = (
     "the tests that it was calibrated to say nothing of the model error: none is of a limit, one is far from what any "
     "lot can have, or their settings, armours or angles are not those of the shipped tests"
 )
-# Standard deviations from what is expected of any lot beyond which a test is a mistake.
+# Number of standard deviations from the prediction for any lot beyond which a test is a mistake.
 IMPLAUSIBLE = 6.0
 # What can be calibrated to own tests, by role: keys of the entry, and quantities.
 KEYS = {"ceramic": ("flow_stress_GPa", *FLOW_STRESS_LAW), "backing": ("flow_stress_GPa", "shear_strength_MPa")}
@@ -91,13 +91,13 @@ def own_tests(tests: Tests, fitted: Mapping[str, float]) -> OwnTests | None:
 
 
 def _are_plausible(laws: tuple[LawTests, ...], q: Mapping[str, Floats], sides: Floats, velocities: Floats) -> bool:
-    """Return whether each limit or shot is near what at least one law predicts for any lot."""
+    """Return whether each limit or shot is near the prediction of at least one law for any lot."""
     deviations = np.full(len(sides), np.inf)
     for law in laws:
         location, scale = fits()[law.fit].predicted(q, {})
         level, level_deviation = law.level or (0.0, 0.0)
         error = np.log(velocities / np.array(law.computed_m_s)) - location - level
-        # A shot that was stopped is implausible far above the predicted limit, one that perforated far below it.
+        # A stopped shot is implausible far above the predicted limit, a perforating one far below it.
         distance = np.where(sides == 0.0, abs(error), sides * error) / np.hypot(scale, level_deviation)
         deviations = np.minimum(deviations, distance)
     return bool((deviations <= IMPLAUSIBLE).all())
@@ -129,7 +129,7 @@ def _laws_of_plates(rows: Variants, entry: LibraryEntry) -> tuple[LawTests, ...]
 def _laws_of_ceramic(rows: Variants, entry: LibraryEntry, measured: Floats) -> tuple[LawTests, ...]:
     """Return limits by each law of the flow stress of a ceramic, given measured limits, which are NaN for shots.
 
-    A ceramic with shipped tests has their flow stress.  For another one the flow stress is fitted, and the level is
+    A ceramic with shipped tests has their flow stress.  For any other, the flow stress is fitted, and the level is
     that of the entry's flow stress, which is uncertain.
     """
     tests = next(evidence for evidence in shipped_evidence() if evidence.ceramic)

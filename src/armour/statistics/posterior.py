@@ -31,8 +31,8 @@ BEYOND = 2.0
 PLAUSIBLE = 0.99
 # Ends of the first grid of the logarithm of the scatter, in its standard deviations.
 DEVIATIONS = 7.0
-# Nodes of V50 and of the scatter; most narrowings of the grid to where the logarithm of the posterior is within a depth
-# of its maximum, and the fraction of the nodes there with which it is narrow enough.
+# Nodes of V50 and of the scatter; greatest number of narrowings of the grid to the nodes where the logarithm of the
+# posterior is within a depth of its maximum; and the fraction of such nodes at which the grid is narrow enough.
 NODES, NARROWINGS, DEPTH, ENOUGH = (201, 31), 6, 12.0, 0.75
 
 
@@ -75,7 +75,7 @@ class FiringPrior(NamedTuple):
     scatter_factor: float = SCATTER_FACTOR
 
     def log_density(self, v50: Floats, log_ratio: Floats) -> Floats:
-        """Return the logarithm of the density, but for a constant, at V50s and logarithms of scatter over V50."""
+        """Return the logarithm of the density, up to a constant, at V50s and logarithms of scatter over V50."""
         z = (log_ratio - log(self.scatter_percent / 100.0)) / log(self.scatter_factor)
         return self.error.ratio.log_density(v50 / self.limit_m_s) - 0.5 * z * z
 
@@ -116,7 +116,7 @@ def pooled_scatter(
 
 
 def normalised(log_weights: Floats) -> Floats:
-    """Return weights that add up to 1, given their logarithms but for a constant."""
+    """Return weights that add up to 1, given their logarithms up to a constant."""
     weights = np.exp(log_weights - log_weights.max())
     return weights / weights.sum()
 
@@ -124,7 +124,7 @@ def normalised(log_weights: Floats) -> Floats:
 def expected(values: Floats, weights: Floats) -> Any:
     """Return the means of values, (..., points), by n distributions, (n, points), or one.
 
-    Unlike those of the linear algebra, the sums do not depend on the number of threads.
+    Unlike in matrix products, the sums do not depend on the number of threads.
     """
     return np.einsum("...p,...p->...", values, weights)
 

@@ -108,7 +108,7 @@ def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
             name,
             value,
             {
-                # The ballistic limit is found by a search over the velocity, on which it does not depend.
+                # The ballistic limit does not depend on the velocity, over which it is searched for.
                 answer: None if (answer, name) == (LIMIT, VELOCITY) else _number(column[index])
                 for answer, column in elasticities.items()
             },

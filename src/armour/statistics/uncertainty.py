@@ -35,8 +35,8 @@ from armour.scenario.schema import Uncertainty
 
 # Degree of the polynomials of one input.
 DEGREE = 8
-# Probability of each tail of the model error that its indices leave out: with the whole tails, whose logarithm has
-# Student's t distribution, the variance would be infinite.
+# Probability of each tail of the model error that its indices leave out: the logarithm has Student's t distribution, so
+# with the whole tails the variance would be infinite.
 TAIL = 1e-4
 # Probabilities whose quantiles give the moments of the model error between its tails.
 CHANCES = TAIL + (1.0 - 2.0 * TAIL) * (np.arange(100_000) + 0.5) / 100_000
@@ -45,8 +45,8 @@ CHANCES = TAIL + (1.0 - 2.0 * TAIL) * (np.arange(100_000) + 0.5) / 100_000
 def first_order_indices(section: Uncertainty, points: Floats, values: Floats) -> list[Estimate]:
     """Estimate the first-order index of each input, correlated or not, from the values, (n,), at points, (n, inputs).
 
-    It is the share of the variance explained by a polynomial of the input's uniform or normal score, of which the value
-    is nearly a linear function.
+    It is the share of the variance explained by a polynomial of the input's uniform or normal score, in which the value
+    is nearly linear.
     """
     uniform = [distribution.distribution == "uniform" for distribution in section.inputs().values()]
     scaled_values = (values - values.mean()) / values.std()
@@ -85,13 +85,13 @@ def total_indices(
 
     The function maps points of the unit cube, (n, inputs), to values, (n,); the number of samples is a power of 2.
     """
-    points, others = np.split(replicated_points("sobol", 2 * inputs, samples, seed), 2, axis=1)
+    points, resampled = np.split(replicated_points("sobol", 2 * inputs, samples, seed), 2, axis=1)
     values = function(points)
     sums = [_sums(values**0), _sums(values - values[0]), _sums((values - values[0]) ** 2)]
     indices = []
     for place in places:
         mixed = points.copy()
-        mixed[:, place] = others[:, place]
+        mixed[:, place] = resampled[:, place]
         changes = _sums(0.5 * (function(mixed) - values) ** 2)
         indices.append(jackknife(_changed, np.column_stack([*sums, changes])))
     return indices
@@ -114,8 +114,8 @@ QUANTILES = {"V05": 0.05, "V50": 0.5, "V95": 0.95}
 ENDS = (0.05, 0.95)
 # Points of the curve of the probability of perforation.
 CURVE_POINTS = 121
-# Samples of each set for total indices: a fraction of those for the probability, within bounds.  Beyond the upper
-# bound they would take longer than the probability, and give the indices no further digit.
+# Samples of each set for total indices: a fraction of those for the probability, within bounds.  More than the upper
+# bound would take longer than the probability and give no further digit of the indices.
 INDEX_DIVISOR, MIN_INDEX_SAMPLES, MAX_INDEX_SAMPLES = 4, 256, 2**16
 # Samples computed at a time, to bound the memory.
 SAMPLES_AT_A_TIME = 2**12
@@ -334,8 +334,8 @@ def _share(hits: Bools) -> Estimate:
 def quantile(limits: Floats, probability: float) -> Estimate:
     """Estimate a quantile of samples, with the interval of Woodruff.
 
-    Its ends are the quantiles at the ends of the interval of the probability of less.  That probability has no bias in
-    small replicates, unlike their quantiles.
+    Its ends are the quantiles at the ends of the interval of the probability of a lower value.  Unlike quantiles, that
+    probability has no bias in small replicates.
     """
     value = float(np.quantile(limits, probability))
     below = _share(limits <= value)
@@ -415,7 +415,7 @@ def influences(
 
 
 def _at_least(first: Estimate, total: Estimate) -> Estimate:
-    """Return a total index that is at least the first-order one, which it contains."""
+    """Return a total index raised to at least the first-order one, which it includes."""
     ends = zip((first.value, first.low, first.high), (total.value, total.low, total.high), strict=True)
     return Estimate(*map(max, ends))
 
@@ -430,8 +430,8 @@ def error_indices(
 ) -> tuple[Estimate, Estimate]:
     """Return the first-order and the total index of the model error.
 
-    The ballistic limit of the armour is that of the model by a law times a ratio independent of it: the moments of the
-    ratio are known, and only those of the limits by each law are estimated.
+    The armour's ballistic limit is the model's, by a law, times a ratio independent of it.  The moments of the ratio
+    are known; only those of the limits by each law are estimated.
     """
     errors = own_errors(scenario)
     means, squares = _ratio_moments(errors)
@@ -447,7 +447,7 @@ def error_indices(
     )
 
     def shares(sums: Floats) -> tuple[Floats, Floats]:
-        """Return the shares of the variance that the error explains alone, and that is left where all else is known."""
+        """Return the shares of the variance that the error explains alone, and that remains if all else is known."""
         count, by_law, squared, mean_squared = np.split(sums, np.cumsum([1, len(means), len(means)]), axis=1)
         mean, mean_square = by_law @ means / count[:, 0], squared @ squares / count[:, 0]
         variance = mean_square - mean**2

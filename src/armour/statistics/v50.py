@@ -20,13 +20,7 @@ from armour.errors import Problem, mistake, refuse, suggestion
 from armour.scenario.checked import checked
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.statistics.curves import CDFS, FittedCurve, ShotLikelihood, fit_curve
-from armour.statistics.posterior import (
-    FiringEstimate,
-    FiringPrior,
-    learned,
-    no_prior,
-    posterior_of,
-)
+from armour.statistics.posterior import FiringEstimate, FiringPrior, learned, no_prior, posterior_of
 from armour.units import missing_unit
 
 # Number of shots of each kind in the mean, and the span of their velocities that is usual with it, m/s: 125, 90 and
@@ -41,7 +35,7 @@ MIN_VELOCITY_M_S, MAX_VELOCITY_M_S = 1.0, 1e4
 Velocity = Annotated[float, Field(ge=MIN_VELOCITY_M_S, le=MAX_VELOCITY_M_S)]
 # Rounding error of a risk.
 ROUNDING = 1e-12
-# Least factor between a velocity and the median of the shots that is probably a mistake.
+# Factor between a velocity and the median of the shots from which on it is probably a mistake.
 FAR_FACTOR = 2.0
 
 
@@ -351,7 +345,7 @@ def v50(
 def _bounded(
     partial: Sequence[float], complete: Sequence[float], confidence: float
 ) -> tuple[float, tuple[float, float]] | tuple[None, None]:
-    """Return the first level, from the confidence down, at which the recommended interval of V50 is bounded, and it."""
+    """Return the highest level, at most the confidence, at which the recommended interval of V50 is bounded, and it."""
     for level in (confidence, *(level for level in LOWER_LEVELS if level < confidence)):
         fit = fit_curve(partial, complete, "probit", level, penalised=True)
         low, high = (None, None) if fit is None else fit.v50_interval_m_s
@@ -406,7 +400,7 @@ def _far_away(shots: Shots, model: LimitResult) -> Iterator[str]:
 def check_shots(shots: Shots, *, one_kind: bool = False) -> None:
     """Check shots, which may not be from a file."""
     velocities = shots.velocities_m_s
-    if not all(hasattr(each, "__len__") for each in (velocities, shots.complete)):
+    if not all(hasattr(column, "__len__") for column in (velocities, shots.complete)):
         raise mistake(shots.file, "", "must be sequences of velocities and of results")
     count, message = len(shots.complete), ""
     if len(velocities) != count:
