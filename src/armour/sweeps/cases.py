@@ -26,9 +26,9 @@ from armour.scenario.sections import validated
 MAX_CASES = 10_000_000
 # Greatest length of the name of a projectile or material.
 MAX_NAME = 200
-# Characters of an invalid value that a message shows.
+# Number of characters of an invalid value that a message shows.
 MAX_SHOWN = 60
-# Number of rows that are read or checked at a time.
+# Number of rows to read or check at a time.
 BLOCK = 10_000
 
 
@@ -59,11 +59,11 @@ class Grid:
 
     @cached_property
     def digest(self) -> str:
-        """A hash of keys and values."""
+        """Hash of keys and values."""
         return sha256(json.dumps([(axis.key, axis.values) for axis in self.axes]).encode()).hexdigest()
 
     def rows(self, places: NDArray[np.int64]) -> dict[str, Any]:
-        """Return the combinations with some numbers, counted from 0, as columns by key."""
+        """Return the combinations with given numbers, counted from 0, as columns by key."""
         indices = np.unravel_index(places, [len(axis.values) for axis in self.axes])
         return {axis.key: np.array(axis.values)[i] for axis, i in zip(self.axes, indices, strict=True)}
 
@@ -82,6 +82,8 @@ class Cases:
 
     The file is read once.
     """
+
+    axes: tuple[Axis, ...] = ()  # those of a grid
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -110,7 +112,7 @@ class Cases:
         self.digest = content.hexdigest()
 
     def rows(self, places: NDArray[np.int64]) -> dict[str, Any]:
-        """Return the rows with some numbers, counted from 0, as columns by key."""
+        """Return the rows with given numbers, counted from 0, as columns by key."""
         return {key: column[places] for key, column in self._columns.items()}
 
     def place(self, start: int, row: int, problem: Problem) -> Problem:

@@ -52,7 +52,7 @@ def connected(scheduler: str) -> Iterator["Client"]:
 
 
 async def _check_scheduler(address: str) -> None:
-    """Check that a scheduler answers; a `Client` would wait for ever for an answer from another server."""
+    """Check that a scheduler answers; a `Client` would wait forever for an answer from another kind of server."""
     from distributed import Security, rpc
 
     async with rpc(address, connection_args=Security().get_connection_args("client")) as scheduler:

@@ -1,8 +1,8 @@
 """Keep the rows of an unfinished sweep, so that it can resume.
 
-A folder beside the output, named after it with the suffix ``.parts`` and open to the user alone, contains a SQLite
-database of the job and its rows so far, in chunks.  SQLite keeps it intact if the process is killed, and open to one
-process at a time; checksums detect damage on the disk.  On a file system without locks, as in some networks, the
+A folder beside the output, named after it with the suffix ``.parts`` and open only to the user, contains a SQLite
+database of the job and its rows so far, in chunks.  SQLite keeps the database intact if the process is killed, and open
+to one process at a time; checksums detect damage on the disk.  On a file system without locks, as on some networks, the
 database is in the folder for temporary files.  Both folders are removed when the table is written.
 """
 
@@ -132,7 +132,7 @@ class Store:
         self.done, self.warnings = 0, Counter()
         self._database = sqlite3.connect(self.path, timeout=0.0, isolation_level=None)
         try:
-            # Damaged text is no error, but differs from what it must be.
+            # Damaged text does not raise an error, but its checksum differs.
             self._database.text_factory = partial(str, encoding="utf-8", errors="replace")
             self._database.execute("pragma locking_mode = exclusive")
             self._database.executescript(f"begin exclusive; {TABLES} commit")
@@ -192,7 +192,7 @@ class Store:
 
     @contextmanager
     def _disk(self) -> Iterator[None]:
-        """Turn errors of the file system and the database into those of an input."""
+        """Turn errors of the file system and the database into an InputError."""
         try:
             yield
         except OSError as error:
@@ -252,7 +252,7 @@ def packed(chunk: Chunk) -> bytes:
 
 
 def unpacked(content: bytes) -> Chunk:
-    """Return a chunk that was packed as bytes."""
+    """Return a chunk from bytes made by `packed`."""
     with np.load(BytesIO(content)) as arrays:
         names, warnings = json.loads(str(arrays["about"]))
         return Chunk({name: arrays[f"arr_{number}"] for number, name in enumerate(names)}, warnings)

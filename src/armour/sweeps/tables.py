@@ -13,7 +13,7 @@ import numpy as np
 from armour.errors import mistake
 from armour.files import csv_cell, csv_value
 
-# Rows in a row group of Parquet, whatever the size of a chunk.
+# Number of rows in a row group of Parquet, independent of the size of a chunk.
 ROW_GROUP = 100_000
 
 
@@ -31,7 +31,7 @@ def is_csv(path: Path) -> bool:
 def write_table(
     file: BinaryIO, chunks: Iterable[Mapping[str, Any]], *, as_csv: bool, made_by: Mapping[str, str] | None = None
 ) -> None:
-    """Write columns by name, chunk by chunk; a Parquet file records what made it."""
+    """Write columns by name, chunk by chunk; a Parquet file records its origin, ``made_by``."""
     if as_csv:
         for number, columns in enumerate(chunks):
             file.write(csv_of(columns, header=number == 0))

@@ -1,4 +1,4 @@
-"""Figures of the paper: what they show, and their curves computed by the model."""
+"""Figures of the paper: their descriptions, and their curves computed by the model."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from armour.scenario.sections import Section, validated
 from armour.validation.suite import load_suite
 from armour.validation.validate import SuiteResult, validate
 
-# Parity figures: the suite whose expected values each shows, and the text that the names of its cases contain.
+# Parity figures: the suite whose expected values each figure shows, and the text that the names of its cases contain.
 PARITIES = {"parity_table3": ("paper", "table 3"), "parity_plates": ("plates", "")}
 
 

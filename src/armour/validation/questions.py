@@ -1,4 +1,4 @@
-"""Questions that a suite may ask: any quantity, the lightest design, and what replacing a material saves."""
+"""Questions that a suite may ask: any quantity, the lightest design, and the savings by replacing a material."""
 
 from collections.abc import Callable
 from functools import cached_property
@@ -41,14 +41,14 @@ class Subject:
         return before.with_least_backing, after.with_least_backing
 
 
-# Questions about the lightest design: its attributes.
+# Questions about the lightest design, named after its attributes.
 LIGHTEST = ("optimum_ceramic_thickness_mm", "optimum_backing_thickness_mm", "optimum_areal_density_kg_m2")
-# Questions about the replacement of a material by another: what is reduced by it, reported in per cent of its value.
+# Questions about replacing a material by another: the quantity reduced, reported in per cent of its value.
 SAVINGS: dict[str, Callable[[Variants], Floats]] = {
     "thickness_saved_percent": lambda armours: armours.ceramics_mm + armours.backings_mm,
     "weight_saved_percent": lambda armours: armours.areal_densities_kg_m2,
 }
-# All questions that a suite may ask, and what each reads, see `armour.scenario.effect`.
+# All questions that a suite may ask, and the parts of a scenario that each depends on, see `armour.scenario.effect`.
 QUESTIONS: dict[str, tuple[str, ...]] = {
     **{name: quantity.reads for name, quantity in QUANTITIES.items()},
     **dict.fromkeys(LIGHTEST, DESIGNS),

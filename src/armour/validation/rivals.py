@@ -1,4 +1,4 @@
-"""Errors of the model, of rival predictions and of a simple rule for the same tests, in sample and left out."""
+"""Errors of the model, of rival predictions and of a simple rule for the same tests, in sample and leave-one-out."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from armour.scenario.sections import TINY
 from armour.statistics.measured import LIMIT, read_tests
 from armour.validation.suite import Case
 
-# Least number of tests, and of different areal densities, to which something is fitted.
+# Least number of tests, and of different areal densities, for a fit.
 MIN_FITTED = 3
 
 
@@ -25,8 +25,8 @@ MIN_FITTED = 3
 class Error:
     """Mean and largest magnitude of the relative errors of a method of prediction for a table.
 
-    ``fitted`` says what was fitted to which tests, if anything was.  After a fit to the table itself, by least squares
-    of the relative errors, ``left_out_percent`` is the mean with each test left out of the fit that predicts it.
+    ``fitted`` describes the fit and its tests, if there was one.  After a fit to the table itself, by least squares of
+    the relative errors, ``left_out_percent`` is the mean with each test left out of the fit that predicts it.
     """
 
     table: str
@@ -72,7 +72,7 @@ def _florence(case: Case) -> Mapping[str, float]:
 
 
 def _fitted_before(case: Case) -> str:
-    """Return what the flow stress of a case's ceramic was fitted to, according to its source; empty if not fitted."""
+    """Return the source of the flow stress of a case's ceramic, if it was fitted to tests; "" otherwise."""
     name = case.scenario.name_of("ceramic")
     value = case.scenario.entry("ceramic", name).values["flow_stress_GPa"] if name else None
     return f"flow stress of {name}: {value.source}" if value is not None and value.status == "fitted" else ""

@@ -59,7 +59,7 @@ def _meets(cell: float | str | None, condition: Condition) -> bool:
 EXPECTED = "expected"
 # Column of a table that holds measured values; the expected values are then relative differences from these.
 MEASURED_COLUMN = "measured"
-# Largest number; it keeps what is computed from numbers finite.
+# Largest number allowed, so that numbers computed from it are finite.
 LARGEST = 1e12
 Name = Annotated[str, Field(min_length=1)]
 Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
@@ -113,13 +113,13 @@ class _Expectation(Section):
 
 
 def _outcome(expected: float | str) -> float | str:
-    """Return an outcome, which people call by several words, as data has it."""
+    """Return an outcome, which has several names, by its name in results."""
     perforated = PERFORATED.get(expected.lower()) if isinstance(expected, str) else None
     return expected if perforated is None else "perforated" if perforated else "stopped"
 
 
 class CaseSection(_Expectation):
-    """A case, which stands by itself."""
+    """A single case."""
 
     expected: Annotated[NumberOrText, AfterValidator(_outcome)] | None = None
     replaced_by: dict[str, Any] | None = None
@@ -128,12 +128,11 @@ class CaseSection(_Expectation):
 
     @model_validator(mode="after")
     def _fits_the_quantity(self) -> "CaseSection":
-        if self.expected is None:
-            pass  # of a regression value, which an update fills
-        elif self.quantity == "outcome":
+        # A regression value has none until an update fills it in.
+        if self.expected is not None and self.quantity == "outcome":
             if self.expected not in PERFORATED:
                 raise ValueError(f"expected {MUST_SAY}, found {describe(self.expected)}")
-        elif isinstance(self.expected, str) or abs(self.expected) > LARGEST:
+        elif isinstance(self.expected, str) or abs(self.expected or 0.0) > LARGEST:
             must = f"expected must be a number up to {LARGEST:g} for {self.quantity}"
             raise ValueError(f"{must}, found {describe(self.expected)}")
         if (self.quantity in SAVINGS) != (self.replaced_by is not None):
@@ -415,7 +414,7 @@ def _placed(problem: Problem, row: "_Row", path: Path) -> Problem:
 
 
 class _Row(NamedTuple):
-    """What the suite's file gives of a case, a row of a table, or a table whose rows are in a file of tests."""
+    """Contents of the suite's file for a case, a row of a table, or a table whose rows are in a file of tests."""
 
     section: CaseSection | TableSection
     place: Parts
@@ -474,18 +473,18 @@ def _cases_of_file(common: Case, table: TableSection, folder: Path) -> list[Case
 
 
 def _check_changes(case: Case, inputs: Mapping[str, float]) -> None:
-    """Check that the changes and the columns of a section, of which the first case is given, all have an effect."""
-    scenario, file, reads = case.scenario, case.scenario.file, _reads_of(case)
+    """Check that the changes and the columns of a section all have an effect, given its first case."""
+    file, reads = case.scenario.file, _reads_of(case)
     for changes in (case.section.set, case.section.replaced_by or {}):
         keys = canonical([*map(key_name, values_by_key(changes)), *inputs], file)
-        check_effect(map(parts_of, keys), [(each, reads) for each in case.scenarios], file, case.quantity)
+        check_effect(map(parts_of, keys), [(scenario, reads) for scenario in case.scenarios], file, case.quantity)
         # Entries of the library may be based on each other.
         columns = [key for key in keys if not key.startswith("library.")]
-        check_columns(scenario, columns, reads, file, case.quantity)
+        check_columns(case.scenario, columns, reads, file, case.quantity)
 
 
 def _reads_of(case: Case) -> set[str]:
-    """Return what the question of a case reads of its scenarios."""
+    """Return the parts of its scenarios on which the quantity of a case depends."""
     return {*ROUND_AND_ARMOUR, *QUESTIONS[case.quantity]}
 
 

@@ -1,4 +1,4 @@
-"""Partners with which entries of the library were tested, in the tests from which the model error is known."""
+"""Partners of the entries of the library in the tests from which the model error is estimated."""
 
 import csv
 from functools import cache
@@ -14,8 +14,8 @@ from armour.scenario.scenario import load_scenario
 
 @cache
 def tested_with() -> dict[tuple[Kind, str], tuple[str, ...]]:
-    """Return the rounds that materials were tested with, and the materials that rounds were, by kind and name."""
-    # Uses the shipped files, whatever is in the working folder.
+    """Return the rounds with which each material was tested, and the materials of each round, by kind and name."""
+    # Files of the same name in the working folder must not replace the shipped ones.
     library, case = shipped_library(), load_scenario(shipped_files("scenarios", ".toml")["wilkins"])
     rounds = library.known("projectile")
     plates = [row for row in _rows("plates.csv") if row["round"] in rounds]

@@ -331,7 +331,7 @@ def _summary(table: TableSection, bands: GroupSection, rows: Sequence[Check]) ->
     )
 
 
-# Significant digits with which an update writes values.
+# Number of significant digits in the values that an update writes.
 DIGITS = 8
 
 
@@ -355,7 +355,7 @@ def kept_by_update(result: SuiteResult) -> SuiteResult:
 
 
 def updated_file(content: bytes, updates: Sequence[Check]) -> bytes:
-    """Return a suite file with new expected values; its comments, layout, line ends and byte order mark stay."""
+    """Return a suite file with new expected values; keep its comments, layout, line ends and byte order mark."""
     import tomlkit  # slow to import
 
     mark = codecs.BOM_UTF8 if content.startswith(codecs.BOM_UTF8) else b""
