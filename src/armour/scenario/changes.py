@@ -40,9 +40,9 @@ def changed(data: Mapping[str, Any], changes: Mapping[str, object], file: str = 
 
 
 def _put(table: dict[str, Any], parts: Parts, value: object, above: Parts = ()) -> str:
-    """Put a value into a table; return what is wrong if the key goes below a value that is not a table, else "".
+    """Put a value into a table; return a message if the key goes below a value that is not a table, otherwise "".
 
-    Tables that change are copied first: those of the data may be shared.
+    Tables that change are copied first, as those of the data may be shared.
     """
     name, *rest = parts
     present: Any = table.get(name, {} if rest else None)

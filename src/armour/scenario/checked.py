@@ -32,14 +32,14 @@ _MAKERS = {
 def checked(function: Callable[P, R]) -> Callable[P, R]:
     """Check the arguments of a function by its annotations; an InputError names the function and the argument.
 
-    Numbers, words and tuples are pydantic's, with bounds as in ``Annotated[float, Field(ge=0.0)]``; of anything else,
-    such as a Scenario or a Mapping, an object of the class must be given.
+    Numbers, words and tuples are checked by pydantic, with bounds as in ``Annotated[float, Field(ge=0.0)]``; any other
+    argument, such as a Scenario or a Mapping, must be an object of its class.
     """
     parameters = signature(function)
 
     @cache
     def model() -> type[Section]:
-        # At the first call, as this takes longer than an import should.
+        # Made at the first call, as this takes longer than an import should.
         hints = get_type_hints(function, include_extras=True)
         kinds: dict[str, Any] = {name: (_kind(hints[name]), ...) for name in parameters.parameters if name in hints}
         return create_model(function.__name__, __base__=Section, **kinds)
@@ -69,7 +69,7 @@ def _kind(hint: Any) -> Any:
 
 
 def instance(value: object, *kinds: type[Kind]) -> Kind:
-    """Return a value if it is of one of the classes, else raise a ValueError that says what it must be."""
+    """Return a value if it is an instance of one of the classes; otherwise raise a ValueError."""
     if isinstance(value, kinds):
         return value
     maker = _MAKERS.get(kinds[0].__name__)

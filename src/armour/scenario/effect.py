@@ -1,4 +1,4 @@
-"""Effect of keys that are changed, or that vary from row to row, on what is computed.
+"""Effect on a computation of keys that are changed, or that vary from row to row.
 
 A computation reads the model and the solver, and the sections and keys that its `reads` name.
 """
@@ -11,7 +11,7 @@ from armour.scenario.inputs import CERAMIC, NAMES, ROLES
 from armour.scenario.keys import Parts, key_name, parts_of, upwards
 from armour.scenario.scenario import Scenario
 
-# What every computation reads or shows.  Entries of the library have a check of their own.
+# Sections and keys that every computation reads or shows.  Entries of the library have a check of their own.
 ALWAYS = ("model", "solver", "title", "library")
 NO_EFFECT = "must have an effect: {} does not depend on it"
 
@@ -28,9 +28,9 @@ def check_effect(
     computed: str = "the answer",
     option: str = "",
 ) -> None:
-    """Check that each key affects a computation on one of some scenarios, each with what is read of it.
+    """Check that each key affects a computation on one of several scenarios, each with the keys read of it.
 
-    A key of the library must be of an entry that a scenario uses.  In messages, `computed` says what is computed, and
+    A key of the library must belong to an entry that a scenario uses.  In messages, `computed` names the result, and
     `option` precedes a key.
     """
     entries = {entry for scenario, _ in scenarios for entry in _entries_of(scenario)}
@@ -48,7 +48,7 @@ def check_effect(
 
 
 def check_columns(scenario: Scenario, keys: Sequence[str], reads: Collection[str], file: str, computed: str) -> None:
-    """Check that keys that vary from row to row set inputs that the scenario has, and no two of them the same one."""
+    """Check that keys that vary from row to row set inputs of the scenario, and no two of them the same input."""
     # No row has a ceramic, and no search varies its thickness.
     is_bare = scenario.armour.ceramic_thickness_mm == 0.0 and CERAMIC not in keys and "optimise" not in reads
     problems = []
@@ -78,9 +78,9 @@ def _input_set_by(scenario: Scenario, parts: Parts) -> str:
 
 
 def _read_of(scenario: Scenario, reads: Collection[str]) -> set[str]:
-    """Return what is read of a scenario: not what threats and a catalogue replace, if they are read.
+    """Return the keys read of a scenario, without those that threats and a catalogue replace, if these are read.
 
-    Of a section ``uncertainty`` without distributions, a design, and a report, depend on the model error alone.
+    If the section ``uncertainty`` has no distributions, designs and reports depend only on its model error.
     """
     replaced: set[str] = set()
     if "threat" in reads and not (scenario.uncertainty is not None and scenario.uncertainty.inputs()):

@@ -1,4 +1,4 @@
-"""Keys and values of TOML files: their spelling, their parts, their words and their lines in a file."""
+"""Keys and values of TOML files: spelling, parts, descriptions and lines in a file."""
 
 import json
 import re
@@ -11,7 +11,7 @@ from armour.errors import Problem, refuse
 Parts = tuple[str, ...]
 # More parts than any key of a scenario has; deeper tables exhaust the stack.
 MAX_PARTS = 20
-# Keys and, of lists, indices.
+# Keys, and indices of lists.
 _Place = tuple[str | int, ...]
 # Texts and comments, within which brackets and ends of lines do not count, brackets, and ends of lines.
 _TOKEN = re.compile(

@@ -102,8 +102,8 @@ class LawTests(Section):
     """Ballistic limits computed."""
 
 
-# What an entry keeps of the armours of own tests, see `armour.evidence.fit.quantities`: what varies freely, and what
-# further armours of a ceramic without shipped tests must have in common with them.
+# Quantities of the armours of own tests that an entry keeps, see `armour.evidence.fit.quantities`: those that vary
+# freely, and those that further armours of a ceramic without shipped tests must have in common with them.
 VARIED = (
     "ceramic_thickness_ratio",
     "backing_thickness_ratio",
@@ -121,9 +121,9 @@ IN_COMMON = (
     "backing_strength_GPa",
     "backing_shear_ratio",
 )
-# And of what was measured: a side is 1 where the limit is above the velocity of a shot, -1 below, and 0 of a limit.
+# Quantities of the results: a side is 1 if the limit is above the velocity of a shot, -1 if below, and 0 for a limit.
 RESULTS = ("velocity_m_s", "uncertainty_m_s", "side")
-# Least and greatest possible numbers of these; others are above 0.
+# Least and greatest possible values of these quantities; all others are above 0.
 BOUNDS_OF_TESTS = {
     **dict.fromkeys(("ceramic_thickness_ratio", "ceramic_density_kg_m3", "ceramic_modulus_GPa"), (0.0, inf)),
     "path_ratio": (1.0, inf),
@@ -152,7 +152,7 @@ class OwnTests(Section):
     @model_validator(mode="before")
     @classmethod
     def _without_version_1(cls, data: Any) -> Any:
-        """Drop what version 1 wrote, which holds no tests."""
+        """Drop the evidence written by version 1, which holds no tests."""
         if not isinstance(data, dict) or "measured" not in data:
             return data
         return {"source": data.get("source"), "reason": "it was calibrated by armour 1: calibrate it again"}
@@ -279,11 +279,11 @@ DEFAULTS = {
     "flow_stress_GPa": (2.7 * MPA / GPA, "2.7 times the dynamic yield strength, the constraint factor of the paper"),
     "shear_strength_MPa": (0.7, "0.7 times the dynamic yield strength, which fits the paper's 6061-T6 and 5083-H3"),
 }
-# Most entries of similar names that a message lists.
+# Most entries with similar names that a message lists.
 MOST_ALIKE = 12
-# Keys of a projectile that its penetrator's length follows from.
+# Keys of a projectile that determine its penetrator's length.
 ROD = ("penetrator_diameter_mm", "penetrator_mass_g", "density_kg_m3")
-# Range of length over diameter of a penetrator; outside it, the mass most likely has a wrong unit.
+# Range of the ratio of length to diameter of a penetrator; outside it, the mass most likely has a wrong unit.
 SLENDERNESS = (0.1, 100.0)
 
 
@@ -345,7 +345,7 @@ class LibraryEntry:
         return DYNAMIC in self.derived
 
     def content(self) -> dict[str, Any]:
-        """Return what answers depend on, as plain data: numbers, the evidence, and the other names."""
+        """Return the content that results depend on, as plain data: numbers, the evidence, and the other names."""
         return {
             "values": {key: value.value for key, value in self.values.items()},
             "derived": sorted(self.derived),
@@ -441,7 +441,7 @@ class Library:
     entries : mapping
         Entries by kind and name.
     notes : tuple of str
-        A line for each entry that replaces one of its name, on which it is not based.
+        A line for each entry that replaces another of the same name without being based on it.
     """
 
     entries: Mapping[Kind, Mapping[str, LibraryEntry]] = field(default_factory=lambda: {kind: {} for kind in KINDS})
@@ -540,7 +540,7 @@ def _resolved(
     resolved: dict[str, LibraryEntry] = {}
     problems: list[Problem] = []
     waiting = dict(added)
-    # A base precedes what is based on it.  An entry based on its own name refers to the earlier one.
+    # A base precedes the entries based on it.  An entry based on its own name refers to the earlier one.
     while ready := [name for name, entry in waiting.items() if entry.based_on == name or entry.based_on not in waiting]:
         for name in ready:
             entry, base = waiting.pop(name), added[name].based_on
@@ -552,7 +552,7 @@ def _resolved(
                 problems += (Problem(file, key_name((*table, name, key)), mistakes[key]) for key in mistakes)
                 if not mistakes:
                     resolved[name] = complete
-            elif not is_added:  # the mistake of an added one is reported there
+            elif not is_added:  # an added base reports its own mistake
                 names = [*earlier, *(other for other in added if other != name)]
                 message = f'must name a {kind} of the library, found "{base}"{hint(base, earlier.values(), names)}'
                 problems.append(Problem(file, key_name((*table, name, "based_on")), message))

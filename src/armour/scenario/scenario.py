@@ -72,11 +72,11 @@ if TYPE_CHECKING:
 
 # Completes a problem in the row of an index.
 Place = Callable[[int, Problem], Problem]
-# Values by key of a scenario, in place of its own: names that are listed, and numbers that are left out.
+# Values by key of a scenario, in place of its own: names to list, and numbers to leave out.
 Varied = Mapping[str, Sequence[object]]
-# Where the velocity is searched for.
+# Values of a scenario whose velocity is searched for.
 ANY_VELOCITY: Varied = {VELOCITY: ()}
-# Names and threats that are listed.
+# Greatest number of names and threats to list.
 MAX_LISTED = 3
 LEFT_OUT_AT_ANGLES = "ricochet, yaw and bending of the core are not in the model"
 EXACT_INPUTS = "its distributions are not in the probability and the interval; `armour uncertainty` includes them"
@@ -145,7 +145,7 @@ class Scenario(Section):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """A line for each value or entry of the scenario that takes precedence over another, and on its angles."""
+        """A line for each value or entry of the scenario that takes precedence over another, and one on its angles."""
         impacts = {"impact": self.impact, **{f"threat[{i}]": threat for i, threat in enumerate(self.threat)}}
         replaced = [f"{self.file}: {key}.{words}" for key in impacts for words in impacts[key].replaced_values()]
         oblique = [key for key in impacts if impacts[key].obliquity_deg]
@@ -306,8 +306,8 @@ class Scenario(Section):
     def wrong_rows(self, columns: Mapping[str, "NDArray[np.float64]"]) -> Iterator[tuple[str, int, Sequence[Problem]]]:
         """Yield the first row that breaks each condition on inputs: one of their names, and the row with its problems.
 
-        The rows that are left are those that `with_inputs` accepts, but for other projectiles of the scenario's library
-        that are based on its own, which no row uses.
+        All other rows are those that `with_inputs` accepts, except that projectiles of the scenario's library based on
+        its own, which no row uses, are not checked.
         """
         # Imported here because a scenario without rows does not need numpy.
         import numpy as np
@@ -328,7 +328,7 @@ class Scenario(Section):
                     yield name, row, error.problems
 
     def excludes_error(self) -> bool:
-        """Return whether the scenario says not to include the model error."""
+        """Return whether the scenario excludes the model error."""
         section = None if self.uncertainty is None else self.uncertainty.model
         return section is not None and not section.included
 
@@ -341,12 +341,12 @@ class Scenario(Section):
         return self.replaced(threat.as_impact()) if self.threat else self
 
     def unused_distributions(self) -> tuple[Note, ...]:
-        """Return a warning, for a result that takes inputs as exact, where the scenario has distributions of them."""
+        """Return a warning, for a result that takes inputs as exact, if the scenario has distributions of them."""
         has_distributions = self.uncertainty is not None and self.uncertainty.inputs()
         return (Note(EXACT_INPUTS, "uncertainty"),) if has_distributions else ()
 
     def unused_threats(self) -> tuple[Note, ...]:
-        """Return a warning, for a result of the section ``impact``, where the scenario has threats of its own."""
+        """Return a warning, for a result of the section ``impact``, if the scenario has threats of its own."""
         if not self.threat:
             return ()
         text = (
@@ -379,7 +379,7 @@ def layers(armour: ArmourSection, varied: Varied) -> str:
 
 
 def _names(names: Sequence[object], unknown: str) -> str:
-    """Return the different names in words, without None; what they would name if the list is empty."""
+    """Return the different names in words, without None, or the word for an unknown one if the list is empty."""
     words = [str(name) for name in dict.fromkeys(names) if name]
     if len(words) > MAX_LISTED:
         words = [*words[:MAX_LISTED], f"{len(words) - MAX_LISTED} more"]
@@ -388,7 +388,7 @@ def _names(names: Sequence[object], unknown: str) -> str:
 
 
 def heading(computed: str, title: str) -> list[str]:
-    """Return the first lines of an output: what is computed, and the scenario's title."""
+    """Return the first lines of an output: the subject of the computation, and the scenario's title."""
     return [computed, *([f"scenario: {title}"] if title else [])]
 
 
@@ -418,9 +418,9 @@ def load_scenario(path: str | PathLike[str], changes: Mapping[str, object] | Non
     return parse_changed(read_toml(path), changes or {}, file=str(path), folder=path.parent)
 
 
-def scenario_file(path: Path, others: Mapping[str, Path] | None = None) -> Path:
-    """Return the file at a path or, where there is none, the shipped scenario, or other file, of that name."""
-    files = {**shipped_files("scenarios", ".toml"), **(others or {})}
+def scenario_file(path: Path, other_files: Mapping[str, Path] | None = None) -> Path:
+    """Return the file at a path or, if there is none, the shipped scenario, or other file, of that name."""
+    files = {**shipped_files("scenarios", ".toml"), **(other_files or {})}
     kinds = {"suite": shipped_suites(), "table of tests or shots": shipped_tests()}
     hints = [f"; {path} is a shipped {kind}, not a scenario" for kind, names in kinds.items() if str(path) in names]
     return located(path, files, "".join(hints) or "; `armour init --list` lists the shipped scenarios")
@@ -503,11 +503,11 @@ def parse_changed(data: Mapping[str, Any], *changes: Mapping[str, object], file:
     for group in filter(None, changes):
         by_role = {key: value for key, value in group.items() if _names_a_role(key)}
         inputs |= {key_name(leaf): value for leaf, value in leaves(changed({}, by_role, file))}
-        others = {key: value for key, value in group.items() if key not in by_role}
-        source, data = _Source(dict(data), file, folder), changed(data, others, file)
-        values = values_by_key(others)
+        by_key = {key: value for key, value in group.items() if key not in by_role}
+        source, data = _Source(dict(data), file, folder), changed(data, by_key, file)
+        values = values_by_key(by_key)
         data = _with_new_threat(data, values)
-        data = changed(data, _bases(data, source, others) | _sources(values, file), file)
+        data = changed(data, _bases(data, source, by_key) | _sources(values, file), file)
     scenario = _parsed(_Source(deepcopy(dict(data)), file, folder))
     try:
         return scenario.with_inputs(inputs) if inputs else scenario
@@ -516,7 +516,7 @@ def parse_changed(data: Mapping[str, Any], *changes: Mapping[str, object], file:
 
 
 def _with_new_threat(data: dict[str, Any], values: Mapping[Parts, object]) -> dict[str, Any]:
-    """Return data without the values of an earlier threat if changes, of these values, name a threat."""
+    """Return data without the values of an earlier threat if changes to these values name a threat."""
     if values.get(("impact", "threat")) is None:
         return data
     impact = _table(data, "impact").items()
@@ -546,9 +546,9 @@ def _names_a_role(key: str) -> bool:
 
 
 def _bases(data: Mapping[str, Any], source: _Source, keys: Iterable[str]) -> dict[str, object]:
-    """Return the bases, by key, of entries of which keys set single values and which the source does not have.
+    """Return the bases, by key, of entries that the source lacks and of which keys set single values.
 
-    Such an entry is based on the one of its name in the library unless the changed data name another base.
+    Such an entry is based on the one of its name in the library, unless the changed data name another base.
     """
     bases: dict[str, object] = {}
     for section, *entry in map(parts_of, keys):
@@ -621,8 +621,8 @@ def scenario_schema() -> dict[str, Any]:
 def _library_of(source: _Source) -> tuple[Library, dict[Kind, dict[str, str]], list[Problem]]:
     """Return the scenario's library, the names and aliases of each kind with the names of their entries, and mistakes.
 
-    An entry with a mistake has its name too.  There are no names, and none is checked, if a library file has a mistake:
-    each mistake gives one message.
+    The names include entries with a mistake.  If a library file has a mistake, there are no names and none is checked,
+    so that each mistake gives one message.
     """
     library = shipped_library()
     problems: list[Problem] = []

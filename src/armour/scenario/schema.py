@@ -37,7 +37,7 @@ ThicknessOrNone = Annotated[float, Field(ge=0.0, le=1e5), NOT_TINY]
 SLOWEST_M_S, FASTEST_M_S = 20.0, 1e4
 Velocity = Annotated[float, Field(gt=0.0, le=FASTEST_M_S), NOT_TINY]
 Positive = Annotated[float, Field(gt=0.0), NOT_TINY]
-# At greater angles rounds ricochet, and cores break or turn, which the model does not describe.
+# At greater angles, rounds ricochet and cores break or turn, which the model does not describe.
 Obliquity = Annotated[float, Field(ge=0.0, le=60.0), NOT_TINY]
 # Costs and masses per area; the bound catches mistakes.
 Amount = Annotated[float, Field(ge=0.0, le=1e9)]
@@ -159,7 +159,7 @@ class Solver(Section):
 
     @property
     def max_steps(self) -> int:
-        """Steps after which a run stops unresolved: a second in plain Python; by default steps most take some tens."""
+        """Steps after which a run stops unresolved: a second in plain Python; most runs take tens of default steps."""
         return 20_000 if self.time_step_us is None else 500_000
 
 
@@ -199,7 +199,7 @@ class Steps(Section):
         return tuple(round(self.min + i * self.step, 9) for i in range(int(self.count())))
 
     def omission(self) -> str:
-        """Return that the last value is not max; "" if it is."""
+        """Return a warning if the last value is not max; "" if it is."""
         last = self.values()[-1]
         omitted = self.max - last > 1e-3 * self.step
         return f"the last value is {last:g}, since {self.max:g} is not a whole number of steps away" if omitted else ""
@@ -326,7 +326,7 @@ class Layer(Section):
     """Density, in place of the library's."""
 
     def free_range(self, *, refine: bool = False) -> Range | FreeRange | None:
-        """Return the range that any thickness may be chosen from, with `refine` also one with a step; None if none."""
+        """Return the continuous range of thicknesses, with `refine` also one with a step; None if there is none."""
         thickness = self.thickness_mm
         if isinstance(thickness, list) or thickness.min == thickness.max:
             return None
@@ -406,11 +406,10 @@ Number = Annotated[float, Field(ge=-1e9, le=1e9)]
 Width = Annotated[float, Field(ge=1e-9, le=1e9)]
 # Greatest number of samples of a scenario.
 MAX_SAMPLES = 2**22
-# Fewer for a Latin hypercube, which needs three times the memory.
+# The same for a Latin hypercube, which needs three times the memory.
 MAX_HYPERCUBE = 2**21
 # Fewer samples give no confidence interval for the 5 % quantile.
 MIN_SAMPLES = 128
-
 # Standard deviations within which the scenario's own value is near a given mean.
 NEAR = 3.0
 
@@ -476,7 +475,7 @@ class Distribution(Section):
         return ""
 
 
-# Chances at which the model error is drawn.
+# Distribution of the probabilities at which the model error is drawn.
 CHANCES = Distribution(distribution="uniform", min=0.0, max=1.0)
 
 
@@ -523,9 +522,9 @@ class ModelSection(Section):
 
     @model_validator(mode="after")
     def _complete(self) -> "ModelSection":
-        others = self.model_fields_set - {"included"}
-        if not self.included and others:
-            raise ValueError(f"must have nothing else if included is false, found {', '.join(sorted(others))}")
+        other_keys = self.model_fields_set - {"included"}
+        if not self.included and other_keys:
+            raise ValueError(f"must have nothing else if included is false, found {', '.join(sorted(other_keys))}")
         if self.included and self.scale_percent is None:
             raise ValueError("must have scale_percent, or included = false")
         return self
@@ -565,7 +564,7 @@ class Uncertainty(Section):
 
     def inputs(self) -> dict[str, Distribution]:
         """Return the distributions by name of input, such as "ceramic.flow_stress_GPa"."""
-        slots = {name: getattr(getattr(self, each.section), each.key) for name, each in INPUTS.items()}
+        slots = {name: getattr(getattr(self, entry.section), entry.key) for name, entry in INPUTS.items()}
         distributions = {name: distribution for name, distribution in slots.items() if distribution is not None}
         return {**distributions, ERROR: CHANCES} if self._error else distributions
 

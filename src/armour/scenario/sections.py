@@ -12,7 +12,7 @@ from armour.scenario.keys import describe, key_name
 
 # Key of the number where a file may give a number or a table.
 NUMBER = "value"
-# Least positive number: a smaller one is a mistake, and what is divided by it may overflow.
+# Least positive number: a smaller one is a mistake, and dividing by it may overflow.
 TINY = 1e-9
 # Tags of the members of unions.
 TAGS = NUMBER_TAG, TEXT_TAG, LIST_TAG, RANGE_TAG, FREE_TAG = ("<number>", "<text>", "<list>", "<range>", "<free>")
@@ -78,7 +78,7 @@ _REQUIREMENTS = {
 }
 
 
-# What is not obvious of keys that must be given.
+# Hints for keys that must be given even if that is not obvious.
 MISSING = {"impact": ", even if there is a [[threat]]", "armour.ceramic_thickness_mm": "; 0 for a bare plate"}
 
 
@@ -111,7 +111,7 @@ def problems_of(error: ValidationError, model: type[Section], file: str) -> list
 
 
 def _hint(detail: Any) -> str:
-    """Return a hint at the word, the list or the probability (not per cent) that is meant; "" if there is none."""
+    """Return a hint at the word, the list or the probability (not per cent) probably meant; "" if there is none."""
     value, context = detail["input"], detail.get("ctx", {})
     if detail["type"] == "literal_error":
         return suggestion(str(value), re.findall('"(.*?)"', context["expected"]))
