@@ -106,7 +106,7 @@ def _located(problems: Sequence[Problem]) -> list[str]:
     @cache
     def lines(file: str) -> dict[str, int]:
         try:
-            # A pipe has been read, and would wait for ever.
+            # A pipe has been read already, and would block forever.
             return lines_of(read_text(file)) if file.endswith(".toml") and isfile(file) else {}
         except ArmourError:
             return {}
@@ -115,12 +115,12 @@ def _located(problems: Sequence[Problem]) -> list[str]:
     for problem in problems[:MAX_PROBLEMS]:
         line = line_of(problem.key, lines(problem.file)) if problem.key else None
         messages.append(str(problem) if line is None else f"{problem} (line {line})")
-    more = len(problems) - MAX_PROBLEMS
-    return [*messages, f"and {more} more problems"] if more > 0 else messages
+    omitted = len(problems) - MAX_PROBLEMS
+    return [*messages, f"and {omitted} more problems"] if omitted > 0 else messages
 
 
 class _Saying(logging.Handler):
-    """Says what the program logs: that it compiles, which takes a while."""
+    """Prints what the program logs: that it compiles, which takes a while."""
 
     def emit(self, record: logging.LogRecord) -> None:
         """Print a message."""

@@ -1,7 +1,7 @@
-"""What the shell offers to complete a word, of which typer keeps what starts like it.
+"""Completions that the shell offers for a word; typer keeps those that begin with it.
 
-Nothing here needs numpy, so that it comes at once. What it needs of scenarios is imported when a word is asked for,
-since every command imports this module.
+Nothing here needs numpy, so that completions appear at once.  Modules of scenarios are imported only when needed, since
+every command imports this module.
 """
 
 import os
@@ -13,7 +13,7 @@ from typing import Any, Literal, get_args, get_origin
 from armour.analysis.quantities import QUANTITIES
 from armour.files import shipped_files, shipped_notebooks, shipped_suites, shipped_tests
 
-# Names of files that are offered: what typer prints for zsh is evaluated there, other shells insert words as they are.
+# Names of files to offer: zsh evaluates the output of typer, and other shells insert words as they are.
 _PLAIN = re.compile(rf"(?:[\w@%+=:,./-]|{re.escape(os.sep)}| (?! ))+")
 
 
@@ -63,14 +63,14 @@ def among(words: list[str]) -> Callable[[], list[str]]:
 
 
 def quantities(incomplete: str) -> list[str]:
-    """Return the names of quantities after those of a list that are there."""
+    """Return the names of quantities that can follow those in an incomplete list."""
     done, comma, _ = incomplete.rpartition(",")
     names = done.split(",") if comma else []
     return [done + comma + name for name in QUANTITIES if name not in names and set(names) <= {*QUANTITIES}]
 
 
 def numbers(incomplete: str) -> list[str]:
-    """Return the keys that a sweep can vary, each with a sign of equality."""
+    """Return the keys that a sweep can vary, each with an equals sign."""
     from armour.scenario.inputs import NAMING
 
     if "=" in incomplete:
@@ -79,7 +79,7 @@ def numbers(incomplete: str) -> list[str]:
 
 
 def assignments(incomplete: str) -> list[str]:
-    """Return inputs and keys, each with a sign of equality or, after it, the words that the key can have."""
+    """Return inputs and keys, each with an equals sign or, after it, the words that the key can have."""
     from armour.scenario.inputs import INPUTS, NAMES, ROLES, THREAT
     from armour.scenario.library import shipped_library
     from armour.scenario.scenario import Scenario
@@ -91,14 +91,14 @@ def assignments(incomplete: str) -> list[str]:
         words[THREAT] = list(named_threats())
         choices = {name: _choices(annotation) for name, annotation in _keys(Scenario)}
         return [f"{key}={word}" for word in (choices | words).get(key, ())]
-    # The many keys of distributions are only of use once one is begun.
+    # The many keys of distributions are useful only once one has been begun.
     depth = 4 if incomplete.startswith("uncertainty.") else 3
     keys = [key for key, _ in _keys(Scenario) if len(key.split(".")) <= depth]
     return [f"{key}=" for key in dict.fromkeys((*INPUTS, *keys))]
 
 
 def _keys(model: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield the dotted keys of a section and of those within it with types, but for lists and tables of any name."""
+    """Yield the dotted keys, with types, of a section and of those within it, except lists and tables of any name."""
     from armour.scenario.sections import model_in
 
     for name, field in model.model_fields.items():

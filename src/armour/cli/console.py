@@ -64,17 +64,16 @@ def _write(text: str, stream: IO[str]) -> None:
 
 
 def discard(stream: IO[str]) -> None:
-    """Let what is still in the buffer of a stream, and all that follows, go nowhere."""
+    """Discard the buffered content of a stream and everything written to it later."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 @contextmanager
-def progress(what: str, total: int | None = None, first: str = "") -> Iterator[Callable[..., None]]:
-    """Give a function to call with progress; on a terminal it moves a bar with rate and time left.
+def progress(unit: str, total: int | None = None, first: str = "") -> Iterator[Callable[..., None]]:
+    """Yield a function to call with progress; on a terminal it moves a bar with the rate and the remaining time.
 
-    The total may also be given, or given anew, with each count; without one, the bar only moves.  What was ``stored``
-    before is not part of the rate.  ``first`` names what is done before the first count; by default,
-    compiling.
+    The total may also be given, or changed, with each count; without one, the bar only moves.  A count of units
+    ``stored`` before is not part of the rate.  ``first`` names the step before the first count; by default, compiling.
     """
     if not sys.stderr.isatty():
         yield lambda *_count, **_stored: None
@@ -84,7 +83,7 @@ def progress(what: str, total: int | None = None, first: str = "") -> Iterator[C
 
     columns = (BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]}"), TimeRemainingColumn())
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(what, total=total, rate=first or "compiling or reading compiled code")
+        task = bar.add_task(unit, total=total, rate=first or "compiling or reading compiled code")
 
         def advance(count: int, total: int | None = None, stored: bool = False) -> None:
             if stored:
@@ -92,6 +91,6 @@ def progress(what: str, total: int | None = None, first: str = "") -> Iterator[C
                 return
             bar.update(task, advance=count, total=total)
             speed = bar.tasks[task].speed
-            bar.update(task, rate=f"{speed:,.1f} {what}/s" if speed else "")
+            bar.update(task, rate=f"{speed:,.1f} {unit}/s" if speed else "")
 
         yield advance

@@ -1,4 +1,4 @@
-"""Commands on tests of armours: estimates from them, and what to test next."""
+"""Commands on tests of armours: estimates from them, and plans of further tests."""
 
 from contextlib import ExitStack
 from os.path import exists
@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     from armour.scenario.scenario import Scenario
     from armour.sweeps.cases import Cases, Grid
 
-# What a fit reads; its prior is the distributions.
+# Sections that a fit reads; its prior is in the distributions.
 FIT = ("impact", "armour", "ballistic_limit")
-# Part by which a measured velocity may miss the planned one without a warning.
+# Fraction by which a measured velocity may miss the planned one without a warning.
 FAR_FROM_PLAN = 0.1
 LIMITS = {
     "scenario": "SCENARIO",
@@ -32,7 +32,7 @@ LIMITS = {
 }
 
 
-@question(LIMIT_READS, what="the ballistic limit", first="fitting")
+@question(LIMIT_READS, computed="the ballistic limit", first="fitting")
 def v50(
     on_progress: "OnProgress",
     shots: Annotated[
@@ -95,11 +95,11 @@ def calibrate(
     if (lot is None) != (library is None and fitted is None):
         raise wrong_option("--lot", "must be given with --write or --write-scenario, and only then: the lot tested")
 
-    read = armour.read_tests(table_file(tests), scenario)
-    result = armour.calibrate(read, scenario, on_progress=on_progress, **options)
+    table = armour.read_tests(table_file(tests), scenario)
+    result = armour.calibrate(table, scenario, on_progress=on_progress, **options)
     contents = {
-        library: lambda: library_text(result, read, scenario, lot or ""),
-        fitted: lambda: None if fitted is None else scenario_text(result, read, scenario, lot or "", fitted),
+        library: lambda: library_text(result, table, scenario, lot or ""),
+        fitted: lambda: None if fitted is None else scenario_text(result, table, scenario, lot or "", fitted),
     }
     return Answer(result, contents=contents, file=str(tests))
 
@@ -195,7 +195,7 @@ def _with_result(
 
     with ExitStack() as stack:
         stack.enter_context(locked(table))
-        read = content_of(table)
+        earlier_content = content_of(table)
         fired = armour.read_shots(table, one_kind=True) if exists(table) else Shots((), (), str(table))
         before = armour.plan_shots(scenario, fired, on_progress=on_progress, **options)
         planned, limit = before.next_velocity_m_s, before.prior.v50_m_s
@@ -204,20 +204,20 @@ def _with_result(
             raise wrong_option("--velocity-m-s", "must be given: no further shot was planned")
         if message := far_from(limit, velocity):
             raise wrong_option("--velocity-m-s", message)
-        far = []
+        warnings = []
         if planned is not None and abs(velocity - planned) > FAR_FROM_PLAN * planned:
-            far.append(f"the shot, at {velocity:g} m/s, is far from the planned velocity, {planned:g} m/s")
+            warnings.append(f"the shot, at {velocity:g} m/s, is far from the planned velocity, {planned:g} m/s")
         content = with_shot(table, velocity, result)
         fired = added(fired, velocity, perforated)
         plan = armour.plan_shots(scenario, fired, on_progress=on_progress, **options)
 
-        def longer() -> bytes:
-            if content_of(table) != read:
+        def content_with_shot() -> bytes:
+            if content_of(table) != earlier_content:
                 message = "cannot be written: it has changed since it was read; repeat the command"
                 raise mistake(table, "", message)
             return content
 
-        return Answer(plan, (*far, *plan.warnings), contents={table: longer}, held=stack.pop_all())
+        return Answer(plan, (*warnings, *plan.warnings), contents={table: content_with_shot}, held=stack.pop_all())
 
 
 @question(FIT, unit="armours", prior_reads=["uncertainty"], named={"designs": "--design"})

@@ -23,11 +23,11 @@ from armour.reporting.text import Verdict
 from armour.units import ENDINGS
 
 GAP = 2
-# Width of what goes into a pipe, where each row of a table stays on one line.
+# Width of output to a pipe, where each row of a table stays on one line.
 UNLIMITED = 1_000_000
-# Rows on a terminal of a table that has the rest elsewhere.
+# Most rows on a terminal of a table whose rest is found elsewhere.
 MOST_ROWS = 25
-# How a table is made to fit, one after the other.
+# Ways to make a table fit, tried one after the other.
 PLAIN, STACKED, NARROW = range(3)
 # Least width of a column of prose before the table becomes blocks.
 PROSE_WIDTH = 16
@@ -76,13 +76,13 @@ def _unbroken(text: str) -> str:
 
 
 def _parts(console: Console, table: Table, room: int) -> Iterator[Grid | Text | str]:
-    """Yield what a table consists of: its title, its rows, and where the rest is."""
+    """Yield the parts of a table: its title, its rows, and where to find the rest."""
     if table.title:
         yield _text(console, table.title, room, "bold")
-    more = len(table.rows) - MOST_ROWS
-    if table.rest and room < UNLIMITED and more > 0:
+    hidden_rows = len(table.rows) - MOST_ROWS
+    if table.rest and room < UNLIMITED and hidden_rows > 0:
         yield from _rows(replace(table, rows=table.rows[:MOST_ROWS]), room)
-        yield _text(console, f"{more} more rows: {table.rest}", room)
+        yield _text(console, f"{hidden_rows} more rows: {table.rest}", room)
     else:
         yield from _rows(table, room)
 
@@ -129,17 +129,17 @@ def _longest_word(texts: Iterable[str]) -> int:
 
 
 def _shared(limits: Sequence[tuple[int, int]], room: int, gap: int = GAP) -> list[int] | None:
-    """Return the widths of columns, with room for those first that lack least; None if it is too little."""
+    """Return the widths of columns, giving room first to those that need least; None if there is too little room."""
     widths = [least for least, _ in limits]
     spare = room - sum(widths) - gap * (len(widths) - 1)
     if spare < 0:
         return None
-    lacking = [greatest - least for least, greatest in limits]
-    order = sorted(range(len(limits)), key=lacking.__getitem__)
-    for left, index in zip(range(len(order), 0, -1), order, strict=True):
-        more = min(lacking[index], spare // left)
-        widths[index] += more
-        spare -= more
+    shortfalls = [greatest - least for least, greatest in limits]
+    order = sorted(range(len(limits)), key=shortfalls.__getitem__)
+    for remaining, index in zip(range(len(order), 0, -1), order, strict=True):
+        growth = min(shortfalls[index], spare // remaining)
+        widths[index] += growth
+        spare -= growth
     return widths
 
 

@@ -1,4 +1,4 @@
-"""Commands on what is shipped: the library, and files to start from."""
+"""Commands on shipped data: the library, and files to start from."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -17,9 +17,9 @@ from armour.files import shipped_files, shipped_notebooks, shipped_suites, shipp
 if TYPE_CHECKING:
     from armour.reporting.table import Table
 
-# What the library lists, each by a command of its own, in the plural.
+# Kinds that the library lists, each by a command of its own, in the plural.
 KINDS = ("projectile", "ceramic", "threat", "metal")
-# What editors complete and check a scenario by; see docs/howto/schema.md.
+# Line by which editors find the schema to complete and check a scenario; see docs/howto/schema.md.
 SCHEMA_LINE = b"#:schema ./scenario.schema.json\n"
 Tested = Annotated[bool, option("List only entries for which tests provide a model error.", "--tested")]
 
@@ -34,8 +34,8 @@ def section(kind: str) -> Callable[..., None]:
     """Return the command that lists the entries of a kind."""
 
     def listed(ctx: typer.Context, tested: Tested = False, as_json: AsJson = False) -> None:
-        given = ctx.parent.params if ctx.parent is not None else {}
-        _list((kind,), tested=tested or given["tested"], as_json=as_json or given["as_json"])
+        options = ctx.parent.params if ctx.parent is not None else {}
+        _list((kind,), tested=tested or options["tested"], as_json=as_json or options["as_json"])
 
     listed.__doc__ = f"List {kind}s."
     return listed
@@ -83,7 +83,7 @@ def show_entry(
     if threat := named_threats().get(name):
         content = {"kind": "threat", "name": name, **threat.model_dump()}
         shown = (threat_table({name: threat}), f"source: {threat.source}")
-        respond(content, shown, as_json=as_json, of=[name], origin=origin_of())
+        respond(content, shown, as_json=as_json, heading=[name], origin=origin_of())
         return
     try:
         entries = shipped_library().find(name)
@@ -91,7 +91,7 @@ def show_entry(
         raise mistake("library", name, error.args[0]) from None
     for entry in entries:
         title = f"{entry.name} ({entry.kind})"
-        respond(entry.to_dict(), entry_tables(entry), as_json=as_json, of=[title], origin=origin_of())
+        respond(entry.to_dict(), entry_tables(entry), as_json=as_json, heading=[title], origin=origin_of())
 
 
 def init(

@@ -9,7 +9,7 @@ from typing import Any
 
 def main() -> None:
     """Run the command line."""
-    # Before and after a command nothing is to be cleaned up, and an exception could be lost in an import.
+    # Before and after a command there is nothing to clean up, and an exception could be lost in an import.
     signal.signal(signal.SIGINT, _end)
     sys.unraisablehook = _end_if_interrupted
     try:
@@ -26,12 +26,12 @@ def _run() -> None:
     """Run the command line; an interruption may come anywhere."""
     try:
         _open_streams()
-        # What an encoding such as ASCII does not have, µ for one, is escaped.
+        # Characters that an encoding such as ASCII lacks, for example µ, are escaped.
         if isinstance(sys.stdout, TextIOWrapper):
             sys.stdout.reconfigure(errors="backslashreplace")
         # Pydantic looks for plugins among all installed packages, which takes a while.
         os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
-        # The matrices here are small: threads of the linear algebra only make every start slower.
+        # The matrices are small: threads for linear algebra would only make every start slower.
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
         from armour.cli.app import app
 
@@ -59,7 +59,7 @@ def _end_if_interrupted(lost: Any) -> None:
 
 
 def _open_streams() -> None:
-    """Open streams that are closed to nothing, in their order, so that no file of a command takes their place."""
+    """Open closed streams on the null device, in their order, so that no file of a command takes their place."""
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:
             setattr(sys, name, os.fdopen(os.open(os.devnull, os.O_RDWR), mode, encoding="utf-8"))

@@ -1,7 +1,7 @@
-"""Commands that answer a question, made of functions: their options and what they do.
+"""Commands that answer a question, made from functions: their options and their steps.
 
-`question` makes a command of a function on a scenario; `options_of` makes options of the signature and the docstring of
-a public function.
+`question` makes a command from a function on a scenario; `options_of` makes options from the signature and the
+docstring of a public function.
 """
 
 import inspect
@@ -51,7 +51,7 @@ def option(description: str, *names: str, **settings: Any) -> Any:
 
 
 def number(text: str) -> float | str:
-    """Return the number that a word gives; the word itself, which is refused later, if it is none."""
+    """Return the number in a word or, if there is none, the word itself, which is refused later."""
     value = read_number(text)
     if value is None:
         return text
@@ -59,7 +59,7 @@ def number(text: str) -> float | str:
 
 
 def share(text: str) -> float | str:
-    """Return a share, which may be given in per cent; the word itself, which is refused later, if it is none."""
+    """Return a share, which may be given in per cent, or, if there is none, the word itself, which is refused later."""
     value = number(text.removesuffix("%").rstrip())
     return text if isinstance(value, str) else value / 100.0 if text.endswith("%") else value
 
@@ -67,18 +67,18 @@ def share(text: str) -> float | str:
 def options_of(function: Callable[..., Any]) -> Iterator[inspect.Parameter]:
     """Yield options for those parameters of a function that are numbers, words, names of inputs or switches.
 
-    Their help is the docstring.  An option that is not given is None, for the default of the function, which also
-    checks the value.
+    Their help is taken from the docstring.  An option that is not given is None, which stands for the default of the
+    function; the function also checks the value.
     """
     meanings = dict(MEANING.findall(f"{inspect.getdoc(function)}\n"))
     hints = get_type_hints(function)
-    for name, each in inspect.signature(function).parameters.items():
+    for name, item in inspect.signature(function).parameters.items():
         kinds = get_args(hints[name]) if get_origin(hints[name]) in (Union, UnionType) else (hints[name],)
         words = [word for kind in kinds if get_origin(kind) is Literal for word in get_args(kind)]
         description = " ".join(meanings.get(name, "").split()).replace("`", "")
-        if isinstance(each.default, str | int | float) and each.default is not False and "default" not in description:
+        if isinstance(item.default, str | int | float) and item.default is not False and "default" not in description:
             sentence = f"{description} By" if ". " in description else f"{description[:-1]}; by"
-            description = f"{sentence} default {each.default}."
+            description = f"{sentence} default {item.default}."
         if bool in kinds:
             description = description.removeprefix("Whether to ")
             switch = option(description[:1].upper() + description[1:], f"--{name.replace('_', '-')}")
@@ -107,7 +107,7 @@ def parameter(name: str, kind: Any, default: Any = None) -> inspect.Parameter:
 
 
 class Output(Enum):
-    """Marks an option of a file to write, which may have to be a table, CSV."""
+    """Marks an option for a file to write: any file, or a table, CSV."""
 
     FILE = auto()
     TABLE = auto()
@@ -137,29 +137,22 @@ Verbose = Annotated[bool, option("Show every row and every warning.", "--verbose
 
 
 class Answer(NamedTuple):
-    """What a command shows and writes: a result, and what comes with it."""
+    """Result of a command, and what to show and write with it."""
 
     result: Any
-    # In place of those of the result.
-    warnings: Sequence[str] | None = None
-    # Added to the JSON.
-    more: Mapping[str, Any] = {}
-    # What is written to files.
-    contents: Mapping[Any, Callable[[], str | bytes | None]] = {}
-    # What the warnings are on; by default the scenario.
-    file: str = ""
-    # A command to go on with.
-    then: str = ""
-    # That of the command.
+    warnings: Sequence[str] | None = None  # in place of those of the result
+    extra_data: Mapping[str, Any] = {}  # added to the JSON
+    contents: Mapping[Any, Callable[[], str | bytes | None]] = {}  # of the files to write
+    file: str = ""  # subject of the warnings; by default the scenario
+    then: str = ""  # command to go on with
     exit_code: int = 0
-    # A lock that is held until the files are written.
-    held: AbstractContextManager[Any] = nullcontext()
+    held: AbstractContextManager[Any] = nullcontext()  # lock to hold until the files are written
 
 
 def question(
     reads: Sequence[str],
     *,
-    what: str = "the answer",
+    computed: str = "the answer",
     unit: str = "impacts",
     first: str = "",
     of_threats: bool = False,
@@ -167,15 +160,15 @@ def question(
     named: Mapping[str, str] = {},
     **keys: tuple[str, str],
 ) -> Callable[[Callable[..., Answer]], Callable[..., None]]:
-    """Make a command of a function (scenario, on_progress, options) -> Answer.
+    """Make a command from a function (scenario, on_progress, options) -> Answer.
 
-    The command reads the scenario with what ``--set`` changes of the sections that it ``reads`` for ``what`` it
-    answers, with ``--prior`` those of ``prior_reads`` too, checks the outputs, computes, shows, writes the files and
-    warns.  Its options are those of the function, with ``**options`` those of the public function of the same name, the
-    common ones, and those that set ``keys`` of the scenario: by name, the key and the help.  Some parameters of the
-    public function are ``named`` otherwise in messages.  What is done ``first`` is said before the progress, which is
-    counted in a ``unit``; without it, the engine is compiled.  Where the function has a ``table``, it may be given in
-    place of the scenario or before it.
+    The command reads the scenario, with the changes by ``--set``, checks the outputs, computes, shows, writes the files
+    and warns.  The changes must be in the sections that it ``reads`` or, with ``--prior``, in those of ``prior_reads``;
+    ``computed`` names its result in messages.  Its options are those of the function, with ``**options`` those of the
+    public function of the same name, the common ones, and those that set ``keys`` of the scenario: by name, the key and
+    the help.  ``named`` has other names of parameters of the public function, for messages.  ``first`` names the step
+    before the progress, by default compiling; progress is counted in a ``unit``.  If the function has a ``table``, it
+    may be given in place of the scenario or before it.
     """
 
     def command_of(function: Callable[..., Answer]) -> Callable[..., None]:
@@ -189,7 +182,7 @@ def question(
             if values["scenario"] is not None:
                 read = [*reads, *(prior_reads if values.get("prior") else ())]
                 settings = {f"--{name}": (key, values[name]) for name, (key, _help) in keys.items()}
-                scenario = read_scenario(values["scenario"], values["changes"], read, settings, what)
+                scenario = read_scenario(values["scenario"], values["changes"], read, settings, computed)
             elif values["changes"]:
                 raise wrong_option("--set", "must be given with a scenario")
             _check_files(values, parameters, scenario)
@@ -210,8 +203,8 @@ def question(
 def _parameters(function: Callable[..., Answer], keys: Mapping[str, tuple[str, str]]) -> dict[str, inspect.Parameter]:
     """Return the parameters of a question: those of its function, those that set keys, and the common ones."""
     parameters = {
-        name: each.replace(kind=each.KEYWORD_ONLY)
-        for name, each in inspect.signature(function).parameters.items()
+        name: item.replace(kind=item.KEYWORD_ONLY)
+        for name, item in inspect.signature(function).parameters.items()
         if name not in ("on_progress", "options")
     }
     parameters["scenario"] = parameters["scenario"].replace(annotation=ScenarioFile)
@@ -223,15 +216,15 @@ def _parameters(function: Callable[..., Answer], keys: Mapping[str, tuple[str, s
         parameter("verbose", Verbose, False),
         parameter("as_json", AsJson, False),
     )
-    return parameters | {each.name: each for each in common if each.name not in parameters}
+    return parameters | {item.name: item for item in common if item.name not in parameters}
 
 
 def _derived(
     function: Callable[..., Answer], parameters: Mapping[str, inspect.Parameter]
 ) -> Iterator[inspect.Parameter]:
-    """Yield the options of the public function of the same name, if the function takes them, but for the others."""
+    """Yield the options of the public function of the same name, if the function takes them, without the parameters."""
     if "options" in inspect.signature(function).parameters:
-        yield from (each for each in options_of(getattr(armour, function.__name__)) if each.name not in parameters)
+        yield from (item for item in options_of(getattr(armour, function.__name__)) if item.name not in parameters)
 
 
 def _check_files(
@@ -240,7 +233,7 @@ def _check_files(
     """Check the outputs of a command, given the values of its options."""
     from armour.scenario.scenario import files_of
 
-    marks = {name: set(get_args(each.annotation)) & {*Output} for name, each in parameters.items()}
+    marks = {name: set(get_args(item.annotation)) & {*Output} for name, item in parameters.items()}
     words = [word for name in values if name != "plot" and not marks.get(name) for word in _words(values[name])]
     check_outputs(
         *(values[name] for name, mark in marks.items() if mark),
@@ -281,10 +274,10 @@ def _respond(answer: Answer, scenario: "Scenario | None", values: Mapping[str, A
     warnings = result.warnings if answer.warnings is None else answer.warnings
     with answer.held:
         respond(
-            {**result.to_dict(), **answer.more},
+            {**result.to_dict(), **answer.extra_data},
             view.tables(result),
             as_json=values["as_json"],
-            of=result.heading(),
+            heading=result.heading(),
             files=answer.contents.items(),
             plot=values["plot"],
             draw=lambda: plot_of(result),

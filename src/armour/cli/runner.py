@@ -1,4 +1,4 @@
-"""What every command does: read, check the outputs, compute, show, write files, warn, in this order."""
+"""Steps of every command: read, check the outputs, compute, show, write files, warn, in this order."""
 
 import json
 import os
@@ -38,10 +38,10 @@ def check_outputs(
     updated: Path | None = None,
     force: bool = False,
 ) -> None:
-    """Check that all outputs can be written, that none is another one or an input, and that only force replaces a file.
+    """Check that all outputs can be written, differ from each other and from inputs, and replace files only by force.
 
-    ``tables`` are those of the outputs that are CSV.  ``junit`` replaces a file that this program has written as JUnit
-    XML.  ``updated`` is an input and an output.
+    ``tables`` are those of the outputs that are CSV.  ``junit`` may replace a file that this program has written as
+    JUnit XML.  ``updated`` is both an input and an output.
     """
     problems = [] if plot is None else wrong_ending(plot, PLOT_ENDINGS)
     for table in tables:
@@ -70,14 +70,14 @@ def read_scenario(
     path: Path,
     assignments: Sequence[str] | None,
     reads: Collection[str],
-    more: Mapping[str, tuple[str, float | None]] | None = None,
-    what: str = "the answer",
+    settings: Mapping[str, tuple[str, float | None]] = {},
+    computed: str = "the answer",
 ) -> "Scenario":
     """Read the scenario of a file, of a shipped one by its name, or, for "-", of standard input.
 
-    ``assignments`` are those of ``--set``, which must set keys below those that the command ``reads``; ``more`` are the
-    keys and values of other options, None if one is not given; ``what`` is what it computes, in words.  A wrong
-    value of an option is a problem of the command line.
+    ``assignments`` are those of ``--set``, which must set keys below those that the command ``reads``.  ``settings``
+    are the keys and values of other options, None for one that is not given.  ``computed`` names the result of the
+    command in messages.  A wrong value of an option is a problem of the command line.
     """
     from armour.scenario.changes import changes_of
     from armour.scenario.effect import check_effect
@@ -87,7 +87,7 @@ def read_scenario(
 
     changes = changes_of(assignments or ())
     options = {key: f"--set {key}" for key in changes}
-    for option, (key, value) in (more or {}).items():
+    for option, (key, value) in settings.items():
         if value is not None:
             if key in changes and changes[key] != value:
                 raise wrong_option(option, f"must not be given with {options[key]}")
@@ -101,12 +101,13 @@ def read_scenario(
     try:
         loaded = parse_changed(data, changes, file=file, folder=folder)
     except InputError as error:
-        raise InputError([_blamed(each, options) if each.file == file else each for each in error.problems]) from None
+        problems = [_blamed(problem, options) if problem.file == file else problem for problem in error.problems]
+        raise InputError(problems) from None
     if VELOCITY in changes and "ballistic_limit" in reads and "impact" not in reads:
-        # Who looks at an armour with simulate goes on with the same command line.
-        say(f"note: --set {VELOCITY}: has no effect: {what} does not depend on it")
+        # The same command line is often used for simulate first.
+        say(f"note: --set {VELOCITY}: has no effect: {computed} does not depend on it")
         reads = {*reads, VELOCITY}
-    check_effect(values_by_key(changes), [(loaded, reads)], "command line", what, "--set ")
+    check_effect(values_by_key(changes), [(loaded, reads)], "command line", computed, "--set ")
     return loaded
 
 
@@ -151,7 +152,7 @@ def respond(
     tables: "Iterable[Table | str]",
     *,
     as_json: bool,
-    of: Sequence[str] = (),
+    heading: Sequence[str] = (),
     files: Iterable[tuple[Path | None, Callable[[], str | bytes | None]]] = (),
     plot: Path | None = None,
     draw: Callable[[], Any] | None = None,
@@ -161,8 +162,8 @@ def respond(
     """Show an answer as tables or JSON, write the files that are asked for, and warn.
 
     ``files`` are paths with functions that make the contents, or None if there is nothing to write.  ``draw`` makes
-    the picture for ``plot``.  ``of`` are the lines above the tables that say what was computed.  JSON and picture say
-    what made them, the ``origin``.
+    the picture for ``plot``.  ``heading`` has the lines above the tables, which describe the computation.  JSON and
+    picture record their ``origin``.
     """
 
     def drawn() -> bytes | None:
@@ -175,7 +176,7 @@ def respond(
     if as_json:
         show_json({**data, "made_by": origin} if origin and isinstance(data, Mapping) else data)
     elif shown := [*tables]:
-        show(*of[1:], *shown, title=of[0] if of else "")
+        show(*heading[1:], *shown, title=heading[0] if heading else "")
     try:
         # All are made before one is written.
         contents = {path: content() for path, content in [*files, (plot, drawn)] if path is not None}
@@ -185,14 +186,14 @@ def respond(
 
 
 def origin_of(scenario: "Scenario | None" = None) -> dict[str, str]:
-    """Return what makes the outputs of this command line."""
+    """Return the origin of the outputs of this command line."""
     from armour.analysis.results import made_by
 
     return made_by(scenario, command_line())
 
 
 def command_line() -> str:
-    """Return the command line as it was typed, but for the folders of absolute paths."""
+    """Return the command line as it was typed, without the folders of absolute paths."""
     return shlex.join(["armour", *map(_without_folders, sys.argv[1:])])
 
 
@@ -237,12 +238,12 @@ def warnings_of(
 
 @contextmanager
 def as_options(function: str, named: Mapping[str, str] = {}) -> Iterator[None]:
-    """Name the parameters of a function, in the messages on them, as options; some are ``named`` otherwise."""
+    """Name the parameters of a function as options in messages; ``named`` has the names of exceptions."""
     try:
         yield
     except InputError as error:
         raise InputError(
-            [_as_option(each, named) if each.file == function else each for each in error.problems]
+            [_as_option(problem, named) if problem.file == function else problem for problem in error.problems]
         ) from None
 
 

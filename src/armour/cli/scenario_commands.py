@@ -61,11 +61,11 @@ if TYPE_CHECKING:
     from armour.sweeps.cases import Grid
     from armour.sweeps.sweep import Effort
 
-# What a check and a report require: the key, and the help of the option.
+# Probability that a check and a report require: the key, and the help of the option.
 CONFIDENCE = ("design.confidence", "Required probability of stopping each threat, such as 0.95.")
 # Keys of a design that a check reads.
 CHECK = ("design.confidence", "design.thickness_tolerance_mm")
-# What a ballistic limit depends on, see `armour.scenario.effect`.
+# Sections and keys that a ballistic limit depends on, see `armour.scenario.effect`.
 LIMIT_READS = (*ROUND_AND_ARMOUR, "ballistic_limit", *OF_ERROR)
 IMPACT_READS = ("impact", "armour", "ballistic_limit", *OF_ERROR)
 CHECK_READS = (*ROUND_AND_ARMOUR, *IMPACT_READS, "threat", *CHECK)
@@ -73,7 +73,7 @@ CHECK_READS = (*ROUND_AND_ARMOUR, *IMPACT_READS, "threat", *CHECK)
 
 @question(
     IMPACT_READS,
-    what="the simulated impact",
+    computed="the simulated impact",
     first="computing",
     velocity=("impact.velocity_m_s", "Impact velocity, m/s; by default the scenario's."),
 )
@@ -94,11 +94,11 @@ def simulate(
     limit = confidence.ballistic_limit_m_s
     of_limit = () if limit is None else scenario_warnings(scenario, limit, "ballistic_limit")
     warnings = tuple(dict.fromkeys((*result.warnings, *of_limit, *confidence.warnings)))
-    more = {"warnings": list(warnings), "confidence": confidence.to_dict()}
-    return Answer(result.of(confidence=confidence), warnings, more, {history: lambda: view.csv(result)})
+    extra_data = {"warnings": list(warnings), "confidence": confidence.to_dict()}
+    return Answer(result.of(confidence=confidence), warnings, extra_data, {history: lambda: view.csv(result)})
 
 
-@question(LIMIT_READS, what="the ballistic limit", first="searching")
+@question(LIMIT_READS, computed="the ballistic limit", first="searching")
 def ballistic_limit(scenario: "Scenario", on_progress: "OnProgress") -> Answer:
     """Find the ballistic limit."""
     from armour.analysis.ballistic_limit import not_monotonic
@@ -107,7 +107,7 @@ def ballistic_limit(scenario: "Scenario", on_progress: "OnProgress") -> Answer:
     return Answer(result, (*not_monotonic(result), *result.warnings))
 
 
-@question(LIMIT_READS, what="the ballistic limit", first="searching")
+@question(LIMIT_READS, computed="the ballistic limit", first="searching")
 def compare(scenario: "Scenario", on_progress: "OnProgress") -> Answer:
     """Compare the model with closed-form formulas."""
     from armour.analysis.ballistic_limit import not_monotonic
@@ -151,31 +151,31 @@ def check(
     if plot is not None and not is_one:
         raise wrong_option("--plot", "must be given with one scenario, not with several or a folder")
     scenarios = _read_each(paths, changes, confidence)
-    inputs = [*scenario, *(file for each in scenarios for file in files_of(each))]
+    inputs = [*scenario, *(file for loaded in scenarios for file in files_of(loaded))]
     check_outputs(junit=junit, inputs=inputs, plot=plot, force=force)
     results: list[CheckResult] = []
     suites, warnings = [], []
-    for each in scenarios:
+    for loaded in scenarios:
         start = perf_counter()
         with progress("impacts", first="searching") as count:
-            result = armour.check(each, on_progress=count).of(every_row=verbose)
+            result = armour.check(loaded, on_progress=count).of(every_row=verbose)
         if not as_json:
             if results:
                 emit("\n")
-            first, *more = result.heading()
-            show(*more, *view.tables(result), title=first if is_one else f"{each.file}: {first}")
+            first, *other_lines = result.heading()
+            show(*other_lines, *view.tables(result), title=first if is_one else f"{loaded.file}: {first}")
         results.append(result)
-        suites.append(view.junit(result, each.file, perf_counter() - start, origin_of(each)))
-        warnings += warnings_of(each, result.warnings, of_threats=True, verbose=verbose)
+        suites.append(view.junit(result, loaded.file, perf_counter() - start, origin_of(loaded)))
+        warnings += warnings_of(loaded, result.warnings, of_threats=True, verbose=verbose)
     if not (as_json or is_one):
         emit("\n")
-        show(view.summary({each.file: result for each, result in zip(scenarios, results, strict=True)}))
+        show(view.summary({loaded.file: result for loaded, result in zip(scenarios, results, strict=True)}))
     respond(
         results[0].to_dict()
         if is_one
         else [
-            {"scenario": each.file, **result.to_dict(), "made_by": origin_of(each)}
-            for each, result in zip(scenarios, results, strict=True)
+            {"scenario": loaded.file, **result.to_dict(), "made_by": origin_of(loaded)}
+            for loaded, result in zip(scenarios, results, strict=True)
         ],
         (),
         as_json=as_json,
@@ -190,7 +190,7 @@ def check(
 
 
 def _read_each(paths: Sequence[Path], changes: Sequence[str] | None, confidence: Any) -> list["Scenario"]:
-    """Read the scenarios of a check, and report the mistakes of all together."""
+    """Read the scenarios of a check, and report the mistakes in all of them together."""
     scenarios: list[Scenario] = []
     problems: list[Problem] = []
     for path in paths:
@@ -205,7 +205,7 @@ def _read_each(paths: Sequence[Path], changes: Sequence[str] | None, confidence:
 
 @question(
     DESIGNS,
-    what="the design",
+    computed="the design",
     of_threats=True,
     confidence=CONFIDENCE,
 )
@@ -345,7 +345,7 @@ def sweep(
     )
     names = [name.strip() for name in quantities.split(",")]
     reads = reads_of(name for name in names if name in QUANTITIES)
-    loaded = read_scenario(scenario, changes, (*ROUND_AND_ARMOUR, *reads), what="the sweep")
+    loaded = read_scenario(scenario, changes, (*ROUND_AND_ARMOUR, *reads), computed="the sweep")
     if (cases is None) == (not over):
         raise wrong_option("--over", "must be given, or --cases, but not both")
     _check_threads(threads)
@@ -373,20 +373,20 @@ def sweep(
             tell=say,
         )
     say(f"wrote {output}: {rows} rows", *_notes(names, drawn=plot is not None))
-    of = heading(subject_of(loaded, source, names), loaded.title)
+    lines = heading(subject_of(loaded, source, names), loaded.title)
 
     def draw() -> Any:
         from armour.reporting.pictures.drawing import Sheet, drawn
         from armour.reporting.pictures.sweep import draw_columns
 
         table = read_table(output)
-        return drawn(lambda sheet: draw_columns(table, source.keys, names[0], loaded, sheet), Sheet(), of).figure
+        return drawn(lambda sheet: draw_columns(table, source.keys, names[0], loaded, sheet), Sheet(), lines).figure
 
     respond(
         {"rows": rows, "output": str(output)},
         [first_rows(read_table(output))] if rows <= SWEEP_ROWS else (),
         as_json=as_json,
-        of=of,
+        heading=lines,
         plot=plot,
         draw=draw,
         origin=origin_of(loaded),
@@ -407,7 +407,7 @@ def _check_drawn(keys: int, quantity: str) -> None:
 
 
 def _notes(names: list[str], *, drawn: bool) -> Iterator[str]:
-    """Yield what the quantities of a sweep mean, and which is drawn."""
+    """Yield notes on the meaning of the quantities of a sweep, and on the one drawn."""
     required = [name for name in names if QUANTITIES[name].on_grid]
     if required:
         yield f"note: {', '.join(required)}: {REQUIRED}"
@@ -434,7 +434,7 @@ def _approve(effort: "Effort", yes: bool) -> None:
         say(effort.words)
 
 
-# What a report reads: keys that it shows, and what the results for the scenario's own armour depend on.
+# Keys that a report shows, and those that the results for the scenario's own armour depend on.
 BYLINE = ("author", "project", "date")
 AS_IS = ("impact", "threat", *CHECK, "ballistic_limit", "uncertainty", *OF_ERROR, "optimise")
 
@@ -493,7 +493,7 @@ def _contents(source: Path, changes: list[str], confidence: Any, *, as_is: bool)
     from armour.reporting.scenario_report import contents_of
 
     reads = (*BYLINE, "armour", *(AS_IS if as_is else DESIGNS))
-    loaded = read_scenario(source, changes, reads, {"--confidence": (CONFIDENCE[0], confidence)}, what="the report")
+    loaded = read_scenario(source, changes, reads, {"--confidence": (CONFIDENCE[0], confidence)}, computed="the report")
     with progress("armours") as count:
         return contents_of(loaded, count, as_is=as_is)
 
