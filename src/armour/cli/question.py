@@ -174,8 +174,8 @@ def question(
     warns.  Its options are those of the function, with ``**options`` those of the public function of the same name, the
     common ones, and those that set ``keys`` of the scenario: by name, the key and the help.  Some parameters of the
     public function are ``named`` otherwise in messages.  What is done ``first`` is said before the progress, which is
-    counted in a ``unit``; without it, the engine is compiled.  Where the function has a ``table``, it may be given in
-    place of the scenario or before it.
+    counted in a ``unit``; without it, the engine is compiled.  Where the function has a ``table``, it and the scenario
+    may be given in either order.
     """
 
     def command_of(function: Callable[..., Answer]) -> Callable[..., None]:
