@@ -85,11 +85,7 @@ def show_entry(
         shown = (threat_table({name: threat}), f"source: {threat.source}")
         respond(content, shown, as_json=as_json, of=[name], origin=origin_of())
         return
-    try:
-        entries = shipped_library().find(name)
-    except KeyError as error:
-        raise mistake("library", name, error.args[0]) from None
-    for entry in entries:
+    for entry in shipped_library().find(name):
         title = f"{entry.name} ({entry.kind})"
         respond(entry.to_dict(), entry_tables(entry), as_json=as_json, of=[title], origin=origin_of())
 
