@@ -119,8 +119,6 @@ def init(
             f'must name a shipped scenario, suite, table or notebook, found "{source}"{choices(source, list(shipped))}'
         )
         raise mistake("init", "--from", message)
-    if str(file) == "-":
-        raise mistake("init", "FILE", "must be the name of a file to write, found -")
     ending = shipped[source].suffix
     check_outputs(file, force=force)
     refuse(wrong_ending(file, (ending,)) if {ending, file.suffix} & {".csv", ".ipynb"} else [])

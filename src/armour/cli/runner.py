@@ -43,12 +43,13 @@ def check_outputs(
     ``tables`` are those of the outputs that are CSV.  ``junit`` replaces a file that this program has written as JUnit
     XML.  ``updated`` is an input and an output.
     """
+    new = [path for path in (*outputs, junit, plot) if path is not None]
+    refuse(Problem("-", "", "must be the name of a file to write") for path in new if str(path) == "-")
     problems = [] if plot is None else wrong_ending(plot, PLOT_ENDINGS)
     for table in tables:
         # Streams and pipes have no ending.
         if table is not None and (isfile(table) or not exists(table)):
             problems += wrong_ending(table, (".csv",))
-    new = [path for path in (*outputs, junit, plot) if path is not None]
     paths = new if updated is None else [*new, updated]
     problems += (problem for path in paths for problem in unwritable(path))
     sources = [0 if str(source) == "-" else source for source in inputs]  # the descriptor of standard input
