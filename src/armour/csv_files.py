@@ -9,7 +9,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
-from armour.errors import InputError, Problem, choices, mistake, refuse
+from armour.errors import CHOOSE, InputError, Problem, mistake, refuse, suggestion
 from armour.files import csv_value, reason, table_file
 from armour.units import missing_unit
 
@@ -60,11 +60,18 @@ class CsvRow(NamedTuple):
 
 
 def read_rows(
-    file: str, lines: Iterable[Line], *, numbers: Sequence[str], texts: Sequence[str], needed: Sequence[str]
+    file: str,
+    lines: Iterable[Line],
+    *,
+    numbers: Sequence[str],
+    texts: Sequence[str],
+    needed: Sequence[str],
+    usual: str = "",
 ) -> tuple[list[CsvRow], list[Problem]]:
     """Return the rows of a table and the mistakes in them, to which the caller adds its own.
 
     The header names columns of numbers and of texts, at least those needed; the first column of texts names the row.
+    If a name resembles none of them, the message lists the ``usual`` ones, by default all.
     """
     lines = list(islice(lines, MAX_ROWS + 2))
     if not lines:
@@ -75,10 +82,12 @@ def read_rows(
     header = lines[0][1]
     check_header(file, *lines[0])
     columns = [*numbers, *texts]
+    usual = usual or ", ".join(columns)
     wrong = [
-        Problem(file, name or "header", f"unknown column{missing_unit(name, columns) or choices(name, columns)}")
+        Problem(file, name or "header", f"unknown column{missing_unit(name, columns) or like or CHOOSE + usual}")
         for name in dict.fromkeys(header)
         if name not in columns
+        for like in [suggestion(name, columns)]
     ]
     wrong += (Problem(file, name, "is missing and must be a column") for name in needed if name not in header)
     rows: list[CsvRow] = []

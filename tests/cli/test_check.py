@@ -78,6 +78,19 @@ def test_a_suite_of_tests_for_every_scenario(cli, folder: Path, doors: Path):
     assert "failure " not in (folder / "j.xml").read_text()
 
 
+@pytest.mark.parametrize("command", ["check doors", "validate doors/c.toml"])
+def test_mistakes_are_errors_in_junit_xml(cli, folder: Path, doors: Path, command: str):
+    (doors / "c.toml").write_text("[tool]\n")
+    wrote, *told = cli.fails(2, *command.split(), "--junit", "j.xml")
+    [suite] = ElementTree.parse(folder / "j.xml").getroot()
+    errors = [error.text for error in suite.iter("error")]
+    assert wrote == "wrote j.xml"
+    assert [line.partition(" (line")[0] for line in told] == errors
+    assert suite.get("errors") == suite.get("tests") == str(len(errors))
+    # One that cannot be written hides no mistake.
+    assert cli.fails(2, *command.split(), "--junit", "none/j.xml") == told
+
+
 @pytest.mark.parametrize("command", ["check wilkins", "validate suite.toml"])
 @pytest.mark.parametrize("content", ["", "<testsuites/>", "<?xml version='1.0' encoding='utf-8'?>\n<testsuites>"])
 def test_junit_xml_of_others_is_kept(cli, folder: Path, command: str, content: str):

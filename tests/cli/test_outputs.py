@@ -151,6 +151,22 @@ def test_a_table_is_csv(cli, words: str):
     assert cli.fails(2, *words.split()) == [f"h{ending}: must end in .csv, found {ending}"]
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        "check own.toml --junit -",
+        "validate --markdown -",
+        "simulate own.toml --history -",
+        "plan tests own.toml --candidates armour.ceramic_thickness_mm=6,8 --csv -",
+        "report own.toml -o -",
+        "init -",
+    ],
+)
+def test_standard_output_is_no_file(cli, own: Path, words: str):
+    assert cli.fails(2, *words.split()) == ["-: must be the name of a file to write"]
+    assert not (own / "-").exists()
+
+
 def test_streams_and_pipes_are_no_files_to_keep(cli, own: Path):
     assert cli("simulate", "own.toml", "--history", "h.csv").exit_code == 0
     assert (

@@ -139,6 +139,23 @@ main()
     assert (done.returncode, done.stderr) == (130, "interrupted\n")
 
 
+@pytest.mark.parametrize("module", ["armour.cli.app", "armour.reporting.show"])
+def test_terminated_it_ends_like_an_interrupted_one(module: str):
+    code = f"""
+import os, signal, sys
+class Terminate:
+    def find_spec(self, name, *_):
+        if name == {module!r}:
+            os.kill(os.getpid(), signal.SIGTERM)
+from armour.cli.main import main
+sys.meta_path.insert(0, Terminate())
+sys.argv = ["armour", "simulate", "wilkins"]
+main()
+"""
+    done = process("-c", code)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "interrupted\n")
+
+
 def test_interrupted_in_a_destructor_which_loses_exceptions():
     code = """
 import sys

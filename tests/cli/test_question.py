@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 
+import pytest
 import typer
 from pydantic import Field
 
@@ -34,6 +35,12 @@ def asked(
     prior : bool
         Whether to add the prior.
     """
+
+
+@pytest.mark.parametrize("words", ["v50 shots.csv wilkins", "calibrate wilkins.csv wilkins"])
+def test_a_table_and_a_scenario_are_given_in_either_order(cli, words: str):
+    command, table, scenario = words.split()
+    assert cli(command, scenario, table).stdout == cli(command, table, scenario).stdout
 
 
 def test_options_have_the_words_and_the_defaults_of_a_function():

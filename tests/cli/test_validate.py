@@ -84,14 +84,15 @@ def test_interrupted_it_shows_what_it_has(cli, suite: Path, monkeypatch: pytest.
 
 
 def test_an_update_fills_in_a_regression_value(cli, folder: Path):
-    """Until then it is not scored; without the word, a value must be given."""
+    """Until then the suite fails; without the word, a value must be given."""
     text = SUITE.replace("expected = 723.77\n", "regression = true\n")
     (folder / "suite.toml").write_text(text)
     for options in ((), ("-v",)):
         before = cli("validate", "suite.toml", *options)
         assert "limit: no expected value yet; --update fills it in" in before.stdout
         assert "--verbose shows them" not in before.stdout
-        assert (before.exit_code, before.stdout.splitlines()[-1]) == (0, "1 of 1 within their bands")
+        verdict = "1 of 2 within their bands, 1 no expected value"
+        assert (before.exit_code, before.stdout.splitlines()[-1]) == (3, verdict)
     assert cli("validate", "suite.toml", "--update").exit_code == 0
     assert cli("validate", "suite.toml").stdout.splitlines()[-1] == "2 of 2 within their bands"
     assert tomllib.loads((folder / "suite.toml").read_text())["case"][0]["expected"] == pytest.approx(723.778)

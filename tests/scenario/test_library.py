@@ -117,7 +117,7 @@ def test_bases_that_lead_back():
 @pytest.mark.parametrize("name", ["5083", "5083-h32"])
 def test_a_name_that_is_not_there_is_an_error_with_all_that_are_alike(name: str):
     """Each has what tells it apart; the strongest of them is not suggested alone."""
-    with pytest.raises(KeyError) as caught:
+    with pytest.raises(InputError) as caught:
         shipped_library().find(name)
     alike = [each for each in shipped_library().names("metal") if "5083" in each]
     assert len(alike) == 4
@@ -127,7 +127,7 @@ def test_a_name_that_is_not_there_is_an_error_with_all_that_are_alike(name: str)
 
 
 def test_a_name_that_is_like_none_is_an_error_with_the_nearest():
-    with pytest.raises(KeyError, match='did you mean "AD85"'):
+    with pytest.raises(InputError, match='did you mean "AD85"'):
         shipped_library().find("AD86")
 
 

@@ -47,6 +47,7 @@ def test_tests_are_grouped_by_material(tmp_path: Path):
 
 
 LIMIT, OUTCOME, UNCERTAINTY = "ballistic_limit_m_s", f"{C},{V},outcome", "ballistic_limit_uncertainty_m_s"
+USUAL = (LIMIT, "residual_velocity_m_s", "residual_mass_g", "outcome", "test", C)
 EVERY = "uncertainties must be given for every measurement and outcome, or for none"
 
 
@@ -54,6 +55,11 @@ EVERY = "uncertainties must be given for every measurement and outcome, or for n
     ("header", "rows", "message"),
     [
         (f"{C},ballistic_limit", "6,700", "ballistic_limit: unknown column; its unit is missing: ballistic_limit_m_s"),
+        (
+            f"{C},V50",
+            "6,700",
+            f"rows: V50: unknown column; choose from {', '.join(USUAL)} and other keys of a scenario",
+        ),
         ("shot,velocity_m_s,result", "1,700,partial", "rows: must be a table of tests, found shots (velocity_m_s and"),
         (f"{C},{B}", "6,6", "row 1: must have one of ballistic_limit_m_s, residual_velocity_m_s"),
         (OUTCOME, "6,700,maybe", 'row 1: outcome: must be "stopped" or "perforated" (or partial or complete, P or C'),

@@ -35,7 +35,7 @@ LIMITS = {
 @question(LIMIT_READS, computed="the ballistic limit", first="fitting")
 def v50(
     on_progress: "OnProgress",
-    shots: Annotated[
+    table: Annotated[
         Path,
         argument(
             "SHOTS",
@@ -52,16 +52,16 @@ def v50(
     If a scenario with the same armour is given, its ballistic limit by the model is shown too. With a requirement, the
     exit code is 3 if it is not met or the shots do not decide it.
     """
-    fired = armour.read_shots(table_file(shots), one_kind=options["prior"])
+    fired = armour.read_shots(table_file(table), one_kind=options["prior"])
     result = armour.v50(fired, scenario, on_progress=on_progress, **options)
     exit_code = CHECK_FAILED if result.decision in ("not met", "not decided") else 0
-    return Answer(result, file="" if scenario else str(shots), exit_code=exit_code)
+    return Answer(result, file="" if scenario else str(table), exit_code=exit_code)
 
 
 @question(FIT, unit="tests", prior_reads=["uncertainty"])
 def calibrate(
     on_progress: "OnProgress",
-    tests: Annotated[
+    table: Annotated[
         Path,
         argument(
             "TESTS",
@@ -95,13 +95,13 @@ def calibrate(
     if (lot is None) != (library is None and fitted is None):
         raise wrong_option("--lot", "must be given with --write or --write-scenario, and only then: the lot tested")
 
-    table = armour.read_tests(table_file(tests), scenario)
-    result = armour.calibrate(table, scenario, on_progress=on_progress, **options)
+    tests = armour.read_tests(table_file(table), scenario)
+    result = armour.calibrate(tests, scenario, on_progress=on_progress, **options)
     contents = {
-        library: lambda: library_text(result, table, scenario, lot or ""),
-        fitted: lambda: None if fitted is None else scenario_text(result, table, scenario, lot or "", fitted),
+        library: lambda: library_text(result, tests, scenario, lot or ""),
+        fitted: lambda: None if fitted is None else scenario_text(result, tests, scenario, lot or "", fitted),
     }
-    return Answer(result, contents=contents, file=str(tests))
+    return Answer(result, contents=contents, file=str(table))
 
 
 def limit_option(end: str) -> Any:

@@ -85,11 +85,7 @@ def show_entry(
         shown = (threat_table({name: threat}), f"source: {threat.source}")
         respond(content, shown, as_json=as_json, heading=[name], origin=origin_of())
         return
-    try:
-        entries = shipped_library().find(name)
-    except KeyError as error:
-        raise mistake("library", name, error.args[0]) from None
-    for entry in entries:
+    for entry in shipped_library().find(name):
         title = f"{entry.name} ({entry.kind})"
         respond(entry.to_dict(), entry_tables(entry), as_json=as_json, heading=[title], origin=origin_of())
 
@@ -123,8 +119,6 @@ def init(
             f'must name a shipped scenario, suite, table or notebook, found "{source}"{choices(source, list(shipped))}'
         )
         raise mistake("init", "--from", message)
-    if str(file) == "-":
-        raise mistake("init", "FILE", "must be the name of a file to write, found -")
     ending = shipped[source].suffix
     check_outputs(file, force=force)
     refuse(wrong_ending(file, (ending,)) if {ending, file.suffix} & {".csv", ".ipynb"} else [])

@@ -10,7 +10,7 @@ from typing import Any
 def main() -> None:
     """Run the command line."""
     # Before and after a command there is nothing to clean up, and an exception could be lost in an import.
-    signal.signal(signal.SIGINT, _end)
+    _when_interrupted(_end)
     sys.unraisablehook = _end_if_interrupted
     try:
         _run()
@@ -35,12 +35,18 @@ def _run() -> None:
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
         from armour.cli.app import app
 
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+        _when_interrupted(signal.default_int_handler)
         app(prog_name="armour")
     except OSError as error:
         _give_up(error)
     finally:
-        signal.signal(signal.SIGINT, _end)
+        _when_interrupted(_end)
+
+
+def _when_interrupted(act: Any) -> None:
+    """Set what happens when the user interrupts the process, or another process, such as a time limit, ends it."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, act)
 
 
 def _end(*_signal: object) -> None:

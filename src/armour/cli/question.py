@@ -167,8 +167,8 @@ def question(
     ``computed`` names its result in messages.  Its options are those of the function, with ``**options`` those of the
     public function of the same name, the common ones, and those that set ``keys`` of the scenario: by name, the key and
     the help.  ``named`` has other names of parameters of the public function, for messages.  ``first`` names the step
-    before the progress, by default compiling; progress is counted in a ``unit``.  If the function has a ``table``, it
-    may be given in place of the scenario or before it.
+    before the progress, by default compiling; progress is counted in a ``unit``.  If the function has a ``table``, the
+    table and the scenario may be given in either order.
     """
 
     def command_of(function: Callable[..., Answer]) -> Callable[..., None]:

@@ -5,7 +5,7 @@ import os
 import shlex
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from os.path import exists, isfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -43,12 +43,13 @@ def check_outputs(
     ``tables`` are those of the outputs that are CSV.  ``junit`` may replace a file that this program has written as
     JUnit XML.  ``updated`` is both an input and an output.
     """
+    new = [path for path in (*outputs, junit, plot) if path is not None]
+    refuse(Problem("-", "", "must be the name of a file to write") for path in new if str(path) == "-")
     problems = [] if plot is None else wrong_ending(plot, PLOT_ENDINGS)
     for table in tables:
         # Streams and pipes have no ending.
         if table is not None and (isfile(table) or not exists(table)):
             problems += wrong_ending(table, (".csv",))
-    new = [path for path in (*outputs, junit, plot) if path is not None]
     paths = new if updated is None else [*new, updated]
     problems += (problem for path in paths for problem in unwritable(path))
     sources = [0 if str(source) == "-" else source for source in inputs]  # the descriptor of standard input
@@ -64,6 +65,23 @@ def check_outputs(
         twice = dict.fromkeys(str(path) for path in resolved if resolved.count(path) > 1)
         problems += (Problem(path, "", "must not be written twice; choose another name") for path in twice)
     refuse(problems)
+
+
+@contextmanager
+def mistakes_in(junit: Path | None, inputs: Sequence[Path], *, force: bool) -> Iterator[None]:
+    """Write the mistakes found in the inputs to the JUnit XML as well, where one is asked for and can be written."""
+    try:
+        yield
+    except InputError as error:
+        from armour.reporting.junit import TestCase, junit_suite, junit_xml
+
+        if junit is not None:
+            cases = [TestCase(each.file, each.key or "file", "error", str(each)) for each in error.problems]
+            suite = junit_suite("invalid input", cases, 0.0, origin_of())
+            with suppress(InputError):
+                check_outputs(junit=junit, inputs=inputs, force=force)
+                write({junit: junit_xml([suite])})
+        raise
 
 
 def read_scenario(

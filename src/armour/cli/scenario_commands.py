@@ -37,6 +37,7 @@ from armour.cli.runner import (
     as_options,
     check_outputs,
     command_line,
+    mistakes_in,
     origin_of,
     read_scenario,
     respond,
@@ -150,7 +151,8 @@ def check(
     is_one = paths == scenario[:1]  # and no folder, however many scenarios are in it
     if plot is not None and not is_one:
         raise wrong_option("--plot", "must be given with one scenario, not with several or a folder")
-    scenarios = _read_each(paths, changes, confidence)
+    with mistakes_in(junit, scenario, force=force):
+        scenarios = _read_each(paths, changes, confidence)
     inputs = [*scenario, *(file for loaded in scenarios for file in files_of(loaded))]
     check_outputs(junit=junit, inputs=inputs, plot=plot, force=force)
     results: list[CheckResult] = []

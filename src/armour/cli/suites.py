@@ -14,7 +14,7 @@ import typer
 from armour.cli import completion
 from armour.cli.console import progress, say, show
 from armour.cli.question import AsJson, Changes, Force, argument, option
-from armour.cli.runner import CHECK_FAILED, check_outputs, origin_of, respond, write
+from armour.cli.runner import CHECK_FAILED, check_outputs, mistakes_in, origin_of, respond, write
 from armour.errors import Problem, mistake, refuse
 from armour.files import reason, suite_file
 
@@ -62,7 +62,8 @@ def validate(
     wrong += ["must not be given with --set, whose changes are not in the suite"] if changes else []
     refuse(Problem("validate", "--update", message) for message in wrong if update)
     updated = suite if update else None
-    loaded = load_suite(path, changes_of(changes or ()))
+    with mistakes_in(junit, [path], force=force):
+        loaded = load_suite(path, changes_of(changes or ()))
     scenarios = [file for case in loaded.cases for file in files_of(case.scenario)]
     inputs = [path, *dict.fromkeys(scenarios), *(path.parent / table.file for table in loaded.tables)]
     check_outputs(markdown, junit=junit, inputs=inputs, updated=updated, force=force)

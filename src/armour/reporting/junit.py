@@ -14,7 +14,7 @@ BEGINNING = b"<?xml version='1.0' encoding='utf-8'?>\n<testsuites name=\"armour\
 
 
 class TestCase(NamedTuple):
-    """A test case: its class and name, "failure", "skipped" or "" if it passed, a message, and how long it took."""
+    """A test case: class, name, "failure", "error", "skipped" or "" if it passed, a message, and the time it took."""
 
     group: str
     title: str
@@ -43,8 +43,8 @@ def junit_suite(name: str, cases: Iterable[TestCase], seconds: float, origin: Ma
             # GitLab shows the text of the element, others its attribute.
             ElementTree.SubElement(case, each.result, message=message).text = message
     suite.set("tests", str(len(suite.findall("testcase"))))
-    suite.set("failures", str(len(suite.findall("testcase/failure"))))
-    suite.set("skipped", str(len(suite.findall("testcase/skipped"))))
+    for plural, result in {"failures": "failure", "errors": "error", "skipped": "skipped"}.items():
+        suite.set(plural, str(len(suite.findall(f"testcase/{result}"))))
     return suite
 
 

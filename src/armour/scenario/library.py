@@ -477,7 +477,7 @@ class Library:
     def find(self, name: str) -> list[LibraryEntry]:
         """Return the entries of a name, of any kind, or the only one that has a word in its name or description.
 
-        If there is none, a KeyError suggests the closest name.
+        If there is none, an InputError suggests the closest name.
         """
         if namesakes := [self.entry(kind, name) for kind in KINDS if name in self.known(kind)]:
             return namesakes
@@ -486,7 +486,7 @@ class Library:
         for alike in (_named(name, entries), _described(name, entries)):
             if len(alike) == 1:
                 return alike
-        raise KeyError(f'no entry of the library is called "{name}"{hint(name, entries, names)}')
+        raise mistake("library", name, f'no entry of the library is called "{name}"{hint(name, entries, names)}')
 
     def extended(self, tables: LibraryTables | Mapping[str, Any], file: str, prefix: str = "") -> "Library":
         """Return the library with added entries, which may be based on existing ones or replace those of the same name.

@@ -23,6 +23,8 @@ MEASURED = {
     RESIDUAL: "residual_velocity_uncertainty_m_s",
     MASS: "residual_mass_uncertainty_g",
 }
+# Columns of most tables, in words.
+USUAL = f"{', '.join((*MEASURED, OUTCOME))}, test, armour.ceramic_thickness_mm and other keys of a scenario"
 # Range of measurements and of uncertainties, in any unit.
 MIN_MEASURED, MAX_MEASURED = 1e-3, 1e6
 # A table, which is checked when it is read.
@@ -136,9 +138,8 @@ def read_tests(path: Table, scenario: Scenario, notes: Names = ()) -> Tests:
         message = "must be a table of tests, found shots (velocity_m_s and result); armour v50 estimates V50 from them"
         raise mistake(file, "", message)
     lines = lines if header is None else chain([header], lines)
-    rows, problems = read_rows(
-        file, lines, numbers=numbers, texts=("test", OUTCOME, *NAMES.values(), *notes), needed=()
-    )
+    texts = ("test", OUTCOME, *NAMES.values(), *notes)
+    rows, problems = read_rows(file, lines, numbers=numbers, texts=texts, needed=(), usual=USUAL)
     names = tuple(row.texts.get("test", row.place) for row in rows)
     repeated_names = {name for name, count in Counter(names).items() if count > 1}
     problems += [

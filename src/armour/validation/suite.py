@@ -293,8 +293,7 @@ class Case:
     @property
     def not_scored(self) -> str:
         """Reason why the case is shown but not scored; empty if it is scored."""
-        missing = "no expected value yet; --update fills it in"
-        return self.section.not_scored or (missing if self.expected is None else "")
+        return self.section.not_scored
 
     @property
     def regression(self) -> bool:

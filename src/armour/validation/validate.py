@@ -20,8 +20,8 @@ from armour.validation.questions import Subject, answer
 from armour.validation.rivals import Error, errors_of
 from armour.validation.suite import Case, GroupSection, Suite, TableSection, meets
 
-Status = Literal["within", "outside", "no answer", "not scored"]
-FAILED: tuple[Status, ...] = ("outside", "no answer")
+Status = Literal["within", "outside", "no answer", "no expected value", "not scored"]
+FAILED: tuple[Status, ...] = ("outside", "no answer", "no expected value")
 
 
 @dataclass(frozen=True)
@@ -33,9 +33,9 @@ class Check:
     case : Case
     computed : float or str or None
         None if the question has no answer.
-    status : {"within", "outside", "no answer", "not scored"}
+    status : {"within", "outside", "no answer", "no expected value", "not scored"}
     message : str
-        Why there is no answer, or why the case is not scored.
+        Why there is no answer or no expected value, or why the case is not scored.
     """
 
     case: Case
@@ -153,7 +153,7 @@ class SuiteResult(TableResult):
 
     @property
     def passed(self) -> bool:
-        """Whether every case and table is within its band."""
+        """Whether every case and table is within its band, and every case has an expected value."""
         return self.count(*FAILED) == 0
 
     def count(self, *statuses: Status) -> int:
@@ -172,7 +172,7 @@ class SuiteResult(TableResult):
         }
 
     def _words(self) -> str:
-        scored = self.count("within", "outside", "no answer")
+        scored = self.count("within", *FAILED)
         return f"{self.count('within')} of {scored} within their bands"
 
     def _columns(self) -> dict[str, Any]:
@@ -249,9 +249,11 @@ def _judged(case: Case, computed: float | str | None, message: str = "") -> Chec
     if not (case.not_scored or calibrated):
         if computed is None:
             status = "no answer"
+        elif case.expected is None:
+            return Check(case, computed, "no expected value", "no expected value yet; --update fills it in")
         elif isinstance(computed, str) or isinstance(case.expected, str):
             status = "within" if computed == case.expected else "outside"
-        elif case.band is not None and case.expected is not None:
+        elif case.band is not None:
             status = "within" if abs(computed - case.expected) <= case.band else "outside"
     return Check(case, computed, status, message if computed is None else calibrated)
 
@@ -340,7 +342,7 @@ def updates_of(result: SuiteResult) -> list[Check]:
     updates = []
     for check in result.checks:
         computed = float(f"{check.computed:.{DIGITS}g}") if isinstance(check.computed, float) else check.computed
-        if check.case.regression and not check.case.section.not_scored and computed not in (None, check.case.expected):
+        if check.case.regression and not check.case.not_scored and computed not in (None, check.case.expected):
             updates.append(replace(check, computed=computed))
     return updates
 
