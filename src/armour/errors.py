@@ -127,6 +127,12 @@ def listed(names: Sequence[str]) -> str:
     return ", ".join(names[:MAX_NAMES]) + (f" and {omitted} more" if omitted > 0 else "")
 
 
+def counted(number: int, noun: str) -> str:
+    """Return a number of things, such as "1 row" or "2 rows"."""
+    digits = f"{number:,}" if number >= 10_000 else f"{number}"
+    return f"{digits} {noun}{'' if number == 1 else 's'}"
+
+
 def in_two_lines(warnings: Sequence[str], where: str) -> list[str]:
     """Return warnings in at most two lines: what lies outside the tests of the model, and the first other warning.
 

@@ -39,7 +39,7 @@ def catalogue(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_a_report(catalogue: Path):
     page = catalogue.read_text().replace("\N{NO-BREAK SPACE}", " ")
-    for words in ("8 mm AD85 on 8 mm <span>7075-T6</span>", "50.0 kg/m²", "armour report", "[Paper], table 2"):
+    for words in ("8 mm AD85 on 8 mm 7075-T6", "50.0 kg/m²", "armour report", "[Paper], table 2"):
         assert words in page
 
 
@@ -114,11 +114,8 @@ WATCH = """<script>
     const asked = performance.getEntriesByType("resource").map(entry => entry.name);
     const wide = document.documentElement.scrollWidth > innerWidth;
     const cut = [...document.querySelectorAll(".scroll")].filter(box => box.scrollWidth > box.clientWidth).length;
-    const tip = document.querySelector(".point text");
-    const hidden = getComputedStyle(tip).visibility;
-    tip.parentNode.focus();
-    const shown = getComputedStyle(tip).visibility;
-    const found = {said, drawn, asked, wide, height, cut, hidden, shown};
+    const points = document.querySelectorAll(".point title").length;
+    const found = {said, drawn, asked, wide, height, cut, points};
     document.body.innerHTML = `<pre id=found>${JSON.stringify(found)}</pre>`;
   }, 500));
 </script>"""
@@ -127,7 +124,7 @@ WATCH = """<script>
 @pytest.mark.usefixtures("drawn")
 @pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")
 def test_a_browser_shows_it_without_an_error_or_a_request(cli, folder: Path, catalogue: Path):
-    """Every chart and table is within the page, which is short; values are shown on focus, no address is asked for."""
+    """Every chart and table is within the page, which is short; points have their values, no address is asked for."""
     assert cli("report", "uncertain", "--set", "uncertainty.samples=128", "-o", "r.html").exit_code == 0
     # The window of a browser cannot be as narrow as a telephone's; a frame can.
     frames = []
@@ -152,7 +149,7 @@ def test_a_browser_shows_it_without_an_error_or_a_request(cli, folder: Path, cat
         assert not found["wide"]
         assert found["height"] <= 5000
         assert found["cut"] == 0
-        assert (found["hidden"], found["shown"]) == ("hidden", "visible")
+        assert found["points"] > 0
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")

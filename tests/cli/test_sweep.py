@@ -78,7 +78,7 @@ def test_a_large_sweep_asks_before_it_starts(cli, folder: Path, monkeypatch: pyt
     monkeypatch.setattr("armour.sweeps.sweep.LONG_S", 0.0)
     monkeypatch.setattr("armour.cli.scenario_commands.ANNOUNCED_S", 0.0)
     result = cli("sweep", WILKINS, *OVER, "-o", "t.csv", "--yes")
-    assert result.stderr.splitlines() == ["1 rows; about 1 second", "wrote t.csv: 1 rows"]
+    assert result.stderr.splitlines() == ["1 row; about 1 second", "wrote t.csv: 1 row"]
 
 
 def test_the_help_lists_every_quantity(cli):

@@ -47,7 +47,7 @@ from armour.cli.runner import (
     write,
     wrong_option,
 )
-from armour.errors import InputError, Problem, mistake, refuse
+from armour.errors import InputError, Problem, counted, mistake, refuse
 from armour.files import read_toml, shipped_suites, wrong_ending
 from armour.scenario.inputs import OF_ERROR, ROUND_AND_ARMOUR
 from armour.scenario.keys import describe
@@ -374,7 +374,7 @@ def sweep(
             approve=lambda effort: _approve(effort, yes),
             tell=say,
         )
-    say(f"wrote {output}: {rows} rows", *_notes(names, drawn=plot is not None))
+    say(f"wrote {output}: {counted(rows, 'row')}", *_notes(names, drawn=plot is not None))
     lines = heading(subject_of(loaded, source, names), loaded.title)
 
     def draw() -> Any:

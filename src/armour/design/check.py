@@ -160,20 +160,31 @@ def check(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> C
     'fails'
     """
     section = scenario.design or DesignSection()
-    checked_threats, warnings = [], []
+    checked_threats: list[CheckedThreat] = []
+    warned: dict[Note, list[int]] = {}
     for place, threat in enumerate(scenario.threats()):
         against = scenario.against(threat)
         checked_threats.append(_checked(against, threat, section, on_progress))
-        key = f"threat[{place}]" if scenario.threat else "impact"
-        warnings += [
-            Note(note.text, note.key.replace("impact", key), note.brief)
-            for note in scenario_warnings(against, threat.velocity_m_s)
-        ]
+        for note in scenario_warnings(against, threat.velocity_m_s):
+            warned.setdefault(note, []).append(place)
+    warnings = [_warning(scenario, note, places) for note, places in warned.items()]
     warnings += scenario.unused_distributions()
     verdicts = [threat.verdict for threat in checked_threats]
     worst: Verdict = "fails" if "fails" in verdicts else "not known" if "not known" in verdicts else "passes"
-    return CheckResult(tuple(checked_threats), worst, tuple(dict.fromkeys(warnings))).of(
+    return CheckResult(tuple(checked_threats), worst, tuple(warnings)).of(
         scenario.subject(threats=scenario.threat), scenario=scenario
+    )
+
+
+def _warning(scenario: Scenario, note: Note, places: list[int]) -> Note:
+    """Return a warning on an impact as one on the threats that it is about, which are named where there are several."""
+    if not scenario.threat:
+        return note
+    names = [scenario.threat[place].title for place in places]
+    threats = " and ".join(names) if len(names) < len(scenario.threat) else "every threat"
+    words = f"against {threats}: " if len(scenario.threat) > 1 else ""
+    return Note(
+        words + note.text, note.key.replace("impact", f"threat[{places[0]}]"), note.brief and words + note.brief
     )
 
 

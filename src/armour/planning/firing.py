@@ -11,7 +11,7 @@ from pydantic import Field
 from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
 from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.results import OnProgress, Result, ignore_progress
-from armour.errors import Problem, mistake, refuse
+from armour.errors import Problem, counted, mistake, refuse
 from armour.evidence.model_error import NORMAL, ModelError
 from armour.planning.procedures import (
     OTHER_CONFIDENCE,
@@ -188,7 +188,7 @@ class ShotPlan(Result):
     warnings: tuple[str, ...] = ()
 
     def _words(self) -> str:
-        count = f"{len(self.fired.complete)} shots"
+        count = counted(len(self.fired.complete), "shot")
         if self.next_velocity_m_s is None:
             return f"{count}, {self.stopped}"
         return f"{count}, the next at {self.next_velocity_m_s:.1f} m/s"

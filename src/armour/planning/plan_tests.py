@@ -12,7 +12,7 @@ from scipy.stats import norm, t
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.analysis.variants import Floats
-from armour.errors import Problem, mistake, refuse
+from armour.errors import Problem, counted, mistake, refuse
 from armour.planning import optimal_design
 from armour.planning.candidates import MAX_COST, Candidates, Choice, LimitModel, Measure, candidates_of, limit_model
 from armour.planning.optimal_design import Task
@@ -145,7 +145,8 @@ class PlannedTests(TableResult):
 
     def _words(self) -> str:
         least = "" if self.efficiency is None else f", {self.criterion}-efficiency {self.efficiency:.3f}"
-        return f"{len(self.planned) - 1} tests of {len(self.sensitivities)} candidates{least}"
+        tests, candidates = len(self.planned) - 1, len(next(iter(self.candidates.values())))
+        return f"{counted(tests, 'test')} of {counted(candidates, 'candidate')}{least}"
 
     def _columns(self) -> Mapping[str, Any]:
         return by_column(

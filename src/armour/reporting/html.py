@@ -1,44 +1,35 @@
 """Reports and tables as HTML: one self-contained page without scripts, with its pictures as SVG.
 
-The pictures have the page's colours, and show the values of points on hover, focus and touch.
+The pictures have the page's colours, and show the values of points on hover.
 """
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from itertools import count
-from math import dist, inf
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
 
 import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
-from markupsafe import Markup, escape
+from markupsafe import Markup
 
 from armour.reporting.report import Report
 from armour.reporting.table import Table
-from armour.reporting.text import number, printable_lines, unbroken, wrapped
+from armour.reporting.text import number, printable_lines, unbroken
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.lines import Line2D
 
-    from armour.reporting.pictures.drawing import Picture, Sheet
+    from armour.reporting.pictures.drawing import Picture, Points, Sheet
 
-# Options of the command line, and names with a number, such as "6061-T6", at whose hyphens no line may end.
-OPTION = re.compile(r"(?<![\w-])--[a-z]+(-[a-z]+)*(?![\w-])")
-NAME = re.compile(r"(?<![\w-])(?=[\w-]*\d)\w+(-\w+)+(?![\w-])")
 SVG, XLINK = "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"
 TEMPLATES = Path(__file__).parent / "templates"
 WIDTH_INCHES, POINTS_PER_INCH = 4.2, 72
 # Colours of pictures that follow the theme of the page.
 THEME = {"#16191c": "var(--ink)", "#6a7178": "var(--soft)", "#0072b2": "var(--blue)", "#ffffff": "var(--paper)"}
-# Points of a series with a tooltip, and their least distance on a curve and radius, points of 1/72 inch.
-MAX_POINTS, SPACING, RADIUS = 200, 4.0, 6.0
-# Height of a line of a tooltip and its distance from the point, points.
-LINE_HEIGHT, ABOVE = 10.5, 8.0
-# Width of a character of a tooltip, points, and characters in a line of it.
-CHARACTER, LINE_CHARACTERS = 5.0, 54
+# Radius of a point that shows its values, points of 1/72 inch.
+RADIUS = 6.0
 
 
 def _safe_text(text: str) -> str:
@@ -46,24 +37,16 @@ def _safe_text(text: str) -> str:
     return unbroken(printable_lines(text))
 
 
-class ShownPicture(NamedTuple):
-    """A picture of a page: its title, the SVG element, and a note."""
-
-    title: str
-    svg: Markup
-    note: str
-
-
 def html_report(report: Report) -> str:
     """Format a report as HTML."""
     numbers = count(1)
 
-    def shown(draw: "Callable[[Sheet], Picture]", heading: str) -> ShownPicture:
+    def shown(draw: "Callable[[Sheet], Picture]", heading: str) -> tuple[str, Markup, str]:
         from armour.reporting.pictures.drawing import Sheet, drawn
 
         picture = drawn(draw, Sheet(WIDTH_INCHES), bare=True)
         svg = inline_svg(picture, picture.title or heading, f"chart{next(numbers)}")
-        return ShownPicture(picture.title, Markup(svg), picture.note)
+        return picture.title, Markup(svg), picture.note
 
     return rendered("report.html", report=report, shown=shown)
 
@@ -83,14 +66,8 @@ def rendered(template: str, safe_text: Callable[[str], str] = _safe_text, **cont
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"zip": zip, "whole": _whole, "printable": printable_lines, "unbroken": unbroken}
+    environment.filters |= {"zip": zip, "printable": printable_lines}
     return environment.get_template(template).render(context) + "\n"
-
-
-def _whole(text: str) -> Markup:
-    """Return a text with marks on options and names, so that no line ends within one."""
-    marked = NAME.sub(r"<span>\g<0></span>", str(escape(printable_lines(text))))
-    return Markup(OPTION.sub(r"<code>\g<0></code>", marked))
 
 
 def inline_svg(picture: "Picture", label: str, name: str) -> str:
@@ -99,7 +76,7 @@ def inline_svg(picture: "Picture", label: str, name: str) -> str:
     The name is the prefix of the element's identifiers, different for every picture of a page.
     """
     # Imported here, as it is slow, and not every page has pictures.
-    from armour.reporting.pictures.drawing import saved
+    from armour.reporting.pictures.drawing import Points, saved
 
     figure = picture.figure
     figure.set_dpi(POINTS_PER_INCH)
@@ -114,31 +91,27 @@ def inline_svg(picture: "Picture", label: str, name: str) -> str:
     root.attrib |= {"role": "group", "aria-label": printable_lines(label)}
     for axes in picture.axes:
         for line in axes.lines:
-            root.extend(_points(axes, line, float(figure.bbox.height)))
+            if isinstance(line, Points):
+                root.extend(_points(axes, line, float(figure.bbox.height)))
     ElementTree.register_namespace("", SVG)
     ElementTree.register_namespace("xlink", XLINK)
     return ElementTree.tostring(root, encoding="unicode")
 
 
-def _points(axes: "Axes", line: "Line2D", height: float) -> list[ElementTree.Element]:
-    """Return the points of a line with their words or their values, at a distance from each other on a curve."""
-    from armour.reporting.pictures.drawing import Points, is_curve
-
-    if not isinstance(line, Points) and not is_curve(line):
-        return []
-    points: list[ElementTree.Element] = []
-    window, last = axes.bbox.padded(1.0), (inf, inf)
+def _points(axes: "Axes", line: "Points", height: float) -> Iterator[ElementTree.Element]:
+    """Yield a transparent circle for each point within the axes, which shows its words or its values on hover."""
+    window = axes.bbox.padded(1.0)
     for index, (x, y) in enumerate(np.asarray(line.get_xydata(), float).tolist()):
-        place = across, up = axes.transData.transform((x, y)).tolist()
-        near = not isinstance(line, Points) and dist(place, last) < SPACING
-        if window.contains(across, up) and not near:
-            last = place
-            words = line.words[index] if isinstance(line, Points) and line.words else _values(axes, line, x, y)
-            points.append(_point(across, height - up, printable_lines(words)))
-    return points[:MAX_POINTS]
+        across, up = axes.transData.transform((x, y)).tolist()
+        if window.contains(across, up):
+            words = line.words[index] if line.words else _values(axes, line, x, y)
+            place = {"cx": f"{across:.1f}", "cy": f"{height - up:.1f}", "r": f"{RADIUS:g}"}
+            circle = ElementTree.Element("circle", {"class": "point", **place})
+            ElementTree.SubElement(circle, "title").text = printable_lines(words)
+            yield circle
 
 
-def _values(axes: "Axes", line: "Line2D", x: float, y: float) -> str:
+def _values(axes: "Axes", line: "Points", x: float, y: float) -> str:
     """Return the values of a point in words, by the names of the line and of the axes."""
     name = str(line.get_label())
     (across, x_unit), (up, y_unit) = (_label_and_unit(text) for text in (axes.get_xlabel(), axes.get_ylabel()))
@@ -169,19 +142,3 @@ def _attribute(key: str, value: str, name: str) -> str:
         for colour, themed in THEME.items():
             value = value.replace(colour, themed)
     return value
-
-
-def _point(across: float, down: float, words: str) -> ElementTree.Element:
-    """Return a transparent circle with its words, which the page shows on hover and focus."""
-    group = ElementTree.Element("g", {"class": "point", "tabindex": "-1"})
-    ElementTree.SubElement(group, "circle", {"cx": f"{across:.1f}", "cy": f"{down:.1f}", "r": f"{RADIUS:g}"})
-    lines = [line for paragraph in words.splitlines() for line in wrapped(paragraph, LINE_CHARACTERS)]
-    reach = CHARACTER * max(len(line) for line in lines)
-    x = max(2.0, min(across - 0.5 * reach, POINTS_PER_INCH * WIDTH_INCHES - reach))
-    above = ABOVE + LINE_HEIGHT * (len(lines) - 1)
-    y = down - above if down > above + LINE_HEIGHT else down + ABOVE + LINE_HEIGHT
-    text = ElementTree.SubElement(group, "text", {"x": f"{x:.1f}", "y": f"{y:.1f}"})
-    for index, line in enumerate(lines):
-        moved = {"x": f"{x:.1f}", "dy": f"{LINE_HEIGHT:g}"} if index else {}
-        ElementTree.SubElement(text, "tspan", moved).text = line
-    return group

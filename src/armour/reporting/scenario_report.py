@@ -280,7 +280,7 @@ def _warnings(contents: Contents) -> Iterator[str]:
         name = warning.key.removeprefix("uncertainty.")
         words = warning.key
         if match := re.match(r"threat\[(\d+)\]", warning.key):
-            words = contents.threats[int(match[1])].threat
+            words = "" if warning.text.startswith("against ") else contents.threats[int(match[1])].threat
         elif name in INPUTS or name in NAMES.values():
             words = in_words(name) if name == warning.key else f"distribution of the {in_words(name)}"
         yield Note(warning.text, words, warning.brief)

@@ -11,7 +11,7 @@ from pydantic import PlainValidator
 
 from armour.analysis.variants import Floats, Ints
 from armour.csv_files import MUST_SAY, PERFORATED, CsvRow, Rows, in_line_order, lines_of, read_rows
-from armour.errors import InputError, Problem, mistake, refuse
+from armour.errors import InputError, Problem, counted, mistake, refuse
 from armour.scenario.checked import Names, checked
 from armour.scenario.inputs import INPUTS, NAMES, ROLES, VELOCITY
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
@@ -80,7 +80,8 @@ class Tests(NamedTuple):
     places: tuple[str, ...]
 
     def __repr__(self) -> str:
-        return f"<Tests: {len(self.names)} tests of {self.file}, {len(self.measurements)} measurements>"
+        tests, measurements = counted(len(self.names), "test"), counted(len(self.measurements), "measurement")
+        return f"<Tests: {tests} of {self.file}, {measurements}>"
 
 
 def subject_of(tests: Tests) -> str:

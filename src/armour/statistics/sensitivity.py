@@ -11,7 +11,7 @@ from armour.analysis.evaluate import Answers
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.analysis.searches import ballistic_limits
 from armour.analysis.variants import Floats, Variants, concatenated, variants_of
-from armour.errors import NoAnswerError
+from armour.errors import NoAnswerError, counted
 from armour.evidence.tests import scenario_warnings
 from armour.scenario.checked import checked
 from armour.scenario.inputs import VELOCITY
@@ -62,7 +62,7 @@ class SensitivityResult(TableResult):
     warnings: tuple[str, ...] = ()
 
     def _words(self) -> str:
-        return f"{len(self.inputs)} inputs, of which {self.inputs[0].input} changes the ballistic limit most"
+        return f"{counted(len(self.inputs), 'input')}, of which {self.inputs[0].input} changes the ballistic limit most"
 
     def _columns(self) -> dict[str, Any]:
         return by_column({"input": item.input, "value": item.value, **item.elasticities} for item in self.inputs)

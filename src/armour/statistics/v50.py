@@ -16,7 +16,7 @@ from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
 from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.csv_files import MUST_SAY, PERFORATED, in_line_order, lines_of, read_rows
-from armour.errors import Problem, mistake, refuse, suggestion
+from armour.errors import Problem, counted, mistake, refuse, suggestion
 from armour.scenario.checked import checked
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.statistics.curves import CDFS, FittedCurve, ShotLikelihood, fit_curve
@@ -171,9 +171,9 @@ class FiringResult(TableResult):
 
     def _words(self) -> str:
         if self.posterior is not None:
-            return f"V50 {self.posterior.v50_m_s:.1f} m/s by the posterior, {self.shots} shots"
+            return f"V50 {self.posterior.v50_m_s:.1f} m/s by the posterior, {counted(self.shots, 'shot')}"
         fit = self.recommended or self.fits[0]
-        return f"V50 {fit.v50_m_s:.1f} m/s by {fit.method}, {self.shots} shots"
+        return f"V50 {fit.v50_m_s:.1f} m/s by {fit.method}, {counted(self.shots, 'shot')}"
 
     def _columns(self) -> dict[str, Any]:
         return by_column(vars(fit) for fit in (*self.penalised_fits, *self.fits))

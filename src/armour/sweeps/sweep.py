@@ -25,7 +25,7 @@ from armour.analysis.evaluate import check_keys, check_quantities, evaluate_grou
 from armour.analysis.quantities import QUANTITIES, reads_of
 from armour.analysis.results import OnProgress, TableResult, ignore_progress, installed, made_by, same_columns
 from armour.engine.cache import replaced_function
-from armour.errors import InputError, choices, mistake
+from armour.errors import InputError, choices, counted, mistake
 from armour.files import reason, shipped
 from armour.scenario.checked import Names, checked
 from armour.scenario.keys import describe
@@ -133,7 +133,7 @@ class SweepResult(TableResult):
 
     def _words(self) -> str:
         where = "" if self.output is None else f", in {self.output}"
-        return f"{', '.join(self.quantities)} over {' and '.join(self.keys)}, {self.rows:,} rows{where}"
+        return f"{', '.join(self.quantities)} over {' and '.join(self.keys)}, {counted(self.rows, 'row')}{where}"
 
     def _columns(self) -> Mapping[str, Any]:
         return self.columns
@@ -362,7 +362,7 @@ def effort_of(
             break
     seconds = row_s * source.count / (workers.number if workers else 1)
     needed_bytes, free_bytes = 2.0 * row_bytes * source.count, shutil.disk_usage(output.parent).free
-    words = f"{source.count:,} rows; about {duration(seconds)}"
+    words = f"{counted(source.count, 'row')}; about {duration(seconds)}"
     if needed_bytes > free_bytes:
         words += f"; {needed_bytes / 1e9:.3g} GB to write and join, but {free_bytes / 1e9:.3g} GB are free"
     is_large = seconds > LONG_S or source.count > MANY_ROWS or needed_bytes > free_bytes

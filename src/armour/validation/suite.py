@@ -14,7 +14,7 @@ from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag,
 
 from armour.analysis.quantities import label_and_unit
 from armour.csv_files import MUST_SAY, PERFORATED, number
-from armour.errors import InputError, Problem, choices, mistake, refuse
+from armour.errors import InputError, Problem, choices, counted, mistake, refuse
 from armour.files import read_toml, shipped, shipped_files, suite_file
 from armour.scenario.checked import checked
 from armour.scenario.effect import check_columns, check_effect
@@ -335,7 +335,7 @@ class Suite:
     description: str = ""
 
     def __repr__(self) -> str:
-        return f"<Suite: {len(self.cases)} cases of {self.file.name}>"
+        return f"<Suite: {counted(len(self.cases), 'case')} of {self.file.name}>"
 
     @checked
     def only(self, text: str) -> "Suite":

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from armour.analysis.quantities import label_and_unit
+from armour.errors import counted
 from armour.planning.plan_tests import PlannedTests
 from armour.reporting.pictures import drawing
 from armour.reporting.pictures.drawing import Picture, Sheet
@@ -54,8 +55,7 @@ def draw(result: PlannedTests, sheet: Sheet) -> Picture:
 
 def _title(result: PlannedTests) -> str:
     """Return how many tests are planned, and what is known after them."""
-    count = len(result.planned) - 1
-    title = f"Planned: {count} test{'s' if count > 1 else ''}"
+    title = f"Planned: {counted(len(result.planned) - 1, 'test')}"
     for name, half_width in result.planned[-1].half_widths.items():
         if half_width is not None:
             words, unit = label_and_unit(name)

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from armour.errors import counted
 from armour.planning.firing import ShotPlan
 from armour.reporting.pictures import drawing
 from armour.reporting.pictures.drawing import Picture, Sheet
@@ -44,9 +45,8 @@ def draw(plan: ShotPlan, sheet: Sheet) -> Picture:
 
 def _title(plan: ShotPlan) -> str:
     """Return what is next, and what is known after the shots so far."""
-    fired = len(plan.fired.complete)
     following = "Firing ended" if plan.next_velocity_m_s is None else f"Next shot at {plan.next_velocity_m_s:.1f} m/s"
-    basis = f"after {fired} shot{'' if fired == 1 else 's'}" if fired else "by the prior"
+    basis = f"after {counted(len(plan.fired.complete), 'shot')}" if plan.fired.complete else "by the prior"
     if plan.posterior is not None:
         ends = interval(plan.posterior.v50_interval_m_s, ".0f")
         basis += f" V50 {plan.posterior.v50_m_s:.0f} m/s, {percent(plan.confidence)} interval {ends} m/s"

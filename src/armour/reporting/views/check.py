@@ -1,6 +1,7 @@
 """One armour against each of its threats."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from math import inf
 from xml.etree.ElementTree import Element
 
@@ -8,13 +9,12 @@ from armour.design.check import CheckedThreat, CheckResult, WhatIf
 from armour.errors import listed
 from armour.reporting.junit import TestCase, junit_suite
 from armour.reporting.table import Column, Table, column_of, listing
-from armour.reporting.text import Verdict, interval, percent, with_interval
+from armour.reporting.text import Verdict, interval, percent
 from armour.reporting.words import STOPPING, basis_notes, chance
 
 PROBABILITY = Column("probability", prose=True)
 INTERVAL = Column("95 % interval", "m/s", prose=True)
-LIMIT = column_of("ballistic_limit_m_s", ".0f", "limit by model")
-WITH_ERROR = Column("with the model error", "m/s", prose=True)
+LIMIT = column_of("ballistic_limit_m_s", ".0f", "limit")
 MARGIN = column_of("margin_m_s", "+.0f")
 # Words of the verdicts, of which one that is overlooked does harm.
 VERDICTS = {"passes": "passes", "fails": "FAILS", "not known": "not known"}
@@ -46,22 +46,16 @@ def finding(threat: CheckedThreat) -> str:
 
 
 def threat_table(result: CheckResult) -> Table:
-    """Return each threat with the ballistic limit, the margin, the probability and the verdict."""
+    """Return each threat with the ballistic limit and its interval, the margin, the probability and the verdict."""
     return listing(
         result.threats,
         column_of("threat", prose=True),
         LIMIT,
-        (WITH_ERROR, _with_error),
+        (replace(INTERVAL, label="interval"), lambda threat: interval(threat.interval_m_s, ".0f")),
         MARGIN,
         (PROBABILITY, lambda threat: chance(threat.probability_of_stopping, threat.model_error)),
         (Column("verdict"), verdict),
     )
-
-
-def _with_error(threat: CheckedThreat) -> str:
-    """Return the median and the interval of the ballistic limit with the model error."""
-    error, limit = threat.model_error, threat.ballistic_limit_m_s
-    return "" if error is None or limit is None else with_interval(error.median(limit), threat.interval_m_s, ".0f")
 
 
 def what_if_table(threat: CheckedThreat, title: str) -> Table:

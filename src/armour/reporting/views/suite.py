@@ -7,6 +7,7 @@ from typing import Any
 
 from armour import __version__
 from armour.analysis.quantities import QUANTITIES
+from armour.errors import counted
 from armour.reporting.junit import TestCase, junit_suite, junit_xml
 from armour.reporting.lookup import drawing_of
 from armour.reporting.report import Report, ReportSection, origin_section
@@ -122,7 +123,7 @@ def error_tables(errors: Sequence[Error]) -> list[Table]:
             column_of("left_out_percent", ".1f", "left out"),
             column_of("largest_percent", ".1f", "largest"),
             column_of("fitted", prose=True),
-            title=f"errors, {table}, {same[0].count} rows",
+            title=f"errors, {table}, {counted(same[0].count, 'row')}",
         )
         for table, same in grouped(errors, lambda error: error.table).items()
     ]
@@ -216,8 +217,7 @@ def tables(result: SuiteResult) -> list[Table | str]:
     if notes:
         shown += ["", *(f"{name}: {note}" for name, note in notes)]
     if unexplained:
-        cases = "1 case" if len(unexplained) == 1 else f"{len(unexplained)} cases"
-        shown.append(f"not scored: {cases}; --verbose shows them, and why")
+        shown.append(f"not scored: {counted(len(unexplained), 'case')}; --verbose shows them, and why")
     scored = result.count("within", *FAILED) > 0
     return [*shown, Verdict.of(verdict(result), good=result.passed) if scored else "no case is scored"]
 
