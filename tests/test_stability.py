@@ -42,8 +42,9 @@ def python() -> dict[str, list[str]]:
 
 
 def options(command: Any, path: str = "armour") -> Iterator[tuple[str, list[str]]]:
-    """Options and arguments of the commands, by name."""
-    yield path, sorted(word for parameter in command.get_params(typer.Context(command)) for word in parameter.opts)
+    """Options of the commands; the name of an argument is never typed."""
+    words = [word for parameter in command.get_params(typer.Context(command)) for word in parameter.opts]
+    yield path, sorted(word for word in words if word.startswith("-"))
     for name, deeper in getattr(command, "commands", {}).items():
         yield from options(deeper, f"{path} {name}")
 
