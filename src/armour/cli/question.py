@@ -192,7 +192,7 @@ def question(
 
         command.__dict__.update(
             __signature__=inspect.Signature(),
-            parameters=lambda: [*_derived(function, parameters), *parameters.values()],
+            parameters=lambda: [*_public_options(function, parameters), *parameters.values()],
         )
         command.__annotations__ = {}
         return command
@@ -219,7 +219,7 @@ def _parameters(function: Callable[..., Answer], keys: Mapping[str, tuple[str, s
     return parameters | {item.name: item for item in common if item.name not in parameters}
 
 
-def _derived(
+def _public_options(
     function: Callable[..., Answer], parameters: Mapping[str, inspect.Parameter]
 ) -> Iterator[inspect.Parameter]:
     """Yield the options of the public function of the same name, if the function takes them, without the parameters."""
