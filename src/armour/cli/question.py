@@ -20,15 +20,7 @@ import typer
 import armour
 from armour.cli import completion
 from armour.cli.console import emit, progress
-from armour.cli.runner import (
-    as_options,
-    check_outputs,
-    origin_of,
-    read_scenario,
-    respond,
-    warnings_of,
-    wrong_option,
-)
+from armour.cli.runner import as_options, check_outputs, origin_of, read_scenario, respond, warnings_of, wrong_option
 from armour.csv_files import number as read_number
 
 if TYPE_CHECKING:
@@ -124,10 +116,7 @@ ScenarioFile = Annotated[
 Changes = Annotated[
     list[str] | None,
     option(
-        "Replace the value of a key; repeatable.",
-        "--set",
-        metavar="KEY=VALUE",
-        autocompletion=completion.assignments,
+        "Replace the value of a key; repeatable.", "--set", metavar="KEY=VALUE", autocompletion=completion.assignments
     ),
 ]
 PlotFile = Annotated[Path | None, option("Draw the result to a .png, .svg or .pdf file.", "--plot", metavar="FILE")]
