@@ -427,16 +427,9 @@ def _nearest(requirement: Requirement) -> Search:
 
 def _sampled_designs(catalogue: Catalogue, pair: int) -> CandidateDesigns:
     """Return the designs of a pair, with some thicknesses of a free range."""
-    layers = catalogue.offers[pair][:2]
-    return catalogue.combinations(
-        pair,
-        *(
-            np.linspace(free_range.min, free_range.max, FIRST_VALUES)
-            if (free_range := layer.free_range())
-            else layer.thicknesses()
-            for layer in layers
-        ),
-    )
+    layers = [(layer.thicknesses(), layer.free_range()) for layer in catalogue.offers[pair][:2]]
+    thicknesses = (np.linspace(mm[0], mm[-1], FIRST_VALUES) if free_range else mm for mm, free_range in layers)
+    return catalogue.combinations(pair, *thicknesses)
 
 
 def _short_pairs(search: Search) -> tuple[Pair, ...]:
