@@ -34,8 +34,8 @@ UNTESTED = 0.40
 FACTOR, STEPS, CHANGE, LEAST_SLOPE = 8.0, 6, 0.05, 0.3
 # Reason why calibrated entries without usable tests have no model error.
 NOTHING_OF_ERROR = (
-    "the tests that it was calibrated to say nothing of the model error: none is of a limit, one is far from what any "
-    "lot can have, or their settings, armours or angles are not those of the shipped tests"
+    "the tests that it was calibrated to do not determine the model error: none measured a limit, one is implausible "
+    "for any lot, or their settings, armours or angles are not those of the shipped tests"
 )
 # Number of standard deviations from the prediction for any lot beyond which a test is a mistake.
 IMPLAUSIBLE = 6.0
