@@ -1,6 +1,6 @@
 import pytest
 
-from armour.analysis.ballistic_limit import ballistic_limit, bisect, confidence, residual_velocity_curve
+from armour.analysis.ballistic_limit import ballistic_limit, confidence, residual_velocity_curve
 from armour.analysis.impact import impact_at
 from armour.analysis.searches import ballistic_limits
 from armour.analysis.variants import variants_of
@@ -11,12 +11,6 @@ from tests.helpers.cases import scenario
 from tests.helpers.exotic import changing_designs
 
 pytestmark = pytest.mark.slow
-
-
-def test_bisection_narrows_to_the_tolerance():
-    low, high = bisect(lambda x: x > 2.0**0.5, 0.0, 4.0, 1e-6)
-    assert low <= 2.0**0.5 < high
-    assert high - low <= 1e-6
 
 
 CHANGES = {

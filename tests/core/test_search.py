@@ -5,7 +5,6 @@ from math import inf
 
 import pytest
 
-from armour.analysis.ballistic_limit import bisect
 from armour.core import search
 from armour.core.run import TOLERANCE
 from armour.core.search import (
@@ -18,6 +17,7 @@ from armour.core.search import (
     scan,
 )
 from armour.core.state import Parameters
+from tests.helpers.bisection import bisect
 from tests.helpers.cases import armour
 from tests.helpers.runs import perforates, random_designs
 

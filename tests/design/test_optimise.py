@@ -259,7 +259,7 @@ def test_an_impact_that_is_no_threat_is_warned_of():
     case = shipped_scenario("catalogue").replaced({"design.pareto": None})
     assert not any("none of the threats" in warning for warning in optimise(case).warnings)
     changed = optimise(case.replaced({"impact.velocity_m_s": 1500.0}))
-    assert changed.warnings[0].startswith("impact: 7.62 mm AP at 1500 m/s is none of the threats")
+    assert changed.warnings[0].startswith("impact: 7.62 mm AP at 1500 m/s is not among the threats")
 
 
 FREE = {"ceramic": [{"material": "c", "thickness_mm": {"min": 0.5, "max": 60.0}}]}

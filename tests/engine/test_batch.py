@@ -96,12 +96,6 @@ def test_without_knowledge_of_the_cores_of_this_process(
     np.testing.assert_array_equal(batch.impacts(rows, velocities).V, expected)
 
 
-def test_rows_of_another_shape(rows: batch.Floats, velocities: batch.Floats):
-    for other in (rows[:, :12], rows[0]):
-        with pytest.raises(ValueError, match="rows must be of the shape"):
-            batch.impacts(other, velocities[: len(other)])
-
-
 def test_searches_of_invalid_numbers_end(rows: batch.Floats):
     invalid = rows[:3].copy()
     invalid[0, 4], invalid[1, 4], invalid[2, 7] = np.nan, -0.01, np.nan

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from armour.analysis.ballistic_limit import bisect
 from armour.core.search import scan
 from armour.core.state import Outcome, Parameters
 from armour.engine import batch
 from armour.scenario.scenario import Scenario
+from tests.helpers.bisection import bisect
 
 CRITERIA = ["areal_density_kg_m2", "thickness_mm", "cost_per_m2"]
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from armour.analysis.ballistic_limit import bisect
 from armour.core.run import run
 from armour.core.state import Outcome
+from tests.helpers.bisection import bisect
 from tests.helpers.runs import path, perforates, random_designs, traced
 from tests.numerics.reference import ARREST, Reference
 

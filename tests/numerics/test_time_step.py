@@ -5,13 +5,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from armour.analysis.ballistic_limit import bisect
 from armour.analysis.impact import simulate
 from armour.core.state import Outcome, Parameters
 from armour.engine import batch
 from armour.errors import InputError
 from armour.scenario.scenario import load_scenario
 from armour.units import US
+from tests.helpers.bisection import bisect
 from tests.helpers.cases import SCENARIOS, scenario
 from tests.helpers.runs import crossing_time, random_designs
 

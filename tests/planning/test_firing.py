@@ -154,7 +154,7 @@ def test_a_stated_error_is_a_prior_and_an_unknown_one_is_wide():
         ({"requirement_m_s": 700.0, "procedure": "neyer"}, "requirement_m_s: must not be given with neyer"),
         ({"requirement_m_s": 700.0, "half_width_m_s": 9.0}, "half_width_m_s: must not be given with a requirement"),
         ({"true_v50_m_s": 700.0}, "true_v50_m_s: must not be given without simulating"),
-        ({"true_v50_m_s": 700.0, "simulate": True}, "true_scatter_m_s: must be given, as both"),
+        ({"true_v50_m_s": 700.0, "simulate": True}, "true_scatter_m_s: must be given too: give both"),
         ({"seed": 4}, "seed: must not be given without simulating"),
         ({"limits_m_s": (700.0,), "procedure": "langlie"}, r"limits_m_s\[1\]: is missing and must be given"),
     ],
@@ -191,7 +191,7 @@ def test_limits_that_shots_reach_or_leave_are_warned_of():
         scenario(), procedure="langlie", simulate=True, true_v50_m_s=1100.0, true_scatter_m_s=10.0
     ).warnings
     assert any("all partial, have reached the upper limit" in warning for warning in wrong)
-    assert "the simulation stopped after 100 shots without an end" in wrong
+    assert "the simulation stopped after 100 shots before the firing ended" in wrong
     left = plan_shots(scenario(), SHOTS, procedure="langlie", limits_m_s=(730.0, 740.0)).warnings
     assert any("is outside the limits, 730.0 to 740.0 m/s" in warning for warning in left)
     assert not any("limit," in warning for warning in plan_shots(scenario(), SHOTS, procedure="langlie").warnings)

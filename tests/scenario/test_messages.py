@@ -119,12 +119,12 @@ uncertainty.correlation = [{ between = ["a"], coefficient = 0 }]
 uncertainty.correlation = [{ between = ["ceramic.density_kg_m3", "hardness"], coefficient = 0.5 }]
     uncertainty: correlation must be between inputs that have a distribution, found "hardness"
 uncertainty.correlation = [{ between = ["ceramic.density_kg_m3", "ceramic.density_kg_m3"], coefficient = 0.5 }]
-    uncertainty: correlation must name two inputs, and each two once, found ceramic.density_kg_m3
+    uncertainty: correlation must name two different inputs, once for each pair, found ceramic.density_kg_m3
 uncertainty.correlation = [
   { between = ["ceramic.density_kg_m3", "ceramic.flow_stress_GPa"], coefficient = 0.5 },
   { between = ["ceramic.flow_stress_GPa", "ceramic.density_kg_m3"], coefficient = 0.5 },
 ]
-    uncertainty: correlation must name two inputs, and each two once, found ceramic.density_kg_m3,
+    uncertainty: correlation must name two different inputs, once for each pair, found ceramic.density_kg_m3,
 uncertainty.correlation = [
   { between = ["ceramic.density_kg_m3", "ceramic.flow_stress_GPa"], coefficient = 0.9 },
   { between = ["ceramic.density_kg_m3", "armour.backing_thickness_mm"], coefficient = 0.9 },

@@ -282,7 +282,7 @@ def test_an_entry_whose_tests_say_nothing_of_the_error_has_none(rows: tuple[str,
     calibrated = scenario_of(table_of(case, *rows), case, FLOW_STRESS).replaced(dict.fromkeys(settings))
     result = confidence(calibrated)
     assert result.probability_of_stopping is None
-    assert "say nothing of the model error" in result.reason
+    assert "do not determine the model error" in result.reason
 
 
 def test_a_limit_far_from_what_any_lot_can_have_is_no_evidence():
@@ -300,5 +300,5 @@ def test_evidence_that_cannot_be_is_refused():
     good = entry["evidence"]
     for key, value in (("path_ratio", 0.5), ("side", 5.0), ("uncertainty_m_s", -50.0), ("velocity_m_s", 0.0)):
         changed = {**good, "tests": {**good["tests"], key: [value]}}
-        with pytest.raises(InputError, match=f"{key} has a number that cannot be"):
+        with pytest.raises(InputError, match=f"{key} has an impossible number"):
             parse_scenario({**data, "library": {"ceramic": {"AD85, lot 7": {**entry, "evidence": changed}}}})

@@ -130,7 +130,7 @@ def test_wrong_files_with_every_mistake(tmp_path: Path, rows: list[str], message
         (APART, {"pairs": 4}, "v50: span_m_s: must be given for 4 pairs"),
         (APART, {"span_m_s": float("nan")}, "v50: span_m_s: must be a finite number"),
         (APART, {"confidence": 2.0}, r"v50: confidence: must be at most 0\.9999, found 2"),
-        (APART, {"prior": True}, "v50: prior: must not be asked for without a scenario"),
+        (APART, {"prior": True}, "v50: prior: must be given with a scenario"),
         (
             APART,
             {"prior": True, "scenario": scenario(uncertainty={"model": {"included": False}})},

@@ -141,8 +141,8 @@ def test_without_dask_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch):
 @pytest.mark.parametrize(
     ("error", "message"),
     [
-        (asyncio.CancelledError(), "lost the connection to the scheduler; what is done is kept, repeat the same"),
-        (OSError("no route"), "failed: no route; what is done is kept"),
+        (asyncio.CancelledError(), "lost the connection to the scheduler; finished rows are kept, repeat the same"),
+        (OSError("no route"), "failed: no route; finished rows are kept"),
     ],
 )
 def test_what_fails_on_a_cluster_is_told(

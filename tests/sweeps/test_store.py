@@ -128,7 +128,7 @@ def test_rows_that_are_damaged_after_they_were_read_make_no_table(output: Path):
     filled(output, 3)
     with Store(output, JOB, print) as store:
         store._database.execute("update chunk set content = zeroblob(9) where start = 3")
-        with pytest.raises(InputError, match="damaged rows; what is done is kept, repeat the same sweep"):
+        with pytest.raises(InputError, match="damaged rows; finished rows are kept, repeat the same sweep"):
             store.finish()
     assert not output.exists()
     assert finished(output) == [f"{rows_of(output)}: damaged, all but the first 3 rows are computed again"]
@@ -166,12 +166,12 @@ def test_a_full_disk_is_told_and_what_is_done_is_kept(output: Path, monkeypatch:
         store.append(part(0))
         store._database.execute("pragma max_page_count = 1")
         big = Chunk({"x": np.zeros(100_000)}, {})
-        with pytest.raises(InputError, match=r"cannot be written: .* full; what is done is kept, repeat the same"):
+        with pytest.raises(InputError, match=r"cannot be written: .* full; finished rows are kept, repeat the same"):
             store.append(big)
     filled(output, 2)
     with monkeypatch.context() as patch:
         patch.setattr("os.fsync", full_disk)
-        with pytest.raises(InputError, match="cannot be written: no space left on device; what is done is kept"):
+        with pytest.raises(InputError, match="cannot be written: no space left on device; finished rows are kept"):
             finished(output)
     assert not finished(output)
 

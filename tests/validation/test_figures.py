@@ -67,7 +67,7 @@ def test_a_curve_has_a_gap_where_there_is_no_answer(folder: Path):
 
 
 def test_a_mistake_in_a_file_of_figures(folder: Path):
-    with pytest.raises(InputError, match="must name quantities, found speed"):
+    with pytest.raises(InputError, match='unknown quantity "speed"'):
         computed(folder, FIGURES.replace("residual_velocity_m_s", "speed"))
 
 

@@ -3,7 +3,7 @@
 The confidence in an armour is the probability that it stops its threat, given the model error.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
 from typing import Literal
@@ -219,19 +219,6 @@ def curve_velocities(limit: LimitResult, scenario: Scenario) -> list[float]:
     high = min(section.velocity_max_m_s, max(1.6 * ballistic_limit, 1.1 * last))
     rising = [ballistic_limit + (high - ballistic_limit) * (i / CURVE_POINTS) ** 2 for i in range(CURVE_POINTS + 1)]
     return [low, limit.bracket_m_s[0], *rising]
-
-
-def bisect(holds: Callable[[float], bool], low: float, high: float, tolerance: float) -> tuple[float, float]:
-    """Narrow a bracket to a tolerance by bisection; a condition holds at its upper end and not at its lower."""
-    while high - low > tolerance:
-        middle = 0.5 * (low + high)
-        if not low < middle < high:
-            break
-        if holds(middle):
-            high = middle
-        else:
-            low = middle
-    return low, high
 
 
 def _no_limit(crossings: tuple[Crossing, ...], lowest_perforates: bool, points: int, low: float, high: float) -> str:

@@ -11,7 +11,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from armour.analysis.ballistic_limit import ballistic_limit, bisect
+from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.results import OnProgress, ignore_progress
 from armour.analysis.variants import Floats
 from armour.errors import NoLimitError, Problem
@@ -73,7 +73,12 @@ def florence_split(m: float, r: float, rho1: float, rho2: float, areal_density: 
     bare = areal_density / rho2
     if not too_thick(bare):
         return 0.0, bare
-    _, h2 = bisect(too_thick, 1e-9 * bare, bare, 0.0)
+    low, h2 = 1e-9 * bare, bare
+    while low < (middle := 0.5 * (low + h2)) < h2:
+        if too_thick(middle):
+            h2 = middle
+        else:
+            low = middle
     return ceramic(h2), h2
 
 

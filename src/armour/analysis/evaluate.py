@@ -20,7 +20,7 @@ from armour.core.state import Outcome
 from armour.engine import batch
 from armour.errors import InputError, Problem, choices, refuse
 from armour.scenario.effect import check_columns, check_effect
-from armour.scenario.inputs import INPUTS, NAMING, ROUND_AND_ARMOUR
+from armour.scenario.inputs import INPUTS, ROUND_AND_ARMOUR
 from armour.scenario.keys import canonical, parts_of
 from armour.scenario.scenario import EXACT_INPUTS, Place, Scenario, in_row
 from armour.units import MM, G
@@ -37,10 +37,9 @@ def evaluate(scenario: Scenario, columns: Mapping[str, Any], quantities: Sequenc
     """Return quantities by name, each an array, (n,), for n rows of values by key of the scenario or name of input.
 
     Without columns, the quantities are those of the scenario itself.  A question without an answer gives NaN.  Raise an
-    InputError if a quantity is unknown, the columns differ in length, a row is not valid, or a key has no effect.
+    InputError if a quantity is unknown, a row is not valid, or a key has no effect.
     """
     check_quantities(scenario, quantities, "evaluate")
-    columns = _checked(columns)
     check_keys(scenario, {key: values[0].item() for key, values in columns.items()}, quantities, "evaluate")
     return evaluate_groups(groups_of(scenario, columns), quantities)[0]
 
@@ -57,24 +56,6 @@ def check_quantities(scenario: Scenario, quantities: Sequence[str], file: str) -
         except InputError as error:
             problems += error.problems
     refuse(problems)
-
-
-def _checked(columns: Mapping[str, Any]) -> dict[str, Any]:
-    """Return columns as arrays, (n,), of numbers or of names of projectiles and materials, with n at least 1."""
-    arrays = {key: np.asarray(values) for key, values in columns.items()}
-    problems = []
-    for key, values in arrays.items():
-        allowed = "U" if key in NAMING else "iuf"
-        if values.ndim != 1 or values.dtype.kind not in allowed or not len(values):
-            shape = f"an array of shape {values.shape} of {values.dtype}"
-            kind = "name" if allowed == "U" else "number"
-            problems.append(Problem("evaluate", key, f"must be a column of at least one {kind}, found {shape}"))
-    counts = {key: len(values) for key, values in arrays.items() if values.ndim == 1}
-    if len(set(counts.values())) > 1:
-        listed = ", ".join(f"{key} {count}" for key, count in counts.items())
-        problems.append(Problem("evaluate", "columns", f"must be of equal lengths, found {listed}"))
-    refuse(problems)
-    return {key: values if key in NAMING else values.astype(np.float64) for key, values in arrays.items()}
 
 
 def check_keys(scenario: Scenario, row: Mapping[str, float | str], quantities: Sequence[str], file: str) -> None:

@@ -12,7 +12,7 @@ from armour.engine import batch
 from armour.errors import mistake
 from armour.evidence.model_error import LAW_FIELDS, Errors, errors_of
 from armour.evidence.tests import Armours, Materials, armour_of, is_unusual, limits_outside
-from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, LAYERS, OBLIQUITY, VELOCITY, YIELD, cosine_of
+from armour.scenario.inputs import INPUTS, LAYERS, OBLIQUITY, VELOCITY, YIELD, cosine_of
 from armour.scenario.library import DEFAULTS, ROD, length_mm, strength_notes
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Optimise
@@ -63,9 +63,13 @@ class Variants(NamedTuple):
 
     def by_law(self, law: int, errors: Errors) -> "Variants":
         """Return the variants with the parameters of a law of their errors."""
+        return self.with_fields(dict(zip(LAW_FIELDS, errors.parameters[law], strict=True)))
+
+    def with_fields(self, columns: Mapping[str, Floats | float]) -> "Variants":
+        """Return the variants with other parameters of the core, by field."""
         parameters = self.parameters.copy()
-        for name, values in zip(LAW_FIELDS, errors.parameters[law], strict=True):
-            getattr(batch.fields(parameters), name)[:] = values
+        for field, values in columns.items():
+            getattr(batch.fields(parameters), field)[:] = values
         return self._replace(parameters=parameters)
 
     @property
@@ -97,8 +101,12 @@ def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -
         cosines[:] = [cosine_of(obliquity) for obliquity in columns[OBLIQUITY].tolist()]
         inputs = scenario.inputs()
         columns = {**{name: np.full(count, inputs[name]) for name in LAYERS if name in inputs}, **columns}
-    _set_inputs(rows, columns, cosines)
     field = batch.fields(rows)
+    for name, values in columns.items():
+        target = INPUTS[name]
+        if target.field:
+            along = values / cosines if name in LAYERS else values
+            getattr(field, target.field)[:] = along * target.factor
     rod = [f"projectile.{key}" for key in ROD]
     if any(name in columns for name in rod):
         inputs = scenario.inputs()
@@ -116,14 +124,6 @@ def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -
     return Variants(
         rows, velocities, cosines, np.zeros(count, dtype=np.int64), scenario, tuple(materials), own_strength
     )
-
-
-def _set_inputs(parameters: Floats, columns: Mapping[str, Floats | float], cosines: Floats) -> None:
-    """Set parameters of rows to values of named inputs, given the cosines of the obliquities."""
-    for name, values in columns.items():
-        if INPUTS[name].field:
-            values = np.asarray(values) / cosines if name in LAYERS else np.asarray(values)
-            getattr(batch.fields(parameters), INPUTS[name].field)[:] = values * INPUTS[name].factor
 
 
 def concatenated(parts: Sequence[Variants]) -> Variants:
@@ -185,7 +185,5 @@ def with_thicknesses(
     variants: Variants, *, ceramic_mm: Floats | float | None = None, backing_mm: Floats | float | None = None
 ) -> Variants:
     """Return the variants with other thicknesses, mm."""
-    parameters = variants.parameters.copy()
-    layers = {CERAMIC: ceramic_mm, BACKING: backing_mm}
-    _set_inputs(parameters, {name: values for name, values in layers.items() if values is not None}, variants.cosines)
-    return variants._replace(parameters=parameters)
+    layers = {"Hc0": ceramic_mm, "Hb": backing_mm}
+    return variants.with_fields({key: mm / variants.cosines * MM for key, mm in layers.items() if mm is not None})

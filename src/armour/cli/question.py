@@ -20,15 +20,7 @@ import typer
 import armour
 from armour.cli import completion
 from armour.cli.console import emit, progress
-from armour.cli.runner import (
-    as_options,
-    check_outputs,
-    origin_of,
-    read_scenario,
-    respond,
-    warnings_of,
-    wrong_option,
-)
+from armour.cli.runner import as_options, check_outputs, origin_of, read_scenario, respond, warnings_of, wrong_option
 from armour.csv_files import number as read_number
 
 if TYPE_CHECKING:
@@ -124,10 +116,7 @@ ScenarioFile = Annotated[
 Changes = Annotated[
     list[str] | None,
     option(
-        "Replace the value of a key; repeatable.",
-        "--set",
-        metavar="KEY=VALUE",
-        autocompletion=completion.assignments,
+        "Replace the value of a key; repeatable.", "--set", metavar="KEY=VALUE", autocompletion=completion.assignments
     ),
 ]
 PlotFile = Annotated[Path | None, option("Draw the result to a .png, .svg or .pdf file.", "--plot", metavar="FILE")]
@@ -192,7 +181,7 @@ def question(
 
         command.__dict__.update(
             __signature__=inspect.Signature(),
-            parameters=lambda: [*_derived(function, parameters), *parameters.values()],
+            parameters=lambda: [*_public_options(function, parameters), *parameters.values()],
         )
         command.__annotations__ = {}
         return command
@@ -219,7 +208,7 @@ def _parameters(function: Callable[..., Answer], keys: Mapping[str, tuple[str, s
     return parameters | {item.name: item for item in common if item.name not in parameters}
 
 
-def _derived(
+def _public_options(
     function: Callable[..., Answer], parameters: Mapping[str, inspect.Parameter]
 ) -> Iterator[inspect.Parameter]:
     """Yield the options of the public function of the same name, if the function takes them, without the parameters."""

@@ -76,7 +76,7 @@ def mistakes_in(junit: Path | None, inputs: Sequence[Path], *, force: bool) -> I
         from armour.reporting.junit import TestCase, junit_suite, junit_xml
 
         if junit is not None:
-            cases = [TestCase(each.file, each.key or "file", "error", str(each)) for each in error.problems]
+            cases = [TestCase(problem.file, problem.key or "file", "error", str(problem)) for problem in error.problems]
             suite = junit_suite("invalid input", cases, 0.0, origin_of())
             with suppress(InputError):
                 check_outputs(junit=junit, inputs=inputs, force=force)

@@ -205,12 +205,7 @@ def _read_each(paths: Sequence[Path], changes: Sequence[str] | None, confidence:
     return scenarios
 
 
-@question(
-    DESIGNS,
-    computed="the design",
-    of_threats=True,
-    confidence=CONFIDENCE,
-)
+@question(DESIGNS, computed="the design", of_threats=True, confidence=CONFIDENCE)
 def optimise(
     scenario: "Scenario",
     on_progress: "OnProgress",

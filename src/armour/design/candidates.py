@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
@@ -45,18 +44,12 @@ def joined(parts: Sequence[CandidateDesigns]) -> CandidateDesigns:
 
 def _with_more_margin(requirement: Requirement, pair: int, columns: Sequence[str]) -> list[CandidateDesigns]:
     """Return designs of a pair with free thicknesses: the thickest, and the thinnest for margins up to its own."""
-    catalogue, offer = requirement.catalogue, requirement.catalogue.offers[pair]
-    layers = offer.ceramic, offer.backing
-    ranges = [layer.free_range() for layer in layers]
-    if ranges == [None, None]:
+    catalogue = requirement.catalogue
+    layers = catalogue.offers[pair][:2]
+    if not any(layer.free_range() for layer in layers):
         return []
-    thickest = catalogue.combinations(
-        pair,
-        *(
-            layer.thicknesses() if free_range is None else (free_range.max,)
-            for layer, free_range in zip(layers, ranges, strict=True)
-        ),
-    )
+    greatest = (layer.thicknesses()[-1:] if layer.free_range() else layer.thicknesses() for layer in layers)
+    thickest = catalogue.combinations(pair, *greatest)
     spare = float((requirement.limits(thickest) - catalogue.required_m_s(thickest)).min(axis=1).max())
     parts = [thickest]
     for margin in np.linspace(0.0, max(spare, 0.0), MARGIN_PARTS + 1)[1:-1].tolist():
@@ -76,22 +69,20 @@ def _of_pair(
     catalogue, offer = requirement.catalogue, requirement.catalogue.offers[pair]
     ceramic, backing = (layer.free_range(refine=refine) for layer in (offer.ceramic, offer.backing))
     ceramics, backings = (np.array(layer.thicknesses()) for layer in (offer.ceramic, offer.backing))
-    of_ceramics = partial(catalogue.candidates, pair)
-
-    def of_backings(backings: Floats, ceramics: Floats) -> CandidateDesigns:
-        return of_ceramics(ceramics, backings)
 
     def least(layer: str, free_range: Range | FreeRange, other_mm: Floats) -> CandidateDesigns:
         """Return the designs with the least thickness of a free layer on each thickness of the other."""
-        designs = of_ceramics if layer == "ceramic" else of_backings
+
+        def designs(values: Floats, other_mm: Floats) -> CandidateDesigns:
+            return catalogue.candidates(pair, *((values, other_mm) if layer == "ceramic" else (other_mm, values)))
+
         thicknesses = _least(requirement, free_range, designs, other_mm, verify=verify)
         requirement.changing[pair, layer].update(other_mm[thicknesses.changes_again].tolist())
         return designs(thicknesses.mm, other_mm)
 
-    if ceramic is None and backing is None:
-        return catalogue.combinations(pair, ceramics, backings)
     if ceramic is None:
-        assert backing is not None
+        if backing is None:
+            return catalogue.combinations(pair, ceramics, backings)
         return least("back plate", backing, ceramics)
     if backing is None:
         return least("ceramic", ceramic, backings)

@@ -98,11 +98,7 @@ class CheckedThreat:
     def as_given(self) -> WhatIf:
         """Return the armour without a change."""
         return WhatIf(
-            "as given",
-            self.velocity_m_s,
-            self.ballistic_limit_m_s,
-            self.interval_m_s,
-            self.probability_of_stopping,
+            "as given", self.velocity_m_s, self.ballistic_limit_m_s, self.interval_m_s, self.probability_of_stopping
         )
 
 

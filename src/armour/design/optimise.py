@@ -315,7 +315,7 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
         of_one_source = np.flatnonzero(catalogue.one_source[search.candidates.pair])
         if (first := search.first(of_one_source)) is not None:
             ceramic = catalogue.offers[search.candidates.pair[first]].ceramic.material
-            explanation = f"only {ceramic} would, of which a single source gives the flow stress"
+            explanation = f"only {ceramic} would, whose flow stress comes from a single source"
         first = _first(unconstrained, unconstrained.requirement.tested(unconstrained.candidates))
         if first is not None:
             without_limits = _best(unconstrained, first, section=catalogue.section)
@@ -427,16 +427,9 @@ def _nearest(requirement: Requirement) -> Search:
 
 def _sampled_designs(catalogue: Catalogue, pair: int) -> CandidateDesigns:
     """Return the designs of a pair, with some thicknesses of a free range."""
-    layers = catalogue.offers[pair][:2]
-    return catalogue.combinations(
-        pair,
-        *(
-            np.linspace(free_range.min, free_range.max, FIRST_VALUES)
-            if (free_range := layer.free_range())
-            else layer.thicknesses()
-            for layer in layers
-        ),
-    )
+    layers = [(layer.thicknesses(), layer.free_range()) for layer in catalogue.offers[pair][:2]]
+    thicknesses = (np.linspace(mm[0], mm[-1], FIRST_VALUES) if free_range else mm for mm, free_range in layers)
+    return catalogue.combinations(pair, *thicknesses)
 
 
 def _short_pairs(search: Search) -> tuple[Pair, ...]:
@@ -464,8 +457,8 @@ def _why_not_known(search: Search, place: int | None) -> str:
         pairs = search.candidates.pair[search.stopping]
         names = dict.fromkeys(catalogue.offers[pair].ceramic.material for pair in pairs[catalogue.one_source[pairs]])
         return (
-            f"a single source gives the flow stress of {listed(list(names))}, so that no design of it is named best; "
-            "its entry can be given a second one, flow_stress_sources_GPa, or own tests (armour calibrate)"
+            f"the flow stress of {listed(list(names))} comes from a single source, so no design with it is named best; "
+            "add a second source to its entry, flow_stress_sources_GPa, or own tests (armour calibrate)"
         )
     unknown = np.flatnonzero(~_rows(search, place).errors.known).tolist()
     # The reason is that of the governing threat, if its probability is unknown.
@@ -491,7 +484,7 @@ def _unused_impact(scenario: Scenario) -> Iterator[Note]:
     """Warn if the impact is not one of the threats, which are used instead."""
     impact = scenario.impact
     if scenario.threat and shot(impact) not in map(shot, scenario.threat):
-        yield Note(f"{shot(impact)} is none of the threats, against which the armour is designed", "impact")
+        yield Note(f"{shot(impact)} is not among the threats that the armour is designed against", "impact")
 
 
 def _failing_backings(search: Search, best: int, frontier: Ints) -> tuple[float, ...]:

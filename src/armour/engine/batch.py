@@ -120,8 +120,6 @@ def _computed(
 ) -> tuple[Ints, Floats]:
     """Call a kernel on portions of the inputs; return its integers, shape (n, 2), and numbers, shape (n, width)."""
     rows, *velocities = (np.ascontiguousarray(array, dtype=np.float64) for array in inputs)
-    if rows.ndim != 2 or rows.shape[1] != len(Parameters._fields):
-        raise ValueError(f"rows must be of the shape (n, {len(Parameters._fields)}), found {rows.shape}")
     count = len(rows)
     inputs = [rows, *(np.ascontiguousarray(np.broadcast_to(column, count)) for column in velocities)]
     counts, ends = np.empty((count, 2), np.int64), np.empty((count, width))

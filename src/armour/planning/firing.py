@@ -310,7 +310,7 @@ def plan_shots(
         raise mistake("plan_shots", "requirement_m_s", message)
     if prior and model_error is None:
         if scenario is None:
-            raise mistake("plan_shots", "prior", "must not be asked for without a scenario")
+            raise mistake("plan_shots", "prior", "must be given with a scenario")
         raise no_prior(scenario)
     if limits_m_s is not None and model_error is not None and procedure not in LIMITED:
         message = f"must not be given with {procedure} where the model error is known"
@@ -375,7 +375,11 @@ def plan_shots(
             *_far_shots(shots, expectation),
             *contradictions,
             *(langlie_doubts(fired, settings) if procedure == "langlie" and aim else ()),
-            *([f"the simulation stopped after {MAX_SIMULATED} shots without an end"] if simulate and aim else ()),
+            *(
+                [f"the simulation stopped after {MAX_SIMULATED} shots before the firing ended"]
+                if simulate and aim
+                else ()
+            ),
             *(() if limit is None else limit.warnings),
         ),
     ).of(scenario.subject(ANY_VELOCITY) if scenario else f"V50 of {fired.file}", scenario=scenario)
@@ -394,7 +398,7 @@ def _conflicts(procedure: Procedure, settings: Container[str], *, simulate: bool
     if not simulate:
         yield from ((key, "must not be given without simulating") for key in (*truths, "seed") if key in settings)
     elif len(missing := [key for key in truths if key not in settings]) == 1:
-        yield missing[0], "must be given, as both V50 and scatter to simulate or neither"
+        yield missing[0], "must be given too: give both V50 and scatter, or neither"
 
 
 def _expected_v50(

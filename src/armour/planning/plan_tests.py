@@ -344,7 +344,7 @@ def _planned(
 def _warnings(task: Task, number: int, undetermined: Sequence[str]) -> Iterator[str]:
     """Yield warnings of inputs that the candidates, or the planned number of tests, do not determine."""
     if undetermined:
-        yield f"the candidates do not determine {', '.join(undetermined)}: their limits depend on the inputs alike"
+        yield f"the candidates do not determine {', '.join(undetermined)}: all limits depend on them in the same way"
     if number < (least := optimal_design.missing_tests(task.base, task.rows)):
         yield f"{number} tests do not determine the inputs; at least {least} are needed"
 

@@ -240,8 +240,8 @@ def _d_optimal(velocities: Sequence[float], v50: float, scatter: float) -> float
     """Return the velocity, m/s, that maximises the determinant of the information on V50 and scatter."""
     z = (np.array(velocities) - v50) / scatter
     weights = _weights(z)
-    zero, one, two = weights.sum(), weights @ z, weights @ (z * z)
-    gain = INFORMATION * (zero * ARGUMENTS**2 - 2.0 * one * ARGUMENTS + two)
+    total, first_moment, second_moment = weights.sum(), weights @ z, weights @ (z * z)
+    gain = INFORMATION * (total * ARGUMENTS**2 - 2.0 * first_moment * ARGUMENTS + second_moment)
     return v50 + scatter * float(ARGUMENTS[np.argmax(gain)])
 
 

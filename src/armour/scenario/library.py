@@ -145,9 +145,9 @@ class OwnTests(Section):
     """Quantities of the armours tested, with thicknesses along the line of fire over the penetrator's diameter, and
     what was measured; a side is 1 where the limit is above the velocity of a shot, -1 below, and 0 of a limit."""
     law: Items[LawTests] = ()
-    """Laws that the limits were computed with; none if the tests say nothing of the model error."""
+    """Laws that the limits were computed with; none if the tests do not determine the model error."""
     reason: str = ""
-    """Why they say nothing of it."""
+    """Reason why the tests do not determine the model error."""
 
     @model_validator(mode="before")
     @classmethod
@@ -167,7 +167,7 @@ class OwnTests(Section):
         for name, column in self.tests.items():
             low, high = BOUNDS_OF_TESTS.get(name, (TINY, inf))
             if not all(low <= value <= high for value in column) or (name == "side" and {*column} - {-1.0, 0.0, 1.0}):
-                raise ValueError(f"must be as armour calibrate writes it: {name} has a number that cannot be")
+                raise ValueError(f"must be as armour calibrate writes it: {name} has an impossible number")
         return self
 
 

@@ -588,7 +588,7 @@ class Uncertainty(Section):
                     raise ValueError(f'correlation must be between inputs that have a distribution, found "{name}"')
             if len(pair) < 2 or pairs.count(pair) > 1:
                 listed = ", ".join(sorted(pair))
-                raise ValueError(f"correlation must name two inputs, and each two once, found {listed}")
+                raise ValueError(f"correlation must name two different inputs, once for each pair, found {listed}")
         if self.correlation:
             # Imported here because a scenario without correlations does not need numpy.
             import numpy as np

@@ -68,7 +68,7 @@ ASSUMED = (
     f"the tests are too few to estimate their scatter: {100.0 * LEAST_REST:g} % of each measured value is assumed, and "
     "the intervals depend on it"
 )
-ONE_SIDED = "all shots have the same outcome: if others were left out, the limits that follow are wrong"
+ONE_SIDED = "all shots have the same outcome: if shots with the other one were left out, the fitted limits are wrong"
 # Greatest number of folds of the leave-one-out error.
 MAX_FOLDS = 100
 # Fraction of tables of sound tests in which a test is reported as out of line.

@@ -262,8 +262,19 @@ def fit_inputs(tests: Tests, inputs: Sequence[str], on_progress: OnProgress, *, 
     starts += [np.where(of_law, LAW_START, 1.0)] if of_law.any() else []
     ends = [search(likelihood, start) for start in starts]
     best = min(ends, key=lambda end: end.loss)
-    agreeing = sum(np.allclose(end.x, best.x, rtol=EQUAL, atol=EQUAL) for end in ends)
-    return _judged(likelihood, best, len(ends), agreeing)
+    linear = _linearised(likelihood, best)
+    precision = _by_uncertainties(best, linear) if likelihood.tests.weighted else _by_scatter(best, linear)
+    return InputFit(
+        **vars(precision),
+        likelihood=likelihood,
+        best=best,
+        rows=linear.rows,
+        residuals=linear.residuals,
+        prior_shares=_prior_shares(likelihood.prior, best, precision),
+        aicc=None if len(likelihood.prior.where) else _aicc(likelihood, best),
+        starts=len(ends),
+        starts_agreeing=sum(np.allclose(end.x, best.x, rtol=EQUAL, atol=EQUAL) for end in ends),
+    )
 
 
 def likelihood_of(tests: Tests, inputs: Sequence[str], on_progress: OnProgress, *, prior: bool = False) -> Likelihood:
@@ -351,23 +362,6 @@ def search(
 def _losses(z: Floats, sides: Floats) -> Floats:
     """Return signed roots of -2 times the logarithms of likelihoods, given deviations in standard deviations."""
     return np.where(sides == 0, z, np.sqrt(-2.0 * log_ndtr(sides * z)))
-
-
-def _judged(likelihood: Likelihood, best: Point, starts: int, agreeing: int) -> InputFit:
-    """Return a fit with its covariance, its p value and the threshold of its intervals."""
-    linear = _linearised(likelihood, best)
-    precision = _by_uncertainties(best, linear) if likelihood.tests.weighted else _by_scatter(best, linear)
-    return InputFit(
-        **vars(precision),
-        likelihood=likelihood,
-        best=best,
-        rows=linear.rows,
-        residuals=linear.residuals,
-        prior_shares=_prior_shares(likelihood.prior, best, precision),
-        aicc=None if len(likelihood.prior.where) else _aicc(likelihood, best),
-        starts=starts,
-        starts_agreeing=agreeing,
-    )
 
 
 class _Linearised(NamedTuple):

@@ -7,7 +7,6 @@ import numpy as np
 
 from armour.analysis.searches import ballistic_limits
 from armour.analysis.variants import Floats, Variants, concatenated, variants_of
-from armour.engine import batch
 from armour.errors import mistake
 from armour.evidence.fit import fits, law_parameters, shipped_data
 from armour.evidence.model_error import other_settings
@@ -35,8 +34,8 @@ UNTESTED = 0.40
 FACTOR, STEPS, CHANGE, LEAST_SLOPE = 8.0, 6, 0.05, 0.3
 # Reason why calibrated entries without usable tests have no model error.
 NOTHING_OF_ERROR = (
-    "the tests that it was calibrated to say nothing of the model error: none is of a limit, one is far from what any "
-    "lot can have, or their settings, armours or angles are not those of the shipped tests"
+    "the tests that it was calibrated to do not determine the model error: none measured a limit, one is implausible "
+    "for any lot, or their settings, armours or angles are not those of the shipped tests"
 )
 # Number of standard deviations from the prediction for any lot beyond which a test is a mistake.
 IMPLAUSIBLE = 6.0
@@ -109,11 +108,8 @@ def _rounded(values: Floats) -> tuple[float, ...]:
 
 def _limits(rows: Variants, role: str, values: Mapping[str, float]) -> Floats:
     """Return the ballistic limits of rows with other values of the entry in a role, by key, at any velocity, m/s."""
-    parameters, ends = rows.parameters.copy(), (SLOWEST_M_S, FASTEST_M_S)
-    for field, value in law_parameters(role, values).items():
-        getattr(batch.fields(parameters), field)[:] = value
-    rows = rows._replace(parameters=parameters)
-    return ballistic_limits(rows, ends).clip(*ends)
+    ends = SLOWEST_M_S, FASTEST_M_S
+    return ballistic_limits(rows.with_fields(law_parameters(role, values)), ends).clip(*ends)
 
 
 def _laws_of_plates(rows: Variants, entry: LibraryEntry) -> tuple[LawTests, ...]:

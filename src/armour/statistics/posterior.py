@@ -216,10 +216,7 @@ def no_prior(scenario: Scenario) -> InputError:
 
 
 def posterior_of(
-    prior: FiringPrior,
-    velocities_m_s: Sequence[float],
-    complete: Sequence[bool],
-    nodes: tuple[int, int] = NODES,
+    prior: FiringPrior, velocities_m_s: Sequence[float], complete: Sequence[bool], nodes: tuple[int, int] = NODES
 ) -> Posterior:
     """Return the posterior given shots, of which there may be none."""
     reach, middle = DEVIATIONS * log(prior.scatter_factor), log(prior.scatter_percent / 100.0)

@@ -132,10 +132,7 @@ def _answers(variants: Variants, on_progress: OnProgress) -> dict[str, Floats]:
     limits[:1] = ballistic_limits(variants.at(np.arange(1)))
     limits[np.isinf(limits)] = np.nan
     on_progress(count, count)
-    return {
-        LIMIT: limits,
-        RESIDUAL: np.where(answers.perforated, answers.residual_velocities, np.nan),
-    }
+    return {LIMIT: limits, RESIDUAL: np.where(answers.perforated, answers.residual_velocities, np.nan)}
 
 
 def _number(value: float) -> float | None:

@@ -285,7 +285,7 @@ def v50(
         raise mistake("v50", "span_m_s", f"must be given for {pairs} pairs; a span is usual with 2, 3 and 5 only")
     check_shots(shots, one_kind=prior)
     if prior and scenario is None:
-        raise mistake("v50", "prior", "must not be asked for without a scenario")
+        raise mistake("v50", "prior", "must be given with a scenario")
     partial, complete = shots.of(complete=False), shots.of(complete=True)
     # With a prior, shots that have no curve are informative too.
     curved = not prior or (bool(partial and complete) and sum(complete) * len(partial) > sum(partial) * len(complete))

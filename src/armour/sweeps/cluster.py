@@ -78,9 +78,9 @@ def workers_of(client: "Client") -> Iterator[Workers]:
     except ArmourError:
         raise
     except asyncio.CancelledError:
-        raise _error(f"lost the connection to the scheduler; what is done is kept, {RESUME}") from None
+        raise _error(f"lost the connection to the scheduler; finished rows are kept, {RESUME}") from None
     except Exception as error:  # of any kind, depending on what fails
-        raise _error(f"failed: {str(error) or type(error).__name__}; what is done is kept, {RESUME}") from None
+        raise _error(f"failed: {str(error) or type(error).__name__}; finished rows are kept, {RESUME}") from None
 
 
 class _SameProgram(Executor):

@@ -204,7 +204,7 @@ class Store:
                 raise mistake(self.folder, "", message) from None
         else:
             return
-        way_out = f"; what is done is kept, {RESUME}" if self.done else ""
+        way_out = f"; finished rows are kept, {RESUME}" if self.done else ""
         raise mistake(path, "", f"cannot be written: {obstacle}{way_out}")
 
 

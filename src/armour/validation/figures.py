@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import Field, field_validator
+from pydantic import Field
 
 from armour.analysis.evaluate import evaluate
 from armour.analysis.quantities import QUANTITIES
@@ -64,14 +64,6 @@ class FigureSection(Section):
     curve: list[CurveSection] = [CurveSection()]
     mark: list[FigureMark] = []
     level: list[FigureLevel] = []
-
-    @field_validator("quantities")
-    @classmethod
-    def _known(cls, names: list[str]) -> list[str]:
-        unknown = [name for name in names if name not in QUANTITIES]
-        if unknown:
-            raise ValueError(f"must name quantities, found {', '.join(unknown)}")
-        return names
 
 
 class FigureFile(Section):
