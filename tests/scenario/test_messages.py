@@ -23,7 +23,7 @@ WHOLE = data(
 # Additions to it, each followed by the beginning of its message, which four spaces precede.
 TABLE = r"""
 impact.velocity_m_s = -3
-    impact.velocity_m_s: must be greater than 0, found -3
+    impact.velocity_m_s: must be at least 1, found -3
 impact.velocity_m_s = inf
     impact.velocity_m_s: must be a finite number, found inf
 impact.velocity_m_s = "800"
@@ -32,8 +32,12 @@ impact.velocity_m_s = true
     impact.velocity_m_s: must be a number, found true
 impact.velocity_m_s = 1e6
     impact.velocity_m_s: must be at most 10000, found 1000000.0
-impact.velocity_m_s = 5e-324
-    impact.velocity_m_s: must be at least 1e-09, found 4.94066e-324
+impact.velocity_m_s = 0.85
+    impact.velocity_m_s: must be at least 1, found 0.85
+ballistic_limit.velocity_min_m_s = 5e-324
+    ballistic_limit.velocity_min_m_s: must be at least 1e-09, found 4.94066e-324
+armour.ceramic_thickness_mm = 9000.0
+    armour.ceramic_thickness_mm: must be at most 1000, found 9000.0
 impact.velocity_m_s = 12345678901234567890
     impact.velocity_m_s: must be at most 10000, found a whole number of more than 64 bits
 impact.projectile = 7

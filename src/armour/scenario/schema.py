@@ -31,11 +31,15 @@ from armour.units import US
 MAX_VALUES = 100_000
 MAX_DESIGNS = 1_000_000
 
-Thickness = Annotated[float, Field(gt=0.0, le=1e5), NOT_TINY]
-ThicknessOrNone = Annotated[float, Field(ge=0.0, le=1e5), NOT_TINY]
+# Greatest thickness; the bound catches mistakes of unit.
+THICKEST_MM = 1000.0
+Thickness = Annotated[float, Field(gt=0.0, le=THICKEST_MM), NOT_TINY]
+ThicknessOrNone = Annotated[float, Field(ge=0.0, le=THICKEST_MM), NOT_TINY]
 # Velocities, m/s, between which a ballistic limit is searched for where it is outside the range of its section.
 SLOWEST_M_S, FASTEST_M_S = 20.0, 1e4
 Velocity = Annotated[float, Field(gt=0.0, le=FASTEST_M_S), NOT_TINY]
+# The velocity of an impact; the bound catches one in km/s.
+ImpactVelocity = Annotated[float, Field(ge=1.0, le=FASTEST_M_S)]
 Positive = Annotated[float, Field(gt=0.0), NOT_TINY]
 # At greater angles, rounds ricochet and cores break or turn, which the model does not describe.
 Obliquity = Annotated[float, Field(ge=0.0, le=60.0), NOT_TINY]
@@ -88,7 +92,7 @@ class Impact(Section):
     """Name of a threat listed by armour library; it supplies the values that are not given here."""
     projectile: ProjectileName
     """Name of the projectile."""
-    velocity_m_s: Velocity
+    velocity_m_s: ImpactVelocity
     """Impact velocity."""
     obliquity_deg: Obliquity = 0.0
     """Angle between the line of fire and the normal of the armour."""
