@@ -58,6 +58,11 @@ def test_other_columns_stay_and_misspelt_ones_are_refused(tmp_path: Path):
         path.write_text(f"velocity_m_s,result,{wrong}\n700,partial,1\n")
         with pytest.raises(InputError, match=f"{wrong}: unknown column"):
             read_shots(path, one_kind=True)
+    path.write_text("test,ballistic_limit_m_s\na,700\n")
+    with pytest.raises(
+        InputError, match=r"s.csv: must be a table of shots .*, found tests; armour calibrate fits inputs"
+    ):
+        read_shots(path)
 
 
 def test_a_locked_table_is_refused_after_a_while(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

@@ -61,7 +61,7 @@ EVERY = "uncertainties must be given for every measurement and outcome, or for n
             f"rows: V50: unknown column; choose from {', '.join(USUAL)} and other keys of a scenario",
         ),
         ("shot,velocity_m_s,result", "1,700,partial", "rows: must be a table of tests, found shots (velocity_m_s and"),
-        (f"{C},{B}", "6,6", "row 1: must have one of ballistic_limit_m_s, residual_velocity_m_s"),
+        (f"{C},{B}", "6,6", "residual_mass_g, outcome; leave out a test that was not made"),
         (OUTCOME, "6,700,maybe", 'row 1: outcome: must be "stopped" or "perforated" (or partial or complete, P or C'),
         (f"{C},outcome", "6,stopped", "row 1: impact.velocity_m_s: is missing and must be given with an outcome"),
         (f"{OUTCOME},residual_velocity_m_s", "6,700,stopped,50", "must not be stopped if there is a residual"),

@@ -168,7 +168,7 @@ def _mistakes(row: CsvRow, repeated_names: Container[str]) -> list[tuple[str, st
     if name is not None and name in repeated_names:
         mistakes.append(("test", f'must name one test, found "{name}" on several lines'))
     if outcome is None and not any(column in row.texts for column in MEASURED):
-        mistakes.append(("", f"must have one of {', '.join((*MEASURED, OUTCOME))}"))
+        mistakes.append(("", f"must have one of {', '.join((*MEASURED, OUTCOME))}; leave out a test that was not made"))
     if outcome is not None and perforated is None:
         mistakes.append((OUTCOME, f'{MUST_SAY}, found "{outcome}"'))
     if perforated is False and RESIDUAL in row.texts:

@@ -206,6 +206,11 @@ def read_shots(path: str | PathLike[str], *, one_kind: bool = False) -> Shots:
     file, lines = lines_of(path)
     first = list(islice(lines, 1))
     header = first[0][1] if first else []
+    if {"ballistic_limit_m_s", "impact.velocity_m_s"} & {*header}:
+        message = (
+            "must be a table of shots (velocity_m_s and result), found tests; armour calibrate fits inputs to them"
+        )
+        raise mistake(file, "", message)
     usual = (*names, "shot")
     ignored = [name for name in header if name and not (missing_unit(name, usual) or suggestion(name, usual))]
     if len(header) == 1 or not {*names} & {*header}:
