@@ -41,7 +41,7 @@ ROOT = Path(__file__).resolve().parents[2]
 # Time of computing on all cores, and any.
 LIMIT_S, HANGING_S = 60.0, 600.0
 LIMIT_MIB = 1024.0
-DONE, NO_ANSWER, CHECK_FAILED, INTERRUPTED = 0, 1, 3, 130
+DONE, NO_ANSWER, WRONG_INPUT, CHECK_FAILED, INTERRUPTED = 0, 1, 2, 3, 130
 # How outputs end that do not end with a line, and characters told of a traceback.
 ENDS, TOLD = {".parquet": b"PAR1"}, 3000
 # Parts of the trials that are gentle, that read the scenario from standard input, and that are interrupted.
@@ -493,7 +493,7 @@ def may_be_left(path: Path, code: int, arguments: list[str]) -> bool:
         return True
     if code == NO_ANSWER and arguments[0] == "optimise":  # how far the designs are from what is required
         return True
-    return path.suffix == ".lock"
+    return path.suffix == ".lock" or (code == WRONG_INPUT and path.suffix == ".xml")  # the mistakes as JUnit XML
 
 
 def in_child(made: Trial, folder: Path) -> None:
