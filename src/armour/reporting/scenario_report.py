@@ -143,19 +143,13 @@ def _sampled(threat: CheckedThreat, scenario: Scenario, on_part: OnProgress) -> 
 def _misplaced(distributions: Mapping[str, Distribution], scenario: Scenario, answer: Scenario) -> tuple[Note, ...]:
     """Return a warning for each distribution that is about a value other than the answer's."""
     scenario_values, values = scenario.inputs(), answer.inputs()
-    return tuple(
-        Note(
-            f"is given for a value other than {values[name]:g}, which the armour and threat reported have; "
-            "the report has no sampled probability of perforation",
-            f"uncertainty.{name}",
-        )
-        for name, distribution in distributions.items()
-        if name in values
-        and (
-            (distribution.placed and scenario_values.get(name) != values[name])
-            or not distribution.contains(values[name])
-        )
-    )
+    notes = []
+    for name in filter(values.__contains__, distributions):
+        distribution, value = distributions[name], values[name]
+        if (distribution.placed and scenario_values.get(name) != value) or not distribution.contains(value):
+            words = f"is given for a value other than {value:g}, which the armour and threat reported have"
+            notes.append(Note(f"{words}; the report has no sampled probability of perforation", f"uncertainty.{name}"))
+    return tuple(notes)
 
 
 def scenario_report(contents: Contents, command: str, map_command: str = "") -> Report:
@@ -349,7 +343,7 @@ def _search(design: DesignResult) -> ReportSection:
     tables = [design_view.pair_table(design) if len(design.pairs) > 1 else design_view.frontier_table(design)]
     heading = "Pairs of materials" if len(design.pairs) > 1 else "Required ceramic for each back plate"
     if design.pareto:
-        tables.append(design_view.pareto_table(design))
+        tables.append(design_view.design_table(design.pareto, "Pareto front"))
     pictures = (drawing_of(design, "draw_front"),) if design.pareto else ()
     return ReportSection(heading, pictures=pictures, tables=tuple(tables), folded=True)
 
