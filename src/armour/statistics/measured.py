@@ -127,7 +127,7 @@ def read_tests(path: Table, scenario: Scenario, notes: Names = ()) -> Tests:
     >>> scenario = armour.load_scenario("wilkins")
     >>> test = {"armour.ceramic_thickness_mm": 8.0, "ballistic_limit_m_s": 780.0}
     >>> armour.read_tests([test], scenario)
-    <Tests: 1 tests of rows, 1 measurements>
+    <Tests: 1 test of rows, 1 measurement>
     """
     notes = tuple(notes)
     numbers = (*INPUTS, *MEASURED, *MEASURED.values())

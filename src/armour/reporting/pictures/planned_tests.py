@@ -76,7 +76,7 @@ def _draw_planned(axes: Axes, places: Sequence[tuple[Any, ...]], velocities: Seq
     for times in sorted(set(repeats.values())):
         alike = [place for place, count in repeats.items() if count == times]
         shots = [[v for other, v in zip(places, velocities, strict=False) if other == place] for place in alike]
-        words = [f"at {velocities_in_words(of_place)}" for of_place in shots] if velocities else []
+        words = [f"at {velocities_in_words(velocities_here)}" for velocities_here in shots] if velocities else []
         rank = min(times, len(MARKERS))
         look: Any = {"label": "one test" if times == 1 else f"{times} tests", "color": drawing.VERMILION}
         x, y = zip(*alike, strict=True)
