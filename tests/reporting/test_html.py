@@ -152,9 +152,9 @@ def test_points_tell_their_values_with_units():
         lambda axes: axes.plot([8.0, 8.0], [1.0, 9.0], label="a curve has none"),
     )
     assert words(svg) == [
-        "p: 3.25 g\nlength 2 mm",  # the other is outside the axes
+        "p\nmass, g: 3.25\nlength, mm: 2",  # the other is outside the axes
         "first\nsecond",
-        "mass: 7 g\nlength 6 mm",
+        "mass, g: 7\nlength, mm: 6",
     ]
 
 
@@ -172,7 +172,7 @@ def test_rows_and_stages_have_their_words():
     assert any(text.startswith("stage i: intact ceramic; penetrator erodes\n") for text in found)
     sensitivity = SensitivityResult({"ballistic_limit_m_s": 700.0}, (Elasticity(CERAMIC, 6.0, LIMIT),))
     picture = drawn(drawing_of(sensitivity), Sheet(WIDTH_INCHES), bare=True)
-    assert words(inline_svg(picture, "T", "c")) == ["ceramic thickness\nchange -0.4 %"]
+    assert words(inline_svg(picture, "T", "c")) == ["ceramic thickness\nchange, %: -0.4"]
 
 
 def test_colours_follow_the_theme():

@@ -92,7 +92,7 @@ def inline_svg(picture: "Picture", label: str, name: str) -> str:
     for axes in picture.axes:
         for line in axes.lines:
             if isinstance(line, Points):
-                root.extend(_points(axes, line, float(figure.bbox.height)))
+                root.extend(list(_points(axes, line, float(figure.bbox.height))))
     ElementTree.register_namespace("", SVG)
     ElementTree.register_namespace("xlink", XLINK)
     return ElementTree.tostring(root, encoding="unicode")
@@ -112,22 +112,12 @@ def _points(axes: "Axes", line: "Points", height: float) -> Iterator[ElementTree
 
 
 def _values(axes: "Axes", line: "Points", x: float, y: float) -> str:
-    """Return the values of a point in words, by the names of the line and of the axes."""
-    name = str(line.get_label())
-    (across, x_unit), (up, y_unit) = (_label_and_unit(text) for text in (axes.get_xlabel(), axes.get_ylabel()))
-    if len(axes.get_yticklabels()) and not up:  # rows of names
-        row = axes.get_yticklabels()[round(y)].get_text().replace("\n", " ")
-        return f"{row}\n{'' if name.startswith('_') else f'{name}: '}{across} {number(x, '.4g')} {x_unit}".rstrip()
-    return (
-        f"{up if name.startswith('_') else name}: {number(y, '.4g')} {y_unit}".rstrip()
-        + f"\n{across} {number(x, '.4g')} {x_unit}".rstrip()
-    )
-
-
-def _label_and_unit(label: str) -> tuple[str, str]:
-    """Return the two parts of the label of an axis."""
-    words, _, unit = label.rpartition(", ")
-    return (words, unit) if words else (unit, "")
+    """Return the values of a point in words, by the names of the line and of the axes or, in rows, of its row."""
+    name, up, rows = str(line.get_label()), axes.get_ylabel(), axes.get_yticklabels()
+    row = rows[round(y)].get_text().replace("\n", " ") if rows and not up else ""
+    height = f"{up}: {number(y, '.4g')}" if up else row
+    words = ["" if name.startswith("_") else name, height, f"{axes.get_xlabel()}: {number(x, '.4g')}"]
+    return "\n".join(filter(None, words))
 
 
 def _attribute(key: str, value: str, name: str) -> str:

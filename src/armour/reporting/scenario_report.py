@@ -16,7 +16,7 @@ from armour.evidence.model_error import given_error
 from armour.evidence.tests import armour_of
 from armour.reporting.lookup import drawing_of
 from armour.reporting.report import Card, Report, ReportSection, origin_section, reference_notes
-from armour.reporting.table import Column, Source, Table, column_of, in_words, listing
+from armour.reporting.table import Column, Table, column_of, in_words, listing
 from armour.reporting.text import interval, percent
 from armour.reporting.views import check as check_view
 from armour.reporting.views import design as design_view
@@ -25,14 +25,7 @@ from armour.reporting.views import sensitivity as sensitivity_view
 from armour.reporting.views import uncertainty as uncertainty_view
 from armour.reporting.views.design import AREAL_DENSITY, COST
 from armour.reporting.views.library import entry_table
-from armour.reporting.words import (
-    SAMPLED_ALONE,
-    STOPPING,
-    chance,
-    extrapolation,
-    flow_stress_notes,
-    from_tests,
-)
+from armour.reporting.words import SAMPLED_ALONE, STOPPING, chance, extrapolation, flow_stress_notes, from_tests
 from armour.scenario.inputs import INPUTS, NAMES, ROLES
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import DesignSection, Distribution
@@ -150,19 +143,13 @@ def _sampled(threat: CheckedThreat, scenario: Scenario, on_part: OnProgress) -> 
 def _misplaced(distributions: Mapping[str, Distribution], scenario: Scenario, answer: Scenario) -> tuple[Note, ...]:
     """Return a warning for each distribution that is about a value other than the answer's."""
     scenario_values, values = scenario.inputs(), answer.inputs()
-    return tuple(
-        Note(
-            f"is given for a value other than {values[name]:g}, which the armour and threat reported have; "
-            "the report has no sampled probability of perforation",
-            f"uncertainty.{name}",
-        )
-        for name, distribution in distributions.items()
-        if name in values
-        and (
-            (distribution.placed and scenario_values.get(name) != values[name])
-            or not distribution.contains(values[name])
-        )
-    )
+    notes = []
+    for name in filter(values.__contains__, distributions):
+        distribution, value = distributions[name], values[name]
+        if (distribution.placed and scenario_values.get(name) != value) or not distribution.contains(value):
+            words = f"is given for a value other than {value:g}, which the armour and threat reported have"
+            notes.append(Note(f"{words}; the report has no sampled probability of perforation", f"uncertainty.{name}"))
+    return tuple(notes)
 
 
 def scenario_report(contents: Contents, command: str, map_command: str = "") -> Report:
@@ -182,14 +169,8 @@ def scenario_report(contents: Contents, command: str, map_command: str = "") -> 
 
 def _byline(scenario: Scenario) -> tuple[tuple[str, str], ...]:
     """Return title, project, author and date, where the scenario has them, and the version of the program."""
-    texts = {
-        "scenario": scenario.title,
-        "project": scenario.project,
-        "author": scenario.author,
-        "date": scenario.date,
-        "program version": f"armour {__version__}",
-    }
-    return tuple((name, text) for name, text in texts.items() if text)
+    texts = {"scenario": scenario.title, "project": scenario.project, "author": scenario.author, "date": scenario.date}
+    return (*((name, text) for name, text in texts.items() if text), ("program version", f"armour {__version__}"))
 
 
 def _has_requirements(contents: Contents) -> bool:
@@ -292,14 +273,13 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Re
     """Give the sections: first the answer, then, folded, what explains it."""
     design, scenario, answer = contents.design, contents.scenario, contents.answer
     threat = contents.threat
-    what_ifs = {checked.threat: check_view.what_if_table(checked, checked.threat) for checked in contents.check.threats}
-    what_if = what_ifs.pop(threat.threat)
+    ordered = sorted(contents.check.threats, key=lambda checked: checked.threat != threat.threat)
+    what_ifs = [check_view.what_if_table(checked, f"against {checked.threat}") for checked in ordered]
     exact = ("With exact inputs.",) if contents.sampled else ()
-    against = (f"Against {threat.threat}.",) if what_ifs else ()
     notes = flow_stress_notes(threat.flow_stress, threat.threat)
     notes[:1] = [f"{answer.armour_words()} {note}" for note in notes[:1]]
     yield ReportSection("Threats", tuple(notes), tables=(_threats(contents),))
-    yield ReportSection("What if", (*against, *exact), tables=(what_if,))
+    yield ReportSection("What if", exact, tables=tuple(what_ifs))
     if design is not None:
         hint = ("This command makes an interactive page of all designs:",) if map_command else ()
         # The title of the map is the answer, which the report begins with.
@@ -311,9 +291,6 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Re
     tests = evidence.source if threat.model_error is not None and given_error(answer) is None else ""
     values = [value.source for entry in entries for value in entry.values.values()]
     yield ReportSection("References", notes=reference_notes(("[Paper]", tests, *values)))
-    if what_ifs:
-        others = next(iter(what_ifs)) if len(what_ifs) == 1 else "the other threats"
-        yield ReportSection(f"What if, against {others}", tables=tuple(what_ifs.values()), folded=True)
     if design is not None:
         yield _search(design)
     if (sampled := contents.uncertainty) is not None:
@@ -342,14 +319,9 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Re
 def _threats(contents: Contents) -> Table:
     """Return every threat with its requirement, the probability and the ballistic limit."""
     names = {threat.title: threat.name or threat.threat for threat in contents.scenario.threats()}
-    requirements: list[Source] = []
-    if _has_requirements(contents):
-        requirements = [(Column("required", prose=True), _required), (Column("result"), check_view.verdict)]
     is_mixed = 0 < len(contents.sampled) < len(contents.threats)
-    inputs: Source = (
-        Column("inputs"),
-        lambda threat: "distributions" if threat.threat in contents.sampled else "exact",
-    )
+    kinds = {name: "distributions" if name in contents.sampled else "exact" for name in names}
+    requires = _has_requirements(contents)
     return listing(
         contents.threats,
         (Column("threat", prose=True), lambda threat: names[threat.threat]),
@@ -357,17 +329,13 @@ def _threats(contents: Contents) -> Table:
         column_of("velocity_m_s", "g", "velocity"),
         column_of("obliquity_deg", "g", "obliquity"),
         (check_view.PROBABILITY, lambda threat: chance(threat.probability_of_stopping)),
-        *([inputs] if is_mixed else []),
-        *requirements,
+        (Column("inputs"), lambda threat: kinds[threat.threat] if is_mixed else ""),
+        (Column("required", prose=True), lambda threat: check_view.required(threat) if requires else ""),
+        (Column("result"), lambda threat: check_view.verdict(threat) if requires else ""),
         column_of("ballistic_limit_m_s", ".0f", "ballistic limit"),
         (check_view.INTERVAL, lambda threat: interval(threat.interval_m_s, ".0f")),
         column_of("margin_m_s", "+.0f"),
     )
-
-
-def _required(threat: CheckedThreat) -> str:
-    words = check_view.required(threat)
-    return words if threat.required_probability is not None else f"limit above {words}"
 
 
 def _search(design: DesignResult) -> ReportSection:
@@ -375,7 +343,7 @@ def _search(design: DesignResult) -> ReportSection:
     tables = [design_view.pair_table(design) if len(design.pairs) > 1 else design_view.frontier_table(design)]
     heading = "Pairs of materials" if len(design.pairs) > 1 else "Required ceramic for each back plate"
     if design.pareto:
-        tables.append(design_view.pareto_table(design))
+        tables.append(design_view.design_table(design.pareto, "Pareto front"))
     pictures = (drawing_of(design, "draw_front"),) if design.pareto else ()
     return ReportSection(heading, pictures=pictures, tables=tuple(tables), folded=True)
 
@@ -388,16 +356,7 @@ def _impact(contents: Contents) -> ReportSection:
         f"{energy.left:.2f} J at the end; the losses, integrated along the run, account for the difference to within "
         f"{abs(energy.difference):.1g} J."
     )
-    table = listing(
-        zip(contents.impact.stages, energy.rows, strict=True),
-        (Column("stage", prose=True), lambda row: f"{row[0].stage}: {impact_view.STAGES[row[0].stage].words}"),
-        (column_of("start_us", ".1f"), lambda row: row[0].start_us),
-        (column_of("end_us", ".1f"), lambda row: row[0].end_us),
-        (column_of("velocity_lost_m_s", ".1f"), lambda row: row[0].velocity_lost_m_s),
-        (column_of("length_lost_mm", ".2f"), lambda row: row[0].length_lost_mm),
-        (Column("energy carried by eroded material", "J", ".1f"), lambda row: row[1].eroded),
-        (Column("energy lost in braking the penetrator", "J", ".1f"), lambda row: row[1].braked),
-    )
+    table = impact_view.stage_table(contents.impact)
     # The table has the stages in words.
     drawing = drawing_of(contents.impact, note="")
     return ReportSection("The impact, stage by stage", (words,), pictures=(drawing,), tables=(table,), folded=True)

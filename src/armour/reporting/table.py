@@ -9,7 +9,7 @@ from typing import Any
 
 from armour.analysis.quantities import QUANTITIES, label_and_unit
 from armour.files import csv_cell
-from armour.reporting.text import number, percent
+from armour.reporting.text import number
 
 Cell = float | int | str | None
 
@@ -71,11 +71,6 @@ def column_of(key: str, spec: str = "", label: str = "", *, prose: bool = False)
 def in_words(name: str) -> str:
     """Return label and unit of a quantity, an input or a key, such as "ceramic flow stress, GPa"."""
     return column_of(name).heading
-
-
-def between(result: Any, *, prose: bool = False) -> Column:
-    """Return the column of intervals at the confidence level of a result."""
-    return Column(f"{percent(result.confidence)} interval", prose=prose)
 
 
 def deviation_percent(value: float | None, reference: float) -> float | None:

@@ -47,8 +47,8 @@ def test_threats_and_probabilities_have_margins():
     result = replace(design_result(threats=(THREAT, OTHER)), best=best)
     assert kinds(result)[1] == "threat"
     assert margin_table(result, {OTHER: 50.0}).texts() == [
-        [THREAT, "+3", "64 %", "", "0.031", "0.020 to 0.050", "governs"],
-        [OTHER, "+80", "unknown", "+50", "", "", ""],
+        [THREAT, "+3", "64 %", "", "0.031 (0.020 to 0.050)", "governs"],
+        [OTHER, "+80", "unknown", "+50", "", ""],
     ]
     assert frontier_table(result).headings()[-2] == "governed by"
     assert margin_table(design_result(), {}).headings() == [
@@ -88,9 +88,9 @@ def test_the_note_on_the_error_says_whether_it_is_not_known_or_not_included():
 
 def test_back_plates_without_a_row_are_told():
     for given, told in (
-        ((2.0,), "no row for the 2 mm back plate: no ceramic on it passes"),
-        ((2.0, 2.5), "no rows for 2 back plates, 2, 2.5 mm: no ceramic on them passes"),
-        ((1.0, 2.0, 3.0), "no rows for 3 back plates, 1 to 3 mm: no ceramic on them passes"),
+        ((2.0,), "no ceramic passes on 1 back plate, 2 mm"),
+        ((2.0, 2.5), "no ceramic passes on 2 back plates, 2 to 2.5 mm"),
+        ((1.0, 2.0, 3.0), "no ceramic passes on 3 back plates, 1 to 3 mm"),
     ):
         assert left_out(replace(design_result(), without_mm=given)) == told
 

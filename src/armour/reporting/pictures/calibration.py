@@ -6,7 +6,6 @@ from matplotlib.axes import Axes
 
 from armour.analysis.quantities import label_and_unit
 from armour.reporting.pictures import drawing
-from armour.reporting.pictures.drawing import Compared, Picture, Sheet
 from armour.reporting.table import deviation_percent
 from armour.reporting.text import number
 from armour.reporting.views.suite import grouped
@@ -18,7 +17,7 @@ MAX_ROWS = 40
 WORDS = {"": "measured", "at least": "stopped at", "at most": "perforated at"}
 
 
-def draw(result: CalibrationResult, sheet: Sheet) -> Picture:
+def draw(result: CalibrationResult, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw both for each quantity that was measured."""
     names = _test_names(result)
     title = f"Calibration to {len(names)} tests"
@@ -31,22 +30,16 @@ def draw(result: CalibrationResult, sheet: Sheet) -> Picture:
     measured = {quantity: [r for r in residuals if not r.bound] for quantity, residuals in by_quantity.items()}
     heights = []
     for residuals in measured.values():
-        heights.append(sheet.across() - 0.3)
-        if residuals:
-            heights.append(drawing.rows_height([names[r.test] for r in _largest(residuals)], titled=True))
+        tests = [names[residual.test] for residual in _largest(residuals)]
+        heights += [sheet.across() - 0.3, *([drawing.rows_height(tests, titled=True)] if tests else [])]
     note = "Error bars: ± one standard deviation of the measured value." if given else ""
     picture = sheet.panels(title, *heights, note=note)
     panels = iter(picture.axes)
     for quantity, residuals in by_quantity.items():
-        groups = {
-            WORDS[bound] if bound else "tests": [
-                Compared(names[r.test], WORDS[bound], r.measured, r.computed, r.uncertainty or 0.0)
-                for r in residuals
-                if r.bound == bound
-            ]
-            for bound in WORDS
-            if any(r.bound == bound for r in residuals)
-        }
+        groups: dict[str, list[drawing.Compared]] = {}
+        for r in sorted(residuals, key=lambda residual: list(WORDS).index(residual.bound)):
+            pair = drawing.Compared(names[r.test], WORDS[r.bound], r.measured, r.computed, r.uncertainty or 0.0)
+            groups.setdefault(WORDS[r.bound] if r.bound else "tests", []).append(pair)
         drawing.agreement(next(panels), quantity, "measured", groups)
         if measured[quantity]:
             _draw_deviations(next(panels), quantity, measured[quantity], names)

@@ -2,11 +2,10 @@
 
 from armour.analysis.closed_forms import residual_velocity
 from armour.reporting.pictures import drawing
-from armour.reporting.pictures.drawing import Picture, Sheet
 from armour.validation.comparison import Comparison
 
 
-def draw(result: Comparison, sheet: Sheet) -> Picture:
+def draw(result: Comparison, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the curves, and the limits within their range."""
     limit = result.limit.ballistic_limit_m_s
     impact = [point.impact_velocity_m_s for point in result.curve]

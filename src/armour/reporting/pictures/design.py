@@ -20,7 +20,6 @@ from armour.design.map import (
 )
 from armour.design.optimise import OBJECTIVES, Design, DesignResult
 from armour.reporting.pictures import drawing
-from armour.reporting.pictures.drawing import Picture, Sheet
 from armour.reporting.table import in_words
 from armour.reporting.text import percent, wrapped
 from armour.reporting.views.design import COST, CRITERIA, least_probability, pair_words, required_margins, title
@@ -49,7 +48,7 @@ class _Panel(NamedTuple):
     note: str
 
 
-def draw(result: DesignResult, sheet: Sheet) -> Picture:
+def draw(result: DesignResult, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw limits over the one thickness that varies, or else a map of the best pair, the best pairs and the front."""
     layer, maps = _maps(result)
     if layer:
@@ -62,21 +61,21 @@ def draw(result: DesignResult, sheet: Sheet) -> Picture:
     return _draw_panels(title(result), panels, sheet)
 
 
-def draw_map(result: DesignResult, sheet: Sheet) -> Picture:
+def draw_map(result: DesignResult, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the designs of the best pair over both thicknesses, or those of all pairs over the one that varies."""
     layer, maps = _maps(result)
     if layer:
-        return _draw_lines(result, layer, maps, sheet, beside=False)
+        return _draw_lines(result, layer, maps, sheet)
     return _draw_panels(title(result), [maps[0].panel()], sheet)
 
 
-def draw_front(result: DesignResult, sheet: Sheet) -> Picture:
+def draw_front(result: DesignResult, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the Pareto front."""
     panel = _front_panel(result)
     return _draw_panels(panel.title, [panel._replace(title="")], sheet)
 
 
-def _draw_panels(answer: str, panels: Sequence[_Panel], sheet: Sheet) -> Picture:
+def _draw_panels(answer: str, panels: Sequence[_Panel], sheet: drawing.Sheet) -> drawing.Picture:
     notes = " ".join(filter(None, (panel.note for panel in panels)))
     picture = sheet.panels(answer, *(panel.height for panel in panels), note=notes)
     for axes, panel in zip(picture.axes, panels, strict=True):
@@ -114,12 +113,10 @@ def _nodes(offered: Any) -> Any:
     return np.union1d(even, offered) if len(offered) <= NODES else even
 
 
-def _draw_lines(
-    result: DesignResult, layer: str, maps: "Sequence[_Map]", sheet: Sheet, *, beside: bool = True
-) -> Picture:
+def _draw_lines(result: DesignResult, layer: str, maps: "Sequence[_Map]", sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the limits of pairs of materials over one thickness, a panel for each threat."""
     catalogue, count = maps[0].catalogue, len(result.threats)
-    beside = beside and count in (2, 3)
+    beside = sheet.width is None and count in (2, 3)
     stop = "as required." if any(maps[0].confidences) else "by the model."
     if any(pair_map.over_sources is not None for pair_map in maps):
         stop = "untested ones even with the least flow stress of their sources, which bands show."

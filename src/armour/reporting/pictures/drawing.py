@@ -155,8 +155,8 @@ def drawn(
 
 def _make_room(figure: Any, parts: Sequence[Any]) -> None:
     """Make a figure taller by the height of the parts outside its panels, so that these keep their height."""
-    more = sum(part.get_window_extent().height for part in parts) / figure.dpi
-    figure.set_figheight(figure.get_figheight() + more)
+    height = sum(part.get_window_extent().height for part in parts) / figure.dpi
+    figure.set_figheight(figure.get_figheight() + height)
 
 
 def _write(figure: Figure, lines: Sequence[str], note: str) -> list[Any]:
@@ -371,11 +371,11 @@ def name_rows(axes: Axes, names: Sequence[str]) -> None:
 
 
 class Compared(NamedTuple):
-    """A known and a computed value, with a name, the word for the known one, and its standard deviation, if any."""
+    """An expected and a computed value, with a name, the word for the first and its standard deviation, if any."""
 
     name: str
     word: str
-    known: float
+    expected: float
     computed: float
     deviation: float = 0.0
 
@@ -383,28 +383,30 @@ class Compared(NamedTuple):
 def agreement(
     axes: Axes, quantity: str, word: str, groups: Mapping[str, Sequence[Compared]], part: float = 0.0
 ) -> None:
-    """Draw computed over known values, with the line of agreement and, if a part is given, lines that part away."""
+    """Draw computed over expected values, with the line of agreement and, if a part is given, lines that part away."""
     column = column_of(quantity, ".5g")
     pairs = [pair for group in groups.values() for pair in group]
-    low, high = widened(value for p in pairs for value in (p.known - p.deviation, p.known + p.deviation, p.computed))
+    low, high = widened(
+        value for p in pairs for value in (p.expected - p.deviation, p.expected + p.deviation, p.computed)
+    )
     # The axes of values that are close together reach the lines on both sides.
     margin = part * high if high - low < part * high else 0.0
     span = low - margin, high + margin
     axes.set(xlabel=f"{word} {column.heading}", ylabel=f"computed {column.heading}", xlim=span, ylim=span)
     axes.set_aspect("equal")
     for index, (label, group) in enumerate(groups.items()):
-        known, computed = [p.known for p in group], [p.computed for p in group]
+        expected, computed = [p.expected for p in group], [p.computed for p in group]
         words = [
-            f"{p.name}\n{p.word} {value_text(column, p.known)}"
+            f"{p.name}\n{p.word} {value_text(column, p.expected)}"
             + (f" ± {value_text(column, p.deviation)}" if p.deviation else "")
             + f", computed {value_text(column, p.computed)}"
             for p in group
         ]
         look = look_of(index) | {"label": legible(label), "markersize": 5.0 if len(pairs) <= MANY else 3.0}
         if any(p.deviation for p in group):
-            ends = [(p.known - p.deviation, p.known + p.deviation) for p in group]
+            ends = [(p.expected - p.deviation, p.expected + p.deviation) for p in group]
             ranges(axes, computed, ends, look["color"])
-        points(axes, known, computed, words, filled=False, **look)
+        points(axes, expected, computed, words, filled=False, **look)
     lines = [(1.0, "agreement", "-"), (1.0 - part, f"± {percent(part)}", ":"), (1.0 + part, "", ":")]
     for factor, label, style in lines if part else lines[:1]:
         axes.plot(span, [factor * end for end in span], linestyle=style, color=INK, linewidth=0.8, label=label)

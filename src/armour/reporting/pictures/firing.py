@@ -4,7 +4,6 @@ import numpy as np
 
 from armour.errors import mistake
 from armour.reporting.pictures import drawing
-from armour.reporting.pictures.drawing import Picture, Sheet
 from armour.reporting.pictures.shot_plan import draw_shots
 from armour.reporting.table import in_words
 from armour.reporting.text import interval, percent
@@ -16,7 +15,7 @@ from armour.statistics.v50 import FiringResult, Shots
 POSTERIOR = 0.4
 
 
-def draw(result: FiringResult, sheet: Sheet) -> Picture:
+def draw(result: FiringResult, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the probability of a complete penetration over the velocity."""
     shots = drawing.needed(result, "shots")
     if not result.fits:

@@ -14,7 +14,6 @@ from armour.core.equations import crack_velocity
 from armour.core.state import Parameters
 from armour.errors import mistake
 from armour.reporting.pictures import drawing
-from armour.reporting.pictures.drawing import Picture, Sheet
 from armour.reporting.text import wrapped
 from armour.reporting.views.impact import STAGES
 from armour.units import MM
@@ -45,7 +44,7 @@ PART = 0.8
 INCHES, EVENT_CHARACTERS, AT_ONCE_US = 6.0, 12, 1e-3
 
 
-def draw(result: ImpactResult, sheet: Sheet) -> Picture:
+def draw(result: ImpactResult, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the armour and the penetrator, and below them velocities, length and depths over time."""
     history = result.history
     if history is None:

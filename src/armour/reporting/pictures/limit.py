@@ -4,7 +4,6 @@ import numpy as np
 
 from armour.analysis.ballistic_limit import LimitResult, curve_velocities, residual_velocity_curve
 from armour.reporting.pictures import drawing
-from armour.reporting.pictures.drawing import Picture, Sheet
 from armour.reporting.text import interval
 from armour.reporting.words import chance
 
@@ -12,7 +11,7 @@ from armour.reporting.words import chance
 CURVE_POINTS = 200
 
 
-def draw(result: LimitResult, sheet: Sheet) -> Picture:
+def draw(result: LimitResult, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw both over the impact velocity; without a model error, draw the residual velocity alone."""
     scenario, limit = drawing.needed(result, "scenario"), result.ballistic_limit_m_s
     threat, error, ends = scenario.impact.velocity_m_s, result.model_error, result.interval_m_s

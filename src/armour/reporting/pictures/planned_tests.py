@@ -8,22 +8,21 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from armour.analysis.quantities import label_and_unit
-from armour.errors import counted
+from armour.errors import counted, listed
 from armour.planning.plan_tests import PlannedTests
 from armour.reporting.pictures import drawing
-from armour.reporting.pictures.drawing import Picture, Sheet
 from armour.reporting.table import in_words
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, VELOCITY
 
 GAIN = "relative gain of one more test"
 GAINS = "Gain of one more test{}, relative to the average planned test (1: as good)."
-# Velocities that a note names one by one, and candidates up to which each has its gain as a number.
-MAX_LISTED, MAX_NUMBERS = 6, 60
+# Candidates up to which each has its gain as a number.
+MAX_NUMBERS = 60
 # Markers of candidates that are tested once, twice, and so on; those tested more often have the last.
 MARKERS = "os^D*"
 
 
-def draw(result: PlannedTests, sheet: Sheet) -> Picture:
+def draw(result: PlannedTests, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the gain of one more test over the inputs that vary, with the planned tests and their numbers.
 
     It is a map over two of them, by preference the thicknesses, or a curve over one; the greatest gain is shown where
@@ -77,7 +76,7 @@ def _draw_planned(axes: Axes, places: Sequence[tuple[Any, ...]], velocities: Seq
     for times in sorted(set(repeats.values())):
         alike = [place for place, count in repeats.items() if count == times]
         shots = [[v for other, v in zip(places, velocities, strict=False) if other == place] for place in alike]
-        words = [f"at {velocities_in_words(of_place)}" for of_place in shots] if velocities else []
+        words = [f"at {velocities_in_words(velocities_here)}" for velocities_here in shots] if velocities else []
         rank = min(times, len(MARKERS))
         look: Any = {"label": "one test" if times == 1 else f"{times} tests", "color": drawing.VERMILION}
         x, y = zip(*alike, strict=True)
@@ -85,11 +84,8 @@ def _draw_planned(axes: Axes, places: Sequence[tuple[Any, ...]], velocities: Seq
 
 
 def velocities_in_words(velocities: Iterable[float]) -> str:
-    """Return different velocities in words, or their range where they are many."""
-    words = [f"{velocity:.4g}" for velocity in sorted(set(velocities))]
-    if len(words) > MAX_LISTED:
-        return f"{len(words)} velocities, {words[0]} to {words[-1]} m/s"
-    return f"{', '.join([*words[:-2], ' and '.join(words[-2:])])} m/s"
+    """Return different velocities in words, the first of them where they are many."""
+    return listed([f"{velocity:.4g} m/s" for velocity in sorted(set(velocities))])
 
 
 def _draw_candidates(axes: Axes, x: Any, y: Any, z: Any) -> None:

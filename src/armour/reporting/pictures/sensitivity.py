@@ -2,11 +2,10 @@
 
 from armour.analysis.quantities import label_and_unit
 from armour.reporting.pictures import drawing
-from armour.reporting.pictures.drawing import Picture, Sheet
 from armour.statistics.sensitivity import SensitivityResult
 
 
-def draw(result: SensitivityResult, sheet: Sheet) -> Picture:
+def draw(result: SensitivityResult, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw them, the inputs with the largest of the first answer, the ballistic limit where there is one, on top."""
     answers = [name for name, value in result.answers.items() if value is not None]
     # Without an elasticity an input, such as the velocity for the ballistic limit, is below those with one.

@@ -8,7 +8,6 @@ from matplotlib.axes import Axes
 from armour.errors import counted
 from armour.planning.firing import ShotPlan
 from armour.reporting.pictures import drawing
-from armour.reporting.pictures.drawing import Picture, Sheet
 from armour.reporting.table import in_words
 from armour.reporting.text import interval, percent
 from armour.scenario.inputs import VELOCITY
@@ -17,7 +16,7 @@ from armour.statistics.v50 import Shots
 KINDS = (("partial penetration", False, drawing.GREEN, "o"), ("complete penetration", True, drawing.VERMILION, "^"))
 
 
-def draw(plan: ShotPlan, sheet: Sheet) -> Picture:
+def draw(plan: ShotPlan, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the densities of V50, and beneath them the shots or the operating characteristic of their procedure."""
     reach = [*plan.fired.velocities_m_s, plan.model_ballistic_limit_m_s, *(plan.limits_m_s or ())]
     x = list(plan.curve.velocity_m_s) if plan.curve else np.linspace(0.9 * min(reach), 1.1 * max(reach), 201).tolist()
@@ -86,9 +85,7 @@ def draw_shots(axes: Axes, shots: Shots) -> None:
     """Draw the shots of each kind, as points at their probabilities, 0 and 1."""
     for kind, complete, colour, marker in KINDS:
         if velocities := shots.of(complete=complete):
-            words = [f"{kind} at {velocity:g} m/s" for velocity in velocities]
-            look: Any = {"marker": marker, "label": kind, "color": colour}
-            drawing.points(axes, velocities, [complete] * len(velocities), words, **look)
+            drawing.points(axes, velocities, [complete] * len(velocities), marker=marker, label=kind, color=colour)
 
 
 def _draw_velocities(axes: Axes, plan: ShotPlan, *, named: bool) -> None:

@@ -9,7 +9,6 @@ from matplotlib.axes import Axes
 
 from armour.errors import mistake
 from armour.reporting.pictures import drawing
-from armour.reporting.pictures.drawing import Compared, Picture, Sheet
 from armour.reporting.views.suite import drawn_checks, grouped
 from armour.scenario.sections import TINY
 from armour.validation.figures import Figure
@@ -20,7 +19,7 @@ from armour.validation.validate import SuiteResult
 LEFT_OUT = "outcomes, relative differences, and those of no table or without an answer"
 
 
-def draw(result: SuiteResult, sheet: Sheet) -> Picture:
+def draw(result: SuiteResult, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw computed over expected values of a suite's tables or, without tables, of its cases, by quantity."""
     if not (checks := drawn_checks(result)):
         raise mistake("plot", "result", "must have a case whose value is a number, found none")
@@ -35,7 +34,7 @@ def draw(result: SuiteResult, sheet: Sheet) -> Picture:
     picture = sheet.panels(title, *heights, note=note, width=drawing.COLUMN)
     for axes, (quantity, checks_of_quantity) in zip(picture.axes, by_quantity.items(), strict=True):
         groups = {
-            group or CASES: [Compared(c.case.name, "expected", c.case.expected, c.computed) for c in members]
+            group or CASES: [drawing.Compared(c.case.name, "expected", c.case.expected, c.computed) for c in members]
             for group, members in grouped(checks_of_quantity, lambda check: check.case.group).items()
         }
         # The relative band, if all cases have the same; otherwise a tenth.
@@ -46,7 +45,7 @@ def draw(result: SuiteResult, sheet: Sheet) -> Picture:
     return picture
 
 
-def draw_figure(panels: Sequence[Figure], sheet: Sheet) -> Picture:
+def draw_figure(panels: Sequence[Figure], sheet: drawing.Sheet) -> drawing.Picture:
     """Draw a figure of the paper: the model's curves, with the numbers of the paper's text as marks."""
     picture = sheet.panels(panels[0].section.title, *[drawing.PANEL] * len(panels), width=drawing.COLUMN)
     named: set[str] = set()

@@ -8,9 +8,9 @@ from matplotlib.axes import Axes
 
 from armour.errors import mistake
 from armour.reporting.pictures import drawing
-from armour.reporting.pictures.drawing import Picture, Sheet
 from armour.reporting.table import Column, column_of, in_words
 from armour.reporting.text import number
+from armour.reporting.views.sweep import is_number
 from armour.scenario.inputs import BACKING, CERAMIC
 from armour.scenario.scenario import Scenario
 from armour.sweeps.sweep import SweepResult
@@ -22,11 +22,11 @@ RESIDUALS, CONTOURS = ("residual_velocity_m_s", "residual_mass_g"), 10
 MAX_MARKERS = 40
 
 
-def draw(result: SweepResult, sheet: Sheet) -> Picture:
+def draw(result: SweepResult, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the first quantity of a sweep that is a number."""
     if len(result.keys) > 2:
         raise mistake("plot", "result", f"must be a sweep over one or two keys, found {len(result.keys)}")
-    numbers = [name for name in result.quantities if _is_number(result[name])]
+    numbers = [name for name in result.quantities if is_number(result[name])]
     if not numbers:
         message = f"must have a quantity that is a number, found only {', '.join(result.quantities)}"
         raise mistake("plot", "result", message)
@@ -35,18 +35,20 @@ def draw(result: SweepResult, sheet: Sheet) -> Picture:
     return draw_columns(result.columns, result.keys, numbers[0], result.scenario, sheet)
 
 
-def draw_columns(table: Mapping[str, Any], keys: Sequence[str], name: str, scenario: Scenario, sheet: Sheet) -> Picture:
+def draw_columns(
+    table: Mapping[str, Any], keys: Sequence[str], name: str, scenario: Scenario, sheet: drawing.Sheet
+) -> drawing.Picture:
     """Draw a quantity over one key of a sweep, as a curve, or two, as a map; thicknesses have areal densities.
 
     Over a key of names there is a mark for each name, and over such a key and numbers a curve for each.
     """
     answer, values = column_of(name, ".4g"), table[name]
-    title = _title(answer.label, *(column_of(key).label for key in keys))
+    title = f"{answer.label[:1].upper()}{answer.label[1:]} over {' and '.join(column_of(key).label for key in keys)}"
     if np.nanmin(values) < np.nanmax(values):
         title += f": {number(np.nanmin(values), '.4g')} to {drawing.value_text(answer, np.nanmax(values))}"
     missing = np.count_nonzero(np.isnan(values))
     notes = [f"{missing} of {len(values)} rows have no {answer.label}."] if missing else []
-    named = [key for key in keys if not _is_number(table[key])]
+    named = [key for key in keys if not is_number(table[key])]
     is_map = not named and len(keys) == 2
     if is_map and name in RESIDUALS and (stopped := np.count_nonzero(values == 0.0)):
         notes.append(f"White: {stopped} cases that are stopped.")
@@ -62,10 +64,6 @@ def draw_columns(table: Mapping[str, Any], keys: Sequence[str], name: str, scena
     else:
         _draw_curves(axes, table, next(key for key in keys if key not in named), named, answer)
     return picture
-
-
-def _is_number(values: Any) -> bool:
-    return values.dtype.kind in "iuf"
 
 
 def _draw_names(axes: Axes, table: Mapping[str, Any], named: Sequence[str], answer: Column, values: Any) -> None:
@@ -117,13 +115,3 @@ def _by_name(table: Mapping[str, Any], keys: Sequence[str]) -> list[tuple[str, A
         return [("", np.ones(len(next(iter(table.values()))), dtype=bool))]
     names = table[keys[0]]
     return [(name, names == name) for name in dict.fromkeys(names.tolist())]
-
-
-def _title(answer: str, first: str, second: str = "") -> str:
-    """Return the title of a sweep, in which words that both keys end in stand once."""
-    words, others = first.split(" "), second.split(" ")
-    # Of each, one word at least remains.
-    while second and len(words) > 1 and len(others) > 1 and words[-1] == others[-1]:
-        words, others = words[:-1], others[:-1]
-    over = f"{' '.join(words)} and {second}" if second else first
-    return f"{answer[:1].upper()}{answer[1:]} over {over}"

@@ -1,8 +1,9 @@
 """Picture of a propagated uncertainty: the probability of perforation, and what each input does to the limit."""
 
+import numpy as np
+
 from armour.analysis.quantities import label_and_unit
 from armour.reporting.pictures import drawing
-from armour.reporting.pictures.drawing import Picture, Sheet
 from armour.reporting.text import percent
 from armour.reporting.words import risk
 from armour.statistics.uncertainty import UncertaintyResult
@@ -11,7 +12,7 @@ from armour.statistics.uncertainty import UncertaintyResult
 SHOWN_PROBABILITY = 0.002
 
 
-def draw(result: UncertaintyResult, sheet: Sheet) -> Picture:
+def draw(result: UncertaintyResult, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the probability of perforation over velocity, and the ballistic limit at quantiles of each input."""
     curve, p, level = result.curve, result.probability_of_perforation, percent(result.confidence)
     at = drawing.needed(result, "scenario").impact.velocity_m_s
@@ -34,7 +35,7 @@ def draw(result: UncertaintyResult, sheet: Sheet) -> Picture:
     interval = [[p.value - p.low], [p.high - p.value]]
     axes.errorbar([at], [p.value], interval, fmt="none", ecolor=drawing.VERMILION, capsize=drawing.CAP)
     label = f"{p.value:.3f} at {at:g} m/s"
-    drawing.points(axes, [at], [p.value], [f"perforated {label}"], color=drawing.VERMILION, label=label)
+    drawing.points(axes, [at], [p.value], color=drawing.VERMILION, label=label)
     if names:
         swings = {
             f"input at its {quantile} quantile": [index.limits_m_s[side] for index in result.inputs]
@@ -42,11 +43,9 @@ def draw(result: UncertaintyResult, sheet: Sheet) -> Picture:
         }
         drawing.rows(picture.axes[1], names, swings, result.deterministic_m_s)
         picture.axes[1].set_title("Ballistic limit with one input changed")
-    uncertain = [
-        velocity
-        for velocity, value in zip(curve.velocity_m_s, curve.probability, strict=True)
-        if SHOWN_PROBABILITY < value < 1.0 - SHOWN_PROBABILITY
-    ]
+    probability = np.array(curve.probability)
+    rising = (probability > SHOWN_PROBABILITY) & (probability < 1.0 - SHOWN_PROBABILITY)
+    uncertain = np.array(curve.velocity_m_s)[rising].tolist()
     changed = [limit for index in result.inputs for limit in index.limits_m_s]
     picture.axes[-1].set(xlabel="velocity, m/s", xlim=drawing.widened([at, *limits.values(), *uncertain, *changed]))
     return picture

@@ -1,19 +1,8 @@
 """A calibration."""
 
 from armour.analysis.quantities import label_and_unit
-from armour.reporting.table import (
-    Cell,
-    Column,
-    Source,
-    Table,
-    between,
-    column_of,
-    deviation_percent,
-    in_words,
-    listing,
-    record,
-)
-from armour.reporting.text import interval
+from armour.reporting.table import Cell, Column, Source, Table, column_of, deviation_percent, in_words, listing, record
+from armour.reporting.text import interval, percent
 from armour.statistics.calibration import CalibrationResult
 
 
@@ -51,7 +40,10 @@ def coefficient_table(result: CalibrationResult) -> Table:
         result.coefficients,
         (Column("coefficient", prose=True), lambda c: in_words(c.name)),
         (Column("estimate", spec=".4g"), lambda c: _or(c.estimate, "not identified")),
-        (between(result, prose=True), lambda c: "; ".join(filter(None, (interval(c.interval, ".4g"), c.reason)))),
+        (
+            Column(f"{percent(result.confidence)} interval", prose=True),
+            lambda c: "; ".join(filter(None, (interval(c.interval, ".4g"), c.reason))),
+        ),
         (Column("part of the prior", "%", ".0f"), lambda c: c.prior_share and 100.0 * c.prior_share),
     )
 

@@ -5,17 +5,8 @@ from armour.reporting.table import Table, record
 from armour.reporting.words import BALLISTIC_LIMIT, STOPPING, basis_notes, chance, with_error
 
 
-def confidence_table(result: ConfidenceResult) -> Table:
-    """Return the ballistic limit and the probability that it exceeds the impact velocity."""
-    probability = result.probability_of_stopping
-    return record(
-        result,
-        BALLISTIC_LIMIT,
-        with_error(result.median_m_s, result.interval_m_s),
-        (STOPPING, None if probability is None else chance(probability, result.model_error)),
-    )
-
-
 def tables(result: ConfidenceResult) -> list[Table | str]:
     """Return the probability, and what it rests on."""
-    return [confidence_table(result), *basis_notes(result)]
+    limit, probability = with_error(result.median_m_s, result.interval_m_s), result.probability_of_stopping
+    stopping = STOPPING, None if probability is None else chance(probability, result.model_error)
+    return [record(result, BALLISTIC_LIMIT, limit, stopping), *basis_notes(result)]

@@ -1,12 +1,13 @@
 """A design search."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import inf
 
 from armour.design.optimise import OBJECTIVES, BestDesign, Design, DesignResult, Pair
+from armour.errors import counted
 from armour.reporting.table import Column, Source, Table, column_of, csv_text, listing, record
-from armour.reporting.text import Verdict, interval, number, percent
+from armour.reporting.text import Verdict, number, with_interval
 from armour.reporting.words import BALLISTIC_LIMIT, STOPPING, chance, error_note, flow_stress_notes, risk, with_error
 from armour.scenario.scenario import Scenario
 
@@ -144,11 +145,9 @@ def _around_best(result: DesignResult) -> DesignResult:
 
 def left_out(result: DesignResult) -> str:
     """Return the back plates without a row in the frontier, on which no ceramic passes."""
-    first, last = result.without_mm[0], result.without_mm[-1]
-    plates = f"{first:g} to {last:g}" if len(result.without_mm) > 2 else ", ".join(f"{t:g}" for t in result.without_mm)
-    if len(result.without_mm) == 1:
-        return f"no row for the {plates} mm back plate: no ceramic on it passes"
-    return f"no rows for {len(result.without_mm)} back plates, {plates} mm: no ceramic on them passes"
+    plates = result.without_mm
+    ends = dict.fromkeys((f"{plates[0]:g}", f"{plates[-1]:g}"))
+    return f"no ceramic passes on {counted(len(plates), 'back plate')}, {' to '.join(ends)} mm"
 
 
 def _thicknesses(design: Design) -> tuple[float, float]:
@@ -157,10 +156,12 @@ def _thicknesses(design: Design) -> tuple[float, float]:
 
 def margin_table(result: DesignResult, required: Mapping[str, float]) -> Table:
     """Return the best design's margin against each threat, and the probabilities of stop and of perforation."""
-    # Imported here because commands without tables do not need scipy.
-    from armour.analysis.estimates import CONFIDENCE
-
     best = _shown(result)
+
+    def sampled(threat: str) -> str:
+        estimate = best.probabilities.get(threat)
+        return "" if estimate is None else with_interval(estimate.value, estimate, ".3f")
+
     return listing(
         best.margins_m_s,
         (Column("threat", prose=True), str),
@@ -168,14 +169,7 @@ def margin_table(result: DesignResult, required: Mapping[str, float]) -> Table:
         (Column("short by", "m/s", ".0f"), lambda threat: best.short_m_s[threat] or None),
         (STOPPING, lambda threat: chance(best.probabilities_of_stopping[threat])),
         (REQUIRED, required.get),
-        (
-            Column("probability of perforation", spec=".3f"),
-            lambda threat: getattr(best.probabilities.get(threat), "value", None),
-        ),
-        (
-            Column(f"{percent(CONFIDENCE)} interval, by sampling"),
-            lambda threat: interval(best.probabilities.get(threat), ".3f"),
-        ),
+        (Column("probability of perforation by sampling, 95 % interval"), sampled),
         (Column("note"), lambda threat: "governs" if threat == best.governing else ""),
     )
 
@@ -196,34 +190,10 @@ def pair_table(result: DesignResult) -> Table:
     return _aligned(table)
 
 
-def pareto_table(result: DesignResult) -> Table:
-    """Return the designs of the Pareto front."""
+def design_table(designs: Sequence[Design], title: str = "") -> Table:
+    """Return designs, such as those of the Pareto front, a row each."""
     columns = (BACKING, CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, COST, MARGIN)
-    return _aligned(listing(result.pareto, CERAMIC, (TESTS, _tests), *columns, title="Pareto front", rest="--csv FILE"))
-
-
-def every_table(result: DesignResult) -> Table:
-    """Return all designs of a small catalogue, with the margin by the model against each threat."""
-    rows = list(zip(result.every, result.margins_of_every_m_s, strict=True))
-    columns = (CERAMIC_THICKNESS, BACKING, BACKING_THICKNESS, AREAL_DENSITY, COST)
-    several = len(result.threats) > 1
-    return _aligned(
-        listing(
-            rows,
-            (CERAMIC, lambda row: row[0].ceramic),
-            (TESTS, lambda row: _tests(row[0])),
-            *((column, lambda row, key=column.key: getattr(row[0], key)) for column in columns),
-            *(
-                (
-                    Column(f"margin against {threat}" if several else MARGIN.label, "m/s", "+.0f"),
-                    lambda row, threat=threat: row[1][threat],
-                )
-                for threat in result.threats
-            ),
-            title="designs, with margins by the model" if several else "designs",
-            rest="--csv FILE",
-        )
-    )
+    return _aligned(listing(designs, CERAMIC, (TESTS, _tests), *columns, title=title, rest="--csv FILE"))
 
 
 def _tests(item: Design | Pair) -> str:
@@ -240,8 +210,7 @@ def _result(result: DesignResult, pair: Pair) -> str:
 
 def csv(result: DesignResult) -> str:
     """Return the Pareto front as CSV or, where none is asked for, the frontier; without one, every design."""
-    designs = result.pareto or result.frontier or result.every
-    return csv_text(pareto_table(replace(result, pareto=designs)))
+    return csv_text(design_table(result.pareto or result.frontier or result.every))
 
 
 def _shown(result: DesignResult) -> BestDesign:
@@ -276,7 +245,7 @@ def tables(result: DesignResult) -> list[Table | str]:
         unranked = [pair.best for pair in result.pairs if pair.best is not None and not pair.ranked]
         shown += [f"{armour_in_words(best)} {note}" for best in unranked for note in _flow_stress_notes(best)[:1]]
     if result.every and (verbose or result.reason):
-        shown.append(every_table(result))
+        shown.append(design_table(result.every, "designs"))
     if result.frontier and (len(result.pairs) == 1 or verbose):
         part = result if verbose else _around_best(result)
         shown.append(frontier_table(part))
@@ -285,7 +254,7 @@ def tables(result: DesignResult) -> list[Table | str]:
         if result.without_mm:
             shown.append(left_out(result))
     if result.pareto:
-        shown.append(pareto_table(result))
+        shown.append(design_table(result.pareto, "Pareto front"))
     return [*shown, f"{number(result.examined, 'd')} designs computed"]
 
 

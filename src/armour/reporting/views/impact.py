@@ -3,7 +3,6 @@
 from dataclasses import fields
 from typing import NamedTuple
 
-from armour.analysis.history import History
 from armour.analysis.impact import ImpactResult
 from armour.reporting.table import Column, Table, column_of, csv_text, listing, record
 from armour.reporting.text import Verdict
@@ -40,19 +39,7 @@ def tables(result: ImpactResult) -> list[Table | str]:
         distributed = result.question["scenario"].uncertainty
         if confidence.model_error is None and distributed is not None and distributed.inputs():
             parts.append(f"{SAMPLED_ALONE}: armour uncertainty")
-    return [*parts, impact_table(result), stage_table(result)]
-
-
-def verdict(result: ImpactResult) -> Verdict:
-    """Return the outcome in a line."""
-    stopped = result.outcome == "stopped"
-    residual = "" if stopped else f", residual velocity {result.residual_velocity_m_s:.0f} m/s"
-    return Verdict.of(result.outcome + residual, good=stopped)
-
-
-def impact_table(result: ImpactResult) -> Table:
-    """Return the result of an impact, quantity by quantity."""
-    return record(
+    remaining = record(
         result,
         column_of("residual_length_mm"),
         column_of("residual_mass_g"),
@@ -62,6 +49,14 @@ def impact_table(result: ImpactResult) -> Table:
         column_of("duration_us"),
         column_of("areal_density_kg_m2"),
     )
+    return [*parts, remaining, stage_table(result)]
+
+
+def verdict(result: ImpactResult) -> Verdict:
+    """Return the outcome in a line."""
+    stopped = result.outcome == "stopped"
+    residual = "" if stopped else f", residual velocity {result.residual_velocity_m_s:.0f} m/s"
+    return Verdict.of(result.outcome + residual, good=stopped)
 
 
 def stage_table(result: ImpactResult) -> Table:
@@ -74,17 +69,14 @@ def stage_table(result: ImpactResult) -> Table:
         column_of("end_us", ".1f"),
         column_of("velocity_lost_m_s", ".0f"),
         column_of("length_lost_mm", ".1f"),
-        (Column("energy lost", "J", ".0f"), lambda record: record.energy_lost_J),
+        Column("energy lost", "J", ".0f", key="energy_lost_J"),
     )
-
-
-def history_table(history: History) -> Table:
-    """Return a run over time, an instant a row."""
-    names = [field.name for field in fields(history)]
-    values = [getattr(history, name).tolist() for name in names]
-    return Table(tuple(Column(name, key=name) for name in names), tuple(zip(*values, strict=True)))
 
 
 def csv(result: ImpactResult) -> str | None:
     """Return the run over time as CSV; None where it was not kept."""
-    return None if result.history is None else csv_text(history_table(result.history))
+    if result.history is None:
+        return None
+    names = [field.name for field in fields(result.history)]
+    values = [getattr(result.history, name).tolist() for name in names]
+    return csv_text(Table(tuple(Column(name, key=name) for name in names), tuple(zip(*values, strict=True))))

@@ -37,14 +37,17 @@ def library_table(library: Library, kind: Kind, tested: Tested | None = None) ->
         entries,
         column_of("name", label=kind),
         *((column_of(key, "g"), lambda entry, key=key: _shown(entry, key)) for key in keys),
-        (Column("sources give", "GPa"), lambda entry: " to ".join(f"{of:g}" for of in entry.flow_stress_sources_GPa)),
+        (
+            Column("sources give", "GPa"),
+            lambda entry: " to ".join(f"{stress:g}" for stress in entry.flow_stress_sources_GPa),
+        ),
         described,
     )
 
 
 def _shown(entry: LibraryEntry, key: str) -> float | None:
-    known = key in entry.values and not (key == DYNAMIC and entry.is_static)
-    return float(f"{entry[key]:.4g}") if known else None
+    is_shown = key in entry.values and not (key == DYNAMIC and entry.is_static)
+    return float(f"{entry[key]:.4g}") if is_shown else None
 
 
 def threat_table(threats: Mapping[str, NamedThreat]) -> Table:

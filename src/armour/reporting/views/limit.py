@@ -4,15 +4,6 @@ from armour.analysis.ballistic_limit import LimitResult
 from armour.reporting.table import Column, Table, column_of, listing, record
 from armour.reporting.words import error_note, with_error
 
-# Points of a curve of probability.
-CURVE_POINTS = 200
-
-
-def limit_table(result: LimitResult) -> Table:
-    """Return a ballistic limit, by the model and with its error."""
-    limits = column_of("ballistic_limit_m_s"), with_error(result.median_m_s, result.interval_m_s)
-    return record(result, *limits, column_of("areal_density_kg_m2"))
-
 
 def crossing_table(result: LimitResult) -> Table:
     """Return every change of the outcome with the velocity."""
@@ -29,7 +20,9 @@ def tables(result: LimitResult) -> list[Table | str]:
     below, above = result.bracket_m_s
     scanned = f"{result.scanned_velocities} velocities from {low:g} to {high:g} m/s were scanned"
     width = f"bracket width {above - below:.1g} m/s"
-    parts: list[Table | str] = [limit_table(result), error_note(result, result.model_error)]
+    limits = column_of("ballistic_limit_m_s"), with_error(result.median_m_s, result.interval_m_s)
+    table = record(result, *limits, column_of("areal_density_kg_m2"))
+    parts: list[Table | str] = [table, error_note(result, result.model_error)]
     if result.monotonic:
         return [*parts, f"{scanned}, all above the limit perforate; {width}"]
     return [*parts, f"{scanned}, the outcome changes {len(result.crossings)} times; {width}", crossing_table(result)]

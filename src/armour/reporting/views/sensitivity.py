@@ -7,16 +7,6 @@ from armour.statistics.sensitivity import SensitivityResult
 ELASTICITY_NOTE = "% per %: change of the answer, in per cent of it, when the input grows by 1 %"
 
 
-def sensitivity_table(result: SensitivityResult) -> Table:
-    """Return the answers whose elasticities are given."""
-    sources: list[Source] = []
-    for name, value in result.answers.items():
-        none = "none (stopped)" if name == "residual_velocity_m_s" else "none"
-        column = Column(label_and_unit(name)[0]) if value is None else column_of(name)
-        sources.append((column, none if value is None else value))
-    return record(result, *sources)
-
-
 def elasticity_table(result: SensitivityResult) -> Table:
     """Return the elasticities: the change of each answer that has a value, in per cent, when an input grows by 1 %."""
     answers = [name for name, value in result.answers.items() if value is not None]
@@ -33,4 +23,8 @@ def elasticity_table(result: SensitivityResult) -> Table:
 
 def tables(result: SensitivityResult) -> list[Table | str]:
     """Return all tables of a sensitivity analysis."""
-    return [sensitivity_table(result), elasticity_table(result), ELASTICITY_NOTE]
+    answers: list[Source] = []
+    for name, value in result.answers.items():
+        none = "none (stopped)" if name == "residual_velocity_m_s" else "none"
+        answers.append((Column(label_and_unit(name)[0]), none) if value is None else (column_of(name), value))
+    return [record(result, *answers), elasticity_table(result), ELASTICITY_NOTE]

@@ -54,9 +54,9 @@ def check_table(checks: Sequence[Check], title: str = "") -> Table:
 
 def _decimals(case: Case) -> int:
     """Return the decimals of a computed value: one more than those of the expected value and of its band."""
-    of_expected = len(number(case.expected or 0.0, ".10g").partition(".")[2])
-    of_band = -floor(log10(case.band)) if case.band else 0
-    return min(max(of_expected, of_band) + 1, 12)
+    value_decimals = len(number(case.expected or 0.0, ".10g").partition(".")[2])
+    band_decimals = -floor(log10(case.band)) if case.band else 0
+    return min(max(value_decimals, band_decimals) + 1, 12)
 
 
 def _decimal(value: float | str | None, decimals: int, sign: str = "") -> str | None:
@@ -72,9 +72,9 @@ def failure(check: Check) -> str:
 
 def summary_table(result: SuiteResult) -> Table:
     """Return the deviations of each table of a suite as a whole, except those of rows in files."""
-    of_files = {check.case.group for check in result.checks if check.case.cells}
+    file_tables = {check.case.group for check in result.checks if check.case.cells}
     return listing(
-        [summary for summary in result.summaries if summary.name not in of_files],
+        [summary for summary in result.summaries if summary.name not in file_tables],
         column_of("name", label="table", prose=True),
         column_of("count", "d", "rows"),
         column_of("unit"),

@@ -19,9 +19,10 @@ def tables(result: SweepResult) -> list[Table | str]:
 def first_rows(columns: Mapping[str, Any]) -> Table:
     """Return the first rows of the columns of a sweep."""
     shown = tuple(zip(*(values[:SWEEP_ROWS].tolist() for values in columns.values()), strict=True))
-    headings = [column_of(name, ".6g" if _is_number(values) else "") for name, values in columns.items()]
+    headings = [column_of(name, ".6g" if is_number(values) else "") for name, values in columns.items()]
     return Table(tuple(headings), shown)
 
 
-def _is_number(values: Any) -> bool:
+def is_number(values: Any) -> bool:
+    """Return whether a column holds numbers."""
     return values.dtype.kind in "iuf"

@@ -12,17 +12,6 @@ SAMPLING_NOTE = "more samples make the intervals narrower; the spread of the bal
 INDEX_NOTE = "true indices lie between 0 and 1; sampling error can push estimates and intervals slightly outside"
 
 
-def uncertainty_table(result: UncertaintyResult) -> Table:
-    """Return the samples, and the ballistic limit with and without them."""
-    return record(
-        result,
-        column_of("samples", "d"),
-        (Column("method"), f"{result.method}, seed {result.seed}"),
-        column_of("deterministic_m_s", ".0f", "ballistic limit of the scenario"),
-        column_of("standard_deviation_m_s", ".0f"),
-    )
-
-
 def estimate_table(result: UncertaintyResult) -> Table:
     """Return the estimated probability, quantiles and mean."""
     mean, perforated = Estimate(result.mean_m_s, *result.mean_interval_m_s), result.probability_of_perforation
@@ -57,7 +46,14 @@ def tables(result: UncertaintyResult) -> list[Table | str]:
     parts: list[Table | str] = [estimate_table(result), SAMPLING_NOTE, error_note(result, result.model_error)]
     if result.model_error is None:
         parts.append(SAMPLED_ALONE)
-    parts += [uncertainty_table(result), index_table(result)]
+    samples = record(
+        result,
+        column_of("samples", "d"),
+        (Column("method"), f"{result.method}, seed {result.seed}"),
+        column_of("deterministic_m_s", ".0f", "ballistic limit of the scenario"),
+        column_of("standard_deviation_m_s", ".0f"),
+    )
+    parts += [samples, index_table(result)]
     estimates = [estimate for index in result.inputs for estimate in (index.first, index.total) if estimate]
     if any(estimate.low < 0.0 or estimate.high > 1.0 for estimate in estimates):
         parts.append(INDEX_NOTE)
