@@ -57,6 +57,12 @@ def test_mistakes_of_all_scenarios_are_told_together(cli, doors: Path):
     ]
 
 
+def test_no_changes_where_no_velocity_perforates(cli):
+    shown = cli("check", "wilkins", "--set", "armour.ceramic_thickness_mm=900").stdout
+    assert "passes: no ballistic limit found" in shown
+    assert "with a change" not in shown
+
+
 @pytest.mark.usefixtures("doors")
 def test_a_plot_is_of_one_scenario(cli):
     assert cli.fails(2, "check", "doors", "--plot", "p.svg") == [

@@ -274,7 +274,9 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Re
     design, scenario, answer = contents.design, contents.scenario, contents.answer
     threat = contents.threat
     ordered = sorted(contents.check.threats, key=lambda checked: checked.threat != threat.threat)
-    what_ifs = [check_view.what_if_table(checked, f"against {checked.threat}") for checked in ordered]
+    what_ifs = [
+        table for checked in ordered for table in check_view.what_if_tables(checked, f"against {checked.threat}")
+    ]
     exact = ("With exact inputs.",) if contents.sampled else ()
     notes = flow_stress_notes(threat.flow_stress, threat.threat)
     notes[:1] = [f"{answer.armour_words()} {note}" for note in notes[:1]]

@@ -70,6 +70,10 @@ def test_unchanged_is_not_usable(folder: Path):
     # Both tests reach the computed limit less the allowance.
     assert found["allowance, %"] == pytest.approx(100.0 * (1.0 - 600.0 / WILKINS_LIMIT), abs=0.01)
     assert suite_view.report(result(folder, TABLE)).lead.startswith("Changed: ")
+    unfilled = suite_view.report(
+        result(folder, case("new", 0.0, "band = 1.0\nregression = true").replace("expected = 0.0\n", ""))
+    )
+    assert unfilled.lead == "0 of 1 within their bands, 1 no expected value."
     unscored = suite_view.report(result(folder, case("none", 700.0, 'not_scored = "a slip"')))
     assert (unscored.lead, unscored.passed) == ("No case is scored.", None)
 

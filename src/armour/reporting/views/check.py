@@ -58,10 +58,13 @@ def threat_table(result: CheckResult) -> Table:
     )
 
 
-def what_if_table(threat: CheckedThreat, title: str) -> Table:
-    """Return an armour with each change against a threat: the probabilities or, where these are not known, margins."""
+def what_if_tables(threat: CheckedThreat, title: str) -> list[Table]:
+    """Return an armour with each change against a threat: the probabilities or, where these are not known, margins.
+
+    There is no table if no velocity perforates the armour, changed or not.
+    """
     is_known = threat.probability_of_stopping is not None
-    return listing(
+    table = listing(
         (threat.as_given(), *threat.what_ifs),
         (Column("if", prose=True), lambda what_if: what_if.change),
         LIMIT,
@@ -70,6 +73,7 @@ def what_if_table(threat: CheckedThreat, title: str) -> Table:
         (PROBABILITY, lambda what_if: chance(what_if.probability_of_stopping) if is_known else ""),
         title=title,
     )
+    return [table] if len(table.columns) > 1 else []
 
 
 def _margin(what_if: WhatIf) -> float | None:
@@ -110,7 +114,7 @@ def tables(result: CheckResult) -> list[Table | str]:
     for threat in explained:
         against = f"against {threat.threat}"
         shown += [f"{against}: {note}" if several else note for note in basis_notes(threat)]
-        shown.append(what_if_table(threat, f"with a change, {against}" if several else "with a change"))
+        shown += what_if_tables(threat, f"with a change, {against}" if several else "with a change")
     if len(explained) < len(result.threats):
         shown.append("changes against the other threats with -v")
     return shown

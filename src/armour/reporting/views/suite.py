@@ -187,7 +187,8 @@ def overview_table(result: SuiteResult) -> Table:
             within = within or summary.status.replace("within", "as a whole")
             band = "" if summary.rms_band is None else f"{summary.rms_band:.3g} {summary.unit}"
             return within, _magnitude(summary.rms, summary.unit), band, _magnitude(summary.largest, summary.unit)
-        worst = max((abs(check.deviation_percent or 0.0) for check in scored), default=None)
+        deviations = (check.deviation_percent for check in scored)
+        worst = max((abs(percent) for percent in deviations if percent is not None), default=None)
         return within or "not scored", "", "", "" if worst is None else _magnitude(worst, "%")
 
     columns = (
@@ -317,7 +318,9 @@ def report(result: SuiteResult, command: str = "") -> Report:
     if command:
         sections.append(origin_section(command))
     scored = result.count("within", *FAILED) > 0
-    lead = f"{'Unchanged' if result.passed else 'Changed'}: {verdict(result)}."
+    lead = f"{verdict(result)}."
+    if result.passed or result.count("outside", "no answer"):
+        lead = f"{'Unchanged' if result.passed else 'Changed'}: {lead}"
     return Report(
         title=result.title or result.file,
         lead=lead if scored else "No case is scored.",
