@@ -35,6 +35,7 @@ import tomli_w
 import typer
 
 from armour.engine.batch import available_cores
+from armour.reporting.junit import BEGINNING
 from tools.campaigns.verdict import verdict
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -43,7 +44,7 @@ LIMIT_S, HANGING_S = 60.0, 600.0
 LIMIT_MIB = 1024.0
 DONE, NO_ANSWER, WRONG_INPUT, CHECK_FAILED, INTERRUPTED = 0, 1, 2, 3, 130
 # How outputs end that do not end with a line, and characters told of a traceback.
-ENDS, TOLD = {".parquet": b"PAR1"}, 3000
+ENDS, TOLD = {".parquet": b"PAR1", ".png": b"IEND\xaeB`\x82"}, 3000
 # Parts of the trials that are gentle, that read the scenario from standard input, and that are interrupted.
 GENTLE, PIPED, STOPPED = 0.6, 0.05, 0.03
 
@@ -493,7 +494,9 @@ def may_be_left(path: Path, code: int, arguments: list[str]) -> bool:
         return True
     if code == NO_ANSWER and arguments[0] == "optimise":  # how far the designs are from what is required
         return True
-    return path.suffix == ".lock" or (code == WRONG_INPUT and path.suffix == ".xml")  # the mistakes as JUnit XML
+    if code == WRONG_INPUT and path.read_bytes().startswith(BEGINNING):  # the mistakes as JUnit XML
+        return True
+    return path.suffix == ".lock"
 
 
 def in_child(made: Trial, folder: Path) -> None:
