@@ -333,7 +333,7 @@ def limit_and_error(scenario: Scenario, on_progress: OnProgress) -> tuple[float 
 def probability_of_stopping(
     scenario: Scenario, limit_m_s: float | None, error: ModelError | None, velocity_m_s: float
 ) -> float | None:
-    """Return the probability that an armour stops a velocity; None if it is not known.
+    """Return the probability that an armour stops the projectile at a velocity; None if it is not known.
 
     Without a limit in the range searched, a model error says that the limit is above it: a lower bound is known then.
     """

@@ -60,8 +60,8 @@ def plan_table(result: PlannedTests) -> Table:
 def step_table(result: PlannedTests) -> Table:
     """Return the tests in their order, with what is known after each."""
     before = result.planned[0]
-    nothing = {*before.half_widths.values(), *before.limit_half_widths_m_s} == {None}
-    steps = result.planned[1:] if nothing else result.planned
+    is_nothing_known = {*before.half_widths.values(), *before.limit_half_widths_m_s} == {None}
+    steps = result.planned[1:] if is_nothing_known else result.planned
     keys = list(result.candidates)
     varied = [key for key in keys if len(set(result.candidates[key])) > 1] or keys
     names = result.designs if len(result.designs) > 1 else ["the design"] * len(result.designs)
