@@ -254,6 +254,8 @@ def _requirements(contents: Contents) -> Card:
 
 def _warnings(contents: Contents) -> Iterator[str]:
     """Give all warnings, with words in place of the keys that they are about."""
+    # The text of a check's warning names the threat where there are several.
+    is_named = contents.design is None and len(contents.threats) > 1
     for warning in contents.warnings:
         if not isinstance(warning, Note):
             yield warning
@@ -261,7 +263,7 @@ def _warnings(contents: Contents) -> Iterator[str]:
         name = warning.key.removeprefix("uncertainty.")
         words = warning.key
         if match := re.match(r"threat\[(\d+)\]", warning.key):
-            words = "" if warning.text.startswith("against ") else contents.threats[int(match[1])].threat
+            words = "" if is_named else contents.threats[int(match[1])].threat
         elif name in INPUTS or name in NAMES.values():
             words = in_words(name) if name == warning.key else f"distribution of the {in_words(name)}"
         yield Note(warning.text, words, warning.brief)
