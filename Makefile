@@ -75,7 +75,7 @@ release: $(VENV)/developing
 campaigns: $(VENV)/developing $(VENV)/mutating
 	$(BIN)/python -m tools.campaigns $(if $(CAMPAIGN),"$(CAMPAIGN)")
 
-# Run the mutation tests of core/ alone: about an hour. tools/mutants.md summarises the results.
+# Run the mutation tests of core/ alone: about half an hour. tools/mutants.md summarises the results.
 mutants: $(VENV)/developing $(VENV)/mutating
 	$(BIN)/python -m tools.campaigns mutants
 
