@@ -344,8 +344,10 @@ def _threats(contents: Contents) -> Table:
 
 def _search(design: DesignResult) -> ReportSection:
     """Return how the best design compares with others."""
-    tables = [design_view.pair_table(design) if len(design.pairs) > 1 else design_view.frontier_table(design)]
-    heading = "Pairs of materials" if len(design.pairs) > 1 else "Required ceramic for each back plate"
+    heading, table = "Required ceramic for each back plate", design_view.frontier_table(design)
+    if len(design.pairs) > 1:
+        heading, table = "Pairs of materials", replace(design_view.pair_table(design), title="")
+    tables = [table]
     if design.pareto:
         tables.append(design_view.design_table(design.pareto, "Pareto front"))
     pictures = (drawing_of(design, "draw_front"),) if design.pareto else ()

@@ -361,7 +361,8 @@ def rounds(impact: Impact, varied: Varied, threats: Sequence[Threat]) -> str:
     if len(threats) > MAX_LISTED:
         return f"{len(threats)} threats"
     if threats:
-        return " and ".join(map(shot, threats))
+        *first, last = map(shot, threats)
+        return f"{', '.join(first)} and {last}" if first else last
     names = _names(varied.get(NAMES["projectile"], [impact.projectile]), "different rounds")
     speed = "" if VELOCITY in varied else f" at {impact.velocity_m_s:g} m/s"
     return f"{names}{speed}{'' if OBLIQUITY in varied else at_angle(impact)}"
