@@ -101,7 +101,7 @@ def pairs(folder: Path) -> Iterator[str]:
         if sorted(codes) != [0, 2] or "Traceback" in said or wrong(output, QUANTITIES[codes.index(0)]):
             yield f"{WRONG}: {codes} {said}"
         else:
-            yield next(text for text in refusals if text in said)
+            yield next((text for text in refusals if text in said), f"{WRONG}: {said}")
 
 
 def full(folder: Path) -> Iterator[str]:
