@@ -127,6 +127,12 @@ def listed(names: Sequence[str]) -> str:
     return ", ".join(names[:MAX_NAMES]) + (f" and {omitted} more" if omitted > 0 else "")
 
 
+def joined(names: Sequence[str], word: str = "and") -> str:
+    """Return all of at least one name as part of a sentence, such as "a, b and c"."""
+    *first, last = names
+    return f"{', '.join(first)} {word} {last}" if first else last
+
+
 def counted(number: int, noun: str) -> str:
     """Return a number of things, such as "1 row" or "2 rows"."""
     digits = f"{number:,}" if number >= 10_000 else f"{number}"

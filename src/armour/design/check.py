@@ -8,7 +8,7 @@ from armour.analysis.ballistic_limit import confidence_in, limit_and_error, prob
 from armour.analysis.flow_stress import NeededFlowStress, needed_flow_stress
 from armour.analysis.impact import simulate
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
-from armour.errors import Note
+from armour.errors import Note, joined
 from armour.evidence.model_error import ModelError
 from armour.evidence.tests import scenario_warnings
 from armour.scenario.checked import checked
@@ -177,7 +177,7 @@ def _warning(scenario: Scenario, note: Note, places: list[int]) -> Note:
     if not scenario.threat:
         return note
     names = [scenario.threat[place].title for place in places]
-    threats = " and ".join(names) if len(names) < len(scenario.threat) else "every threat"
+    threats = joined(names) if len(names) < len(scenario.threat) else "every threat"
     words = f"against {threats}: " if len(scenario.threat) > 1 else ""
     return Note(
         words + note.text, note.key.replace("impact", f"threat[{places[0]}]"), note.brief and words + note.brief

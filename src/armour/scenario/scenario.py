@@ -17,7 +17,7 @@ import tomli_w
 from pydantic import PrivateAttr, ValidationError
 
 from armour.core.state import Parameters
-from armour.errors import InputError, Note, Problem, choices, refuse, suggestion
+from armour.errors import InputError, Note, Problem, choices, joined, refuse, suggestion
 from armour.files import located, read_toml, shipped_files, shipped_suites, shipped_tests, write_file
 from armour.scenario.changes import changed
 from armour.scenario.checked import checked
@@ -361,8 +361,7 @@ def rounds(impact: Impact, varied: Varied, threats: Sequence[Threat]) -> str:
     if len(threats) > MAX_LISTED:
         return f"{len(threats)} threats"
     if threats:
-        *first, last = map(shot, threats)
-        return f"{', '.join(first)} and {last}" if first else last
+        return joined([shot(threat) for threat in threats])
     names = _names(varied.get(NAMES["projectile"], [impact.projectile]), "different rounds")
     speed = "" if VELOCITY in varied else f" at {impact.velocity_m_s:g} m/s"
     return f"{names}{speed}{'' if OBLIQUITY in varied else at_angle(impact)}"
@@ -384,8 +383,7 @@ def _names(names: Sequence[object], unknown: str) -> str:
     words = [str(name) for name in dict.fromkeys(names) if name]
     if len(words) > MAX_LISTED:
         words = [*words[:MAX_LISTED], f"{len(words) - MAX_LISTED} more"]
-    *first, last = words or ["" if names else unknown]
-    return f"{', '.join(first)} or {last}" if first else last
+    return joined(words or ["" if names else unknown], "or")
 
 
 def heading(computed: str, title: str) -> list[str]:
