@@ -25,6 +25,8 @@ from armour.files import exchangeable, make_private
 Kernel = Callable[..., None]
 
 PACKAGE = Path(__file__).resolve().parent.parent
+# The loops have imported all of them.
+CORE = [module for name, module in sys.modules.items() if name.startswith("armour.core.")]
 COMPILING = "compiling the numerical code, which takes about ten seconds"
 # Number of folders of other versions of the program that are kept.
 OTHERS_KEPT = 4
@@ -70,10 +72,10 @@ def folder() -> tuple[Path | None, str]:
 def replaced_function() -> str:
     """Return the name of a function of the core that another program has replaced, or ""."""
     expected_modules = ("armour.core", "builtins", "collections", "enum", "math", "typing")
-    for name, module in list(sys.modules.items()):
-        for attribute, value in vars(module).items() if name.startswith("armour.core.") else ():
+    for module in CORE:
+        for attribute, value in vars(module).items():
             if callable(value) and not getattr(value, "__module__", "").startswith(expected_modules):
-                return f"{name}.{attribute}"
+                return f"{module.__name__}.{attribute}"
     return ""
 
 
