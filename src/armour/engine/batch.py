@@ -17,9 +17,9 @@ Ints = NDArray[np.int64]
 
 # Rows that a thread takes at a time, at most.
 PORTION = 256
-# Portions for each thread when there are few rows, as some take longer, and the fewest rows worth a thread, about 1 ms.
+# Portions for each thread when there are few rows, as some take longer, and the fewest rows worth a thread, about 2 ms.
 PORTIONS_PER_THREAD = 4
-LEAST_PORTIONS = {"impacts": 128, "ballistic_limits": 8, "least_thicknesses": 8}
+LEAST_PORTIONS = {"impacts": 256, "ballistic_limits": 32, "least_thicknesses": 32}
 
 
 class Impacts(NamedTuple):
