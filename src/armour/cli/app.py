@@ -173,15 +173,15 @@ CERAMICS, PLATES = "armour.ceramic_thickness_mm=4:12:1", "armour.backing_thickne
 # Commands by the heading of the help, each with examples, which the tests run.
 COMMANDS: dict[str, dict[Callable[..., None], tuple[str, ...]]] = {
     "Predict": {
-        simulate: (f"simulate {W}", f"simulate {W} --velocity 900 --history run.csv --plot run.svg"),
+        simulate: (f"simulate {W}", f"simulate {W} --velocity 700 --history run.csv --plot run.svg"),
         ballistic_limit: (f"ballistic-limit {W}", f"ballistic-limit {W} --set armour.ceramic_thickness_mm=8 --json"),
         check: (f"check {W} --confidence 0.9", "check wilkins bare_plate --junit check.xml"),
         sweep: (f"sweep {W} --over armour.ceramic_thickness_mm=4:12:0.1 -o limits.csv --plot limits.svg",),
     },
     "Design": {
         optimise: (
-            f"optimise {P}/optimum_7.62mm_AP --refine --plot optimum.svg",
-            "optimise catalogue --csv front.csv",
+            f"optimise {P}/optimum_7.62mm_AP --refine",
+            "optimise catalogue --plot study.svg --csv front.csv",
         ),
         report: (f"report {P}/optimum_7.62mm_AP -o report.html", "report paper -o suite.html"),
     },
@@ -195,12 +195,12 @@ COMMANDS: dict[str, dict[Callable[..., None], tuple[str, ...]]] = {
     "Use test data": {
         v50: (f"v50 shots.csv {W} --plot v50.svg",),
         calibrate: (
-            f"calibrate wilkins.csv {W} --write calibrated.toml --lot 7 --plot fit.svg",
-            f"calibrate wilkins.csv {W} --law backing --write-scenario fitted.toml --lot 7",
+            f"calibrate wilkins.csv {W} --write mine.toml --lot 'lot 7' --plot fit.svg",
+            f"calibrate wilkins.csv {W} --law all --write-scenario fitted.toml --lot 'lot 7'",
         ),
         plan_shots: (
             f"plan shots {W}",
-            f"plan shots {W} firing.csv --result partial --plot plan.svg",
+            f"plan shots {W} firing.csv --result complete --plot plan.svg",
             f"plan shots {W} --simulate --true-v50-m-s 770 --true-scatter-m-s 15",
         ),
         plan_tests: (

@@ -65,8 +65,9 @@ class ModelError:
         if has_weight.sum() == 1:
             [mean], [scale], [freedom] = (array[has_weight].tolist() for array in ratio[1:4])
             mean, scale = 100.0 * (expm1(mean) if ratio.logarithmic else mean - 1.0), 100.0 * scale
-        quantiles = {str(p): 100.0 * (float(ratio.quantile(p)) - 1.0) for p in QUANTILES}
-        error = cls(mean, scale, freedom, source, outside, quantiles, at_least)
+        quantiles = (100.0 * (ratio.quantile(QUANTILES) - 1.0)).tolist()
+        by_probability = dict(zip(map(str, QUANTILES), quantiles, strict=True))
+        error = cls(mean, scale, freedom, source, outside, by_probability, at_least)
         vars(error)["ratio"] = ratio
         return error
 
@@ -89,7 +90,7 @@ class ModelError:
 
         The probability beyond each end is `tail`; by default, that of the interval is 95 %.
         """
-        low, high = (float(limit_m_s * (1.0 + self.quantile(end))) for end in (tail, 1.0 - tail))
+        low, high = (limit_m_s * (1.0 + self.quantile((tail, 1.0 - tail)))).tolist()
         return low, high
 
     def median(self, limit_m_s: float) -> float:
