@@ -11,8 +11,8 @@ from armour.engine import batch
 from armour.errors import InputError
 from armour.evidence.fit import quantities
 from armour.evidence.model_error import ModelError
-from armour.evidence.tests import armour_of, is_unusual, scenario_warnings, shipped_evidence
-from armour.scenario.inputs import OBLIQUITY, YIELD
+from armour.evidence.tests import armours_of, is_unusual, scenario_warnings, shipped_evidence, threat_warnings
+from armour.scenario.inputs import BACKING, OBLIQUITY, YIELD
 from armour.scenario.library import shipped_library
 from armour.scenario.scenario import Scenario, load_scenario
 from armour.sweeps.sweep import sweep
@@ -153,6 +153,17 @@ def test_a_strength_of_another_kind_than_that_of_the_tests_is_named(ceramic_mm: 
     assert "yield strength" not in str(of_given_strength)
 
 
+def test_a_warning_names_the_threats_that_it_is_about_unless_it_is_about_all():
+    threats = [{"projectile": name, "velocity_m_s": 850.0} for name in ("7.62 mm AP", "7.62 mm B32", "14.5 mm B32")]
+    case = scenario(ceramic="SiC", threat=threats).replaced({BACKING: 20.0})
+    armours = armours_of(*(case.against(threat) for threat in case.threats()))
+    texts = {warning.key: warning.text for warning in threat_warnings(case, armours)}
+    assert texts["armour.ceramic"].endswith('found "SiC"')
+    assert texts["armour.ceramic_thickness_mm"].endswith("found 0.511 against 14.5 mm B32 at 850 m/s")
+    two = "found 3.08 to 3.28 against 7.62 mm AP at 850 m/s and 7.62 mm B32 at 850 m/s"
+    assert texts["armour.backing_thickness_mm"].endswith(two)
+
+
 def test_a_given_error_is_that_of_samples():
     error = ModelError(2.0, 7.0, 12.0)
     samples = 0.02 + 0.07 * np.random.default_rng(1).standard_t(12.0, 400_000)
@@ -203,7 +214,7 @@ def test_an_unusual_armour_is_outside_by_more_than_a_factor_of_two(field: str, l
 
 
 def unusual(case: Scenario) -> bool:
-    return bool(is_unusual(armour_of(case).parameters).all())
+    return bool(is_unusual(armours_of(case).parameters).all())
 
 
 def test_what_is_shipped_is_not_unusual():

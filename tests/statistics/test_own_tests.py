@@ -11,7 +11,7 @@ from armour.analysis.ballistic_limit import ConfidenceResult, confidence
 from armour.analysis.evaluate import evaluate
 from armour.design.optimise import optimise
 from armour.errors import InputError, NoAnswerError
-from armour.evidence.tests import armour_of, scenario_warnings
+from armour.evidence.tests import armours_of, scenario_warnings
 from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, VELOCITY
 from armour.scenario.scenario import Scenario, parse_scenario
 from armour.statistics.calibration import FLOW_STRESS, Law, calibrate
@@ -219,7 +219,7 @@ def test_the_file_keeps_the_tests_readably():
     assert 'lot = "lot 7"\n' in text
     again = parse_scenario(tomllib.loads(text)).entry("metal", "M, lot 7").evidence
     assert again is not None
-    q = armour_of(FRAGMENT.replaced({BACKING: 36.6})).quantities()
+    q = armours_of(FRAGMENT.replaced({BACKING: 36.6})).quantities()
     assert again.tests["backing_thickness_ratio"][0] == pytest.approx(q["backing_thickness_ratio"][0])
 
 

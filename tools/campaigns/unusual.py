@@ -19,7 +19,7 @@ from armour.core.search import DENSE_SCAN_POINTS, SCAN_POINTS, scan
 from armour.core.state import Outcome, Parameters
 from armour.engine import batch
 from armour.errors import InputError
-from armour.evidence.tests import FAR, armour_of, is_unusual, shipped_evidence
+from armour.evidence.tests import FAR, armours_of, is_unusual, shipped_evidence
 from armour.scenario.scenario import Scenario
 from tests.helpers.exotic import WIDE, random_wide_designs
 from tools.campaigns.verdict import verdict
@@ -47,7 +47,7 @@ def unusual_designs(count: int, seed: int) -> Variants:
 
 def variants(rows: Floats, velocities: Floats, scenario: Scenario) -> Variants:
     """Return armours at normal incidence as variants of a scenario."""
-    count, materials = len(rows), tuple(armour_of(scenario).materials)
+    count, materials = len(rows), tuple(armours_of(scenario).materials)
     return Variants(rows, velocities, np.ones(count), np.zeros(count, dtype=np.int64), scenario, materials)
 
 

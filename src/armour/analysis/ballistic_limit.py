@@ -19,7 +19,7 @@ from armour.core import search
 from armour.core.state import Outcome
 from armour.errors import InputError, NoLimitError
 from armour.evidence.model_error import ModelError, error_of, why_unknown
-from armour.evidence.tests import armour_of, is_unusual, scenario_warnings
+from armour.evidence.tests import armours_of, is_unusual, scenario_warnings
 from armour.scenario.checked import checked
 from armour.scenario.inputs import OBLIQUITY
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
@@ -122,7 +122,7 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
     """
     section = scenario.ballistic_limit
     low, high = section.velocity_min_m_s, section.velocity_max_m_s
-    points = search.DENSE_SCAN_POINTS if is_unusual(armour_of(scenario).parameters).all() else search.SCAN_POINTS
+    points = search.DENSE_SCAN_POINTS if is_unusual(armours_of(scenario).parameters).all() else search.SCAN_POINTS
     crossings, runs, lowest_perforates = find_crossings(scenario, points, on_progress)
     if lowest_perforates or not crossings:
         message = _no_limit(crossings, lowest_perforates, points, low, high)
@@ -368,4 +368,4 @@ def no_error(scenario: Scenario) -> str:
     """Return why the model error is not known, or not included, for a scenario that has none."""
     if scenario.excludes_error():
         return EXCLUDED
-    return why_unknown(scenario, armour_of(scenario))
+    return why_unknown(scenario, armours_of(scenario))

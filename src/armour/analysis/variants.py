@@ -11,7 +11,7 @@ from armour.core.state import Outcome
 from armour.engine import batch
 from armour.errors import mistake
 from armour.evidence.model_error import LAW_FIELDS, Errors, errors_of
-from armour.evidence.tests import Armours, Materials, armour_of, is_unusual, limits_outside
+from armour.evidence.tests import Armours, Materials, armours_of, is_unusual, limits_outside
 from armour.scenario.inputs import INPUTS, LAYERS, OBLIQUITY, VELOCITY, YIELD, cosine_of
 from armour.scenario.library import DEFAULTS, ROD, length_mm, strength_notes
 from armour.scenario.scenario import Scenario
@@ -120,7 +120,7 @@ def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -
                 getattr(field, target.field)[:] = DEFAULTS[key][0] * columns[YIELD] * target.factor
     velocities = np.array(np.broadcast_to(columns.get(VELOCITY, scenario.impact.velocity_m_s), count), dtype=np.float64)
     own_strength = columns.keys().isdisjoint((YIELD, "backing.flow_stress_GPa"))
-    materials = armour_of(scenario).materials
+    materials = armours_of(scenario).materials
     return Variants(
         rows, velocities, cosines, np.zeros(count, dtype=np.int64), scenario, tuple(materials), own_strength
     )
@@ -136,7 +136,7 @@ def outside_limits(variants: Variants, *, velocities: bool = True) -> Iterator[t
     """Yield the limits of the tested range that some rows lie outside, and the number of these rows."""
     speeds = variants.velocities if velocities else np.full_like(variants.velocities, np.nan)
     for limit in limits_outside(variants.armours, speeds):
-        yield f"{limit.key}: {limit.words}", limit.armours
+        yield f"{limit.key}: {limit.words}", len(limit.rows)
     armour = batch.fields(variants.parameters)
     for bare in (False, True):
         if count := int(np.count_nonzero((armour.Hc0 == 0.0) == bare)):

@@ -8,11 +8,11 @@ from armour.analysis.ballistic_limit import confidence_in, limit_and_error, prob
 from armour.analysis.flow_stress import NeededFlowStress, needed_flow_stress
 from armour.analysis.impact import simulate
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
-from armour.errors import Note, joined
 from armour.evidence.model_error import ModelError
-from armour.evidence.tests import scenario_warnings
+from armour.evidence.tests import armours_of, threat_warnings
 from armour.scenario.checked import checked
 from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, VELOCITY
+from armour.scenario.library import strength_notes
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import DesignSection, Threat
 
@@ -156,31 +156,21 @@ def check(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> C
     'fails'
     """
     section = scenario.design or DesignSection()
-    checked_threats: list[CheckedThreat] = []
-    warned: dict[Note, list[int]] = {}
-    for place, threat in enumerate(scenario.threats()):
-        against = scenario.against(threat)
-        checked_threats.append(_checked(against, threat, section, on_progress))
-        for note in scenario_warnings(against, threat.velocity_m_s):
-            warned.setdefault(note, []).append(place)
-    warnings = [_warning(scenario, note, places) for note, places in warned.items()]
-    warnings += scenario.unused_distributions()
+    threats = scenario.threats()
+    impacts = [scenario.against(threat) for threat in threats]
+    checked_threats = [
+        _checked(against, threat, section, on_progress) for against, threat in zip(impacts, threats, strict=True)
+    ]
+    metals, bare = [scenario.entry("metal", scenario.armour.backing)], not scenario.armour.ceramic_thickness_mm
+    warnings = (
+        *threat_warnings(scenario, armours_of(*impacts)),
+        *strength_notes(metals, bare=bare),
+        *scenario.unused_distributions(),
+    )
     verdicts = [threat.verdict for threat in checked_threats]
     worst: Verdict = "fails" if "fails" in verdicts else "not known" if "not known" in verdicts else "passes"
-    return CheckResult(tuple(checked_threats), worst, tuple(warnings)).of(
+    return CheckResult(tuple(checked_threats), worst, warnings).of(
         scenario.subject(threats=scenario.threat), scenario=scenario
-    )
-
-
-def _warning(scenario: Scenario, note: Note, places: list[int]) -> Note:
-    """Return a warning on an impact as one on the threats that it is about, which are named where there are several."""
-    if not scenario.threat:
-        return note
-    names = [scenario.threat[place].title for place in places]
-    threats = joined(names) if len(names) < len(scenario.threat) else "every threat"
-    words = f"against {threats}: " if len(scenario.threat) > 1 else ""
-    return Note(
-        words + note.text, note.key.replace("impact", f"threat[{places[0]}]"), note.brief and words + note.brief
     )
 
 

@@ -17,7 +17,7 @@ from armour.design.search import Requirement, Search
 from armour.errors import Note, Problem, listed, refuse
 from armour.evidence.mixture import Mixture
 from armour.evidence.model_error import REMEDY, ModelError, error_of, why_unknown
-from armour.evidence.tests import Armours, limits_outside
+from armour.evidence.tests import Armours, threat_warnings
 from armour.scenario.checked import checked
 from armour.scenario.inputs import BACKING, CERAMIC, NAMES
 from armour.scenario.library import strength_notes
@@ -496,17 +496,10 @@ def _failing_backings(search: Search, best: int, frontier: Ints) -> tuple[float,
 
 def _outside(search: Search, place: int) -> list[str]:
     """Return the ways in which a design and its threats differ from what the model was compared with."""
-    catalogue = search.catalogue
-    notes: list[str] = []
-    for i, threat in enumerate(catalogue.threats):
-        for outside in limits_outside(_armour(search, place, i), np.array([threat.velocity_m_s])):
-            key = outside.key
-            if catalogue.scenario.threat and key.partition(".")[0] in ("impact", "projectile"):
-                key = f"threat[{i}].{key.partition('.')[2] if key.startswith('impact') else 'projectile'}"
-            notes.append(outside.note(key))
-    metals = (catalogue.scenario.entry("metal", layer.material) for layer in catalogue.section.backing)
-    notes += strength_notes(metals, bare=not search.candidates.ceramic_mm[place])
-    return list(dict.fromkeys(notes))
+    scenario = search.catalogue.scenario
+    metals = (scenario.entry("metal", layer.material) for layer in search.catalogue.section.backing)
+    strengths = strength_notes(metals, bare=not search.candidates.ceramic_mm[place])
+    return [*threat_warnings(scenario, _rows(search, place).armours), *strengths]
 
 
 def _changing(search: Search, columns: Sequence[tuple[int, str, float]]) -> Iterator[str]:

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from armour.core.state import Parameters
-from armour.errors import Note
+from armour.errors import Note, joined
 from armour.evidence.fit import Fit, LotTests, Quantities, fits, law_parameters, quantities, shipped_data
 from armour.scenario.inputs import OBLIQUITY, VELOCITY, cosine_of
 from armour.scenario.library import IN_COMMON, VARIED, LibraryEntry, OwnTests, strength_notes, tensile_strength
@@ -208,11 +208,13 @@ class Armours(NamedTuple):
                 yield evidence, rows
 
 
-def armour_of(scenario: Scenario) -> Armours:
-    """Return the armour of a scenario, n = 1."""
-    materials = Materials(scenario.entry_of("ceramic"), scenario.entry("metal", scenario.armour.backing))
-    parameters = Parameters._make(np.array([value]) for value in scenario.core_armour())
-    return Armours(parameters, np.array([scenario.cosine()]), np.zeros(1, dtype=np.int64), [materials])
+def armours_of(*scenarios: Scenario) -> Armours:
+    """Return the armours of n scenarios with the same materials."""
+    first, *_ = scenarios
+    materials = Materials(first.entry_of("ceramic"), first.entry("metal", first.armour.backing))
+    parameters = Parameters._make(np.array([scenario.core_armour() for scenario in scenarios]).T)
+    cosines = np.array([scenario.cosine() for scenario in scenarios])
+    return Armours(parameters, cosines, np.zeros(len(scenarios), dtype=np.int64), [materials])
 
 
 def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
@@ -302,13 +304,13 @@ class Outside(NamedTuple):
 
     key: str  # of the input that it depends on
     words: str
-    armours: int  # number of them
-    number: str  # of the first of them, in words
+    rows: Any  # indices of these armours
+    numbers: str  # their range, in words
     brief: str  # the warning in a few words
 
-    def note(self, key: str = "") -> Note:
+    def note(self, key: str = "", against: str = "") -> Note:
         """Return the warning, by default with the key of the limit."""
-        return Note(self.words + self.number, key or self.key, self.brief)
+        return Note(self.words + self.numbers + against, key or self.key, self.brief + against)
 
 
 def limits_outside(armours: Armours, velocities: Any) -> Iterator[Outside]:
@@ -333,18 +335,18 @@ def limits_outside(armours: Armours, velocities: Any) -> Iterator[Outside]:
         ]
         for limits in evidence.compared:
             checks.append(_check(limits, q, ~(is_other & (limits.name in OF_CERAMIC))))
-        for key, words, fails, number, brief in checks:
+        for key, words, fails, numbers, brief in checks:
             if fails.any():
-                yield Outside(key, f"the model was compared with {words}", int(fails.sum()), number, brief)
+                yield Outside(key, f"the model was compared with {words}", np.flatnonzero(rows)[fails], numbers, brief)
 
 
 def _check(limits: DataRange, q: Quantities, rows: Any = True) -> tuple[str, str, Any, str, str]:
-    """Return a check of rows of armours, with the first number that fails in words."""
+    """Return a check of rows of armours, with the range of the numbers that fail in words."""
     fails = limits.fails(q) & ~np.isnan(q[limits.name]) & rows
-    number = next(iter(q[limits.name][fails].tolist()), 0.0)
-    first = f"{number:{'.0f' if number >= 100.0 else '.3g'}}"
-    brief = f"{limits.words(first)} ({limits.ends()})"
-    return limits.key, f"results for {limits}", fails, f", found {first}", brief
+    numbers = sorted(q[limits.name][fails].tolist())
+    ends = " to ".join(dict.fromkeys(f"{end:{'.0f' if end >= 100.0 else '.3g'}}" for end in numbers[:1] + numbers[-1:]))
+    brief = f"{limits.words(ends)} ({limits.ends()})"
+    return limits.key, f"results for {limits}", fails, f", found {ends}", brief
 
 
 def scenario_warnings(scenario: Scenario, velocity: float, key: str = VELOCITY) -> tuple[Note, ...]:
@@ -352,7 +354,21 @@ def scenario_warnings(scenario: Scenario, velocity: float, key: str = VELOCITY) 
 
     `velocity` is the impact velocity, m/s, or the ballistic limit; `key` is its key.
     """
-    outside = limits_outside(armour_of(scenario), np.array([velocity]))
+    outside = limits_outside(armours_of(scenario), np.array([velocity]))
     notes = (limit.note(key if limit.key == VELOCITY else "") for limit in outside)
     metals = [scenario.entry("metal", scenario.armour.backing)]
     return (*notes, *strength_notes(metals, bare=not scenario.armour.ceramic_thickness_mm))
+
+
+def threat_warnings(scenario: Scenario, armours: Armours) -> Iterator[Note]:
+    """Yield the ways in which an armour and the threats of a scenario are unlike what the model was compared with.
+
+    The armour has a row against each threat.  A warning that is not about all threats names those that it is about.
+    """
+    threats = scenario.threats()
+    for outside in limits_outside(armours, np.array([threat.velocity_m_s for threat in threats])):
+        section, _, name = outside.key.partition(".")
+        is_of_threat = scenario.threat and section in ("impact", "projectile")
+        key = f"threat[{outside.rows[0]}].{name if section == 'impact' else 'projectile'}" if is_of_threat else ""
+        names = joined([threats[row].title for row in outside.rows])
+        yield outside.note(key, f" against {names}" if len(outside.rows) < len(threats) else "")

@@ -1,6 +1,5 @@
 """Report on a scenario: its answer, and the results that explain it and say how reliable it is."""
 
-import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
@@ -13,7 +12,7 @@ from armour.design.check import CheckedThreat, CheckResult, check, verdict_of
 from armour.design.optimise import OBJECTIVES, DesignResult, optimise
 from armour.errors import NoLimitError, Note
 from armour.evidence.model_error import given_error
-from armour.evidence.tests import armour_of
+from armour.evidence.tests import armours_of
 from armour.reporting.lookup import drawing_of
 from armour.reporting.report import Card, Report, ReportSection, origin_section, reference_notes
 from armour.reporting.table import Column, Table, column_of, in_words, listing
@@ -254,16 +253,15 @@ def _requirements(contents: Contents) -> Card:
 
 def _warnings(contents: Contents) -> Iterator[str]:
     """Give all warnings, with words in place of the keys that they are about."""
-    # The text of a check's warning names the threat where there are several.
-    is_named = contents.design is None and len(contents.threats) > 1
     for warning in contents.warnings:
         if not isinstance(warning, Note):
             yield warning
             continue
         name = warning.key.removeprefix("uncertainty.")
         words = warning.key
-        if match := re.match(r"threat\[(\d+)\]", warning.key):
-            words = "" if is_named else contents.threats[int(match[1])].threat
+        if warning.key.startswith("threat["):
+            # Of several threats, the text names those that it is about.
+            words = contents.threats[0].threat if len(contents.threats) == 1 else ""
         elif name in INPUTS or name in NAMES.values():
             words = in_words(name) if name == warning.key else f"distribution of the {in_words(name)}"
         yield Note(warning.text, words, warning.brief)
@@ -291,7 +289,7 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Re
         yield ReportSection("Map of the designs", hint, map_command, "console", pictures=(drawing,))
     yield ReportSection("Assumptions and limits", notes=ASSUMPTIONS)
     entries = list(filter(None, map(answer.entry_of, ROLES)))
-    [(evidence, _)] = armour_of(answer).by_evidence()
+    [(evidence, _)] = armours_of(answer).by_evidence()
     tests = evidence.source if threat.model_error is not None and given_error(answer) is None else ""
     values = [value.source for entry in entries for value in entry.values.values()]
     yield ReportSection("References", notes=reference_notes(("[Paper]", tests, *values)))

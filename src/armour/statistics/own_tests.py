@@ -10,7 +10,7 @@ from armour.analysis.variants import Floats, Variants, concatenated, variants_of
 from armour.errors import mistake
 from armour.evidence.fit import fits, law_parameters, shipped_data
 from armour.evidence.model_error import other_settings
-from armour.evidence.tests import armour_of, is_outside, shipped_evidence, shipped_evidence_of
+from armour.evidence.tests import armours_of, is_outside, shipped_evidence, shipped_evidence_of
 from armour.scenario.inputs import cosine_of
 from armour.scenario.library import (
     FLOW_STRESS_LAW,
@@ -78,7 +78,7 @@ def own_tests(tests: Tests, fitted: Mapping[str, float]) -> OwnTests | None:
     if len({*_rounded(rows.cosines)}) > 1 and (q["path_ratio"] > longest_path).any():
         return None
     calibrated = scenario.with_inputs({name: float(f"{value:.6g}") for name, value in fitted.items()})
-    values = armour_of(calibrated).quantities()
+    values = armours_of(calibrated).quantities()
     scatter = [abs(m.side) * SHOT_SCATTER * m.value if m.uncertainty is None else m.uncertainty for m in shots]
     q |= {"velocity_m_s": velocities, "uncertainty_m_s": np.array(scatter), "side": sides}
     return OwnTests(
