@@ -357,7 +357,7 @@ def rows(
         numbers, look = np.array(series, float), look_of(index)
         places = np.flatnonzero(np.isfinite(numbers))
         if start is not None:
-            ranges(axes, places, [(start, number) for number in numbers[places]], look["color"])
+            axes.hlines(places, start, numbers[places], color=SOFT, linewidth=1.0)
         points(axes, numbers[places], places, label=legible(label), filled=not index, **look)
 
 
