@@ -25,6 +25,7 @@ import tomllib
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import chdir
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
@@ -133,15 +134,15 @@ def at(data: Any, path: tuple[Any, ...]) -> Any:
 
 
 def mutated_data(data: dict[str, Any], dice: Dice) -> dict[str, Any]:
-    """Change one value or key of TOML data."""
+    """Change one value or key of TOML data, or one number of gentle data by a factor."""
     paths = places(data)
-    if not paths:
-        return {"title": value(dice)}
     numbers = [path for path in paths if isinstance(at(data, path), float)]
-    *path, last = dice.choice(numbers if numbers and dice.random() < 0.7 else paths)
+    if not (numbers if dice.gentle else paths):
+        return data if dice.gentle else {"title": value(dice)}
+    *path, last = dice.choice(numbers if dice.gentle or (numbers and dice.random() < 0.7) else paths)
     table, action = at(data, tuple(path)), dice.random()
-    if action < 0.7 and isinstance(table[last], float):
-        table[last] *= 10.0 ** (dice.choice([0.1, 0.3, 1.0, 4.0]) * dice.uniform(-1, 1))
+    if dice.gentle or (action < 0.7 and isinstance(table[last], float)):
+        table[last] *= 10.0 ** (dice.choice([0.1, 0.3, 1.0, 1.0 if dice.gentle else 4.0]) * dice.uniform(-1, 1))
     elif action < 0.8:
         table[last] = value(dice)
     elif action < 0.85:
@@ -151,16 +152,6 @@ def mutated_data(data: dict[str, Any], dice: Dice) -> dict[str, Any]:
         table[key] = table.pop(last, 1) if action < 0.92 else value(dice)
     else:
         table.insert(dice.randrange(len(table) + 1), table[last])
-    return data
-
-
-def scaled(data: dict[str, Any], dice: Dice) -> dict[str, Any]:
-    """Change one number of TOML data by a factor."""
-    numbers = [path for path in places(data) if isinstance(at(data, path), float)]
-    if not numbers:
-        return data
-    *path, last = dice.choice(numbers)
-    at(data, tuple(path))[last] *= 10.0 ** (dice.choice([0.1, 0.3, 1.0]) * dice.uniform(-1, 1))
     return data
 
 
@@ -201,7 +192,7 @@ def mutated(content: bytes, dice: Dice, table: bool = False) -> bytes:
         return mutated_table(content, dice)
     data = tomllib.loads(content.decode())
     for _ in range(dice.choice([1, 1, 1, 2, 3])):
-        data = scaled(data, dice) if dice.gentle else mutated_data(data, dice)
+        data = mutated_data(data, dice)
     return tomli_w.dumps(data).encode(errors="surrogatepass")
 
 
@@ -530,28 +521,14 @@ def warm_up() -> None:
     """Import all that the commands need, so that each trial starts with it, and list the commands."""
     from typer.testing import CliRunner
 
+    from armour.cli.app import COMMANDS as SHOWN
     from armour.cli.app import app
 
-    wilkins, optimum = "wilkins", "paper/optimum_7.62mm_AP"
-    with tempfile.TemporaryDirectory() as folder:
-        for words in (
-            ["simulate", wilkins, "--plot", f"{folder}/p.svg"],
-            ["check", wilkins, "--junit", f"{folder}/j.xml"],
-            ["optimise", optimum, "--map", f"{folder}/m.html"],
-            ["sensitivity", wilkins],
-            ["compare", wilkins],
-            ["v50", str(SHOTS), wilkins],
-            ["calibrate", str(TESTS["wilkins"]), wilkins],
-            ["plan", "shots", wilkins],
-            ["plan", "tests", wilkins, "--candidates", "armour.ceramic_thickness_mm=4:12:4", "--scatter-percent", "3"],
-            ["uncertainty", "uncertain", "--samples", "128"],
-            ["report", wilkins, "-o", f"{folder}/r.html"],
-            ["validate", "--only", "7.62"],
-            ["library"],
-            ["schema"],
-        ):
-            found = CliRunner().invoke(app, words)
-            assert found.exit_code in (DONE, CHECK_FAILED), (words, found.output)
+    examples = [example for commands in SHOWN.values() for of_command in commands.values() for example in of_command]
+    for example in (*examples, "optimise wilkins --map m.html"):
+        with tempfile.TemporaryDirectory() as folder, chdir(folder):
+            found = CliRunner().invoke(app, example)
+            assert found.exit_code in (DONE, CHECK_FAILED), (example, found.output)
     import pyarrow.csv
     import pyarrow.parquet  # noqa: F401
 
