@@ -93,4 +93,4 @@ def test_a_pipe_with_a_mistake_is_not_opened_again():
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
         Path("a.toml").write_text((SCENARIOS / "wilkins.toml").read_text().replace("800.0", "-800.0"))
         _, said = process.communicate(timeout=60)
-    assert (process.returncode, said) == (2, "a.toml: impact.velocity_m_s: must be at least 1, found -800.0\n")
+    assert (process.returncode, said) == (2, "a.toml: impact.velocity_m_s: must be at least 10, found -800.0\n")

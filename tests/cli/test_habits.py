@@ -68,7 +68,7 @@ def test_standard_input(cli):
     assert piped == named
     wrong = cli("simulate", "-", stdin="[impact]\nvelocity_m_s = -1.0\n")
     assert wrong.exit_code == 2
-    assert "standard input: impact.velocity_m_s: must be at least 1, found -1" in wrong.stderr
+    assert "standard input: impact.velocity_m_s: must be at least 10, found -1" in wrong.stderr
     assert cli("simulate", "-", stdin="= 3").stderr.startswith("standard input: must be valid TOML")
 
 
@@ -86,7 +86,7 @@ def test_mistakes_are_told_with_their_lines(cli, folder: Path):
     (folder / "a.toml").write_text(text)
     line = text.splitlines().index("velocity_m_s = -800.0") + 1
     [told] = cli.fails(2, "simulate", "a.toml")
-    assert told == f"a.toml: impact.velocity_m_s: must be at least 1, found -800.0 (line {line})"
+    assert told == f"a.toml: impact.velocity_m_s: must be at least 10, found -800.0 (line {line})"
 
 
 def test_no_colour_where_none_is_wanted(cli, monkeypatch: pytest.MonkeyPatch):

@@ -87,7 +87,7 @@ def test_a_confidence_and_the_command_of_the_map(cli, folder: Path):
 def test_changes_and_standard_input(cli, folder: Path):
     """Here those of an impact with hardly any energy."""
     text = (SCENARIOS / "bare_plate.toml").read_text()
-    changes = ("--set", "title=Changed", "--set", "impact.velocity_m_s=1")
+    changes = ("--set", "title=Changed", "--set", "impact.velocity_m_s=10")
     done = cli("report", "-", "-o", "r.html", *changes, stdin=text)
     assert (done.exit_code, done.stderr.splitlines()[0]) == (0, "wrote r.html")
     page = (folder / "r.html").read_text()

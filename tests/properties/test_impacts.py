@@ -30,7 +30,7 @@ def scenarios(draw: st.DrawFn) -> dict[str, Any]:
     bare = draw(st.booleans()) and draw(st.booleans())
     thickness = st.floats(0.02, 10.0)
     return {
-        "impact": {"projectile": projectile, "velocity_m_s": draw(st.floats(5.0, 4000.0))},
+        "impact": {"projectile": projectile, "velocity_m_s": draw(st.floats(10.0, 4000.0))},
         "armour": {
             "ceramic": draw(st.sampled_from(["AD85", "AD85 initial", "AD99.5", "Al-N"])),
             "ceramic_thickness_mm": 0.0 if bare else diameter * draw(thickness),

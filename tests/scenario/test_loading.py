@@ -190,7 +190,7 @@ def test_a_value_that_is_set_says_so_in_its_source():
     [
         (None, "replaced: changes: must be a mapping, found None"),
         ({5: 900.0}, "replaced: must be a key of the scenario as TOML writes it"),
-        ({"impact.velocity_m_s": -1.0}, "replaced: impact.velocity_m_s: must be at least 1, found -1"),
+        ({"impact.velocity_m_s": -1.0}, "replaced: impact.velocity_m_s: must be at least 10, found -1"),
     ],
 )
 def test_what_replaced_refuses_names_the_call(changes: Any, message: str):

@@ -23,7 +23,7 @@ WHOLE = data(
 # Additions to it, each followed by the beginning of its message, which four spaces precede.
 TABLE = r"""
 impact.velocity_m_s = -3
-    impact.velocity_m_s: must be at least 1, found -3
+    impact.velocity_m_s: must be at least 10, found -3
 impact.velocity_m_s = inf
     impact.velocity_m_s: must be a finite number, found inf
 impact.velocity_m_s = "800"
@@ -32,8 +32,8 @@ impact.velocity_m_s = true
     impact.velocity_m_s: must be a number, found true
 impact.velocity_m_s = 1e6
     impact.velocity_m_s: must be at most 10000, found 1000000.0
-impact.velocity_m_s = 0.85
-    impact.velocity_m_s: must be at least 1, found 0.85
+impact.velocity_m_s = 1.2
+    impact.velocity_m_s: must be at least 10, found 1.2
 ballistic_limit.velocity_min_m_s = 5e-324
     ballistic_limit.velocity_min_m_s: must be at least 1e-09, found 4.94066e-324
 armour.ceramic_thickness_mm = 9000.0

@@ -39,7 +39,7 @@ def test_a_threat_that_is_set_replaces_the_values_of_the_file():
     assert (found.impact.projectile, found.impact.velocity_m_s) == ("7.62 mm B32", 854.0)
     nested = load_scenario("wilkins", {"impact": {"threat": LEVEL_3}})
     assert nested.impact == found.impact
-    assert load_scenario("wilkins", {"impact.threat": LEVEL_3, "impact.velocity_m_s": 1.0}).impact.velocity_m_s == 1.0
+    assert load_scenario("wilkins", {"impact.threat": LEVEL_3, "impact.velocity_m_s": 50.0}).impact.velocity_m_s == 50.0
 
 
 def test_editors_accept_a_threat_in_place_of_round_and_velocity():

@@ -106,7 +106,7 @@ def test_the_recommended_curve_is_the_penalised_probit_if_it_rises():
                 'line 2: result: must be "stopped" or "perforated" (or partial',
                 'line 3: velocity_m_s: must be a number, found "fast"',
                 "line 4: velocity_m_s: is missing and must be given",
-                "line 5: velocity_m_s: must be at least 1 and at most 10000, found -5; is it in m/s?",
+                "line 5: velocity_m_s: must be at least 10 and at most 10000, found -5; is it in m/s?",
                 "line 5: result: must be",
             ],
         ),

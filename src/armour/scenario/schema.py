@@ -39,7 +39,7 @@ ThicknessOrNone = Annotated[float, Field(ge=0.0, le=THICKEST_MM), NOT_TINY]
 SLOWEST_M_S, FASTEST_M_S = 20.0, 1e4
 Velocity = Annotated[float, Field(gt=0.0, le=FASTEST_M_S), NOT_TINY]
 # The velocity of an impact; the bound catches one in km/s.
-ImpactVelocity = Annotated[float, Field(ge=1.0, le=FASTEST_M_S)]
+ImpactVelocity = Annotated[float, Field(ge=10.0, le=FASTEST_M_S)]
 Positive = Annotated[float, Field(gt=0.0), NOT_TINY]
 # At greater angles, rounds ricochet and cores break or turn, which the model does not describe.
 Obliquity = Annotated[float, Field(ge=0.0, le=60.0), NOT_TINY]

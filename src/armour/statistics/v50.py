@@ -31,7 +31,7 @@ Rule = Literal["usual span", "given span", "no usual rule"]
 LOWER_LEVELS = (0.9, 0.8, 0.5)
 Decision = Literal["met", "not met", "not decided", ""]
 # Range of velocities, m/s; it catches values in a wrong unit.
-MIN_VELOCITY_M_S, MAX_VELOCITY_M_S = 1.0, 1e4
+MIN_VELOCITY_M_S, MAX_VELOCITY_M_S = 10.0, 1e4
 Velocity = Annotated[float, Field(ge=MIN_VELOCITY_M_S, le=MAX_VELOCITY_M_S)]
 # Rounding error of a risk.
 ROUNDING = 1e-12
