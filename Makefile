@@ -70,7 +70,7 @@ coverage: $(VENV)/developing
 release: $(VENV)/developing
 	$(BIN)/python tools/release.py
 
-# Run the campaigns, one on each core, and write their results into docs/campaigns.md: about three hours of one core.
+# Run the campaigns, one on each core, and write their results into docs/campaigns.md: about two hours of one core.
 # `make campaigns CAMPAIGN=inputs` or, with options, `CAMPAIGN="coverage curves"` runs a single one.
 campaigns: $(VENV)/developing $(VENV)/mutating
 	$(BIN)/python -m tools.campaigns $(if $(CAMPAIGN),"$(CAMPAIGN)")
