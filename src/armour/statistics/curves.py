@@ -110,13 +110,18 @@ class Curve(NamedTuple):
     value: float  # logarithm of the likelihood, with the penalty
 
 
+def has_curve(partial: Sequence[float], complete: Sequence[float]) -> bool:
+    """Return whether there are shots of both kinds, the complete penetrations faster on average."""
+    return len(partial) > 0 and len(complete) > 0 and bool(np.mean(complete) > np.mean(partial))
+
+
 class ShotLikelihood:
     """Likelihood of the velocities of partial and complete penetrations, with its maximum and confidence region."""
 
     def __init__(
         self, partial: Sequence[float], complete: Sequence[float], link: Link, *, penalised: bool = False
     ) -> None:
-        if np.mean(complete) <= np.mean(partial):
+        if not has_curve(partial, complete):
             raise NoAnswerError(
                 f"no V50: the complete penetrations were no faster on average ({np.mean(complete):.1f} m/s) than the "
                 f"partial ones ({np.mean(partial):.1f} m/s)"

@@ -19,7 +19,7 @@ from armour.csv_files import MUST_SAY, PERFORATED, in_line_order, lines_of, read
 from armour.errors import Problem, counted, mistake, refuse, suggestion
 from armour.scenario.checked import checked
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
-from armour.statistics.curves import CDFS, FittedCurve, ShotLikelihood, fit_curve
+from armour.statistics.curves import CDFS, FittedCurve, ShotLikelihood, fit_curve, has_curve
 from armour.statistics.posterior import FiringEstimate, FiringPrior, learned, no_prior, posterior_of
 from armour.units import missing_unit
 
@@ -293,13 +293,9 @@ def v50(
         raise mistake("v50", "prior", "must be given with a scenario")
     partial, complete = shots.of(complete=False), shots.of(complete=True)
     # With a prior, shots that have no curve are informative too.
-    curved = not prior or (bool(partial and complete) and sum(complete) * len(partial) > sum(partial) * len(complete))
+    links = CDFS if not prior or has_curve(partial, complete) else ()
     fits, penalised_fits = (
-        tuple(
-            fit
-            for link in (CDFS if curved else ())
-            if (fit := fit_curve(partial, complete, link, confidence, penalised=penalised))
-        )
+        tuple(fit for link in links if (fit := fit_curve(partial, complete, link, confidence, penalised=penalised)))
         for penalised in (False, True)
     )
     recommended = penalised_fits[0] if penalised_fits else None
