@@ -43,8 +43,10 @@ def law_of(scenario: Scenario) -> str:
     return next((law for law, keys in LAWS.items() if nonzero == set(keys)), "combined")
 
 
-def with_law(scenario: Scenario, law: Law) -> Scenario:
-    """Return the scenario with the coefficients of one law only, 0 if its ceramic lacks them."""
+def with_law(scenario: Scenario, law: Law | None) -> Scenario:
+    """Return the scenario with the coefficients of one law only, 0 if its ceramic lacks them; by default its own."""
+    if law is None:
+        return scenario
     changes = {key: 0.0 for key in FLOW_STRESS_LAW if (key in LAWS[law]) != bool(_ceramic_value(scenario, key))}
     return with_ceramic(scenario, changes) if changes else scenario
 
@@ -306,8 +308,6 @@ def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str
 
 def under_law(tests: Tests, inputs: Sequence[str], law: Law | None) -> tuple[Tests, list[str]]:
     """Return tests with a law of the flow stress, by default their own, and all inputs to fit."""
-    if law is None:
-        return tests, [*inputs]
     groups = tuple(group._replace(scenario=with_law(group.scenario, law)) for group in tests.groups)
     return tests._replace(groups=groups, scenario=with_law(tests.scenario, law)), fitted_names(inputs, law)
 
