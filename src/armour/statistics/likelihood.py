@@ -154,7 +154,7 @@ class Likelihood(NamedTuple):
     upper: Floats
     kept: Bools  # measurements that count, (m,)
     on_progress: OnProgress
-    prior: Prior = NO_PRIOR
+    prior: Prior
 
     @property
     def sides(self) -> Floats:

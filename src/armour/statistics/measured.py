@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Container, Mapping, Sequence
-from itertools import chain
+from itertools import chain, islice
 from os import PathLike
 from typing import Annotated, NamedTuple
 
@@ -134,13 +134,12 @@ def read_tests(path: Table, scenario: Scenario, notes: Names = ()) -> Tests:
     notes = tuple(notes)
     numbers = (*INPUTS, *MEASURED, *MEASURED.values())
     file, lines = lines_of(path)
-    header = next(lines, None)
-    if header and {"velocity_m_s", "result"} <= {*header[1]}:
+    first = list(islice(lines, 1))
+    if first and {"velocity_m_s", "result"} <= {*first[0][1]}:
         message = "must be a table of tests, found shots (velocity_m_s and result); armour v50 estimates V50 from them"
         raise mistake(file, "", message)
-    lines = lines if header is None else chain([header], lines)
     texts = ("test", OUTCOME, *NAMES.values(), *notes)
-    rows, problems = read_rows(file, lines, numbers=numbers, texts=texts, needed=(), usual=USUAL)
+    rows, problems = read_rows(file, chain(first, lines), numbers=numbers, texts=texts, needed=(), usual=USUAL)
     names = tuple(row.texts.get("test", row.place) for row in rows)
     repeated_names = {name for name, count in Counter(names).items() if count > 1}
     problems += [

@@ -392,8 +392,7 @@ def influences(
     limits_at_ends = {name: (float(low), float(high)) for name, (low, high) in zip(varied, pairs, strict=True)}
     if error is not None:
         [nominal] = sample_limits(sampled(scenario, {}, 1))
-        low, high = (nominal * (1.0 + error.quantile(ENDS))).tolist()
-        limits_at_ends[ERROR] = (low, high)
+        limits_at_ends[ERROR] = error.interval(nominal, ENDS[0])
     first: dict[str, Estimate] = {}
     total: dict[str, Estimate] = {}
     if len(names) == 1:
