@@ -39,7 +39,8 @@ LAWS: dict[Law, tuple[str, ...]] = {
 
 def law_of(scenario: Scenario) -> str:
     """Return the law of the scenario's ceramic, or "combined" for several laws at once."""
-    nonzero = {key for key in FLOW_STRESS_LAW if _ceramic_value(scenario, key)}
+    values = scenario.inputs()
+    nonzero = {key for key in FLOW_STRESS_LAW if values.get(f"ceramic.{key}")}
     return next((law for law, keys in LAWS.items() if nonzero == set(keys)), "combined")
 
 
@@ -47,7 +48,8 @@ def with_law(scenario: Scenario, law: Law | None) -> Scenario:
     """Return the scenario with the coefficients of one law only, 0 if its ceramic lacks them; by default its own."""
     if law is None:
         return scenario
-    changes = {key: 0.0 for key in FLOW_STRESS_LAW if (key in LAWS[law]) != bool(_ceramic_value(scenario, key))}
+    values = scenario.inputs()
+    changes = {key: 0.0 for key in FLOW_STRESS_LAW if (key in LAWS[law]) != bool(values.get(f"ceramic.{key}"))}
     return with_ceramic(scenario, changes) if changes else scenario
 
 
@@ -59,11 +61,6 @@ def with_ceramic(scenario: Scenario, values: dict[str, float]) -> Scenario:
     if entry.name not in scenario.library.ceramic:
         table["based_on"] = entry.name
     return scenario.replaced({key_name(["library", "ceramic", entry.name]): table})
-
-
-def _ceramic_value(scenario: Scenario, key: str) -> float:
-    entry = scenario.entry_of("ceramic")
-    return entry[key] if entry is not None and key in entry.values else 0.0
 
 
 ASSUMED = (
