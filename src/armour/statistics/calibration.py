@@ -20,8 +20,17 @@ from armour.scenario.keys import key_name
 from armour.scenario.library import FLOW_STRESS_LAW
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Uncertainty
-from armour.statistics.likelihood import MIN_P_VALUE, Coefficient, InputFit, fit_inputs, intervals, usable, without
-from armour.statistics.measured import Tests, common_of, subject_of
+from armour.statistics.likelihood import (
+    MIN_P_VALUE,
+    Coefficient,
+    InputFit,
+    fit_inputs,
+    intervals,
+    likelihood_of,
+    usable,
+    without,
+)
+from armour.statistics.measured import Tests, common_of, subject_of, with_scatter
 from armour.statistics.own_tests import NOTHING_OF_ERROR, own_tests
 
 FLOW_STRESS = "ceramic.flow_stress_GPa"
@@ -349,9 +358,8 @@ def fit_by_law(
     all_measurements = np.ones(len(tests.measurements), dtype=bool)
     too_few = assumes and not tests.weighted and usable(tests, all_measurements) <= len(inputs)
     if too_few:
-        measurements = tuple(m._replace(uncertainty=LEAST_REST * m.value) for m in tests.measurements)
-        tests = tests._replace(measurements=measurements, weighted=True)
-    fit = fit_inputs(tests, inputs, on_progress, prior=prior)
+        tests = with_scatter(tests, LEAST_REST)
+    fit = fit_inputs(likelihood_of(tests, inputs, on_progress, prior=prior))
     computed, left_out = fit.likelihood.predicted(fit.best.x), _left_out(fit)
     residuals = tuple(
         Residual(

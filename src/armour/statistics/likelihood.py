@@ -253,9 +253,8 @@ class InputFit(Precision):
     starts_agreeing: int
 
 
-def fit_inputs(tests: Tests, inputs: Sequence[str], on_progress: OnProgress, *, prior: bool = False) -> InputFit:
+def fit_inputs(likelihood: Likelihood) -> InputFit:
     """Fit inputs to tests, from several starts; see `armour.statistics.calibration.calibrate`."""
-    likelihood = likelihood_of(tests, inputs, on_progress, prior=prior)
     check_enough(likelihood)
     of_law = likelihood.lower < 0.0
     starts = [np.where(of_law, 0.0, start) for start in STARTS]

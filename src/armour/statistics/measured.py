@@ -84,6 +84,15 @@ class Tests(NamedTuple):
         return f"<Tests: {tests} of {self.file}, {measurements}>"
 
 
+def with_scatter(tests: Tests, scatter: float) -> Tests:
+    """Return tests whose measurements have this relative uncertainty."""
+    measurements = tuple(m._replace(uncertainty=scatter * m.value) for m in tests.measurements)
+    cells = [dict(cell) for cell in tests.cells]
+    for m in measurements:
+        cells[m.test][MEASURED[m.quantity]] = scatter * m.value
+    return tests._replace(measurements=measurements, weighted=True, cells=tuple(cells))
+
+
 def subject_of(tests: Tests) -> str:
     """Return the materials and rounds of tests, such as "Tests of AD85 on 6061-T6 against 7.62 mm AP"."""
     names = {key: [group.scenario.name_of(role) for group in tests.groups] for role, key in NAMES.items()}
