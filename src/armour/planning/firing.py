@@ -288,7 +288,7 @@ def plan_shots(
     check_shots(shots, one_kind=True)
     for firing in earlier:
         check_shots(instance(firing, Shots))
-    settable = {
+    optional = {
         "requirement_m_s": requirement_m_s,
         "requirement_fraction": requirement_fraction != 0.5,
         "prior": prior,
@@ -297,7 +297,7 @@ def plan_shots(
         "true_scatter_m_s": true_scatter_m_s,
         "seed": seed,
     }
-    given = {key for key, value in settable.items() if value}
+    given = {key for key, value in optional.items() if value}
     conflicts = _conflicts(procedure, given, limits_m_s, simulate=simulate)
     refuse(Problem("plan_shots", *conflict) for conflict in conflicts)
     if earlier:

@@ -28,10 +28,8 @@ from armour.statistics.likelihood import (
     fit_inputs,
     hazard,
     likelihood_of,
-    needed_of,
     prior_of,
     rows_at,
-    usable,
 )
 from armour.statistics.measured import LIMIT, Tests, with_scatter
 
@@ -44,7 +42,6 @@ OUTSIDE = 1e-2
 AT_END = 1e-6
 
 Criterion = Literal["D", "I"]
-ScatterSource = Literal["given", "uncertainties", "residuals"]
 
 
 def _scenarios(designs: object) -> tuple[Scenario, ...]:
@@ -134,7 +131,7 @@ class PlannedTests(TableResult):
     tests: str
     scatter_percent: float
     scatter_known: bool
-    scatter_source: ScatterSource
+    scatter_source: Literal["given", "uncertainties", "residuals"]
     designs: tuple[str, ...]
     design_limits_m_s: tuple[float, ...]
     efficiency: float | None
@@ -365,7 +362,7 @@ def _knowledge(likelihood: Likelihood | None, model: LimitModel, scatter: float 
     fit = None
     if likelihood is not None:
         tests = likelihood.tests
-        if usable(tests, likelihood.kept) >= needed_of(likelihood):
+        if likelihood.usable >= likelihood.needed:
             fit = fit_inputs(likelihood)
         scatter = scatter or (fit.spread if fit and not tests.weighted else _given_scatter(tests))
     if scatter is None:

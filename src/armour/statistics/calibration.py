@@ -27,7 +27,6 @@ from armour.statistics.likelihood import (
     fit_inputs,
     intervals,
     likelihood_of,
-    usable,
     without,
 )
 from armour.statistics.measured import Tests, common_of, subject_of, with_scatter
@@ -355,11 +354,11 @@ def fit_by_law(
     If there are too few tests to estimate their scatter, it may be assumed.
     """
     tests, inputs = under_law(tests, inputs, law)
-    all_measurements = np.ones(len(tests.measurements), dtype=bool)
-    too_few = assumes and not tests.weighted and usable(tests, all_measurements) <= len(inputs)
+    likelihood = likelihood_of(tests, inputs, on_progress, prior=prior)
+    too_few = assumes and not tests.weighted and likelihood.usable < likelihood.needed
     if too_few:
         tests = with_scatter(tests, LEAST_REST)
-    fit = fit_inputs(likelihood_of(tests, inputs, on_progress, prior=prior))
+    fit = fit_inputs(likelihood._replace(tests=tests))
     computed, left_out = fit.likelihood.predicted(fit.best.x), _left_out(fit)
     residuals = tuple(
         Residual(
@@ -472,7 +471,7 @@ def _left_out(fit: InputFit) -> Floats:
     inputs = np.full((len(fit.best.x), len(tests.names)), np.nan)
     for fold in range(folds):
         kept = test_indices % folds != fold
-        if usable(tests, kept) >= needed:
+        if fit.likelihood._replace(kept=kept).usable >= needed:
             inputs[:, fold::folds] = without(fit, kept)[:, None]
     is_fitted = ~np.isnan(inputs[0])
     values = fit.likelihood.predicted(np.where(is_fitted, inputs, fit.best.x[:, None]))

@@ -22,7 +22,6 @@ from armour.statistics.profile import profile_end
 
 Link = Literal["probit", "logit"]
 Interval = tuple[float | None, float | None]
-Method = Literal["maximum likelihood", "penalised likelihood"]
 # Distribution functions of the links, the normal and the logistic one, and their inverses.
 CDFS: dict[Link, Callable[[Any], Any]] = {"probit": ndtr, "logit": expit}
 QUANTILES: dict[Link, Callable[[float], Any]] = {"probit": ndtri, "logit": logit}
@@ -89,7 +88,7 @@ class FittedCurve:
     log_likelihood: float
     v05_m_s: float | None = None
     v95_m_s: float | None = None
-    method: Method = "maximum likelihood"
+    method: Literal["maximum likelihood", "penalised likelihood"] = "maximum likelihood"
     v05_interval_m_s: Interval | None = None
     v95_interval_m_s: Interval | None = None
     v50_lower_m_s: float | None = None
