@@ -332,9 +332,8 @@ def limits_outside(armours: Armours, velocities: Any) -> Iterator[Outside]:
             ("armour.ceramic", "no test by such a law of the flow stress", evidence.has_other_law(q), name, no_test),
             ("armour.ceramic", f"tests or results of the paper's program of {ceramics} only", is_other, name, no_test),
             ("armour.ceramic", evidence.title, ~is_other & (not evidence.fits) & is_shipped, name, no_test),
+            *(_check(limits, q, ~(is_other & (limits.name in OF_CERAMIC))) for limits in evidence.compared),
         ]
-        for limits in evidence.compared:
-            checks.append(_check(limits, q, ~(is_other & (limits.name in OF_CERAMIC))))
         for key, words, fails, numbers, brief in checks:
             if fails.any():
                 yield Outside(key, f"the model was compared with {words}", np.flatnonzero(rows)[fails], numbers, brief)

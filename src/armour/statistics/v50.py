@@ -293,11 +293,9 @@ def v50(
         raise mistake("v50", "prior", "must be given with a scenario")
     partial, complete = shots.of(complete=False), shots.of(complete=True)
     # With a prior, shots that have no curve are informative too.
-    links = CDFS if not prior or has_curve(partial, complete) else ()
-    fits, penalised_fits = (
-        tuple(fit for link in links if (fit := fit_curve(partial, complete, link, confidence, penalised=penalised)))
-        for penalised in (False, True)
-    )
+    curved = not prior or has_curve(partial, complete)
+    fits = _fits(partial, complete, confidence, penalised=False) if curved else ()
+    penalised_fits = _fits(partial, complete, confidence, penalised=True) if curved else ()
     recommended = penalised_fits[0] if penalised_fits else None
     bounded = _bounded(partial, complete, confidence) if recommended else (None, None)
     decision, accepting, rejecting = decided(recommended, partial, complete, requirement_m_s, confidence)
@@ -341,6 +339,14 @@ def v50(
         consumers_risk=accepting,
         producers_risk=rejecting,
     ).of(computed, scenario=scenario, shots=shots)
+
+
+def _fits(
+    partial: Sequence[float], complete: Sequence[float], confidence: float, *, penalised: bool
+) -> tuple[FittedCurve, ...]:
+    """Return the curves of both kinds, without penalised ones that do not rise."""
+    fits = (fit_curve(partial, complete, link, confidence, penalised=penalised) for link in CDFS)
+    return tuple(fit for fit in fits if fit is not None)
 
 
 def _bounded(
