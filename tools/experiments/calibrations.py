@@ -152,7 +152,8 @@ class Simulation:
     def held(self, dice: np.random.Generator) -> Iterable[str]:
         """Return the inputs whose intervals hold the true value."""
         tests, prior = self.drawn(dice), self.case.prior_percent > 0.0
-        fit = likelihood_fit.fit_inputs(tests, [*self.truth], ignore_progress, prior=prior)
+        likelihood = likelihood_fit.likelihood_of(tests, [*self.truth], ignore_progress, prior=prior)
+        fit = likelihood_fit.fit_inputs(likelihood)
         for found in likelihood_fit.intervals(fit):
             low, high = found.interval or (None, None)
             if (low is None or low <= self.truth[found.name]) and (high is None or self.truth[found.name] <= high):

@@ -80,7 +80,7 @@ class Set:
             errors = 1.0 + SCATTER * dice.normal(size=NUMBER)
             measured = [m._replace(value=m.value * error) for m, error in zip(tests.measurements, errors, strict=True)]
             sample = tests._replace(measurements=tuple(measured))
-            fit = likelihood_fit.fit_inputs(sample, model.names, ignore_progress)
+            fit = likelihood_fit.fit_inputs(likelihood_fit.likelihood_of(sample, model.names, ignore_progress))
             low, high = likelihood_fit.intervals(fit)[0].interval or (None, None)
             if low is None or high is None:
                 continue  # counted as no sample; the caller prints how many there are

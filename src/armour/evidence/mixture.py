@@ -68,7 +68,7 @@ class Mixture(NamedTuple):
         chances = np.asarray(probabilities, dtype=np.float64)
         weights, locations, scales, freedom = self._parts(chances)
         many = self._many(chances)
-        by_component = np.where(weights > 0.0, 0.0, np.nan) + _quantiles(locations, scales, freedom, chances, many)
+        by_component = np.where(weights > 0.0, locations, np.nan) + scales * quantile(freedom, chances, many=many)
         low, high = np.fmin.reduce(by_component), np.fmax.reduce(by_component)
         places = np.where(low == high, low, 0.5 * (low + high))
         moving = np.ones_like(places, dtype=bool)
@@ -107,7 +107,7 @@ class Mixture(NamedTuple):
         components = np.minimum(np.searchsorted(ends, chances, side="right"), np.flatnonzero(self.weights)[-1])
         weights, locations, scales, freedom = (array[components] for array in self[:4])
         parts = ((chances - ends[components]) / weights + 1.0).clip(2.0**-53, 1.0 - 2.0**-53)
-        values = _quantiles(locations, scales, freedom, parts, many=True)
+        values = locations + scales * quantile(freedom, parts, many=True)
         return components, np.exp(values) if self.logarithmic else values
 
     def _parts(self, values: Floats) -> list[Floats]:
@@ -119,8 +119,3 @@ class Mixture(NamedTuple):
         with np.errstate(divide="ignore"):
             places = np.log(values) if self.logarithmic else np.asarray(values, dtype=np.float64)
         return [*self._parts(places), places]
-
-
-def _quantiles(locations: Floats, scales: Floats, freedom: Floats, probabilities: Floats, many: bool) -> Floats:
-    """Return quantiles of Student's t distributions."""
-    return locations + scales * quantile(freedom, probabilities, many=many)

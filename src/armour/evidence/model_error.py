@@ -24,7 +24,6 @@ QUANTILES = (0.025, 0.05, 0.5, 0.95, 0.975)
 LAW_FIELDS = ("Yc0", "n_B", "n_cB", "a_c", "a_B", "YB", "tau", "Hc0", "Hb")
 # Quantities of bare plates whose trend is uncertain beyond the tests.
 DOUBTED = ("backing_thickness_ratio", "backing_strength_GPa", "rod_mass_ratio")
-AT_NORMAL = ", at normal incidence"
 NO_TEST = "no test of such an armour is known"
 REMEDY = "own tests (armour calibrate) or [uncertainty.model] can give it"
 
@@ -227,7 +226,7 @@ def error_of(scenario: Scenario, ratio: Mixture, armour: Armours) -> ModelError 
     [(evidence, _)] = armour.by_evidence()
     oblique = evidence.fails_angle(armour.cosines).all()
     q = (armour.at_normal_incidence() if oblique else armour).quantities()
-    title = evidence.title + AT_NORMAL if oblique else evidence.title
+    title = f"{evidence.title}, at normal incidence" if oblique else evidence.title
     return ModelError.of_ratio(ratio, title, outside(evidence.measured, q), evidence.at_least if oblique else "")
 
 

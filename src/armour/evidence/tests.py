@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from armour.core.state import Parameters
-from armour.errors import Note, joined
+from armour.errors import Note, counted, joined
 from armour.evidence.fit import Fit, LotTests, Quantities, fits, law_parameters, quantities, shipped_data
 from armour.scenario.inputs import OBLIQUITY, VELOCITY, cosine_of
 from armour.scenario.library import IN_COMMON, VARIED, LibraryEntry, OwnTests, strength_notes, tensile_strength
@@ -249,7 +249,7 @@ def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
         tests = LotTests(tested, errors, sides, tested["uncertainty_m_s"] / velocities, armours)
         updated.append(fit.updated(tests, between_lots, law.level))
     weights = softmax([fit.weight for fit in updated])
-    words = f"{len(velocities)} own test{'s' * (len(velocities) > 1)} of this lot"
+    words = f"{counted(len(velocities), 'own test')} of this lot"
     title = f"{shipped.title} and {words}"
     columns = {name: np.append(column, own_tests.calibrated.get(name, [])) for name, column in tested.items()}
     kind, measured = (
@@ -332,9 +332,8 @@ def limits_outside(armours: Armours, velocities: Any) -> Iterator[Outside]:
             ("armour.ceramic", "no test by such a law of the flow stress", evidence.has_other_law(q), name, no_test),
             ("armour.ceramic", f"tests or results of the paper's program of {ceramics} only", is_other, name, no_test),
             ("armour.ceramic", evidence.title, ~is_other & (not evidence.fits) & is_shipped, name, no_test),
+            *(_check(limits, q, ~(is_other & (limits.name in OF_CERAMIC))) for limits in evidence.compared),
         ]
-        for limits in evidence.compared:
-            checks.append(_check(limits, q, ~(is_other & (limits.name in OF_CERAMIC))))
         for key, words, fails, numbers, brief in checks:
             if fails.any():
                 yield Outside(key, f"the model was compared with {words}", np.flatnonzero(rows)[fails], numbers, brief)

@@ -175,9 +175,9 @@ def limit_model(
 ) -> LimitModel:
     """Return the limits of candidates, followed by those of designs, as functions of inputs, which are checked."""
     design_groups = (MaterialGroup(design, np.array([candidates.count + i]), {}) for i, design in enumerate(designs))
-    groups = (*candidates.groups, *design_groups)
-    if law is not None:
-        groups = tuple(group._replace(scenario=with_law(group.scenario, law)) for group in groups)
+    groups = tuple(
+        group._replace(scenario=with_law(group.scenario, law)) for group in (*candidates.groups, *design_groups)
+    )
     names = fitted_names(fit, law)
     check_fittable(candidates.file, groups[0].scenario, groups, names)
     places = [(candidates.file, place) for place in candidates.places] + [(design.file, "") for design in designs]

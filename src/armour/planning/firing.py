@@ -61,6 +61,7 @@ FAR_PROBABILITY, FAR_PART = 0.999, 0.1
 ABSURD_FACTOR = 3.0
 # Greatest number of simulated shots.
 MAX_SIMULATED = 100
+NOT_ENDED = f"the simulation stopped after {MAX_SIMULATED} shots before the firing ended"
 
 
 @dataclass(frozen=True)
@@ -296,10 +297,9 @@ def plan_shots(
         "true_scatter_m_s": true_scatter_m_s,
         "seed": seed,
     }
-    problems = [*_conflicts(procedure, {key for key, value in optional.items() if value}, simulate=simulate)]
-    if limits_m_s is not None and limits_m_s[0] >= limits_m_s[1]:
-        problems.append(("limits_m_s", f"must rise, found {limits_m_s[0]:g} and {limits_m_s[1]:g}"))
-    refuse(Problem("plan_shots", *problem) for problem in problems)
+    given = {key for key, value in optional.items() if value}
+    conflicts = _conflicts(procedure, given, limits_m_s, simulate=simulate)
+    refuse(Problem("plan_shots", *conflict) for conflict in conflicts)
     if earlier:
         firings = [(firing.velocities_m_s, firing.complete) for firing in earlier]
         scatter_percent, scatter_factor = pooled_scatter(firings, scatter_percent, scatter_factor)
@@ -316,11 +316,10 @@ def plan_shots(
         message = f"must not be given with {procedure} where the model error is known"
         raise mistake("plan_shots", "limits_m_s", message)
     limits = (limits_m_s or limits_of(expectation)) if procedure in LIMITED else None
-    rule_ends = procedure == "up-and-down" or (procedure == "bayesian" and requirement_m_s is not None)
     settings = ShotSettings(
         prior=expectation,
         limits_m_s=limits or (-inf, inf),
-        half_width_m_s=HALF_WIDTH_M_S if half_width_m_s is None and not rule_ends else half_width_m_s,
+        half_width_m_s=half_width_m_s or _usual_half_width(procedure, requirement_m_s),
         confidence=confidence,
         requirement_m_s=requirement_m_s,
         requirement_fraction=requirement_fraction,
@@ -330,17 +329,15 @@ def plan_shots(
     if simulate:
         dice = np.random.default_rng(seed)
         if true_v50_m_s is None or true_scatter_m_s is None:
-            grid, weights = posterior_of(expectation, shots.velocities_m_s, shots.complete)
-            point = dice.choice(len(weights), p=weights)
-            true_v50_m_s, true_scatter_m_s = float(grid.v50_m_s[point]), float(grid.scatter_m_s[point])
+            likely = posterior_of(expectation, shots.velocities_m_s, shots.complete)
+            true_v50_m_s, true_scatter_m_s = _drawn(likely, dice)
         fired = _simulated(shots, settings, rule, (true_v50_m_s, true_scatter_m_s), dice, on_progress)
     end_reason = rule.ended(fired, settings)
     aim = None if end_reason else rule.aim(fired, settings)
     prior_of_v50 = posterior_of(expectation, (), ())
     posterior_of_v50 = posterior_of(expectation, fired.velocities_m_s, fired.complete)
     prior_estimate, estimate, share, contradictions = learned(prior_of_v50, posterior_of_v50, confidence)
-    continues = procedure == "bayesian" and aim is not None
-    further, further_90 = expected_shots(fired, settings) if continues else (None, None)
+    further, further_90 = expected_shots(fired, settings) if procedure == "bayesian" and aim else (None, None)
     return ShotPlan(
         procedure=procedure,
         fired=fired,
@@ -375,30 +372,30 @@ def plan_shots(
             *_far_shots(shots, expectation),
             *contradictions,
             *(langlie_doubts(fired, settings) if procedure == "langlie" and aim else ()),
-            *(
-                [f"the simulation stopped after {MAX_SIMULATED} shots before the firing ended"]
-                if simulate and aim
-                else ()
-            ),
+            *([NOT_ENDED] if simulate and aim else ()),
             *(() if limit is None else limit.warnings),
         ),
     ).of(scenario.subject(ANY_VELOCITY) if scenario else f"V50 of {fired.file}", scenario=scenario)
 
 
-def _conflicts(procedure: Procedure, settings: Container[str], *, simulate: bool) -> Iterator[tuple[str, str]]:
-    """Yield the settings that exclude each other or are missing, each with a message."""
+def _conflicts(
+    procedure: Procedure, given: Container[str], limits_m_s: tuple[float, float] | None, *, simulate: bool
+) -> Iterator[tuple[str, str]]:
+    """Yield the settings that exclude each other, are missing or are out of order, each with a message."""
     truths = ("true_v50_m_s", "true_scatter_m_s")
-    if "requirement_m_s" not in settings:
-        unused = (key for key in ("requirement_fraction", "prior") if key in settings)
+    if "requirement_m_s" not in given:
+        unused = (key for key in ("requirement_fraction", "prior") if key in given)
         yield from ((key, "must not be given without a requirement") for key in unused)
     elif procedure in LIMITED:
         yield "requirement_m_s", f"must not be given with {procedure}, which has no requirement"
-    elif procedure == "bayesian" and "half_width_m_s" in settings:
+    elif procedure == "bayesian" and "half_width_m_s" in given:
         yield "half_width_m_s", "must not be given with a requirement, which ends the firing"
     if not simulate:
-        yield from ((key, "must not be given without simulating") for key in (*truths, "seed") if key in settings)
-    elif len(missing := [key for key in truths if key not in settings]) == 1:
+        yield from ((key, "must not be given without simulating") for key in (*truths, "seed") if key in given)
+    elif len(missing := [key for key in truths if key not in given]) == 1:
         yield missing[0], "must be given too: give both V50 and scatter, or neither"
+    if limits_m_s is not None and limits_m_s[0] >= limits_m_s[1]:
+        yield "limits_m_s", f"must rise, found {limits_m_s[0]:g} and {limits_m_s[1]:g}"
 
 
 def _expected_v50(
@@ -425,6 +422,17 @@ def _expected_v50(
         raise mistake("plan_shots", "scenario", "must be given, or shots, or limits of V50")
     middle = 0.5 * (low + high)
     return middle, ModelError(0.0, 100.0 * (high - low) / (2.0 * WITHIN * middle), NORMAL, source)
+
+
+def _usual_half_width(procedure: Procedure, requirement_m_s: float | None) -> float | None:
+    """Return the half width of the interval of V50 that ends the firing by default, m/s; None for another end."""
+    return None if procedure == "up-and-down" or requirement_m_s is not None else HALF_WIDTH_M_S
+
+
+def _drawn(likely: Posterior, dice: np.random.Generator) -> tuple[float, float]:
+    """Return a V50 and a scatter drawn at random from a posterior, m/s."""
+    point = dice.choice(len(likely.weights), p=likely.weights)
+    return float(likely.grid.v50_m_s[point]), float(likely.grid.scatter_m_s[point])
 
 
 def _simulated(
@@ -455,9 +463,9 @@ def _requirement(
     [decision] = decisions(current.weights[None], current.grid, settings)
     evidence: dict[str, float] = {}
     if demand := settings.demand():
-        risk, [ratios] = 1.0 - settings.confidence, demand.ratios(current.weights[None]).tolist()
-        evidence = dict(zip(("evidence_met", "evidence_not_met"), ratios, strict=True))
-        evidence |= {"consumers_risk": risk, "producers_risk": risk}
+        [(met, not_met)] = demand.ratios(current.weights[None]).tolist()
+        risk = 1.0 - settings.confidence
+        evidence = {"evidence_met": met, "evidence_not_met": not_met, "consumers_risk": risk, "producers_risk": risk}
     return {
         "probability_met": posterior_of_v50.probability_above(settings.requirement_m_s, settings.requirement_fraction),
         "decision": ("", "met", "not met")[decision],

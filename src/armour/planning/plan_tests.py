@@ -22,17 +22,16 @@ from armour.scenario.scenario import Scenario
 from armour.statistics.calibration import FLOW_STRESS, Law, check_fitted, check_same_prior, law_of, under_law
 from armour.statistics.likelihood import (
     NO_PRIOR,
+    UPPER,
     InputFit,
     Likelihood,
     fit_inputs,
     hazard,
     likelihood_of,
-    needed_of,
     prior_of,
     rows_at,
-    usable,
 )
-from armour.statistics.measured import LIMIT, MEASURED, Tests
+from armour.statistics.measured import LIMIT, Tests, with_scatter
 
 MAX_NUMBER = 200
 # A test with less information on a relative change of an input, a standard deviation of a million, counts for nothing.
@@ -43,7 +42,6 @@ OUTSIDE = 1e-2
 AT_END = 1e-6
 
 Criterion = Literal["D", "I"]
-ScatterSource = Literal["given", "uncertainties", "residuals"]
 
 
 def _scenarios(designs: object) -> tuple[Scenario, ...]:
@@ -133,7 +131,7 @@ class PlannedTests(TableResult):
     tests: str
     scatter_percent: float
     scatter_known: bool
-    scatter_source: ScatterSource
+    scatter_source: Literal["given", "uncertainties", "residuals"]
     designs: tuple[str, ...]
     design_limits_m_s: tuple[float, ...]
     efficiency: float | None
@@ -239,7 +237,7 @@ def plan_tests(
     likelihood = None
     if tests is not None:
         if scatter is not None and not tests.weighted:
-            tests = _weighted_by(tests, scatter)
+            tests = with_scatter(tests, scatter)
         if prior:
             check_same_prior(tests, scenario, "plan_tests")
         tests_by_law, names = under_law(tests, fit, law)
@@ -349,15 +347,6 @@ def _warnings(task: Task, number: int, undetermined: Sequence[str]) -> Iterator[
         yield f"{number} tests do not determine the inputs; at least {least} are needed"
 
 
-def _weighted_by(tests: Tests, scatter: float) -> Tests:
-    """Return tests whose measurements have this relative uncertainty."""
-    measurements = tuple(m._replace(uncertainty=scatter * m.value) for m in tests.measurements)
-    cells = [dict(cell) for cell in tests.cells]
-    for m in measurements:
-        cells[m.test][MEASURED[m.quantity]] = scatter * m.value
-    return tests._replace(measurements=measurements, weighted=True, cells=tuple(cells))
-
-
 class _Knowledge(NamedTuple):
     """State of knowledge before the planned tests."""
 
@@ -373,8 +362,8 @@ def _knowledge(likelihood: Likelihood | None, model: LimitModel, scatter: float 
     fit = None
     if likelihood is not None:
         tests = likelihood.tests
-        if usable(tests, likelihood.kept) >= needed_of(likelihood):
-            fit = fit_inputs(tests, likelihood.names, model.on_progress, prior=prior)
+        if likelihood.usable >= likelihood.needed:
+            fit = fit_inputs(likelihood)
         scatter = scatter or (fit.spread if fit and not tests.weighted else _given_scatter(tests))
     if scatter is None:
         message = "must be given: there are too few tests to estimate it from"
@@ -455,7 +444,6 @@ def _half_widths(
         return np.full(len(gradients), nan)
     # Further limits also add to the knowledge of the scatter.
     freedom = knowledge.freedom and knowledge.freedom + (len(chosen) if measure == "limit" else 0)
-    tail = 0.5 * (1.0 + CONFIDENCE)
-    factor = float(norm.ppf(tail) if freedom is None else t.ppf(tail, freedom))
+    factor = float(norm.ppf(UPPER) if freedom is None else t.ppf(UPPER, freedom))
     variances = np.einsum("mr,rs,ms->m", gradients, np.linalg.inv(information), gradients)
     return factor * np.sqrt(variances)

@@ -12,12 +12,11 @@ from math import copysign, inf, isfinite
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import log_ndtr, ndtri
+from scipy.special import ndtri
 
 from armour.analysis.variants import Bools, Floats, Ints
-from armour.errors import NoAnswerError
 from armour.planning.acceptance import Demand, demand_of
-from armour.statistics.curves import FittedCurve, ShotLikelihood, fit_curve
+from armour.statistics.curves import LOG_INFORMATION, FittedCurve, ShotLikelihood, fit_curve, has_curve
 from armour.statistics.posterior import (
     NODES,
     PLAUSIBLE,
@@ -64,12 +63,9 @@ class Aim(NamedTuple):
 def recommended_fit(shots: Shots, confidence: float) -> FittedCurve | None:
     """Return the probit curve of greatest penalised likelihood; None if the shots have none."""
     partial, complete = shots.of(complete=False), shots.of(complete=True)
-    if not partial or not complete:
+    if not has_curve(partial, complete):
         return None
-    try:
-        return fit_curve(partial, complete, "probit", confidence, penalised=True)
-    except NoAnswerError:
-        return None
+    return fit_curve(partial, complete, "probit", confidence, penalised=True)
 
 
 def narrow_enough(interval: tuple[float | None, float | None], settings: ShotSettings) -> str:
@@ -82,7 +78,7 @@ def narrow_enough(interval: tuple[float | None, float | None], settings: ShotSet
 
 def stopped(shots: Shots, settings: ShotSettings) -> str:
     """Return why the firing ends; "" if it continues."""
-    fit = None if settings.half_width_m_s is None else recommended_fit(shots, settings.confidence)
+    fit = recommended_fit(shots, settings.confidence)
     return "" if fit is None else narrow_enough(fit.v50_interval_m_s, settings)
 
 
@@ -177,7 +173,7 @@ FLAT = 1.31525757633905
 
 def _weights(z: Floats) -> Floats:
     """Return the Fisher information of shots on the argument of the normal distribution function."""
-    return np.exp(-z * z - np.log(2.0 * np.pi) - log_ndtr(z) - log_ndtr(-z))
+    return np.exp(LOG_INFORMATION["probit"](z))
 
 
 INFORMATION = _weights(ARGUMENTS)
@@ -216,7 +212,7 @@ def next_by_neyer(shots: Shots, settings: ShotSettings) -> Aim:
     if gaps[-1] >= 0.0:
         scatter = min(guess, span) or guess  # a shot of each kind at one velocity has no span
         return Aim(_d_optimal(velocities, middle, scatter), f"D-optimal for a guessed scatter of {scatter:.1f} m/s")
-    if np.mean(completes) <= np.mean(partials):
+    if not has_curve(partials, completes):
         v50 = min(max(middle, slowest), fastest)
         return Aim(v50 + copysign(FLAT * span, -1.0 if complete[-1] else 1.0), "the shots have no rising curve")
     curve = ShotLikelihood(partials, completes, "probit")

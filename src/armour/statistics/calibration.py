@@ -20,8 +20,16 @@ from armour.scenario.keys import key_name
 from armour.scenario.library import FLOW_STRESS_LAW
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Uncertainty
-from armour.statistics.likelihood import MIN_P_VALUE, Coefficient, InputFit, fit_inputs, intervals, usable, without
-from armour.statistics.measured import Tests, common_of, subject_of
+from armour.statistics.likelihood import (
+    MIN_P_VALUE,
+    Coefficient,
+    InputFit,
+    fit_inputs,
+    intervals,
+    likelihood_of,
+    without,
+)
+from armour.statistics.measured import Tests, common_of, subject_of, with_scatter
 from armour.statistics.own_tests import NOTHING_OF_ERROR, own_tests
 
 FLOW_STRESS = "ceramic.flow_stress_GPa"
@@ -39,13 +47,17 @@ LAWS: dict[Law, tuple[str, ...]] = {
 
 def law_of(scenario: Scenario) -> str:
     """Return the law of the scenario's ceramic, or "combined" for several laws at once."""
-    nonzero = {key for key in FLOW_STRESS_LAW if _ceramic_value(scenario, key)}
+    values = scenario.inputs()
+    nonzero = {key for key in FLOW_STRESS_LAW if values.get(f"ceramic.{key}")}
     return next((law for law, keys in LAWS.items() if nonzero == set(keys)), "combined")
 
 
-def with_law(scenario: Scenario, law: Law) -> Scenario:
-    """Return the scenario with the coefficients of one law only, 0 if its ceramic lacks them."""
-    changes = {key: 0.0 for key in FLOW_STRESS_LAW if (key in LAWS[law]) != bool(_ceramic_value(scenario, key))}
+def with_law(scenario: Scenario, law: Law | None) -> Scenario:
+    """Return the scenario with the coefficients of one law only, 0 if its ceramic lacks them; by default its own."""
+    if law is None:
+        return scenario
+    values = scenario.inputs()
+    changes = {key: 0.0 for key in FLOW_STRESS_LAW if (key in LAWS[law]) != bool(values.get(f"ceramic.{key}"))}
     return with_ceramic(scenario, changes) if changes else scenario
 
 
@@ -57,11 +69,6 @@ def with_ceramic(scenario: Scenario, values: dict[str, float]) -> Scenario:
     if entry.name not in scenario.library.ceramic:
         table["based_on"] = entry.name
     return scenario.replaced({key_name(["library", "ceramic", entry.name]): table})
-
-
-def _ceramic_value(scenario: Scenario, key: str) -> float:
-    entry = scenario.entry_of("ceramic")
-    return entry[key] if entry is not None and key in entry.values else 0.0
 
 
 ASSUMED = (
@@ -306,8 +313,6 @@ def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str
 
 def under_law(tests: Tests, inputs: Sequence[str], law: Law | None) -> tuple[Tests, list[str]]:
     """Return tests with a law of the flow stress, by default their own, and all inputs to fit."""
-    if law is None:
-        return tests, [*inputs]
     groups = tuple(group._replace(scenario=with_law(group.scenario, law)) for group in tests.groups)
     return tests._replace(groups=groups, scenario=with_law(tests.scenario, law)), fitted_names(inputs, law)
 
@@ -349,12 +354,11 @@ def fit_by_law(
     If there are too few tests to estimate their scatter, it may be assumed.
     """
     tests, inputs = under_law(tests, inputs, law)
-    all_measurements = np.ones(len(tests.measurements), dtype=bool)
-    too_few = assumes and not tests.weighted and usable(tests, all_measurements) <= len(inputs)
+    likelihood = likelihood_of(tests, inputs, on_progress, prior=prior)
+    too_few = assumes and not tests.weighted and likelihood.usable < likelihood.needed
     if too_few:
-        measurements = tuple(m._replace(uncertainty=LEAST_REST * m.value) for m in tests.measurements)
-        tests = tests._replace(measurements=measurements, weighted=True)
-    fit = fit_inputs(tests, inputs, on_progress, prior=prior)
+        tests = with_scatter(tests, LEAST_REST)
+    fit = fit_inputs(likelihood._replace(tests=tests))
     computed, left_out = fit.likelihood.predicted(fit.best.x), _left_out(fit)
     residuals = tuple(
         Residual(
@@ -467,7 +471,7 @@ def _left_out(fit: InputFit) -> Floats:
     inputs = np.full((len(fit.best.x), len(tests.names)), np.nan)
     for fold in range(folds):
         kept = test_indices % folds != fold
-        if usable(tests, kept) >= needed:
+        if fit.likelihood._replace(kept=kept).usable >= needed:
             inputs[:, fold::folds] = without(fit, kept)[:, None]
     is_fitted = ~np.isnan(inputs[0])
     values = fit.likelihood.predicted(np.where(is_fitted, inputs, fit.best.x[:, None]))

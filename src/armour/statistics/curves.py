@@ -22,7 +22,6 @@ from armour.statistics.profile import profile_end
 
 Link = Literal["probit", "logit"]
 Interval = tuple[float | None, float | None]
-Method = Literal["maximum likelihood", "penalised likelihood"]
 # Distribution functions of the links, the normal and the logistic one, and their inverses.
 CDFS: dict[Link, Callable[[Any], Any]] = {"probit": ndtr, "logit": expit}
 QUANTILES: dict[Link, Callable[[float], Any]] = {"probit": ndtri, "logit": logit}
@@ -89,7 +88,7 @@ class FittedCurve:
     log_likelihood: float
     v05_m_s: float | None = None
     v95_m_s: float | None = None
-    method: Method = "maximum likelihood"
+    method: Literal["maximum likelihood", "penalised likelihood"] = "maximum likelihood"
     v05_interval_m_s: Interval | None = None
     v95_interval_m_s: Interval | None = None
     v50_lower_m_s: float | None = None
@@ -110,13 +109,18 @@ class Curve(NamedTuple):
     value: float  # logarithm of the likelihood, with the penalty
 
 
+def has_curve(partial: Sequence[float], complete: Sequence[float]) -> bool:
+    """Return whether there are shots of both kinds, the complete penetrations faster on average."""
+    return len(partial) > 0 and len(complete) > 0 and bool(np.mean(complete) > np.mean(partial))
+
+
 class ShotLikelihood:
     """Likelihood of the velocities of partial and complete penetrations, with its maximum and confidence region."""
 
     def __init__(
         self, partial: Sequence[float], complete: Sequence[float], link: Link, *, penalised: bool = False
     ) -> None:
-        if np.mean(complete) <= np.mean(partial):
+        if not has_curve(partial, complete):
             raise NoAnswerError(
                 f"no V50: the complete penetrations were no faster on average ({np.mean(complete):.1f} m/s) than the "
                 f"partial ones ({np.mean(partial):.1f} m/s)"

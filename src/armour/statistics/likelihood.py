@@ -154,12 +154,23 @@ class Likelihood(NamedTuple):
     upper: Floats
     kept: Bools  # measurements that count, (m,)
     on_progress: OnProgress
-    prior: Prior = NO_PRIOR
+    prior: Prior
 
     @property
     def sides(self) -> Floats:
         """0 for measured values, +1 or -1 for outcomes; of those that count."""
         return np.array([m.side for m in self.tests.measurements])[self.kept]
+
+    @property
+    def usable(self) -> int:
+        """Number of the measurements that count; without uncertainties, of measured values only."""
+        return len(self.sides) if self.tests.weighted else int((self.sides == 0).sum())
+
+    @property
+    def needed(self) -> int:
+        """Number of measurements that a fit needs; without uncertainties, one more for their scatter."""
+        count = len(self.names)
+        return max(count - len(self.prior.where), 1) if self.tests.weighted else count + 1
 
     def deviations(self, x: Floats) -> Floats:
         """Return the model's deviations from the measurements that count, divided by uncertainties or values."""
@@ -253,9 +264,8 @@ class InputFit(Precision):
     starts_agreeing: int
 
 
-def fit_inputs(tests: Tests, inputs: Sequence[str], on_progress: OnProgress, *, prior: bool = False) -> InputFit:
+def fit_inputs(likelihood: Likelihood) -> InputFit:
     """Fit inputs to tests, from several starts; see `armour.statistics.calibration.calibrate`."""
-    likelihood = likelihood_of(tests, inputs, on_progress, prior=prior)
     check_enough(likelihood)
     of_law = likelihood.lower < 0.0
     starts = [np.where(of_law, 0.0, start) for start in STARTS]
@@ -566,19 +576,8 @@ def check_fittable(file: str, scenario: Scenario, groups: Sequence[MaterialGroup
 
 def check_enough(likelihood: Likelihood) -> None:
     """Check that there are enough tests for a fit."""
-    tests, needed, count = likelihood.tests, needed_of(likelihood), usable(likelihood.tests, likelihood.kept)
+    tests, needed, count = likelihood.tests, likelihood.needed, likelihood.usable
     if count < needed:
         kinds = "measurements or outcomes" if tests.weighted else "measurements, as their uncertainties are not given,"
         message = f"must have at least {needed} {kinds} for {len(likelihood.names)} coefficients, found {count}"
         raise mistake(tests.file, "", message)
-
-
-def needed_of(likelihood: Likelihood) -> int:
-    """Return the number of measurements that a fit needs; without uncertainties, one more for their scatter."""
-    count = len(likelihood.names)
-    return max(count - len(likelihood.prior.where), 1) if likelihood.tests.weighted else count + 1
-
-
-def usable(tests: Tests, kept: Bools) -> int:
-    """Return the number of measurements kept; without uncertainties, outcomes do not count."""
-    return int((kept & [tests.weighted or m.side == 0 for m in tests.measurements]).sum())

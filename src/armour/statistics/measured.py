@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Container, Mapping, Sequence
-from itertools import chain
+from itertools import chain, islice
 from os import PathLike
 from typing import Annotated, NamedTuple
 
@@ -84,6 +84,15 @@ class Tests(NamedTuple):
         return f"<Tests: {tests} of {self.file}, {measurements}>"
 
 
+def with_scatter(tests: Tests, scatter: float) -> Tests:
+    """Return tests whose measurements have this relative uncertainty."""
+    measurements = tuple(m._replace(uncertainty=scatter * m.value) for m in tests.measurements)
+    cells = [dict(cell) for cell in tests.cells]
+    for m in measurements:
+        cells[m.test][MEASURED[m.quantity]] = scatter * m.value
+    return tests._replace(measurements=measurements, weighted=True, cells=tuple(cells))
+
+
 def subject_of(tests: Tests) -> str:
     """Return the materials and rounds of tests, such as "Tests of AD85 on 6061-T6 against 7.62 mm AP"."""
     names = {key: [group.scenario.name_of(role) for group in tests.groups] for role, key in NAMES.items()}
@@ -134,13 +143,12 @@ def read_tests(path: Table, scenario: Scenario, notes: Names = ()) -> Tests:
     notes = tuple(notes)
     numbers = (*INPUTS, *MEASURED, *MEASURED.values())
     file, lines = lines_of(path)
-    header = next(lines, None)
-    if header and {"velocity_m_s", "result"} <= {*header[1]}:
+    first = list(islice(lines, 1))
+    if first and {"velocity_m_s", "result"} <= {*first[0][1]}:
         message = "must be a table of tests, found shots (velocity_m_s and result); armour v50 estimates V50 from them"
         raise mistake(file, "", message)
-    lines = lines if header is None else chain([header], lines)
     texts = ("test", OUTCOME, *NAMES.values(), *notes)
-    rows, problems = read_rows(file, lines, numbers=numbers, texts=texts, needed=(), usual=USUAL)
+    rows, problems = read_rows(file, chain(first, lines), numbers=numbers, texts=texts, needed=(), usual=USUAL)
     names = tuple(row.texts.get("test", row.place) for row in rows)
     repeated_names = {name for name, count in Counter(names).items() if count > 1}
     problems += [

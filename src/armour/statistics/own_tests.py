@@ -7,7 +7,7 @@ import numpy as np
 
 from armour.analysis.searches import ballistic_limits
 from armour.analysis.variants import Floats, Variants, concatenated, variants_of
-from armour.errors import mistake
+from armour.errors import counted, mistake
 from armour.evidence.fit import fits, law_parameters, shipped_data
 from armour.evidence.model_error import other_settings
 from armour.evidence.tests import armours_of, is_outside, shipped_evidence, shipped_evidence_of
@@ -82,7 +82,7 @@ def own_tests(tests: Tests, fitted: Mapping[str, float]) -> OwnTests | None:
     scatter = [abs(m.side) * SHOT_SCATTER * m.value if m.uncertainty is None else m.uncertainty for m in shots]
     q |= {"velocity_m_s": velocities, "uncertainty_m_s": np.array(scatter), "side": sides}
     return OwnTests(
-        source=f"{len(tests.names)} test{'s' * (len(tests.names) > 1)} of {Path(tests.file).name}",
+        source=f"{counted(len(tests.names), 'test')} of {Path(tests.file).name}",
         calibrated={name: float(values[name][0]) for name in QUANTITIES[role]},
         tests={name: _rounded(q[name]) for name in (*VARIED, *IN_COMMON, *RESULTS)},
         law=laws,

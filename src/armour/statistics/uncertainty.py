@@ -392,8 +392,7 @@ def influences(
     limits_at_ends = {name: (float(low), float(high)) for name, (low, high) in zip(varied, pairs, strict=True)}
     if error is not None:
         [nominal] = sample_limits(sampled(scenario, {}, 1))
-        low, high = (nominal * (1.0 + error.quantile(ENDS))).tolist()
-        limits_at_ends[ERROR] = (low, high)
+        limits_at_ends[ERROR] = error.interval(nominal, ENDS[0])
     first: dict[str, Estimate] = {}
     total: dict[str, Estimate] = {}
     if len(names) == 1:
@@ -407,7 +406,8 @@ def influences(
             total = dict(zip(varied, totals, strict=True))
         if error is not None:
             first[ERROR], total_of_error = error_indices(scenario, section, on_samples)
-            total |= {} if section.correlation else {ERROR: total_of_error}
+            if not section.correlation:
+                total[ERROR] = total_of_error
     total = {name: _at_least(first[name], estimate) for name, estimate in total.items()}
     result = [Influence(name, first.get(name), total.get(name), limits_at_ends[name]) for name in names]
     none = Estimate(0.0, 0.0, 0.0)
@@ -457,8 +457,8 @@ def error_indices(
     return jackknife(lambda sums: shares(sums)[0], sums), jackknife(lambda sums: shares(sums)[1], sums)
 
 
-def _ratio_moments(errors: Errors) -> tuple[Floats, Floats]:
-    """Return the probabilities of the laws times the mean of the ratio by each, and times its mean square.
+def _ratio_moments(errors: Errors) -> Floats:
+    """Return the probabilities of the laws times the mean of the ratio by each, and times its mean square, (2, laws).
 
     The tails of the ratio are left out.
     """
@@ -466,5 +466,4 @@ def _ratio_moments(errors: Errors) -> tuple[Floats, Floats]:
     for law in _laws(errors):
         ratios = errors.of_law(law).one().quantile(CHANCES)
         moments[:, law] = errors.ratio.weights[law].sum() * np.array([ratios.mean(), (ratios**2).mean()])
-    means, squares = moments
-    return means, squares
+    return moments

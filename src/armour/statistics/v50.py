@@ -19,7 +19,7 @@ from armour.csv_files import MUST_SAY, PERFORATED, in_line_order, lines_of, read
 from armour.errors import Problem, counted, mistake, refuse, suggestion
 from armour.scenario.checked import checked
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
-from armour.statistics.curves import CDFS, FittedCurve, ShotLikelihood, fit_curve
+from armour.statistics.curves import CDFS, FittedCurve, ShotLikelihood, fit_curve, has_curve
 from armour.statistics.posterior import FiringEstimate, FiringPrior, learned, no_prior, posterior_of
 from armour.units import missing_unit
 
@@ -293,15 +293,9 @@ def v50(
         raise mistake("v50", "prior", "must be given with a scenario")
     partial, complete = shots.of(complete=False), shots.of(complete=True)
     # With a prior, shots that have no curve are informative too.
-    curved = not prior or (bool(partial and complete) and sum(complete) * len(partial) > sum(partial) * len(complete))
-    fits, penalised_fits = (
-        tuple(
-            fit
-            for link in (CDFS if curved else ())
-            if (fit := fit_curve(partial, complete, link, confidence, penalised=penalised))
-        )
-        for penalised in (False, True)
-    )
+    curved = not prior or has_curve(partial, complete)
+    fits = _fits(partial, complete, confidence, penalised=False) if curved else ()
+    penalised_fits = _fits(partial, complete, confidence, penalised=True) if curved else ()
     recommended = penalised_fits[0] if penalised_fits else None
     bounded = _bounded(partial, complete, confidence) if recommended else (None, None)
     decision, accepting, rejecting = decided(recommended, partial, complete, requirement_m_s, confidence)
@@ -345,6 +339,14 @@ def v50(
         consumers_risk=accepting,
         producers_risk=rejecting,
     ).of(computed, scenario=scenario, shots=shots)
+
+
+def _fits(
+    partial: Sequence[float], complete: Sequence[float], confidence: float, *, penalised: bool
+) -> tuple[FittedCurve, ...]:
+    """Return the curves of both kinds, without penalised ones that do not rise."""
+    fits = (fit_curve(partial, complete, link, confidence, penalised=penalised) for link in CDFS)
+    return tuple(fit for fit in fits if fit is not None)
 
 
 def _bounded(
