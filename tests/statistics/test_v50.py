@@ -71,6 +71,8 @@ def test_shots_without_a_curve_have_a_posterior():
         result = v50(shots, scenario(), prior=True)
         assert (result.fits, result.recommended, result.mean) == ((), None, None)
         assert ": V50 7" in repr(result)
+    with pytest.raises(InputError, match="must have at least one shot, found none"):
+        v50(Shots((), ()), scenario(), prior=True)
 
 
 @pytest.mark.parametrize(

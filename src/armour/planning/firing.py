@@ -285,7 +285,7 @@ def plan_shots(
     726.8
     """
     shots = shots or Shots((), ())
-    check_shots(shots, one_kind=True)
+    check_shots(shots, kinds=0)
     for firing in earlier:
         check_shots(instance(firing, Shots))
     optional = {

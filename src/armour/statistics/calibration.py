@@ -269,8 +269,8 @@ def calibrate(
         raise mistake("calibrate", "scenario", f"{message}; read_tests reads them with this one")
     if prior:
         check_same_prior(tests, scenario, "calibrate")
-    for role in {name.partition(".")[0] for name in fit} & {*ROLES}:
-        entry = tests.groups[0].scenario.entry_of(role)
+    for role in ROLES:
+        entry = tests.groups[0].scenario.entry_of(role) if any(name.startswith(f"{role}.") for name in fit) else None
         if entry is not None and entry.evidence is not None:
             message = f"must not be of a material with own tests, found {entry.name}; give all tests of the lot at once"
             raise mistake(tests.file, "", message)

@@ -8,7 +8,7 @@ from typing import Any
 
 import tomli_w
 
-from armour.errors import InputError, NoAnswerError, mistake
+from armour.errors import InputError, NoAnswerError, counted, mistake
 from armour.files import parse_toml, write_file
 from armour.scenario.checked import checked
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, NAMES, VELOCITY
@@ -154,7 +154,7 @@ def _entries(result: CalibrationResult, tests: Tests, lot: str) -> tuple[dict[st
         role, key = coefficient.name.split(".")
         entry = tests.groups[0].scenario.entry_of(role)
         assert entry is not None
-        source = f"armour calibrate, {len(tests.names)} tests of {Path(tests.file).name}"
+        source = f"armour calibrate, {counted(len(tests.names), 'test')} of {Path(tests.file).name}"
         if coefficient.name == FLOW_STRESS or key in FLOW_STRESS_LAW:
             source += f", {result.law} law"
         low, high = coefficient.interval or (None, None)

@@ -233,7 +233,7 @@ def read_shots(path: str | PathLike[str], *, one_kind: bool = False) -> Shots:
     shot_names = tuple(row.texts.get("shot", "") for row in rows)
     complete = tuple(map(bool, results))
     shots = Shots(tuple(velocities), complete, file, shot_names if any(shot_names) else ())
-    check_shots(shots, one_kind=one_kind)
+    check_shots(shots, kinds=1 if one_kind else 2)
     return shots
 
 
@@ -254,7 +254,7 @@ def v50(
     Parameters
     ----------
     shots : Shots
-        At least one partial and one complete penetration, or, with a prior, any.
+        At least one partial and one complete penetration, or, with a prior, at least one of either.
     scenario : Scenario, optional
         Scenario with the same armour and projectile, for its ballistic limit.
     pairs : int, optional
@@ -288,7 +288,7 @@ def v50(
     """
     if span_m_s is None and pairs is not None and pairs not in SPANS_M_S:
         raise mistake("v50", "span_m_s", f"must be given for {pairs} pairs; a span is usual with 2, 3 and 5 only")
-    check_shots(shots, one_kind=prior)
+    check_shots(shots, kinds=1 if prior else 2)
     if prior and scenario is None:
         raise mistake("v50", "prior", "must be given with a scenario")
     partial, complete = shots.of(complete=False), shots.of(complete=True)
@@ -404,8 +404,8 @@ def _far_away(shots: Shots, model: LimitResult) -> Iterator[str]:
         )
 
 
-def check_shots(shots: Shots, *, one_kind: bool = False) -> None:
-    """Check shots, which may not be from a file."""
+def check_shots(shots: Shots, *, kinds: int = 2) -> None:
+    """Check shots, which may not be from a file and must have penetrations of a number of kinds."""
     velocities = shots.velocities_m_s
     if not all(hasattr(column, "__len__") for column in (velocities, shots.complete)):
         raise mistake(shots.file, "", "must be sequences of velocities and of results")
@@ -416,9 +416,10 @@ def check_shots(shots: Shots, *, one_kind: bool = False) -> None:
         message = "must be velocities as numbers, and True for each complete penetration, False for each partial one"
     elif outliers := [value for value in velocities if not MIN_VELOCITY_M_S <= value <= MAX_VELOCITY_M_S]:
         message = f"must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g} m/s, found {outliers[0]:g}"
-    elif not one_kind and len(set(shots.complete)) != 2:
-        kinds = f"only {'complete' if shots.complete[0] else 'partial'} ones" if count else "none"
-        message = f"must have at least one partial and one complete penetration, found {kinds}"
+    elif len(set(shots.complete)) < kinds:
+        found = f"only {'complete' if shots.complete[0] else 'partial'} ones" if count else "none"
+        least = "partial and one complete penetration" if kinds == 2 else "shot"
+        message = f"must have at least one {least}, found {found}"
         message += f"; armour plan shots {shots.file} gives the next velocity" if count else ""
     if message:
         raise mistake(shots.file, "", message)
