@@ -330,28 +330,26 @@ def limit_and_error(scenario: Scenario, on_progress: OnProgress) -> tuple[float 
     return limit, model_error(scenario, limit), ""
 
 
-def probability_of_stopping(
-    scenario: Scenario, limit_m_s: float | None, error: ModelError | None, velocity_m_s: float
-) -> float | None:
-    """Return the probability that an armour stops the projectile at a velocity; None if it is not known.
+def probability_of_stopping(scenario: Scenario, limit_m_s: float | None, error: ModelError | None) -> float | None:
+    """Return the probability that an armour stops the projectile at its impact velocity; None if it is not known.
 
     Without a limit in the range searched, a model error says that the limit is above it: a lower bound is known then.
     """
+    velocity = scenario.impact.velocity_m_s
     if error is None:
         return None
     if limit_m_s is not None:
-        return float(error.probability_of_stopping(limit_m_s, velocity_m_s))
-    lower_bound = float(error.probability_of_stopping(scenario.ballistic_limit.velocity_max_m_s, velocity_m_s))
+        return float(error.probability_of_stopping(limit_m_s, velocity))
+    lower_bound = float(error.probability_of_stopping(scenario.ballistic_limit.velocity_max_m_s, velocity))
     return lower_bound if lower_bound > SURE else None
 
 
 def confidence_in(
-    scenario: Scenario, limit_m_s: float | None, error: ModelError | None, reason: str = ""
+    scenario: Scenario, limit_m_s: float | None, error: ModelError | None, reason: str
 ) -> ConfidenceResult:
     """Return the confidence in an armour, given its ballistic limit and model error, or why it has no limit."""
-    velocity = scenario.impact.velocity_m_s
-    warnings = (*scenario_warnings(scenario, velocity), *scenario.unused_distributions())
-    probability = probability_of_stopping(scenario, limit_m_s, error, velocity)
+    warnings = (*scenario_warnings(scenario, scenario.impact.velocity_m_s), *scenario.unused_distributions())
+    probability = probability_of_stopping(scenario, limit_m_s, error)
     if limit_m_s is None:
         return ConfidenceResult(probability, None, error, "" if probability else reason, warnings)
     if error is None:

@@ -185,7 +185,7 @@ def check(
         plot=plot,
         draw=lambda: plot_of(results[0]),
         warnings=warnings,
-        origin=origin_of(scenarios[0]),
+        scenario=scenarios[0],
     )
     if any(result.verdict != "passes" for result in results):
         raise typer.Exit(CHECK_FAILED)
@@ -386,7 +386,7 @@ def sweep(
         heading=lines,
         plot=plot,
         draw=draw,
-        origin=origin_of(loaded),
+        scenario=loaded,
     )
 
 

@@ -32,9 +32,7 @@ def candidates_of(requirement: Requirement, criteria: Sequence[str] = (), *, ref
     parts = [_of_pair(requirement, pair, columns, refine=refine) for pair in pairs]
     if MARGIN in criteria:
         parts += [part for pair in pairs for part in _with_more_margin(requirement, pair, columns)]
-    candidates = joined(parts)
-    candidates = candidates.at(catalogue.violations(candidates) <= 0.0)
-    return candidates.at(catalogue.objective(candidates).argsort(kind="stable"))
+    return catalogue.in_order(joined(parts))
 
 
 def joined(parts: Sequence[CandidateDesigns]) -> CandidateDesigns:

@@ -252,13 +252,17 @@ class Catalogue:
         """Return the quantity of each design that is minimised."""
         return getattr(candidates, self.section.minimise)
 
+    def in_order(self, candidates: CandidateDesigns) -> CandidateDesigns:
+        """Return the candidates that meet the constraints, in the order of the objective."""
+        candidates = candidates.at(self.violations(candidates) <= 0.0)
+        return candidates.at(self.objective(candidates).argsort(kind="stable"))
+
     def ranges(self, pair: int) -> list[tuple[str, str, float, float]]:
         """Return key, name and ends, mm, of the ranges of thicknesses of a pair, without lists of thicknesses."""
         ranges = []
         places = divmod(pair, len(self.section.backing))
         for layer, place, (role, name) in zip(self.offers[pair][:2], places, LAYERS.items(), strict=True):
-            thickness = layer.thickness_mm
-            if not isinstance(thickness, list) and thickness.min < thickness.max:
+            if layer.free_range(refine=True):
                 values = layer.thicknesses()
                 ranges.append((self._key(role, place), name, values[0], values[-1]))
         return ranges

@@ -199,10 +199,9 @@ def _checked(against: Scenario, threat: Threat, section: DesignSection, on_progr
         changed, changed_limit, changed_error = against.replaced(values), limit, error
         if VELOCITY not in values:  # the limit does not depend on the velocity
             changed_limit, changed_error, _ = limit_and_error(changed, on_progress)
-        velocity = changed.impact.velocity_m_s
         interval = None if changed_limit is None or changed_error is None else changed_error.interval(changed_limit)
-        chance = probability_of_stopping(changed, changed_limit, changed_error, velocity)
-        what_ifs.append(WhatIf(change, velocity, changed_limit, interval, chance))
+        chance = probability_of_stopping(changed, changed_limit, changed_error)
+        what_ifs.append(WhatIf(change, changed.impact.velocity_m_s, changed_limit, interval, chance))
     return CheckedThreat(
         threat=threat.title,
         projectile=threat.projectile,

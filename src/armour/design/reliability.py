@@ -93,8 +93,7 @@ def _check(catalogue: Catalogue, section: Uncertainty) -> None:
     """Check that the distributions apply to every design, material and threat, and that there are enough samples."""
     file = catalogue.scenario.file
     problems = []
-    assert catalogue.scenario.uncertainty is not None
-    for name, distribution in catalogue.scenario.uncertainty.inputs().items():
+    for name, distribution in section.inputs().items():
         if distribution.placed and name in catalogue.varying:
             message = (
                 "must be centred on the value of each design or threat: normal or lognormal, without mean, min and "

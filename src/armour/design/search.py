@@ -182,7 +182,7 @@ class Search:
             batch, remaining, size = remaining[:size], remaining[size:], min(2 * size, FIRST_AT_A_TIME)
             for place in batch[self.passes(batch)].tolist():
                 if self.probabilities(place) is not None:
-                    return int(place)
+                    return place
         return None
 
     def frontier_backings(self, best: int) -> Floats:

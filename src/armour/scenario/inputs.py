@@ -79,16 +79,15 @@ _INPUTS = (
 )
 # Every input by name.
 INPUTS = {definition.name: definition for definition in _INPUTS}
-# Keys of library entries by role and name of the input.
-KEYS = {role: {name: INPUTS[name].key for name in INPUTS if INPUTS[name].section == role} for role in ROLES}
 
 
 def inputs_of_entry(role: str, entry: "LibraryEntry") -> dict[str, float]:
     """Return the values of the inputs that an entry of the library gives in a role, by name."""
     return {
-        name: entry[key]
-        for name, key in KEYS[role].items()
-        if key in entry.values and (name != YIELD or entry.derived - {key})
+        name: entry[definition.key]
+        for name, definition in INPUTS.items()
+        if definition.section == role and definition.key in entry.values
+        if name != YIELD or entry.derived - {definition.key}
     }
 
 

@@ -472,7 +472,7 @@ def parse_scenario(data: Mapping[str, Any], *, file: str = "scenario", folder: s
     InputError
         With every mistake.
     """
-    return _parsed(_Source(deepcopy(dict(data)), file, Path(folder)))
+    return parse_changed(data, file=file, folder=Path(folder))
 
 
 def _parsed(source: _Source) -> Scenario:
