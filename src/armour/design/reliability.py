@@ -12,6 +12,7 @@ from armour.analysis.samples import own_errors, own_values, sampled, section_at,
 from armour.analysis.variants import perforated
 from armour.design.catalogue import NO_BOUND, CandidateDesigns, Catalogue
 from armour.errors import Problem, refuse
+from armour.evidence.model_error import Errors
 from armour.evidence.sampling import columns_of, points_of
 from armour.scenario.inputs import BACKING, CERAMIC
 from armour.scenario.scenario import Scenario
@@ -47,31 +48,31 @@ class Reliability:
             bound = float(self.catalogue.bounds[i])
             if bound < NO_BOUND:
                 scenario = self.against(int(candidates.pair[place]), i)
-                errors = own_errors(scenario, _layers(scenario, *thicknesses))
+                layers = _layers(scenario, *thicknesses)
+                errors = own_errors(scenario, layers)
                 is_known = scenario.excludes_error() or errors.known.all()
                 if self.catalogue.lenient and not is_known:
                     continue
-                estimate = self.within(bound, scenario, *thicknesses) if is_known else None
+                estimate = self.within(bound, scenario, layers, errors) if is_known else None
                 if estimate is None:
                     return None
                 estimates[threat.title] = estimate
         return estimates
 
-    def within(self, bound: float, scenario: Scenario, ceramic_mm: float, backing_mm: float) -> Estimate | None:
+    def within(self, bound: float, scenario: Scenario, layers: dict[str, float], errors: Errors) -> Estimate | None:
         """Estimate the probability of perforation of a design; None if its interval exceeds a bound.
 
-        A model error that is not known is left out.  Samples are taken in growing parts, until these show that the
-        bound is exceeded.
+        The layers are their thicknesses, by input.  A model error that is not known is left out.  Samples are taken in
+        growing parts, until these show that the bound is exceeded.
         """
-        layers = _layers(scenario, ceramic_mm, backing_mm)
-        values, errors = own_values(scenario) | layers, own_errors(scenario, layers)
+        values = own_values(scenario) | layers
         section = section_at(scenario, values, with_error=bool(errors.known.all()))
         points = self.points[:, : len(section.inputs())]
         hits, start, end = 0, 0, FIRST_SAMPLES
         while start < len(points):
             part = points[start:end]
             columns = columns_of(section, values, part)
-            if ceramic_mm == 0.0:
+            if layers.get(CERAMIC) == 0.0:
                 columns.pop(CERAMIC, None)  # an absent layer has no thickness to vary
             columns = {**{name: np.full(len(part), value) for name, value in layers.items()}, **columns}
             hits += int(perforated(sampled(scenario, columns, len(part), errors).variants).sum())

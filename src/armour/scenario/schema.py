@@ -362,7 +362,7 @@ class BackingLayer(Layer):
 
 
 Objective = Literal["areal_density_kg_m2", "thickness_mm", "cost_per_m2"]
-Criterion = Literal["areal_density_kg_m2", "thickness_mm", "cost_per_m2", "margin_m_s"]
+Criterion = Literal[Objective, "margin_m_s"]
 
 
 def _different(names: list[Criterion]) -> list[Criterion]:
