@@ -308,7 +308,7 @@ def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress)
     if result.probability_of_stopping is None:
         required = scenario.design.confidence if scenario.design else None
         result = replace(result, flow_stress=needed_flow_stress(scenario, scenario.impact.velocity_m_s, required))
-    return result.of(scenario.subject(), scenario=scenario)
+    return result.of(scenario=scenario)
 
 
 def confidence_alone(scenario: Scenario, on_progress: OnProgress = ignore_progress) -> ConfidenceResult:
