@@ -411,8 +411,8 @@ def _inputs_of_layer(role: str, entry: LibraryEntry | None, layer: Layer) -> dic
 
 
 def _parameters(inputs: Mapping[str, float]) -> list[float]:
-    """Return the parameters of the engine that inputs set, 0 elsewhere."""
-    fields = fields_of(inputs)
+    """Return the parameters of the engine that inputs of the library set, 0 elsewhere."""
+    fields = fields_of(inputs, 1.0)
     return [fields.get(name, 0.0) for name in Parameters._fields]
 
 

@@ -224,7 +224,7 @@ class Scenario(Section):
 
     @cached_property
     def _parameters(self) -> Parameters:
-        fields: dict[str, Any] = dict.fromkeys(Parameters._fields, 0.0) | fields_of(self._inputs)
+        fields: dict[str, Any] = dict.fromkeys(Parameters._fields, 0.0) | fields_of(self._inputs, self.cosine())
         fields["L0"] = penetrator_length_mm(self.entry("projectile", self.impact.projectile)) * MM
         fields["shear_law"] = SHEAR_LAWS[self.model.shear_perimeter]
         return Parameters(**fields)
