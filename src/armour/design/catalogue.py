@@ -145,12 +145,16 @@ class Catalogue:
         """Cosines of the obliquities of the threats, (threats,)."""
         return np.array([cosine_of(threat.obliquity_deg) for threat in self.threats])
 
-    def against_each(self, candidates: CandidateDesigns, threats: Sequence[int]) -> tuple[Variants, Floats, Floats]:
+    def against_each(
+        self, candidates: CandidateDesigns, threats: Sequence[int] | None = None
+    ) -> tuple[Variants, Floats, Floats]:
         """Return designs against each of some threats, the rows of a design together, at the velocities of the threats.
 
-        Besides the rows, (designs times threats), return the ballistic limits that their margins require, m/s, and the
-        bounds on the probabilities of perforation that the model error decides on; 1 for none.
+        By default they are against all.  Besides the rows, (designs times threats), return the ballistic limits that
+        their margins require, m/s, and the bounds on the probabilities of perforation that the model error decides on;
+        1 for none.
         """
+        threats = range(len(self.threats)) if threats is None else threats
         design_of_row, place = np.divmod(np.arange(len(candidates.pair) * len(threats)), len(threats))
         threat_of_row = np.array(threats, dtype=np.int64)[place]
         required = np.array([threat.required_m_s for threat in self.threats]) + self.more_margin_m_s
@@ -179,7 +183,7 @@ class Catalogue:
         These are infinite if a probability is bounded and the model error is not known.  With a ceramic, the
         limits by other laws of its flow stress are computed for a bound.
         """
-        rows, required, bounds = self.against_each(candidates, range(len(self.threats)))
+        rows, required, bounds = self.against_each(candidates)
         bounded = np.flatnonzero(bounds < 1.0)
         if len(bounded):
             required[bounded] = np.maximum(required[bounded], self.bounded_m_s(rows.at(bounded), bounds[bounded]))
@@ -194,7 +198,7 @@ class Catalogue:
 
     def distributions(self, candidates: CandidateDesigns, limits: Floats) -> Mixture:
         """Return the distributions of ballistic limits, m/s, given those of the model, (designs, threats)."""
-        rows, *_ = self.against_each(candidates, range(len(self.threats)))
+        rows, *_ = self.against_each(candidates)
         return distributions(rows, limits.ravel())
 
     def short_m_s(self, candidates: CandidateDesigns, limits: Floats) -> Floats:
@@ -203,7 +207,7 @@ class Catalogue:
         It is that of the limit from the one required or, if it is greater and a probability is bounded and known, that
         of the velocity stopped with this probability from the velocity of the threat; at most 0 for no shortfall.
         """
-        rows, required, bounds = self.against_each(candidates, range(len(self.threats)))
+        rows, required, bounds = self.against_each(candidates)
         short = required - limits.ravel()
         bounded = np.flatnonzero((bounds < 1.0) & rows.errors.known)
         if len(bounded):

@@ -643,8 +643,7 @@ def _of_stopping(catalogue: Catalogue, distributions: Mixture, sampled: dict[str
 
 def _rows(search: Search, place: int) -> Variants:
     """Return a design against each threat."""
-    catalogue = search.catalogue
-    return catalogue.against_each(search.candidates.at(np.array([place])), range(len(catalogue.threats)))[0]
+    return search.catalogue.against_each(search.candidates.at(np.array([place])))[0]
 
 
 def _armour(search: Search, place: int, threat: int) -> Armours:
@@ -749,7 +748,7 @@ def _why_error_unknown(catalogue: Catalogue, designs: CandidateDesigns) -> tuple
     The reason is that for the pair whose error is known against the most threats.
     """
     one_of_each = designs.at(np.unique(designs.pair, return_index=True)[1])
-    rows, *_ = catalogue.against_each(one_of_each, range(len(catalogue.threats)))
+    rows, *_ = catalogue.against_each(one_of_each)
     is_known = rows.errors.known.reshape(-1, len(catalogue.threats))
     design = int(is_known.sum(axis=1).argmax())
     threat = int(is_known[design].argmin())
