@@ -6,7 +6,7 @@ from math import ceil, log, log1p
 import numpy as np
 from scipy.special import bdtrc
 
-from armour.analysis.estimates import CONFIDENCE, Estimate, proportion
+from armour.analysis.estimates import TAIL, Estimate, proportion
 from armour.analysis.results import OnProgress, ignore_progress
 from armour.analysis.samples import own_errors, own_values, sampled, section_at, section_of
 from armour.analysis.variants import perforated
@@ -104,7 +104,7 @@ def _check(catalogue: Catalogue, section: Uncertainty) -> None:
     bound = float(catalogue.bounds.min())
     if proportion(0, section.samples).high > bound:
         # Without a perforation, the upper end of the Clopper-Pearson interval is 1 - (tail)^(1/n).
-        needed = ceil(log(0.5 * (1.0 - CONFIDENCE)) / log1p(-bound))
+        needed = ceil(log(TAIL) / log1p(-bound))
         message = f"must be at least {needed} to show a probability of perforation of {bound:g}"
         too_many = f" (at most {MAX_SAMPLES} are allowed: raise the bound)" if needed > MAX_SAMPLES else ""
         problems.append(Problem(file, "uncertainty.samples", f"{message}{too_many}, found {section.samples}"))
