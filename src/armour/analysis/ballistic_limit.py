@@ -314,7 +314,17 @@ def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress)
 def confidence_alone(scenario: Scenario, on_progress: OnProgress = ignore_progress) -> ConfidenceResult:
     """Return the confidence in an armour, without the flow stress that a ceramic without tests needs."""
     limit, error, reason = limit_and_error(scenario, on_progress)
-    return confidence_in(scenario, limit, error, reason)
+    warnings = (*scenario_warnings(scenario, scenario.impact.velocity_m_s), *scenario.unused_distributions())
+    probability = probability_of_stopping(scenario, limit, error)
+    if limit is None:
+        return ConfidenceResult(probability, None, error, "" if probability else reason, warnings)
+    if error is None:
+        at_normal = None
+        if scenario.impact.obliquity_deg and scenario.armour.ceramic_thickness_mm:
+            at_normal = confidence_alone(scenario.replaced({OBLIQUITY: 0.0})).probability_of_stopping
+        reason = no_error(scenario)
+        return ConfidenceResult(None, limit, None, reason, warnings, probability_at_normal_incidence=at_normal)
+    return ConfidenceResult(probability, limit, error, "", warnings, error.median(limit), error.interval(limit))
 
 
 def limit_and_error(scenario: Scenario, on_progress: OnProgress) -> tuple[float | None, ModelError | None, str]:
@@ -342,24 +352,6 @@ def probability_of_stopping(scenario: Scenario, limit_m_s: float | None, error: 
         return float(error.probability_of_stopping(limit_m_s, velocity))
     lower_bound = float(error.probability_of_stopping(scenario.ballistic_limit.velocity_max_m_s, velocity))
     return lower_bound if lower_bound > SURE else None
-
-
-def confidence_in(
-    scenario: Scenario, limit_m_s: float | None, error: ModelError | None, reason: str
-) -> ConfidenceResult:
-    """Return the confidence in an armour, given its ballistic limit and model error, or why it has no limit."""
-    warnings = (*scenario_warnings(scenario, scenario.impact.velocity_m_s), *scenario.unused_distributions())
-    probability = probability_of_stopping(scenario, limit_m_s, error)
-    if limit_m_s is None:
-        return ConfidenceResult(probability, None, error, "" if probability else reason, warnings)
-    if error is None:
-        at_normal = None
-        if scenario.impact.obliquity_deg and scenario.armour.ceramic_thickness_mm:
-            at_normal = confidence_alone(scenario.replaced({OBLIQUITY: 0.0})).probability_of_stopping
-        reason = no_error(scenario)
-        return ConfidenceResult(None, limit_m_s, None, reason, warnings, probability_at_normal_incidence=at_normal)
-    ends = error.interval(limit_m_s)
-    return ConfidenceResult(probability, limit_m_s, error, "", warnings, error.median(limit_m_s), ends)
 
 
 def no_error(scenario: Scenario) -> str:
