@@ -5,13 +5,13 @@ import os
 import shlex
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from os.path import exists, isfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from armour.cli.console import say, show, show_json
-from armour.errors import InputError, Problem, in_two_lines, mistake, refuse
+from armour.errors import InputError, Problem, in_two_lines, mistake, refuse, restated
 from armour.files import decoded, parse_toml, read_text, unwritable, write_file, wrong_ending
 from armour.scenario.inputs import VELOCITY
 from armour.scenario.keys import upwards, values_by_key
@@ -116,11 +116,8 @@ def read_scenario(
         real_path = scenario_file(path)
         file, folder, text = str(path), real_path.parent, read_text(real_path)
     data = parse_toml(text, file)
-    try:
+    with restated(lambda problem: _blamed(problem, options) if problem.file == file else problem):
         loaded = parse_changed(data, changes, file=file, folder=folder)
-    except InputError as error:
-        problems = [_blamed(problem, options) if problem.file == file else problem for problem in error.problems]
-        raise InputError(problems) from None
     if VELOCITY in changes and "ballistic_limit" in reads and "impact" not in reads:
         # The same command line is often used for simulate first.
         say(f"note: --set {VELOCITY}: has no effect: {computed} does not depend on it")
@@ -252,15 +249,9 @@ def warnings_of(
     return [*notes, *(f"warning: {where}: {warning}" for warning in every)]
 
 
-@contextmanager
-def as_options(function: str, named: Mapping[str, str] = {}) -> Iterator[None]:
+def as_options(function: str, named: Mapping[str, str] = {}) -> AbstractContextManager[None]:
     """Name the parameters of a function as options in messages; ``named`` has the names of exceptions."""
-    try:
-        yield
-    except InputError as error:
-        raise InputError(
-            [_as_option(problem, named) if problem.file == function else problem for problem in error.problems]
-        ) from None
+    return restated(lambda problem: _as_option(problem, named) if problem.file == function else problem)
 
 
 def _as_option(problem: Problem, named: Mapping[str, str]) -> Problem:
