@@ -84,10 +84,9 @@ INPUTS = {definition.name: definition for definition in _INPUTS}
 def inputs_of_entry(role: str, entry: "LibraryEntry") -> dict[str, float]:
     """Return the values of the inputs that an entry of the library gives in a role, by name."""
     return {
-        name: entry[definition.key]
-        for name, definition in INPUTS.items()
-        if definition.section == role and definition.key in entry.values
-        if name != YIELD or entry.derived - {definition.key}
+        name: entry[key]
+        for key in entry.values
+        if (name := f"{role}.{key}") in INPUTS and (name != YIELD or entry.derived - {key})
     }
 
 
