@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
 from armour.errors import CHOOSE, InputError, Problem, mistake, refuse, suggestion
-from armour.files import csv_value, reason, table_file
+from armour.files import csv_value, located, reason, shipped_tests
 from armour.units import missing_unit
 
 # Greatest number of rows, more than anyone has tests or shots; a fit to so many takes about a minute.
@@ -147,9 +147,9 @@ def read_csv(path: Path) -> Iterator[tuple[int, list[str]]]:
 
 
 def lines_of(table: str | PathLike[str] | Rows) -> tuple[str, Iterator[Line]]:
-    """Return the name of a table, for messages, and its lines, from a CSV file or from rows given in Python."""
+    """Return the name of a table, for messages, and its lines, from rows or a CSV file, perhaps a shipped one."""
     if isinstance(table, str | PathLike):
-        path = table_file(table)
+        path = located(Path(table), shipped_tests())
         return str(path), ((f"line {number}", cells) for number, cells in read_csv(path))
     columns: Any = getattr(table, "columns", None)
     frame: Any = table

@@ -8,7 +8,8 @@
         └── NoLimitError      no ballistic limit in the range of velocities
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from difflib import get_close_matches
 from os import PathLike
 from typing import NamedTuple, Self
@@ -104,6 +105,15 @@ class NoLimitError(NoAnswerError):
 def mistake(file: str | PathLike[str], key: str, message: str) -> InputError:
     """Return the error of one mistake; see `Problem`."""
     return InputError([Problem(str(file), key, message)])
+
+
+@contextmanager
+def restated(restate: Callable[[Problem], Problem]) -> Iterator[None]:
+    """Restate each mistake found meanwhile, such as with the file or the key that a user knows."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError([restate(problem) for problem in error.problems]) from None
 
 
 def refuse(problems: Iterable[Problem]) -> None:

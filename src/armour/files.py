@@ -81,11 +81,6 @@ def located(path: Path, files: Mapping[str, Path], hint: str = "") -> Path:
     return files[name]
 
 
-def table_file(path: str | PathLike[str]) -> Path:
-    """Return the file at a path or, if there is none, the shipped table of tests or shots of that name."""
-    return located(Path(path), shipped_tests())
-
-
 def suite_file(path: str | PathLike[str]) -> Path:
     """Return the file at a path or, if there is none, the shipped suite of that name."""
     return located(Path(path), shipped_suites())

@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from armour.analysis.ballistic_limit import confidence
+from armour.analysis.samples import own_errors
 from armour.design.catalogue import catalogue_of
 from armour.design.optimise import optimise
 from armour.design.reliability import Reliability
 from armour.errors import InputError
+from armour.scenario.inputs import BACKING, CERAMIC
 from tests.helpers.cases import CERAMICS, METALS, THREATS, catalogue, scenario
 from tests.helpers.plain_designs import designs, stops
 from tests.helpers.results import best_of
@@ -45,7 +47,8 @@ def test_a_bound_on_the_probability_of_perforation():
                 for pair, offer in enumerate(offered.offers)
                 if (offer.ceramic.material, offer.backing.material) == (ceramic, backing)
             ]
-            found = reliability.within(1.0, scenario, hc, hb)
+            layers = {CERAMIC: hc, BACKING: hb}
+            found = reliability.within(1.0, scenario, layers, own_errors(scenario, layers))
             assert found is not None
             assert found.high > 0.02
             lighter += 1
@@ -216,12 +219,12 @@ def test_the_frontier_keeps_to_the_bound():
     assert min(design.areal_density_kg_m2 for design in result.frontier) == best_of(result).areal_density_kg_m2
     plain = optimise(catalogue([threat], **layers)).frontier
     offered = catalogue_of(case)
-    reliability = Reliability(offered)
+    reliability, against = Reliability(offered), offered.against(0, 0)
     for design, least in zip(result.frontier, plain, strict=True):
         thickness = design.ceramic_thickness_mm
         for ceramic in np.arange(least.ceramic_thickness_mm, thickness + 0.5, 0.5):
-            place = ceramic, design.backing_thickness_mm
-            found = reliability.within(0.02, offered.against(0, 0), *place)
+            thicknesses = {CERAMIC: ceramic, BACKING: design.backing_thickness_mm}
+            found = reliability.within(0.02, against, thicknesses, own_errors(against, thicknesses))
             assert (found is not None) == (ceramic == thickness)
     assert min(d.areal_density_kg_m2 for d in plain) < best_of(result).areal_density_kg_m2
 

@@ -128,6 +128,6 @@ def csv_file(path: Path, *lines: str) -> Path:
     return path
 
 
-def perforates(scenario: Scenario, armour: Parameters, velocity: float) -> bool:
-    """Whether the projectile of a scenario perforates an armour at an impact velocity, m/s."""
-    return run_impact(scenario, armour, velocity).outcome == Outcome.PERFORATED
+def perforates(scenario: Scenario, velocity: float) -> bool:
+    """Whether the projectile of a scenario perforates its armour at an impact velocity, m/s."""
+    return run_impact(scenario, velocity)[0].outcome == Outcome.PERFORATED

@@ -77,14 +77,14 @@ def test_every_impact_ends_with_an_outcome_and_sensible_numbers(data: dict[str, 
 def test_just_above_its_limit_an_armour_is_perforated_and_just_below_it_is_not(data: dict[str, Any]):
     """By plain Python, of limits that the engine searches for as plain Python does (test_searches)."""
     scenario = parse_scenario(data)
-    armour, search = scenario.core_armour(), scenario.ballistic_limit
+    search = scenario.ballistic_limit
     [limit] = ballistic_limits(variants_of(scenario, {}, 1)).tolist()
     if not isfinite(limit):
-        thin = perforates(scenario, armour, search.velocity_min_m_s)
-        assert thin or not perforates(scenario, armour, search.velocity_max_m_s)
+        thin = perforates(scenario, search.velocity_min_m_s)
+        assert thin or not perforates(scenario, search.velocity_max_m_s)
         return
-    assert perforates(scenario, armour, limit)
-    assert not perforates(scenario, armour, limit - search.tolerance_m_s)
+    assert perforates(scenario, limit)
+    assert not perforates(scenario, limit - search.tolerance_m_s)
 
 
 positive = st.floats(0.05, 20.0)

@@ -56,5 +56,5 @@ def test_two_per_cent_of_any_constant_is_noticed(kind: Kind, name: str, key: str
     changed = case.scenario.replaced(change)
     lowest, highest = (float(case.expected or 0.0) + sign * float(case.band or 0.0) for sign in (-1, 1))
     # Within the band the limit would be above the lowest and below the highest.
-    outcomes = [perforates(changed, changed.core_armour(), velocity) for velocity in (lowest, highest)]
+    outcomes = [perforates(changed, velocity) for velocity in (lowest, highest)]
     assert outcomes != [False, True]

@@ -108,7 +108,8 @@ def main() -> int:
         for name, designs in populations.items():
             rows = batch.packed(designs)
             found = batch.ballistic_limits(rows, LOW, HIGH, TOLERANCE)
-            rows, limits = rows[found.bounded], found.perforated[found.bounded]
+            bounded = np.isfinite(found.stopped) & np.isfinite(found.perforated)
+            rows, limits = rows[bounded], found.perforated[bounded]
             steps = batch.impacts(rows, limits).steps
             known = errors(rows, limits, pool)
             shares = ", ".join(f"{q:g} %: {np.percentile(known, q):.4f}" for q in (50, 99, 99.5, 100))

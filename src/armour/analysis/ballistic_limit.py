@@ -308,13 +308,23 @@ def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress)
     if result.probability_of_stopping is None:
         required = scenario.design.confidence if scenario.design else None
         result = replace(result, flow_stress=needed_flow_stress(scenario, scenario.impact.velocity_m_s, required))
-    return result.of(scenario.subject(), scenario=scenario)
+    return result.of(scenario=scenario)
 
 
 def confidence_alone(scenario: Scenario, on_progress: OnProgress = ignore_progress) -> ConfidenceResult:
     """Return the confidence in an armour, without the flow stress that a ceramic without tests needs."""
     limit, error, reason = limit_and_error(scenario, on_progress)
-    return confidence_in(scenario, limit, error, reason)
+    warnings = (*scenario_warnings(scenario, scenario.impact.velocity_m_s), *scenario.unused_distributions())
+    probability = probability_of_stopping(scenario, limit, error)
+    if limit is None:
+        return ConfidenceResult(probability, None, error, "" if probability else reason, warnings)
+    if error is None:
+        at_normal = None
+        if scenario.impact.obliquity_deg and scenario.armour.ceramic_thickness_mm:
+            at_normal = confidence_alone(scenario.replaced({OBLIQUITY: 0.0})).probability_of_stopping
+        reason = no_error(scenario)
+        return ConfidenceResult(None, limit, None, reason, warnings, probability_at_normal_incidence=at_normal)
+    return ConfidenceResult(probability, limit, error, "", warnings, error.median(limit), error.interval(limit))
 
 
 def limit_and_error(scenario: Scenario, on_progress: OnProgress) -> tuple[float | None, ModelError | None, str]:
@@ -330,38 +340,18 @@ def limit_and_error(scenario: Scenario, on_progress: OnProgress) -> tuple[float 
     return limit, model_error(scenario, limit), ""
 
 
-def probability_of_stopping(
-    scenario: Scenario, limit_m_s: float | None, error: ModelError | None, velocity_m_s: float
-) -> float | None:
-    """Return the probability that an armour stops the projectile at a velocity; None if it is not known.
+def probability_of_stopping(scenario: Scenario, limit_m_s: float | None, error: ModelError | None) -> float | None:
+    """Return the probability that an armour stops the projectile at its impact velocity; None if it is not known.
 
     Without a limit in the range searched, a model error says that the limit is above it: a lower bound is known then.
     """
+    velocity = scenario.impact.velocity_m_s
     if error is None:
         return None
     if limit_m_s is not None:
-        return float(error.probability_of_stopping(limit_m_s, velocity_m_s))
-    lower_bound = float(error.probability_of_stopping(scenario.ballistic_limit.velocity_max_m_s, velocity_m_s))
+        return float(error.probability_of_stopping(limit_m_s, velocity))
+    lower_bound = float(error.probability_of_stopping(scenario.ballistic_limit.velocity_max_m_s, velocity))
     return lower_bound if lower_bound > SURE else None
-
-
-def confidence_in(
-    scenario: Scenario, limit_m_s: float | None, error: ModelError | None, reason: str = ""
-) -> ConfidenceResult:
-    """Return the confidence in an armour, given its ballistic limit and model error, or why it has no limit."""
-    velocity = scenario.impact.velocity_m_s
-    warnings = (*scenario_warnings(scenario, velocity), *scenario.unused_distributions())
-    probability = probability_of_stopping(scenario, limit_m_s, error, velocity)
-    if limit_m_s is None:
-        return ConfidenceResult(probability, None, error, "" if probability else reason, warnings)
-    if error is None:
-        at_normal = None
-        if scenario.impact.obliquity_deg and scenario.armour.ceramic_thickness_mm:
-            at_normal = confidence_alone(scenario.replaced({OBLIQUITY: 0.0})).probability_of_stopping
-        reason = no_error(scenario)
-        return ConfidenceResult(None, limit_m_s, None, reason, warnings, probability_at_normal_incidence=at_normal)
-    ends = error.interval(limit_m_s)
-    return ConfidenceResult(probability, limit_m_s, error, "", warnings, error.median(limit_m_s), ends)
 
 
 def no_error(scenario: Scenario) -> str:

@@ -18,7 +18,7 @@ from armour.analysis.variants import Bools, Floats, Ints, Variants, grid_of, out
 from armour.core.equations import cross_section
 from armour.core.state import Outcome
 from armour.engine import batch
-from armour.errors import InputError, Problem, choices, refuse
+from armour.errors import InputError, Problem, choices, refuse, restated
 from armour.scenario.effect import check_columns, check_effect
 from armour.scenario.inputs import INPUTS, ROUND_AND_ARMOUR
 from armour.scenario.keys import canonical, parts_of
@@ -99,10 +99,8 @@ def scenarios_of(
     _, first, combination_of_row = np.unique(table, axis=0, return_index=True, return_inverse=True)
     for index in np.argsort(first):
         row = int(first[index])
-        try:
+        with restated(partial(place, row)):
             changed = scenario.replaced({key: columns[key][row].item() for key in settings})
-        except InputError as error:
-            raise InputError([place(row, problem) for problem in error.problems]) from None
         where = np.flatnonzero(combination_of_row.reshape(-1) == index)
         inputs_of_rows = {key: values[where] for key, values in inputs.items()}
         changed.check_rows(inputs_of_rows, partial(_placed, where, place))

@@ -130,14 +130,12 @@ def simulate(scenario: Scenario, *, history: bool = False) -> ImpactResult:
     InputError
         If the run does not end within the maximum number of steps.
     """
-    return impact_at(scenario, scenario.impact.velocity_m_s, history=history).of(scenario.subject(), scenario=scenario)
+    return impact_at(scenario, scenario.impact.velocity_m_s, history=history).of(scenario=scenario)
 
 
 def impact_at(scenario: Scenario, velocity: float, *, history: bool = False) -> ImpactResult:
     """Compute the impact of a scenario at another impact velocity, m/s."""
-    armour = stages.with_intact_strength(scenario.core_armour())
-    trace: list[Instant] = []
-    end = run_impact(scenario, armour, velocity, trace)
+    end, trace, armour = run_impact(scenario, velocity)
     recorded = None
     if history:
         # Imported here because a simulation without a history does not need numpy.
@@ -163,13 +161,14 @@ def impact_at(scenario: Scenario, velocity: float, *, history: bool = False) -> 
     )
 
 
-def run_impact(scenario: Scenario, armour: Parameters, velocity: float, trace: list[Instant] | None = None) -> Run:
-    """Run the core with the settings of a scenario; the instants of the run are appended to the trace."""
-    solver = scenario.solver
+def run_impact(scenario: Scenario, velocity: float) -> tuple[Run, list[Instant], Parameters]:
+    """Run the core for a scenario; return the end, all instants, and the armour with the ceramic's intact strength."""
+    armour, solver = stages.with_intact_strength(scenario.core_armour()), scenario.solver
+    trace: list[Instant] = []
     end = run(armour, velocity, solver.time_step, solver.arrest_velocity_m_s, solver.max_steps, trace)
     if end.outcome == Outcome.UNRESOLVED:
         raise unresolved_error(scenario, velocity)
-    return end
+    return end, trace, armour
 
 
 def unresolved_error(scenario: Scenario, velocity: float) -> InputError:
@@ -244,9 +243,7 @@ def energy_balance(scenario: Scenario, impact: ImpactResult) -> EnergyBalance:
     Simpson's rule integrates the powers over each time step.  The state in the middle of a step is that of the cubic
     through the states and rates at its ends, so the balance closes to the fourth order of the time step.
     """
-    armour = stages.with_intact_strength(scenario.core_armour())
-    trace: list[Instant] = []
-    run_impact(scenario, armour, impact.impact_velocity_m_s, trace)
+    _, trace, armour = run_impact(scenario, impact.impact_velocity_m_s)
     steps = [(start, end) for start, end in pairwise(trace) if end.t > start.t]
     losses = [(start.t / US, _lost(start, end, armour)) for start, end in steps]
     rows = []

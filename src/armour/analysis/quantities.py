@@ -7,7 +7,8 @@ The help of the command line lists them, so this module imports nothing that is 
 from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
-from armour.scenario.inputs import ERROR, OF_ERROR, YIELD
+from armour.scenario.inputs import ERROR, OF_ERROR, ROLES, YIELD
+from armour.scenario.keys import parts_of
 from armour.units import MM, US, words_and_unit
 
 # Description of the quantities on the grid.
@@ -104,10 +105,6 @@ def label_and_unit(name: str) -> tuple[str, str]:
     words, unit = words_and_unit(name)
     words = "yield strength" if name == YIELD else _spelt(words)  # static where no dynamic one is known
     if "." in name:
-        # Imported here, as they take long to load.
-        from armour.scenario.inputs import ROLES
-        from armour.scenario.keys import parts_of
-
         *sections, _ = parts_of(name)
         if len(sections) > 1:
             # A value of the library has the name of its entry.

@@ -12,7 +12,7 @@ from armour.engine import batch
 from armour.errors import mistake
 from armour.evidence.model_error import LAW_FIELDS, Errors, errors_of
 from armour.evidence.tests import Armours, Materials, armours_of, is_unusual, limits_outside
-from armour.scenario.inputs import INPUTS, LAYERS, OBLIQUITY, VELOCITY, YIELD, cosine_of
+from armour.scenario.inputs import LAYERS, OBLIQUITY, VELOCITY, YIELD, cosine_of, fields_of
 from armour.scenario.library import DEFAULTS, ROD, length_mm, strength_notes
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Optimise
@@ -101,23 +101,16 @@ def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -
         cosines[:] = [cosine_of(obliquity) for obliquity in columns[OBLIQUITY].tolist()]
         inputs = scenario.inputs()
         columns = {**{name: np.full(count, inputs[name]) for name in LAYERS if name in inputs}, **columns}
+    if YIELD in columns:
+        derived = scenario.entry("metal", scenario.armour.backing).derived
+        columns = {**{f"backing.{key}": DEFAULTS[key][0] * columns[YIELD] for key in derived}, **columns}
     field = batch.fields(rows)
-    for name, values in columns.items():
-        target = INPUTS[name]
-        if target.field:
-            along = values / cosines if name in LAYERS else values
-            getattr(field, target.field)[:] = along * target.factor
+    for name, values in fields_of(columns, cosines).items():
+        getattr(field, name)[:] = values
     rod = [f"projectile.{key}" for key in ROD]
     if any(name in columns for name in rod):
         inputs = scenario.inputs()
         field.L0[:] = length_mm(*(columns.get(name, inputs[name]) for name in rod)) * MM
-    if YIELD in columns:
-        entry = scenario.entry_of("backing")
-        assert entry is not None
-        for key in entry.derived:
-            if f"backing.{key}" not in columns:
-                target = INPUTS[f"backing.{key}"]
-                getattr(field, target.field)[:] = DEFAULTS[key][0] * columns[YIELD] * target.factor
     velocities = np.array(np.broadcast_to(columns.get(VELOCITY, scenario.impact.velocity_m_s), count), dtype=np.float64)
     own_strength = columns.keys().isdisjoint((YIELD, "backing.flow_stress_GPa"))
     materials = armours_of(scenario).materials

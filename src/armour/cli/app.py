@@ -34,6 +34,7 @@ from armour.cli.scenario_commands import (
 from armour.cli.suites import figures, validate
 from armour.errors import MAX_PROBLEMS, ArmourError, InputError, NoAnswerError, Problem
 from armour.files import read_text
+from armour.scenario.keys import line_of, lines_of
 
 WRONG_INPUT, INTERRUPTED = 2, 130
 
@@ -101,7 +102,6 @@ def _reported() -> Iterator[None]:
 
 def _located(problems: Sequence[Problem]) -> list[str]:
     """Return the messages of the first problems, with the lines of TOML files where their keys are."""
-    from armour.scenario.keys import line_of, lines_of
 
     @cache
     def lines(file: str) -> dict[str, int]:

@@ -12,6 +12,7 @@ from typing import Any, Literal, get_args, get_origin
 
 from armour.analysis.quantities import QUANTITIES
 from armour.files import shipped_files, shipped_notebooks, shipped_suites, shipped_tests
+from armour.scenario.inputs import INPUTS, NAMES, NAMING, ROLES, THREAT
 
 # Names of files to offer: zsh evaluates the output of typer, and other shells insert words as they are.
 _PLAIN = re.compile(rf"(?:[\w@%+=:,./-]|{re.escape(os.sep)}| (?! ))+")
@@ -52,8 +53,6 @@ def entries() -> list[str]:
 
 def inputs() -> list[str]:
     """Return the names of inputs."""
-    from armour.scenario.inputs import INPUTS
-
     return list(INPUTS)
 
 
@@ -71,8 +70,6 @@ def quantities(incomplete: str) -> list[str]:
 
 def numbers(incomplete: str) -> list[str]:
     """Return the keys that a sweep can vary, each with an equals sign."""
-    from armour.scenario.inputs import NAMING
-
     if "=" in incomplete:
         return []
     return [word for word in assignments(incomplete) if word.rstrip("=") not in ("title", *NAMING)]
@@ -80,7 +77,6 @@ def numbers(incomplete: str) -> list[str]:
 
 def assignments(incomplete: str) -> list[str]:
     """Return inputs and keys, each with an equals sign or, after it, the words that the key can have."""
-    from armour.scenario.inputs import INPUTS, NAMES, ROLES, THREAT
     from armour.scenario.library import shipped_library
     from armour.scenario.scenario import Scenario
     from armour.scenario.threats import named_threats

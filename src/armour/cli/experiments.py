@@ -12,7 +12,6 @@ from armour.cli.runner import CHECK_FAILED, check_outputs, read_scenario, wrong_
 from armour.cli.scenario_commands import LIMIT_READS, grid_of
 from armour.csv_files import MUST_SAY, PERFORATED
 from armour.errors import mistake
-from armour.files import table_file
 from armour.scenario.keys import describe
 
 if TYPE_CHECKING:
@@ -52,7 +51,7 @@ def v50(
     If a scenario with the same armour is given, its ballistic limit by the model is shown too. With a requirement, the
     exit code is 3 if it is not met or the shots do not decide it.
     """
-    fired = armour.read_shots(table_file(table), one_kind=options["prior"])
+    fired = armour.read_shots(table, one_kind=options["prior"])
     result = armour.v50(fired, scenario, on_progress=on_progress, **options)
     exit_code = CHECK_FAILED if result.decision in ("not met", "not decided") else 0
     return Answer(result, file="" if scenario else str(table), exit_code=exit_code)
@@ -95,7 +94,7 @@ def calibrate(
     if (lot is None) != (library is None and fitted is None):
         raise wrong_option("--lot", "must be given with --write or --write-scenario, and only then: the lot tested")
 
-    tests = armour.read_tests(table_file(table), scenario)
+    tests = armour.read_tests(table, scenario)
     result = armour.calibrate(tests, scenario, on_progress=on_progress, **options)
     contents = {
         library: lambda: library_text(result, tests, scenario, lot or ""),
@@ -157,7 +156,7 @@ def plan_shots(
         raise wrong_option("--upper-m-s" if upper_m_s is None else "--lower-m-s", "must be given with the other limit")
     if isinstance(velocity_m_s, str):
         raise wrong_option("--velocity-m-s", f"must be a number, found {describe(velocity_m_s)}")
-    options["earlier"] = [armour.read_shots(table_file(path)) for path in earlier or []]
+    options["earlier"] = [armour.read_shots(path) for path in earlier or []]
     if lower_m_s is not None:
         options["limits_m_s"] = (lower_m_s, upper_m_s)
     if result is None:
@@ -257,7 +256,7 @@ def plan_tests(
     from armour.reporting.views.planned_tests import form_table
 
     source = _source(candidates)
-    earlier_tests = None if tests is None else armour.read_tests(table_file(tests), scenario)
+    earlier_tests = None if tests is None else armour.read_tests(tests, scenario)
     designs = [read_scenario(path, None, FIT) for path in design or []]
     result = armour.plan_tests(
         scenario, source, tests=earlier_tests, designs=designs, on_progress=on_progress, **options

@@ -10,7 +10,7 @@ from armour import __version__
 from armour.cli import completion
 from armour.cli.console import emit, say, show, show_json
 from armour.cli.question import AsJson, Force, argument, option
-from armour.cli.runner import check_outputs, origin_of, respond, write
+from armour.cli.runner import check_outputs, respond, write
 from armour.errors import choices, mistake, refuse
 from armour.files import shipped_files, shipped_notebooks, shipped_suites, shipped_tests, wrong_ending
 
@@ -66,7 +66,7 @@ def _list(kinds: Sequence[str], *, tested: bool, as_json: bool) -> None:
     tables["threat"] = threat_table(threats)
     if len(kinds) > 1:
         tables["metal"] = f"{len(data['metal'])} metals: armour library metals"
-    respond({kind: data[kind] for kind in kinds}, [tables[kind] for kind in kinds], as_json=as_json, origin=origin_of())
+    respond({kind: data[kind] for kind in kinds}, [tables[kind] for kind in kinds], as_json=as_json)
 
 
 def show_entry(
@@ -83,11 +83,11 @@ def show_entry(
     if threat := named_threats().get(name):
         content = {"kind": "threat", "name": name, **threat.model_dump()}
         shown = (threat_table({name: threat}), f"source: {threat.source}")
-        respond(content, shown, as_json=as_json, heading=[name], origin=origin_of())
+        respond(content, shown, as_json=as_json, heading=[name])
         return
     for entry in shipped_library().find(name):
         title = f"{entry.name} ({entry.kind})"
-        respond(entry.to_dict(), entry_tables(entry), as_json=as_json, heading=[title], origin=origin_of())
+        respond(entry.to_dict(), entry_tables(entry), as_json=as_json, heading=[title])
 
 
 def init(

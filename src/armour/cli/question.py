@@ -20,7 +20,7 @@ import typer
 import armour
 from armour.cli import completion
 from armour.cli.console import emit, progress
-from armour.cli.runner import as_options, check_outputs, origin_of, read_scenario, respond, warnings_of, wrong_option
+from armour.cli.runner import as_options, check_outputs, read_scenario, respond, warnings_of, wrong_option
 from armour.csv_files import number as read_number
 
 if TYPE_CHECKING:
@@ -270,7 +270,7 @@ def _respond(answer: Answer, scenario: "Scenario | None", values: Mapping[str, A
             files=answer.contents.items(),
             plot=values["plot"],
             draw=lambda: plot_of(result),
-            origin=origin_of(scenario),
+            scenario=scenario,
             warnings=warnings_of(scenario, warnings, answer.file, of_threats=of_threats, verbose=verbose),
         )
     if answer.then:

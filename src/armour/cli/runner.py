@@ -5,14 +5,16 @@ import os
 import shlex
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from os.path import exists, isfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from armour.cli.console import say, show, show_json
-from armour.errors import InputError, Problem, in_two_lines, mistake, refuse
+from armour.errors import InputError, Problem, in_two_lines, mistake, refuse, restated
 from armour.files import decoded, parse_toml, read_text, unwritable, write_file, wrong_ending
+from armour.scenario.inputs import VELOCITY
+from armour.scenario.keys import upwards, values_by_key
 
 if TYPE_CHECKING:
     from armour.reporting.table import Table
@@ -99,8 +101,6 @@ def read_scenario(
     """
     from armour.scenario.changes import changes_of
     from armour.scenario.effect import check_effect
-    from armour.scenario.inputs import VELOCITY
-    from armour.scenario.keys import values_by_key
     from armour.scenario.scenario import parse_changed, scenario_file
 
     changes = changes_of(assignments or ())
@@ -116,11 +116,8 @@ def read_scenario(
         real_path = scenario_file(path)
         file, folder, text = str(path), real_path.parent, read_text(real_path)
     data = parse_toml(text, file)
-    try:
+    with restated(lambda problem: _blamed(problem, options) if problem.file == file else problem):
         loaded = parse_changed(data, changes, file=file, folder=folder)
-    except InputError as error:
-        problems = [_blamed(problem, options) if problem.file == file else problem for problem in error.problems]
-        raise InputError(problems) from None
     if VELOCITY in changes and "ballistic_limit" in reads and "impact" not in reads:
         # The same command line is often used for simulate first.
         say(f"note: --set {VELOCITY}: has no effect: {computed} does not depend on it")
@@ -133,7 +130,6 @@ def accepted(changes: Iterable[str], reads: Collection[str]) -> list[str]:
     """Return those changes of ``--set`` that a command with such ``reads`` accepts."""
     from armour.scenario.changes import changes_of
     from armour.scenario.effect import is_read
-    from armour.scenario.keys import values_by_key
 
     return [change for change in changes if all(is_read(key, reads) for key in values_by_key(changes_of([change])))]
 
@@ -156,8 +152,6 @@ def set_options(changes: Iterable[str]) -> list[str]:
 
 def _blamed(problem: Problem, options: Mapping[str, str]) -> Problem:
     """Return a problem with the option that sets its key, one below or one above it, if there is one."""
-    from armour.scenario.keys import upwards
-
     for key, option in sorted(options.items(), reverse=True):
         if key in upwards(problem.key) or problem.key in upwards(key):
             where = f"--set {problem.key}" if option.startswith("--set") else option
@@ -175,14 +169,15 @@ def respond(
     plot: Path | None = None,
     draw: Callable[[], Any] | None = None,
     warnings: Iterable[str] = (),
-    origin: Mapping[str, str] | None = None,
+    scenario: "Scenario | None" = None,
 ) -> None:
     """Show an answer as tables or JSON, write the files that are asked for, and warn.
 
     ``files`` are paths with functions that make the contents, or None if there is nothing to write.  ``draw`` makes
     the picture for ``plot``.  ``heading`` has the lines above the tables, which describe the computation.  JSON and
-    picture record their ``origin``.
+    picture record their origin, with the ``scenario``.
     """
+    origin = origin_of(scenario)
 
     def drawn() -> bytes | None:
         from armour.reporting.pictures import drawing
@@ -192,7 +187,7 @@ def respond(
         return drawing.saved(draw(), plot.suffix.lower(), json.dumps(origin))
 
     if as_json:
-        show_json({**data, "made_by": origin} if origin and isinstance(data, Mapping) else data)
+        show_json({**data, "made_by": origin} if isinstance(data, Mapping) else data)
     elif shown := [*tables]:
         show(*heading[1:], *shown, title=heading[0] if heading else "")
     try:
@@ -238,7 +233,7 @@ def warnings_of(
     file: str = "",
     *,
     of_threats: bool = False,
-    verbose: bool = True,
+    verbose: bool,
 ) -> list[str]:
     """Return warnings as lines for standard error, with those on parts of the scenario that an answer ignores.
 
@@ -254,15 +249,9 @@ def warnings_of(
     return [*notes, *(f"warning: {where}: {warning}" for warning in every)]
 
 
-@contextmanager
-def as_options(function: str, named: Mapping[str, str] = {}) -> Iterator[None]:
+def as_options(function: str, named: Mapping[str, str] = {}) -> AbstractContextManager[None]:
     """Name the parameters of a function as options in messages; ``named`` has the names of exceptions."""
-    try:
-        yield
-    except InputError as error:
-        raise InputError(
-            [_as_option(problem, named) if problem.file == function else problem for problem in error.problems]
-        ) from None
+    return restated(lambda problem: _as_option(problem, named) if problem.file == function else problem)
 
 
 def _as_option(problem: Problem, named: Mapping[str, str]) -> Problem:

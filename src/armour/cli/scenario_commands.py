@@ -57,7 +57,6 @@ if TYPE_CHECKING:
     from armour.design.check import CheckResult
     from armour.design.optimise import BestDesign
     from armour.reporting.report import Report
-    from armour.reporting.scenario_report import Contents
     from armour.scenario.scenario import Scenario
     from armour.sweeps.cases import Grid
     from armour.sweeps.sweep import Effort
@@ -185,7 +184,7 @@ def check(
         plot=plot,
         draw=lambda: plot_of(results[0]),
         warnings=warnings,
-        origin=origin_of(scenarios[0]),
+        scenario=scenarios[0],
     )
     if any(result.verdict != "passes" for result in results):
         raise typer.Exit(CHECK_FAILED)
@@ -345,7 +344,8 @@ def sweep(
     loaded = read_scenario(scenario, changes, (*ROUND_AND_ARMOUR, *reads), computed="the sweep")
     if (cases is None) == (not over):
         raise wrong_option("--over", "must be given, or --cases, but not both")
-    _check_threads(threads)
+    if threads is not None and not (type(threads) is int and threads > 0):
+        raise wrong_option("--threads", f"must be a whole number of at least 1, found {describe(threads)}")
     if plot is not None:
         _check_drawn(len(over or []), names[0])
     with as_options("sweep"), ExitStack() as stack:
@@ -386,13 +386,8 @@ def sweep(
         heading=lines,
         plot=plot,
         draw=draw,
-        origin=origin_of(loaded),
+        scenario=loaded,
     )
-
-
-def _check_threads(threads: Any) -> None:
-    if threads is not None and not (type(threads) is int and threads > 0):
-        raise wrong_option("--threads", f"must be a whole number of at least 1, found {describe(threads)}")
 
 
 def _check_drawn(keys: int, quantity: str) -> None:
@@ -451,7 +446,7 @@ def report(
     as_is: Annotated[
         bool, option("Report on the scenario's own armour even if the scenario asks for a design.", "--as-is")
     ] = False,
-    confidence: Annotated[str | None, option(CONFIDENCE[1], metavar="NUMBER", parser=share)] = None,
+    confidence: Annotated[Any, option(CONFIDENCE[1], metavar="NUMBER", parser=share)] = None,
     force: Force = False,
     changes: Changes = None,
 ) -> None:
@@ -459,7 +454,7 @@ def report(
 
     The report is one self-contained file with the answer, its uncertainty, charts (HTML) and the sources of all values.
     """
-    from armour.reporting.scenario_report import scenario_report
+    from armour.reporting.scenario_report import contents_of, scenario_report
     from armour.reporting.show import REPORT_ENDINGS, report_text
     from armour.scenario.scenario import scenario_file
 
@@ -481,18 +476,13 @@ def report(
     if is_suite:
         content = _suite_report(source, changes, command)
     else:
-        contents = _contents(source, changes, confidence, as_is=as_is)
+        reads = (*BYLINE, "armour", *(AS_IS if as_is else DESIGNS))
+        required = {"--confidence": (CONFIDENCE[0], confidence)}
+        scenario = read_scenario(source, changes, reads, required, computed="the report")
+        with progress("armours") as count:
+            contents = contents_of(scenario, count, as_is=as_is)
         content = scenario_report(contents, command, map_command)
     write({output: report_text(content, output)})
-
-
-def _contents(source: Path, changes: list[str], confidence: Any, *, as_is: bool) -> "Contents":
-    from armour.reporting.scenario_report import contents_of
-
-    reads = (*BYLINE, "armour", *(AS_IS if as_is else DESIGNS))
-    loaded = read_scenario(source, changes, reads, {"--confidence": (CONFIDENCE[0], confidence)}, computed="the report")
-    with progress("armours") as count:
-        return contents_of(loaded, count, as_is=as_is)
 
 
 def _suite_report(source: Path, changes: list[str], command: str) -> "Report":

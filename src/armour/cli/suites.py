@@ -77,7 +77,6 @@ def validate(
         result.to_dict(),
         view.tables(judged.of(every_row=verbose)) if judged.checks else (),
         as_json=as_json,
-        origin=origin_of(),
         files=[
             (markdown, lambda: markdown_report(view.report(result))),
             (junit, lambda: view.junit(result, seconds, origin_of())),

@@ -32,9 +32,7 @@ def candidates_of(requirement: Requirement, criteria: Sequence[str] = (), *, ref
     parts = [_of_pair(requirement, pair, columns, refine=refine) for pair in pairs]
     if MARGIN in criteria:
         parts += [part for pair in pairs for part in _with_more_margin(requirement, pair, columns)]
-    candidates = joined(parts)
-    candidates = candidates.at(catalogue.violations(candidates) <= 0.0)
-    return candidates.at(catalogue.objective(candidates).argsort(kind="stable"))
+    return catalogue.in_order(joined(parts))
 
 
 def joined(parts: Sequence[CandidateDesigns]) -> CandidateDesigns:
@@ -128,10 +126,9 @@ def _least(
         return Search(requirement, designs(values, other_mm[rows])).passes(np.arange(len(rows)))
 
     def scanned(values: Floats, rows: Ints) -> Bools:
-        threats = range(len(requirement.catalogue.threats))
-        variants, *_ = requirement.catalogue.against_each(designs(values, other_mm[rows]), threats)
+        variants, *_ = requirement.catalogue.against_each(designs(values, other_mm[rows]))
         # If a probability is bounded, the thickest may lie beyond the tests while thinner ones do not.
-        return unusual(variants).reshape(-1, len(threats)).any(axis=1) | (
+        return unusual(variants).reshape(-1, len(requirement.catalogue.threats)).any(axis=1) | (
             np.isnan(values) & requirement.catalogue.bounded
         )
 

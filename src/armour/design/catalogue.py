@@ -145,12 +145,16 @@ class Catalogue:
         """Cosines of the obliquities of the threats, (threats,)."""
         return np.array([cosine_of(threat.obliquity_deg) for threat in self.threats])
 
-    def against_each(self, candidates: CandidateDesigns, threats: Sequence[int]) -> tuple[Variants, Floats, Floats]:
+    def against_each(
+        self, candidates: CandidateDesigns, threats: Sequence[int] | None = None
+    ) -> tuple[Variants, Floats, Floats]:
         """Return designs against each of some threats, the rows of a design together, at the velocities of the threats.
 
-        Besides the rows, (designs times threats), return the ballistic limits that their margins require, m/s, and the
-        bounds on the probabilities of perforation that the model error decides on; 1 for none.
+        By default they are against all.  Besides the rows, (designs times threats), return the ballistic limits that
+        their margins require, m/s, and the bounds on the probabilities of perforation that the model error decides on;
+        1 for none.
         """
+        threats = range(len(self.threats)) if threats is None else threats
         design_of_row, place = np.divmod(np.arange(len(candidates.pair) * len(threats)), len(threats))
         threat_of_row = np.array(threats, dtype=np.int64)[place]
         required = np.array([threat.required_m_s for threat in self.threats]) + self.more_margin_m_s
@@ -179,7 +183,7 @@ class Catalogue:
         These are infinite if a probability is bounded and the model error is not known.  With a ceramic, the
         limits by other laws of its flow stress are computed for a bound.
         """
-        rows, required, bounds = self.against_each(candidates, range(len(self.threats)))
+        rows, required, bounds = self.against_each(candidates)
         bounded = np.flatnonzero(bounds < 1.0)
         if len(bounded):
             required[bounded] = np.maximum(required[bounded], self.bounded_m_s(rows.at(bounded), bounds[bounded]))
@@ -194,7 +198,7 @@ class Catalogue:
 
     def distributions(self, candidates: CandidateDesigns, limits: Floats) -> Mixture:
         """Return the distributions of ballistic limits, m/s, given those of the model, (designs, threats)."""
-        rows, *_ = self.against_each(candidates, range(len(self.threats)))
+        rows, *_ = self.against_each(candidates)
         return distributions(rows, limits.ravel())
 
     def short_m_s(self, candidates: CandidateDesigns, limits: Floats) -> Floats:
@@ -203,7 +207,7 @@ class Catalogue:
         It is that of the limit from the one required or, if it is greater and a probability is bounded and known, that
         of the velocity stopped with this probability from the velocity of the threat; at most 0 for no shortfall.
         """
-        rows, required, bounds = self.against_each(candidates, range(len(self.threats)))
+        rows, required, bounds = self.against_each(candidates)
         short = required - limits.ravel()
         bounded = np.flatnonzero((bounds < 1.0) & rows.errors.known)
         if len(bounded):
@@ -252,13 +256,17 @@ class Catalogue:
         """Return the quantity of each design that is minimised."""
         return getattr(candidates, self.section.minimise)
 
+    def in_order(self, candidates: CandidateDesigns) -> CandidateDesigns:
+        """Return the candidates that meet the constraints, in the order of the objective."""
+        candidates = candidates.at(self.violations(candidates) <= 0.0)
+        return candidates.at(self.objective(candidates).argsort(kind="stable"))
+
     def ranges(self, pair: int) -> list[tuple[str, str, float, float]]:
         """Return key, name and ends, mm, of the ranges of thicknesses of a pair, without lists of thicknesses."""
         ranges = []
         places = divmod(pair, len(self.section.backing))
         for layer, place, (role, name) in zip(self.offers[pair][:2], places, LAYERS.items(), strict=True):
-            thickness = layer.thickness_mm
-            if not isinstance(thickness, list) and thickness.min < thickness.max:
+            if layer.free_range(refine=True):
                 values = layer.thicknesses()
                 ranges.append((self._key(role, place), name, values[0], values[-1]))
         return ranges
@@ -407,8 +415,8 @@ def _inputs_of_layer(role: str, entry: LibraryEntry | None, layer: Layer) -> dic
 
 
 def _parameters(inputs: Mapping[str, float]) -> list[float]:
-    """Return the parameters of the engine that inputs set, 0 elsewhere."""
-    fields = fields_of(inputs)
+    """Return the parameters of the engine that inputs of the library set, 0 elsewhere."""
+    fields = fields_of(inputs, 1.0)
     return [fields.get(name, 0.0) for name in Parameters._fields]
 
 

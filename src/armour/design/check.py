@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
-from armour.analysis.ballistic_limit import confidence_in, limit_and_error, probability_of_stopping
+from armour.analysis.ballistic_limit import confidence_alone, limit_and_error, probability_of_stopping
 from armour.analysis.flow_stress import NeededFlowStress, needed_flow_stress
 from armour.analysis.impact import simulate
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
@@ -185,8 +185,8 @@ def verdict_of(required: float | None, probability: float | None, *, stops: bool
 
 def _checked(against: Scenario, threat: Threat, section: DesignSection, on_progress: OnProgress) -> CheckedThreat:
     """Return the armour of a scenario against a threat, which is its impact."""
-    limit, error, reason = limit_and_error(against, on_progress)
-    result = confidence_in(against, limit, error, reason)
+    result = confidence_alone(against, on_progress)
+    limit, error = result.ballistic_limit_m_s, result.model_error
     bound = threat.probability_of_perforation
     required = section.confidence if bound is None else 1.0 - bound
     probability = result.probability_of_stopping
@@ -199,10 +199,9 @@ def _checked(against: Scenario, threat: Threat, section: DesignSection, on_progr
         changed, changed_limit, changed_error = against.replaced(values), limit, error
         if VELOCITY not in values:  # the limit does not depend on the velocity
             changed_limit, changed_error, _ = limit_and_error(changed, on_progress)
-        velocity = changed.impact.velocity_m_s
         interval = None if changed_limit is None or changed_error is None else changed_error.interval(changed_limit)
-        chance = probability_of_stopping(changed, changed_limit, changed_error, velocity)
-        what_ifs.append(WhatIf(change, velocity, changed_limit, interval, chance))
+        chance = probability_of_stopping(changed, changed_limit, changed_error)
+        what_ifs.append(WhatIf(change, changed.impact.velocity_m_s, changed_limit, interval, chance))
     return CheckedThreat(
         threat=threat.title,
         projectile=threat.projectile,
@@ -217,7 +216,7 @@ def _checked(against: Scenario, threat: Threat, section: DesignSection, on_progr
         reason=result.reason,
         probability_at_normal_incidence=result.probability_at_normal_incidence,
         flow_stress=None if probability is not None else needed_flow_stress(against, threat.required_m_s, required),
-        model_error=result.model_error,
+        model_error=error,
         verdict=verdict_of(required, probability, stops=stops),
         what_ifs=tuple(what_ifs),
     )

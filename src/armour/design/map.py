@@ -120,12 +120,10 @@ def lightest(catalogue: Catalogue, pair: int, probability: float) -> Design | No
     layers = catalogue.offers[pair][:2]
     if any(layer.free_range() for layer in layers):
         return None
-    offered = catalogue.combinations(pair, *(layer.thicknesses() for layer in layers))
-    offered = offered.at(catalogue.violations(offered) <= 0.0)
-    offered = offered.at(catalogue.objective(offered).argsort(kind="stable"))
+    offered = catalogue.in_order(catalogue.combinations(pair, *(layer.thicknesses() for layer in layers)))
     for part in portions(len(offered.pair), DESIGNS_AT_A_TIME):
         designs = offered.at(part)
-        rows, *_ = catalogue.against_each(designs, range(len(catalogue.threats)))
+        rows, *_ = catalogue.against_each(designs)
         within = Requirement(catalogue).within_bounds(rows, np.full(len(rows.velocities), 1.0 - probability))
         stopping = np.flatnonzero(within.reshape(len(designs.pair), -1).all(axis=1))
         if len(stopping):

@@ -318,7 +318,8 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
             explanation = f"only {ceramic} would, whose flow stress comes from a single source"
         first = _first(unconstrained, unconstrained.requirement.tested(unconstrained.candidates))
         if first is not None:
-            without_limits = _best(unconstrained, first, section=catalogue.section)
+            without_limits = _best(unconstrained, first)
+            without_limits = replace(without_limits, exceeds=_exceeds(catalogue.section, without_limits))
         search = _nearest(search.requirement)
         place, pairs = 0, _short_pairs(search)
     else:
@@ -578,11 +579,8 @@ def _designs(search: Search, where: Ints, *, with_margins: bool = False) -> tupl
     )
 
 
-def _best(search: Search, place: int, *, named: bool = False, section: DesignSection | None = None) -> BestDesign:
-    """Return a design of a search with its ballistic limits and, if the result names it first, the flow stress needed.
-
-    The constraints that it may exceed are those of the section, by default the search's own.
-    """
+def _best(search: Search, place: int, *, named: bool = False) -> BestDesign:
+    """Return a design with its ballistic limits and, if the result names it first, with the flow stress needed."""
     where, catalogue = np.array([place]), search.catalogue
     [design] = _designs(search, where, with_margins=True)
     [limits], [governing] = search.limits(where), _governing(search, where)
@@ -605,7 +603,7 @@ def _best(search: Search, place: int, *, named: bool = False, section: DesignSec
         probabilities_of_stopping=stopping,
         model_error=error_of(catalogue.scenario, ratio, _armour(search, place, governing)),
         short_m_s=dict(zip(catalogue.titles, short.tolist(), strict=True)),
-        exceeds=_exceeds(section or catalogue.section, design),
+        exceeds=_exceeds(catalogue.section, design),
         flow_stress=dict(_flow_stress(search, place, stopping)) if named else {},
     )
 
@@ -643,8 +641,7 @@ def _of_stopping(catalogue: Catalogue, distributions: Mixture, sampled: dict[str
 
 def _rows(search: Search, place: int) -> Variants:
     """Return a design against each threat."""
-    catalogue = search.catalogue
-    return catalogue.against_each(search.candidates.at(np.array([place])), range(len(catalogue.threats)))[0]
+    return search.catalogue.against_each(search.candidates.at(np.array([place])))[0]
 
 
 def _armour(search: Search, place: int, threat: int) -> Armours:
@@ -749,7 +746,7 @@ def _why_error_unknown(catalogue: Catalogue, designs: CandidateDesigns) -> tuple
     The reason is that for the pair whose error is known against the most threats.
     """
     one_of_each = designs.at(np.unique(designs.pair, return_index=True)[1])
-    rows, *_ = catalogue.against_each(one_of_each, range(len(catalogue.threats)))
+    rows, *_ = catalogue.against_each(one_of_each)
     is_known = rows.errors.known.reshape(-1, len(catalogue.threats))
     design = int(is_known.sum(axis=1).argmax())
     threat = int(is_known[design].argmin())

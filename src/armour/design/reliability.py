@@ -6,12 +6,13 @@ from math import ceil, log, log1p
 import numpy as np
 from scipy.special import bdtrc
 
-from armour.analysis.estimates import CONFIDENCE, Estimate, proportion
+from armour.analysis.estimates import TAIL, Estimate, proportion
 from armour.analysis.results import OnProgress, ignore_progress
 from armour.analysis.samples import own_errors, own_values, sampled, section_at, section_of
 from armour.analysis.variants import perforated
 from armour.design.catalogue import NO_BOUND, CandidateDesigns, Catalogue
 from armour.errors import Problem, refuse
+from armour.evidence.model_error import Errors
 from armour.evidence.sampling import columns_of, points_of
 from armour.scenario.inputs import BACKING, CERAMIC
 from armour.scenario.scenario import Scenario
@@ -47,31 +48,31 @@ class Reliability:
             bound = float(self.catalogue.bounds[i])
             if bound < NO_BOUND:
                 scenario = self.against(int(candidates.pair[place]), i)
-                errors = own_errors(scenario, _layers(scenario, *thicknesses))
+                layers = _layers(scenario, *thicknesses)
+                errors = own_errors(scenario, layers)
                 is_known = scenario.excludes_error() or errors.known.all()
                 if self.catalogue.lenient and not is_known:
                     continue
-                estimate = self.within(bound, scenario, *thicknesses) if is_known else None
+                estimate = self.within(bound, scenario, layers, errors) if is_known else None
                 if estimate is None:
                     return None
                 estimates[threat.title] = estimate
         return estimates
 
-    def within(self, bound: float, scenario: Scenario, ceramic_mm: float, backing_mm: float) -> Estimate | None:
+    def within(self, bound: float, scenario: Scenario, layers: dict[str, float], errors: Errors) -> Estimate | None:
         """Estimate the probability of perforation of a design; None if its interval exceeds a bound.
 
-        A model error that is not known is left out.  Samples are taken in growing parts, until these show that the
-        bound is exceeded.
+        The layers are their thicknesses, by input.  A model error that is not known is left out.  Samples are taken in
+        growing parts, until these show that the bound is exceeded.
         """
-        layers = _layers(scenario, ceramic_mm, backing_mm)
-        values, errors = own_values(scenario) | layers, own_errors(scenario, layers)
+        values = own_values(scenario) | layers
         section = section_at(scenario, values, with_error=bool(errors.known.all()))
         points = self.points[:, : len(section.inputs())]
         hits, start, end = 0, 0, FIRST_SAMPLES
         while start < len(points):
             part = points[start:end]
             columns = columns_of(section, values, part)
-            if ceramic_mm == 0.0:
+            if layers.get(CERAMIC) == 0.0:
                 columns.pop(CERAMIC, None)  # an absent layer has no thickness to vary
             columns = {**{name: np.full(len(part), value) for name, value in layers.items()}, **columns}
             hits += int(perforated(sampled(scenario, columns, len(part), errors).variants).sum())
@@ -93,8 +94,7 @@ def _check(catalogue: Catalogue, section: Uncertainty) -> None:
     """Check that the distributions apply to every design, material and threat, and that there are enough samples."""
     file = catalogue.scenario.file
     problems = []
-    assert catalogue.scenario.uncertainty is not None
-    for name, distribution in catalogue.scenario.uncertainty.inputs().items():
+    for name, distribution in section.inputs().items():
         if distribution.placed and name in catalogue.varying:
             message = (
                 "must be centred on the value of each design or threat: normal or lognormal, without mean, min and "
@@ -104,7 +104,7 @@ def _check(catalogue: Catalogue, section: Uncertainty) -> None:
     bound = float(catalogue.bounds.min())
     if proportion(0, section.samples).high > bound:
         # Without a perforation, the upper end of the Clopper-Pearson interval is 1 - (tail)^(1/n).
-        needed = ceil(log(0.5 * (1.0 - CONFIDENCE)) / log1p(-bound))
+        needed = ceil(log(TAIL) / log1p(-bound))
         message = f"must be at least {needed} to show a probability of perforation of {bound:g}"
         too_many = f" (at most {MAX_SAMPLES} are allowed: raise the bound)" if needed > MAX_SAMPLES else ""
         problems.append(Problem(file, "uncertainty.samples", f"{message}{too_many}, found {section.samples}"))

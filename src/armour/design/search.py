@@ -66,7 +66,7 @@ class Requirement:
         tested = np.ones(len(candidates.pair), dtype=bool)
         if not self.catalogue.scenario.excludes_error():
             for part in portions(len(tested), IMPACTS_AT_A_TIME):
-                rows, *_ = self.catalogue.against_each(candidates.at(part), range(len(self.catalogue.threats)))
+                rows, *_ = self.catalogue.against_each(candidates.at(part))
                 tested[part] = rows.errors.known.reshape(-1, len(self.catalogue.threats)).all(axis=1)
         return tested
 
@@ -112,7 +112,7 @@ class Requirement:
         """
         limits = np.empty((len(candidates.pair), len(self.catalogue.threats)))
         for part in portions(len(limits), max(LIMITS_AT_A_TIME // limits.shape[1], 1)):
-            rows, required, _ = self.catalogue.against_each(candidates.at(part), range(limits.shape[1]))
+            rows, required, _ = self.catalogue.against_each(candidates.at(part))
             row_limits = limits_anywhere(rows, self._count)
             if lowest:
                 reaching = np.flatnonzero(row_limits >= required)
@@ -182,7 +182,7 @@ class Search:
             batch, remaining, size = remaining[:size], remaining[size:], min(2 * size, FIRST_AT_A_TIME)
             for place in batch[self.passes(batch)].tolist():
                 if self.probabilities(place) is not None:
-                    return int(place)
+                    return place
         return None
 
     def frontier_backings(self, best: int) -> Floats:

@@ -46,11 +46,6 @@ class Brackets(NamedTuple):
     runs: Ints
     resolved: NDArray[np.bool_]  # every run ended within the maximum number of steps
 
-    @property
-    def bounded(self) -> NDArray[np.bool_]:
-        """Whether the outcome changes within the range, shape (n,)."""
-        return np.isfinite(self.stopped) & np.isfinite(self.perforated)
-
 
 class SolverOptions(NamedTuple):
     """Options of the solver."""

@@ -3,7 +3,6 @@
 import json
 import re
 from collections.abc import Iterable, Mapping
-from copy import deepcopy
 from typing import Any
 
 from armour.errors import InputError, Problem, refuse, suggestion
@@ -57,7 +56,7 @@ def _put(table: dict[str, Any], parts: Parts, value: object, above: Parts = ()) 
         for inner in value:
             _put(table[name], (inner,), value[inner])
     else:
-        table[name] = deepcopy(value)
+        table[name] = value
     return ""
 
 

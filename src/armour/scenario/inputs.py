@@ -6,7 +6,7 @@ as "ceramic.flow_stress_GPa": a property of the scenario's ceramic, independent 
 
 from collections.abc import Mapping
 from math import cos, radians
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from armour.units import GPA, MM, MPA
 
@@ -79,16 +79,14 @@ _INPUTS = (
 )
 # Every input by name.
 INPUTS = {definition.name: definition for definition in _INPUTS}
-# Keys of library entries by role and name of the input.
-KEYS = {role: {name: INPUTS[name].key for name in INPUTS if INPUTS[name].section == role} for role in ROLES}
 
 
 def inputs_of_entry(role: str, entry: "LibraryEntry") -> dict[str, float]:
     """Return the values of the inputs that an entry of the library gives in a role, by name."""
     return {
         name: entry[key]
-        for name, key in KEYS[role].items()
-        if key in entry.values and (name != YIELD or entry.derived - {key})
+        for key in entry.values
+        if (name := f"{role}.{key}") in INPUTS and (name != YIELD or entry.derived - {key})
     }
 
 
@@ -97,12 +95,13 @@ def cosine_of(obliquity_deg: float) -> float:
     return cos(radians(obliquity_deg))
 
 
-def fields_of(inputs: Mapping[str, float]) -> dict[str, float]:
-    """Return the parameters of the core that inputs set, by field, SI units; thicknesses along the line of fire."""
-    cosine = cosine_of(inputs.get(OBLIQUITY, 0.0))
-    along = {name: inputs[name] / cosine for name in LAYERS if name in inputs}
+def fields_of(inputs: Mapping[str, Any], cosine: Any) -> dict[str, Any]:
+    """Return the parameters of the core that inputs set, by field, SI units; thicknesses along the line of fire.
+
+    The values, and the cosine of the obliquity, are numbers or arrays.
+    """
     return {
-        INPUTS[name].field: value * INPUTS[name].factor
-        for name, value in {**inputs, **along}.items()
+        INPUTS[name].field: (value / cosine if name in LAYERS else value) * INPUTS[name].factor
+        for name, value in inputs.items()
         if INPUTS[name].field
     }

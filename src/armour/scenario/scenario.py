@@ -17,7 +17,7 @@ import tomli_w
 from pydantic import PrivateAttr, ValidationError
 
 from armour.core.state import Parameters
-from armour.errors import InputError, Note, Problem, choices, joined, refuse, suggestion
+from armour.errors import InputError, Note, Problem, choices, joined, refuse, restated, suggestion
 from armour.files import located, read_toml, shipped_files, shipped_suites, shipped_tests, write_file
 from armour.scenario.changes import changed
 from armour.scenario.checked import checked
@@ -212,11 +212,8 @@ class Scenario(Section):
             entry = self.entry_of(INPUTS[name].section) if INPUTS[name].kind else None
             key = name if entry is None else key_name(["library", entry.kind, entry.name, INPUTS[name].key])
             changes[key], names[key] = value, name
-        try:
+        with restated(lambda problem: problem._replace(key=names.get(problem.key, problem.key))):
             return self.replaced(changes)
-        except InputError as error:
-            problems = [problem._replace(key=names.get(problem.key, problem.key)) for problem in error.problems]
-            raise InputError(problems) from None
 
     def core_armour(self) -> Parameters:
         """Return projectile and armour as parameters of the core, SI units; thicknesses along the line of fire."""
@@ -224,7 +221,7 @@ class Scenario(Section):
 
     @cached_property
     def _parameters(self) -> Parameters:
-        fields: dict[str, Any] = dict.fromkeys(Parameters._fields, 0.0) | fields_of(self._inputs)
+        fields: dict[str, Any] = dict.fromkeys(Parameters._fields, 0.0) | fields_of(self._inputs, self.cosine())
         fields["L0"] = penetrator_length_mm(self.entry("projectile", self.impact.projectile)) * MM
         fields["shear_law"] = SHEAR_LAWS[self.model.shear_perimeter]
         return Parameters(**fields)
@@ -274,12 +271,8 @@ class Scenario(Section):
         scenario is validated again; an InputError lists every mistake.
         """
         data, file, folder = self._source
-        try:
+        with restated(lambda problem: problem._replace(file="replaced") if problem.file == file else problem):
             return parse_changed(data, changes, file=file, folder=folder)
-        except InputError as error:
-            raise InputError(
-                [problem._replace(file="replaced") if problem.file == file else problem for problem in error.problems]
-            ) from None
 
     def to_toml(self, folder: str | PathLike[str] | None = None) -> str:
         """Return the scenario as the text of a TOML file, in which paths of library files are relative to a folder.
@@ -472,7 +465,7 @@ def parse_scenario(data: Mapping[str, Any], *, file: str = "scenario", folder: s
     InputError
         With every mistake.
     """
-    return _parsed(_Source(deepcopy(dict(data)), file, Path(folder)))
+    return parse_changed(data, file=file, folder=Path(folder))
 
 
 def _parsed(source: _Source) -> Scenario:
@@ -508,10 +501,8 @@ def parse_changed(data: Mapping[str, Any], *changes: Mapping[str, object], file:
         data = _with_new_threat(data, values)
         data = changed(data, _bases(data, source, by_key) | _sources(values, file), file)
     scenario = _parsed(_Source(deepcopy(dict(data)), file, folder))
-    try:
+    with restated(lambda problem: problem._replace(file=file)):
         return scenario.with_inputs(inputs) if inputs else scenario
-    except InputError as error:
-        raise InputError([problem._replace(file=file) for problem in error.problems]) from None
 
 
 def _with_new_threat(data: dict[str, Any], values: Mapping[Parts, object]) -> dict[str, Any]:

@@ -194,13 +194,13 @@ class Steps(Section):
             raise ValueError(f"must contain at most {MAX_VALUES} values, found {self.count():.7g}; widen the step")
         return self
 
-    def count(self) -> float:
+    def count(self) -> int:
         """Return the number of values."""
         return floor(min((self.max - self.min) / self.step, 1e18) + 1e-9) + 1
 
     def values(self) -> tuple[float, ...]:
         """Return the values, rounded to nine decimals to remove rounding errors."""
-        return tuple(round(self.min + i * self.step, 9) for i in range(int(self.count())))
+        return tuple(round(self.min + i * self.step, 9) for i in range(self.count()))
 
     def omission(self) -> str:
         """Return a warning if the last value is not max; "" if it is."""
@@ -362,7 +362,7 @@ class BackingLayer(Layer):
 
 
 Objective = Literal["areal_density_kg_m2", "thickness_mm", "cost_per_m2"]
-Criterion = Literal["areal_density_kg_m2", "thickness_mm", "cost_per_m2", "margin_m_s"]
+Criterion = Literal[Objective, "margin_m_s"]
 
 
 def _different(names: list[Criterion]) -> list[Criterion]:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from armour.csv_files import check_header, in_line_order, number, read_csv, wrong_width
-from armour.errors import InputError, Problem, mistake, refuse
+from armour.errors import Problem, mistake, refuse, restated
 from armour.files import csv_value
 from armour.scenario.inputs import NAMING
 from armour.scenario.keys import describe, key_name, parts_of
@@ -180,10 +180,8 @@ def axis(key: str, values: object) -> Axis:
     """Return a key with its values: a sequence, or a mapping with min, max and step."""
     is_name = key in NAMING
     if isinstance(values, Mapping) and not is_name:
-        try:
+        with restated(lambda problem: Problem("sweep", f"over {key}", str(problem))):
             steps = validated(Steps, dict(values), "")
-        except InputError as error:
-            raise InputError([Problem("sweep", f"over {key}", str(problem)) for problem in error.problems]) from None
         return Axis(key, steps.values(), steps.omission())
     array = np.asarray(values)
     if array.ndim == 1 and array.size and array.dtype.kind in ("U" if is_name else "iuf"):

@@ -242,7 +242,8 @@ def write_sweep(
     check(scenario, source, quantities)
     for line in general_warnings(scenario, quantities):
         tell(f"warning: {line}")
-    compute = partial(chunk_of, scenario, quantities=quantities, threads=threads if workers is None else 1)
+    threads = threads if workers is None else 1
+    compute = partial(chunk_of, scenario, quantities=quantities, threads=threads)
     with Store(output, job_of(scenario, source, quantities), tell, replace=replace) as store:
         if size is None:
             try:
@@ -349,12 +350,12 @@ def effort_of(
         count = min(number, source.count)
         spread = groups_of(scenario, rows := source.rows(np.linspace(0, source.count - 1, count).astype(np.int64)))
         begun = perf_counter()
-        results, _ = evaluate_groups(spread, quantities, 1 if workers else threads)
+        results, _ = evaluate_groups(spread, quantities, threads)
         evaluated = perf_counter()
         # Consecutive rows, as in a chunk, share more scenarios than rows from all over the source.
         first = groups_of(scenario, source.rows(np.arange(count)))
         grouped = perf_counter()
-        evaluate_groups(first, quantities, 1 if workers else threads)
+        evaluate_groups(first, quantities, threads)
         row_s = (grouped - begun) / count
         slowest_row_s = max(row_s, (perf_counter() - evaluated) / count)
         row_bytes = len(csv_of({**rows, **results})) / count
