@@ -336,7 +336,7 @@ def _threats(contents: Contents) -> Table:
         (Column("result"), lambda threat: check_view.verdict(threat) if requires else ""),
         column_of("ballistic_limit_m_s"),
         (check_view.INTERVAL, lambda threat: interval(threat.interval_m_s, ".0f")),
-        column_of("margin_m_s", "+.0f"),
+        check_view.MARGIN,
     )
 
 
