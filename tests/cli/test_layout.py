@@ -110,7 +110,7 @@ def test_a_verdict_is_coloured_and_stands_at_its_numbers():
     table = record(None, (Column("limit", "m/s", ".0f"), 724.0))
 
     for good, colour in ((True, "32"), (False, "31")):
-        lines = rendered([Verdict.of("outcome", good=good), table], 80, "armour", "standard")
+        lines = rendered([Verdict("outcome", good=good), table], 80, "armour", "standard")
         assert lines.splitlines() == ["\x1b[1marmour\x1b[0m", f"\x1b[1;{colour}moutcome\x1b[0m", "limit  724 m/s"]
 
 

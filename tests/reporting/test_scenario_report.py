@@ -20,7 +20,7 @@ from armour.reporting.words import SAMPLED_ALONE, chance, from_tests
 from armour.scenario.scenario import load_scenario
 from armour.statistics.uncertainty import uncertainty
 from tests.helpers.cases import RANGE, SCENARIOS, scenario
-from tests.helpers.results import OTHER, THREAT, best_of, design_result, uncertainty_result
+from tests.helpers.results import OTHER, THREAT, best_of, design_result, headings, uncertainty_result
 
 pytestmark = pytest.mark.slow
 
@@ -130,7 +130,7 @@ def test_a_threat_that_a_distribution_does_not_fit_keeps_exact_inputs():
     assert found.threats == found.check.threats
     assert sum("no sampled probability of perforation" in warning for warning in found.warnings) == 2
     mixed = section(replace(found, sampled=(found.threats[0].threat,)), "Threats").tables[0]
-    assert [row[mixed.headings().index("inputs")] for row in mixed.texts()] == ["distributions", "exact"]
+    assert [row[headings(mixed).index("inputs")] for row in mixed.texts()] == ["distributions", "exact"]
 
 
 SAMPLED = {
@@ -204,7 +204,7 @@ def test_the_verdict_follows_what_was_asked_for(
     assert (found.passed, found.lead) == (passed, lead)
     table = section(asked(*given), "Threats").tables[0]
     if passed is not None:
-        results = [row[table.headings().index("result")] for row in table.texts()]
+        results = [row[headings(table).index("result")] for row in table.texts()]
         assert [result == "not known" for result in results] == [probability is None for probability, _ in given]
 
 
@@ -225,9 +225,9 @@ def test_the_answer_without_a_design():
 
 def test_every_threat_has_its_velocity_and_angle():
     table = section(asked((0.5, 0.95), (0.97, 0.9)), "Threats").tables[0]
-    assert table.headings()[:4] == ["threat", "projectile", "velocity, m/s", "obliquity, °"]
+    assert headings(table)[:4] == ["threat", "projectile", "velocity, m/s", "obliquity, °"]
     assert [row[:1] for row in table.texts()] == [[""], [OTHER]]
-    found = [[*zip(table.headings(), row, strict=True)] for row in table.texts()]
+    found = [[*zip(headings(table), row, strict=True)] for row in table.texts()]
     assert {("velocity, m/s", "800"), ("obliquity, °", "0"), ("required", "at least 95 %")} <= {*found[0]}
 
 

@@ -11,6 +11,7 @@ from armour.files import printable
 from armour.reporting.table import Column, Table, csv_text, in_words, listing, record
 from armour.reporting.text import interval, unbroken, wrapped
 from armour.scenario.inputs import INPUTS
+from tests.helpers.results import headings
 
 LENGTH = Column("length", "mm", ".2f", key="length_mm")
 NAME = Column("name", key="name")
@@ -36,7 +37,7 @@ def test_a_value_is_formatted_by_its_column(column: Column, value: float | str |
 
 def test_a_record_leaves_out_what_is_not_known():
     table = record(None, (NAME, "a"), (LENGTH, None), (Column("runs", spec="d"), 0), title="T")
-    assert (table.headings(), table.texts(), table.record, table.title) == (["name", "runs"], [["a", "0"]], True, "T")
+    assert (headings(table), table.texts(), table.record, table.title) == (["name", "runs"], [["a", "0"]], True, "T")
 
 
 def test_columns_show_attributes_values_and_functions_of_items():
@@ -45,10 +46,10 @@ def test_columns_show_attributes_values_and_functions_of_items():
         items, NAME, LENGTH, (Column("kind"), "rod"), (Column("twice"), lambda item: item.name * 2), title="T"
     )
     assert table.rows == (("a", 2.0, "rod", "aa"), ("b", None, "rod", "bb"))
-    assert (table.headings(), table.title) == (["name", "length, mm", "kind", "twice"], "T")
+    assert (headings(table), table.title) == (["name", "length, mm", "kind", "twice"], "T")
     assert record(items[1], NAME, LENGTH).rows == (("b",),)
-    assert listing(items[1:], NAME, LENGTH).headings() == ["name"]
-    assert listing([], NAME, LENGTH).headings() == ["name", "length, mm"]
+    assert headings(listing(items[1:], NAME, LENGTH)) == ["name"]
+    assert headings(listing([], NAME, LENGTH)) == ["name", "length, mm"]
 
 
 def test_csv_has_keys_and_numbers_with_all_digits():

@@ -254,12 +254,12 @@ def _arguments(
 
 def _respond(answer: Answer, scenario: "Scenario | None", values: Mapping[str, Any], *, of_threats: bool) -> None:
     """Show and write an answer, and end with its exit code."""
+    from armour.reporting.lookup import module_of
     from armour.reporting.show import plot as plot_of
-    from armour.reporting.show import view_of
 
     verbose = values["verbose"]
     result = answer.result.of(every_row=verbose)
-    view = view_of(result)
+    view = module_of(result, "views")
     warnings = result.warnings if answer.warnings is None else answer.warnings
     with answer.held:
         respond(

@@ -27,9 +27,9 @@ from armour.units import MM
 PROBABILITIES = (0.99, 0.975, 0.95, 0.9, 0.85, 0.77, 0.68, 0.59, 0.5, 0.41, 0.32, 0.23, 0.15, 0.08, 0.04, 0.02, 0.01)
 # Designs times threats up to which a page takes less than 1.5 MB.
 MOST = 25_000
-# Nodes along an axis, the first of which that do not take too much are used; 0 for no more than what is on offer.
-NODES = (31, 21, 13, 0)
-FREE_NODES = (61, 41, 25, 13)
+# Nodes along an axis of given thicknesses, 0 for no more than these, and of a free range: the first pair of numbers
+# with which the page is not too large is used.
+NODES = ((31, 61), (21, 41), (13, 25), (0, 13))
 
 
 def design_page(
@@ -144,7 +144,7 @@ def _notes(catalogue: Catalogue) -> Iterator[str]:
 def _pairs(catalogue: Catalogue, on_progress: OnProgress) -> list[dict[str, Any]]:
     """Return the designs of every pair of materials, on the finest grids that are not too much for a page."""
     offers = [offer[:2] for offer in catalogue.offers]
-    for nodes, free in zip(NODES, FREE_NODES, strict=True):
+    for nodes, free in NODES:
         grids = [(_nodes(ceramic, nodes, free), _nodes(backing, nodes, free)) for ceramic, backing in offers]
         count = sum(len(ceramics) * len(backings) for ceramics, backings in grids) * len(catalogue.threats)
         if count <= MOST:
@@ -155,7 +155,7 @@ def _pairs(catalogue: Catalogue, on_progress: OnProgress) -> list[dict[str, Any]
             "widen the steps, or offer fewer materials"
         )
         raise InputError([Problem(catalogue.scenario.file, "design", message)])
-    coarser = nodes < NODES[0]
+    coarser = (nodes, free) != NODES[0]
     return [_pair(catalogue, pair, grid, on_progress) | {"coarser": coarser} for pair, grid in enumerate(grids)]
 
 

@@ -4,7 +4,7 @@ The pictures have the page's colours, and show the values of points on hover.
 """
 
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,7 +15,6 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoes
 from markupsafe import Markup, escape
 
 from armour.reporting.report import Report
-from armour.reporting.table import Table
 from armour.reporting.text import number, printable_lines, unbroken
 
 if TYPE_CHECKING:
@@ -51,11 +50,6 @@ def html_report(report: Report) -> str:
         return picture.title, Markup(svg), picture.note
 
     return rendered("report.html", report=report, shown=shown)
-
-
-def html_tables(tables: Iterable[Table | str]) -> str:
-    """Format tables and notes as HTML, which is a part of a page."""
-    return rendered("notebook.html", tables=list(tables))
 
 
 def rendered(template: str, safe_text: Callable[[str], str] = _safe_text, **context: Any) -> str:

@@ -9,7 +9,10 @@ from typing import Any
 
 
 def module_of(result: object, package: str) -> Any:
-    """Return the module of a package, views or pictures, for a result; None for others, such as a history."""
+    """Return the module of a package, views or pictures, for a result; None for others, such as a history.
+
+    A view has ``tables(result)``; where a result is written also ``csv(result)``.
+    """
     words = re.findall("[A-Z][a-z]+", type(result).__name__.removesuffix("Result"))
     name = f"armour.reporting.{package}.{'_'.join(words).lower()}"
     return import_module(name) if find_spec(name) else None

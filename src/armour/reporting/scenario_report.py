@@ -328,15 +328,15 @@ def _threats(contents: Contents) -> Table:
         contents.threats,
         (Column("threat", prose=True), lambda threat: names[threat.threat]),
         column_of("projectile", prose=True),
-        column_of("velocity_m_s", "g", "velocity"),
-        column_of("obliquity_deg", "g", "obliquity"),
+        column_of("velocity_m_s", "g"),
+        column_of("obliquity_deg", "g"),
         (check_view.PROBABILITY, lambda threat: chance(threat.probability_of_stopping)),
         (Column("inputs"), lambda threat: kinds[threat.threat] if is_mixed else ""),
         (Column("required", prose=True), lambda threat: check_view.required(threat) if requires else ""),
         (Column("result"), lambda threat: check_view.verdict(threat) if requires else ""),
-        column_of("ballistic_limit_m_s", ".0f", "ballistic limit"),
+        column_of("ballistic_limit_m_s"),
         (check_view.INTERVAL, lambda threat: interval(threat.interval_m_s, ".0f")),
-        column_of("margin_m_s", "+.0f"),
+        check_view.MARGIN,
     )
 
 

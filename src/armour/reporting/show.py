@@ -25,14 +25,6 @@ TEXTS = {"title", "author", "project", "date"}
 REPORT_ENDINGS = (".html", ".md")
 
 
-def view_of(result: object) -> Any:
-    """Return the module that shows a result; None for what is not shown by itself, such as a history.
-
-    It has ``tables(result)``; where a result is written also ``csv(result)``.
-    """
-    return module_of(result, "views")
-
-
 def plot(
     result: "Result",
     scenario: "Scenario | None" = None,
@@ -99,12 +91,12 @@ def _same(scenario: Scenario, other: Scenario) -> bool:
 
 def in_html(result: "Result") -> str | None:
     """Return the tables of a result as HTML, for a notebook; None where it has none."""
-    from armour.reporting.html import html_tables
+    from armour.reporting.html import rendered
 
-    if (view := view_of(result)) is None:
+    if (view := module_of(result, "views")) is None:
         return None
     warnings = (f"warning: {warning}" for warning in getattr(result, "warnings", ()))
-    return html_tables([*result.heading(), *view.tables(result), *warnings])
+    return rendered("notebook.html", tables=[*result.heading(), *view.tables(result), *warnings])
 
 
 def report(

@@ -38,6 +38,10 @@ class Column:
         """Format a value; None gives an empty text, and a text is returned as it is."""
         return "" if value is None else number(value, self.spec)
 
+    def with_unit(self, value: Cell) -> str:
+        """Format a value with its unit."""
+        return f"{self.text(value)} {self.unit}".rstrip()
+
 
 # A column of the attribute that its key names, or a column and its value, or the function of an item that gives it.
 Source = Column | tuple[Column, Cell | Callable[[Any], Cell]]
@@ -52,10 +56,6 @@ class Table:
     title: str = ""
     record: bool = False
     rest: str = ""  # how to get all rows, where a terminal shows the first ones only
-
-    def headings(self) -> list[str]:
-        """Return the headings of the columns, with units."""
-        return [column.heading for column in self.columns]
 
     def texts(self) -> list[list[str]]:
         """Return the rows with every value formatted."""

@@ -3,7 +3,7 @@
 import re
 from math import isfinite
 from textwrap import wrap
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Self
 
 from armour.files import printable
 from armour.units import ENDINGS
@@ -17,10 +17,9 @@ class Verdict(str):
 
     good: bool
 
-    @classmethod
-    def of(cls, text: str, *, good: bool) -> "Verdict":
+    def __new__(cls, text: str, *, good: bool) -> Self:
         """Make a verdict."""
-        verdict = cls(text)
+        verdict = super().__new__(cls, text)
         verdict.good = good
         return verdict
 

@@ -4,7 +4,6 @@ from math import ceil, floor
 
 from armour.analysis.ballistic_limit import ConfidenceResult, no_error
 from armour.analysis.flow_stress import NeededFlowStress
-from armour.analysis.results import Result
 from armour.design.check import CheckedThreat
 from armour.evidence.model_error import ModelError
 from armour.reporting.table import Column, Source, column_of
@@ -13,7 +12,6 @@ from armour.scenario.scenario import Scenario
 
 BALLISTIC_LIMIT = column_of("ballistic_limit_m_s")
 STOPPING = Column("probability of stopping the projectile", prose=True)
-EXCLUDED = "model error: excluded by uncertainty.model"
 # What distributions tell where the model error is not known.
 SAMPLED_ALONE = "a probability from the given distributions alone takes the model as exact"
 
@@ -41,14 +39,15 @@ def rounded_down(number: float, decimals: int = 0) -> float:
     return floor(round(number * 10**decimals, 9)) / 10**decimals
 
 
-def error_note(result: Result, error: ModelError | None, answer: Scenario | None = None) -> str:
-    """Return what the model error is and rests on, in a sentence, for a result on its scenario or on another one."""
-    if error is None:
-        scenario = answer or result.question.get("scenario")
-        if scenario is None:
-            return "model error: unknown for such an armour, or not included"
-        return EXCLUDED if scenario.excludes_error() else f"model error: unknown, {no_error(scenario)}"
-    return model_error_words(error)
+def error_note(error: ModelError | None, scenario: Scenario | None) -> str:
+    """Return what the model error is and rests on, in a sentence; if it is unknown, why, given the scenario."""
+    if error is not None:
+        return model_error_words(error)
+    if scenario is None:
+        return "model error: unknown for such an armour, or not included"
+    if scenario.excludes_error():
+        return "model error: excluded by uncertainty.model"
+    return f"model error: unknown, {no_error(scenario)}"
 
 
 def model_error_words(error: ModelError) -> str:
@@ -79,8 +78,8 @@ def flow_stress_notes(needed: NeededFlowStress | None, against: str = "the threa
     source_words = ("", "; one source gives {:g}", "; sources give {:g} to {:g}")[len(sources)].format(*sources)
     if least is None:
         return [f"does not stop {against} with any flow stress of {needed.ceramic} up to 100 GPa{source_words}"]
-    for_probability = f"{_rounded_up(likely)} GPa" if likely else "more than 100 GPa"
-    words = f"stops {against} if the flow stress of {needed.ceramic} is {_rounded_up(least)} GPa or more"
+    for_probability = f"{rounded_up(likely)} GPa" if likely else "more than 100 GPa"
+    words = f"stops {against} if the flow stress of {needed.ceramic} is {rounded_up(least)} GPa or more"
     words += f" ({for_probability} for {percent(needed.probability)}, with the error seen on AD85){source_words}"
     if not sources:
         return [words]
@@ -88,7 +87,8 @@ def flow_stress_notes(needed: NeededFlowStress | None, against: str = "the threa
     return [words, f"ballistic limit over {over}: {' to '.join(f'{limit:.0f}' for limit in needed.limits_m_s)} m/s"]
 
 
-def _rounded_up(number: float) -> str:
+def rounded_up(number: float) -> str:
+    """Format a positive number rounded up to a tenth, but for the error of the arithmetic."""
     return f"{ceil(10.0 * number - 1e-9) / 10.0:g}"
 
 

@@ -13,12 +13,12 @@ from armour.reporting.views.design import (
     tables,
 )
 from tests.helpers.cases import scenario
-from tests.helpers.results import OTHER, THREAT, best_design, best_of, design, design_result, quantities
+from tests.helpers.results import OTHER, THREAT, best_design, best_of, design, design_result, headings, quantities
 
 
 def kinds(result: DesignResult) -> list[str]:
     """First heading or title of every table."""
-    return [item.title or item.headings()[0] for item in tables(result) if isinstance(item, Table)]
+    return [item.title or headings(item)[0] for item in tables(result) if isinstance(item, Table)]
 
 
 def test_the_best_design_is_a_record():
@@ -50,8 +50,8 @@ def test_threats_and_probabilities_have_margins():
         [THREAT, "+3", "64 %", "", "0.031 (0.020 to 0.050)", "governs"],
         [OTHER, "+80", "unknown", "+50", "", ""],
     ]
-    assert frontier_table(result).headings()[-2] == "governed by"
-    assert margin_table(design_result(), {}).headings() == [
+    assert headings(frontier_table(result))[-2] == "governed by"
+    assert headings(margin_table(design_result(), {})) == [
         "threat",
         "margin by the model, m/s",
         "probability of stopping the projectile",
@@ -70,8 +70,8 @@ def test_pairs_of_materials_with_the_reasons_of_those_that_lose():
     assert kinds(result) == ["armour", "pairs of materials"]
     assert [row[-1] for row in table.rows] == ["lightest", "4 % heavier", "stops nothing"]
     assert table.texts()[2][2:-1] == [""] * 5
-    assert table.headings()[6] == "cost per m²"
-    assert "cost per m²" not in pair_table(replace(result, pairs=pairs[:1])).headings()
+    assert headings(table)[6] == "cost per m²"
+    assert "cost per m²" not in headings(pair_table(replace(result, pairs=pairs[:1])))
 
 
 def test_the_note_on_the_error_says_whether_it_is_not_known_or_not_included():

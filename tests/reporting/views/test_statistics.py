@@ -13,7 +13,7 @@ from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.likelihood import Coefficient
 from armour.statistics.uncertainty import Influence
 from armour.statistics.v50 import Shots, v50
-from tests.helpers.results import uncertainty_result
+from tests.helpers.results import headings, uncertainty_result
 
 
 def test_a_velocity_below_zero_is_said_not_to_be_given():
@@ -52,7 +52,7 @@ def calibration() -> CalibrationResult:
 
 def test_coefficients(calibration: CalibrationResult):
     table = coefficient_table(calibration)
-    assert table.headings()[-1] == "95 % interval"
+    assert headings(table)[-1] == "95 % interval"
     assert table.texts() == [
         ["ceramic flow stress, GPa", "5.209", "4.87 to 5.548"],
         ["ceramic flow stress ceramic slope", "not identified", "the tests do not change with it"],

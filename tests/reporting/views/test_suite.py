@@ -17,6 +17,7 @@ from armour.reporting.views.suite import (
     junit,
 )
 from armour.validation.figures import Figure, FigureSection
+from tests.helpers.results import headings
 from tests.helpers.suites import TABLE, WILKINS_LIMIT, case, result
 
 
@@ -63,7 +64,7 @@ def test_unchanged_is_not_usable(folder: Path):
     usable, *others = report.sections
     assert usable.heading == "Errors of computed limits"
     assert not any(section.heading == "Errors of computed limits" for section in others)
-    found = dict(zip(usable.tables[0].headings(), usable.tables[0].rows[0], strict=True))
+    found = dict(zip(headings(usable.tables[0]), usable.tables[0].rows[0], strict=True))
     errors = [100.0 * (WILKINS_LIMIT / expected - 1.0) for expected in (600.0, 650.0)]
     assert (found["tests"], found["number"]) == ("t", 2)
     assert found["mean error, %"] == pytest.approx(sum(errors) / 2, abs=0.01)

@@ -50,23 +50,20 @@ class _Panel(NamedTuple):
 
 def draw(result: DesignResult, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw limits over the one thickness that varies, or else a map of the best pair, the best pairs and the front."""
-    layer, maps = _maps(result)
-    if layer:
-        return _draw_lines(result, layer, maps, sheet)
-    panels = [maps[0].panel()]
+    panels = []
     if sum(pair.best is not None for pair in result.pairs) > 1:
         panels.append(_pairs_panel(result))
     if result.pareto:
         panels.append(_front_panel(result))
-    return _draw_panels(title(result), panels, sheet)
+    return draw_map(result, sheet, panels)
 
 
-def draw_map(result: DesignResult, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw the designs of the best pair over both thicknesses, or those of all pairs over the one that varies."""
+def draw_map(result: DesignResult, sheet: drawing.Sheet, below: Sequence[_Panel] = ()) -> drawing.Picture:
+    """Draw the map of the best pair, with panels below it, or limits over the one thickness that varies."""
     layer, maps = _maps(result)
     if layer:
         return _draw_lines(result, layer, maps, sheet)
-    return _draw_panels(title(result), [maps[0].panel()], sheet)
+    return _draw_panels(title(result), [maps[0].panel(), *below], sheet)
 
 
 def draw_front(result: DesignResult, sheet: drawing.Sheet) -> drawing.Picture:
@@ -117,10 +114,10 @@ def _draw_lines(result: DesignResult, layer: str, maps: "Sequence[_Map]", sheet:
     """Draw the limits of pairs of materials over one thickness, a panel for each threat."""
     catalogue, count = maps[0].catalogue, len(result.threats)
     beside = sheet.width is None and count in (2, 3)
-    stop = "as required." if any(maps[0].confidences) else "by the model."
+    stop = " as required" if any(maps[0].confidences) else " by the model"
     if any(pair_map.over_sources is not None for pair_map in maps):
-        stop = "untested ones even with the least flow stress of their sources, which bands show."
-    note = f"Filled dots are designs on offer that stop the threat{',' * stop.startswith('untested')} {stop}"
+        stop = ", untested ones even with the least flow stress of their sources, which bands show"
+    note = f"Filled dots are designs on offer that stop the threat{stop}."
     width = 3.4 * count if beside else drawing.WIDTH
     picture = sheet.panels(title(result), *[drawing.PANEL] * count, note=note, width=width, beside=beside, sharex=True)
     for place, (axes, threat) in enumerate(zip(picture.axes, catalogue.threats, strict=True)):
@@ -141,8 +138,8 @@ class _Frontier(NamedTuple):
 
     values: Any
     look: dict[str, Any]
-    tinted: tuple[float, float] | None = None
-    label: str = ""
+    tinted: tuple[float, float] | None
+    label: str
 
 
 @dataclass(frozen=True)
@@ -220,13 +217,13 @@ class _Map:
         self._draw_offered(axes)
         for values, look, tinted, label in self.frontiers:
             name = "" if tinted else label
-            drawing.contours(axes, x, y, values, [0.0], at=0.0, label=name, fmt=None, linewidth=1.9, **look)
+            drawing.contours(axes, x, y, values, [0.0], label=name, linewidth=1.9, **look)
         for design, look in self._marked():
             value = getattr(design, self.result.minimised)
             place, name = (design.backing_thickness_mm, design.ceramic_thickness_mm), look.pop("name")
             if name:
                 line: Any = {"linestyle": ":", "color": look["color"]}
-                drawing.contours(axes, x, y, objective, [value], at=0.0, fmt=None, **line)
+                drawing.contours(axes, x, y, objective, [value], **line)
                 drawing.name_point(axes, *place, name, above=look.get("filled", True))
             drawing.points(axes, place[:1], place[1:], [name or look["label"]], **look)
 
@@ -277,7 +274,6 @@ class _Map:
 
     def _marked(self) -> Iterator[tuple[Design, dict[str, Any]]]:
         """Yield the lightest designs: that stops half of the time, the refined one, and the one that is required."""
-        best, sure = self.result.shown, least_probability(self.result)
         large = {"markersize": 9.0}
         if any(self.confidences) and not np.isnan(self.grid.stopped_m_s).all():
             even = lightest(self.catalogue, self.grid.pair, 0.5)
@@ -287,7 +283,8 @@ class _Map:
         if (refined := self.result.refined) is not None:
             label = f"refined: {_design_text(refined, self.result.minimised)}"
             yield refined, {"marker": "D", "color": drawing.GREEN, "label": label, "name": ""}
-        if best is not None:
+        if (best := self.result.shown) is not None:
+            sure = least_probability(best)
             name = self._named(best, "probability unknown" if sure is None else f"{chance(sure)} stopped")
             colour = drawing.VERMILION if self.result.reason else drawing.BLUE if any(self.confidences) else drawing.INK
             yield best, {**large, "name": name, "color": colour}
@@ -295,7 +292,7 @@ class _Map:
     def _named(self, design: Design, sure: str) -> str:
         """Return the name of a design: thicknesses, objective, and probability of stopping."""
         thicknesses = f"{design.ceramic_thickness_mm:.4g} on " if design.ceramic else ""
-        objective = drawing.value_text(CRITERIA[self.result.minimised], getattr(design, self.result.minimised))
+        objective = CRITERIA[self.result.minimised].with_unit(getattr(design, self.result.minimised))
         return f"{thicknesses}{design.backing_thickness_mm:.4g} mm\n{objective}, {sure}"
 
     def _draw_offered(self, axes: Axes) -> None:
@@ -393,5 +390,5 @@ def _front_panel(result: DesignResult) -> _Panel:
 
 def _design_text(design: Design, *criteria: str) -> str:
     """Return the thicknesses of a design and its values of criteria."""
-    values = (f"{CRITERIA[key].label} {drawing.value_text(CRITERIA[key], getattr(design, key))}" for key in criteria)
+    values = (f"{CRITERIA[key].label} {CRITERIA[key].with_unit(getattr(design, key))}" for key in criteria)
     return ", ".join([f"{design.ceramic_thickness_mm:.4g} on {design.backing_thickness_mm:.4g} mm", *values])

@@ -17,7 +17,7 @@ from matplotlib.transforms import offset_copy
 from armour.analysis.results import Result
 from armour.errors import mistake
 from armour.reporting.table import column_of, in_words
-from armour.reporting.text import number, percent, printable_lines, wrapped
+from armour.reporting.text import percent, printable_lines, wrapped
 from armour.scenario.inputs import VELOCITY
 
 # The palette of Okabe and Ito, which colour-blind readers can tell apart, and the colours of text and reference lines.
@@ -296,12 +296,12 @@ def name_point(axes: Axes, x: float, y: float, name: str, *, above: bool = True)
 
 
 def contours(
-    axes: Axes, x: Any, y: Any, z: Any, levels: Any, at: float, label: str = "", fmt: Any = "%g", **look: Any
+    axes: Axes, x: Any, y: Any, z: Any, levels: Any, at: float | None = None, label: str = "", **look: Any
 ) -> None:
     """Draw contours at given levels, or at about a given number of them, labelled along a rising diagonal of the panel.
 
     ``at`` is how far that diagonal lies above the middle one, as a part of the panel, so that the labels of several
-    quantities do not coincide.
+    quantities do not coincide; without it, the contours are not labelled.
     """
     z = np.ma.masked_invalid(np.array(z, float))
     if np.ndim(levels) == 0:
@@ -313,8 +313,9 @@ def contours(
         lines = axes.contour(
             x, y, z, levels=inside, colors=style["color"], linewidths=style["linewidth"], linestyles=style["linestyle"]
         )
-        places = [_on_diagonal(path.vertices, axes, at) for path in lines.get_paths() if len(path)] if fmt else []
-        axes.clabel(lines, fontsize=SMALL, fmt=fmt, manual=places) if places else None
+        if at is not None:
+            places = [_on_diagonal(path.vertices, axes, at) for path in lines.get_paths() if len(path)]
+            axes.clabel(lines, fontsize=SMALL, fmt="%g", manual=places)
     if label:
         axes.plot([], [], label=label, **style)
 
@@ -397,9 +398,9 @@ def agreement(
     for index, (label, group) in enumerate(groups.items()):
         expected, computed = [p.expected for p in group], [p.computed for p in group]
         words = [
-            f"{p.name}\n{p.word} {value_text(column, p.expected)}"
-            + (f" ± {value_text(column, p.deviation)}" if p.deviation else "")
-            + f", computed {value_text(column, p.computed)}"
+            f"{p.name}\n{p.word} {column.with_unit(p.expected)}"
+            + (f" ± {column.with_unit(p.deviation)}" if p.deviation else "")
+            + f", computed {column.with_unit(p.computed)}"
             for p in group
         ]
         look = look_of(index) | {"label": legible(label), "markersize": 5.0 if len(pairs) <= MANY else 3.0}
@@ -410,11 +411,6 @@ def agreement(
     lines = [(1.0, "agreement", "-"), (1.0 - part, f"± {percent(part)}", ":"), (1.0 + part, "", ":")]
     for factor, label, style in lines if part else lines[:1]:
         axes.plot(span, [factor * end for end in span], linestyle=style, color=INK, linewidth=0.8, label=label)
-
-
-def value_text(column: Any, value: float) -> str:
-    """Return a value of a column with its unit."""
-    return f"{number(value, column.spec)} {column.unit}".rstrip()
 
 
 def widened(values: Iterable[float], part: float = 0.05) -> tuple[float, float]:

@@ -23,13 +23,12 @@ def draw(result: FiringResult, sheet: drawing.Sheet) -> drawing.Picture:
     fit, after, model = result.recommended or result.fits[0], result.posterior, result.model_ballistic_limit_m_s
     low, high = _velocities(result, fit, shots)
     level, notes = percent(result.confidence), []
-    confidence = level
-    ends: tuple[float | None, float | None] | None = fit.v50_interval_m_s
+    confidence, ends = level, fit.v50_interval_m_s
     if fit is result.recommended:
         notes.append(f"Band: {level} band of the curve.")
-        if result.bounded_confidence is not None:
+        if result.bounded_confidence is not None and result.bounded_interval_m_s is not None:
             confidence, ends = percent(result.bounded_confidence), result.bounded_interval_m_s
-    bounded = ends is not None and ends != (None, None)
+    bounded = ends != (None, None)
     words = f"V50 {fit.v50_m_s:.1f} m/s, {confidence} interval {interval(ends, '.1f')}" + (" m/s" if bounded else "")
     if after is not None:
         after_ends = interval(after.v50_interval_m_s, ".1f")
@@ -48,7 +47,7 @@ def draw(result: FiringResult, sheet: drawing.Sheet) -> drawing.Picture:
     axes.plot(x, [fit.probability(v) for v in x], color=drawing.BLUE, label=f"{fit.curve}, {fit.method}")
     if low <= fit.v50_m_s <= high:
         if bounded:
-            start, end = (edge if e is None else e for e, edge in zip(ends or (), (low, high), strict=True))
+            start, end = (edge if e is None else e for e, edge in zip(ends, (low, high), strict=True))
             drawing.ranges(axes, [0.5], [(start, end)], drawing.BLUE)
         drawing.points(axes, [fit.v50_m_s], [0.5], [words], color=drawing.BLUE)
     if after is not None:

@@ -2,7 +2,6 @@
 
 from typing import Any
 
-import numpy as np
 from matplotlib.axes import Axes
 
 from armour.errors import counted
@@ -18,27 +17,21 @@ KINDS = (("partial penetration", False, drawing.GREEN, "o"), ("complete penetrat
 
 def draw(plan: ShotPlan, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the densities of V50, and beneath them the shots or the operating characteristic of their procedure."""
-    reach = [*plan.fired.velocities_m_s, plan.model_ballistic_limit_m_s, *(plan.limits_m_s or ())]
-    x = list(plan.curve.velocity_m_s) if plan.curve else np.linspace(0.9 * min(reach), 1.1 * max(reach), 201).tolist()
-    simulated, dense = bool(plan.operating_characteristic), bool(plan.curve and plan.posterior)
+    simulated = bool(plan.operating_characteristic)
     note = f"{plan.stopped}." if plan.stopped else ""
-    heights = [drawing.PANEL] * (2 if dense else 1)
-    picture = sheet.panels(_title(plan), *heights, note=note, sharex=dense and not simulated)
-    last = picture.axes[-1]
-    if dense:
-        _draw_densities(picture.axes[0], plan, x)
+    picture = sheet.panels(_title(plan), drawing.PANEL, drawing.PANEL, note=note, sharex=not simulated)
+    densities, last = picture.axes
+    _draw_densities(densities, plan)
     if simulated:
         _draw_operating(last, plan)
         return picture
+    x = plan.curve.velocity_m_s
     last.set(xlabel=in_words(VELOCITY), xlim=(x[0], x[-1]))
     last.set(ylabel="probability of complete penetration", ylim=(-0.05, 1.05))
-    if dense:
-        label = "by the posterior" if plan.fired.complete else "by the prior"
-        last.plot(x, plan.curve.probability, color=drawing.BLUE, label=label)
-    elif fit := plan.recommended:
-        last.plot(x, [fit.probability(v) for v in x], color=drawing.BLUE, label=f"{fit.curve}, {fit.method}")
+    label = "by the posterior" if plan.fired.complete else "by the prior"
+    last.plot(x, plan.curve.probability, color=drawing.BLUE, label=label)
     draw_shots(last, plan.fired)
-    _draw_velocities(last, plan, named=not dense)
+    _draw_velocities(last, plan, named=False)
     return picture
 
 
@@ -46,14 +39,14 @@ def _title(plan: ShotPlan) -> str:
     """Return what is next, and what is known after the shots so far."""
     following = "Firing ended" if plan.next_velocity_m_s is None else f"Next shot at {plan.next_velocity_m_s:.1f} m/s"
     basis = f"after {counted(len(plan.fired.complete), 'shot')}" if plan.fired.complete else "by the prior"
-    if plan.posterior is not None:
-        ends = interval(plan.posterior.v50_interval_m_s, ".0f")
-        basis += f" V50 {plan.posterior.v50_m_s:.0f} m/s, {percent(plan.confidence)} interval {ends} m/s"
-    return f"{following}; {basis}"
+    ends = interval(plan.posterior.v50_interval_m_s, ".0f")
+    v50 = f"V50 {plan.posterior.v50_m_s:.0f} m/s, {percent(plan.confidence)} interval {ends} m/s"
+    return f"{following}; {basis} {v50}"
 
 
-def _draw_densities(axes: Axes, plan: ShotPlan, x: list[float]) -> None:
+def _draw_densities(axes: Axes, plan: ShotPlan) -> None:
     """Draw the probability densities of V50 before and after the shots."""
+    x = plan.curve.velocity_m_s
     label = "prior, the model with its error" if plan.model_error else "prior"
     axes.plot(x, plan.curve.prior, linestyle="--", color=drawing.PURPLE, label=label)
     if plan.fired.complete:

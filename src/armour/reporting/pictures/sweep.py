@@ -45,7 +45,7 @@ def draw_columns(
     answer, values = column_of(name, ".4g"), table[name]
     title = f"{answer.label[:1].upper()}{answer.label[1:]} over {' and '.join(column_of(key).label for key in keys)}"
     if np.nanmin(values) < np.nanmax(values):
-        title += f": {number(np.nanmin(values), '.4g')} to {drawing.value_text(answer, np.nanmax(values))}"
+        title += f": {number(np.nanmin(values), '.4g')} to {answer.with_unit(np.nanmax(values))}"
     missing = np.count_nonzero(np.isnan(values))
     notes = [f"{missing} of {len(values)} rows have no {answer.label}."] if missing else []
     named = [key for key in keys if not is_number(table[key])]
@@ -98,14 +98,13 @@ def _draw_map(axes: Axes, table: Mapping[str, Any], keys: Sequence[str], answer:
     # A residual velocity of zero is no level of the perforated ones: contours towards it would follow the cells.
     shown: Any = np.where(z > 0.0, z, np.nan) if answer.key in RESIDUALS else z
     drawing.colours_of(axes, x, y, shown, answer.heading)
-    if min(z.shape) > 1 and np.isfinite(shown).any() and np.nanmin(shown) < np.nanmax(shown):
+    if min(z.shape) > 1:
         drawing.contours(axes, x, y, shown, CONTOURS, at=0.2)
-    if set(keys) == {CERAMIC, BACKING} and min(z.shape) > 1:
-        ceramic, backing = np.meshgrid(x, y) if keys[0] == CERAMIC else np.meshgrid(x, y)[::-1]
-        armour = scenario.core_armour()
-        areal = armour.rho_c * MM * ceramic + armour.rho_B * MM * backing
-        label = f"lines of equal {in_words('areal_density_kg_m2')}"
-        drawing.contours(axes, x, y, areal, 5, at=-0.2, label=label, linestyle="--", color=drawing.VERMILION)
+        if set(keys) == {CERAMIC, BACKING}:
+            thickness, armour = dict(zip(keys, np.meshgrid(x, y), strict=True)), scenario.core_armour()
+            areal = armour.rho_c * MM * thickness[CERAMIC] + armour.rho_B * MM * thickness[BACKING]
+            label = f"lines of equal {in_words('areal_density_kg_m2')}"
+            drawing.contours(axes, x, y, areal, 5, at=-0.2, label=label, linestyle="--", color=drawing.VERMILION)
     axes.set(xlabel=in_words(keys[0]), ylabel=in_words(keys[1]))
 
 

@@ -14,7 +14,7 @@ from armour.reporting.words import STOPPING, basis_notes, chance
 
 PROBABILITY = Column("probability", prose=True)
 INTERVAL = Column("95 % interval", "m/s", prose=True)
-LIMIT = column_of("ballistic_limit_m_s", ".0f", "limit")
+LIMIT = column_of("ballistic_limit_m_s", label="limit")
 MARGIN = column_of("margin_m_s", "+.0f")
 # Words of the verdicts, of which one that is overlooked does harm.
 VERDICTS = {"passes": "passes", "fails": "FAILS", "not known": "not known"}
@@ -109,7 +109,7 @@ def standing(threat: CheckedThreat) -> tuple[int, float]:
 def tables(result: CheckResult) -> list[Table | str]:
     """Return the verdict, the threats, and what changes do against the one most likely to perforate, or each."""
     several = len(result.threats) > 1
-    shown: list[Table | str] = [Verdict.of(outcome(result), good=result.verdict == "passes"), threat_table(result)]
+    shown: list[Table | str] = [Verdict(outcome(result), good=result.verdict == "passes"), threat_table(result)]
     explained = result.threats if result.question.get("every_row") else (min(result.threats, key=standing),)
     for threat in explained:
         against = f"against {threat.threat}"
@@ -126,7 +126,7 @@ def summary(results: Mapping[str, CheckResult]) -> Verdict:
     for missed in ("fails", "not known"):
         if files := [file for file, result in results.items() if result.verdict == missed]:
             words.append(f"{VERDICTS[missed]}: {', '.join(files)}")
-    return Verdict.of("; ".join(words), good=len(words) == 1)
+    return Verdict("; ".join(words), good=len(words) == 1)
 
 
 def junit(result: CheckResult, file: str, seconds: float, origin: Mapping[str, str]) -> Element:

@@ -1,30 +1,23 @@
 """A comparison with closed-form formulas."""
 
-from typing import Any
-
 from armour.analysis.closed_forms import FlorenceResult
 from armour.reporting.table import Column, Table, column_of, deviation_percent, listing, record
 from armour.reporting.views.suite import error_tables
+from armour.reporting.words import BALLISTIC_LIMIT
 from armour.validation.comparison import Comparison
 
 
 def comparison_table(result: Comparison) -> Table:
     """Return ballistic limits by the model, by Florence and by the rule."""
     limit = result.limit.ballistic_limit_m_s
-    formulas: dict[str, Any] = {
-        "this model": result.limit,
-        **{_florence(florence): florence for florence in result.florence},
-        **{f"areal density rule, p = {rule.p:.4g}": rule for rule in result.rules},
-    }
-
-    def difference(name: str) -> float | None:
-        return deviation_percent(formulas[name].ballistic_limit_m_s, limit) if name != "this model" else None
-
+    limits = {_florence(florence): florence.ballistic_limit_m_s for florence in result.florence}
+    limits |= {f"areal density rule, p = {rule.p:.4g}": rule.ballistic_limit_m_s for rule in result.rules}
+    rows = [(name, other, deviation_percent(other, limit)) for name, other in limits.items()]
     return listing(
-        formulas,
-        (Column("formula", prose=True), str),
-        (column_of("ballistic_limit_m_s", ".0f", "ballistic limit"), lambda name: formulas[name].ballistic_limit_m_s),
-        (Column("difference from the model", "%", "+.0f"), difference),
+        [("this model", limit, None), *rows],
+        (Column("formula", prose=True), lambda row: row[0]),
+        (BALLISTIC_LIMIT, lambda row: row[1]),
+        (Column("difference from the model", "%", "+.0f"), lambda row: row[2]),
     )
 
 

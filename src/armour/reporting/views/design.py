@@ -70,19 +70,19 @@ def verdict(result: DesignResult) -> list[Table | str]:
     if not result.reason:
         return []
     if nearest is None:
-        return [Verdict.of(f"not known: {result.explanation}", good=False)]
+        return [Verdict(f"not known: {result.explanation}", good=False)]
     armour, notes = armour_in_words(nearest), _flow_stress_notes(nearest)
     threats = "every threat" if len(result.threats) > 1 else result.threats[0]
     if result.reason == "not known":
         least = OBJECTIVES[result.minimised].least
         words = f"not known: {armour} is the {least} that stops {threats} by the computed limit"
-        return [Verdict.of(words, good=False), *notes, result.explanation]
+        return [Verdict(words, good=False), *notes, result.explanation]
     short = ", ".join(f"{short:.0f} m/s against {threat}" for threat, short in nearest.short_m_s.items() if short)
     lacking = "; ".join(filter(None, (short, *_excesses(nearest))))
     explanation = result.explanation
     if unlimited is not None and unlimited.exceeds:
         explanation = f"{armour_in_words(unlimited)} would stop {threats}, but has {'; '.join(_excesses(unlimited))}"
-    return [Verdict.of(f"none passes: the nearest, {armour}, lacks {lacking}", good=False), explanation, *notes]
+    return [Verdict(f"none passes: the nearest, {armour}, lacks {lacking}", good=False), explanation, *notes]
 
 
 def _excesses(design: BestDesign) -> list[str]:
@@ -226,7 +226,7 @@ def tables(result: DesignResult) -> list[Table | str]:
     shown: list[Table | str] = [*verdict(result)]
     if best is not None:
         answer = None if scenario is None or best.model_error is not None else _answer(scenario, best)
-        error = [] if result.reason == "not known" else [error_note(result, best.model_error, answer)]
+        error = [] if result.reason == "not known" else [error_note(best.model_error, answer)]
         notes = [] if result.reason else _flow_stress_notes(best)
         shown += [best_table(best, required), *error, *notes, *margin_notes(best)]
     if result.refined is not None:
@@ -282,18 +282,16 @@ def title(result: DesignResult) -> str:
     if result.reason:
         words = str(verdict(result)[0])
         return words[:1].upper() + words[1:]
-    best, probability = _shown(result), least_probability(result)
+    best = _shown(result)
+    probability = least_probability(best)
     stops = "" if probability is None else f", stops with {chance(probability)}"
-    column = CRITERIA[result.minimised]
-    value = f"{column.text(getattr(best, result.minimised))} {column.unit}".rstrip()
+    value = CRITERIA[result.minimised].with_unit(getattr(best, result.minimised))
     return f"{OBJECTIVES[result.minimised].least.capitalize()}: {armour_in_words(best)}, {value}{stops}"
 
 
-def least_probability(result: DesignResult) -> float | None:
-    """Return the least of the probabilities that the best design stops each threat; None if one is unknown."""
-    if result.shown is None:
-        return None
-    probabilities = [result.shown.probabilities_of_stopping[threat] for threat in result.threats]
+def least_probability(design: BestDesign) -> float | None:
+    """Return the least of the probabilities that a design stops each threat; None if one is unknown."""
+    probabilities = design.probabilities_of_stopping.values()
     return None if None in probabilities else min(p for p in probabilities if p is not None)
 
 

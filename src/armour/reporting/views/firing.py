@@ -1,10 +1,9 @@
 """V50 from firing results."""
 
-from math import ceil
-
 from armour.reporting.table import Cell, Column, Source, Table, column_of, listing, record
 from armour.reporting.text import Verdict, interval, percent, with_interval
 from armour.reporting.views.shot_plan import SCATTER_ASSUMED, prior_table, share_note
+from armour.reporting.words import rounded_up
 from armour.statistics.curves import FittedCurve
 from armour.statistics.v50 import FiringResult
 
@@ -46,7 +45,7 @@ def recommended_table(fit: FittedCurve, level: float) -> Table:
         return "not bounded" if bound is None and name in ("V50", "V05") else bound
 
     return listing(
-        list(keys),
+        keys,
         (Column("quantity"), str),
         (Column("estimate", "m/s", ".0f"), lambda name: getattr(fit, f"{keys[name]}_m_s")),
         (Column(f"{percent(level)} interval", "m/s"), ends),
@@ -112,18 +111,18 @@ def requirement_verdict(result: FiringResult) -> list[str]:
         return []
     required = f"{result.requirement_m_s:g} m/s required of V50"
     if result.consumers_risk is None or result.producers_risk is None:
-        return [Verdict.of(f"{result.decision}: {required}; no curve fits the shots", good=False)]
+        return [Verdict(f"{result.decision}: {required}; no curve fits the shots", good=False)]
     allowed = percent(round(1.0 - result.confidence, 12))
     risks = (
         f"accepting it now has a risk (consumer's) of {risk_of(result.consumers_risk)}, rejecting it (producer's) of "
         f"{risk_of(result.producers_risk)}; {allowed} decides"
     )
-    return [Verdict.of(f"{result.decision}: {required}; {risks}", good=result.decision == "met"), FIXED]
+    return [Verdict(f"{result.decision}: {required}; {risks}", good=result.decision == "met"), FIXED]
 
 
 def risk_of(risk: float) -> str:
     """Return a risk, rounded up to a tenth of a per cent."""
-    return "below 0.1 %" if risk < 1e-3 else f"{ceil(1000.0 * risk - 1e-9) / 10.0:g} %"
+    return "below 0.1 %" if risk < 1e-3 else f"{rounded_up(100.0 * risk)} %"
 
 
 def tables(result: FiringResult) -> list[Table | str]:

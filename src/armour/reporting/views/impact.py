@@ -56,7 +56,7 @@ def verdict(result: ImpactResult) -> Verdict:
     """Return the outcome in a line."""
     stopped = result.outcome == "stopped"
     residual = "" if stopped else f", residual velocity {result.residual_velocity_m_s:.0f} m/s"
-    return Verdict.of(result.outcome + residual, good=stopped)
+    return Verdict(result.outcome + residual, good=stopped)
 
 
 def stage_table(result: ImpactResult) -> Table:

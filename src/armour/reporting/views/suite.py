@@ -43,8 +43,8 @@ def check_table(checks: Sequence[Check], title: str = "") -> Table:
         *([] if shared else [(Column("unit"), lambda check: check.case.unit)]),
         (Column("expected", shared, ".10g"), lambda check: check.case.expected),
         # Each case has decimals of its own, so that computed value and deviation are formatted here.
-        (Column("computed", shared, "g"), lambda check: _decimal(check.computed, _decimals(check.case))),
-        (Column("deviation", shared, "g"), lambda check: _decimal(check.deviation, _decimals(check.case), sign="+")),
+        (Column("computed", shared, "g"), lambda check: _in_decimals(check.case, check.computed)),
+        (Column("deviation", shared, "g"), lambda check: _in_decimals(check.case, check.deviation, "+")),
         column_of("deviation_percent", "+.2f", "relative deviation"),
         (Column("band ±", shared, ".4g"), lambda check: check.case.band),
         column_of("status"),
@@ -52,15 +52,13 @@ def check_table(checks: Sequence[Check], title: str = "") -> Table:
     )
 
 
-def _decimals(case: Case) -> int:
-    """Return the decimals of a computed value: one more than those of the expected value and of its band."""
+def _in_decimals(case: Case, value: float | str | None, sign: str = "") -> str | None:
+    """Format a value of a case with one decimal more than the expected value and its band have."""
+    if value is None:
+        return None
     value_decimals = len(number(case.expected or 0.0, ".10g").partition(".")[2])
     band_decimals = -floor(log10(case.band)) if case.band else 0
-    return min(max(value_decimals, band_decimals) + 1, 12)
-
-
-def _decimal(value: float | str | None, decimals: int, sign: str = "") -> str | None:
-    return None if value is None else number(value, f"{sign}.{decimals}f")
+    return number(value, f"{sign}.{min(max(value_decimals, band_decimals) + 1, 12)}f")
 
 
 def failure(check: Check) -> str:
@@ -120,8 +118,8 @@ def error_tables(errors: Sequence[Error]) -> list[Table]:
             same,
             column_of("predictor", label="predicted by", prose=True),
             column_of("mean_percent", ".1f", "mean error"),
-            column_of("left_out_percent", ".1f", "left out"),
-            column_of("largest_percent", ".1f", "largest"),
+            column_of("left_out_percent", ".1f"),
+            column_of("largest_percent", ".1f"),
             column_of("fitted", prose=True),
             title=f"errors, {table}, {counted(same[0].count, 'row')}",
         )
@@ -220,7 +218,7 @@ def tables(result: SuiteResult) -> list[Table | str]:
     if unexplained:
         shown.append(f"not scored: {counted(len(unexplained), 'case')}; --verbose shows them, and why")
     scored = result.count("within", *FAILED) > 0
-    return [*shown, Verdict.of(verdict(result), good=result.passed) if scored else "no case is scored"]
+    return [*shown, Verdict(verdict(result), good=result.passed) if scored else "no case is scored"]
 
 
 def update_table(updates: Sequence[Check]) -> Table:

@@ -43,7 +43,11 @@ def index_table(result: UncertaintyResult) -> Table:
 
 def tables(result: UncertaintyResult) -> list[Table | str]:
     """Return all tables of a propagated uncertainty."""
-    parts: list[Table | str] = [estimate_table(result), SAMPLING_NOTE, error_note(result, result.model_error)]
+    parts: list[Table | str] = [
+        estimate_table(result),
+        SAMPLING_NOTE,
+        error_note(result.model_error, result.question.get("scenario")),
+    ]
     if result.model_error is None:
         parts.append(SAMPLED_ALONE)
     samples = record(
