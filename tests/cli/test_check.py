@@ -57,6 +57,12 @@ def test_mistakes_of_all_scenarios_are_told_together(cli, doors: Path):
     ]
 
 
+@pytest.mark.parametrize("change", ["impact.obliquity_deg=30", "impact.velocity_m_s=900"])
+def test_what_threats_replace_cannot_be_changed(cli, change: str):
+    [told] = cli.fails(2, "check", "catalogue", "--set", change)
+    assert told.endswith("must have an effect: the check does not depend on it")
+
+
 def test_no_changes_where_no_velocity_perforates(cli):
     shown = cli("check", "wilkins", "--set", "armour.ceramic_thickness_mm=900").stdout
     assert "passes: no ballistic limit found" in shown

@@ -38,6 +38,19 @@ def test_a_grid_as_csv_with_a_map(cli, folder: Path):
     assert not (folder / "t.csv.parts").exists()
 
 
+@pytest.mark.usefixtures("folder")
+def test_a_table_without_a_number_is_written_and_not_drawn(cli):
+    slow = ("--set", "ballistic_limit.velocity_max_m_s=100")
+    result = cli("sweep", WILKINS, *OVER, *slow, "-o", "t.csv", "--plot", "t.svg")
+    assert result.exit_code == 2
+    assert result.stderr.splitlines() == [
+        "wrote t.csv: 1 row",
+        "plot: result: must have a value of ballistic_limit_m_s in at least one row, found none",
+    ]
+    assert Path("t.csv").exists()
+    assert not Path("t.svg").exists()
+
+
 @pytest.mark.parametrize("output", ["", ".", "/"])
 @pytest.mark.usefixtures("folder")
 def test_a_folder_is_no_table(cli, output: str):

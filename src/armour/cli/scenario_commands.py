@@ -68,7 +68,7 @@ CHECK = ("design.confidence", "design.thickness_tolerance_mm")
 # Sections and keys that a ballistic limit depends on, see `armour.scenario.effect`.
 LIMIT_READS = (*ROUND_AND_ARMOUR, "ballistic_limit", *OF_ERROR)
 IMPACT_READS = ("impact", "armour", "ballistic_limit", *OF_ERROR)
-CHECK_READS = (*ROUND_AND_ARMOUR, *IMPACT_READS, "threat", *CHECK)
+CHECK_READS = (*IMPACT_READS, "threat", *CHECK)
 
 
 @question(

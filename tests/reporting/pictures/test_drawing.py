@@ -8,6 +8,7 @@ import matplotlib as mpl
 import pytest
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.transforms import Bbox
 
 from armour.design.optimise import optimise
@@ -92,6 +93,23 @@ def test_the_same_picture_is_the_same_file(suffix: str):
     content = saved(drawn(named_rows, Sheet(), ["it"]).figure, suffix)
     assert content.startswith(MAGIC[suffix])
     assert content == saved(drawn(named_rows, Sheet(), ["it"]).figure, suffix)
+
+
+class InexactLayout(ConstrainedLayoutEngine):
+    """A layout whose last digits are others, as those of another process are."""
+
+    def execute(self, fig: Figure) -> None:
+        super().execute(fig)
+        for axes in fig.axes:
+            x, y, width, height = axes.get_position(original=True).bounds
+            axes.set_position((x + 1e-15, y, width, height + 1e-15))
+
+
+def test_a_file_does_not_depend_on_the_last_digits_of_a_layout():
+    exact, inexact = (drawn(a_map, Sheet(), ["it"]).figure for _ in range(2))
+    inexact.set_layout_engine(InexactLayout())
+    assert saved(inexact, ".svg") == saved(exact, ".svg")
+    assert isinstance(inexact.get_layout_engine(), InexactLayout)
 
 
 @pytest.mark.parametrize("width", [None, 4.2])

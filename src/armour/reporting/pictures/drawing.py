@@ -229,7 +229,15 @@ def saved(figure: Figure, suffix: str, made_by: str = "", **options: Any) -> byt
     content = BytesIO()
     metadata = METADATA[suffix] | {"Subject" if suffix == ".pdf" else "Description": made_by}
     with mpl.rc_context(STYLE):
+        figure.draw_without_rendering()
+        engine = figure.get_layout_engine()
+        figure.set_layout_engine("none")
+        # The last digits of a layout differ from process to process, and matplotlib makes identifiers of them.
+        for axes in figure.axes:
+            axes.set_position(np.round(axes.get_position(original=True).bounds, 9).tolist())
+            axes.set_in_layout(True)
         figure.savefig(content, format=suffix[1:], metadata=metadata, **{"dpi": 160, **options})
+        figure.set_layout_engine(engine)
     return content.getvalue()
 
 

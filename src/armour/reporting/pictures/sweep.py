@@ -30,8 +30,6 @@ def draw(result: SweepResult, sheet: drawing.Sheet) -> drawing.Picture:
     if not numbers:
         message = f"must have a quantity that is a number, found only {', '.join(result.quantities)}"
         raise mistake("plot", "result", message)
-    if np.isnan(result[numbers[0]]).all():
-        raise mistake("plot", "result", f"must have a value of {numbers[0]} in at least one row, found none")
     return draw_columns(result.columns, result.keys, numbers[0], result.scenario, sheet)
 
 
@@ -43,6 +41,8 @@ def draw_columns(
     Over a key of names there is a mark for each name, and over such a key and numbers a curve for each.
     """
     answer, values = column_of(name, ".4g"), table[name]
+    if np.isnan(values).all():
+        raise mistake("plot", "result", f"must have a value of {name} in at least one row, found none")
     title = f"{answer.label[:1].upper()}{answer.label[1:]} over {' and '.join(column_of(key).label for key in keys)}"
     if np.nanmin(values) < np.nanmax(values):
         title += f": {number(np.nanmin(values), '.4g')} to {answer.with_unit(np.nanmax(values))}"
