@@ -131,7 +131,7 @@ class ShotPlan(Result):
     expected_from : str
         Source of the prior of V50: tests of such armours, limits, or shots.
     recommended : FittedCurve or None
-        Curve that `armour.v50` recommends, from the shots alone; None without one, and for the Bayesian procedure.
+        Probit curve of the shots alone that `armour.v50` recommends; None without one, and for the Bayesian procedure.
     mean : MeanV50 or None
         Mean of MIL-STD-662F of three shots of each kind, for the up-and-down rule; None without such shots
         within its span.
