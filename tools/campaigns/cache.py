@@ -118,7 +118,7 @@ def races(folder: Path) -> Iterator[str]:
 
 def real(folder: Path) -> Iterator[str]:
     """Kill the first command of a user, which compiles for seconds, and run it again."""
-    command = [sys.executable, "-m", "armour", "ballistic-limit", "wilkins", "--json"]
+    command = [sys.executable, "-m", "armour", "optimise", "paper/optimum_7.62mm_AP", "--json"]
     expected = subprocess.run(command, capture_output=True, text=True, check=True).stdout
     for number in range(REAL):
         environment = {**os.environ, "XDG_CACHE_HOME": str(folder / str(number))}
