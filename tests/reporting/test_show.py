@@ -113,8 +113,6 @@ def test_what_cannot_be_drawn(results):
         plot(sweep(scenario(), {"impact.velocity_m_s": [700.0, 800.0]}, "outcome"))
     with pytest.raises(InputError, match="one or two keys, found 3"):
         plot(sweep(scenario(), {key: [7.0] for key in THREE}, "areal_density_kg_m2"))
-    with pytest.raises(InputError, match="a value of ballistic_limit_m_s in at least one row"):
-        plot(sweep(scenario(), {THREE[0]: [400.0, 500.0]}))
 
 
 def test_every_result_has_its_tables_and_its_line(results):

@@ -41,11 +41,10 @@ def draw_columns(
     Over a key of names there is a mark for each name, and over such a key and numbers a curve for each.
     """
     answer, values = column_of(name, ".4g"), table[name]
-    if np.isnan(values).all():
-        raise mistake("plot", "result", f"must have a value of {name} in at least one row, found none")
     title = f"{answer.label[:1].upper()}{answer.label[1:]} over {' and '.join(column_of(key).label for key in keys)}"
-    if np.nanmin(values) < np.nanmax(values):
-        title += f": {number(np.nanmin(values), '.4g')} to {answer.with_unit(np.nanmax(values))}"
+    known = values[~np.isnan(values)]
+    if len(set(known)) > 1:
+        title += f": {number(known.min(), '.4g')} to {answer.with_unit(known.max())}"
     missing = np.count_nonzero(np.isnan(values))
     notes = [f"{missing} of {len(values)} rows have no {answer.label}."] if missing else []
     named = [key for key in keys if not is_number(table[key])]
