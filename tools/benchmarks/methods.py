@@ -123,10 +123,11 @@ def measured() -> Methods:
         impact_s = {name: median(times_of(call, TURNS)) / COUNT for name, call in impacts.items()}
         limit_s = {name: median(times_of(call, TURNS // 4)) / COUNT for name, call in searches.items()}
 
-    some, velocities = designs[SOME], scan(LOW, HIGH)
+    # As numbers of Python: those of numpy are slower in plain Python.
+    some, speeds, velocities = designs[SOME], near[SOME].tolist(), scan(LOW, HIGH)
     slow: Calls = {
-        "plain Python": lambda: [perforates(p, V) for p, V in zip(some, near[SOME], strict=True)],
-        "scipy's LSODA": lambda: [by_lsoda(p, V) for p, V in zip(some, near[SOME], strict=True)],
+        "plain Python": lambda: [perforates(p, V) for p, V in zip(some, speeds, strict=True)],
+        "scipy's LSODA": lambda: [by_lsoda(p, V) for p, V in zip(some, speeds, strict=True)],
     }
     impact_s |= {name: median(times_of(call, FEW_TURNS)) / len(some) for name, call in slow.items()}
     settings = velocities, TOLERANCE, ONE.V_arrest, 0.0, ONE.max_steps
