@@ -12,7 +12,6 @@ from armour.evidence.model_error import ModelError
 from armour.evidence.tests import armours_of, threat_warnings
 from armour.scenario.checked import checked
 from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, VELOCITY
-from armour.scenario.library import strength_notes
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import DesignSection, Threat
 
@@ -161,12 +160,8 @@ def check(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> C
     checked_threats = [
         _checked(against, threat, section, on_progress) for against, threat in zip(impacts, threats, strict=True)
     ]
-    metals, bare = [scenario.entry("metal", scenario.armour.backing)], not scenario.armour.ceramic_thickness_mm
-    warnings = (
-        *threat_warnings(scenario, armours_of(*impacts)),
-        *strength_notes(metals, bare=bare),
-        *scenario.unused_distributions(),
-    )
+    metals = [scenario.entry("metal", scenario.armour.backing)]
+    warnings = (*threat_warnings(scenario, armours_of(*impacts), metals), *scenario.unused_distributions())
     verdicts = [threat.verdict for threat in checked_threats]
     worst: Verdict = "fails" if "fails" in verdicts else "not known" if "not known" in verdicts else "passes"
     return CheckResult(tuple(checked_threats), worst, warnings).of(

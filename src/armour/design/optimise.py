@@ -20,7 +20,6 @@ from armour.evidence.model_error import REMEDY, ModelError, error_of, why_unknow
 from armour.evidence.tests import Armours, threat_warnings
 from armour.scenario.checked import checked
 from armour.scenario.inputs import BACKING, CERAMIC, NAMES
-from armour.scenario.library import strength_notes
 from armour.scenario.scenario import Scenario, Varied
 from armour.scenario.schema import DesignSection, shot
 
@@ -499,8 +498,7 @@ def _outside(search: Search, place: int) -> list[str]:
     """Return the ways in which a design and its threats differ from what the model was compared with."""
     scenario = search.catalogue.scenario
     metals = (scenario.entry("metal", layer.material) for layer in search.catalogue.section.backing)
-    strengths = strength_notes(metals, bare=not search.candidates.ceramic_mm[place])
-    return [*threat_warnings(scenario, _rows(search, place).armours), *strengths]
+    return [*threat_warnings(scenario, _rows(search, place).armours, metals)]
 
 
 def _changing(search: Search, columns: Sequence[tuple[int, str, float]]) -> Iterator[str]:

@@ -26,7 +26,7 @@ Kernel = Callable[..., None]
 
 PACKAGE = Path(__file__).resolve().parent.parent
 # The loops have imported all of them.
-CORE = [module for name, module in sys.modules.items() if name.startswith("armour.core.")]
+CORE = [module for name, module in list(sys.modules.items()) if name.startswith("armour.core.")]
 COMPILING = "compiling the numerical code, which takes about ten seconds"
 # Number of folders of other versions of the program that are kept.
 OTHERS_KEPT = 4

@@ -342,8 +342,9 @@ def limits_outside(armours: Armours, velocities: Any) -> Iterator[Outside]:
 def _check(limits: DataRange, q: Quantities, rows: Any = True) -> tuple[str, str, Any, str, str]:
     """Return a check of rows of armours, with the range of the numbers that fail in words."""
     fails = limits.fails(q) & ~np.isnan(q[limits.name]) & rows
-    numbers = sorted(q[limits.name][fails].tolist())
-    ends = " to ".join(dict.fromkeys(f"{end:{'.0f' if end >= 100.0 else '.3g'}}" for end in numbers[:1] + numbers[-1:]))
+    failing = q[limits.name][fails]
+    least, greatest = failing.min(initial=np.inf), failing.max(initial=-np.inf)
+    ends = " to ".join(dict.fromkeys(f"{end:{'.0f' if end >= 100.0 else '.3g'}}" for end in (least, greatest)))
     brief = f"{limits.words(ends)} ({limits.ends()})"
     return limits.key, f"results for {limits}", fails, f", found {ends}", brief
 
@@ -359,10 +360,11 @@ def scenario_warnings(scenario: Scenario, velocity: float, key: str = VELOCITY) 
     return (*notes, *strength_notes(metals, bare=not scenario.armour.ceramic_thickness_mm))
 
 
-def threat_warnings(scenario: Scenario, armours: Armours) -> Iterator[Note]:
+def threat_warnings(scenario: Scenario, armours: Armours, metals: Iterable[LibraryEntry]) -> Iterator[Note]:
     """Yield the ways in which an armour and the threats of a scenario are unlike what the model was compared with.
 
-    The armour has a row against each threat.  A warning that is not about all threats names those that it is about.
+    The armour has a row against each threat; the metals are those that its back plate is chosen from.  A warning that
+    is not about all threats names those that it is about.
     """
     threats = scenario.threats()
     for outside in limits_outside(armours, np.array([threat.velocity_m_s for threat in threats])):
@@ -371,3 +373,4 @@ def threat_warnings(scenario: Scenario, armours: Armours) -> Iterator[Note]:
         key = f"threat[{outside.rows[0]}].{name if section == 'impact' else 'projectile'}" if is_of_threat else ""
         names = joined([threats[row].title for row in outside.rows])
         yield outside.note(key, f" against {names}" if len(outside.rows) < len(threats) else "")
+    yield from strength_notes(metals, bare=bool(np.all(armours.parameters.Hc0 == 0.0)))

@@ -43,7 +43,7 @@ def draw_columns(
     answer, values = column_of(name, ".4g"), table[name]
     title = f"{answer.label[:1].upper()}{answer.label[1:]} over {' and '.join(column_of(key).label for key in keys)}"
     known = values[~np.isnan(values)]
-    if len(set(known)) > 1:
+    if known.size and known.min() < known.max():
         title += f": {number(known.min(), '.4g')} to {answer.with_unit(known.max())}"
     missing = np.count_nonzero(np.isnan(values))
     notes = [f"{missing} of {len(values)} rows have no {answer.label}."] if missing else []
