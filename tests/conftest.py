@@ -1,5 +1,6 @@
 """Settings for all tests."""
 
+import atexit
 import gc
 import os
 from pathlib import Path
@@ -11,6 +12,7 @@ import pytest
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 # Most of what is made stays to the end: tests take a twentieth less time where it is seldom looked at for garbage.
 gc.set_threshold(50_000, 20, 20)
+atexit.register(gc.freeze)
 
 
 @pytest.fixture(autouse=True, scope="session")

@@ -2,7 +2,6 @@
 
 import os
 import re
-import secrets
 import shutil
 import stat
 import tomllib
@@ -202,7 +201,7 @@ def write_file(path: Path, content: bytes) -> None:
     """
     refuse(unwritable(path))
     target = Path(os.path.realpath(path))
-    part = target.with_name(f".armour-{secrets.token_hex(8)}")
+    part = target.with_name(f".armour-{os.urandom(8).hex()}")
     try:
         if _is_stream(path):
             # The reader may have closed the pipe.

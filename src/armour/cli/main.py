@@ -1,5 +1,7 @@
 """Start of the command line."""
 
+import atexit
+import gc
 import os
 import signal
 import sys
@@ -33,6 +35,9 @@ def _run() -> None:
         os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
         # The matrices are small: threads for linear algebra would only make every start slower.
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+        # Nearly all that a start creates stays to the end: looking for garbage in it would take a quarter of the time.
+        gc.set_threshold(10_000)
+        atexit.register(gc.freeze)
         from armour.cli.app import app
 
         _when_interrupted(signal.default_int_handler)

@@ -177,17 +177,16 @@ def respond(
     the picture for ``plot``.  ``heading`` has the lines above the tables, which describe the computation.  JSON and
     picture record their origin, with the ``scenario``.
     """
-    origin = origin_of(scenario)
 
     def drawn() -> bytes | None:
         from armour.reporting.pictures import drawing
 
         if plot is None or draw is None:
             return None
-        return drawing.saved(draw(), plot.suffix.lower(), json.dumps(origin))
+        return drawing.saved(draw(), plot.suffix.lower(), json.dumps(origin_of(scenario)))
 
     if as_json:
-        show_json({**data, "made_by": origin} if isinstance(data, Mapping) else data)
+        show_json({**data, "made_by": origin_of(scenario)} if isinstance(data, Mapping) else data)
     elif shown := [*tables]:
         show(*heading[1:], *shown, title=heading[0] if heading else "")
     try:

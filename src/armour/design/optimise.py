@@ -632,7 +632,9 @@ def _flow_stress(
 
 def _of_stopping(catalogue: Catalogue, distributions: Mixture, sampled: dict[str, Estimate]) -> dict[str, float | None]:
     """Return the probabilities that a design stops each threat, from the samples or else from the model error."""
-    chances = distributions.probability_above(catalogue.velocities_m_s).tolist()
+    # One by one: for several at once scipy would be imported.
+    velocities = catalogue.velocities_m_s.tolist()
+    chances = [float(distributions.one(i).probability_above(velocity)) for i, velocity in enumerate(velocities)]
     by_error = {title: None if isnan(p) else p for title, p in zip(catalogue.titles, chances, strict=True)}
     return by_error | {title: 1.0 - estimate.value for title, estimate in sampled.items()}
 

@@ -9,7 +9,6 @@ database is in the folder for temporary files.  Both folders are removed when th
 import json
 import os
 import re
-import secrets
 import shutil
 import sqlite3
 import stat
@@ -236,7 +235,7 @@ def has_locks(folder: Path) -> bool:
 
 def new_file(folder: Path) -> Path:
     """Return the path of a new file in the folder of a sweep."""
-    return folder / f".armour-{secrets.token_hex(8)}"
+    return folder / f".armour-{os.urandom(8).hex()}"
 
 
 def checksum_of(job: object) -> str:
