@@ -1,6 +1,6 @@
 import pytest
 
-from armour.analysis.ballistic_limit import ballistic_limit, confidence, residual_velocity_curve
+from armour.analysis.ballistic_limit import ballistic_limit, confidence
 from armour.analysis.impact import impact_at
 from armour.analysis.searches import ballistic_limits
 from armour.analysis.variants import variants_of
@@ -103,7 +103,7 @@ def test_the_residual_velocity_rises_as_a_square_root():
     """Twice as far above the limit, the square of the residual velocity is twice as large."""
     case = scenario(ballistic_limit={"tolerance_m_s": 1e-8})
     limit = ballistic_limit(case).ballistic_limit_m_s
-    one, two = residual_velocity_curve(case, [limit + 0.01, limit + 0.02])
+    one, two = (impact_at(case, limit + excess) for excess in (0.01, 0.02))
     ratio = (two.residual_velocity_m_s / one.residual_velocity_m_s) ** 2
     # The projectile counts as stopped at 1 m/s, so that its square is what is missing.
     first, second = (r.residual_velocity_m_s**2 - 1.0 for r in (one, two))

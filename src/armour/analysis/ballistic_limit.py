@@ -3,7 +3,6 @@
 The confidence in an armour is the probability that it stops its threat, given the model error.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
 from typing import Literal
@@ -196,18 +195,9 @@ def find_crossings(scenario: Scenario, points: int, on_progress: OnProgress) -> 
 
 
 def residual_velocity_curve(
-    scenario: Scenario, velocities: Sequence[float], on_progress: OnProgress = ignore_progress
+    scenario: Scenario, limit: LimitResult, on_progress: OnProgress = ignore_progress
 ) -> tuple[ImpactResult, ...]:
-    """Compute the impacts of a scenario at several impact velocities, m/s."""
-    impacts = []
-    for velocity in velocities:
-        impacts.append(impact_at(scenario, velocity))
-        on_progress(1, None)
-    return tuple(impacts)
-
-
-def curve_velocities(limit: LimitResult, scenario: Scenario) -> list[float]:
-    """Return the impact velocities of a curve of residual velocity, m/s: below, at and well above the limit.
+    """Compute impacts of a scenario at velocities below, at and well above its ballistic limit.
 
     They are dense just above the limit, where the residual velocity rises as a square root, and extend beyond the
     last crossing.
@@ -218,7 +208,11 @@ def curve_velocities(limit: LimitResult, scenario: Scenario) -> list[float]:
     last = limit.crossings[-1].bracket_m_s[1]
     high = min(section.velocity_max_m_s, max(1.6 * ballistic_limit, 1.1 * last))
     rising = [ballistic_limit + (high - ballistic_limit) * (i / CURVE_POINTS) ** 2 for i in range(CURVE_POINTS + 1)]
-    return [low, limit.bracket_m_s[0], *rising]
+    impacts = []
+    for velocity in (low, limit.bracket_m_s[0], *rising):
+        impacts.append(impact_at(scenario, velocity))
+        on_progress(1, None)
+    return tuple(impacts)
 
 
 def _no_limit(crossings: tuple[Crossing, ...], lowest_perforates: bool, points: int, low: float, high: float) -> str:

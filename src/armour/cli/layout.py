@@ -5,7 +5,6 @@ becomes a block of lines for each row.  A terminal shows the first rows of a lon
 words where the room is too small, the least width of each column is added up here.
 """
 
-import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from io import StringIO
@@ -19,8 +18,7 @@ from rich.text import Text
 
 from armour.files import printable
 from armour.reporting.table import Column, Table
-from armour.reporting.text import Verdict
-from armour.units import ENDINGS
+from armour.reporting.text import Verdict, unbroken
 
 GAP = 2
 # Width of output to a pipe, where each row of a table stays on one line.
@@ -31,8 +29,7 @@ MOST_ROWS = 25
 PLAIN, STACKED, NARROW = range(3)
 # Least width of a column of prose before the table becomes blocks.
 PROSE_WIDTH = 16
-# The space between a number and its unit, at which no line ends, and a character that no printable text has, for it.
-UNBROKEN = re.compile(rf"(?<=\d) (?=(?:J|{'|'.join(ENDINGS.values())})(?!\w))")
+# For a space that does not break, at which rich would end a line: a character that no printable text has.
 STAND_IN = "\ue000"
 # A table has a line below its headings, and no others.
 RULE = Box("    \n    \n ── \n    \n    \n    \n    \n    \n")
@@ -72,7 +69,7 @@ def _text(console: Console, text: str, room: int, style: str = "") -> Text:
 
 def _unbroken(text: str) -> str:
     """Return a printable text in which no line ends between a number and its unit."""
-    return UNBROKEN.sub(STAND_IN, printable(text))
+    return unbroken(printable(text)).replace("\N{NO-BREAK SPACE}", STAND_IN)
 
 
 def _parts(console: Console, table: Table, room: int) -> Iterator[Grid | Text | str]:

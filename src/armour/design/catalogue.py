@@ -313,13 +313,12 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
     titles = tuple(threat.title for threat in threats)
     bounds = [_bound_of(threat, section) for threat in threats]
     bounded = min(bounds) < NO_BOUND
-    uncertain = scenario.uncertainty is not None and scenario.uncertainty.inputs()
-    sampled = bool(bounded and uncertain)
+    sampled = bool(bounded and scenario.distributions())
     problems = [
         *_too_many(scenario.file, section, len(threats)),
         *_wrong_layers(scenario.file, section, sampled=sampled),
     ]
-    if bounded and not uncertain and scenario.excludes_error():
+    if bounded and not sampled and scenario.excludes_error():
         message = "must be true if a probability is bounded and no input has a distribution, found false"
         problems.append(Problem(scenario.file, "uncertainty.model.included", message))
     refuse(problems)

@@ -129,7 +129,7 @@ def _notes(catalogue: Catalogue) -> Iterator[str]:
         yield f"The scenario asks for the least {objective}; this page compares areal densities."
     if section.pareto:
         yield "The Pareto front of the scenario is not shown; armour optimise lists it."
-    if catalogue.scenario.uncertainty is not None and catalogue.scenario.uncertainty.inputs():
+    if catalogue.scenario.distributions():
         yield (
             "The distributions of the inputs are not included: probabilities include the model error alone. "
             "The design that armour optimise finds for a confidence may be heavier."

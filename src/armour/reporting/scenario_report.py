@@ -90,7 +90,7 @@ def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *
     armour = scenario if best is None else scenario.replaced(best.changes_to(scenario))
     checked = check(armour, on_progress=on_part)
     impacts = [armour.against(threat) for threat in armour.threats()]
-    distributions = scenario.uncertainty.inputs() if scenario.uncertainty is not None else {}
+    distributions = scenario.distributions()
     misplaced = [_misplaced(distributions, scenario, impact) for impact in impacts]
     threats, sampled = list(checked.threats), []
     for place, (impact, notes) in enumerate(zip(impacts, misplaced, strict=True)):

@@ -83,7 +83,7 @@ def _read_of(scenario: Scenario, reads: Collection[str]) -> set[str]:
     If the section ``uncertainty`` has no distributions, designs and reports depend only on its model error.
     """
     replaced: set[str] = set()
-    if "threat" in reads and not (scenario.uncertainty is not None and scenario.uncertainty.inputs()):
+    if "threat" in reads and not scenario.distributions():
         reads, replaced = {*reads, "uncertainty.model"}, {"uncertainty"}
     if "threat" in reads and scenario.threat:
         replaced |= {"impact"}

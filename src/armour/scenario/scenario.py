@@ -51,6 +51,7 @@ from armour.scenario.schema import (
     ArmourSection,
     BallisticLimitSection,
     DesignSection,
+    Distribution,
     Impact,
     LibrarySection,
     Line,
@@ -320,6 +321,10 @@ class Scenario(Section):
                 except InputError as error:
                     yield name, row, error.problems
 
+    def distributions(self) -> dict[str, Distribution]:
+        """Return the distributions of inputs, by name."""
+        return {} if self.uncertainty is None else self.uncertainty.inputs()
+
     def excludes_error(self) -> bool:
         """Return whether the scenario excludes the model error."""
         section = None if self.uncertainty is None else self.uncertainty.model
@@ -335,8 +340,7 @@ class Scenario(Section):
 
     def unused_distributions(self) -> tuple[Note, ...]:
         """Return a warning, for a result that takes inputs as exact, if the scenario has distributions of them."""
-        has_distributions = self.uncertainty is not None and self.uncertainty.inputs()
-        return (Note(EXACT_INPUTS, "uncertainty"),) if has_distributions else ()
+        return (Note(EXACT_INPUTS, "uncertainty"),) if self.distributions() else ()
 
     def unused_threats(self) -> tuple[Note, ...]:
         """Return a warning, for a result of the section ``impact``, if the scenario has threats of its own."""

@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass
 from functools import cache
 from typing import Any
 
-from armour.analysis.ballistic_limit import LimitResult, ballistic_limit, curve_velocities, residual_velocity_curve
+from armour.analysis.ballistic_limit import LimitResult, ballistic_limit, residual_velocity_curve
 from armour.analysis.closed_forms import (
     FlorenceResult,
     ResidualVelocityFit,
@@ -148,7 +148,7 @@ def compare(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) ->
             f"no fit: the range of velocities ends at the ballistic limit, {highest:g} m/s; "
             "raise ballistic_limit.velocity_max_m_s"
         )
-    curve = residual_velocity_curve(scenario, curve_velocities(limit, scenario), on_progress)
+    curve = residual_velocity_curve(scenario, limit, on_progress)
     above = [impact for impact in curve if impact.impact_velocity_m_s > limit.ballistic_limit_m_s]
     velocities = [impact.impact_velocity_m_s for impact in above]
     residuals = [impact.residual_velocity_m_s for impact in above]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from armour.analysis.ballistic_limit import LimitResult, curve_velocities, residual_velocity_curve
+from armour.analysis.ballistic_limit import LimitResult, residual_velocity_curve
 from armour.reporting.pictures import drawing
 from armour.reporting.text import interval
 from armour.reporting.words import chance
@@ -15,7 +15,7 @@ def draw(result: LimitResult, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw both over the impact velocity; without a model error, draw the residual velocity alone."""
     scenario, limit = drawing.needed(result, "scenario"), result.ballistic_limit_m_s
     threat, error, ends = scenario.impact.velocity_m_s, result.model_error, result.interval_m_s
-    curve = residual_velocity_curve(scenario, curve_velocities(result, scenario))
+    curve = residual_velocity_curve(scenario, result)
     impact = [point.impact_velocity_m_s for point in curve]
     reach = drawing.widened([impact[0], impact[-1], threat, *(ends or ())])
     residual_alone = error is None or ends is None
