@@ -12,7 +12,7 @@ from scipy.optimize import approx_fprime
 from armour.analysis.evaluate import check_keys, scenarios_of
 from armour.analysis.results import OnProgress
 from armour.analysis.variants import Floats, variants_of
-from armour.errors import MAX_PROBLEMS, InputError, Problem, choices, mistake, refuse
+from armour.errors import MAX_PROBLEMS, Problem, choices, mistake, refuse, restated
 from armour.scenario.inputs import INPUTS, NAMES, VELOCITY
 from armour.scenario.keys import canonical
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
@@ -61,16 +61,14 @@ class Candidates:
 @contextmanager
 def of_candidates() -> Iterator[None]:
     """Say "candidates" instead of "sweep" in error messages."""
-    try:
+    with restated(_of_candidates):
         yield
-    except InputError as error:
-        problems = (
-            problem._replace(file="plan_tests", key=f"candidates {problem.key.removeprefix('over').strip()}".strip())
-            if problem.file == "sweep"
-            else problem
-            for problem in error.problems
-        )
-        raise InputError(tuple(problems)) from None
+
+
+def _of_candidates(problem: Problem) -> Problem:
+    if problem.file != "sweep":
+        return problem
+    return problem._replace(file="plan_tests", key=f"candidates {problem.key.removeprefix('over').strip()}".strip())
 
 
 @of_candidates()
