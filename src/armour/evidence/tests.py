@@ -292,10 +292,10 @@ def is_unusual(armour: Parameters) -> Any:
     """
     q = quantities(armour, np.nan, np.ones(np.shape(armour.D0)))
     is_far: dict[tuple[bool, str], Any] = {}
-    for evidence in shipped_evidence():
-        for limits in evidence.compared:
-            key = bool(evidence.ceramic), limits.name
-            is_far[key] = is_far.get(key, True) & (limits.factor(q) > FAR)
+    ranges = {(bool(evidence.ceramic), limits) for evidence in shipped_evidence() for limits in evidence.compared}
+    for has_ceramic, limits in ranges:
+        key = has_ceramic, limits.name
+        is_far[key] = is_far.get(key, True) & (limits.factor(q) > FAR)
     return np.any([rows & (has_ceramic == (armour.Hc0 > 0.0)) for (has_ceramic, _), rows in is_far.items()], axis=0)
 
 
