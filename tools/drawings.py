@@ -3,6 +3,7 @@
 They take the colour of the text around them: on a page, that of the page; as a picture, that of the reader's system.
 """
 
+from itertools import product
 from pathlib import Path
 
 IMAGES = Path(__file__).parents[1] / "docs" / "images"
@@ -17,13 +18,8 @@ orient="auto-start-reverse"><path d="M0,0 8,4 0,8z" fill="#222"/></marker>
 <pattern id="{name}-cracks" width="9" height="9" patternUnits="userSpaceOnUse" patternTransform="rotate(38)">\
 <path d="M0,0H9M0,0V9" stroke="#6d5c2c" stroke-width="1.2"/></pattern></defs>
 """
-# Which side yields, by the columns of the pictograms.
-COLUMNS = {
-    "erodes, penetrates": (True, True),
-    "erodes, target carried": (True, False),
-    "rigid, penetrates": (False, True),
-    "rigid, target carried": (False, False),
-}
+# What rod and target do in the columns of the pictograms, and the names of the stages in these.
+RODS, TARGETS = ("erodes", "rigid"), ("penetrates", "target carried")
 STAGES = {
     "intact ceramic": ("i", "dwell", "ii.3", None),
     "fragmented ceramic": ("ii.1", "ii.2", "ii.3", "iii.5"),
@@ -92,9 +88,7 @@ def geometry() -> str:
         line(32, middle - 20, 32, middle + 20, both),
         text(14, middle + 5, symbol("D", "0")),
         line(nose, middle + 20, nose, 395, thin),
-        line(front, 355, front, 395, thin),
-        line(joint, 355, joint, 395, thin),
-        line(back, 355, back, 395, thin),
+        *(line(x, 355, x, 395, thin) for x in (front, joint, back)),
         line(joint + bulge, middle + 24, joint + bulge, 330, thin),
         line(back, 325, back + bulge, 325, both),
         line(back + bulge, middle + 24, back + bulge, 330, thin),
@@ -105,13 +99,10 @@ def geometry() -> str:
         text(front - 20, 397, symbol("H", "c0")),
         line(joint, 392, back, 392, both),
         text(back + 20, 397, symbol("H", "b")),
-        line(joint, top, 425, top, thin),
-        line(joint, bottom, 425, bottom, thin),
+        *(line(joint, y, 425, y, thin) for y in (top, bottom)),
         line(418, top, 418, bottom, both),
         text(432, middle + 5, symbol("D")),
-        text(362, 108, "conoid of"),
-        text(362, 125, "fractured"),
-        text(362, 142, "ceramic"),
+        *(text(362, y, words) for y, words in ((108, "conoid of"), (125, "fractured"), (142, "ceramic"))),
         line(326, 122, 238, 128),
         "</svg>\n",
     ]
@@ -142,10 +133,9 @@ def stage(x: float, y: float, medium: str, erodes: bool, penetrates: bool) -> st
 def stages() -> str:
     """Return the nine stages of the model, and two that the paper does not name, as pictograms."""
     parts = [HEAD.format(name="stages", width=480, height=400)]
-    for column, (title, (erodes, penetrates)) in enumerate(COLUMNS.items()):
-        x = 45 + 108 * column
-        first, second = title.split(", ")
-        parts += [text(x + 48, 16, first, 'font-size="12"'), text(x + 48, 31, second, 'font-size="12"')]
+    for column, (rod, target) in enumerate(product(RODS, TARGETS)):
+        x, erodes, penetrates = 45 + 108 * column, rod == "erodes", target == "penetrates"
+        parts += [text(x + 48, 16, rod, 'font-size="12"'), text(x + 48, 31, target, 'font-size="12"')]
         for row, (medium, names) in enumerate(STAGES.items()):
             y = 40 + 120 * row
             if name := names[column]:

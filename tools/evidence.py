@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.optimize import Bounds, brentq, minimize, minimize_scalar
 from scipy.special import ndtr
 from scipy.stats import t
@@ -58,7 +59,6 @@ class Plates(NamedTuple):
     quantities: Quantities
     alloy: Any  # names
     round: Any
-    report: Any
     obliquity_deg: Floats
     measured: Floats  # m/s
 
@@ -122,21 +122,22 @@ def plates_of(kind: str, metal: str) -> Plates:
     """Return the tests of a kind of round on a metal that the fits use; repeats are dropped."""
     with (ROOT / "scenarios" / "tests" / "plates.csv").open(encoding="utf-8", newline="") as file:
         rows = [row for row in csv.DictReader(file) if (row["kind"], row["metal"]) == (kind, metal)]
-    names = "round", "plate", "armour.backing_thickness_mm", "impact.obliquity_deg", "ballistic_limit_m_s"
-    distinct = {
-        (SAME_ROUND.get(row["round"], row["round"]), *(row[name] for name in names[1:])): row for row in rows[::-1]
-    }
+    for row in rows:
+        row["round"] = SAME_ROUND.get(row["round"], row["round"])
+    names = "round", "plate", BACKING, OBLIQUITY, "ballistic_limit_m_s"
+    distinct = {tuple(row[name] for name in names): row for row in reversed(rows)}
     used = [
         row
         for row in reversed(distinct.values())
-        if float(row["impact.obliquity_deg"]) <= MOST_OBLIQUE and float(row["projectile.density_kg_m3"]) <= DENSEST
+        if float(row[OBLIQUITY]) <= MOST_OBLIQUE and float(row["projectile.density_kg_m3"]) <= DENSEST
         if row["question"] != OUTLIER
     ]
 
     def column(name: str) -> Floats:
         return np.array([float(row[name] or "nan") for row in used])
 
-    path = 1.0 / np.cos(np.radians(column("impact.obliquity_deg")))
+    angles, strength = column(OBLIQUITY), column("backing.dynamic_yield_strength_MPa")
+    path = 1.0 / np.cos(np.radians(angles))
     inputs = (
         "projectile.penetrator_diameter_mm",
         "projectile.penetrator_mass_g",
@@ -144,27 +145,21 @@ def plates_of(kind: str, metal: str) -> Plates:
         "backing.density_kg_m3",
         "backing.dynamic_yield_strength_MPa",
     )
-    columns = {name: column(name) for name in inputs}
+    columns = {name: column(name) for name in inputs} | {BACKING: column(BACKING) * path}
     diameter, mass = columns[inputs[0]], columns[inputs[1]]
-    thickness = column("armour.backing_thickness_mm") * path
-    columns["armour.backing_thickness_mm"] = thickness
     computed = evaluate(load_scenario("bare_plate"), columns, ["ballistic_limit_m_s"])["ballistic_limit_m_s"]
     measured = column("ballistic_limit_m_s")
-    alloy, rounds, report = (
-        np.array([SAME_ROUND.get(row[name], row[name]) for row in used]) for name in ("plate", "round", "report")
-    )
-    strength = column("backing.dynamic_yield_strength_MPa")
+    alloy, rounds = (np.array([row[name] for row in used]) for name in ("plate", "round"))
     quantities = {
         **dict.fromkeys(RODS, np.zeros(len(used))),
-        "backing_thickness_ratio": thickness / diameter,
+        "backing_thickness_ratio": columns[BACKING] / diameter,
         "backing_strength_GPa": strength * CONSTRAINT * MPA / GPA,
         "tensile_MPa": column("ultimate_tensile_strength_MPa"),
         "rod_mass_ratio": mass / diameter**3,
         "path_ratio": path,
         "rod_diameter_mm": diameter,
     }
-    angles = column("impact.obliquity_deg")
-    return Plates(np.log(measured / computed), quantities, alloy, rounds, report, angles, measured)
+    return Plates(np.log(measured / computed), quantities, alloy, rounds, angles, measured)
 
 
 def fitted(group: Group, plates: Plates) -> Fit:
@@ -203,13 +198,7 @@ def fitted(group: Group, plates: Plates) -> Fit:
     def loss(logs: Floats, *_: Any) -> float:
         return solved(logs)[0]
 
-    best = minimize(
-        loss,
-        list(map(log, STARTS)),
-        method="Nelder-Mead",
-        bounds=Bounds(log(1e-4), 0.0),
-        options=OPTIONS,
-    )
+    best = minimize(loss, np.log(STARTS), method="Nelder-Mead", bounds=Bounds(log(1e-4), 0.0), options=OPTIONS)
     _, coefficients, covariance = solved(best.x)
     deviations, freedom = np.exp(best.x), len(alloys) - terms
     variance = float((deviations**2).sum())
@@ -356,11 +345,9 @@ def _table(fit: Fit) -> dict[str, object]:
     return {"terms": list(fit.terms), "reference": list(fit.reference), **numbers}
 
 
-def _rounded(values: object) -> object:
+def _rounded(values: ArrayLike) -> object:
     """Return numbers with six digits."""
-    if np.ndim(values):  # type: ignore[arg-type]
-        return [_rounded(value) for value in values]  # type: ignore[attr-defined]
-    return float(f"{values:.6g}")
+    return np.vectorize(lambda value: float(f"{value:.6g}"))(values).tolist()
 
 
 def main() -> None:

@@ -35,17 +35,10 @@ def ended(parts: list[str]) -> str:
 def answer() -> str:
     """Return the probability that the lightest armour stops the round, over its velocity, and the armour."""
     design: Any = armour.optimise(QUESTION).best
-    scenario = QUESTION.replaced(
-        {
-            "armour.ceramic_thickness_mm": design.ceramic_thickness_mm,
-            "armour.backing_thickness_mm": design.backing_thickness_mm,
-        }
-    )
+    limit: Any = armour.ballistic_limit(QUESTION.replaced(design.changes_to(QUESTION)))
     velocity = 850.0
     velocities = np.arange(700.0, 1301.0, 10.0)
-    stopped = armour.sweep(
-        scenario, {"impact.velocity_m_s": velocities.tolist()}, quantities=["probability_of_stopping"]
-    )["probability_of_stopping"]
+    stopped = limit.model_error.probability_of_stopping(limit.ballistic_limit_m_s, velocities)
     probability = 100 * design.probabilities_of_stopping[design.governing]
     x, y = scale(700, 62, 0.61), scale(0, 320, -1.4)
     ceramic, plate = 4 * design.ceramic_thickness_mm, 4 * design.backing_thickness_mm
@@ -144,8 +137,8 @@ def v50() -> str:
 
 def learn() -> str:
     """Return a penetrator that erodes in fragmented ceramic."""
-    parts = [HEAD.format(name="home-learn", width=256, height=160)]
-    parts += [
+    parts = [
+        HEAD.format(name="home-learn", width=256, height=160),
         box(176, 8, 36, 144, PLATE),
         box(140, 8, 36, 144, CERAMIC),
         '<path d="M140,64 176,14V146L140,96z" fill="url(#home-learn-cracks)" stroke="#6d5c2c"/>',

@@ -1,6 +1,7 @@
 """Write the pictures of docs/learn from what the program computes: three moments of an impact, and two charts."""
 
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 from statistics import NormalDist
 from typing import Any
 
@@ -28,13 +29,10 @@ def leader(x1: float, y1: float, x2: float, y2: float) -> str:
     """Return a line from words to what they name: dark in the armour, which is light in the dark, too."""
     (left, up), (right, down) = sorted(((x1, y1), (x2, y2)))
     cuts = [left, *(cut for cut in (FRONT, BACK) if left < cut < right), right]
-    height = [up + (down - up) * (cut - left) / (right - left) for cut in cuts]
+    points = [(round(cut, 1), round(up + (down - up) * (cut - left) / (right - left), 1)) for cut in cuts]
     parts = []
-    for index in range(len(cuts) - 1):
-        inside = FRONT <= cuts[index] < BACK
-        part = line(
-            round(cuts[index], 1), round(height[index], 1), round(cuts[index + 1], 1), round(height[index + 1], 1)
-        )
+    for start, end in pairwise(points):
+        part, inside = line(*start, *end), FRONT <= start[0] < BACK
         parts.append(part.replace("currentColor", "#222") if inside else part)
     return "\n".join(parts)
 
@@ -100,8 +98,7 @@ def erosion() -> str:
     words = [
         *(line(195, y, 222, y, tip).replace("currentColor", "#222") for y in (80, 115, 150, 185, 220)),
         text(60, 110, "penetrator", SMALL),
-        text(60, 215, "eroded steel", SMALL),
-        text(60, 231, "flows back", SMALL),
+        caption(60, 215, ("eroded steel", "flows back")),
         leader(102, 210, 148, 190),
         caption(246, 100, ("conoid of frag-", "mented ceramic"), LEFT),
         leader(243, 100, 185, 104),
@@ -175,12 +172,11 @@ def thickness() -> str:
     plates = [design.backing_thickness_mm for design in frontier]
     weights = [design.areal_density_kg_m2 for design in frontier]
     parts.append(curve([x(mm) for mm in plates], [y(kg) for kg in weights], BLUE))
-    for plate in (2.0, 6.0, 14.0):
+    for plate, up, side in ((2.0, 10, LEFT), (6.0, 32, ""), (14.0, 10, RIGHT)):
         design = next(design for design in frontier if design.backing_thickness_mm == plate)
         place = x(plate), y(design.areal_density_kg_m2)
         parts.append(dot(*place, BLUE))
         words = f"{design.ceramic_thickness_mm:g} mm ceramic"
-        up, side = {2.0: (10, LEFT), 6.0: (32, ""), 14.0: (10, RIGHT)}[plate]
         parts.append(text(place[0], place[1] - up, words, f"{side} {SMALL}"))
     parts.append(text((x(near[0]) + x(near[-1])) / 2, y(52.5), "within 3 %", SMALL))
     parts += [text(8, 20, "areal density, kg/m²", LEFT), text(200, 280, "back plate, mm")]
@@ -191,14 +187,11 @@ def limits() -> str:
     """Return three meanings of a limit over the velocity: of the model, of its error, and of the scatter of shots."""
     limit: Any = armour.ballistic_limit(SCENARIO)
     velocities = np.arange(580.0, 881.0, 10.0)
-    stopped = armour.sweep(
-        SCENARIO, {"impact.velocity_m_s": velocities.tolist()}, quantities=["probability_of_stopping"]
-    )["probability_of_stopping"]
+    stopped = limit.model_error.probability_of_stopping(limit.ballistic_limit_m_s, velocities)
     fit: Any = armour.v50(armour.read_shots("shots.csv")).recommended
     scatter = NormalDist(fit.v50_m_s, fit.scale_m_s)
     titles = ("1. The model: one limit", "2. Its error: where the limit may lie", "3. One armour: shots scatter")
-    parts = [head("limits", 530)]
-    parts.append(text(8, 16, "probability of perforation", f"{LEFT} {SMALL}"))
+    parts = [head("limits", 530), text(8, 16, "probability of perforation", f"{LEFT} {SMALL}")]
     x = scale(580, 56, 0.98)
     places: list[Place] = []
     for row, (title, foot) in enumerate(zip(titles, (156, 300, 480), strict=True)):

@@ -61,13 +61,9 @@ by up to 10 m/s. How far the engine's limits are from those with far shorter ste
 [campaigns](campaigns.md#numbers). [Steps](design.md#steps-and-events) and [searches](design.md#searches) are described
 under Design.
 """
-    return (
-        "\n\n".join(
-            part if part.startswith(("#", "|")) else fill(part, 120, break_on_hyphens=False)
-            for part in text.split("\n\n")
-        )
-        + "\n"
-    )
+    parts = text.split("\n\n")
+    filled = (part if part.startswith(("#", "|")) else fill(part, 120, break_on_hyphens=False) for part in parts)
+    return "\n\n".join(filled) + "\n"
 
 
 def _waits(command: Commands) -> str:

@@ -68,11 +68,7 @@ def homes(folder: Path, count: int) -> Iterator[Path]:
 
 def steps(folder: Path) -> Iterator[str]:
     """Kill processes at each of their steps on files."""
-
-    def kill(_step: str) -> None:
-        os.kill(os.getpid(), signal.SIGKILL)
-
-    yield from at_each_step(folder, kill, -signal.SIGKILL)
+    yield from at_each_step(folder, lambda _step: os.kill(os.getpid(), signal.SIGKILL), -signal.SIGKILL)
 
 
 def full(folder: Path) -> Iterator[str]:

@@ -9,34 +9,26 @@ import argparse
 import sys
 from collections.abc import Callable, Iterator
 from math import sqrt
-from typing import NamedTuple
 
 from tools.campaigns.verdict import verdict
 from tools.experiments import calibrations, curves, firings, plans, uncertainty
 from tools.experiments.share import Share
 
-
-class Experiment(NamedTuple):
-    """A simulation that counts shares, given the samples of a case and a seed, and its usual number of samples."""
-
-    shares: Callable[[int, int], Iterator[Share]]
-    samples: int
-
-
-EXPERIMENTS = {
-    "curves": Experiment(curves.shares, 1000),
-    "calibrations": Experiment(calibrations.shares, 300),
-    "uncertainty": Experiment(uncertainty.shares, 200),
-    "plans": Experiment(plans.shares, 200),
-    "firings": Experiment(firings.shares, 250),
-    "requirements": Experiment(firings.decisions, 250),
+# Simulations that count shares, given the samples of a case and a seed, and their usual numbers of samples.
+EXPERIMENTS: dict[str, tuple[Callable[[int, int], Iterator[Share]], int]] = {
+    "curves": (curves.shares, 1000),
+    "calibrations": (calibrations.shares, 300),
+    "uncertainty": (uncertainty.shares, 200),
+    "plans": (plans.shares, 200),
+    "firings": (firings.shares, 250),
+    "requirements": (firings.decisions, 250),
 }
 
 
 def run(name: str, samples: int | None, seed: int) -> int:
     """Run an experiment and print its shares; the exit code is 3 if one is less than it must be."""
-    experiment, judged = EXPERIMENTS[name], []
-    for share in experiment.shares(samples or experiment.samples, seed):
+    (shares, usual), judged = EXPERIMENTS[name], []
+    for share in shares(samples or usual, seed):
         print(f"{share.case}: {share.name}: {share.percent:.1f} % of {share.samples:,}", flush=True)
         judged += [share] if share.least is not None else []
     percents = [share.percent for share in judged]

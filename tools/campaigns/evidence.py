@@ -124,16 +124,6 @@ def _joined(parts: Sequence[Predicted]) -> Predicted:
     return Predicted(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 
 
-def alloys_of(plates: Plates) -> list[Bools]:
-    """Return the tests of each alloy."""
-    return [plates.alloy == alloy for alloy in np.unique(plates.alloy)]
-
-
-def in_order(plates: Plates) -> Plates:
-    """Return tests in the order in which their alloys are left out."""
-    return plates.at(np.argsort(plates.alloy, kind="stable"))
-
-
 def by_rule(group: Group, plates: Plates, *, covariates: bool) -> tuple[Group, Plates]:
     """Return tests whose computed limit is k sqrt(Y t D^2/m), and the group without covariates or with them."""
     of = plates.quantities
@@ -154,8 +144,10 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 def study(name: str) -> tuple[Plates, Predicted, list[list[str]]]:
     """Return tests of a group in order, what is predicted of them alloy by alloy, and the rows of all methods."""
     group = GROUPS[name]
-    plates = in_order(plates_of(group.kind, group.metal))
-    parts = alloys_of(plates)
+    plates = plates_of(group.kind, group.metal)
+    # In the order in which the alloys are left out.
+    plates = plates.at(np.argsort(plates.alloy, kind="stable"))
+    parts = [plates.alloy == alloy for alloy in np.unique(plates.alloy)]
     found = left_out(group, plates, parts)
     rows = [[NAMES[name], "this model", *found.row()]]
     if name != "cores_aluminium":

@@ -26,8 +26,9 @@ from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import chdir
-from functools import partial
+from functools import partial, reduce
 from multiprocessing import get_context
+from operator import getitem
 from pathlib import Path
 from typing import Any, NamedTuple
 from xml.etree import ElementTree
@@ -37,6 +38,7 @@ import typer
 
 from armour.engine.batch import available_cores
 from armour.reporting.junit import BEGINNING
+from tools.campaigns.trials import ERROR, forked
 from tools.campaigns.verdict import verdict
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -85,10 +87,11 @@ ASSIGNMENTS = [
 class Trial(NamedTuple):
     """A command line, its input files by name, what it reads from standard input, and when it is interrupted, s."""
 
+    command: str
     arguments: list[str]
     files: dict[str, bytes]
-    stdin: bytes = b""
-    interrupted_s: float = 0.0
+    stdin: bytes
+    interrupted_s: float  # 0 if it is not
 
 
 class Outcome(NamedTuple):
@@ -126,21 +129,14 @@ def places(data: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
     return found
 
 
-def at(data: Any, path: tuple[Any, ...]) -> Any:
-    """Return the value at a path within TOML data."""
-    for part in path:
-        data = data[part]
-    return data
-
-
 def mutated_data(data: dict[str, Any], dice: Dice) -> dict[str, Any]:
     """Change one value or key of TOML data, or one number of gentle data by a factor."""
     paths = places(data)
-    numbers = [path for path in paths if isinstance(at(data, path), float)]
+    numbers = [path for path in paths if isinstance(reduce(getitem, path, data), float)]
     if not (numbers if dice.gentle else paths):
         return data if dice.gentle else {"title": value(dice)}
     *path, last = dice.choice(numbers if dice.gentle or (numbers and dice.random() < 0.7) else paths)
-    table, action = at(data, tuple(path)), dice.random()
+    table, action = reduce(getitem, path, data), dice.random()
     if dice.gentle or (action < 0.7 and isinstance(table[last], float)):
         table[last] *= 10.0 ** (dice.choice([0.1, 0.3, 1.0, 1.0 if dice.gentle else 4.0]) * dice.uniform(-1, 1))
     elif action < 0.8:
@@ -425,7 +421,7 @@ def trial(dice: Dice) -> Trial:
     stdin = b""
     if "s.toml" in words and "s.toml" in maker.files and dice.random() < PIPED:
         words[words.index("s.toml")], stdin = "-", maker.files["s.toml"]
-    return Trial(words, maker.files, stdin, dice.uniform(0.01, 1.0) if dice.random() < STOPPED else 0.0)
+    return Trial(command, words, maker.files, stdin, dice.uniform(0.01, 1.0) if dice.random() < STOPPED else 0.0)
 
 
 def run(made: Trial, folder: Path) -> Outcome:
@@ -436,17 +432,12 @@ def run(made: Trial, folder: Path) -> Outcome:
     before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
     # Before the program handles an interruption, none may come.
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    child = os.fork()
-    if not child:
-        in_child(made, folder)
+    child = forked(in_child, made, folder)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     pidfd = os.pidfd_open(child)
-    ended = False
-    if made.interrupted_s:
-        ended = bool(select.select([pidfd], [], [], made.interrupted_s)[0])
-        if not ended:
-            os.kill(child, signal.SIGINT)
-    ended = ended or bool(select.select([pidfd], [], [], HANGING_S)[0])
+    if made.interrupted_s and not select.select([pidfd], [], [], made.interrupted_s)[0]:
+        os.kill(child, signal.SIGINT)
+    ended = bool(select.select([pidfd], [], [], HANGING_S)[0])
     os.close(pidfd)
     if not ended:
         os.kill(child, signal.SIGKILL)
@@ -489,8 +480,8 @@ def may_be_left(path: Path, code: int, arguments: list[str]) -> bool:
     return path.suffix == ".lock"
 
 
-def in_child(made: Trial, folder: Path) -> None:
-    """Run the command line in this process, which ends."""
+def in_child(made: Trial, folder: Path) -> int:
+    """Run the command line in this process and return its exit code."""
     from armour.cli.main import main as armour
 
     os.chdir(folder)
@@ -502,19 +493,14 @@ def in_child(made: Trial, folder: Path) -> None:
     signal.signal(signal.SIGINT, lambda *_: os._exit(INTERRUPTED))
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     sys.argv = ["armour", *made.arguments]
-    code = 99
     try:
         armour()
     except SystemExit as end:
-        code = end.code if isinstance(end.code, int) else 0 if end.code is None else 98
-    except BaseException:
-        import traceback
-
-        traceback.print_exc()
+        return int(end.code or 0)
     finally:
         sys.stdout.flush()
         sys.stderr.flush()
-        os._exit(code)
+    return ERROR
 
 
 def warm_up() -> None:
@@ -595,12 +581,11 @@ def main() -> int:
     with ProcessPoolExecutor(available_cores(), get_context("fork")) as pool:
         numbers = range(arguments.trials)
         for number, (made, outcome) in enumerate(pool.map(partial(tried, arguments.seed), numbers, chunksize=10)):
-            command = command_of(made)
-            codes[command][outcome.code] += 1
-            seconds[command] += outcome.seconds
-            options |= {(command, word) for word in made.arguments if word.startswith("--")}
+            codes[made.command][outcome.code] += 1
+            seconds[made.command] += outcome.seconds
+            options |= {(made.command, word) for word in made.arguments if word.startswith("--")}
             slowest, largest = max(slowest, outcome.seconds), max(largest, outcome.mib)
-            kinds.update({f"{command}: {re.sub(r'[0-9]+', '#', fault)}" for fault in outcome.faults})
+            kinds.update({f"{made.command}: {re.sub(r'[0-9]+', '#', fault)}" for fault in outcome.faults})
             if outcome.faults:
                 told = f"{outcome.code} {outcome.seconds:.1f} s"
                 print(number, made.arguments, told, outcome.faults, outcome.stderr[-TOLD:], flush=True)
@@ -617,11 +602,6 @@ def main() -> int:
         f"ended with exit code 0: {kinds.total()} faults; at most {slowest:.0f} s and {largest:.0f} MiB",
         right=not kinds,
     )
-
-
-def command_of(made: Trial) -> str:
-    """Return the command of a trial."""
-    return next(name for name in sorted(COMMANDS, reverse=True) if made.arguments[: len(name.split())] == name.split())
 
 
 def tried(seed: int, number: int) -> tuple[Trial, Outcome]:

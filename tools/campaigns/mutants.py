@@ -25,6 +25,7 @@ import libcst
 import pytest
 from mutmut.mutation.file_mutation import create_mutations
 
+from tools.campaigns.trials import exit_code, forked
 from tools.campaigns.verdict import verdict
 
 # The core in plain Python, and the same random inputs each time.
@@ -117,29 +118,19 @@ class Campaign:
         quickest = sorted(session.items, key=lambda item: self.usual.seconds[item.nodeid])
         for mutant in self.mutants:
             code = original(mutant).__code__
-            ending = self.tried(mutant, [item for item in quickest if code in self.usual.calls[item.nodeid]])
+            items = [item for item in quickest if code in self.usual.calls[item.nodeid]]
+            ending = ENDINGS.get(exit_code(forked(self.try_in_child, mutant, items)), DETECTED)
             self.outcomes[mutant.file, ending] += 1
             if ending == SURVIVED:
                 print(f"{mutant.file}: {mutant.function}: {mutant.difference}", flush=True)
         return True
 
-    def tried(self, mutant: Mutant, items: list[pytest.Item]) -> str:
-        """Run tests on a mutant in a child of this process; return how that ended."""
-        child = os.fork()
-        if not child:
-            null = os.open(os.devnull, os.O_WRONLY)
-            os.dup2(null, 1)
-            os.dup2(null, 2)
-            resource.setrlimit(resource.RLIMIT_AS, (4 << 30, 4 << 30))
-            try:
-                self.try_in_child(mutant, items)
-            finally:
-                os._exit(1)
-        code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
-        return ENDINGS.get(code, DETECTED)
-
-    def try_in_child(self, mutant: Mutant, items: list[pytest.Item]) -> None:
-        """Put the mutant in place and run the tests; the process ends."""
+    def try_in_child(self, mutant: Mutant, items: list[pytest.Item]) -> int:
+        """Put the mutant in place and run the tests; the process ends at the first that fails."""
+        null = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(null, 1)
+        os.dup2(null, 2)
+        resource.setrlimit(resource.RLIMIT_AS, (4 << 30, 4 << 30))
         function = original(mutant)
         names: dict[str, Any] = {}
         exec(mutant.source, function.__globals__, names)
@@ -148,7 +139,7 @@ class Campaign:
         for item in items:
             signal.setitimer(signal.ITIMER_PROF, LONGER * self.usual.seconds[item.nodeid] + AT_LEAST_S)
             item.config.hook.pytest_runtest_protocol(item=item, nextitem=None)
-        os._exit(0)
+        return 0
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         """End the child at the first test that fails."""
@@ -162,12 +153,7 @@ def main() -> int:
     parser.add_argument("--files", default=",".join(FILES))
     files = parser.parse_args().files.split(",")
     mutants = [mutant for file in files for mutant in mutants_of(file)]
-    options = [
-        "-o",
-        "addopts=",
-        *(word for name in ("cacheprovider", "terminal", "xdist") for word in ("-p", f"no:{name}")),
-        *TESTS,
-    ]
+    options = ["-o", "addopts=", *(f"-pno:{name}" for name in ("cacheprovider", "terminal", "xdist")), *TESTS]
     # The first run also fills what the tests keep, which no child then computes.
     usual = Usual()
     if code := pytest.main(options, [usual]):

@@ -29,7 +29,7 @@ from armour.statistics.measured import LIMIT, read_tests
 from armour.statistics.own_tests import SHOT_SCATTER, UNTESTED, own_tests
 from tools.campaigns.evidence import NAMES, ranges_of, table, write_tables
 from tools.campaigns.verdict import verdict
-from tools.evidence import GROUPS, LAWS, ROOT, SERIES, fitted, fitted_law, plates_of, tiles_of
+from tools.evidence import GROUPS, LAWS, ROOT, SERIES, Plates, Tiles, fitted, fitted_law, plates_of, tiles_of
 
 PAGE = ROOT / "docs" / "own-tests.md"
 PLATES = ("cores_steel", "cores_aluminium_tensile", "cores_aluminium", "fragments_aluminium")
@@ -88,6 +88,13 @@ def mixture_of(found: Sequence[Fit], q: Any, shifts: Sequence[Floats], ranges: A
     return Mixture(like * (weights / weights.sum())[:, None], locations, scales, like * freedom[:, None])
 
 
+def updated(fit: Fit, tests: Plates | Tiles, extra_deviation: float = 0.0) -> Fit:
+    """Return the fit for the lot of own tests, whose limits were measured exactly."""
+    nothing = np.zeros(len(tests.error))
+    own = LotTests(tests.quantities, tests.error, nothing, nothing, np.arange(len(nothing)))
+    return fit.updated(own, extra_deviation)
+
+
 class Lot(NamedTuple):
     """Tests of an alloy against a round, predicted with a number of own tests, and shares of each prediction."""
 
@@ -109,13 +116,10 @@ def lots_of(group_name: str, own: int, draws: int = DRAWS) -> Iterator[Lot]:
             for _ in range(draws if own else 1):
                 some = dice.choice(count, min(own, count), replace=False)
                 rest = np.setdiff1d(np.arange(count), some)
-                updated, nothing = fit, np.zeros(own)
-                if len(rest) and own:
-                    tests = lot.at(some)
-                    updated = fit.updated(LotTests(tests.quantities, tests.error, nothing, nothing, np.arange(own)))
                 if len(rest):
+                    by_own = updated(fit, lot.at(some)) if own else fit
                     q = lot.at(rest).quantities
-                    found.append(Outcome.of(lot.error[rest], mixture_of([updated], q, [np.zeros(len(rest))], ranges)))
+                    found.append(Outcome.of(lot.error[rest], mixture_of([by_own], q, [np.zeros(len(rest))], ranges)))
             if found:
                 yield Lot(f"{fired} on {alloy}", count, np.mean([one.means() for one in found], axis=0))
 
@@ -137,16 +141,9 @@ def wilkins(own: int) -> Outcome:
         left = [fitted_law(law, tiles[name].at(series != SERIES))[0] for name, law in LAWS.items()]
         places = np.flatnonzero(series == SERIES)
         for some in map(np.array, combinations(places, own)):
-            rest, nothing = np.setdiff1d(places, some), np.zeros(own)
-            fits_of = left
+            rest, fits_of = np.setdiff1d(places, some), left
             if own:
-                fits_of = [
-                    fit.updated(
-                        LotTests(of.at(some).quantities, of.error[some], nothing, nothing, np.arange(own)),
-                        STRANGE,
-                    )
-                    for fit, of in zip(left, tiles.values(), strict=True)
-                ]
+                fits_of = [updated(fit, of.at(some), STRANGE) for fit, of in zip(left, tiles.values(), strict=True)]
             shifts = [first.error[rest] - of.error[rest] for of in tiles.values()]
             found.append(Outcome.of(first.error[rest], mixture_of(fits_of, first.at(rest).quantities, shifts, {})))
     return joined(found)
@@ -212,13 +209,13 @@ def simulated(case: Case, own: int, scatter: float, dice: Any, samples: int = SA
             sides, uncertainties = np.where(limit > tested, 1.0, -1.0), np.full(own, SHOT_SCATTER)
             if case.shots == "stopped" and (sides < 0.0).any():
                 continue
-        of_tests, updated = {key: values[some] for key, values in q.items()}, []
+        of_tests, by_own = {key: values[some] for key, values in q.items()}, []
         for law in LAWS:
             tests = LotTests(of_tests, tested - by_law[law][some], sides, uncertainties, np.arange(own))
-            updated.append(fits()[law].updated(tests, case.more))
+            by_own.append(fits()[law].updated(tests, case.more))
         for place, design in enumerate(DESIGNS, start=count):
             of_design, first = {key: values[[place]] for key, values in q.items()}, by_law["constant"][[place]]
-            found = mixture_of(updated, of_design, [by_law[law][[place]] - first for law in LAWS], {})
+            found = mixture_of(by_own, of_design, [by_law[law][[place]] - first for law in LAWS], {})
             parts[design].append(Outcome.of(true[[place]] + effect - first, found))
     return {design: joined(found) for design, found in parts.items()}
 
@@ -240,21 +237,16 @@ def untested(own: int, scatter: float, dice: Any) -> dict[str, Outcome]:
             dict(zip((CERAMIC, BACKING, LIMIT), row, strict=True)) for row in np.column_stack([armours[:own], tested])
         ]
         kept = own_tests(read_tests(rows, scenario), {FLOW_STRESS: nominal})
-        entry = scenario.entry_of("ceramic")
         assert kept is not None
-        assert entry is not None
+        entry = replace(scenario.entry("ceramic", "SiC"), evidence=kept)
         made = variants_of(scenario, columns, len(armours))
-        made = made._replace(materials=(Materials(replace(entry, evidence=kept), made.materials[0].backing),))
+        made = made._replace(materials=(Materials(entry, made.materials[0].backing),))
         by_own = ballistic_limits(made)
         found = distributions(made, by_own).times(1.0 / by_own)
         for place, design in enumerate(DESIGNS, start=own):
             error = np.log(true[[place]] / by_own[[place]])
-            parts[design].append(Outcome.of(error, found.mapped(partial(_column, place))))
+            parts[design].append(Outcome.of(error, found.mapped(partial(np.take, indices=[place], axis=1))))
     return {design: joined(found) for design, found in parts.items()}
-
-
-def _column(place: int, array: Floats) -> Floats:
-    return array[:, [place]]
 
 
 def main() -> int:

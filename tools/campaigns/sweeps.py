@@ -10,17 +10,13 @@ import subprocess
 import sys
 import tempfile
 import time
-import traceback
 from collections.abc import Iterator
-from contextlib import redirect_stderr, redirect_stdout
-from itertools import count
 from pathlib import Path
 
-from armour.cli.app import app
 from armour.engine.cache import kernel
 from armour.sweeps import sweep as sweeps
 from tests.helpers.cases import SCENARIOS
-from tools.campaigns.trials import ERROR, WRONG, exit_code, forked, run
+from tools.campaigns.trials import WRONG, command, exit_code, forked, run
 
 OVER = ["--over", "armour.ceramic_thickness_mm=2:12:0.05", "--over", "impact.velocity_m_s=700:900:20"]
 QUANTITIES = ("residual_velocity_m_s,outcome", "penetration_depth_mm")
@@ -37,14 +33,7 @@ sweep_s = [60.0]
 def sweep(output: Path, quantities: str = QUANTITIES[0], *more: str) -> int:
     """Run a sweep and return its exit code; its messages go to a file beside the output."""
     args = ["sweep", str(SCENARIOS / "wilkins.toml"), *OVER, "--quantities", quantities, "--threads", "1"]
-    with Path(f"{output.parent}.messages").open("a") as said, redirect_stdout(said), redirect_stderr(said):
-        try:
-            app([*args, *more, "-o", str(output)], prog_name="armour")
-        except SystemExit as end:
-            return int(end.code or 0)
-        except BaseException:
-            traceback.print_exc()
-    return ERROR
+    return command([*args, *more, "-o", str(output)], Path(f"{output.parent}.messages"))
 
 
 def resumed(output: Path) -> str:
@@ -68,9 +57,9 @@ def wrong(output: Path, quantities: str = QUANTITIES[0]) -> bool:
     return output.read_bytes() != references[output.suffix, quantities]
 
 
-def outputs(folder: Path) -> Iterator[Path]:
+def outputs(folder: Path, count: int) -> Iterator[Path]:
     """Yield outputs in new folders, CSV and Parquet in turn."""
-    for number in count():
+    for number in range(count):
         output = folder / f"{number}" / f"t.{ENDINGS[number % 2]}"
         output.parent.mkdir()
         yield output
@@ -78,7 +67,7 @@ def outputs(folder: Path) -> Iterator[Path]:
 
 def kills(folder: Path) -> Iterator[str]:
     """Kill sweeps at random moments, some of them several times, and resume them."""
-    for number, output in zip(range(KILLS), outputs(folder), strict=False):
+    for number, output in enumerate(outputs(folder, KILLS)):
         times = 1 + number % 3
         for _ in range(times):
             child = forked(sweep, output)
@@ -91,7 +80,7 @@ def kills(folder: Path) -> Iterator[str]:
 def pairs(folder: Path) -> Iterator[str]:
     """Start pairs of sweeps of different quantities to one output."""
     refusals = ("another sweep is at work", "exists already", "contains rows", "cannot be written")
-    for _, output in zip(range(PAIRS), outputs(folder), strict=False):
+    for output in outputs(folder, PAIRS):
         children = []
         for quantities in QUANTITIES:
             children.append(forked(sweep, output, quantities))
@@ -106,7 +95,7 @@ def pairs(folder: Path) -> Iterator[str]:
 
 def full(folder: Path) -> Iterator[str]:
     """Sweep to small file systems that fill up; make them larger and resume."""
-    for number, output in zip(range(FULL), outputs(folder), strict=False):
+    for number, output in enumerate(outputs(folder, FULL)):
         mount = ["mount", "-t", "tmpfs", "-o", f"size={16 + 10 * number}k", "armour", str(output.parent)]
         if subprocess.run(mount, capture_output=True, check=False).returncode:
             yield "not possible here"

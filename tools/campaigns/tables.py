@@ -10,15 +10,13 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator
-from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 
-from armour.cli.app import app
 from armour.engine.cache import kernel
 from armour.errors import InputError
 from armour.statistics.v50 import read_shots
 from tests.helpers.faults import faults
-from tools.campaigns.trials import ERROR, WRONG, exit_code, forked, run
+from tools.campaigns.trials import WRONG, command, exit_code, forked, run
 
 PAIRS, SAVES = 50, 50
 TABLES = (
@@ -31,13 +29,8 @@ command_s = [60.0]
 
 def recorded(table: Path, velocity_m_s: float) -> int:
     """Record a partial penetration and return the exit code."""
-    args = ["plan", "shots", "wilkins", str(table), "--result", "partial", "--velocity-m-s", str(velocity_m_s)]
-    with Path(os.devnull).open("w") as said, redirect_stdout(said), redirect_stderr(said):
-        try:
-            app(args, prog_name="armour")
-        except SystemExit as end:
-            return int(end.code or 0)
-    return ERROR
+    shot = ["--result", "partial", "--velocity-m-s", str(velocity_m_s)]
+    return command(["plan", "shots", "wilkins", str(table), *shot], Path(os.devnull))
 
 
 def tables(folder: Path, count: int) -> Iterator[Path]:

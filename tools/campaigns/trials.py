@@ -5,8 +5,10 @@ import tempfile
 import traceback
 from collections import Counter
 from collections.abc import Callable, Iterator
+from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 
+from armour.cli.app import app
 from tools.campaigns.verdict import verdict
 
 WRONG = "WRONG"
@@ -31,6 +33,16 @@ def forked(function: Callable[..., int], *args: object) -> int:
 def exit_code(child: int) -> int:
     """Wait for a process; return its exit code, or that of a signal, below zero."""
     return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+
+
+def command(arguments: list[str], said: Path) -> int:
+    """Run a command in this process, append what it says to a file, and return its exit code."""
+    with said.open("a") as file, redirect_stdout(file), redirect_stderr(file):
+        try:
+            app(arguments, prog_name="armour")
+        except SystemExit as end:
+            return int(end.code or 0)
+    return ERROR
 
 
 def run(*series: Callable[[Path], Iterator[str]]) -> int:

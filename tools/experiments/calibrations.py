@@ -24,7 +24,7 @@ from armour.statistics import likelihood as likelihood_fit
 from armour.statistics.calibration import FLOW_STRESS, LAWS, Law, with_ceramic, with_law
 from armour.statistics.measured import LIMIT, Measurement, Tests, read_tests
 from armour.units import GPA
-from tools.experiments.share import Share
+from tools.experiments.share import Share, holds
 
 ROOT = Path(__file__).resolve().parents[2]
 TRUE_GPA, TRUE_EXPONENT = 5.2, 0.3
@@ -105,9 +105,9 @@ class Simulation:
         plain = load_scenario(ROOT / "scenarios/wilkins.toml")
         read = read_tests(ROOT / "scenarios/tests/wilkins.csv", plain)
         armours = [*case.limits, *case.outcomes]
-        columns = {name: read.groups[0].columns[name][armours] for name in (CERAMIC, BACKING)}
+        self.columns = {name: read.groups[0].columns[name][armours] for name in (CERAMIC, BACKING)}
         self.scenario = with_law(plain, case.law)
-        group = read.groups[0]._replace(scenario=self.scenario, where=np.arange(len(armours)), columns=columns)
+        group = read.groups[0]._replace(scenario=self.scenario, where=np.arange(len(armours)), columns=self.columns)
         names = tuple(map(str, range(len(armours))))
         some = tuple(Measurement(i, LIMIT, 700.0, None, 0) for i in range(len(armours)))
         cells: tuple[dict[str, float | str], ...] = ({},) * len(armours)
@@ -121,25 +121,15 @@ class Simulation:
             }
             self.scenario = self.scenario.replaced({"uncertainty": {"ceramic": {"flow_stress_GPa": prior}}})
             self.tests = self.tests._replace(groups=(group._replace(scenario=self.scenario),))
-        self.columns = columns
 
     def drawn(self, dice: np.random.Generator) -> Tests:
         """Return simulated tests, of a flow stress drawn from the prior if there is one."""
-        section = self.scenario.uncertainty
-        if section is not None and self.case.prior_percent:
+        case, first, section = self.case, len(self.case.limits), self.scenario.uncertainty
+        if section is not None and case.prior_percent:
             found = quantiles(section.inputs()[FLOW_STRESS], dice.random(1), TRUE_GPA)
             self.truth[FLOW_STRESS] = float(found[0])
-        return self.fired(dice)
-
-    @property
-    def limits(self) -> Floats:
-        """The true limits, m/s."""
         true = with_ceramic(self.scenario, {name.split(".")[1]: value for name, value in self.truth.items()})
-        return likelihood_fit.MODELS[LIMIT](variants_of(true, self.columns, len(self.tests.names)))
-
-    def fired(self, dice: np.random.Generator) -> Tests:
-        """Return simulated tests."""
-        case, first, limits = self.case, len(self.case.limits), self.limits
+        limits = likelihood_fit.MODELS[LIMIT](variants_of(true, self.columns, len(self.tests.names)))
         deviations = np.full(len(limits), GIVEN_M_S) if case.given else RELATIVE * limits
         found = limits + deviations * dice.normal(size=len(limits))
         given = GIVEN_M_S if case.given else None
@@ -155,8 +145,7 @@ class Simulation:
         likelihood = likelihood_fit.likelihood_of(tests, [*self.truth], ignore_progress, prior=prior)
         fit = likelihood_fit.fit_inputs(likelihood)
         for found in likelihood_fit.intervals(fit):
-            low, high = found.interval or (None, None)
-            if (low is None or low <= self.truth[found.name]) and (high is None or self.truth[found.name] <= high):
+            if holds(found.interval or (None, None), self.truth[found.name]):
                 yield found.name
             if found.interval is None or None in found.interval:
                 yield f"open intervals of {found.name}"

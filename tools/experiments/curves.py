@@ -12,9 +12,9 @@ from contextlib import suppress
 import numpy as np
 
 from armour.errors import NoAnswerError
-from armour.statistics.curves import Z95, FittedCurve, Interval, fit_curve
+from armour.statistics.curves import Z95, FittedCurve, fit_curve
 from armour.statistics.v50 import Shots
-from tools.experiments.share import Share
+from tools.experiments.share import Share, holds
 
 V50, SCALE = 720.0, 10.0
 TRUE = {"V50": V50, "scale": SCALE, "V05": V50 - Z95["probit"] * SCALE, "V95": V50 + Z95["probit"] * SCALE}
@@ -51,16 +51,11 @@ def held(fit: FittedCurve) -> list[str]:
         "V05": fit.v05_interval_m_s,
         "V95": fit.v95_interval_m_s,
     }
-    found = [name for name, interval in intervals.items() if interval and _holds(interval, TRUE[name])]
+    found = [name for name, interval in intervals.items() if interval and holds(interval, TRUE[name])]
     if fit.method == "penalised likelihood":
         bounds = {"V50": fit.v50_lower_m_s, "V05": fit.v05_lower_m_s}
-        found += [f"lower bound of {name}" for name, low in bounds.items() if _holds((low, None), TRUE[name])]
+        found += [f"lower bound of {name}" for name, low in bounds.items() if holds((low, None), TRUE[name])]
     return found
-
-
-def _holds(interval: Interval, value: float) -> bool:
-    low, high = interval
-    return (low is None or low <= value) and (high is None or value <= high)
 
 
 def simulate(rule: str, shots: int, samples: int, seed: int) -> Counter[str]:

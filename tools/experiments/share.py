@@ -1,6 +1,12 @@
-"""A share of simulated samples, which every experiment yields."""
+"""A share of simulated samples, which every experiment yields, and what an interval contains."""
 
 from typing import NamedTuple
+
+
+def holds(interval: tuple[float | None, float | None], value: float) -> bool:
+    """Return whether an interval, whose ends may be open, contains a value."""
+    low, high = interval
+    return (low is None or low <= value) and (high is None or value <= high)
 
 
 class Share(NamedTuple):
