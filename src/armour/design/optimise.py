@@ -384,7 +384,7 @@ def _best_place(catalogue: Catalogue, on_progress: OnProgress) -> tuple[Search, 
     while True:
         reliability = None
         if catalogue.sampled:
-            from armour.design.reliability import Reliability  # imports scipy.stats, which takes half a second
+            from armour.design.reliability import Reliability  # imports scipy, which takes a tenth of a second
 
             reliability = Reliability(requirement.catalogue, on_progress)
         search = Search(requirement, candidates_of(requirement), reliability)

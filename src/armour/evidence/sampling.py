@@ -5,9 +5,7 @@ from math import hypot, log, log1p, sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy import stats
 from scipy.special import ndtr, ndtri
-from scipy.stats import qmc
 
 from armour.evidence.student import Floats
 from armour.scenario.schema import Distribution, Uncertainty, correlation_matrix
@@ -27,6 +25,8 @@ def points_of(uncertainty: Uncertainty) -> Floats:
 
 def replicated_points(method: str, width: int, samples: int, seed: int) -> Floats:
     """Return points within the unit cube, shape (samples, width): scrambled Sobol' sequences or Latin hypercubes."""
+    from scipy.stats import qmc  # slow to import
+
     rng = np.random.default_rng(seed)
     sampler = qmc.Sobol if method == "sobol" else qmc.LatinHypercube
     sizes = (len(part) for part in np.array_split(np.empty(samples), REPLICATES))
@@ -67,7 +67,12 @@ def quantiles(distribution: Distribution, probabilities: ArrayLike, value: float
     if distribution.distribution == "lognormal":
         with np.errstate(divide="ignore"):
             ends = np.log(ends.clip(min=0.0))
-    scores = ndtri(parts) if np.isinf(ends).all() else stats.truncnorm.ppf(parts, *(ends - centre) / width)
+    if np.isinf(ends).all():
+        scores = ndtri(parts)
+    else:
+        from scipy.stats import truncnorm  # slow to import
+
+        scores = truncnorm.ppf(parts, *(ends - centre) / width)
     values = centre + width * scores
     return np.clip(np.exp(values) if distribution.distribution == "lognormal" else values, *distribution.ends)
 

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field, PlainValidator
-from scipy.stats import norm, t
+from scipy.special import ndtri, stdtrit
 
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
@@ -444,6 +444,6 @@ def _half_widths(
         return np.full(len(gradients), nan)
     # Further limits also add to the knowledge of the scatter.
     freedom = knowledge.freedom and knowledge.freedom + (len(chosen) if measure == "limit" else 0)
-    factor = float(norm.ppf(UPPER) if freedom is None else t.ppf(UPPER, freedom))
+    factor = float(ndtri(UPPER) if freedom is None else stdtrit(freedom, UPPER))
     variances = np.einsum("mr,rs,ms->m", gradients, np.linalg.inv(information), gradients)
     return factor * np.sqrt(variances)

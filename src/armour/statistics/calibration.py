@@ -7,7 +7,7 @@ from itertools import chain
 from typing import Any, Literal
 
 import numpy as np
-from scipy.stats import t
+from scipy.special import stdtrit
 
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
@@ -414,7 +414,7 @@ def out_of_line(deviations: Floats, left_out: Floats, coefficients: int) -> Bool
         return np.zeros(len(deviations), dtype=bool)
     added = deviations * left_out
     scatter = np.maximum(deviations @ deviations - added, 0.0) / freedom
-    limit = t.ppf(1.0 - 0.5 * FALSE_ALARMS / len(deviations), freedom)
+    limit = stdtrit(freedom, 1.0 - 0.5 * FALSE_ALARMS / len(deviations))
     return added > limit**2 * scatter
 
 

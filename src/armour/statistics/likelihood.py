@@ -8,8 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import approx_fprime, least_squares, minimize_scalar
-from scipy.special import log_ndtr
-from scipy.stats import chi2, norm, t
+from scipy.special import chdtrc, log_ndtr, ndtri, stdtrit
 
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.evaluate import Answers
@@ -402,7 +401,7 @@ def _linearised(likelihood: Likelihood, best: Point) -> _Linearised:
 
 # Probability below the upper end of an interval, and the threshold of a likelihood ratio where scatters are known.
 UPPER = 0.5 * (1.0 + CONFIDENCE)
-NORMAL_THRESHOLD = float(norm.ppf(UPPER)) ** 2
+NORMAL_THRESHOLD = float(ndtri(UPPER)) ** 2
 
 
 def _by_uncertainties(best: Point, linear: _Linearised) -> Precision:
@@ -413,12 +412,12 @@ def _by_uncertainties(best: Point, linear: _Linearised) -> Precision:
     freedom = float(linear.exact.sum() + len(scores) - count + leverages[: len(linear.z)][~linear.exact].sum())
     freedom = round(freedom, FREEDOM_DIGITS) + 0.0  # outcomes alone leave none, but for rounding
     chi_squared = float((linear.z[linear.exact] ** 2).sum()) + float((scores**2).sum())
-    p_value = float(chi2.sf(chi_squared, freedom)) if freedom > MIN_FREEDOM else None
+    p_value = float(chdtrc(freedom, chi_squared)) if freedom > MIN_FREEDOM else None
     widened_by, threshold = 1.0, NORMAL_THRESHOLD
     # A wider interval does not repair a prior that the tests contradict.
     if p_value is not None and p_value < MIN_P_VALUE and not len(scores):
         widened_by = sqrt(chi_squared / freedom)
-        threshold = (widened_by * float(t.ppf(UPPER, freedom))) ** 2
+        threshold = (widened_by * float(stdtrit(freedom, UPPER))) ** 2
     return Precision(covariance * widened_by**2, 1.0, freedom, chi_squared, p_value, widened_by, threshold)
 
 
@@ -441,7 +440,7 @@ def _by_scatter(best: Point, linear: _Linearised) -> Precision:
     freedom = number - by_tests
     columns[:measured] *= sqrt(freedom / number)
     columns[-1] *= sqrt(freedom / number)
-    exact_threshold = number * float(np.log1p(t.ppf(UPPER, freedom) ** 2 / freedom))
+    exact_threshold = number * float(np.log1p(stdtrit(freedom, UPPER) ** 2 / freedom))
     return Precision(
         covariance=_inverted(columns, count)[0],
         spread=best.scatter * sqrt(number / freedom),
