@@ -57,7 +57,7 @@ def test_the_json_of_other_commands(cli):
     assert [index["input"] for index in data["inputs"][:2]] == ["model.limit_error_percent", "ceramic.flow_stress_GPa"]
     data = json.loads(cli("optimise", CATALOGUE, "--json").stdout)
     assert data["best"]["ballistic_limit_m_s"] >= 850.0
-    assert data["examined"] <= data["designs"] == 282
+    assert data["designs"] == 282
 
 
 def test_warnings_in_json_are_those_printed(cli):

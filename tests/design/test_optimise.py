@@ -72,7 +72,7 @@ def test_every_design_of_the_frontier_is_the_thinnest():
         assert design.thickness_mm == ceramic + backing
         assert (design.ceramic, design.backing) == ("AD85", "5083-H3")
         assert design.margin_m_s == ballistic_limit(of_design(case(), design)).ballistic_limit_m_s - 850.0
-    assert result.designs == result.examined == 6 * 13
+    assert result.designs == 6 * 13
     assert result.runs >= 6 * 13
 
 

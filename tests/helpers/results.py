@@ -77,7 +77,6 @@ def design_result(
         criteria=("areal_density_kg_m2", "cost_per_m2") if pareto else (),
         pareto=(design(ceramic, 8.0, 6.0, 43.6, 100.0), design("AD99.5", 7.5, 7.0, 48.0, 80.0)) if pareto else (),
         designs=100,
-        examined=40,
         runs=200,
         not_monotonic_mm=(),
         warnings=(),

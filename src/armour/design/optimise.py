@@ -195,8 +195,8 @@ class DesignResult(TableResult):
         Criteria of the Pareto front.
     pareto : tuple of Design
         Pareto front; empty if not requested.
-    designs, examined : int
-        Number of designs that meet the constraints; all of them are examined.
+    designs : int
+        Number of designs that meet the constraints.
     runs : int
         Impacts computed to decide which designs pass, samples of uncertain inputs not counted.
     not_monotonic_mm : tuple of float
@@ -226,7 +226,6 @@ class DesignResult(TableResult):
     pairs: tuple[Pair, ...]
     criteria: tuple[str, ...]
     designs: int
-    examined: int
     runs: int
     warnings: tuple[str, ...]
     refined: BestDesign | None = None
@@ -297,28 +296,12 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
         If something is missing in the scenario, there is no range to refine, or a run does not end.
     """
     catalogue = catalogue_of(scenario)
-    problems = []
-    if refine and catalogue.sampled:
-        message = "must be left out if the design is refined, as designs between the given thicknesses are not sampled"
-        of_threats = any(threat.probability_of_perforation is not None for threat in catalogue.threats)
-        key = "threat.probability_of_perforation" if of_threats else "design.confidence"
-        problems.append(Problem(scenario.file, key, message))
-    if refine and not any(layer.free_range(refine=True) for offer in catalogue.offers for layer in offer[:2]):
-        problems.append(Problem(scenario.file, "--refine", "needs a thickness given as a range"))
-    refuse(problems)
+    if refine:
+        refuse(_not_refinable(catalogue))
     search, tested, place, reason = _best_place(catalogue, on_progress)
     explanation, without_limits = "", None
     if reason == "none passes":
-        unconstrained = _unconstrained(search)
-        explanation = _why_none(search, unconstrained, range(len(catalogue.offers)))
-        of_one_source = np.flatnonzero(catalogue.one_source[search.candidates.pair])
-        if (first := search.first(of_one_source)) is not None:
-            ceramic = catalogue.offers[search.candidates.pair[first]].ceramic.material
-            explanation = f"only {ceramic} would, whose flow stress comes from a single source"
-        first = _first(unconstrained, unconstrained.requirement.tested(unconstrained.candidates))
-        if first is not None:
-            without_limits = _best(unconstrained, first)
-            without_limits = replace(without_limits, exceeds=_exceeds(catalogue.section, without_limits))
+        explanation, without_limits = _failure(search)
         search = _nearest(search.requirement)
         place, pairs = 0, _short_pairs(search)
     else:
@@ -327,23 +310,19 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
     if reason == "not known":
         explanation = _why_not_known(search, place)
 
-    criteria = tuple(catalogue.section.pareto or ())
-    ends: dict[str, Any] = {}
-    frontier, warnings = np.empty(0, dtype=np.int64), [*_unused_impact(scenario), *catalogue.omissions()]
+    warnings = [*_unused_impact(scenario), *catalogue.omissions()]
     if place is not None:
         warnings += _outside(search, place)
     warnings += [] if catalogue.sampled else scenario.unused_distributions()
+    criteria = tuple(catalogue.section.pareto or ())
+    frontier, ends = np.empty(0, dtype=np.int64), dict[str, Any]()
     if place is not None and shown is not None and reason != "none passes":
-        pair = int(search.candidates.pair[place])
         frontier = search.frontier(place)
-        ranges = [low for _, name, low, _ in catalogue.ranges(pair) if name == "ceramic"]
-        ends = {
-            "ceramic_min_mm": min(ranges, default=0.0) or None,
-            "without_mm": _failing_backings(search, place, frontier),
-            "not_monotonic_mm": search.not_monotonic_mm(frontier),
+        ends = _ends(search, place, frontier) | {
             "refined": _refined(search, place) if refine else None,
             "pareto": _pareto(search, criteria) if criteria else (),
         }
+        pair = int(search.candidates.pair[place])
         changing = (*search.changing(), *((pair, "ceramic", other) for other in ends["not_monotonic_mm"]))
         warnings += [
             *_untested(pairs),
@@ -366,13 +345,48 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
         pairs=pairs,
         criteria=criteria,
         designs=len(search.values),
-        examined=len(search.values),
         runs=search.requirement.runs,
         warnings=tuple(warnings),
         every=_designs(search, every, with_margins=True),
         margins_of_every_m_s=tuple(dict(zip(catalogue.titles, row, strict=True)) for row in margins),
         **ends,
     ).of(_subject(catalogue), scenario=scenario)
+
+
+def _not_refinable(catalogue: Catalogue) -> Iterator[Problem]:
+    """Yield why the best design cannot be refined."""
+    file = catalogue.scenario.file
+    if catalogue.sampled:
+        message = "must be left out if the design is refined, as designs between the given thicknesses are not sampled"
+        of_threats = any(threat.probability_of_perforation is not None for threat in catalogue.threats)
+        yield Problem(file, "threat.probability_of_perforation" if of_threats else "design.confidence", message)
+    if not any(layer.free_range(refine=True) for offer in catalogue.offers for layer in offer[:2]):
+        yield Problem(file, "--refine", "needs a thickness given as a range")
+
+
+def _failure(search: Search) -> tuple[str, BestDesign | None]:
+    """Return why no design passes, and the best one that would without the limits, if there is one."""
+    catalogue, unconstrained = search.catalogue, _unconstrained(search)
+    explanation = _why_none(search, unconstrained, range(len(catalogue.offers)))
+    of_one_source = np.flatnonzero(catalogue.one_source[search.candidates.pair])
+    if (first := search.first(of_one_source)) is not None:
+        ceramic = catalogue.offers[search.candidates.pair[first]].ceramic.material
+        explanation = f"only {ceramic} would, whose flow stress comes from a single source"
+    place = _first(unconstrained, unconstrained.requirement.tested(unconstrained.candidates))
+    if place is None:
+        return explanation, None
+    best = _best(unconstrained, place)
+    return explanation, replace(best, exceeds=_exceeds(catalogue.section, best))
+
+
+def _ends(search: Search, place: int, frontier: Ints) -> dict[str, Any]:
+    """Return where the frontier of the best design ends, and its thicknesses beyond which thicker ones fail."""
+    ranges = search.catalogue.ranges(int(search.candidates.pair[place]))
+    return {
+        "ceramic_min_mm": min((low for _, name, low, _ in ranges if name == "ceramic"), default=0.0) or None,
+        "without_mm": _failing_backings(search, place, frontier),
+        "not_monotonic_mm": search.not_monotonic_mm(frontier),
+    }
 
 
 def _best_place(catalogue: Catalogue, on_progress: OnProgress) -> tuple[Search, Bools, int | None, Reason]:

@@ -255,7 +255,7 @@ def tables(result: DesignResult) -> list[Table | str]:
             shown.append(left_out(result))
     if result.pareto:
         shown.append(design_table(result.pareto, "Pareto front"))
-    return [*shown, f"{number(result.examined, 'd')} designs computed"]
+    return [*shown, f"{number(result.designs, 'd')} designs computed"]
 
 
 def _answer(scenario: Scenario, best: BestDesign) -> Scenario:
