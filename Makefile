@@ -26,7 +26,7 @@ lowest: $(LOWEST)/installed
 	$(LOWEST)/bin/ruff format --check .
 	$(LOWEST)/bin/ruff check .
 	$(LOWEST)/bin/lint-imports
-	$(LOWEST)/bin/pytest -n auto -m 'not slow' tests/test_*.py tests/cli tests/engine tests/reporting tests/scenario tests/sweeps
+	$(LOWEST)/bin/pytest -n auto -m 'not slow' tests/test_*.py tests/cli tests/engine tests/reporting tests/scenario tests/sweeps tests/statistics/test_own_tests.py
 
 check: $(VENV)/developing
 	$(BIN)/ruff format --check .

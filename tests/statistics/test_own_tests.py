@@ -23,8 +23,6 @@ from tests.helpers.fits import table_of, wilkins_fit
 from tests.helpers.results import best_of
 from tools.campaigns import own_tests as campaign
 
-pytestmark = pytest.mark.slow
-
 STRENGTH = "backing.flow_stress_GPa"
 FILE = Path("made.toml")
 
@@ -223,6 +221,7 @@ def test_the_file_keeps_the_tests_readably():
     assert again.tests["backing_thickness_ratio"][0] == pytest.approx(q["backing_thickness_ratio"][0])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("own", [1, 3])
 def test_tests_of_a_series_of_wilkins_predict_the_others_of_it(own: int):
     outcome = campaign.wilkins(own)
@@ -231,6 +230,7 @@ def test_tests_of_a_series_of_wilkins_predict_the_others_of_it(own: int):
     assert 100.0 * (outcome.error**2).mean() ** 0.5 <= {1: 4.6, 3: 2.6}[own]
 
 
+@pytest.mark.slow
 def test_tests_of_a_real_lot_predict_the_others_of_it():
     """As on docs/own-tests.md, of fewer draws."""
     before, after = (
@@ -242,6 +242,7 @@ def test_tests_of_a_real_lot_predict_the_others_of_it():
     assert squares[1] < squares[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", campaign.CASES, ids=lambda case: case.name)
 def test_intervals_hold_the_limits_of_simulated_lots(case: campaign.Case):
     dice = np.random.default_rng(3)

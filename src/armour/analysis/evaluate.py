@@ -101,7 +101,7 @@ def scenarios_of(
         row = int(first[index])
         with restated(partial(place, row)):
             changed = scenario.replaced({key: columns[key][row].item() for key in settings})
-        where = np.flatnonzero(combination_of_row.reshape(-1) == index)
+        where = np.flatnonzero(combination_of_row == index)
         inputs_of_rows = {key: values[where] for key, values in inputs.items()}
         changed.check_rows(inputs_of_rows, partial(_placed, where, place))
         yield where, changed, inputs_of_rows
