@@ -91,6 +91,10 @@ def test_init_copies_a_suite_and_a_table(cli, folder: Path):
     assert cli("init", "s.ipynb", "--from", "study.ipynb").stderr.splitlines()[-1] == "next: jupyter lab s.ipynb"
     assert (folder / "s.ipynb").read_bytes() == (SCENARIOS.parent / "docs" / "study.ipynb").read_bytes()
     wrong = ("t.toml", "shots.csv", "csv"), ("u.csv", "plates", "toml"), ("u.toml", "study.ipynb", "ipynb")
+    assert cli.fails(2, "init", "wilkins") == [
+        "wilkins: must end in .toml, found no ending; to copy the shipped one: --from wilkins"
+    ]
+    assert cli("init", "my s.toml").stderr.splitlines()[-1] == "next: armour check 'my s.toml'"
     for file, source, ending in wrong:
         assert cli.fails(2, "init", file, "--from", source)[0].startswith(f"{file}: must end in .{ending}")
 

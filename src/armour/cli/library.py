@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -121,14 +122,15 @@ def init(
         raise mistake("init", "--from", message)
     ending = shipped[source].suffix
     check_outputs(file, force=force)
-    refuse(wrong_ending(file, (ending,)) if {ending, file.suffix} & {".csv", ".ipynb"} else [])
+    hint = f"; to copy the shipped one: --from {file}" * (str(file) in shipped)
+    refuse(problem._replace(message=problem.message + hint) for problem in wrong_ending(file, (ending,)))
     is_scenario = ending == ".toml" and source not in suites
     write({file: SCHEMA_LINE * is_scenario + shipped[source].read_bytes()})
     if ending == ".toml":
         command = "check {}" if is_scenario else "validate {}" + " --update" * (source == "regression")
-        say(f"next: armour {command.format(file)}")
+        say(f"next: armour {command.format(quote(str(file)))}")
     elif ending == ".ipynb":
-        say(f"next: jupyter lab {file}")
+        say(f"next: jupyter lab {quote(str(file))}")
 
 
 def compile_() -> None:
