@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, Protocol
 
 from armour.errors import CHOOSE, InputError, Problem, mistake, refuse, suggestion
 from armour.files import csv_value, located, reason, shipped_tests
-from armour.units import missing_unit
+from armour.units import key_hint
 
 # Greatest number of rows, more than anyone has tests or shots; a fit to so many takes about a minute.
 MAX_ROWS = 100_000
@@ -84,7 +84,7 @@ def read_rows(
     columns = [*numbers, *texts]
     usual = usual or ", ".join(columns)
     wrong = [
-        Problem(file, name or "header", f"unknown column{missing_unit(name, columns) or like or CHOOSE + usual}")
+        Problem(file, name or "header", f"unknown column{key_hint(name, columns) or like or CHOOSE + usual}")
         for name in dict.fromkeys(header)
         if name not in columns
         for like in [suggestion(name, columns)]

@@ -76,7 +76,7 @@ def located(path: Path, files: Mapping[str, Path], hint: str = "") -> Path:
                 raise mistake(path, "", f'cannot be read: {reason(error)}; did you mean "{with_ending}"?') from None
             closest = suggestion(path.with_suffix("").as_posix(), [*files]) or suggestion(path.stem, [*files])
             hint = hint or f"; shipped are {', '.join(files)}"
-            raise mistake(path, "", f"cannot be read: {reason(error)}{closest}{hint[bool(closest):]}") from None
+            raise mistake(path, "", f"cannot be read: {reason(error)}{closest}{hint[bool(closest) :]}") from None
     return files[name]
 
 

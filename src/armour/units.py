@@ -1,5 +1,6 @@
 """Conversion factors from the units of files and tables to SI: multiply to convert to SI, divide to convert back."""
 
+import re
 from collections.abc import Sequence
 
 MM = 1e-3
@@ -33,7 +34,19 @@ def words_and_unit(key: str) -> tuple[str, str]:
     return name.replace("_", " "), ""
 
 
-def missing_unit(name: str, names: Sequence[str]) -> str:
-    """Return a hint at the name that differs from a wrong one only by a unit at its end; "" if there is none."""
-    complete = next((f"{name}{ending}" for ending in ENDINGS if f"{name}{ending}" in names), "")
-    return f"; its unit is missing: {complete}" if complete else ""
+def key_hint(name: str, names: Sequence[str]) -> str:
+    """Return a hint at the name from which a wrong one differs only by its section or its unit; "" if there is none."""
+    known: dict[str, str] = {}
+    for key in names:
+        known.setdefault(key, key)
+        known.setdefault(key.rpartition(".")[2], key)
+    if name in known:
+        return f'; did you mean "{known[name]}"?'
+    stems = {word.removesuffix(ending): word for ending in ENDINGS for word in known if word.endswith(ending)}
+    if name in stems:
+        return f"; its unit is missing: {known[stems[name]]}"
+    for stem, word in stems.items():
+        # Another unit has short parts, such as ft and s.
+        if re.fullmatch(rf"{re.escape(stem)}(_[^_]{{1,4}})+", name):
+            return f"; its unit must be {words_and_unit(word)[1]}: {known[word]}"
+    return ""

@@ -65,7 +65,7 @@ from armour.scenario.schema import (
 )
 from armour.scenario.sections import NOT_TINY, NUMBER, TINY, Items, Section, model_in, problems_of
 from armour.scenario.threats import THREAT_KEYS
-from armour.units import MM, missing_unit
+from armour.units import MM, key_hint
 
 if TYPE_CHECKING:
     import numpy as np
@@ -200,7 +200,7 @@ class Scenario(Section):
         for name in names:
             if name not in inputs:
                 name_key = f'; did you mean "{NAMES[name]}"?' if name in NAMES else ""
-                hint = name_key or missing_unit(name, inputs) or choices(name, inputs)
+                hint = name_key or key_hint(name, inputs) or choices(name, inputs)
                 problems.append(Problem(file, key or name, f'must name an input of the scenario, found "{name}"{hint}'))
         refuse(problems)
 

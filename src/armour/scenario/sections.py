@@ -9,6 +9,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field
 
 from armour.errors import InputError, Problem, choices, suggestion
 from armour.scenario.keys import describe, key_name
+from armour.units import key_hint
 
 # Key of the number where a file may give a number or a table.
 NUMBER = "value"
@@ -95,7 +96,9 @@ def problems_of(error: ValidationError, model: type[Section], file: str) -> list
             context["expected"] = context["expected"].replace("'", '"')
         if detail["type"] == "extra_forbidden":
             keys = _known_keys(model, parts[:-1])
-            message = "unknown key" + (choices(str(parts[-1]), keys) if keys else "")
+            word, paths = str(parts[-1]), [*keys, *(_paths(model) if len(parts) == 1 else ())]
+            hint = key_hint(word, paths) or suggestion(word, paths) or choices(word, keys)
+            message = "unknown key" + hint * bool(keys)
         elif detail["type"] == "missing":
             message = f"is missing and must be given{MISSING.get(key_name(parts), '')}"
         elif detail["type"] == "value_error":
@@ -129,6 +132,12 @@ def validated(model: type[SectionT], data: object, file: str) -> SectionT:
         return model.model_validate(data)
     except ValidationError as error:
         raise InputError(problems_of(error, model, file)) from None
+
+
+def _paths(model: type[Section]) -> list[str]:
+    """Return the keys that a model knows in its sections, such as "armour.backing_thickness_mm"."""
+    sections = ((name, model_in(field.annotation)) for name, field in model.model_fields.items())
+    return [f"{name}.{key}" for name, section in sections if section for key in section.model_fields]
 
 
 def _known_keys(model: Any, parts: Sequence[str | int]) -> list[str]:

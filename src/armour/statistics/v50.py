@@ -21,7 +21,7 @@ from armour.scenario.checked import checked
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.statistics.curves import CDFS, FittedCurve, ShotLikelihood, fit_curve, has_curve
 from armour.statistics.posterior import FiringEstimate, FiringPrior, learned, no_prior, posterior_of
-from armour.units import missing_unit
+from armour.units import key_hint
 
 # Number of shots of each kind in the mean, and the span of their velocities that is usual with it, m/s: 125, 90 and
 # 60 ft/s.  MIL-STD-662F leaves the span to the specification.
@@ -212,7 +212,7 @@ def read_shots(path: str | PathLike[str], *, one_kind: bool = False) -> Shots:
         )
         raise mistake(file, "", message)
     usual = (*names, "shot")
-    ignored = [name for name in header if name and not (missing_unit(name, usual) or suggestion(name, usual))]
+    ignored = [name for name in header if name and not (key_hint(name, usual) or suggestion(name, usual))]
     if len(header) == 1 or not {*names} & {*header}:
         ignored = []  # not a table of shots
     texts = ("shot", "result", *ignored)
