@@ -60,10 +60,10 @@ def shipped_notebooks() -> dict[str, Path]:
     return {path.name: path for path in shipped_files("docs", ".ipynb").values()}
 
 
-def located(path: Path, files: Mapping[str, Path], hint: str = "") -> Path:
+def located(path: Path, files: Mapping[str, Path]) -> Path:
     """Return the file at a path or, if there is none, the shipped file of that name.
 
-    If there is neither, raise an InputError with the closest name and a hint, by default all names.
+    If there is neither, raise an InputError that says what else is shipped under the name, or the closest name.
     """
     name = path.as_posix()
     try:
@@ -75,8 +75,14 @@ def located(path: Path, files: Mapping[str, Path], hint: str = "") -> Path:
             if os.path.isfile(with_ending):
                 raise mistake(path, "", f'cannot be read: {reason(error)}; did you mean "{with_ending}"?') from None
             closest = suggestion(path.with_suffix("").as_posix(), [*files]) or suggestion(path.stem, [*files])
-            hint = hint or f"; shipped are {', '.join(files)}"
-            raise mistake(path, "", f"cannot be read: {reason(error)}{closest}{hint[bool(closest) :]}") from None
+            kinds = {
+                "scenario": shipped_files("scenarios", ".toml"),
+                "suite": shipped_suites(),
+                "table of tests or shots": shipped_tests(),
+            }
+            others = "".join(f"; {name} is a shipped {kind}" for kind, names in kinds.items() if name in names)
+            hint = others or closest or "; `armour init --list` lists what is shipped"
+            raise mistake(path, "", f"cannot be read: {reason(error)}{hint}") from None
     return files[name]
 
 

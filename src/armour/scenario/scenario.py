@@ -18,7 +18,7 @@ from pydantic import PrivateAttr, ValidationError
 
 from armour.core.state import Parameters
 from armour.errors import InputError, Note, Problem, choices, joined, refuse, restated, suggestion
-from armour.files import located, read_toml, shipped_files, shipped_suites, shipped_tests, write_file
+from armour.files import located, read_toml, shipped_files, write_file
 from armour.scenario.changes import changed
 from armour.scenario.checked import checked
 from armour.scenario.inputs import (
@@ -416,10 +416,7 @@ def load_scenario(path: str | PathLike[str], changes: Mapping[str, object] | Non
 
 def scenario_file(path: Path, other_files: Mapping[str, Path] | None = None) -> Path:
     """Return the file at a path or, if there is none, the shipped scenario, or other file, of that name."""
-    files = {**shipped_files("scenarios", ".toml"), **(other_files or {})}
-    kinds = {"suite": shipped_suites(), "table of tests or shots": shipped_tests()}
-    hints = [f"; {path} is a shipped {kind}, not a scenario" for kind, names in kinds.items() if str(path) in names]
-    return located(path, files, "".join(hints) or "; `armour init --list` lists the shipped scenarios")
+    return located(path, {**shipped_files("scenarios", ".toml"), **(other_files or {})})
 
 
 def files_of(scenario: Scenario) -> list[Path]:
