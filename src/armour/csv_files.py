@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
 from armour.errors import CHOOSE, InputError, Problem, mistake, refuse, suggestion
-from armour.files import csv_value, located, reason, shipped_tests
+from armour.files import csv_value, located, named, reason, shipped_tests
 from armour.units import key_hint
 
 # Greatest number of rows, more than anyone has tests or shots; a fit to so many takes about a minute.
@@ -150,7 +150,7 @@ def lines_of(table: str | PathLike[str] | Rows) -> tuple[str, Iterator[Line]]:
     """Return the name of a table, for messages, and its lines, from rows or a CSV file, perhaps a shipped one."""
     if isinstance(table, str | PathLike):
         path = located(Path(table), shipped_tests())
-        return str(path), ((f"line {number}", cells) for number, cells in read_csv(path))
+        return named(path), ((f"line {number}", cells) for number, cells in read_csv(path))
     columns: Any = getattr(table, "columns", None)
     frame: Any = table
     try:

@@ -86,6 +86,13 @@ def located(path: Path, files: Mapping[str, Path]) -> Path:
     return files[name]
 
 
+def named(path: Path) -> str:
+    """Return the path of a file as text; that of a shipped file is its name, as it differs between installations."""
+    shipped_data = {**shipped_files("scenarios", ".toml"), **shipped_suites(), **shipped_tests()}
+    names = {file: name for name, file in shipped_data.items()}
+    return names.get(Path(os.path.normpath(path)), str(path))
+
+
 def suite_file(path: str | PathLike[str]) -> Path:
     """Return the file at a path or, if there is none, the shipped suite of that name."""
     return located(Path(path), shipped_suites())

@@ -208,3 +208,8 @@ def test_a_report_names_what_was_computed(cli, folder: Path):
     first, *lines = (folder / "r.md").read_text().splitlines()
     assert first == f"# {ARMOUR} at 800 m/s"
     assert lines[1].startswith(f"scenario: {OTHER}")
+
+
+@pytest.mark.parametrize("words", ["calibrate wilkins.csv wilkins", "validate regression", "v50 shots.csv"])
+def test_json_names_shipped_files_wherever_they_lie(cli, words: str):
+    assert str(SCENARIOS.parent) not in cli(*words.split(), "--json").stdout

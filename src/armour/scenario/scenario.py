@@ -18,7 +18,7 @@ from pydantic import PrivateAttr, ValidationError
 
 from armour.core.state import Parameters
 from armour.errors import InputError, Note, Problem, choices, joined, refuse, restated, suggestion
-from armour.files import located, read_toml, shipped_files, write_file
+from armour.files import located, named, read_toml, shipped_files, write_file
 from armour.scenario.changes import changed
 from armour.scenario.checked import checked
 from armour.scenario.inputs import (
@@ -411,7 +411,7 @@ def load_scenario(path: str | PathLike[str], changes: Mapping[str, object] | Non
         With every mistake in the file and in the library files that it names.
     """
     path = scenario_file(Path(path))
-    return parse_changed(read_toml(path), changes or {}, file=str(path), folder=path.parent)
+    return parse_changed(read_toml(path), changes or {}, file=named(path), folder=path.parent)
 
 
 def scenario_file(path: Path, other_files: Mapping[str, Path] | None = None) -> Path:

@@ -15,7 +15,7 @@ from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag,
 from armour.analysis.quantities import label_and_unit
 from armour.csv_files import MUST_SAY, PERFORATED, number
 from armour.errors import InputError, Problem, choices, counted, mistake, refuse
-from armour.files import read_toml, shipped, shipped_files, suite_file
+from armour.files import named, read_toml, shipped, shipped_files, suite_file
 from armour.scenario.checked import checked
 from armour.scenario.effect import check_columns, check_effect
 from armour.scenario.inputs import ROUND_AND_ARMOUR
@@ -489,7 +489,7 @@ def _reads_of(case: Case) -> set[str]:
 
 def _scenario(file: Path, read: Read, *changes: Mapping[str, object]) -> Scenario:
     """Return the scenario of a file with changes, one after the other."""
-    return parse_changed(read(file), *changes, file=str(file), folder=file.parent)
+    return parse_changed(read(file), *changes, file=named(file), folder=file.parent)
 
 
 def _file(folder: Path, name: str) -> Path:

@@ -12,7 +12,7 @@ import numpy as np
 from armour.analysis.evaluate import evaluate_groups, groups_of
 from armour.analysis.results import TableResult, by_column
 from armour.errors import NoAnswerError
-from armour.files import shipped_suites
+from armour.files import named, shipped_suites
 from armour.scenario.checked import checked
 from armour.scenario.inputs import INPUTS, NAMES
 from armour.scenario.sections import TINY
@@ -224,7 +224,7 @@ def result_of(suite: Suite, checks: Sequence[Check]) -> SuiteResult:
     tables = [(table, [check for check in checks if check.case.group == table.name]) for table in suite.tables]
     return SuiteResult(
         title=suite.title,
-        file=str(suite.file),
+        file=named(suite.file),
         checks=tuple(checks),
         summaries=tuple(summary for table, rows in tables if rows for summary in _summaries(table, rows)),
         errors=tuple(error for _, rows in tables for error in errors_of((row.case, row.computed) for row in rows)),
