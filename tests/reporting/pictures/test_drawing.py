@@ -231,6 +231,15 @@ def test_contours_of_two_quantities_are_named_apart():
     assert not [pair for pair in combinations(boxes, 2) if Bbox.intersection(*pair) is not None]
 
 
+@pytest.mark.parametrize("name", ["catalogue", "paper/optimum_7.62mm_AP"])
+@pytest.mark.parametrize("width", [None, 3.45])
+def test_a_label_of_a_contour_is_within_the_panel(name: str, width: float | None):
+    [axes] = drawn(drawing_of(optimise(shipped_scenario(name)), "draw_map"), Sheet(width), bare=True).axes
+    labels = [text.get_window_extent() for text in axes.texts if text.get_text().isdigit()]
+    assert len(labels) > 6
+    assert all(axes.bbox.contains(*corner) for box in labels for corner in (box.min, box.max))
+
+
 def test_a_flat_map_has_no_contours():
     axes = Sheet().panels("T", PANEL).axes[0]
     with warnings.catch_warnings():

@@ -89,7 +89,8 @@ def test_an_impact():
         "depth, bulge, mm",
     ]
     assert depths.get_xlabel() == "time since impact, µs"
-    assert labels(*picture.axes) == ["projectile V", "penetration U", "target W", "depth Z", "bulge h"]
+    curves_named = ["projectile V", "penetration U", "target W", "depth Z", "bulge h"]
+    assert labels(*picture.axes) == ["ceramic", "plate", *curves_named]
     stages = [words.splitlines() for words in words_in(velocities)]
     assert [code for code, *_ in stages] == [stage.stage for stage in found.stages]
     assert ["ii.1", "fragmented ceramic"] in stages
@@ -535,8 +536,11 @@ def test_prior_posterior_shots_and_the_next_velocity():
 def test_a_requirement_is_drawn_with_its_operating_characteristic_before_the_first_shot():
     armours = (OperatingPoint(660.0, 14.0, 0.0, 1.0, 9.0), OperatingPoint(740.0, 14.0, 1.0, 0.0, 9.0))
     plan = plan_shots(scenario(), requirement_m_s=700.0, procedure="up-and-down")
-    axes = picture_of(replace(plan, operating_characteristic=armours)).axes[-1]
+    density, axes = picture_of(replace(plan, operating_characteristic=armours)).axes
     assert axes.get_title() == "operating characteristic at a scatter of 14 m/s"
+    assert density.get_xlim() != axes.get_xlim()
+    assert all(panel.xaxis.get_tick_params()["labelbottom"] for panel in (density, axes))
+    assert (density.get_xlabel(), axes.get_xlabel()) == ("impact velocity, m/s", "V50 of the armour, m/s")
     assert y_of(curves(axes)["met"]) == [0.0, 1.0]
     assert y_of(curves(axes)["not met"]) == [1.0, 0.0]
     assert picture_of(plan_shots(scenario(), FIVE, requirement_m_s=700.0)).axes[-1].get_title() == ""

@@ -309,7 +309,7 @@ def contours(
     """Draw contours at given levels, or at about a given number of them, labelled along a rising diagonal of the panel.
 
     ``at`` is how far that diagonal lies above the middle one, as a part of the panel, so that the labels of several
-    quantities do not coincide; without it, the contours are not labelled.
+    quantities do not coincide; without it, the contours are not labelled.  A label that has no room is left out.
     """
     z = np.ma.masked_invalid(np.array(z, float))
     if np.ndim(levels) == 0:
@@ -323,16 +323,16 @@ def contours(
         )
         if at is not None:
             places = [_on_diagonal(path.vertices, axes, at) for path in lines.get_paths() if len(path)]
-            axes.clabel(lines, fontsize=SMALL, fmt="%g", manual=places)
+            axes.clabel(lines, fontsize=SMALL, fmt="%g", manual=list(filter(None, places)))
     if label:
         axes.plot([], [], label=label, **style)
 
 
 def _on_diagonal(vertices: Any, axes: Axes, at: float) -> Any:
-    """Return the point of a line that is nearest to a rising diagonal, away from the edges where possible."""
+    """Return the point of a line that is nearest to a rising diagonal, away from the edges; None if there is none."""
     parts = axes.transLimits.transform(vertices)
     distance = abs(parts[:, 1] - parts[:, 0] - at) + 10.0 * (np.minimum(parts, 1.0 - parts).min(axis=1) < 0.06)
-    return tuple(vertices[distance.argmin()])
+    return tuple(vertices[distance.argmin()]) if distance.min() < 10.0 else None
 
 
 def colours_of(axes: Axes, x: Any, y: Any, z: Any, heading: str) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
+from matplotlib.transforms import offset_copy
 
 from armour.analysis.history import History
 from armour.analysis.impact import ImpactResult
@@ -35,6 +36,7 @@ PANELS: Any = (
 # Colours of all curves one after the other.
 COLOURS = (drawing.BLUE, drawing.ORANGE, drawing.GREEN, drawing.INK, drawing.PURPLE, drawing.VERMILION)
 CERAMIC, METAL, ROD = "#d9c48f", "#a9b8c6", "#5c6875"
+EDGE: Any = {"edgecolor": drawing.INK, "linewidth": 0.5}
 # Pictures of an impact at most, the least height of armour that they show, in diameters of the penetrator and as a part
 # of their length, and the scale drawn, mm.
 PICTURES, SHOWN_DIAMETERS, SHOWN_PART, SCALE_MM = 6, 3.6, 0.6, 10.0
@@ -42,6 +44,8 @@ PICTURES, SHOWN_DIAMETERS, SHOWN_PART, SCALE_MM = 6, 3.6, 0.6, 10.0
 PART = 0.8
 # Width of a picture, inches, characters in a line of words above it, and the time between events of one at most, µs.
 INCHES, EVENT_CHARACTERS, AT_ONCE_US = 6.0, 12, 1e-3
+# Height of the words and of the scale below the pictures of an impact, as a multiple of the font size.
+BELOW = 4.9
 
 
 def draw(result: ImpactResult, sheet: drawing.Sheet) -> drawing.Picture:
@@ -125,7 +129,7 @@ class _Scene:
     def high_inches(self, inches: float) -> float:
         """Return the height of the pictures in a width, inches."""
         lines = max(words.count("\n") + 1 for words in self.words)
-        return (inches - 0.1) * 3.65 * self.high / self.width + 1.3 * drawing.SMALL / 72.0 * lines
+        return (inches - 0.1) * 2.05 * self.high / self.width + (1.3 * lines + BELOW) * drawing.SMALL / 72.0
 
     def draw(self, axes: Axes, inches: float) -> None:
         """Draw the pictures in a width, inches."""
@@ -134,7 +138,6 @@ class _Scene:
             self.moments, self.starts, self.depths, self.lengths, self.bulges, strict=True
         ):
             self._draw_moment(axes, start, *state, broken=time >= self.fragmented_us - AT_ONCE_US)
-        axes.add_patch(Rectangle((0.0, -2.6 * high), SCALE_MM, 0.02 * high, facecolor=drawing.INK))
         longest = max(len(line) for words in self.words for line in [*words.splitlines(), "penetrator"])
         room = 72.0 * inches / self.width * np.diff(self.middles).min(initial=self.width)
         look: Any = {"ha": "center", "fontsize": min(drawing.SMALL, room / (drawing.CHARACTER * (longest + 1)))}
@@ -142,10 +145,15 @@ class _Scene:
         for middle, words, rod, length in zip(self.middles, self.words, rods, self.lengths, strict=True):
             axes.text(middle, high, words, va="bottom", **look)
             axes.text(rod, -1.05 * high, f"penetrator\n{length:.3g} mm", va="top", **look)
-        axes.text(0.5 * SCALE_MM, -2.6 * high, f"{SCALE_MM:g} mm", va="bottom", **look)
-        layers = "ceramic, plate" if self.ceramic else "plate"
-        axes.text(self.starts[0] + 0.5 * (self.ceramic + self.backing), -1.8 * high, layers, va="top", **look)
-        axes.set(xlim=(0.0, self.width), ylim=(-2.65 * high, high), aspect="equal")
+        # Below the words, whose height is no length.
+        figure: Any = axes.figure
+        below = offset_copy(axes.transData, figure, y=-(BELOW - 0.5) * drawing.SMALL, units="points")
+        axes.plot([0.0, SCALE_MM], [-1.05 * high] * 2, color=drawing.INK, linewidth=1.0, transform=below, clip_on=False)
+        axes.text(0.5 * SCALE_MM, -1.05 * high, f"{SCALE_MM:g} mm", va="bottom", transform=below, **look)
+        for colour, thickness, name in ((CERAMIC, self.ceramic, "ceramic"), (METAL, self.backing, "plate")):
+            if thickness:
+                axes.fill([], [], facecolor=colour, label=name, **EDGE)
+        axes.set(xlim=(0.0, self.width), ylim=(-1.05 * high, high), aspect="equal")
         axes.set_axis_off()
 
     def _draw_moment(
@@ -153,7 +161,6 @@ class _Scene:
     ) -> None:
         """Draw what is seen of layers and penetrator; one of a broken material is hatched."""
         half, high, total = 0.5 * self.diameter, self.high, self.ceramic + self.backing
-        edge: Any = {"edgecolor": drawing.INK, "linewidth": 0.5}
         for colour, near, far, hatch in (
             (CERAMIC, 0.0, self.ceramic, "xxx" if broken else None),
             (METAL, self.ceramic, total, None),
@@ -163,9 +170,9 @@ class _Scene:
             for first, last, low, top in [*beside, (ahead, far + bulge, -half, half)]:
                 if far > near and last > first:
                     corner = start + first, low
-                    axes.add_patch(Rectangle(corner, last - first, top - low, facecolor=colour, hatch=hatch, **edge))
+                    axes.add_patch(Rectangle(corner, last - first, top - low, facecolor=colour, hatch=hatch, **EDGE))
         if length > 0.0:
-            axes.add_patch(Rectangle((start + depth - length, -half), length, 2.0 * half, facecolor=ROD, **edge))
+            axes.add_patch(Rectangle((start + depth - length, -half), length, 2.0 * half, facecolor=ROD, **EDGE))
 
 
 def _moments(result: ImpactResult, fragmented_us: float) -> list[tuple[float, str]]:

@@ -23,6 +23,7 @@ def draw(plan: ShotPlan, sheet: drawing.Sheet) -> drawing.Picture:
     densities, last = picture.axes
     _draw_densities(densities, plan)
     if simulated:
+        densities.set_xlabel(in_words(VELOCITY))
         _draw_operating(last, plan)
         return picture
     x = plan.curve.velocity_m_s
@@ -51,10 +52,9 @@ def _draw_densities(axes: Axes, plan: ShotPlan) -> None:
     axes.plot(x, plan.curve.prior, linestyle="--", color=drawing.PURPLE, label=label)
     if plan.fired.complete:
         axes.plot(x, plan.curve.posterior, color=drawing.BLUE, label="posterior, with the shots")
-    axes.set(xlabel=in_words(VELOCITY), ylabel="probability density of V50, s/m", xlim=(x[0], x[-1]))
+    axes.set(ylabel="probability density of V50, s/m", xlim=(x[0], x[-1]))
     _draw_velocities(axes, plan, named=True)
     axes.set_ylim(bottom=0.0)
-    axes.label_outer()
 
 
 def _draw_operating(axes: Axes, plan: ShotPlan) -> None:
