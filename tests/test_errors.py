@@ -39,6 +39,7 @@ def test_a_list_of_choices_stands_once():
         'a: AD86: unknown; did you mean "AD85"?',
         "a: y: unknown",
     ]
+    assert choices("x", ["AD85", "level 3, B32"]) == "; choose from AD85; level 3, B32"
 
 
 def test_no_suggestion_among_very_many_names():

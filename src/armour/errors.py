@@ -181,4 +181,5 @@ def suggestion(word: str, names: Sequence[str]) -> str:
 
 def choices(word: str, names: Sequence[str]) -> str:
     """Return a hint at the name closest to a wrong one, or at all names if none is close."""
-    return suggestion(word, names) or f"{CHOOSE}{', '.join(names)}"
+    separator = "; " if any("," in name for name in names) else ", "
+    return suggestion(word, names) or CHOOSE + separator.join(names)

@@ -66,7 +66,7 @@ def _list(kinds: Sequence[str], *, tested: bool, as_json: bool) -> None:
     tables: dict[str, Table | str] = {kind: library_table(library, kind, tested_entries) for kind in library.entries}
     tables["threat"] = threat_table(threats)
     if len(kinds) > 1:
-        tables["metal"] = f"{len(data['metal'])} metals: armour library metals"
+        tables["metal"] = f"{len(data['metal'])} metals: armour library metals{' --tested' * tested}"
     respond({kind: data[kind] for kind in kinds}, [tables[kind] for kind in kinds], as_json=as_json)
 
 

@@ -351,6 +351,12 @@ def sweep(
     with as_options("sweep"), ExitStack() as stack:
         source = Cases(cases) if cases is not None else grid_of("--over", over or [])
         count = stack.enter_context(progress("rows", source.count))
+
+        def on_chunk(rows: int, stored: bool) -> None:
+            if stored:
+                say(f"resuming after {counted(rows, 'row')}")
+            count(rows, stored=stored)
+
         workers = None
         if scheduler:
             from armour.sweeps.cluster import connected, workers_of  # imports Dask
@@ -365,7 +371,7 @@ def sweep(
             command=command_line(),
             workers=workers,
             threads=threads,
-            on_chunk=lambda n, stored: count(n, stored=stored),
+            on_chunk=on_chunk,
             approve=lambda effort: _approve(effort, yes),
             tell=say,
         )

@@ -6,7 +6,7 @@ from math import inf
 from xml.etree.ElementTree import Element
 
 from armour.design.check import CheckedThreat, CheckResult, WhatIf
-from armour.errors import listed
+from armour.errors import joined
 from armour.reporting.junit import TestCase, junit_suite
 from armour.reporting.table import Column, Table, column_of, listing
 from armour.reporting.text import Verdict, interval, percent
@@ -90,7 +90,7 @@ def outcome(result: CheckResult) -> str:
     words = []
     for missed in ("fails", "not known"):
         if names := [threat.threat for threat in result.threats if threat.verdict == missed]:
-            words.append(f"{VERDICTS[missed]} against {listed(names)}")
+            words.append(f"{VERDICTS[missed]} against {joined(names)}")
     return "; ".join(words)
 
 
