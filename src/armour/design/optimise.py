@@ -380,7 +380,7 @@ def _failure(search: Search) -> tuple[str, BestDesign | None]:
 
 
 def _ends(search: Search, place: int, frontier: Ints) -> dict[str, Any]:
-    """Return where the frontier of the best design ends, and its thicknesses beyond which thicker ones fail."""
+    """Return where the frontier of the best design ends, and back plates on which a thicker ceramic fails."""
     ranges = search.catalogue.ranges(int(search.candidates.pair[place]))
     return {
         "ceramic_min_mm": min((low for _, name, low, _ in ranges if name == "ceramic"), default=0.0) or None,

@@ -3,7 +3,6 @@
 `armour.engine.cache` imports this module, and with it numba, when the engine is first used.
 """
 
-import gc
 from pathlib import Path
 from types import FunctionType
 from typing import Any
@@ -70,13 +69,6 @@ def compiled(name: str, folder: Path | None = None) -> Any:
         settings.CACHE_DIR, settings.CACHE_LOCATOR_CLASSES = str(folder), "UserProvidedCacheLocator"
         kernel.enable_caching()
         settings.CACHE_DIR, settings.CACHE_LOCATOR_CLASSES = before
-    # Numba creates so many objects that garbage collection takes a tenth of the time.
-    collecting = gc.isenabled()
-    gc.disable()
-    try:
-        kernel.compile(types.void(*SIGNATURES[name]))
-    finally:
-        if collecting:
-            gc.enable()
+    kernel.compile(types.void(*SIGNATURES[name]))
     kernel.disable_compile()
     return kernel
