@@ -1,10 +1,15 @@
+from collections.abc import Callable
 from itertools import pairwise
+from typing import Any
 
 import pytest
 
+from armour.analysis.ballistic_limit import ballistic_limit, confidence
 from armour.analysis.impact import energy_balance, simulate
 from armour.errors import InputError
-from tests.helpers.cases import scenario
+from armour.scenario.scenario import Scenario
+from armour.statistics.sensitivity import sensitivity
+from tests.helpers.cases import scenario, shipped_scenario
 
 
 def test_a_perforation():
@@ -92,3 +97,9 @@ def test_a_default_is_told_as_one(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("armour.scenario.schema.Solver.max_steps", 5)
     with pytest.raises(InputError, match="end within 5 steps, found 1, the default; raise it"):
         simulate(scenario())
+
+
+@pytest.mark.parametrize("question", [simulate, ballistic_limit, confidence, sensitivity])
+def test_threats_that_are_not_used_are_warned_of(question: Callable[[Scenario], Any]):
+    [note] = [note for note in question(shipped_scenario("catalogue")).warnings if note.startswith("threat: ")]
+    assert note.startswith("threat: is not used: the results are against the 7.62 mm AP at 850 m/s of [impact]")

@@ -3,7 +3,8 @@ import pytest
 from armour.analysis.ballistic_limit import ballistic_limit, confidence
 from armour.design.check import check
 from armour.reporting.views.check import junit
-from tests.helpers.cases import scenario
+from armour.scenario.inputs import VELOCITY
+from tests.helpers.cases import scenario, shipped_scenario
 
 THREATS = [
     {"projectile": "7.62 mm AP", "velocity_m_s": 600.0, "name": "slow"},
@@ -79,3 +80,10 @@ def test_a_test_case_for_every_threat():
     assert [len(case) for case in cases] == [0, 1]
     assert [case.get("time") for case in cases] == ["1.250", None]
     assert "ballistic limit by the model 724 m/s" in cases[1][0].attrib["message"]
+
+
+def test_an_impact_that_is_no_threat_is_warned_of():
+    case = shipped_scenario("catalogue")
+    assert not [note for note in check(case).warnings if note.startswith("impact: ")]
+    [note] = [note for note in check(case.replaced({VELOCITY: 2000.0})).warnings if note.startswith("impact: ")]
+    assert note == "impact: 7.62 mm AP at 2000 m/s is not among the threats, which are used instead"

@@ -144,7 +144,6 @@ def question(
     computed: str = "the answer",
     unit: str = "impacts",
     first: str = "",
-    of_threats: bool = False,
     prior_reads: Sequence[str] = (),
     named: Mapping[str, str] = {},
     **keys: tuple[str, str],
@@ -177,7 +176,7 @@ def question(
             _check_files(values, parameters, scenario)
             with progress(unit, first=first) as count, as_options(function.__name__, named):
                 answer = function(**_arguments(function, values, parameters, scenario, count))
-            _respond(answer, scenario, values, of_threats=of_threats)
+            _respond(answer, scenario, values)
 
         command.__dict__.update(
             __signature__=inspect.Signature(),
@@ -252,7 +251,7 @@ def _arguments(
     } | {"scenario": scenario, "on_progress": on_progress}
 
 
-def _respond(answer: Answer, scenario: "Scenario | None", values: Mapping[str, Any], *, of_threats: bool) -> None:
+def _respond(answer: Answer, scenario: "Scenario | None", values: Mapping[str, Any]) -> None:
     """Show and write an answer, and end with its exit code."""
     from armour.reporting.lookup import module_of
     from armour.reporting.show import plot as plot_of
@@ -271,7 +270,7 @@ def _respond(answer: Answer, scenario: "Scenario | None", values: Mapping[str, A
             plot=values["plot"],
             draw=lambda: plot_of(result),
             scenario=scenario,
-            warnings=warnings_of(scenario, warnings, answer.file, of_threats=of_threats, verbose=verbose),
+            warnings=warnings_of(scenario, warnings, answer.file, verbose=verbose),
         )
     if answer.then:
         # In one line, so that it can be copied.

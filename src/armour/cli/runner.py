@@ -226,23 +226,15 @@ def write(contents: Mapping[Path, str | bytes]) -> None:
         say(f"wrote {path}")
 
 
-def warnings_of(
-    scenario: "Scenario | None",
-    warnings: Iterable[str],
-    file: str = "",
-    *,
-    of_threats: bool = False,
-    verbose: bool,
-) -> list[str]:
-    """Return warnings as lines for standard error, with those on parts of the scenario that an answer ignores.
+def warnings_of(scenario: "Scenario | None", warnings: Iterable[str], file: str = "", *, verbose: bool) -> list[str]:
+    """Return the notes on a scenario, and warnings, as lines for standard error.
 
     Unless all are asked for, there are two lines at most: those on what the model was compared with in one line, and
     the first other one.
     """
-    unused = () if of_threats or scenario is None else scenario.unused_threats()
     notes = () if scenario is None else (f"note: {note}" for note in scenario.notes)
     where = file or (scenario.file if scenario else "")
-    every = list(dict.fromkeys((*unused, *warnings)))
+    every = list(dict.fromkeys(warnings))
     if not verbose:
         every = in_two_lines(every, "with -v")
     return [*notes, *(f"warning: {where}: {warning}" for warning in every)]

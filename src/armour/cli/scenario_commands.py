@@ -167,7 +167,7 @@ def check(
             show(*other_lines, *view.tables(result), title=first if is_one else f"{loaded.file}: {first}")
         results.append(result)
         suites.append(view.junit(result, loaded.file, perf_counter() - start, origin_of(loaded)))
-        warnings += warnings_of(loaded, result.warnings, of_threats=True, verbose=verbose)
+        warnings += warnings_of(loaded, result.warnings, verbose=verbose)
     if not (as_json or is_one):
         emit("\n")
         show(view.summary({loaded.file: result for loaded, result in zip(scenarios, results, strict=True)}))
@@ -204,7 +204,7 @@ def _read_each(paths: Sequence[Path], changes: Sequence[str] | None, confidence:
     return scenarios
 
 
-@question(DESIGNS, computed="the design", of_threats=True, confidence=CONFIDENCE)
+@question(DESIGNS, computed="the design", confidence=CONFIDENCE)
 def optimise(
     scenario: "Scenario",
     on_progress: "OnProgress",

@@ -161,7 +161,11 @@ def check(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> C
         _checked(against, threat, section, on_progress) for against, threat in zip(impacts, threats, strict=True)
     ]
     metals = [scenario.entry("metal", scenario.armour.backing)]
-    warnings = (*threat_warnings(scenario, armours_of(*impacts), metals), *scenario.unused_distributions())
+    warnings = (
+        *scenario.unused_impact(),
+        *threat_warnings(scenario, armours_of(*impacts), metals),
+        *scenario.unused_distributions(),
+    )
     verdicts = [threat.verdict for threat in checked_threats]
     worst: Verdict = "fails" if "fails" in verdicts else "not known" if "not known" in verdicts else "passes"
     return CheckResult(tuple(checked_threats), worst, warnings).of(

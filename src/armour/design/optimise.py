@@ -14,14 +14,14 @@ from armour.analysis.variants import Bools, Floats, Ints, Variants
 from armour.design.candidates import candidates_of, joined
 from armour.design.catalogue import FIRST_VALUES, MARGIN, NO_BOUND, ROUNDING, CandidateDesigns, Catalogue, catalogue_of
 from armour.design.search import Requirement, Search
-from armour.errors import Note, Problem, listed, refuse
+from armour.errors import Problem, listed, refuse
 from armour.evidence.mixture import Mixture
 from armour.evidence.model_error import REMEDY, ModelError, error_of, why_unknown
 from armour.evidence.tests import Armours, threat_warnings
 from armour.scenario.checked import checked
 from armour.scenario.inputs import BACKING, CERAMIC, NAMES
 from armour.scenario.scenario import Scenario, Varied
-from armour.scenario.schema import DesignSection, shot
+from armour.scenario.schema import DesignSection
 
 # Words that begin the reason of a pair of materials: without tests, if others have them; with a single source of the
 # ceramic's flow stress; and nearly as good as the best.
@@ -310,7 +310,7 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
     if reason == "not known":
         explanation = _why_not_known(search, place)
 
-    warnings = [*_unused_impact(scenario), *catalogue.omissions()]
+    warnings = [*scenario.unused_impact(), *catalogue.omissions()]
     if place is not None:
         warnings += _outside(search, place)
     warnings += [] if catalogue.sampled else scenario.unused_distributions()
@@ -492,13 +492,6 @@ def _untested(pairs: Sequence[Pair]) -> Iterator[str]:
     ]
     if names:
         yield f"the model error is not known for {listed(names)}, ranked after the others; {REMEDY}"
-
-
-def _unused_impact(scenario: Scenario) -> Iterator[Note]:
-    """Warn if the impact is not one of the threats, which are used instead."""
-    impact = scenario.impact
-    if scenario.threat and shot(impact) not in map(shot, scenario.threat):
-        yield Note(f"{shot(impact)} is not among the threats that the armour is designed against", "impact")
 
 
 def _failing_backings(search: Search, best: int, frontier: Ints) -> tuple[float, ...]:

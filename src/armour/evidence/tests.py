@@ -350,14 +350,15 @@ def _check(limits: DataRange, q: Quantities, rows: Any = True) -> tuple[str, str
 
 
 def scenario_warnings(scenario: Scenario, velocity: float, key: str = VELOCITY) -> tuple[Note, ...]:
-    """Return warnings of the ways in which a scenario is unlike what the model was compared with.
+    """Return warnings of the ways in which a scenario is unlike what the model was compared with, or is not used.
 
     `velocity` is the impact velocity, m/s, or the ballistic limit; `key` is its key.
     """
     outside = limits_outside(armours_of(scenario), np.array([velocity]))
     notes = (limit.note(key if limit.key == VELOCITY else "") for limit in outside)
     metals = [scenario.entry("metal", scenario.armour.backing)]
-    return (*notes, *strength_notes(metals, bare=not scenario.armour.ceramic_thickness_mm))
+    strengths = strength_notes(metals, bare=not scenario.armour.ceramic_thickness_mm)
+    return (*scenario.unused_threats(), *notes, *strengths)
 
 
 def threat_warnings(scenario: Scenario, armours: Armours, metals: Iterable[LibraryEntry]) -> Iterator[Note]:

@@ -342,6 +342,12 @@ class Scenario(Section):
         """Return a warning, for a result that takes inputs as exact, if the scenario has distributions of them."""
         return (Note(EXACT_INPUTS, "uncertainty"),) if self.distributions() else ()
 
+    def unused_impact(self) -> tuple[Note, ...]:
+        """Return a warning, for a result of the threats, if the impact is not one of them."""
+        if not self.threat or shot(self.impact) in map(shot, self.threat):
+            return ()
+        return (Note(f"{shot(self.impact)} is not among the threats, which are used instead", "impact"),)
+
     def unused_threats(self) -> tuple[Note, ...]:
         """Return a warning, for a result of the section ``impact``, if the scenario has threats of its own."""
         if not self.threat:

@@ -276,7 +276,6 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         warnings=(
             *_misplaced(section, scenario.inputs()),
             *([] if error or scenario.excludes_error() else [UNKNOWN]),
-            *scenario.unused_threats(),
             *scenario_warnings(scenario, deterministic, "ballistic_limit"),
         ),
         model_error=error,
