@@ -11,7 +11,7 @@ from armour.core.equations import CONOID
 from armour.errors import InputError, Problem
 from armour.scenario.scenario import Scenario, load_scenario, parse_scenario, save_scenario
 from armour.scenario.schema import Range
-from tests.helpers.cases import SCENARIOS, data, scenario
+from tests.helpers.cases import SCENARIOS, data, scenario, shipped_scenario
 
 
 def messages(content: dict[str, Any]) -> list[str]:
@@ -147,6 +147,16 @@ def test_an_input_changes_an_entry_of_the_scenario():
 def test_an_input_that_is_refused(changes: dict[str, object], message: str):
     with pytest.raises(InputError, match=f"replaced: .*{message}"):
         scenario().replaced(changes)
+
+
+def test_scenarios_are_equal_by_content(tmp_path: Path):
+    case = shipped_scenario("uncertain")
+    save_scenario(case, tmp_path / "saved.toml")
+    same = [parse_scenario(case.to_dict()), load_scenario(tmp_path / "saved.toml"), case.replaced({})]
+    assert {case, *same} == {case}
+    assert case not in {case.replaced({"impact.velocity_m_s": 801.0}), None}
+    error = {"uncertainty.model.included": False}
+    assert case.replaced(error).replaced({"uncertainty.model.included": True}).excludes_error() is False
 
 
 @pytest.mark.parametrize("copy", [deepcopy, lambda case: pickle.loads(pickle.dumps(case))])

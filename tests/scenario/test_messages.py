@@ -96,8 +96,8 @@ design.pareto = ["thickness_mm", "thickness_mm"]
     design.pareto: must not name a criterion twice, found thickness_mm, thickness_mm
 design.pareto = ["thickness_mm", "thickness_mm", "thickness_mm", "thickness_mm"]
     design.pareto: must list at most 3 values, found 4
-uncertainty.model = {}
-    uncertainty.model: must have scale_percent, or included = false
+uncertainty.model = { mean_percent = 5 }
+    uncertainty.model: must have scale_percent
 uncertainty.model = { included = false, source = "a" }
     uncertainty.model: must have nothing else if included is false, found source
 uncertainty.samples = "800"

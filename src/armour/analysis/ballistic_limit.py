@@ -277,7 +277,8 @@ class ConfidenceResult(Result):
     def _words(self) -> str:
         if self.probability_of_stopping is None:
             return "probability of stopping the projectile not known"
-        return f"probability of stopping the projectile {self.probability_of_stopping:.3f}"
+        at_least = "at least " if self.model_error is not None and self.model_error.at_least else ""
+        return f"probability of stopping the projectile {at_least}{self.probability_of_stopping:.3f}"
 
 
 @checked

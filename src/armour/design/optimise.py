@@ -260,7 +260,8 @@ class DesignResult(TableResult):
         best = self.shown
         if best is None:
             return self.reason
-        ceramic = f"{best.ceramic_thickness_mm:g} mm {best.ceramic} on " if best.ceramic else ""
+        untested = " (untested)" * best.untested
+        ceramic = f"{best.ceramic_thickness_mm:g} mm {best.ceramic}{untested} on " if best.ceramic else ""
         armour = f"{ceramic}{best.backing_thickness_mm:g} mm {best.backing}"
         nearest = f"{self.reason}, nearest " if self.reason else ""
         return f"{nearest}{armour}, {best.areal_density_kg_m2:.2f} kg/m²"

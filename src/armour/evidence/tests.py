@@ -108,7 +108,7 @@ class Evidence(NamedTuple):
     def angles(self) -> str:
         """Return the angles of the tests, in words."""
         if self.obliquity_max_deg:
-            return f"tests of such plates at up to {self.obliquity_max_deg:g}° only"
+            return f"tests of such plates at up to {max(self.obliquity_max_deg, self.at_least_deg):g}° only"
         return f"no test of {'an armour with a ceramic' if self.ceramic else 'such a plate'} at an angle"
 
 

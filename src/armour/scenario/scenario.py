@@ -260,6 +260,12 @@ class Scenario(Section):
         content = {**self.model_dump(mode="json"), "library": library}
         return sha256(json.dumps(content).encode()).hexdigest()
 
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Scenario) and self.digest() == other.digest()
+
+    def __hash__(self) -> int:
+        return hash(self.digest())
+
     def to_dict(self) -> dict[str, Any]:
         """Return the content of a scenario file as plain data, which `parse_scenario` reads."""
         return deepcopy(self._source.data)

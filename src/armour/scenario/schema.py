@@ -514,7 +514,7 @@ class ModelSection(Section):
     """Model error: actual / computed ballistic limit - 1, with Student's t distribution."""
 
     included: bool = True
-    """Whether the model error is included."""
+    """Whether the model error is included: that given here or else that of tests."""
     mean_percent: Annotated[float, Field(ge=-90.0, le=1000.0)] = 0.0
     """Mean model error: actual / computed ballistic limit - 1."""
     scale_percent: Annotated[float, Field(ge=1e-3, le=100.0)] | None = None
@@ -529,8 +529,8 @@ class ModelSection(Section):
         other_keys = self.model_fields_set - {"included"}
         if not self.included and other_keys:
             raise ValueError(f"must have nothing else if included is false, found {', '.join(sorted(other_keys))}")
-        if self.included and self.scale_percent is None:
-            raise ValueError("must have scale_percent, or included = false")
+        if other_keys and self.scale_percent is None:
+            raise ValueError("must have scale_percent")
         return self
 
 
