@@ -157,3 +157,8 @@ def test_the_armour_as_it_is(folder: Path):
 def test_another_ending(folder: Path):
     with pytest.raises(InputError, match=r"\.html or \.md"):
         report(suite_result(folder, case("a", 720.0, "band = 5.0")), folder / "x.pdf")
+
+
+def test_a_report_is_on_a_scenario_or_a_suite(tmp_path: Path):
+    with pytest.raises(InputError, match="subject: must be a Scenario or the result of validate, found a str"):
+        report("wilkins", tmp_path / "x.md")  # type: ignore[arg-type]

@@ -3,6 +3,7 @@ from collections.abc import Callable, Mapping
 from os import PathLike
 from typing import Annotated, Any, Literal
 
+import numpy as np
 import pytest
 from pydantic import Field
 
@@ -58,4 +59,5 @@ def test_what_is_right_is_passed_on():
     assert f(names="abc")[2] == ("abc",)
     assert f(names=(x for x in "ab"))[2] == ("a", "b")  # type: ignore[arg-type]
     assert f(limits=[1, 2])[6] == (1.0, 2.0)  # type: ignore[arg-type]
+    assert (f(number=np.int64(3))[3], f(prior=np.bool_(True))[7]) == (3, True)  # type: ignore[arg-type]
     assert "scenario" in inspect.signature(f).parameters

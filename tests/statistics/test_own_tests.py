@@ -18,6 +18,7 @@ from armour.statistics.calibration import FLOW_STRESS, Law, calibrate
 from armour.statistics.fitted_library import scenario_text
 from armour.statistics.measured import Tests as Measured
 from armour.statistics.measured import read_tests
+from armour.statistics.own_tests import repeated
 from tests.helpers.cases import TESTS, shipped_scenario
 from tests.helpers.fits import table_of, wilkins_fit
 from tests.helpers.results import best_of
@@ -69,6 +70,17 @@ def test_three_tests_of_thick_plates_do_not_make_a_thin_one_safe():
     assert thin.model_error is not None
     title = "147 tests of fragment simulators on 14 aluminium alloys and 3 own tests of this lot"
     assert thin.model_error.source == title
+
+
+def test_shipped_tests_given_as_own_tests_are_warned_of():
+    wilkins = shipped_scenario("wilkins")
+    tests = read_tests(TESTS, wilkins)
+    assert "13 of 13 tests are among those that the model error comes from" in "".join(repeated(tests))
+    other_limits = [
+        {**cells, "ballistic_limit_m_s": float(cells["ballistic_limit_m_s"]) + 0.5} for cells in tests.cells
+    ]
+    assert "1 of 13 tests" in "".join(repeated(read_tests([*other_limits[1:], tests.cells[0]], wilkins)))
+    assert not [*repeated(read_tests(other_limits, wilkins))]
 
 
 def test_own_tests_hold_for_the_named_entry_with_its_calibrated_value():

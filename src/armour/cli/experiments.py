@@ -91,14 +91,15 @@ def calibrate(
     """Fit model inputs to tests."""
     from armour.statistics.fitted_library import library_text, scenario_text
 
-    if (lot is None) != (library is None and fitted is None):
+    lot = (lot or "").strip()
+    if (not lot) != (library is None and fitted is None):
         raise wrong_option("--lot", "must be given with --write or --write-scenario, and only then: the lot tested")
 
     tests = armour.read_tests(table, scenario)
     result = armour.calibrate(tests, scenario, on_progress=on_progress, **options)
     contents = {
-        library: lambda: library_text(result, tests, scenario, lot or ""),
-        fitted: lambda: None if fitted is None else scenario_text(result, tests, scenario, lot or "", fitted),
+        library: lambda: library_text(result, tests, scenario, lot),
+        fitted: lambda: None if fitted is None else scenario_text(result, tests, scenario, lot, fitted),
     }
     return Answer(result, contents=contents, file=str(table))
 

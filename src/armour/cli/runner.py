@@ -237,7 +237,7 @@ def warnings_of(scenario: "Scenario | None", warnings: Iterable[str], file: str 
     every = list(dict.fromkeys(warnings))
     if not verbose:
         every = in_two_lines(every, "with -v")
-    return [*notes, *(f"warning: {where}: {warning}" for warning in every)]
+    return [*notes, *(": ".join(filter(None, ("warning", where, warning))) for warning in every)]
 
 
 def as_options(function: str, named: Mapping[str, str] = {}) -> AbstractContextManager[None]:

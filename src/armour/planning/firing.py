@@ -343,7 +343,7 @@ def plan_shots(
         fired=fired,
         simulated=len(fired.complete) - len(shots.complete),
         next_velocity_m_s=None if aim is None else aimed(aim.velocity_m_s),
-        reason="" if aim is None else aim.why + _why_outside(aim.velocity_m_s, fired),
+        reason="" if aim is None else aim.why + _why_outside(aim.velocity_m_s, fired) * (procedure != "up-and-down"),
         stopped=end_reason,
         expected_shots=further,
         expected_shots_90=further_90 if confidence > OTHER_CONFIDENCE else None,

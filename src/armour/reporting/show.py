@@ -131,6 +131,7 @@ def report(
     """
     from armour.reporting.scenario_report import contents_of, scenario_report
     from armour.reporting.views import suite
+    from armour.validation.validate import SuiteResult
 
     path = Path(path)
     refuse(wrong_ending(path, REPORT_ENDINGS) or unwritable(path))
@@ -139,8 +140,11 @@ def report(
         scenario = subject if confidence is None else subject.replaced({"design.confidence": confidence})
         contents = contents_of(scenario, on_progress, as_is=as_is)
         content = scenario_report(contents, f'armour.report(scenario, "{path}"{options})')
-    else:
+    elif isinstance(subject, SuiteResult):
         content = suite.report(subject, f'armour.report(result, "{path}")')
+    else:
+        message = f"must be a Scenario or the result of validate, found a {type(subject).__name__}"
+        raise mistake("report", "subject", message)
     write_file(path, report_text(content, path).encode(errors="backslashreplace"))
 
 

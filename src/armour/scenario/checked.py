@@ -52,11 +52,16 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
             # Python's own message names the function.
             return function(*args, **kwargs)
         bound.apply_defaults()
-        annotated = {name: value for name, value in bound.arguments.items() if name in model().model_fields}
+        annotated = {name: _plain(value) for name, value in bound.arguments.items() if name in model().model_fields}
         bound.arguments |= dict(validated(model(), annotated, function.__name__))
         return function(*bound.args, **bound.kwargs)
 
     return call
+
+
+def _plain(value: Any) -> Any:
+    """Return a number of numpy as one of Python, and anything else as it is."""
+    return value.item() if getattr(value, "shape", None) == () else value
 
 
 def _kind(hint: Any) -> Any:

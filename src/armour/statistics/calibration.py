@@ -30,7 +30,7 @@ from armour.statistics.likelihood import (
     without,
 )
 from armour.statistics.measured import Tests, common_of, subject_of, with_scatter
-from armour.statistics.own_tests import NOTHING_OF_ERROR, own_tests
+from armour.statistics.own_tests import NOTHING_OF_ERROR, own_tests, repeated
 
 FLOW_STRESS = "ceramic.flow_stress_GPa"
 
@@ -305,7 +305,8 @@ def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str
     if len(result.coefficients) == 1:
         values = {name: tests.groups[0].scenario.inputs()[name] for name in inputs} | values
     if len(values) == len(result.coefficients) and (evidence := own_tests(tests, values)):
-        return replace(result, evidence=evidence.model_dump(exclude_none=True))
+        warnings = (*result.warnings, *repeated(tests))
+        return replace(result, evidence=evidence.model_dump(exclude_none=True), warnings=warnings)
     if {name.partition(".")[0] for name in inputs} != {"projectile"}:
         return replace(result, warnings=(*result.warnings, f"of the entry, {NOTHING_OF_ERROR}"))
     return result

@@ -4,9 +4,10 @@ import re
 from collections.abc import Callable, Mapping
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import tomli_w
+from pydantic import Field
 
 from armour.errors import InputError, NoAnswerError, counted, mistake
 from armour.files import parse_toml, write_file
@@ -14,7 +15,7 @@ from armour.scenario.checked import checked
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, NAMES, VELOCITY
 from armour.scenario.library import FLOW_STRESS_LAW, LibraryEntry, shipped_library
 from armour.scenario.scenario import Scenario, parse_scenario
-from armour.scenario.schema import DesignSection
+from armour.scenario.schema import DesignSection, Line
 from armour.statistics.calibration import FLOW_STRESS, LAWS, CalibrationResult
 from armour.statistics.measured import LIMIT, MEASURED, OUTCOME, Tests
 from armour.statistics.own_tests import NOTHING_OF_ERROR
@@ -29,7 +30,7 @@ def save_fit(
     tests: Tests,
     scenario: Scenario,
     *,
-    lot: str,
+    lot: Annotated[Line, Field(min_length=1)],
     library: str | PathLike[str] | None = None,
     fitted: str | PathLike[str] | None = None,
 ) -> None:

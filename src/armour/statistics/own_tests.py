@@ -1,17 +1,19 @@
 """Own tests of a lot as stored in a calibrated entry: their armours, and their ballistic limits by each law."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
 
 from armour.analysis.searches import ballistic_limits
 from armour.analysis.variants import Floats, Variants, concatenated, variants_of
+from armour.csv_files import lines_of
 from armour.errors import counted, mistake
 from armour.evidence.fit import fits, law_parameters, shipped_data
 from armour.evidence.model_error import other_settings
 from armour.evidence.tests import armours_of, is_outside, shipped_evidence, shipped_evidence_of
-from armour.scenario.inputs import cosine_of
+from armour.files import shipped_tests
+from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, cosine_of
 from armour.scenario.library import (
     FLOW_STRESS_LAW,
     IN_COMMON,
@@ -37,6 +39,8 @@ NOTHING_OF_ERROR = (
     "the tests that it was calibrated to do not determine the model error: none measured a limit, one is implausible "
     "for any lot, or their settings, armours or angles are not those of the shipped tests"
 )
+# What identifies a test: layers, angle and measured limit.
+ROW = (CERAMIC, BACKING, OBLIQUITY, "ballistic_limit_m_s")
 # Number of standard deviations from the prediction for any lot beyond which a test is a mistake.
 IMPLAUSIBLE = 6.0
 # What can be calibrated to own tests, by role: keys of the entry, and quantities.
@@ -45,6 +49,27 @@ QUANTITIES = {
     "ceramic": ("ceramic_strength_GPa", "backing_exponent", "product_exponent", "slopes"),
     "backing": ("backing_strength_GPa", "backing_shear_ratio"),
 }
+
+
+def shipped_rows() -> set[tuple[float, ...]]:
+    """Return layers, angle and measured limit of every shipped test that model errors come from."""
+    rows = set()
+    for name in ("wilkins.csv", "plates.csv"):
+        (_, header), *lines = lines_of(shipped_tests()[name])[1]
+        cells = (dict(zip(header, line, strict=True)) for _, line in lines)
+        rows |= {tuple(float(cell.get(key) or 0.0) for key in ROW) for cell in cells}
+    return rows
+
+
+def repeated(tests: Tests) -> Iterator[str]:
+    """Warn of tests that are among the shipped ones."""
+    known, usual = shipped_rows(), tests.scenario.inputs()
+    count = sum(tuple(float(cells.get(key) or usual.get(key, 0.0)) for key in ROW) in known for cells in tests.cells)
+    if count:
+        yield (
+            f"{count} of {counted(len(tests.cells), 'test')} are among those that the model error comes from; written "
+            "as own tests, they count twice"
+        )
 
 
 def own_tests(tests: Tests, fitted: Mapping[str, float]) -> OwnTests | None:

@@ -269,7 +269,7 @@ def v50(
         Whether to add the posterior of V50, whose prior is the scenario's ballistic limit with the model error.
     requirement_m_s : float, optional
         Required V50, m/s: whether the armour's exceeds it is decided by the shots alone, by the one-sided bounds, with
-        a risk of at most 1 minus the confidence.
+        a risk of about 1 minus the confidence.
     on_progress : callable, optional
         Called with the number of impacts computed since the last call, and None, as their total is not known.
 

@@ -37,9 +37,9 @@ def finding(threat: CheckedThreat) -> str:
     """Return the probability or the ballistic limit of an armour against a threat, and the required one."""
     limit = threat.ballistic_limit_m_s
     by_model = "no ballistic limit found" if limit is None else f"ballistic limit by the model {limit:.0f} m/s"
-    if threat.required_probability is None:
-        return f"{by_model}, {required(threat)} required"
     probability = chance(threat.probability_of_stopping, threat.model_error)
+    if threat.required_probability is None:
+        return f"{by_model}, {required(threat)} required; probability {probability}"
     words = f"{STOPPING.label} {probability}, {required(threat)} required"
     needed = threat.velocity_m_s + threat.required_margin_m_s
     return words if threat.probability_of_stopping is not None else f"{words}; {by_model}, {needed:g} m/s required"

@@ -99,8 +99,9 @@ def answer(result: FiringResult) -> str:
 
 
 FIXED = (
-    "the risks hold for shots whose number did not depend on their results; armour plan shots --requirement-m-s "
-    "decides at any time, with more shots"
+    "the risks are approximate: where the scatter far exceeds the steps between shots, 5 % may be 8 %; they hold for "
+    "shots whose number did not depend on their results; armour plan shots --requirement-m-s decides at any time, with "
+    "more shots and bounded risks"
 )
 BOUND = "a higher complete or a lower partial would bound it"
 

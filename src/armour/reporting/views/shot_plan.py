@@ -5,7 +5,7 @@ from itertools import zip_longest
 from armour.planning.firing import ShotPlan
 from armour.reporting.table import Column, Table, column_of, listing, record
 from armour.reporting.text import interval, percent, with_interval
-from armour.reporting.words import chance, model_error_words
+from armour.reporting.words import chance, model_error_words, rounded_down
 from armour.statistics.posterior import FiringEstimate
 
 SCATTER_ASSUMED = "the prior for the scatter is assumed; the model does not predict scatter"
@@ -104,7 +104,10 @@ def _risk(risk: float | None) -> str:
 
 
 def _ratio(ratio: float | None, risk: float | None) -> str:
-    return "" if ratio is None or risk is None else f"{min(ratio, 9999.0):.2g} of {1.0 / risk:.3g}"
+    if ratio is None or risk is None:
+        return ""
+    reached = f"{rounded_down(min(ratio, 9999.0), 1):g}" if ratio >= 1.0 else f"{ratio:.2g}"
+    return f"{reached} of {1.0 / risk:.3g}"
 
 
 def _number_of_shots(median: float | None) -> str:
