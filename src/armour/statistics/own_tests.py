@@ -39,8 +39,9 @@ NOTHING_OF_ERROR = (
     "the tests that it was calibrated to do not determine the model error: none measured a limit, one is implausible "
     "for any lot, or their settings, armours or angles are not those of the shipped tests"
 )
-# What identifies a test: layers, angle and measured limit.
-ROW = (CERAMIC, BACKING, OBLIQUITY, "ballistic_limit_m_s")
+# What identifies a test: layers, angle, penetrator and measured limit.
+PENETRATOR = ("projectile.penetrator_diameter_mm", "projectile.penetrator_mass_g")
+IDENTITY = (CERAMIC, BACKING, OBLIQUITY, *PENETRATOR, "ballistic_limit_m_s")
 # Number of standard deviations from the prediction for any lot beyond which a test is a mistake.
 IMPLAUSIBLE = 6.0
 # What can be calibrated to own tests, by role: keys of the entry, and quantities.
@@ -51,25 +52,26 @@ QUANTITIES = {
 }
 
 
-def shipped_rows() -> set[tuple[float, ...]]:
-    """Return layers, angle and measured limit of every shipped test that model errors come from."""
-    rows = set()
+def repeated(tests: Tests) -> Iterator[str]:
+    """Warn of tests, at least two, that are among the shipped ones which model errors come from."""
+    usual = tests.scenario.inputs()
+    shipped_values = {**usual, CERAMIC: 0.0, OBLIQUITY: 0.0}  # where a shipped table has no such column
+    known = set()
     for name in ("wilkins.csv", "plates.csv"):
         (_, header), *lines = lines_of(shipped_tests()[name])[1]
-        cells = (dict(zip(header, line, strict=True)) for _, line in lines)
-        rows |= {tuple(float(cell.get(key) or 0.0) for key in ROW) for cell in cells}
-    return rows
-
-
-def repeated(tests: Tests) -> Iterator[str]:
-    """Warn of tests that are among the shipped ones."""
-    known, usual = shipped_rows(), tests.scenario.inputs()
-    count = sum(tuple(float(cells.get(key) or usual.get(key, 0.0)) for key in ROW) in known for cells in tests.cells)
-    if count:
+        known |= {_identity(dict(zip(header, line, strict=True)), shipped_values) for _, line in lines}
+    count = sum(_identity(cells, usual) in known for cells in tests.cells)
+    # One alone may be a coincidence.
+    if count > 1:
         yield (
-            f"{count} of {counted(len(tests.cells), 'test')} are among those that the model error comes from; written "
-            "as own tests, they count twice"
+            f"{count} of {len(tests.cells)} tests are among those that the model error comes from; written as own "
+            "tests, they count twice"
         )
+
+
+def _identity(cells: Mapping[str, float | str], usual: Mapping[str, float]) -> tuple[float, ...]:
+    """Return the values that identify a test, from its row or else the usual ones."""
+    return tuple(float(cells.get(key) or usual.get(key, 0.0)) for key in IDENTITY)
 
 
 def own_tests(tests: Tests, fitted: Mapping[str, float]) -> OwnTests | None:
