@@ -60,6 +60,15 @@ def shipped_notebooks() -> dict[str, Path]:
     return {path.name: path for path in shipped_files("docs", ".ipynb").values()}
 
 
+def _kinds() -> dict[str, dict[str, Path]]:
+    """Return the shipped scenarios, suites and tables by name, by what they are."""
+    return {
+        "scenario": shipped_files("scenarios", ".toml"),
+        "suite": shipped_suites(),
+        "table of tests or shots": shipped_tests(),
+    }
+
+
 def located(path: Path, files: Mapping[str, Path]) -> Path:
     """Return the file at a path or, if there is none, the shipped file of that name.
 
@@ -75,12 +84,7 @@ def located(path: Path, files: Mapping[str, Path]) -> Path:
             if os.path.isfile(with_ending):
                 raise mistake(path, "", f'cannot be read: {reason(error)}; did you mean "{with_ending}"?') from None
             closest = suggestion(path.with_suffix("").as_posix(), [*files]) or suggestion(path.stem, [*files])
-            kinds = {
-                "scenario": shipped_files("scenarios", ".toml"),
-                "suite": shipped_suites(),
-                "table of tests or shots": shipped_tests(),
-            }
-            others = "".join(f"; {name} is a shipped {kind}" for kind, names in kinds.items() if name in names)
+            others = "".join(f"; {name} is a shipped {kind}" for kind, names in _kinds().items() if name in names)
             hint = others or closest or "; `armour init --list` lists what is shipped"
             raise mistake(path, "", f"cannot be read: {reason(error)}{hint}") from None
     return files[name]
@@ -88,8 +92,7 @@ def located(path: Path, files: Mapping[str, Path]) -> Path:
 
 def named(path: Path) -> str:
     """Return the path of a file as text; that of a shipped file is its name, as it differs between installations."""
-    shipped_data = {**shipped_files("scenarios", ".toml"), **shipped_suites(), **shipped_tests()}
-    names = {file: name for name, file in shipped_data.items()}
+    names = {file: name for files in _kinds().values() for name, file in files.items()}
     return names.get(Path(os.path.normpath(path)), str(path))
 
 

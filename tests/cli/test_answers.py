@@ -213,3 +213,14 @@ def test_a_report_names_what_was_computed(cli, folder: Path):
 @pytest.mark.parametrize("words", ["calibrate wilkins.csv wilkins", "validate regression", "v50 shots.csv"])
 def test_json_names_shipped_files_wherever_they_lie(cli, words: str):
     assert str(SCENARIOS.parent) not in cli(*words.split(), "--json").stdout
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "calibrate wilkins.csv catalogue",
+        "plan tests catalogue --candidates armour.ceramic_thickness_mm=6,8 --scatter-percent 3",
+    ],
+)
+def test_threats_that_tests_do_not_use_are_warned_of(cli, words: str):
+    assert "threat: is not used: the results are against" in cli(*words.split(), "--verbose").stderr

@@ -81,6 +81,8 @@ def test_shipped_tests_given_as_own_tests_are_warned_of():
     ]
     assert "2 of 13 tests" in "".join(repeated(read_tests([*other_limits[2:], *tests.cells[:2]], wilkins)))
     assert not [*repeated(read_tests(other_limits, wilkins))]
+    oblique = read_tests([{**cells, OBLIQUITY: 0.0} for cells in tests.cells], wilkins.replaced({OBLIQUITY: 30.0}))
+    assert "13 of 13 tests" in "".join(repeated(oblique))
 
 
 def test_own_tests_hold_for_the_named_entry_with_its_calibrated_value():

@@ -350,7 +350,7 @@ def _check(limits: DataRange, q: Quantities, rows: Any = True) -> tuple[str, str
 
 
 def scenario_warnings(scenario: Scenario, velocity: float, key: str = VELOCITY) -> tuple[Note, ...]:
-    """Return warnings of the ways in which a scenario is unlike what the model was compared with, or is not used.
+    """Return warnings of threats that are not used, and of ways in which the model was not compared with the scenario.
 
     `velocity` is the impact velocity, m/s, or the ballistic limit; `key` is its key.
     """

@@ -288,7 +288,7 @@ def plan_tests(
         candidates=armours.values(),
         sensitivities=tuple(sensitivities.tolist()),
         confidence=CONFIDENCE,
-        warnings=(*knowledge.warnings, *_warnings(task, number, undetermined)),
+        warnings=(*scenario.unused_threats(), *knowledge.warnings, *_warnings(task, number, undetermined)),
     ).of(armours.subject(scenario), scenario=scenario, tests=tests)
 
 

@@ -395,6 +395,7 @@ def fit_by_law(
         widened_by=fit.widened_by,
         aicc=fit.aicc,
         warnings=(
+            *tests.scenario.unused_threats(),
             *([ASSUMED] if too_few else []),
             *_bad_fit(fit),
             *_out_of_line(tests, residuals, len(inputs)),

@@ -71,7 +71,9 @@ def repeated(tests: Tests) -> Iterator[str]:
 
 def _identity(cells: Mapping[str, float | str], usual: Mapping[str, float]) -> tuple[float, ...]:
     """Return the values that identify a test, from its row or else the usual ones."""
-    return tuple(float(cells.get(key) or usual.get(key, 0.0)) for key in IDENTITY)
+    # An empty cell is none; a zero is a value.
+    given = {key: value for key, value in cells.items() if value != ""}
+    return tuple(float(given.get(key, usual.get(key, 0.0))) for key in IDENTITY)
 
 
 def own_tests(tests: Tests, fitted: Mapping[str, float]) -> OwnTests | None:
