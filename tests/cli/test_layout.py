@@ -12,7 +12,7 @@ from armour.analysis.impact import simulate
 from armour.cli.layout import rendered
 from armour.reporting.table import Column, Table, record
 from armour.reporting.text import Verdict
-from armour.reporting.views import impact as impact_view
+from armour.reporting.views.analysis import tables_of_impact
 from armour.reporting.views.library import library_table
 from armour.scenario.library import KINDS, shipped_library
 from tests.helpers.cases import scenario
@@ -33,7 +33,7 @@ def words(lines: list[str]) -> list[str]:
 @pytest.fixture(scope="module")
 def tables() -> list[Table]:
     items = [
-        *impact_view.tables(simulate(scenario()).of(confidence=confidence(scenario()))),
+        *tables_of_impact(simulate(scenario()).of(confidence=confidence(scenario()))),
         *(library_table(shipped_library(), kind) for kind in KINDS),
     ]
     return [item for item in items if isinstance(item, Table)]

@@ -2,7 +2,7 @@ import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit, confidence
 from armour.design.check import check
-from armour.reporting.views.check import junit
+from armour.reporting.views.design import check_junit
 from armour.scenario.inputs import VELOCITY
 from tests.helpers.cases import scenario, shipped_scenario
 
@@ -71,7 +71,7 @@ def test_without_a_limit_in_the_range_the_impact_decides(velocity: float, passed
 
 
 def test_a_test_case_for_every_threat():
-    found = junit(check(scenario(threat=THREATS)), "a.toml", 1.25, {"version": "2"})
+    found = check_junit(check(scenario(threat=THREATS)), "a.toml", 1.25, {"version": "2"})
     assert (found.attrib["tests"], found.attrib["time"]) == ("2", "1.250")
     [version] = found.iter("property")
     assert version.attrib == {"name": "version", "value": "2"}

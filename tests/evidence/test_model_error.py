@@ -14,7 +14,7 @@ from armour.errors import InputError
 from armour.evidence.fit import fits
 from armour.evidence.model_error import ModelError
 from armour.evidence.tests import FARTHEST_CERAMIC, shipped_evidence
-from armour.reporting.views.confidence import tables
+from armour.reporting.views.analysis import tables_of_confidence
 from armour.scenario.inputs import OBLIQUITY
 from armour.scenario.scenario import Scenario
 from armour.statistics.uncertainty import uncertainty
@@ -209,7 +209,7 @@ def test_beyond_30_degrees_a_plate_stops_at_least_as_surely_as_at_0():
     assert oblique.model_error is not None
     assert "2 tests at 45°" in oblique.model_error.at_least
     assert 0.2 < (oblique.probability_of_stopping or 0.0) < 0.95
-    assert "at least 92 %" in str(tables(oblique))
+    assert "at least 92 %" in str(tables_of_confidence(oblique))
     for beyond in (plate.replaced({OBLIQUITY: 46.0}), scenario("20 mm FSP", None, "6061-T6", 0.0, 20.0)):
         assert model_error(beyond.replaced({OBLIQUITY: max(31.0, beyond.impact.obliquity_deg)}), 700.0) is None
 
@@ -229,7 +229,7 @@ def test_with_a_ceramic_the_probability_at_0_degrees_is_beside_and_used_if_the_d
     at_normal, oblique = confidence(case), confidence(case.replaced({OBLIQUITY: 20.0}))
     assert oblique.probability_of_stopping is None
     assert oblique.probability_at_normal_incidence == at_normal.probability_of_stopping
-    assert "at 0°: 62 %" in str(tables(oblique))
+    assert "at 0°: 62 %" in str(tables_of_confidence(oblique))
     as_at_normal = case.replaced({OBLIQUITY: 20.0, "design.angles_as_at_normal_incidence": True})
     assert confidence(as_at_normal).probability_of_stopping == pytest.approx(at_normal.probability_of_stopping)
     [of_row] = evaluate(as_at_normal, {}, ["probability_of_stopping"])["probability_of_stopping"]

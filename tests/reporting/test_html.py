@@ -10,12 +10,11 @@ import pytest
 from matplotlib.axes import Axes
 
 from armour.reporting.html import WIDTH_INCHES, html_report, inline_svg
-from armour.reporting.lookup import drawing_of
 from armour.reporting.pictures.drawing import BLUE, INK, PANEL, SOFT, VERMILION, Picture, Sheet, drawn, points
-from armour.reporting.report import Card, Report, ReportSection
+from armour.reporting.report import Card, Report, ReportSection, drawing_of
 from armour.reporting.scenario_report import contents_of, scenario_report
 from armour.reporting.table import Column, Table
-from armour.reporting.views import suite as suite_view
+from armour.reporting.views.validation import suite_report
 from armour.scenario.inputs import CERAMIC
 from armour.scenario.scenario import load_scenario
 from armour.statistics.sensitivity import Elasticity, SensitivityResult
@@ -111,7 +110,7 @@ def test_control_characters_are_escaped():
 
 def test_a_suite(folder):
     outcome = result(folder, TABLE + case("own", 700.0, "band = 100.0"))
-    content = html_report(suite_view.report(outcome, "armour report s.toml"))
+    content = html_report(suite_report(outcome, "armour report s.toml"))
     assert "3 of 4 within their bands" in content
     assert content.count('class="chart"') == 1
     assert "computed ballistic limit, m/s" in content
@@ -193,7 +192,7 @@ def test_identifiers_of_two_charts_differ_and_refer_to_each_other():
 
 @pytest.mark.parametrize("name", ["<!--</svg><script>alert(1)</script>url(#x)", "a\x08\x00\u2028b"])
 def test_names_are_text(name: str):
-    drawing = drawing_of(design_result(ceramic=name, pareto=True), "draw_front")
+    drawing = drawing_of(design_result(ceramic=name, pareto=True), "draw_front_of")
     content = inline_svg(drawn(drawing, Sheet(WIDTH_INCHES), bare=True), name, "c")
     assert "<script" not in content
     assert "<!--" not in content

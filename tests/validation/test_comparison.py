@@ -7,7 +7,7 @@ import pytest
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.closed_forms import florence_ballistic_limit, residual_velocity
 from armour.errors import InputError, NoAnswerError
-from armour.reporting.views.comparison import rule_note
+from armour.reporting.views.validation import rule_note
 from armour.validation.comparison import Comparison, compare
 from tests.helpers.cases import scenario
 

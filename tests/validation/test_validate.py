@@ -7,7 +7,7 @@ import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.closed_forms import florence_ballistic_limit
-from armour.reporting.views.suite import junit, suite_tables
+from armour.reporting.views.validation import suite_junit, suite_tables
 from armour.validation.questions import Subject
 from armour.validation.suite import Between, load_suite, meets
 from armour.validation.validate import Check, SuiteResult, kept_by_update, result_of, updated_file, updates_of, validate
@@ -172,7 +172,7 @@ def test_rows_of_a_file_and_groups_are_summarised(of_file: SuiteResult):
     assert (thin.mean_expected, thin.mean_band) == (None, None)
     assert not of_file.passed
     # JUnit XML has the groups and not the rows, and an update keeps the measurements.
-    text = junit(of_file, [0.0] * len(of_file.checks), {}).decode()
+    text = suite_junit(of_file, [0.0] * len(of_file.checks), {}).decode()
     assert (text.count("<testcase"), text.count("<failure")) == (2, 1)
     assert "mean band +0 ± 1 %" in text
     assert updates_of(of_file) == []

@@ -254,7 +254,7 @@ def plan_tests(
 ) -> Answer:
     """Choose the armours to test that best determine model inputs, or the ballistic limit of a design."""
     from armour.reporting.table import csv_text
-    from armour.reporting.views.planned_tests import form_table
+    from armour.reporting.views.planning import form_table
 
     source = _source(candidates)
     earlier_tests = None if tests is None else armour.read_tests(tests, scenario)

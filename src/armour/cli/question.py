@@ -253,17 +253,16 @@ def _arguments(
 
 def _respond(answer: Answer, scenario: "Scenario | None", values: Mapping[str, Any]) -> None:
     """Show and write an answer, and end with its exit code."""
-    from armour.reporting.lookup import module_of
+    from armour.reporting.report import function_of
     from armour.reporting.show import plot as plot_of
 
     verbose = values["verbose"]
     result = answer.result.of(every_row=verbose)
-    view = module_of(result, "views")
     warnings = result.warnings if answer.warnings is None else answer.warnings
     with answer.held:
         respond(
             {**result.to_dict(), **answer.extra_data},
-            view.tables(result),
+            function_of(result, "views", "tables_of")(result),
             as_json=values["as_json"],
             heading=result.heading(),
             files=answer.contents.items(),

@@ -86,7 +86,7 @@ def simulate(
     """Simulate one impact."""
     # Imported here because other commands do not need numpy.
     from armour.evidence.tests import scenario_warnings
-    from armour.reporting.views import impact as view
+    from armour.reporting.views.analysis import history_csv
 
     result = armour.simulate(scenario, history=history is not None or plot is not None)
     on_progress(1, None)
@@ -95,7 +95,7 @@ def simulate(
     of_limit = () if limit is None else scenario_warnings(scenario, limit, "ballistic_limit")
     warnings = tuple(dict.fromkeys((*result.warnings, *of_limit, *confidence.warnings)))
     extra_data = {"warnings": list(warnings), "confidence": confidence.to_dict()}
-    return Answer(result.of(confidence=confidence), warnings, extra_data, {history: lambda: view.csv(result)})
+    return Answer(result.of(confidence=confidence), warnings, extra_data, {history: lambda: history_csv(result)})
 
 
 @question(LIMIT_READS, computed="the ballistic limit", first="searching")
@@ -143,7 +143,7 @@ def check(
     """
     from armour.reporting.junit import junit_xml
     from armour.reporting.show import plot as plot_of
-    from armour.reporting.views import check as view
+    from armour.reporting.views import design as view
     from armour.scenario.scenario import files_of
 
     paths = scenario_paths(scenario)
@@ -164,13 +164,13 @@ def check(
             if results:
                 emit("\n")
             first, *other_lines = result.heading()
-            show(*other_lines, *view.tables(result), title=first if is_one else f"{loaded.file}: {first}")
+            show(*other_lines, *view.tables_of_check(result), title=first if is_one else f"{loaded.file}: {first}")
         results.append(result)
-        suites.append(view.junit(result, loaded.file, perf_counter() - start, origin_of(loaded)))
+        suites.append(view.check_junit(result, loaded.file, perf_counter() - start, origin_of(loaded)))
         warnings += warnings_of(loaded, result.warnings, verbose=verbose)
     if not (as_json or is_one):
         emit("\n")
-        show(view.summary({loaded.file: result for loaded, result in zip(scenarios, results, strict=True)}))
+        show(view.check_summary({loaded.file: result for loaded, result in zip(scenarios, results, strict=True)}))
     respond(
         results[0].to_dict()
         if is_one
@@ -239,10 +239,12 @@ def optimise(
         from armour.reporting.design_page import design_page
 
         command, needed = ["armour", "simulate", source], accepted(changes or (), IMPACT_READS)
-        map_page = design_page(scenario, command, needed, on_progress, [str(line) for line in view.verdict(result)])
+        map_page = design_page(
+            scenario, command, needed, on_progress, [str(line) for line in view.design_verdict(result)]
+        )
     design = None if source == "-" else result.shown
     then = "" if design is None else _check_of(scenario, design, source, changes or ())
-    contents = {csv: lambda: view.csv(result), page: lambda: map_page}
+    contents = {csv: lambda: view.design_csv(result), page: lambda: map_page}
     return Answer(result, contents=contents, then=then, exit_code=NO_ANSWER if result.reason else 0)
 
 
@@ -324,7 +326,7 @@ def sweep(
     as_json: AsJson = False,
 ) -> None:
     """Compute quantities over a grid or a table of cases; resume if interrupted."""
-    from armour.reporting.views.sweep import SWEEP_ROWS, first_rows
+    from armour.reporting.views.sweeps import SWEEP_ROWS, first_rows
     from armour.scenario.scenario import heading
     from armour.sweeps.cases import Cases
     from armour.sweeps.store import parts_of
@@ -380,7 +382,7 @@ def sweep(
 
     def draw() -> Any:
         from armour.reporting.pictures.drawing import Sheet, drawn
-        from armour.reporting.pictures.sweep import draw_columns
+        from armour.reporting.pictures.sweeps import draw_columns
 
         table = read_table(output)
         return drawn(lambda sheet: draw_columns(table, source.keys, names[0], loaded, sheet), Sheet(), lines).figure
@@ -492,7 +494,7 @@ def report(
 
 
 def _suite_report(source: Path, changes: list[str], command: str) -> "Report":
-    from armour.reporting.views.suite import report as suite_report
+    from armour.reporting.views.validation import suite_report
     from armour.scenario.changes import changes_of
     from armour.validation.suite import load_suite
     from armour.validation.validate import validate

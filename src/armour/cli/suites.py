@@ -51,7 +51,7 @@ def validate(
     The exit code is 3 if a value lies outside its band; with --update, if a value that is not replaced does.
     """
     from armour.reporting.markdown import markdown_report
-    from armour.reporting.views import suite as view
+    from armour.reporting.views import validation as view
     from armour.scenario.changes import changes_of
     from armour.scenario.scenario import files_of
     from armour.validation.suite import load_suite
@@ -75,11 +75,11 @@ def validate(
     judged = kept_by_update(result) if update else result
     respond(
         result.to_dict(),
-        view.tables(judged.of(every_row=verbose)) if judged.checks else (),
+        view.tables_of_suite(judged.of(every_row=verbose)) if judged.checks else (),
         as_json=as_json,
         files=[
-            (markdown, lambda: markdown_report(view.report(result))),
-            (junit, lambda: view.junit(result, seconds, origin_of())),
+            (markdown, lambda: markdown_report(view.suite_report(result))),
+            (junit, lambda: view.suite_junit(result, seconds, origin_of())),
             (updated, lambda: _updated(chosen.file, result)),
         ],
     )
@@ -89,7 +89,7 @@ def validate(
 
 def _computed(suite: "Suite", *, quiet: bool) -> tuple["SuiteResult", list[float]]:
     """Compute the cases, and return how many seconds each took; if interrupted, show those that are done."""
-    from armour.reporting.views import suite as view
+    from armour.reporting.views import validation as view
     from armour.validation.validate import result_of
     from armour.validation.validate import validate as run_suite
 
@@ -107,13 +107,13 @@ def _computed(suite: "Suite", *, quiet: bool) -> tuple["SuiteResult", list[float
             return result, [end - start for start, end in pairwise(times)]
     except KeyboardInterrupt:
         if done and not quiet:
-            show(*view.tables(result_of(suite, done)))
+            show(*view.tables_of_suite(result_of(suite, done)))
         raise
 
 
 def _updated(suite: Path, result: "SuiteResult") -> bytes | None:
     """Return the suite with computed values, which are listed on standard error; None if nothing changes."""
-    from armour.reporting.views.suite import update_table
+    from armour.reporting.views.validation import update_table
     from armour.validation.validate import kept_by_update, updated_file, updates_of
 
     if kept := kept_by_update(result).checks:
@@ -137,9 +137,9 @@ def figures(
     These are figs. 3 to 14, and parity plots of table 3 and of bare plates. The values of each are also written as CSV.
     """
     from armour.reporting.pictures import drawing
-    from armour.reporting.pictures import suite as pictures
+    from armour.reporting.pictures import validation as pictures
     from armour.reporting.table import csv_text
-    from armour.reporting.views import suite
+    from armour.reporting.views import validation as view
     from armour.validation.figures import PARITIES, compute_figure, paper_figures, parity, read_figures
 
     path = paper_figures()
@@ -161,10 +161,10 @@ def figures(
         for name in chosen:
             if name in PARITIES:
                 result = parity(name)
-                table, draw = suite.parity_table(result), partial(pictures.draw, result)
+                table, draw = view.parity_table(result), partial(pictures.draw_suite, result)
             else:
                 figures = [compute_figure(section, path.parent) for section in panels[name]]
-                table, draw = suite.figure_table(figures), partial(pictures.draw_figure, figures)
+                table, draw = view.figure_table(figures), partial(pictures.draw_figure, figures)
             drawn = drawing.saved(drawing.drawn(draw, drawing.Sheet()).figure, f".{image}", json.dumps(origin_of()))
             folder.mkdir(parents=True, exist_ok=True)
             write({folder / f"{name}.csv": csv_text(table), folder / f"{name}.{image}": drawn})

@@ -13,16 +13,12 @@ from armour.design.optimise import OBJECTIVES, DesignResult, optimise
 from armour.errors import NoLimitError, Note
 from armour.evidence.model_error import given_error
 from armour.evidence.tests import armours_of
-from armour.reporting.lookup import drawing_of
-from armour.reporting.report import Card, Report, ReportSection, origin_section, reference_notes
+from armour.reporting.report import Card, Report, ReportSection, drawing_of, origin_section, reference_notes
 from armour.reporting.table import Column, Table, column_of, in_words, listing
 from armour.reporting.text import interval, percent
-from armour.reporting.views import check as check_view
+from armour.reporting.views import analysis as analysis_view
 from armour.reporting.views import design as design_view
-from armour.reporting.views import impact as impact_view
-from armour.reporting.views import sensitivity as sensitivity_view
-from armour.reporting.views import uncertainty as uncertainty_view
-from armour.reporting.views.design import AREAL_DENSITY, COST
+from armour.reporting.views import statistics as statistics_view
 from armour.reporting.views.library import entry_table
 from armour.reporting.words import SAMPLED_ALONE, STOPPING, chance, extrapolation, flow_stress_notes, from_tests
 from armour.scenario.inputs import INPUTS, NAMES, ROLES
@@ -64,7 +60,7 @@ class Contents:
     @property
     def threat(self) -> CheckedThreat:
         """The threat most likely to perforate the armour, as far as is known."""
-        return min(self.threats, key=check_view.standing)
+        return min(self.threats, key=design_view.standing)
 
 
 def asks_for_design(scenario: Scenario) -> bool:
@@ -97,7 +93,7 @@ def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *
         if distributions and not notes and (impact.excludes_error() or own_errors(impact).known.all()):
             threats[place] = _sampled(threats[place], impact, on_part)
             sampled.append(threats[place].threat)
-    worst = min(range(len(threats)), key=lambda place: check_view.standing(threats[place]))
+    worst = min(range(len(threats)), key=lambda place: design_view.standing(threats[place]))
     answer = impacts[worst]
     if design is not None and design.shown is not None:
         probabilities = {threat.threat: threat.probability_of_stopping for threat in threats}
@@ -180,7 +176,7 @@ def _has_requirements(contents: Contents) -> bool:
 def _verdict(contents: Contents) -> tuple[bool | None, str]:
     """Return whether the armour meets the requirements, None without any, and this in words."""
     if contents.design is not None and contents.design.reason:
-        return False, f"{design_view.title(contents.design)}."
+        return False, f"{design_view.design_title(contents.design)}."
     if not _has_requirements(contents):
         return None, ""
     for verdict, words in (("fails", "Does not meet"), ("not known", "Not known to meet")):
@@ -227,8 +223,8 @@ def _armour(contents: Contents) -> Card:
         if design.reason:
             subject = "Nearest design" if design.reason == "none passes" else f"{subject} by the computed limit"
         areal_density, thickness = shown.areal_density_kg_m2, shown.thickness_mm
-        cost = f", cost {COST.text(shown.cost_per_m2)} per m²" if shown.cost_per_m2 else ""
-    detail = f"{AREAL_DENSITY.text(areal_density)} kg/m², {round(thickness, 3):g} mm thick{cost}"
+        cost = f", cost {design_view.COST.text(shown.cost_per_m2)} per m²" if shown.cost_per_m2 else ""
+    detail = f"{design_view.AREAL_DENSITY.text(areal_density)} kg/m², {round(thickness, 3):g} mm thick{cost}"
     return Card(subject, contents.answer.armour_words(), detail)
 
 
@@ -275,7 +271,7 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Re
     threat = contents.threat
     ordered = sorted(contents.check.threats, key=lambda checked: checked.threat != threat.threat)
     what_ifs = [
-        table for checked in ordered for table in check_view.what_if_tables(checked, f"against {checked.threat}")
+        table for checked in ordered for table in design_view.what_if_tables(checked, f"against {checked.threat}")
     ]
     exact = ("With exact inputs.",) if contents.sampled else ()
     notes = flow_stress_notes(threat.flow_stress, threat.threat)
@@ -285,7 +281,7 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Re
     if design is not None:
         hint = ("This command makes an interactive page of all designs:",) if map_command else ()
         # The title of the map is the answer, which the report begins with.
-        drawing = drawing_of(design, "draw_map", title="")
+        drawing = drawing_of(design, "draw_map_of", title="")
         yield ReportSection("Map of the designs", hint, map_command, "console", pictures=(drawing,))
     yield ReportSection("Assumptions and limits", notes=ASSUMPTIONS)
     entries = list(filter(None, map(answer.entry_of, ROLES)))
@@ -296,12 +292,12 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Re
     if design is not None:
         yield _search(design)
     if (sampled := contents.uncertainty) is not None:
-        table = uncertainty_view.estimate_table(sampled)
+        table = statistics_view.estimate_table(sampled)
         yield ReportSection(
             "Results under uncertain inputs", pictures=(drawing_of(sampled),), tables=(table,), folded=True
         )
     yield _impact(contents)
-    elasticities = sensitivity_view.elasticity_table(contents.sensitivity)
+    elasticities = statistics_view.elasticity_table(contents.sensitivity)
     drawing = drawing_of(contents.sensitivity, title="")
     yield ReportSection(
         "Sensitivity to the inputs", pictures=(drawing,), tables=(elasticities,), folded=True, drawn=True
@@ -330,13 +326,13 @@ def _threats(contents: Contents) -> Table:
         column_of("projectile", prose=True),
         column_of("velocity_m_s", "g"),
         column_of("obliquity_deg", "g"),
-        (check_view.PROBABILITY, lambda threat: chance(threat.probability_of_stopping)),
+        (design_view.PROBABILITY, lambda threat: chance(threat.probability_of_stopping)),
         (Column("inputs"), lambda threat: kinds[threat.threat] if is_mixed else ""),
-        (Column("required", prose=True), lambda threat: check_view.required(threat) if requires else ""),
-        (Column("result"), lambda threat: check_view.verdict(threat) if requires else ""),
+        (Column("required", prose=True), lambda threat: design_view.required(threat) if requires else ""),
+        (Column("result"), lambda threat: design_view.verdict(threat) if requires else ""),
         column_of("ballistic_limit_m_s"),
-        (check_view.INTERVAL, lambda threat: interval(threat.interval_m_s, ".0f")),
-        check_view.MARGIN,
+        (design_view.INTERVAL, lambda threat: interval(threat.interval_m_s, ".0f")),
+        design_view.MARGIN,
     )
 
 
@@ -348,7 +344,7 @@ def _search(design: DesignResult) -> ReportSection:
     tables = [table]
     if design.pareto:
         tables.append(design_view.design_table(design.pareto, "Pareto front"))
-    pictures = (drawing_of(design, "draw_front"),) if design.pareto else ()
+    pictures = (drawing_of(design, "draw_front_of"),) if design.pareto else ()
     return ReportSection(heading, pictures=pictures, tables=tuple(tables), folded=True)
 
 
@@ -360,7 +356,7 @@ def _impact(contents: Contents) -> ReportSection:
         f"{energy.left:.2f} J at the end; the losses, integrated along the run, account for the difference to within "
         f"{abs(energy.difference):.1g} J."
     )
-    table = impact_view.stage_table(contents.impact)
+    table = analysis_view.stage_table(contents.impact)
     # The table has the stages in words.
     drawing = drawing_of(contents.impact, note="")
     return ReportSection("The impact, stage by stage", (words,), pictures=(drawing,), tables=(table,), folded=True)

@@ -5,18 +5,16 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from armour.analysis.results import OnProgress, ignore_progress
+from armour.analysis.results import OnProgress, Result, ignore_progress
 from armour.errors import mistake, refuse
 from armour.files import unwritable, write_file, wrong_ending
-from armour.reporting.lookup import drawing_of, module_of
+from armour.reporting.report import Report, drawing_of, function_of
 from armour.scenario.scenario import Scenario
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from armour.analysis.results import Result
-    from armour.reporting.report import Report
     from armour.statistics.v50 import Shots
     from armour.validation.validate import SuiteResult
 
@@ -26,7 +24,7 @@ REPORT_ENDINGS = (".html", ".md")
 
 
 def plot(
-    result: "Result",
+    result: Result,
     scenario: "Scenario | None" = None,
     *,
     shots: "Shots | None" = None,
@@ -68,7 +66,7 @@ CalibrationResult, FiringResult, PlannedTests, ShotPlan, SuiteResult or SweepRes
     >>> figure = armour.plot(armour.simulate(scenario, history=True))
     >>> figure.savefig("impact.png")
     """
-    if module_of(result, "pictures") is None:
+    if not isinstance(result, Result) or function_of(result, "pictures", "draw") is None:
         raise mistake("plot", "result", f"must be one that is drawn, found {type(result).__name__}")
     from armour.reporting.pictures.drawing import Sheet, drawn
 
@@ -89,14 +87,14 @@ def _same(scenario: Scenario, other: Scenario) -> bool:
     return sections == other_sections and scenario.inputs() == other.inputs()
 
 
-def in_html(result: "Result") -> str | None:
+def in_html(result: Result) -> str | None:
     """Return the tables of a result as HTML, for a notebook; None where it has none."""
     from armour.reporting.html import rendered
 
-    if (view := module_of(result, "views")) is None:
+    if (tables_of := function_of(result, "views", "tables_of")) is None:
         return None
     warnings = (f"warning: {warning}" for warning in getattr(result, "warnings", ()))
-    return rendered("notebook.html", tables=[*result.heading(), *view.tables(result), *warnings])
+    return rendered("notebook.html", tables=[*result.heading(), *tables_of(result), *warnings])
 
 
 def report(
@@ -130,7 +128,7 @@ def report(
         If the question of the scenario has no answer.
     """
     from armour.reporting.scenario_report import contents_of, scenario_report
-    from armour.reporting.views import suite
+    from armour.reporting.views.validation import suite_report
     from armour.validation.validate import SuiteResult
 
     path = Path(path)
@@ -141,14 +139,14 @@ def report(
         contents = contents_of(scenario, on_progress, as_is=as_is)
         content = scenario_report(contents, f'armour.report(scenario, "{path}"{options})')
     elif isinstance(subject, SuiteResult):
-        content = suite.report(subject, f'armour.report(result, "{path}")')
+        content = suite_report(subject, f'armour.report(result, "{path}")')
     else:
         message = f"must be a Scenario or the result of validate, found a {type(subject).__name__}"
         raise mistake("report", "subject", message)
     write_file(path, report_text(content, path).encode(errors="backslashreplace"))
 
 
-def report_text(content: "Report", path: Path) -> str:
+def report_text(content: Report, path: Path) -> str:
     """Return a report in the format of a file, HTML or Markdown."""
     if path.suffix.lower() == ".md":
         from armour.reporting.markdown import markdown_report

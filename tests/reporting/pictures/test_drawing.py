@@ -13,7 +13,6 @@ from matplotlib.transforms import Bbox
 
 from armour.design.optimise import optimise
 from armour.errors import InputError
-from armour.reporting.lookup import drawing_of
 from armour.reporting.pictures.drawing import (
     BLUE,
     INK,
@@ -35,6 +34,7 @@ from armour.reporting.pictures.drawing import (
     rows_height,
     saved,
 )
+from armour.reporting.report import drawing_of
 from armour.reporting.show import plot
 from armour.sweeps.sweep import sweep
 from tests.helpers.cases import scenario, shipped_scenario
@@ -234,7 +234,7 @@ def test_contours_of_two_quantities_are_named_apart():
 @pytest.mark.parametrize("name", ["catalogue", "paper/optimum_7.62mm_AP"])
 @pytest.mark.parametrize("width", [None, 3.45])
 def test_a_label_of_a_contour_is_within_the_panel(name: str, width: float | None):
-    [axes] = drawn(drawing_of(optimise(shipped_scenario(name)), "draw_map"), Sheet(width), bare=True).axes
+    [axes] = drawn(drawing_of(optimise(shipped_scenario(name)), "draw_map_of"), Sheet(width), bare=True).axes
     labels = [text.get_window_extent() for text in axes.texts if text.get_text().isdigit()]
     assert len(labels) > 6
     assert all(axes.bbox.contains(*corner) for box in labels for corner in (box.min, box.max))

@@ -19,9 +19,9 @@ from armour.design.optimise import DesignResult, optimise
 from armour.planning.firing import plan_shots
 from armour.planning.plan_tests import PlannedTests, plan_tests
 from armour.planning.procedures import OperatingPoint
-from armour.reporting.lookup import drawing_of
-from armour.reporting.pictures import calibration, design, impact, planned_tests, suite, sweep
+from armour.reporting.pictures import analysis, design, planning, statistics, sweeps, validation
 from armour.reporting.pictures.drawing import BLUE, COLUMN, INK, VERMILION, Picture, Points, Sheet, drawn
+from armour.reporting.report import drawing_of
 from armour.scenario.inputs import BACKING, CERAMIC, VELOCITY
 from armour.scenario.scenario import load_scenario
 from armour.statistics.calibration import CalibrationResult, Residual
@@ -108,7 +108,7 @@ def test_an_impact():
     # At every end of a stage the rod is where the history has it.
     assert found.history is not None
     boxes = [patch for patch in scene.patches if isinstance(patch, Rectangle)]
-    rods = [box.get_width() for box in boxes if to_hex(box.get_facecolor()) == impact.ROD]
+    rods = [box.get_width() for box in boxes if to_hex(box.get_facecolor()) == analysis.ROD]
     assert rods[1:] == pytest.approx(
         [np.interp(stage.end_us, found.history.time_us, found.history.length_mm) for stage in found.stages]
     )
@@ -163,7 +163,7 @@ def frontiers(axes: Axes) -> list[ContourSet]:
 
 def test_a_map_has_the_frontiers_and_the_lightest_designs():
     found = designs(0.9)
-    [axes] = picture_of(found, "draw_map").axes
+    [axes] = picture_of(found, "draw_map_of").axes
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("back plate thickness, mm", "ceramic thickness, mm")
     assert [to_hex(np.asarray(lines.get_edgecolor())[0]) for lines in frontiers(axes)] == [VERMILION, BLUE]
     assert labels(axes)[:2] == ["perforated more often than not", "stopped in 90 % of cases or more"]
@@ -186,7 +186,7 @@ def test_a_frontier_is_where_the_probability_is_that_of_its_line():
 
 
 def test_without_a_confidence_the_map_shows_the_usual_one():
-    [axes] = picture_of(designs(), "draw_map").axes
+    [axes] = picture_of(designs(), "draw_map_of").axes
     assert "stopped in 95 % of cases or more" in labels(axes)
     [best] = [line for line in axes.lines if isinstance(line, Points) and line.get_markersize() == 9.0]
     assert best.get_color() == INK
@@ -202,7 +202,7 @@ def test_designs_of_bare_plates_are_drawn_over_their_thickness():
 
 
 def test_designs_of_which_no_probability_is_known_have_the_line_of_the_limit():
-    picture = picture_of(optimise(scenario(ceramic="SiC", optimise=OFFERED)), "draw_map")
+    picture = picture_of(optimise(scenario(ceramic="SiC", optimise=OFFERED)), "draw_map_of")
     assert picture.note == "No probability is known for these designs."
     assert "ballistic limit by the model = velocity" in labels(*picture.axes)
     assert not [lines for lines in picture.axes[0].collections if isinstance(lines, ContourSet) and lines.filled]
@@ -222,7 +222,7 @@ def test_beside_the_map_are_the_best_of_every_pair_up_to_a_limit_and_the_front()
 
 
 def test_designs_of_a_front_are_not_joined():
-    [axes] = picture_of(design_result(threats=(THREAT, OTHER), pareto=True), "draw_front").axes
+    [axes] = picture_of(design_result(threats=(THREAT, OTHER), pareto=True), "draw_front_of").axes
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("areal density, kg/m²", "cost per m²")
     assert labels(axes) == ["AD85 on 6061-T6", "AD99.5 on 6061-T6", "best"]
     assert not curves(axes)
@@ -239,7 +239,7 @@ def figure() -> Figure:
 
 
 def test_a_figure_of_the_paper():
-    picture = drawn(partial(suite.draw_figure, [figure()]), Sheet())
+    picture = drawn(partial(validation.draw_figure, [figure()]), Sheet())
     [axes] = picture.axes
     assert labels(axes) == ["A", "B", "L", "printed", "another"]
     assert headings(picture) == [("each, mm", "residual velocity, m/s")]
@@ -253,7 +253,7 @@ def test_a_figure_of_the_paper():
 
 
 def test_a_series_of_several_panels_is_named_once():
-    first, second = drawn(partial(suite.draw_figure, [figure(), figure()]), Sheet()).axes
+    first, second = drawn(partial(validation.draw_figure, [figure(), figure()]), Sheet()).axes
     assert labels(first) == ["A", "B", "L", "printed", "another"]
     assert not labels(second)
 
@@ -309,7 +309,7 @@ def test_a_calibration_to_tests_with_uncertainties_has_error_bars():
 
 def test_a_calibration_to_many_tests_shows_the_largest_deviations():
     _, deviations = picture_of(calibrated(60)).axes
-    assert len(rows_of(deviations)) == calibration.MAX_ROWS
+    assert len(rows_of(deviations)) == statistics.MAX_ROWS
     assert deviations.get_title() == "Deviation of the computed ballistic limit, the 40 largest of 60"
     assert rows_of(deviations)[0] == "test 59"
 
@@ -397,7 +397,7 @@ def table(*keys: str) -> dict[str, Any]:
 
 
 def sweep_picture(columns: dict[str, Any], *keys: str) -> Picture:
-    return drawn(lambda sheet: sweep.draw_columns(columns, keys, "ballistic_limit_m_s", scenario(), sheet), Sheet())
+    return drawn(lambda sheet: sweeps.draw_columns(columns, keys, "ballistic_limit_m_s", scenario(), sheet), Sheet())
 
 
 def test_a_sweep_over_one_key():
@@ -452,7 +452,7 @@ def test_a_front_over_three_criteria_says_what_is_not_drawn():
     front = tuple(replace(each, margin_m_s=5.0) for each in design_result(pareto=True).pareto)
     found = replace(design_result(pareto=True), criteria=criteria, pareto=front)
     note = "Designs that others beat in both criteria drawn are better in margin by the model."
-    assert note in picture_of(found, "draw_front").note
+    assert note in picture_of(found, "draw_front_of").note
 
 
 GRID = {CERAMIC: [5.0, 8.0, 11.0], BACKING: [4.0, 8.0]}
@@ -468,7 +468,7 @@ def test_a_map_with_the_number_of_tests_of_each_armour(planned: PlannedTests):
     [axes] = picture.axes
     assert headings(picture) == [("ceramic thickness, mm", "back plate thickness, mm")]
     counts = {label: len(x_of(line)) for label, line in marks(axes).items()}
-    assert counts == {planned_tests.GAIN: 6, "2 tests": 1, "3 tests": 1}
+    assert counts == {planning.GAIN: 6, "2 tests": 1, "3 tests": 1}
     assert sorted(words_in(axes)) == sorted(f"{gain:.2f}" for gain in planned.sensitivities)
 
 
@@ -487,7 +487,7 @@ def test_gains_over_one_input_are_a_curve(planned: PlannedTests):
 def test_candidates_that_are_no_grid(planned: PlannedTests):
     few = {key: values[:3] + values[5:] for key, values in planned.candidates.items()}
     some = replace(planned, candidates=few, sensitivities=planned.sensitivities[:3] + planned.sensitivities[5:])
-    assert len(x_of(marks(picture_of(some).axes[0])[planned_tests.GAIN])) == 4
+    assert len(x_of(marks(picture_of(some).axes[0])[planning.GAIN])) == 4
 
 
 def test_tests_that_do_not_determine_the_inputs_have_no_gain(planned: PlannedTests):
@@ -501,16 +501,14 @@ def test_planned_shots_have_their_velocities():
     picture = picture_of(shots)
     slow, fast = sorted(step.inputs[VELOCITY] for step in shots.planned[1:])
     assert picture.note.endswith(f"The planned shots are at {slow:g} m/s, {fast:g} m/s.")
-    texts = [
-        text for label, line in marks(picture.axes[0]).items() if label != planned_tests.GAIN for text in line.words
-    ]
+    texts = [text for label, line in marks(picture.axes[0]).items() if label != planning.GAIN for text in line.words]
     assert sorted(texts) == [f"at {slow:g} m/s", f"at {fast:g} m/s"]
 
 
 def test_many_velocities_are_the_first_of_them():
-    assert planned_tests.velocities_in_words([720.0, 700.0, 750.0]) == "700 m/s, 720 m/s, 750 m/s"
+    assert planning.velocities_in_words([720.0, 700.0, 750.0]) == "700 m/s, 720 m/s, 750 m/s"
     assert (
-        planned_tests.velocities_in_words(range(700, 780, 10))
+        planning.velocities_in_words(range(700, 780, 10))
         == "700 m/s, 710 m/s, 720 m/s, 730 m/s, 740 m/s, 750 m/s, 760 m/s and 1 more"
     )
 

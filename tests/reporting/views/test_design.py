@@ -10,7 +10,7 @@ from armour.reporting.views.design import (
     left_out,
     margin_table,
     pair_table,
-    tables,
+    tables_of_design,
 )
 from tests.helpers.cases import scenario
 from tests.helpers.results import OTHER, THREAT, best_design, best_of, design, design_result, headings, quantities
@@ -18,7 +18,7 @@ from tests.helpers.results import OTHER, THREAT, best_design, best_of, design, d
 
 def kinds(result: DesignResult) -> list[str]:
     """First heading or title of every table."""
-    return [item.title or headings(item)[0] for item in tables(result) if isinstance(item, Table)]
+    return [item.title or headings(item)[0] for item in tables_of_design(result) if isinstance(item, Table)]
 
 
 def test_the_best_design_is_a_record():
@@ -82,7 +82,7 @@ def test_the_note_on_the_error_says_whether_it_is_not_known_or_not_included():
     ]
     for question, ending in given:
         found = replace(design_result(), best=replace(best_design(), model_error=None)).of(**question)
-        notes = [item for item in tables(found) if isinstance(item, str)]
+        notes = [item for item in tables_of_design(found) if isinstance(item, str)]
         assert notes[0].endswith(ending)
 
 
@@ -102,9 +102,9 @@ def test_the_frontier_around_the_best_is_shown_unless_all_of_it_is_asked_for():
     def shown(best: int, **question: Any) -> tuple[list[str], list[str]]:
         thicknesses = {"ceramic_thickness_mm": 20.0 - best, "backing_thickness_mm": 4.0 + best}
         result = replace(found, best=best_design(**thicknesses)).of(**question)
-        _, table, *_ = (item for item in tables(result) if isinstance(item, Table))
+        _, table, *_ = (item for item in tables_of_design(result) if isinstance(item, Table))
         return [each[1] for each in table.texts()], [
-            note for note in tables(result) if isinstance(note, str) and "with -v" in note
+            note for note in tables_of_design(result) if isinstance(note, str) and "with -v" in note
         ]
 
     assert shown(4) == (["6", "7", "8", "9", "10"], ["4 more back plates with -v"])
@@ -114,5 +114,5 @@ def test_the_frontier_around_the_best_is_shown_unless_all_of_it_is_asked_for():
     assert shown(4, every_row=True)[1] == []
     several = replace(found, pairs=found.pairs * 2)
     for every_row in (False, True):
-        titles = [item.title for item in tables(several.of(every_row=every_row)) if isinstance(item, Table)]
+        titles = [item.title for item in tables_of_design(several.of(every_row=every_row)) if isinstance(item, Table)]
         assert ("AD85 on 6061-T6: thinnest ceramic for each back plate" in titles) == every_row

@@ -3,11 +3,15 @@ from dataclasses import replace
 import pytest
 
 from armour.analysis.estimates import Estimate
-from armour.reporting.views import firing as v50_view
-from armour.reporting.views import uncertainty as uncertainty_view
-from armour.reporting.views.calibration import coefficient_table, correlation_table, residual_table
-from armour.reporting.views.firing import v50_table
-from armour.reporting.views.uncertainty import INDEX_NOTE
+from armour.reporting.views import statistics as view
+from armour.reporting.views.statistics import (
+    INDEX_NOTE,
+    coefficient_table,
+    correlation_table,
+    residual_table,
+    share_note,
+    v50_table,
+)
 from armour.reporting.words import SAMPLED_ALONE, chance, risk
 from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.likelihood import Coefficient
@@ -20,7 +24,7 @@ def test_a_velocity_below_zero_is_said_not_to_be_given():
     low = v50(Shots((60.0, 160.0, 230.0, 270.0, 280.0), (False, True, True, True, True)), pairs=1, span_m_s=100.0)
     assert low.recommended is not None
     assert low.recommended.v05_m_s is None
-    assert any(isinstance(item, str) and item.startswith("V05 has no estimate") for item in v50_view.tables(low))
+    assert any(isinstance(item, str) and item.startswith("V05 has no estimate") for item in view.tables_of_firing(low))
 
 
 @pytest.fixture
@@ -74,7 +78,7 @@ def test_a_mean_of_no_usual_rule_and_shots_without_a_rising_curve():
     shots = Shots((700.0, 740.0, 770.0, 780.0, 750.0), (False, False, False, False, True))
     found = v50(shots, pairs=1, span_m_s=30.0)
     assert "V50, mean, m/s" in {column.heading for column in v50_table(found).columns}
-    notes = [item for item in v50_view.tables(found) if isinstance(item, str)]
+    notes = [item for item in view.tables_of_firing(found) if isinstance(item, str)]
     assert notes[0] == "mean of shots: 765 m/s from 1 + 1 shots within 30 m/s"
     assert notes[1].startswith("no curve is recommended")
     assert "MIL-STD-662F does not usually average" in notes[2]
@@ -84,11 +88,11 @@ def test_the_answer_has_an_interval_that_is_bounded_or_what_would_bound_it():
     velocities = (812.0, 835.0, 851.0, 840.0, 858.0, 846.0, 838.0, 829.0, 848.0)
     complete = (False, False, True, False, True, True, True, False, False)
     shots = Shots(velocities, complete)
-    line = v50_view.answer(v50(shots))
+    line = view.answer(v50(shots))
     assert line.startswith("V50 843 m/s, 90 % interval 819 to 905 (95 % not bounded: a higher complete or a lower")
     assert line.endswith("MIL-STD-662F: 843 m/s from 3 + 3 shots within 16 m/s")
     wider = Shots((*velocities, 900.0, 780.0), (*complete, True, False))
-    assert v50_view.answer(v50(wider)).startswith("V50 844 m/s, 95 % interval 777 to 1069; ")
+    assert view.answer(v50(wider)).startswith("V50 844 m/s, 95 % interval 777 to 1069; ")
 
 
 def test_a_requirement_is_met_at_the_one_sided_bound():
@@ -101,9 +105,9 @@ def test_a_requirement_is_met_at_the_one_sided_bound():
     assert [each.decision for each in found] == ["met", "not decided", "not met"]
     assert found[0].consumers_risk == pytest.approx(0.05, abs=0.002)
     assert [(each.consumers_risk or 0.0) + (each.producers_risk or 0.0) for each in found] == pytest.approx([1.0] * 3)
-    verdict, fixed = v50_view.requirement_verdict(found[1])
+    verdict, fixed = view.requirement_verdict(found[1])
     assert verdict.startswith(f"not decided: {bound + 0.5:g} m/s required of V50; accepting it now has a risk")
-    assert fixed == v50_view.FIXED
+    assert fixed == view.FIXED
     assert v50(shots).decision == ""
 
 
@@ -121,9 +125,15 @@ def test_no_probability_is_shown_that_is_not_reached(confidence: float):
 def test_indices_of_correlated_inputs_have_notes():
     estimate = Estimate(0.972, 0.89, 1.054)
     correlated = Influence("ceramic.flow_stress_GPa", estimate, None, (678.0, 769.1))
-    found = uncertainty_view.tables(replace(uncertainty_result(), inputs=(correlated,)))
+    found = view.tables_of_uncertainty(replace(uncertainty_result(), inputs=(correlated,)))
     _, error, alone, index, note = (item for item in found if isinstance(item, str))
     assert error == "model error: unknown for such an armour, or not included"
     assert alone == SAMPLED_ALONE
     assert index == INDEX_NOTE
     assert "may sum to more than 1; total indices are not given" in str(note)
+
+
+def test_parts_of_the_prior():
+    assert "contributes 1.6 % of" in share_note(0.0159)
+    assert "contributes 40 % of" in share_note(0.4)
+    assert share_note(1.0) == "the shots do not narrow V50: its posterior is no narrower than its prior"

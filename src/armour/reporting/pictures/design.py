@@ -1,4 +1,4 @@
-"""Pictures of a design search: a map of designs or their limits over a thickness, the best pairs, the Pareto front."""
+"""Pictures of design searches and of checks."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from armour.design.catalogue import NO_BOUND, Catalogue, catalogue_of
+from armour.design.check import CheckResult
 from armour.design.map import (
     DesignMap,
     design_map,
@@ -22,8 +23,17 @@ from armour.design.optimise import OBJECTIVES, Design, DesignResult
 from armour.reporting.pictures import drawing
 from armour.reporting.table import in_words
 from armour.reporting.text import percent, wrapped
-from armour.reporting.views.design import COST, CRITERIA, least_probability, pair_words, required_margins, title
-from armour.reporting.views.suite import grouped
+from armour.reporting.views.design import (
+    COST,
+    CRITERIA,
+    design_title,
+    least_probability,
+    outcome,
+    pair_words,
+    required_margins,
+    verdict,
+)
+from armour.reporting.views.validation import grouped
 from armour.reporting.words import chance
 
 # Largest numbers of pairs of materials that are shown as points and as lines; nodes of the grid along an axis; largest
@@ -48,25 +58,25 @@ class _Panel(NamedTuple):
     note: str
 
 
-def draw(result: DesignResult, sheet: drawing.Sheet) -> drawing.Picture:
+def draw_design(result: DesignResult, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw limits over the one thickness that varies, or else a map of the best pair, the best pairs and the front."""
     panels = []
     if sum(pair.best is not None for pair in result.pairs) > 1:
         panels.append(_pairs_panel(result))
     if result.pareto:
         panels.append(_front_panel(result))
-    return draw_map(result, sheet, panels)
+    return draw_map_of_design(result, sheet, panels)
 
 
-def draw_map(result: DesignResult, sheet: drawing.Sheet, below: Sequence[_Panel] = ()) -> drawing.Picture:
+def draw_map_of_design(result: DesignResult, sheet: drawing.Sheet, below: Sequence[_Panel] = ()) -> drawing.Picture:
     """Draw the map of the best pair, with panels below it, or limits over the one thickness that varies."""
     layer, maps = _maps(result)
     if layer:
         return _draw_lines(result, layer, maps, sheet)
-    return _draw_panels(title(result), [maps[0].panel(), *below], sheet)
+    return _draw_panels(design_title(result), [maps[0].panel(), *below], sheet)
 
 
-def draw_front(result: DesignResult, sheet: drawing.Sheet) -> drawing.Picture:
+def draw_front_of_design(result: DesignResult, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the Pareto front."""
     panel = _front_panel(result)
     return _draw_panels(panel.title, [panel._replace(title="")], sheet)
@@ -119,7 +129,9 @@ def _draw_lines(result: DesignResult, layer: str, maps: "Sequence[_Map]", sheet:
         stop = ", untested ones even with the least flow stress of their sources, which bands show"
     note = f"Filled dots are designs on offer that stop the threat{stop}."
     width = 3.4 * count if beside else drawing.WIDTH
-    picture = sheet.panels(title(result), *[drawing.PANEL] * count, note=note, width=width, beside=beside, sharex=True)
+    picture = sheet.panels(
+        design_title(result), *[drawing.PANEL] * count, note=note, width=width, beside=beside, sharex=True
+    )
     for place, (axes, threat) in enumerate(zip(picture.axes, catalogue.threats, strict=True)):
         limits = np.concatenate([pair_map.limits_m_s[..., place].ravel() for pair_map in maps])
         axes.set_ylim(drawing.widened([threat.required_m_s, *limits], 0.12))
@@ -392,3 +404,29 @@ def _design_text(design: Design, *criteria: str) -> str:
     """Return the thicknesses of a design and its values of criteria."""
     values = (f"{CRITERIA[key].label} {CRITERIA[key].with_unit(getattr(design, key))}" for key in criteria)
     return ", ".join([f"{design.ceramic_thickness_mm:.4g} on {design.backing_thickness_mm:.4g} mm", *values])
+
+
+def draw_check(result: CheckResult, sheet: drawing.Sheet) -> drawing.Picture:
+    """Draw a panel for each threat, with a row for the armour as given and one for every change."""
+    rows = [(threat.as_given(), *threat.what_ifs) for threat in result.threats]
+    names = [
+        [f"{row.change}: {chance(row.probability_of_stopping)}" for row in rows_of_threat] for rows_of_threat in rows
+    ]
+    heights = [drawing.rows_height(changes, titled=True) for changes in names]
+    note = "Percentages: probability that the armour stops the projectile."
+    picture = sheet.panels(outcome(result), *heights, note=note)
+    for axes, threat, rows_of_threat, changes in zip(picture.axes, result.threats, rows, names, strict=True):
+        last = axes is picture.axes[-1]
+        drawing.name_rows(axes, changes)
+        places = range(len(changes))
+        limits = np.array([row.ballistic_limit_m_s for row in rows_of_threat], float)
+        # An unknown interval is drawn as the limit alone.
+        ends = [row.interval_m_s or (limit, limit) for row, limit in zip(rows_of_threat, limits, strict=True)]
+        drawing.ranges(axes, places, ends, drawing.BLUE)
+        label = "ballistic limit, 95 % interval" if last else ""
+        drawing.points(axes, limits, places, color=drawing.BLUE, label=label)
+        velocities = [row.velocity_m_s for row in rows_of_threat]
+        label = "velocity of the round" if last else ""
+        drawing.points(axes, velocities, places, marker="D", color=drawing.VERMILION, label=label)
+        axes.set(xlabel="velocity, m/s", title=f"{threat.threat}: {verdict(threat)}")
+    return picture

@@ -1,14 +1,26 @@
-"""A design search."""
+"""Design searches, and checks of one armour against each of its threats."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import inf
+from xml.etree.ElementTree import Element
 
+from armour.design.check import CheckedThreat, CheckResult, WhatIf
 from armour.design.optimise import OBJECTIVES, BestDesign, Design, DesignResult, Pair
-from armour.errors import counted
+from armour.errors import counted, joined
+from armour.reporting.junit import TestCase, junit_suite
 from armour.reporting.table import Column, Source, Table, column_of, csv_text, listing, record
-from armour.reporting.text import Verdict, number, with_interval
-from armour.reporting.words import BALLISTIC_LIMIT, STOPPING, chance, error_note, flow_stress_notes, risk, with_error
+from armour.reporting.text import Verdict, interval, number, percent, with_interval
+from armour.reporting.words import (
+    BALLISTIC_LIMIT,
+    STOPPING,
+    basis_notes,
+    chance,
+    error_note,
+    flow_stress_notes,
+    risk,
+    with_error,
+)
 from armour.scenario.scenario import Scenario
 
 # Probability of stopping the projectile below which the notes say how to ask for more, and how.
@@ -23,7 +35,7 @@ THICKNESS = column_of("thickness_mm", ".4g", "total thickness")
 COST = column_of("cost_per_m2", ".0f")
 GOVERNED_BY = Column("governed by", prose=True)
 # The margin of the armour itself depends on the model error.
-MARGIN = column_of("margin_m_s", "+.0f", "margin by the model")
+MARGIN_BY_MODEL = column_of("margin_m_s", "+.0f", "margin by the model")
 REQUIRED = Column("required margin", "m/s", "+.0f")
 TESTS = Column("tests", key="untested")
 
@@ -42,7 +54,7 @@ def best_table(design: BestDesign, required: Mapping[str, float], title: str = "
     elif (error := design.model_error) is not None:
         limit.append(with_error(error.median(design.ballistic_limit_m_s), error.interval(design.ballistic_limit_m_s)))
     probability = chance(design.probabilities_of_stopping[design.governing], design.model_error)
-    threat: list[Source] = [(STOPPING, probability), MARGIN, (REQUIRED, required.get(design.governing))]
+    threat: list[Source] = [(STOPPING, probability), MARGIN_BY_MODEL, (REQUIRED, required.get(design.governing))]
     if len(design.margins_m_s) > 1:  # the table of the threats has these of each
         limit, threat = [(GOVERNED_BY, design.governing), *limit], []
     return record(
@@ -64,7 +76,7 @@ def armour_in_words(design: Design) -> str:
     return " on ".join(f"{round(thickness, 3):g} mm {name}" for thickness, name in layers if name)
 
 
-def verdict(result: DesignResult) -> list[Table | str]:
+def design_verdict(result: DesignResult) -> list[Table | str]:
     """Return, without a best design, what is nearest to one, and why it is no more than that."""
     nearest, unlimited = result.nearest, result.without_limits
     if not result.reason:
@@ -125,7 +137,7 @@ def frontier_table(result: DesignResult) -> Table:
         CERAMIC_THICKNESS,
         BACKING_THICKNESS,
         AREAL_DENSITY,
-        MARGIN,
+        MARGIN_BY_MODEL,
         (GOVERNED_BY, lambda design: governing[_thicknesses(design)] if several else None),
         (Column("note"), note),
         title=f"{pair_words(_shown(result))}: thinnest ceramic for each back plate" if len(result.pairs) > 1 else "",
@@ -165,7 +177,7 @@ def margin_table(result: DesignResult, required: Mapping[str, float]) -> Table:
     return listing(
         best.margins_m_s,
         (Column("threat", prose=True), str),
-        (MARGIN, best.margins_m_s.__getitem__),
+        (MARGIN_BY_MODEL, best.margins_m_s.__getitem__),
         (Column("short by", "m/s", ".0f"), lambda threat: best.short_m_s[threat] or None),
         (STOPPING, lambda threat: chance(best.probabilities_of_stopping[threat])),
         (REQUIRED, required.get),
@@ -192,7 +204,7 @@ def pair_table(result: DesignResult) -> Table:
 
 def design_table(designs: Sequence[Design], title: str = "") -> Table:
     """Return designs, such as those of the Pareto front, a row each."""
-    columns = (BACKING, CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, COST, MARGIN)
+    columns = (BACKING, CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, COST, MARGIN_BY_MODEL)
     return _aligned(listing(designs, CERAMIC, (TESTS, _tests), *columns, title=title, rest="--csv FILE"))
 
 
@@ -208,7 +220,7 @@ def _result(result: DesignResult, pair: Pair) -> str:
     return least if result.best is not None and pair.best.model_error is not None else f"{least} by the computed limit"
 
 
-def csv(result: DesignResult) -> str:
+def design_csv(result: DesignResult) -> str:
     """Return the Pareto front as CSV or, where none is asked for, the frontier; without one, every design."""
     return csv_text(design_table(result.pareto or result.frontier or result.every))
 
@@ -219,11 +231,11 @@ def _shown(result: DesignResult) -> BestDesign:
     return result.shown
 
 
-def tables(result: DesignResult) -> list[Table | str]:
+def tables_of_design(result: DesignResult) -> list[Table | str]:
     """Return all tables of a design search: the frontier of a single pair of materials, or a row for each pair."""
     scenario: Scenario | None = result.question.get("scenario")
     required, best = required_margins(scenario), result.shown
-    shown: list[Table | str] = [*verdict(result)]
+    shown: list[Table | str] = [*design_verdict(result)]
     if best is not None:
         answer = None if scenario is None or best.model_error is not None else _answer(scenario, best)
         error = [] if result.reason == "not known" else [error_note(best.model_error, answer)]
@@ -273,14 +285,14 @@ def margin_notes(best: BestDesign) -> list[str]:
 # What designs are compared by, named as in their tables.
 CRITERIA = {
     column.key: replace(column, spec=spec)
-    for column, spec in ((AREAL_DENSITY, ".2f"), (THICKNESS, ".5g"), (COST, ".2f"), (MARGIN, "+.1f"))
+    for column, spec in ((AREAL_DENSITY, ".2f"), (THICKNESS, ".5g"), (COST, ".2f"), (MARGIN_BY_MODEL, "+.1f"))
 }
 
 
-def title(result: DesignResult) -> str:
+def design_title(result: DesignResult) -> str:
     """Return the best design, and how surely it stops the threats; or what there is without one."""
     if result.reason:
-        words = str(verdict(result)[0])
+        words = str(design_verdict(result)[0])
         return words[:1].upper() + words[1:]
     best = _shown(result)
     probability = least_probability(best)
@@ -298,3 +310,133 @@ def least_probability(design: BestDesign) -> float | None:
 def pair_words(design: Design) -> str:
     """Return the materials of a design."""
     return f"{design.ceramic} on {design.backing}" if design.ceramic else design.backing
+
+
+PROBABILITY = Column("probability", prose=True)
+INTERVAL = Column("95 % interval", "m/s", prose=True)
+LIMIT = column_of("ballistic_limit_m_s", label="limit")
+MARGIN = column_of("margin_m_s", "+.0f")
+# Words of the verdicts, of which one that is overlooked does harm.
+VERDICTS = {"passes": "passes", "fails": "FAILS", "not known": "not known"}
+
+
+def verdict(threat: CheckedThreat) -> str:
+    """Return whether an armour passes against a threat, in words."""
+    return VERDICTS[threat.verdict]
+
+
+def required(threat: CheckedThreat) -> str:
+    """Return what is required of an armour against a threat."""
+    if threat.required_probability is not None:
+        return f"at least {percent(threat.required_probability)}"
+    margin = f" and a margin of {threat.required_margin_m_s:g} m/s" if threat.required_margin_m_s else ""
+    return f"{threat.velocity_m_s:g} m/s{margin}"
+
+
+def finding(threat: CheckedThreat) -> str:
+    """Return the probability or the ballistic limit of an armour against a threat, and the required one."""
+    limit = threat.ballistic_limit_m_s
+    by_model = "no ballistic limit found" if limit is None else f"ballistic limit by the model {limit:.0f} m/s"
+    probability = chance(threat.probability_of_stopping, threat.model_error)
+    if threat.required_probability is None:
+        return f"{by_model}, {required(threat)} required; probability {probability}"
+    words = f"{STOPPING.label} {probability}, {required(threat)} required"
+    needed = threat.velocity_m_s + threat.required_margin_m_s
+    return words if threat.probability_of_stopping is not None else f"{words}; {by_model}, {needed:g} m/s required"
+
+
+def threat_table(result: CheckResult) -> Table:
+    """Return each threat with the ballistic limit and its interval, the margin, the probability and the verdict."""
+    return listing(
+        result.threats,
+        column_of("threat", prose=True),
+        LIMIT,
+        (replace(INTERVAL, label="interval"), lambda threat: interval(threat.interval_m_s, ".0f")),
+        MARGIN,
+        (PROBABILITY, lambda threat: chance(threat.probability_of_stopping, threat.model_error)),
+        (Column("verdict"), verdict),
+    )
+
+
+def what_if_tables(threat: CheckedThreat, title: str) -> list[Table]:
+    """Return an armour with each change against a threat: the probabilities or, where these are not known, margins.
+
+    There is no table if no velocity perforates the armour, changed or not.
+    """
+    is_known = threat.probability_of_stopping is not None
+    table = listing(
+        (threat.as_given(), *threat.what_ifs),
+        (Column("if", prose=True), lambda what_if: what_if.change),
+        LIMIT,
+        (INTERVAL, lambda what_if: interval(what_if.interval_m_s, ".0f")),
+        (MARGIN, lambda what_if: None if is_known else _margin(what_if)),
+        (PROBABILITY, lambda what_if: chance(what_if.probability_of_stopping) if is_known else ""),
+        title=title,
+    )
+    return [table] if len(table.columns) > 1 else []
+
+
+def _margin(what_if: WhatIf) -> float | None:
+    return None if what_if.ballistic_limit_m_s is None else what_if.ballistic_limit_m_s - what_if.velocity_m_s
+
+
+def outcome(result: CheckResult) -> str:
+    """Return whether an armour passes against all threats, or against which it does not."""
+    if len(result.threats) == 1:
+        return f"{verdict(result.threats[0])}: {finding(result.threats[0])}"
+    if result.verdict == "passes":
+        by_model = all(threat.required_probability is None for threat in result.threats)
+        return f"passes against every threat{' by the computed limit' if by_model else ''}"
+    words = []
+    for missed in ("fails", "not known"):
+        if names := [threat.threat for threat in result.threats if threat.verdict == missed]:
+            words.append(f"{VERDICTS[missed]} against {joined(names)}")
+    return "; ".join(words)
+
+
+def standing(threat: CheckedThreat) -> tuple[int, float]:
+    """Return a key that sorts threats, those most likely to perforate first.
+
+    A threat of unknown probability comes first if it perforates by the model, and last otherwise.
+    """
+    if threat.probability_of_stopping is not None:
+        return 1, threat.probability_of_stopping
+    unlimited = -inf if threat.verdict == "fails" else inf
+    margin = unlimited if threat.margin_m_s is None else threat.margin_m_s - threat.required_margin_m_s
+    return (0 if margin < 0.0 else 2), margin
+
+
+def tables_of_check(result: CheckResult) -> list[Table | str]:
+    """Return the verdict, the threats, and what changes do against the one most likely to perforate, or each."""
+    several = len(result.threats) > 1
+    shown: list[Table | str] = [Verdict(outcome(result), good=result.verdict == "passes"), threat_table(result)]
+    explained = result.threats if result.question.get("every_row") else (min(result.threats, key=standing),)
+    for threat in explained:
+        against = f"against {threat.threat}"
+        shown += [f"{against}: {note}" if several else note for note in basis_notes(threat)]
+        shown += what_if_tables(threat, f"with a change, {against}" if several else "with a change")
+    if len(explained) < len(result.threats):
+        shown.append("changes against the other threats with -v")
+    return shown
+
+
+def check_summary(results: Mapping[str, CheckResult]) -> Verdict:
+    """Return how many armours pass, each of a file, and which do not."""
+    words = [f"passes: {sum(result.verdict == 'passes' for result in results.values())} of {len(results)}"]
+    for missed in ("fails", "not known"):
+        if files := [file for file, result in results.items() if result.verdict == missed]:
+            words.append(f"{VERDICTS[missed]}: {', '.join(files)}")
+    return Verdict("; ".join(words), good=len(words) == 1)
+
+
+def check_junit(result: CheckResult, file: str, seconds: float, origin: Mapping[str, str]) -> Element:
+    """Return the check of a file's scenario as a test suite: a test case for every threat.
+
+    The first one has the time, in seconds, of all of them.
+    """
+    cases: list[TestCase] = []
+    for threat in result.threats:
+        kind = "" if threat.verdict == "passes" else "failure"
+        took = None if cases else seconds
+        cases.append(TestCase(file, threat.threat, kind, f"{verdict(threat)}: {finding(threat)}", took))
+    return junit_suite(" ".join(result.heading()[:1]), cases, seconds, origin)

@@ -1,4 +1,4 @@
-"""Pictures of a suite, and of the figures of the paper."""
+"""Pictures of suites, of the paper's figures and of comparisons."""
 
 from collections.abc import Sequence
 from math import sqrt
@@ -7,10 +7,12 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from armour.analysis.closed_forms import residual_velocity
 from armour.errors import mistake
 from armour.reporting.pictures import drawing
-from armour.reporting.views.suite import drawn_checks, grouped
+from armour.reporting.views.validation import drawn_checks, grouped
 from armour.scenario.sections import TINY
+from armour.validation.comparison import Comparison
 from armour.validation.figures import Figure
 from armour.validation.suite import CASES
 from armour.validation.validate import SuiteResult
@@ -19,7 +21,7 @@ from armour.validation.validate import SuiteResult
 LEFT_OUT = "outcomes, relative differences, and those of no table or without an answer"
 
 
-def draw(result: SuiteResult, sheet: drawing.Sheet) -> drawing.Picture:
+def draw_suite(result: SuiteResult, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw computed over expected values of a suite's tables or, without tables, of its cases, by quantity."""
     if not (checks := drawn_checks(result)):
         raise mistake("plot", "result", "must have a case whose value is a number, found none")
@@ -77,3 +79,28 @@ def _draw_panel(axes: Axes, figure: Figure) -> None:
     shown = [value for values in figure.curves.values() for value in values if value is not None]
     if shown and min(shown) < 0.3 * max(shown):
         axes.set_ylim(bottom=0.0)
+
+
+def draw_comparison(result: Comparison, sheet: drawing.Sheet) -> drawing.Picture:
+    """Draw the curves, and the limits within their range."""
+    limit = result.limit.ballistic_limit_m_s
+    impact = [point.impact_velocity_m_s for point in result.curve]
+    limits = {f"Florence, {formula.projectile}": formula.ballistic_limit_m_s for formula in result.florence}
+    limits |= {f"areal density rule, p = {rule.p:.4g}": rule.ballistic_limit_m_s for rule in result.rules}
+    beyond = [f"{name} {at:.0f} m/s" for name, at in limits.items() if not impact[0] <= at <= impact[-1]]
+    title = f"Ballistic limit {limit:.0f} m/s by this model"
+    if limits:
+        title += f", {min(limits.values()):.0f} to {max(limits.values()):.0f} m/s by formulas"
+    picture = sheet.panels(title, 1.2 * drawing.PANEL, note=f"Not drawn: {', '.join(beyond)}." if beyond else "")
+    [axes] = picture.axes
+    residual = [point.residual_velocity_m_s for point in result.curve]
+    axes.plot(impact, residual, color=drawing.COLOURS[0], label="this model")
+    for fit, colour, style in zip(result.fits, drawing.COLOURS[1:], drawing.STYLES[1:], strict=False):
+        fitted = [residual_velocity(velocity, limit, fit.ratio, fit.exponent) for velocity in impact]
+        label = f"{fit.name}: ratio {fit.ratio:.3f}, exponent {fit.exponent:.2f}"
+        axes.plot(impact, fitted, linestyle=style, color=colour, label=label)
+    for (name, at), style in zip(limits.items(), drawing.STYLES[1:], strict=False):
+        if impact[0] <= at <= impact[-1]:
+            axes.axvline(at, linestyle=style, label=drawing.legible(f"{name}: {at:.0f} m/s"), **drawing.RULE)
+    drawing.residual_axes(axes, drawing.widened([impact[0], impact[-1]]))
+    return picture

@@ -1,8 +1,7 @@
 from armour.analysis.ballistic_limit import Crossing, LimitResult
 from armour.core.stages import stage_name
 from armour.core.state import Medium, Stage
-from armour.reporting.views.impact import STAGES
-from armour.reporting.views.limit import crossing_table, tables
+from armour.reporting.views.analysis import STAGES, crossing_table, tables_of_limit
 
 
 def test_every_stage_is_described():
@@ -26,7 +25,7 @@ def limit(crossings: tuple[Crossing, ...]) -> LimitResult:
 def test_crossings_are_listed_where_there_are_several():
     scanned, width = "33 velocities from 20 to 4000 m/s were scanned, ", "; bracket width 0.01 m/s"
     error = "model error: unknown for such an armour, or not included"
-    assert tables(limit(ONE))[1:] == [error, f"{scanned}all above the limit perforate{width}"]
+    assert tables_of_limit(limit(ONE))[1:] == [error, f"{scanned}all above the limit perforate{width}"]
     changes = f"{scanned}the outcome changes 3 times{width}"
-    assert tables(limit(THREE))[1:] == [error, changes, crossing_table(limit(THREE))]
+    assert tables_of_limit(limit(THREE))[1:] == [error, changes, crossing_table(limit(THREE))]
     assert crossing_table(limit(THREE)).rows[1] == (900.01, "stopped")

@@ -1,18 +1,89 @@
-"""Picture of planned tests among their candidates."""
+"""Pictures of plans of shots and of tests."""
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
 
 from armour.analysis.quantities import label_and_unit
 from armour.errors import counted, listed
-from armour.planning.plan_tests import PlannedTests
 from armour.reporting.pictures import drawing
+from armour.reporting.pictures.statistics import draw_shots
 from armour.reporting.table import in_words
+from armour.reporting.text import interval, percent
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, VELOCITY
+
+if TYPE_CHECKING:
+    from armour.planning.firing import ShotPlan
+    from armour.planning.plan_tests import PlannedTests
+
+
+def draw_shot_plan(plan: "ShotPlan", sheet: drawing.Sheet) -> drawing.Picture:
+    """Draw the densities of V50, and beneath them the shots or the operating characteristic of their procedure."""
+    simulated = bool(plan.operating_characteristic)
+    note = f"{plan.stopped}." if plan.stopped else ""
+    picture = sheet.panels(_title(plan), drawing.PANEL, drawing.PANEL, note=note, sharex=not simulated)
+    densities, last = picture.axes
+    _draw_densities(densities, plan)
+    if simulated:
+        densities.set_xlabel(in_words(VELOCITY))
+        _draw_operating(last, plan)
+        return picture
+    x = plan.curve.velocity_m_s
+    last.set(xlabel=in_words(VELOCITY), xlim=(x[0], x[-1]))
+    last.set(ylabel="probability of complete penetration", ylim=(-0.05, 1.05))
+    label = "by the posterior" if plan.fired.complete else "by the prior"
+    last.plot(x, plan.curve.probability, color=drawing.BLUE, label=label)
+    draw_shots(last, plan.fired)
+    _draw_velocities(last, plan, named=False)
+    return picture
+
+
+def _title(plan: "ShotPlan") -> str:
+    """Return what is next, and what is known after the shots so far."""
+    following = "Firing ended" if plan.next_velocity_m_s is None else f"Next shot at {plan.next_velocity_m_s:.1f} m/s"
+    basis = f"after {counted(len(plan.fired.complete), 'shot')}" if plan.fired.complete else "by the prior"
+    ends = interval(plan.posterior.v50_interval_m_s, ".0f")
+    v50 = f"V50 {plan.posterior.v50_m_s:.0f} m/s, {percent(plan.confidence)} interval {ends} m/s"
+    return f"{following}; {basis} {v50}"
+
+
+def _draw_densities(axes: Axes, plan: "ShotPlan") -> None:
+    """Draw the probability densities of V50 before and after the shots."""
+    x = plan.curve.velocity_m_s
+    label = "prior, the model with its error" if plan.model_error else "prior"
+    axes.plot(x, plan.curve.prior, linestyle="--", color=drawing.PURPLE, label=label)
+    if plan.fired.complete:
+        axes.plot(x, plan.curve.posterior, color=drawing.BLUE, label="posterior, with the shots")
+    axes.set(ylabel="probability density of V50, s/m", xlim=(x[0], x[-1]))
+    _draw_velocities(axes, plan, named=True)
+    axes.set_ylim(bottom=0.0)
+
+
+def _draw_operating(axes: Axes, plan: "ShotPlan") -> None:
+    """Draw the fractions of simulated firings that accept and reject armours around the requirement."""
+    armours = plan.operating_characteristic
+    v50 = [armour.v50_m_s for armour in armours]
+    look: Any = {"marker": "o", "markerfacecolor": "none"}
+    axes.plot(v50, [armour.met for armour in armours], color=drawing.GREEN, label="met", **look)
+    not_met = [armour.not_met for armour in armours]
+    axes.plot(v50, not_met, linestyle="--", color=drawing.VERMILION, label="not met", **look)
+    if (accepted := plan.consumers_risk) is not None:
+        label = f"either risk {percent(accepted)}"
+        axes.axhline(accepted, linestyle=":", linewidth=1.0, color=drawing.SOFT, label=label)
+    if (at := plan.requirement_m_s) is not None and v50[0] <= at <= v50[-1]:
+        axes.axvline(at, linestyle="-.", linewidth=1.0, color=drawing.SOFT)
+    axes.set(xlabel="V50 of the armour, m/s", ylabel="fraction of firings", ylim=(-0.05, 1.05))
+    axes.set_title(f"operating characteristic at a scatter of {armours[0].scatter_m_s:.0f} m/s")
+
+
+def _draw_velocities(axes: Axes, plan: "ShotPlan", *, named: bool) -> None:
+    """Draw lines at the next velocity and the required one."""
+    following = ("next shot", plan.next_velocity_m_s, drawing.INK, ":")
+    drawing.velocities(axes, [following, ("requirement", plan.requirement_m_s, drawing.SOFT, "-.")], named=named)
+
 
 GAIN = "relative gain of one more test"
 GAINS = "Gain of one more test{}, relative to the average planned test (1: as good)."
@@ -22,7 +93,7 @@ MAX_NUMBERS = 60
 MARKERS = "os^D*"
 
 
-def draw(result: PlannedTests, sheet: drawing.Sheet) -> drawing.Picture:
+def draw_planned_tests(result: "PlannedTests", sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the gain of one more test over the inputs that vary, with the planned tests and their numbers.
 
     It is a map over two of them, by preference the thicknesses, or a curve over one; the greatest gain is shown where
@@ -36,7 +107,7 @@ def draw(result: PlannedTests, sheet: drawing.Sheet) -> drawing.Picture:
     steps = result.planned[1:]
     places: list[tuple[Any, ...]] = [tuple(step.inputs[key] for key in keys) for step in steps]
     velocities = [float(step.inputs[VELOCITY]) for step in steps] if result.measure == "outcome" else []
-    picture = sheet.panels(_title(result), 1.2 * drawing.PANEL, note=_note(result, velocities))
+    picture = sheet.panels(_tests_title(result), 1.2 * drawing.PANEL, note=_note(result, velocities))
     [axes] = picture.axes
     axes.set(xlabel=in_words(keys[0]), ylabel=GAIN if len(keys) == 1 else in_words(keys[1]))
     if len(keys) == 1:
@@ -52,7 +123,7 @@ def draw(result: PlannedTests, sheet: drawing.Sheet) -> drawing.Picture:
     return picture
 
 
-def _title(result: PlannedTests) -> str:
+def _tests_title(result: "PlannedTests") -> str:
     """Return how many tests are planned, and what is known after them."""
     title = f"Planned: {counted(len(result.planned) - 1, 'test')}"
     for name, half_width in result.planned[-1].half_widths.items():
@@ -62,7 +133,7 @@ def _title(result: PlannedTests) -> str:
     return title
 
 
-def _note(result: PlannedTests, velocities: Sequence[float]) -> str:
+def _note(result: "PlannedTests", velocities: Sequence[float]) -> str:
     """Return what a gain is, and the velocities of shots."""
     note = GAINS.format("" if result.planned[-1].total_cost is None else " per unit cost")
     if not result.sensitivities:

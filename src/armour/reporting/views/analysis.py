@@ -1,13 +1,13 @@
-"""An impact: its result, stages, history and energy."""
+"""Impacts, ballistic limits and the probability that an armour stops its threat."""
 
 from dataclasses import fields
 from typing import NamedTuple
 
+from armour.analysis.ballistic_limit import ConfidenceResult, LimitResult
 from armour.analysis.impact import ImpactResult
 from armour.reporting.table import Column, Table, column_of, csv_text, listing, record
 from armour.reporting.text import Verdict
-from armour.reporting.views.confidence import tables as confidence_tables
-from armour.reporting.words import SAMPLED_ALONE
+from armour.reporting.words import BALLISTIC_LIMIT, SAMPLED_ALONE, STOPPING, basis_notes, chance, error_note, with_error
 
 
 class StageWords(NamedTuple):
@@ -31,11 +31,11 @@ STAGES = {
 }
 
 
-def tables(result: ImpactResult) -> list[Table | str]:
+def tables_of_impact(result: ImpactResult) -> list[Table | str]:
     """Return the outcome of an impact, its probability where that was computed, and what remains, stage by stage."""
     parts: list[Table | str] = [verdict(result)]
     if (confidence := result.question.get("confidence")) is not None:
-        parts += confidence_tables(confidence)
+        parts += tables_of_confidence(confidence)
         distributed = result.question["scenario"].uncertainty
         if confidence.model_error is None and distributed is not None and distributed.inputs():
             parts.append(f"{SAMPLED_ALONE}: armour uncertainty")
@@ -73,10 +73,40 @@ def stage_table(result: ImpactResult) -> Table:
     )
 
 
-def csv(result: ImpactResult) -> str | None:
+def history_csv(result: ImpactResult) -> str | None:
     """Return the run over time as CSV; None where it was not kept."""
     if result.history is None:
         return None
     names = [field.name for field in fields(result.history)]
     values = [getattr(result.history, name).tolist() for name in names]
     return csv_text(Table(tuple(Column(name, key=name) for name in names), tuple(zip(*values, strict=True))))
+
+
+def crossing_table(result: LimitResult) -> Table:
+    """Return every change of the outcome with the velocity."""
+    return listing(
+        result.crossings,
+        (Column("velocity", "m/s", ".1f"), lambda crossing: crossing.bracket_m_s[1]),
+        (Column("outcome above"), lambda crossing: crossing.above),
+    )
+
+
+def tables_of_limit(result: LimitResult) -> list[Table | str]:
+    """Return all tables of a ballistic limit, and what was looked at; the changes of the outcome only where several."""
+    low, high = result.scanned_range_m_s
+    below, above = result.bracket_m_s
+    scanned = f"{result.scanned_velocities} velocities from {low:g} to {high:g} m/s were scanned"
+    width = f"bracket width {above - below:.1g} m/s"
+    limits = BALLISTIC_LIMIT, with_error(result.median_m_s, result.interval_m_s)
+    table = record(result, *limits, column_of("areal_density_kg_m2"))
+    parts: list[Table | str] = [table, error_note(result.model_error, result.question.get("scenario"))]
+    if result.monotonic:
+        return [*parts, f"{scanned}, all above the limit perforate; {width}"]
+    return [*parts, f"{scanned}, the outcome changes {len(result.crossings)} times; {width}", crossing_table(result)]
+
+
+def tables_of_confidence(result: ConfidenceResult) -> list[Table | str]:
+    """Return the probability, and what it rests on."""
+    limit, probability = with_error(result.median_m_s, result.interval_m_s), result.probability_of_stopping
+    stopping = STOPPING, None if probability is None else chance(probability, result.model_error)
+    return [record(result, BALLISTIC_LIMIT, limit, stopping), *basis_notes(result)]

@@ -1,14 +1,20 @@
-"""A plan of shots."""
+"""Plans of shots and of tests."""
 
+import re
 from itertools import zip_longest
+from typing import TYPE_CHECKING
 
-from armour.planning.firing import ShotPlan
-from armour.reporting.table import Column, Table, column_of, listing, record
-from armour.reporting.text import interval, percent, with_interval
+from armour.analysis.quantities import label_and_unit
+from armour.reporting.table import Cell, Column, Table, column_of, listing, record
+from armour.reporting.text import interval, percent
+from armour.reporting.views.statistics import SCATTER_ASSUMED, prior_table, share_note
 from armour.reporting.words import chance, model_error_words, rounded_down
-from armour.statistics.posterior import FiringEstimate
+from armour.scenario.inputs import INPUTS, VELOCITY
+from armour.statistics.measured import LIMIT, MEASURED, OUTCOME, Tests
 
-SCATTER_ASSUMED = "the prior for the scatter is assumed; the model does not predict scatter"
+if TYPE_CHECKING:
+    from armour.planning.firing import ShotPlan
+    from armour.planning.plan_tests import PlannedTests
 
 
 DECISION = (
@@ -22,7 +28,7 @@ ONE_SIDE = (
 REPORT = "the posterior includes the model's prediction; report V50 from armour v50, which uses the shots alone"
 
 
-def tables(plan: ShotPlan) -> list[Table | str]:
+def tables_of_shot_plan(plan: "ShotPlan") -> list[Table | str]:
     """Return all tables of a plan of shots, with notes on them."""
     shown: list[Table | str] = [_plan_table(plan)]
     if plan.stopped and not plan.fired.complete:
@@ -50,7 +56,7 @@ def tables(plan: ShotPlan) -> list[Table | str]:
     return shown
 
 
-def _plan_table(plan: ShotPlan) -> Table:
+def _plan_table(plan: "ShotPlan") -> Table:
     """Return the next shot, what ends the firing, and the present estimates."""
     fit, mean, fraction = plan.recommended, plan.mean, plan.requirement_fraction
     required = "V50" if fraction == 0.5 else f"velocity at which {percent(fraction)} perforate"
@@ -90,7 +96,7 @@ def _plan_table(plan: ShotPlan) -> Table:
     )
 
 
-def scatter_note(plan: ShotPlan) -> str:
+def scatter_note(plan: "ShotPlan") -> str:
     """Return what the prior of the scatter is from."""
     firings = "an earlier firing" if plan.earlier == 1 else f"{plan.earlier} earlier firings"
     return (
@@ -114,7 +120,7 @@ def _number_of_shots(median: float | None) -> str:
     return "more than 100" if median is None else f"{median:.0f}"
 
 
-def operating_table(plan: ShotPlan) -> Table:
+def operating_table(plan: "ShotPlan") -> Table:
     """Return what becomes of firings at armours around the requirement."""
     scatter = plan.operating_characteristic[0].scatter_m_s
     return listing(
@@ -127,33 +133,7 @@ def operating_table(plan: ShotPlan) -> Table:
     )
 
 
-def prior_table(prior: FiringEstimate, posterior: FiringEstimate, level: float) -> Table:
-    """Return V50 and the scatter before and after the shots."""
-    interval_words = f"{percent(level)} interval"
-    return listing(
-        (("prior", prior), ("posterior", posterior)),
-        (Column("distribution"), lambda row: row[0]),
-        (
-            Column(f"V50, {interval_words}", "m/s"),
-            lambda row: with_interval(row[1].v50_m_s, row[1].v50_interval_m_s, ".0f"),
-        ),
-        (Column("standard deviation of V50", "m/s", ".0f"), lambda row: row[1].standard_deviation_m_s),
-        (
-            Column(f"scatter, {interval_words}", "m/s"),
-            lambda row: with_interval(row[1].scatter_m_s, row[1].scatter_interval_m_s, ".0f"),
-        ),
-    )
-
-
-def share_note(share: float) -> str:
-    """Return how much of a posterior is the prior."""
-    if share >= 1.0:
-        return "the shots do not narrow V50: its posterior is no narrower than its prior"
-    part = f"{100.0 * share:.{0 if share > 0.095 else 1}f} %"
-    return f"the prior contributes {part} of the precision (inverse variance) of V50, and the shots contribute the rest"
-
-
-def _shot_table(plan: ShotPlan) -> Table:
+def _shot_table(plan: "ShotPlan") -> Table:
     """Return the shots in their order."""
     fired = plan.fired
     rows = zip_longest(fired.names, fired.velocities_m_s, fired.complete, fillvalue="")
@@ -164,4 +144,115 @@ def _shot_table(plan: ShotPlan) -> Table:
         (Column("shot"), lambda row: row[0]),
         (Column("velocity", "m/s", f".{max(decimals, 1)}f"), lambda row: row[1]),
         (Column("penetration"), lambda row: "complete" if row[2] else "partial"),
+    )
+
+
+CRITERIA = {
+    "D": "D, the smallest confidence region of the fitted inputs",
+    "I": "I, the least mean variance of the limits of the designs",
+}
+
+
+SOURCES = {
+    "given": "given",
+    "uncertainties": "from the uncertainties of the tests made before",
+    "residuals": "estimated from the residuals of the tests made before",
+}
+
+
+PLANNED = re.compile(r"planned (\d+)")
+
+
+NOTE = (
+    "±: expected half-width of the interval after this test and all before it; for limits by the model, without the "
+    "model error"
+)
+
+
+SLOPES = "slope: relative change of the flow stress per projectile diameter of layer thickness"
+
+
+def plan_table(result: "PlannedTests") -> Table:
+    """Return what the tests are planned for."""
+    measured = relative_to = "ballistic limit"
+    if result.measure == "outcome":
+        measured, relative_to = "outcome of one shot, stopped or perforated", "impact velocity"
+    why = "the candidates do not determine the inputs" if result.not_identified else "too few tests"
+    efficient = f"none: {why}"
+    if result.efficiency is not None:
+        efficient = f"at least {percent(int(1000.0 * result.efficiency) / 1000.0)}"
+    scatter = f"{result.scatter_percent:.3g} % of the {relative_to}, {SOURCES[result.scatter_source]}"
+    return record(
+        result,
+        (Column("criterion"), CRITERIA[result.criterion]),
+        (Column("candidates", spec="d"), len(next(iter(result.candidates.values())))),
+        (Column("measured"), measured),
+        (Column("scatter of a test"), scatter),
+        (Column("tests made before"), result.tests),
+        (Column("law of the ceramic's flow stress"), result.law),
+        *((Column(*label_and_unit(name), ".4g"), value) for name, value in result.values.items()),
+        (Column("efficiency"), efficient),
+    )
+
+
+def step_table(result: "PlannedTests") -> Table:
+    """Return the tests in their order, with what is known after each."""
+    before = result.planned[0]
+    is_nothing_known = {*before.half_widths.values(), *before.limit_half_widths_m_s} == {None}
+    steps = result.planned[1:] if is_nothing_known else result.planned
+    keys = list(result.candidates)
+    varied = [key for key in keys if len(set(result.candidates[key])) > 1] or keys
+    names = result.designs if len(result.designs) > 1 else ["the design"] * len(result.designs)
+    return listing(
+        steps,
+        (Column("test"), lambda step: str(step.number or "before")),
+        *(
+            (
+                column_of(key, "g" if key in INPUTS else ""),
+                lambda step, key=key: step.inputs[key] if step.number else None,
+            )
+            for key in varied
+        ),
+        (Column("limit by the model", "m/s", ".0f"), lambda step: step.ballistic_limit_m_s),
+        column_of("total_cost", ".6g"),
+        *(
+            (Column(f"± {words}", unit, ".3g"), lambda step, name=name: step.half_widths[name])
+            for name, (words, unit) in zip(result.values, map(label_and_unit, result.values), strict=True)
+        ),
+        *(
+            (Column(f"± limit of {name}", "m/s", ".0f"), lambda step, index=index: step.limit_half_widths_m_s[index])
+            for index, name in enumerate(names)
+        ),
+    )
+
+
+def tables_of_planned_tests(result: "PlannedTests") -> list[Table | str]:
+    """Return all tables of planned tests."""
+    slopes = [SLOPES] if any(name.endswith("_slope") for name in result.values) else []
+    return [step_table(result), NOTE, *slopes, plan_table(result)]
+
+
+def form_table(result: "PlannedTests") -> Table:
+    """Return a table of tests for `armour calibrate` whose measured values are to be filled in.
+
+    It has the tests made before, too; the names of the planned tests go on from theirs.
+    """
+    tests: Tests | None = result.question.get("tests")
+    has_scatter = tests.weighted if tests is not None else result.scatter_known
+    uncertainty = MEASURED[LIMIT]
+    measured = LIMIT if result.measure == "limit" else OUTCOME
+    earlier = {} if tests is None else dict(zip(tests.names, tests.cells, strict=True))
+    rows: list[dict[str, Cell]] = [{**cells, "test": name} for name, cells in earlier.items()]
+    last = max((int(match[1]) for match in map(PLANNED.fullmatch, earlier) if match), default=0)
+    for step in result.planned[1:]:
+        row: dict[str, Cell] = {"test": f"planned {last + step.number}", **step.inputs}
+        value = step.ballistic_limit_m_s if result.measure == "limit" else step.inputs[VELOCITY]
+        if has_scatter and value is not None:
+            row[uncertainty] = float(f"{result.scatter_percent / 100.0 * float(value):.3g}")
+        rows.append(row)
+    keys = dict.fromkeys(["test", *(key for row in rows for key in row if key not in (measured, uncertainty))])
+    columns = [*keys, measured, *([uncertainty] if has_scatter else [])]
+    return Table(
+        tuple(Column(label_and_unit(key)[0], key=key) for key in columns),
+        tuple(tuple(row.get(key) for key in columns) for row in rows),
     )

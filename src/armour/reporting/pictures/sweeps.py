@@ -10,7 +10,7 @@ from armour.errors import mistake
 from armour.reporting.pictures import drawing
 from armour.reporting.table import Column, column_of, in_words
 from armour.reporting.text import number
-from armour.reporting.views.sweep import is_number
+from armour.reporting.views.sweeps import is_number
 from armour.scenario.inputs import BACKING, CERAMIC
 from armour.scenario.scenario import Scenario
 from armour.sweeps.sweep import SweepResult
@@ -22,7 +22,7 @@ RESIDUALS, CONTOURS = ("residual_velocity_m_s", "residual_mass_g"), 10
 MAX_MARKERS = 40
 
 
-def draw(result: SweepResult, sheet: drawing.Sheet) -> drawing.Picture:
+def draw_sweep(result: SweepResult, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the first quantity of a sweep that is a number."""
     if len(result.keys) > 2:
         raise mistake("plot", "result", f"must be a sweep over one or two keys, found {len(result.keys)}")

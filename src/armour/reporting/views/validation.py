@@ -1,4 +1,4 @@
-"""A suite of cases, and the figures of the paper."""
+"""Suites of cases, the paper's figures, and comparisons with closed-form formulas."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from math import floor, log10
@@ -6,14 +6,16 @@ from operator import itemgetter
 from typing import Any
 
 from armour import __version__
+from armour.analysis.closed_forms import FlorenceResult
 from armour.analysis.quantities import QUANTITIES
 from armour.errors import counted
 from armour.reporting.junit import TestCase, junit_suite, junit_xml
-from armour.reporting.lookup import drawing_of
-from armour.reporting.report import Report, ReportSection, origin_section
-from armour.reporting.table import Column, Table, column_of, listing
+from armour.reporting.report import Report, ReportSection, drawing_of, origin_section
+from armour.reporting.table import Column, Table, column_of, deviation_percent, listing, record
 from armour.reporting.text import Verdict, number
+from armour.reporting.words import BALLISTIC_LIMIT
 from armour.statistics.measured import LIMIT
+from armour.validation.comparison import Comparison
 from armour.validation.figures import Figure
 from armour.validation.rivals import Error
 from armour.validation.suite import CASES, Case
@@ -198,7 +200,7 @@ def overview_table(result: SuiteResult) -> Table:
     return listing(lines, *((column, itemgetter(place)) for place, column in enumerate(columns)))
 
 
-def tables(result: SuiteResult) -> list[Table | str]:
+def tables_of_suite(result: SuiteResult) -> list[Table | str]:
     """Return a line for each table of a suite, or every row where that was asked for, the failures and the verdict.
 
     Regression values that are not filled in yet are always named.
@@ -291,7 +293,7 @@ def allowance_percent(checks: Sequence[Check]) -> float | None:
     return max(0.0, 100.0 * error / (100.0 + error))
 
 
-def report(result: SuiteResult, command: str = "") -> Report:
+def suite_report(result: SuiteResult, command: str = "") -> Report:
     """Report the outcome of a suite: whether it is unchanged, the errors of the limits, and what both rest on.
 
     With a command, also the origin.
@@ -336,7 +338,7 @@ def _source(checks: list[Check]) -> tuple[str, ...]:
     return (f"{text[:1].upper()}{text[1:]}.",) if case.group and text else ()
 
 
-def junit(result: SuiteResult, seconds: Sequence[float], origin: Mapping[str, str]) -> bytes:
+def suite_junit(result: SuiteResult, seconds: Sequence[float], origin: Mapping[str, str]) -> bytes:
     """Format the outcome of a suite: a test case for every case, and for every table that is held to a band.
 
     The first of the cases that are computed together has the time, in seconds, of all of them.
@@ -369,3 +371,68 @@ def figure_table(panels: Sequence[Figure]) -> Table:
     return Table(
         tuple(Column(label, spec="g", key=label) for label in columns), tuple(zip(*columns.values(), strict=True))
     )
+
+
+def comparison_table(result: Comparison) -> Table:
+    """Return ballistic limits by the model, by Florence and by the rule."""
+    limit = result.limit.ballistic_limit_m_s
+    limits = {_florence(florence): florence.ballistic_limit_m_s for florence in result.florence}
+    limits |= {f"areal density rule, p = {rule.p:.4g}": rule.ballistic_limit_m_s for rule in result.rules}
+    rows = [(name, other, deviation_percent(other, limit)) for name, other in limits.items()]
+    return listing(
+        [("this model", limit, None), *rows],
+        (Column("formula", prose=True), lambda row: row[0]),
+        (BALLISTIC_LIMIT, lambda row: row[1]),
+        (Column("difference from the model", "%", "+.0f"), lambda row: row[2]),
+    )
+
+
+def optimum_table(result: Comparison) -> Table:
+    """Return the thicknesses of the same areal density that are best by Florence, with their ballistic limits."""
+    return listing(
+        result.florence,
+        (Column("optimum by Florence", prose=True), _florence),
+        column_of("best_ceramic_thickness_mm", ".1f", "ceramic"),
+        column_of("best_backing_thickness_mm", ".1f", "back plate"),
+        column_of("best_thickness_ratio", ".1f", "ratio"),
+        column_of("best_ballistic_limit_m_s", ".0f", "limit by Florence"),
+        column_of("model_ballistic_limit_m_s", ".0f", "by the model"),
+    )
+
+
+def _florence(result: FlorenceResult) -> str:
+    return f"Florence, {result.projectile} ({result.mass_g:g} g, {result.diameter_mm:g} mm)"
+
+
+def rule_note(result: Comparison) -> str:
+    """Return what the rule of areal density is fitted to, or why it is not."""
+    if not result.rules:
+        return f"areal density rule: none, without tests of this round and these materials; there are {result.tests}"
+    factors = " and ".join(f"k = {rule.k:.2f} with p = {rule.p:.4g}" for rule in result.rules)
+    return f"areal density rule: k A^p, {factors} (m/s, kg/m²), fitted to the {result.tests}"
+
+
+def fit_table(result: Comparison) -> Table:
+    """Return the fits to the model's residual velocities."""
+    return listing(
+        result.fits,
+        column_of("name", label="residual velocity by", prose=True),
+        column_of("ratio", ".4f", "velocity ratio a"),
+        column_of("exponent", ".3f"),
+        column_of("rms_m_s", ".1f", "RMS deviation"),
+    )
+
+
+def tables_of_comparison(result: Comparison) -> list[Table | str]:
+    """Return all tables of a comparison."""
+    low, high = result.fitted_m_s
+    return [
+        comparison_table(result),
+        *([f"Florence's limit: none, without {', '.join(result.florence_missing)}"] if result.florence_missing else []),
+        rule_note(result),
+        record(result, column_of("areal_density_kg_m2")),
+        *([optimum_table(result)] if result.florence else []),
+        *error_tables(result.errors),
+        fit_table(result),
+        f"fitted to the model's residual velocities from {low:.0f} to {high:.0f} m/s",
+    ]

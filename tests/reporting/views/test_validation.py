@@ -9,12 +9,12 @@ from xml.etree import ElementTree
 import pytest
 
 from armour.reporting.table import csv_text
-from armour.reporting.views import suite as suite_view
-from armour.reporting.views.suite import (
+from armour.reporting.views import validation as view
+from armour.reporting.views.validation import (
     allowance_percent,
     check_table,
     figure_table,
-    junit,
+    suite_junit,
 )
 from armour.validation.figures import Figure, FigureSection
 from tests.helpers.results import headings
@@ -34,9 +34,9 @@ def test_checks_of_several_quantities_have_units_of_their_own(folder: Path):
 
 def test_deviations_too_small_to_mean_anything_have_no_digits(folder: Path):
     near = case("near", WILKINS_LIMIT, "band = 1.0")
-    assert suite_view.overview_table(result(folder, near)).texts()[0][-1] == "below 0.01 %"
+    assert view.overview_table(result(folder, near)).texts()[0][-1] == "below 0.01 %"
     far = case("far", 720.0, "band = 5.0")
-    assert suite_view.overview_table(result(folder, near + far)).texts()[0][-1] == "0.525 %"
+    assert view.overview_table(result(folder, near + far)).texts()[0][-1] == "0.525 %"
 
 
 def test_curves_as_a_file():
@@ -51,7 +51,7 @@ def test_curves_as_a_file():
 
 def test_a_table_has_its_source(folder: Path):
     sourced = result(folder, TABLE + 'source = "table 3"\nreason = "as printed"\n')
-    _, table, *_ = suite_view.report(sourced).sections
+    _, table, *_ = view.suite_report(sourced).sections
     assert (table.heading, table.paragraphs) == ("T", ("Table 3; band: as printed.",))
 
 
@@ -59,7 +59,7 @@ def test_unchanged_is_not_usable(folder: Path):
     """Both rows of the table are within wide bands, and far from the tests, as the report says apart."""
     wide = TABLE.replace("band = 10.0\nrms_band = 5.0", "band_percent = 50.0\nrms_band_percent = 50.0")
     far = wide.replace("720.0", "600.0").replace("730.0, 730.0", "650.0, 650.0")
-    report = suite_view.report(result(folder, far))
+    report = view.suite_report(result(folder, far))
     assert report.lead == "Unchanged: 3 of 3 within their bands."
     usable, *others = report.sections
     assert usable.heading == "Errors of computed limits"
@@ -70,12 +70,12 @@ def test_unchanged_is_not_usable(folder: Path):
     assert found["mean error, %"] == pytest.approx(sum(errors) / 2, abs=0.01)
     # Both tests reach the computed limit less the allowance.
     assert found["allowance, %"] == pytest.approx(100.0 * (1.0 - 600.0 / WILKINS_LIMIT), abs=0.01)
-    assert suite_view.report(result(folder, TABLE)).lead.startswith("Changed: ")
-    unfilled = suite_view.report(
+    assert view.suite_report(result(folder, TABLE)).lead.startswith("Changed: ")
+    unfilled = view.suite_report(
         result(folder, case("new", 0.0, "band = 1.0\nregression = true").replace("expected = 0.0\n", ""))
     )
     assert unfilled.lead == "0 of 1 within their bands, 1 no expected value."
-    unscored = suite_view.report(result(folder, case("none", 700.0, 'not_scored = "a slip"')))
+    unscored = view.suite_report(result(folder, case("none", 700.0, 'not_scored = "a slip"')))
     assert (unscored.lead, unscored.passed) == ("No case is scored.", None)
 
 
@@ -95,7 +95,7 @@ def test_every_case_and_table_is_a_test_case(folder: Path):
         + case("slip", 1.0, 'not_scored = "a slip"')
     )
     computed = result(folder, 'title = "A | suite"\n' + text + TABLE)
-    [suite] = ElementTree.fromstring(junit(computed, [0.25] * len(computed.checks), {"version": "2"}))
+    [suite] = ElementTree.fromstring(suite_junit(computed, [0.25] * len(computed.checks), {"version": "2"}))
     found = (suite.get("name"), suite.get("tests"), suite.get("failures"), suite.get("skipped"))
     assert found == ("A | suite", "7", "3", "1")
     assert suite.get("time") == f"{0.25 * len(computed.checks):.3f}"
@@ -119,7 +119,7 @@ def test_every_case_and_table_is_a_test_case(folder: Path):
 
 
 def test_control_characters_leave_it_well_formed(folder: Path):
-    xml = junit(result(folder, 'title = "a\\u001b[31m"\n' + case("b\\u0007", 725.0, "band = 1.0")), [0.0], {})
+    xml = suite_junit(result(folder, 'title = "a\\u001b[31m"\n' + case("b\\u0007", 725.0, "band = 1.0")), [0.0], {})
     [suite] = ElementTree.fromstring(xml)
     [test_case] = suite.iter("testcase")
     assert (suite.get("name"), test_case.get("name")) == ("a\\x1b[31m", "b\\x07")

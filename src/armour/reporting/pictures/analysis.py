@@ -1,4 +1,4 @@
-"""Picture of an impact: penetrator and armour at the ends of its stages, and its history."""
+"""Pictures of impacts and of ballistic limits."""
 
 from itertools import pairwise
 from math import inf
@@ -9,14 +9,16 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 from matplotlib.transforms import offset_copy
 
+from armour.analysis.ballistic_limit import LimitResult, residual_velocity_curve
 from armour.analysis.history import History
 from armour.analysis.impact import ImpactResult
 from armour.core.equations import crack_velocity
 from armour.core.state import Parameters
 from armour.errors import mistake
 from armour.reporting.pictures import drawing
-from armour.reporting.text import wrapped
-from armour.reporting.views.impact import STAGES
+from armour.reporting.text import interval, wrapped
+from armour.reporting.views.analysis import STAGES
+from armour.reporting.words import chance
 from armour.units import MM
 
 # Panels over time: y axis, height, and curves by label.
@@ -48,7 +50,7 @@ INCHES, EVENT_CHARACTERS, AT_ONCE_US = 6.0, 12, 1e-3
 BELOW = 4.9
 
 
-def draw(result: ImpactResult, sheet: drawing.Sheet) -> drawing.Picture:
+def draw_impact(result: ImpactResult, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the armour and the penetrator, and below them velocities, length and depths over time."""
     history = result.history
     if history is None:
@@ -197,3 +199,41 @@ def _fragmented_us(p: Parameters, history: History) -> float:
         return inf
     crossed = history.depth_mm + history.time_us * 1e-6 * crack_velocity(p.Ec, p.rho_c) / MM
     return float(np.interp(p.Hc0 / MM, crossed, history.time_us, right=inf))
+
+
+# Points of a curve of probability.
+CURVE_POINTS = 200
+
+
+def draw_limit(result: LimitResult, sheet: drawing.Sheet) -> drawing.Picture:
+    """Draw both over the impact velocity; without a model error, draw the residual velocity alone."""
+    scenario, limit = drawing.needed(result, "scenario"), result.ballistic_limit_m_s
+    threat, error, ends = scenario.impact.velocity_m_s, result.model_error, result.interval_m_s
+    curve = residual_velocity_curve(scenario, result)
+    impact = [point.impact_velocity_m_s for point in curve]
+    reach = drawing.widened([impact[0], impact[-1], threat, *(ends or ())])
+    residual_alone = error is None or ends is None
+    title = f"Ballistic limit {limit:.0f} m/s"
+    title += "" if residual_alone else f", 95 % interval {interval(ends, '.0f')} m/s"
+    picture = sheet.panels(title, *[drawing.PANEL] * (1 if residual_alone else 2), sharex=True)
+    if error is not None and ends is not None:
+        likely, velocities = picture.axes[0], np.linspace(*reach, CURVE_POINTS)
+        at = float(error.probability_of_stopping(limit, threat))
+        likely.set(ylabel="probability of stopping, %", ylim=(0.0, 102.0))
+        likely.axvspan(*ends, **drawing.SHADE, label="95 % interval")
+        likely.plot(velocities, 100.0 * error.probability_of_stopping(limit, velocities), color=drawing.BLUE)
+        likely.axvline(limit, linestyle=":", label=f"limit {limit:.0f} m/s", **drawing.RULE)
+        likely.axvline(threat, linestyle="--", linewidth=1.0, color=drawing.VERMILION)
+        label = f"{threat:g} m/s: {chance(at)}"
+        drawing.points(likely, [threat], [100.0 * at], marker="D", color=drawing.VERMILION, label=label)
+    residual = picture.axes[-1]
+    residual.plot(impact, impact, linestyle=":", linewidth=1.0, color=drawing.INK, label="no armour")
+    residual.plot(impact, [point.residual_velocity_m_s for point in curve], color=drawing.BLUE, label="projectile")
+    residual.plot(
+        impact, [point.plug_velocity_m_s for point in curve], linestyle="--", color=drawing.GREEN, label="plug"
+    )
+    residual.axvline(limit, linestyle=":", label="ballistic limit" if residual_alone else "", **drawing.RULE)
+    label = f"{threat:g} m/s" if residual_alone else ""
+    residual.axvline(threat, linestyle="--", linewidth=1.0, color=drawing.VERMILION, label=label)
+    drawing.residual_axes(residual, reach)
+    return picture

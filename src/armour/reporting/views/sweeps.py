@@ -1,4 +1,4 @@
-"""A sweep."""
+"""Sweeps."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -10,7 +10,7 @@ from armour.sweeps.sweep import SweepResult
 SWEEP_ROWS = 20
 
 
-def tables(result: SweepResult) -> list[Table | str]:
+def tables_of_sweep(result: SweepResult) -> list[Table | str]:
     """Return the first rows of a sweep."""
     notes = [f"the first {SWEEP_ROWS} of {result.rows:,} rows"] if result.rows > SWEEP_ROWS else []
     return [first_rows(result.columns), *notes]

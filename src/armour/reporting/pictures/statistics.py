@@ -1,0 +1,223 @@
+"""Pictures of uncertainties, sensitivities, calibrations and V50 from firing results."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from armour.analysis.quantities import label_and_unit
+from armour.errors import mistake
+from armour.reporting.pictures import drawing
+from armour.reporting.table import deviation_percent, in_words
+from armour.reporting.text import interval, number, percent
+from armour.reporting.views.validation import grouped
+from armour.reporting.words import risk
+from armour.scenario.inputs import BACKING, CERAMIC, VELOCITY
+
+if TYPE_CHECKING:
+    from armour.statistics.calibration import CalibrationResult, Residual
+    from armour.statistics.curves import FittedCurve
+    from armour.statistics.sensitivity import SensitivityResult
+    from armour.statistics.uncertainty import UncertaintyResult
+    from armour.statistics.v50 import FiringResult, Shots
+
+KINDS = (("partial penetration", False, drawing.GREEN, "o"), ("complete penetration", True, drawing.VERMILION, "^"))
+# Probabilities between which the curve is shown whole.
+SHOWN_PROBABILITY = 0.002
+
+
+def draw_uncertainty(result: "UncertaintyResult", sheet: drawing.Sheet) -> drawing.Picture:
+    """Draw the probability of perforation over velocity, and the ballistic limit at quantiles of each input."""
+    curve, p, level = result.curve, result.probability_of_perforation, percent(result.confidence)
+    at = drawing.needed(result, "scenario").impact.velocity_m_s
+    names = [label_and_unit(index.input)[0] for index in result.inputs]
+    picture = sheet.panels(
+        f"Perforated with a probability of {risk(1.0 - p.value)} at {at:g} m/s",
+        *(drawing.PANEL, drawing.rows_height(names, titled=True))[: 1 + bool(names)],
+        note=f"{level} intervals by sampling: {p.low:.3f} to {p.high:.3f} at {at:g} m/s; the band for the curve.",
+        sharex=True,
+    )
+    axes = picture.axes[0]
+    axes.set(ylabel="probability of perforation", ylim=(0.0, 1.0))
+    axes.fill_between(curve.velocity_m_s, curve.low, curve.high, color=drawing.BLUE, **drawing.BAND)
+    axes.plot(curve.velocity_m_s, curve.probability, color=drawing.BLUE)
+    limits = {"nominal ballistic limit": result.deterministic_m_s}
+    limits |= {name: result.ballistic_limit_m_s[name].value for name in ("V05", "V50", "V95")}
+    for (name, limit), style in zip(limits.items(), (":", "-.", "-", "--"), strict=True):
+        colour = drawing.SOFT if name in result.ballistic_limit_m_s else drawing.INK
+        axes.axvline(limit, linestyle=style, linewidth=1.0, color=colour, label=f"{name} {limit:.1f} m/s")
+    interval = [[p.value - p.low], [p.high - p.value]]
+    axes.errorbar([at], [p.value], interval, fmt="none", ecolor=drawing.VERMILION, capsize=drawing.CAP)
+    label = f"{p.value:.3f} at {at:g} m/s"
+    drawing.points(axes, [at], [p.value], color=drawing.VERMILION, label=label)
+    if names:
+        swings = {
+            f"input at its {quantile} quantile": [index.limits_m_s[side] for index in result.inputs]
+            for side, quantile in enumerate(("5 %", "95 %"))
+        }
+        drawing.rows(picture.axes[1], names, swings, result.deterministic_m_s)
+        picture.axes[1].set_title("Ballistic limit with one input changed")
+    probability = np.array(curve.probability)
+    rising = (probability > SHOWN_PROBABILITY) & (probability < 1.0 - SHOWN_PROBABILITY)
+    uncertain = np.array(curve.velocity_m_s)[rising].tolist()
+    changed = [limit for index in result.inputs for limit in index.limits_m_s]
+    picture.axes[-1].set(xlabel="velocity, m/s", xlim=drawing.widened([at, *limits.values(), *uncertain, *changed]))
+    return picture
+
+
+def draw_sensitivity(result: "SensitivityResult", sheet: drawing.Sheet) -> drawing.Picture:
+    """Draw them, the inputs with the largest of the first answer, the ballistic limit where there is one, on top."""
+    answers = [name for name, value in result.answers.items() if value is not None]
+    # Without an elasticity an input, such as the velocity for the ballistic limit, is below those with one.
+    inputs = sorted(
+        (item for item in result.inputs if any(item.elasticities[answer] is not None for answer in answers)),
+        key=lambda item: [-abs(item.elasticities[answer] or 0.0) for answer in answers],
+    )
+    names, titles = [label_and_unit(item.input)[0] for item in inputs], [label_and_unit(name)[0] for name in answers]
+    title, note = "", "Change in % for a 1 % increase of the input."
+    if inputs:
+        most = inputs[0].elasticities[answers[0]] or 0.0
+        title = f"The {titles[0]} depends most on the {names[0]}: {most:+.2f} % for 1 % more"
+    heights = [drawing.rows_height(names, titled=True)] * len(answers)
+    picture = sheet.panels(title, *heights, note=note, beside=True, sharey=True)
+    for axes, answer, heading in zip(picture.axes, answers, titles, strict=True):
+        drawing.rows(axes, names, {"": [item.elasticities[answer] for item in inputs]}, 0.0)
+        axes.set(title=heading, xlabel="change, %")
+    return picture
+
+
+# Rows of deviations.
+MAX_ROWS = 40
+WORDS = {"": "measured", "at least": "stopped at", "at most": "perforated at"}
+
+
+def draw_calibration(result: "CalibrationResult", sheet: drawing.Sheet) -> drawing.Picture:
+    """Draw both for each quantity that was measured."""
+    names = _test_names(result)
+    title = f"Calibration to {len(names)} tests"
+    if result.mean_error_percent is not None:
+        title += f": mean error {result.mean_error_percent:.1f} %"
+    if result.left_out_error_percent is not None:
+        title += f", {result.left_out_error_percent:.1f} % leave-one-out"
+    given = any(residual.uncertainty for residual in result.residuals)
+    by_quantity = grouped(result.residuals, lambda residual: residual.quantity)
+    measured = {quantity: [r for r in residuals if not r.bound] for quantity, residuals in by_quantity.items()}
+    heights = []
+    for residuals in measured.values():
+        tests = [names[residual.test] for residual in _largest(residuals)]
+        heights += [sheet.across() - 0.3, *([drawing.rows_height(tests, titled=True)] if tests else [])]
+    note = "Error bars: ± one standard deviation of the measured value." if given else ""
+    picture = sheet.panels(title, *heights, note=note)
+    panels = iter(picture.axes)
+    for quantity, residuals in by_quantity.items():
+        groups: dict[str, list[drawing.Compared]] = {}
+        for r in sorted(residuals, key=lambda residual: list(WORDS).index(residual.bound)):
+            pair = drawing.Compared(names[r.test], WORDS[r.bound], r.measured, r.computed, r.uncertainty or 0.0)
+            groups.setdefault(WORDS[r.bound] if r.bound else "tests", []).append(pair)
+        drawing.agreement(next(panels), quantity, "measured", groups)
+        if measured[quantity]:
+            _draw_deviations(next(panels), quantity, measured[quantity], names)
+    return picture
+
+
+def _test_names(result: "CalibrationResult") -> dict[str, str]:
+    """Return the name of each test or, where it has none, its armour."""
+    names = {residual.test: residual.test for residual in result.residuals}
+    tests = result.question.get("tests")
+    for name, place, cells in zip(tests.names, tests.places, tests.cells, strict=True) if tests else ():
+        layers = [number(float(cells[key]), "g") for key in (CERAMIC, BACKING) if key in cells]
+        if name == place and layers:
+            names[name] = f"{' on '.join(layers)} mm"
+    return names
+
+
+def _largest(residuals: "Sequence[Residual]") -> "list[Residual]":
+    """Return the residuals with the largest deviations from measured values."""
+    return sorted(residuals, key=lambda r: -abs(deviation_percent(r.computed, r.measured) or 0.0))[:MAX_ROWS]
+
+
+def _draw_deviations(axes: Axes, quantity: str, residuals: "Sequence[Residual]", names: Mapping[str, str]) -> None:
+    """Draw deviations from measured values; of many tests those with the largest."""
+    title, shown = f"Deviation of the computed {label_and_unit(quantity)[0]}", _largest(residuals)
+    if len(shown) < len(residuals):
+        title += f", the {MAX_ROWS} largest of {len(residuals)}"
+    values = {
+        "fitted": [deviation_percent(residual.computed, residual.measured) for residual in shown],
+        "leave-one-out": [deviation_percent(residual.left_out, residual.measured) for residual in shown],
+    }
+    drawing.rows(axes, [names[residual.test] for residual in shown], values, 0.0)
+    axes.set(title=title, xlabel="deviation, %")
+
+
+# Height of the posterior's interval of V50, below that of the shots alone.
+POSTERIOR = 0.4
+
+
+def draw_firing(result: "FiringResult", sheet: drawing.Sheet) -> drawing.Picture:
+    """Draw the probability of a complete penetration over the velocity."""
+    from armour.statistics.curves import penalised_band
+
+    shots = drawing.needed(result, "shots")
+    if not result.fits:
+        raise mistake(shots.file, "", "must have a curve to draw, and these shots have none")
+    fit, after, model = result.recommended or result.fits[0], result.posterior, result.model_ballistic_limit_m_s
+    low, high = _velocities(result, fit, shots)
+    level, notes = percent(result.confidence), []
+    confidence, ends = level, fit.v50_interval_m_s
+    if fit is result.recommended:
+        notes.append(f"Band: {level} band of the curve.")
+        if result.bounded_confidence is not None and result.bounded_interval_m_s is not None:
+            confidence, ends = percent(result.bounded_confidence), result.bounded_interval_m_s
+    bounded = ends != (None, None)
+    words = f"V50 {fit.v50_m_s:.1f} m/s, {confidence} interval {interval(ends, '.1f')}" + (" m/s" if bounded else "")
+    if after is not None:
+        after_ends = interval(after.v50_interval_m_s, ".1f")
+        notes.append(f"Posterior, with the model as prior: {level} interval {after_ends} m/s.")
+    if model is not None and not low <= model <= high:
+        notes.append(f"The model's ballistic limit, {model:.1f} m/s, lies outside the axis.")
+    picture = sheet.panels(words, 1.1 * drawing.PANEL, note=" ".join(notes))
+    [axes] = picture.axes
+    axes.set(xlabel=in_words(VELOCITY), ylabel="probability of complete penetration")
+    axes.set(xlim=(low, high), ylim=(-0.02, 1.02))
+    x = np.linspace(low, high, 400).tolist()
+    if fit is result.recommended:
+        band = penalised_band(shots.of(complete=False), shots.of(complete=True), fit.curve, x, result.confidence)
+        axes.fill_between(x, *band, color=drawing.BLUE, **drawing.BAND)
+    draw_shots(axes, shots)
+    axes.plot(x, [fit.probability(v) for v in x], color=drawing.BLUE, label=f"{fit.curve}, {fit.method}")
+    if low <= fit.v50_m_s <= high:
+        if bounded:
+            start, end = (edge if e is None else e for e, edge in zip(ends, (low, high), strict=True))
+            drawing.ranges(axes, [0.5], [(start, end)], drawing.BLUE)
+        drawing.points(axes, [fit.v50_m_s], [0.5], [words], color=drawing.BLUE)
+    if after is not None:
+        name = f"posterior, V50 {after.v50_m_s:.1f} m/s"
+        drawing.ranges(axes, [POSTERIOR], [after.v50_interval_m_s], drawing.PURPLE)
+        drawing.points(axes, [after.v50_m_s], [POSTERIOR], [name], marker="D", color=drawing.PURPLE, label=name)
+    if result.mean is not None:
+        name = "mean of shots" if result.mean.rule == "no usual rule" else "MIL-STD-662F"
+        drawing.velocities(axes, [(name, result.mean.v50_m_s, drawing.SOFT, "-")])
+    required = (f"{result.decision}: required", result.requirement_m_s, drawing.VERMILION, "--")
+    drawing.velocities(axes, [required, ("limit by this model", model, drawing.INK, ":")])
+    return picture
+
+
+def _velocities(result: "FiringResult", fit: "FittedCurve", shots: "Shots") -> tuple[float, float]:
+    """Return the range of velocities to draw: that of the shots, and of V50 and limits near them."""
+    slowest, fastest = min(shots.velocities_m_s), max(shots.velocities_m_s)
+    reach, margin = fastest - slowest or 0.01 * fastest, 0.1 * (fastest - slowest)
+    limits = (fit.v50_m_s, *fit.v50_interval_m_s, result.model_ballistic_limit_m_s)
+    shown = [slowest, fastest, *(limit for limit in limits if limit is not None)]
+    low, high = max(slowest - reach, min(shown) - margin), min(fastest + reach, max(shown) + margin)
+    if result.posterior is None:
+        return low, high
+    start, end = result.posterior.v50_interval_m_s
+    return min(low, start - margin), max(high, end + margin)
+
+
+def draw_shots(axes: Axes, shots: "Shots") -> None:
+    """Draw the shots of each kind, as points at their probabilities, 0 and 1."""
+    for kind, complete, colour, marker in KINDS:
+        if velocities := shots.of(complete=complete):
+            drawing.points(axes, velocities, [complete] * len(velocities), marker=marker, label=kind, color=colour)

@@ -1,0 +1,386 @@
+"""Uncertainties, sensitivities, calibrations and V50 from firing results."""
+
+from typing import TYPE_CHECKING
+
+from armour.analysis.estimates import Estimate
+from armour.analysis.quantities import label_and_unit
+from armour.reporting.table import Cell, Column, Source, Table, column_of, deviation_percent, in_words, listing, record
+from armour.reporting.text import Verdict, interval, percent, with_interval
+from armour.reporting.words import SAMPLED_ALONE, STOPPING, error_note, rounded_down, rounded_up
+
+if TYPE_CHECKING:
+    from armour.statistics.calibration import CalibrationResult
+    from armour.statistics.curves import FittedCurve
+    from armour.statistics.posterior import FiringEstimate
+    from armour.statistics.sensitivity import SensitivityResult
+    from armour.statistics.uncertainty import UncertaintyResult
+    from armour.statistics.v50 import FiringResult
+
+SCATTER_ASSUMED = "the prior for the scatter is assumed; the model does not predict scatter"
+SAMPLING_NOTE = "more samples make the intervals narrower; the spread of the ballistic limit is V05 to V95"
+
+
+INDEX_NOTE = "true indices lie between 0 and 1; sampling error can push estimates and intervals slightly outside"
+
+
+def estimate_table(result: "UncertaintyResult") -> Table:
+    """Return the estimated probability, quantiles and mean."""
+    mean, perforated = Estimate(result.mean_m_s, *result.mean_interval_m_s), result.probability_of_perforation
+    stopped = Estimate(
+        *(rounded_down(100.0 * (1.0 - p), 1) for p in (perforated.value, perforated.high, perforated.low))
+    )
+    limits = {**result.ballistic_limit_m_s, "mean ballistic limit": mean}
+    # A probability and velocities have different decimals, so that the numbers are formatted here.
+    parts = [
+        (STOPPING.label, "%", stopped, ".1f"),
+        *((name, "m/s", estimate, ".0f") for name, estimate in limits.items()),
+    ]
+    sampling = Column(f"sampling error, {percent(result.confidence)} interval")
+    columns = (Column("quantity"), Column("unit"), Column("estimate", spec="g"), sampling)
+    rows = ((name, unit, format(e.value, spec), interval(e, spec)) for name, unit, e, spec in parts)
+    return Table(columns, tuple(rows))
+
+
+def index_table(result: "UncertaintyResult") -> Table:
+    """Return the Sobol' indices of each input, and the ballistic limits at its quantiles."""
+    return listing(
+        result.inputs,
+        (Column("input", prose=True), lambda item: in_words(item.input)),
+        (Column("first-order index"), lambda item: item.first and with_interval(item.first.value, item.first, ".2f")),
+        (Column("total index"), lambda item: item.total and with_interval(item.total.value, item.total, ".2f")),
+        (Column("limit at 5 and 95 %", "m/s"), lambda item: interval(item.limits_m_s, ".0f")),
+    )
+
+
+def tables_of_uncertainty(result: "UncertaintyResult") -> list[Table | str]:
+    """Return all tables of a propagated uncertainty."""
+    parts: list[Table | str] = [
+        estimate_table(result),
+        SAMPLING_NOTE,
+        error_note(result.model_error, result.question.get("scenario")),
+    ]
+    if result.model_error is None:
+        parts.append(SAMPLED_ALONE)
+    samples = record(
+        result,
+        column_of("samples", "d"),
+        (Column("method"), f"{result.method}, seed {result.seed}"),
+        column_of("deterministic_m_s", ".0f", "ballistic limit of the scenario"),
+        column_of("standard_deviation_m_s", ".0f"),
+    )
+    parts += [samples, index_table(result)]
+    estimates = [estimate for index in result.inputs for estimate in (index.first, index.total) if estimate]
+    if any(estimate.low < 0.0 or estimate.high > 1.0 for estimate in estimates):
+        parts.append(INDEX_NOTE)
+    if any(index.first and not index.total for index in result.inputs):
+        parts.append(
+            "inputs are correlated: variance that they share is attributed to each of them, so that the first-order "
+            "indices may sum to more than 1; total indices are not given"
+        )
+    return parts
+
+
+ELASTICITY_NOTE = "% per %: change of the answer, in per cent of it, when the input grows by 1 %"
+
+
+def elasticity_table(result: "SensitivityResult") -> Table:
+    """Return the elasticities: the change of each answer that has a value, in per cent, when an input grows by 1 %."""
+    answers = [name for name, value in result.answers.items() if value is not None]
+    return listing(
+        result.inputs,
+        (Column("input", prose=True), lambda item: in_words(item.input)),
+        column_of("value", "g"),
+        *(
+            (Column(label_and_unit(name)[0], "% per %", "+.2f"), lambda item, name=name: item.elasticities[name])
+            for name in answers
+        ),
+    )
+
+
+def tables_of_sensitivity(result: "SensitivityResult") -> list[Table | str]:
+    """Return all tables of a sensitivity analysis."""
+    answers: list[Source] = []
+    for name, value in result.answers.items():
+        none = "none (stopped)" if name == "residual_velocity_m_s" else "none"
+        answers.append((Column(label_and_unit(name)[0]), none) if value is None else (column_of(name), value))
+    return [record(result, *answers), elasticity_table(result), ELASTICITY_NOTE]
+
+
+def calibration_table(result: "CalibrationResult") -> Table:
+    """Return the quality of a fit to tests, and how well the tests' uncertainties, if any, explain the deviations."""
+    weighted = result.weights == "uncertainties"
+    aicc = None if _has_prior(result) else _or(result.aicc, "too few tests")
+    return record(
+        result,
+        (Column("tests", spec="d"), len({residual.test for residual in result.residuals})),
+        (Column("deviations relative to"), "uncertainties of the tests" if weighted else "measured values"),
+        (Column("law of the ceramic's flow stress"), result.law),
+        _error("mean error", result.mean_error_percent),
+        _error("mean leave-one-out error", result.left_out_error_percent),
+        (Column("AICc", spec=".1f"), aicc),
+        column_of("degrees_of_freedom", ".4g"),
+        (Column("chi-squared", spec=".2f"), result.chi_squared if weighted else None),
+        (Column("p value", spec=".2g"), result.p_value if weighted else None),
+        (Column("intervals widened by", spec=".2f"), result.widened_by if result.widened_by > 1.0 else None),
+        (Column("starting points that reach this solution"), f"{result.starts_agreeing} of {result.starts}"),
+    )
+
+
+def _error(label: str, value: float | None) -> Source:
+    return (Column(label), "too few tests") if value is None else (Column(label, "%", ".1f"), value)
+
+
+def _has_prior(result: "CalibrationResult") -> bool:
+    return any(coefficient.prior_share is not None for coefficient in result.coefficients)
+
+
+def coefficient_table(result: "CalibrationResult") -> Table:
+    """Return the fitted coefficients with their intervals, or the reason why one is not identified."""
+    return listing(
+        result.coefficients,
+        (Column("coefficient", prose=True), lambda c: in_words(c.name)),
+        (Column("estimate", spec=".4g"), lambda c: _or(c.estimate, "not identified")),
+        (
+            Column(f"{percent(result.confidence)} interval", prose=True),
+            lambda c: "; ".join(filter(None, (interval(c.interval, ".4g"), c.reason))),
+        ),
+        (Column("part of the prior", "%", ".0f"), lambda c: c.prior_share and 100.0 * c.prior_share),
+    )
+
+
+PRIOR_NOTE = (
+    "part of the prior: its share of the precision (inverse variance); at 0 % the tests alone determine the estimate, "
+    "at 100 % they add nothing"
+)
+
+
+def law_table(result: "CalibrationResult") -> Table:
+    """Return the laws that were compared."""
+    few = "too few tests"
+    without = "none with a prior" if _has_prior(result) else few
+    return listing(
+        result.laws,
+        column_of("law"),
+        column_of("coefficients", "d"),
+        (column_of("mean_error_percent", ".1f"), lambda law: _or(law.mean_error_percent, few)),
+        (Column("mean leave-one-out error", "%", ".1f"), lambda law: _or(law.left_out_error_percent, few)),
+        (Column("AICc", spec=".1f"), lambda law: _or(law.aicc, without)),
+    )
+
+
+def _or(value: float | None, words: str) -> Cell:
+    return words if value is None else value
+
+
+def correlation_table(result: "CalibrationResult") -> Table:
+    """Return the correlations of the coefficients, which are numbered in the heading."""
+    names = [f"{number} {in_words(each.name)}" for number, each in enumerate(result.coefficients, start=1)]
+    numbers = (Column(name.partition(" ")[0], spec="+.3f") for name in names)
+    rows: list[tuple[Cell, ...]] = [(name, *values) for name, values in zip(names, result.correlation, strict=True)]
+    return Table((Column("correlation", prose=True), *numbers), tuple(rows))
+
+
+def residual_table(result: "CalibrationResult") -> Table:
+    """Return measured and computed values, test by test; one-sided tests have a bound and no deviation."""
+    quantities = {residual.quantity for residual in result.residuals}
+    words, unit = label_and_unit(*quantities) if len(quantities) == 1 else ("", "")
+    each: tuple[Source, ...] = (
+        (Column("quantity", prose=True), lambda r: label_and_unit(r.quantity)[0]),
+        (Column("unit"), lambda r: label_and_unit(r.quantity)[1]),
+    )
+    return listing(
+        result.residuals,
+        column_of("test", prose=True),
+        *(() if words else each),
+        column_of("bound"),
+        (Column(f"measured {words}".rstrip(), unit, "g"), lambda r: r.measured),
+        (Column("computed", unit, ".4g"), lambda r: r.computed),
+        (Column("deviation", "%", "+.1f"), lambda r: None if r.bound else deviation_percent(r.computed, r.measured)),
+        (
+            Column("leave-one-out deviation", "%", "+.1f"),
+            lambda r: None if r.bound else deviation_percent(r.left_out, r.measured),
+        ),
+        (Column("bound met"), lambda r: "" if not r.bound else "yes" if r.met else "no"),
+    )
+
+
+def tables_of_calibration(result: "CalibrationResult") -> list[Table | str]:
+    """Return all tables of a calibration."""
+    parts: list[Table | str] = [law_table(result)] if result.laws else []
+    parts.append(coefficient_table(result))
+    parts += [PRIOR_NOTE] if _has_prior(result) else []
+    parts.append(calibration_table(result))
+    if len(result.coefficients) > 1:
+        parts.append(correlation_table(result))
+    return [*parts, residual_table(result)]
+
+
+def v50_table(result: "FiringResult") -> Table:
+    """Return the extreme velocities of the shots, and the mean of MIL-STD-662F."""
+    mean = result.mean
+    rule: list[Source] = [(Column("V50, mean"), "none: too few shots of each kind within the span allowed")]
+    if mean is not None:
+        standard = mean.rule != "no usual rule"
+        rule = [
+            (Column("V50, MIL-STD-662F" if standard else "V50, mean", "m/s", ".0f"), mean.v50_m_s),
+            (Column("shots averaged"), f"{mean.pairs} partial and {mean.pairs} complete"),
+            (Column("span of these shots", "m/s", ".0f"), mean.span_m_s),
+            (Column("span allowed", "m/s", ".0f"), mean.span_allowed_m_s),
+        ]
+    return record(
+        result,
+        column_of("shots", "d"),
+        column_of("complete", "d", "complete penetrations"),
+        column_of("highest_partial_m_s", ".0f"),
+        column_of("lowest_complete_m_s", ".0f"),
+        column_of("zone_of_mixed_results_m_s", ".0f"),
+        *rule,
+        column_of("model_ballistic_limit_m_s", ".0f", "ballistic limit by the model"),
+        (Column("its 95 % interval, with the model error", "m/s"), interval(result.model_interval_m_s, ".0f")),
+    )
+
+
+def recommended_table(fit: "FittedCurve", level: float) -> Table:
+    """Return the velocities and the scatter of the recommended curve, with their intervals."""
+    keys = {"V50": "v50", "V05": "v05", "V95": "v95", "scatter": "scale"}
+
+    def ends(name: str) -> str:
+        return interval(getattr(fit, f"{keys[name]}_interval_m_s"), ".0f")
+
+    def lower(name: str) -> Cell:
+        bound = getattr(fit, f"{keys[name]}_lower_m_s", None)
+        return "not bounded" if bound is None and name in ("V50", "V05") else bound
+
+    return listing(
+        keys,
+        (Column("quantity"), str),
+        (Column("estimate", "m/s", ".0f"), lambda name: getattr(fit, f"{keys[name]}_m_s")),
+        (Column(f"{percent(level)} interval", "m/s"), ends),
+        (Column(f"one-sided {percent(level)} lower bound", "m/s", ".0f"), lower),
+        title=f"recommended: {fit.curve}, {fit.method}",
+    )
+
+
+def curve_table(result: "FiringResult") -> Table:
+    """Return all fitted curves, with their intervals."""
+    level = f"{percent(result.confidence)} interval"
+    return listing(
+        (*result.penalised_fits, *result.fits),
+        column_of("curve"),
+        (Column("likelihood"), lambda fit: fit.method.removesuffix(" likelihood")),
+        (Column(f"V50, {level}", "m/s"), lambda fit: with_interval(fit.v50_m_s, fit.v50_interval_m_s, ".0f")),
+        (Column(f"scatter, {level}", "m/s"), lambda fit: with_interval(fit.scale_m_s, fit.scale_interval_m_s, ".0f")),
+        column_of("v05_m_s", ".0f", "V05"),
+        column_of("v95_m_s", ".0f", "V95"),
+    )
+
+
+PENALISED = "intervals by penalised likelihood; with few shots those of maximum likelihood are too narrow"
+
+
+# Notes on the mean by its rule.
+MEAN_NOTES = {
+    "usual span": "the span allowed is usual with this number of shots; MIL-STD-662F leaves it to the specification",
+    "given span": "the span allowed is given; MIL-STD-662F leaves it to the specification",
+    "no usual rule": "MIL-STD-662F does not usually average this number of shots",
+}
+
+
+def answer(result: "FiringResult") -> str:
+    """Return V50 with an interval that is bounded, or what would bound it, and the mean of the standard."""
+    parts, fit, mean = [], result.recommended, result.mean
+    if fit is not None:
+        words, level = f"V50 {fit.v50_m_s:.0f} m/s", result.bounded_confidence
+        if level is None:
+            words += f", interval not bounded: {BOUND}"
+        else:
+            words += f", {percent(level)} interval {interval(result.bounded_interval_m_s, '.0f')}"
+            words += "" if level == result.confidence else f" ({percent(result.confidence)} not bounded: {BOUND})"
+        parts.append(words)
+    if mean is not None:
+        by = "mean of shots" if mean.rule == "no usual rule" else "MIL-STD-662F"
+        parts.append(
+            f"{by}: {mean.v50_m_s:.0f} m/s from {mean.pairs} + {mean.pairs} shots within {mean.span_m_s:.0f} m/s"
+        )
+    return "; ".join(parts)
+
+
+FIXED = (
+    "the risks are approximate: where the scatter far exceeds the steps between shots, 5 % may be 8 %; they hold for "
+    "shots whose number did not depend on their results; armour plan shots --requirement-m-s decides at any time, with "
+    "more shots and bounded risks"
+)
+BOUND = "a higher complete or a lower partial would bound it"
+
+
+def requirement_verdict(result: "FiringResult") -> list[str]:
+    """Return whether a requirement is met, with the risks of accepting and of rejecting the armour now."""
+    if result.requirement_m_s is None:
+        return []
+    required = f"{result.requirement_m_s:g} m/s required of V50"
+    if result.consumers_risk is None or result.producers_risk is None:
+        return [Verdict(f"{result.decision}: {required}; no curve fits the shots", good=False)]
+    allowed = percent(round(1.0 - result.confidence, 12))
+    risks = (
+        f"accepting it now has a risk (consumer's) of {risk_of(result.consumers_risk)}, rejecting it (producer's) of "
+        f"{risk_of(result.producers_risk)}; {allowed} decides"
+    )
+    return [Verdict(f"{result.decision}: {required}; {risks}", good=result.decision == "met"), FIXED]
+
+
+def risk_of(risk: float) -> str:
+    """Return a risk, rounded up to a tenth of a per cent."""
+    return "below 0.1 %" if risk < 1e-3 else f"{rounded_up(100.0 * risk)} %"
+
+
+def tables_of_firing(result: "FiringResult") -> list[Table | str]:
+    """Return V50 in a line, whether a requirement is met, the curve, the posterior, the shots and all curves."""
+    shown: list[Table | str] = [*requirement_verdict(result), *filter(None, (answer(result),))]
+    if result.recommended is not None:
+        shown += [recommended_table(result.recommended, result.confidence), PENALISED]
+        if result.recommended.v05_m_s is None:
+            shown.append("V05 has no estimate: the curve is at 5 % at a velocity below 0")
+    elif result.fits:
+        shown.append("no curve is recommended: the penalised likelihood is greatest for a curve that does not rise")
+    else:
+        shown.append("no curve fits the shots alone: none complete, none partial, or the complete ones no faster")
+    if result.prior is not None and result.posterior is not None and result.prior_share is not None:
+        table = prior_table(result.prior, result.posterior, result.confidence)
+        shown += [table, SCATTER_ASSUMED, share_note(result.prior_share)]
+    shown.append(v50_table(result))
+    if result.mean is not None:
+        shown.append(MEAN_NOTES[result.mean.rule])
+    if result.fits:
+        shown.append(curve_table(result))
+    if result.separated:
+        shown.append(
+            "every complete penetration was faster than every partial one: by maximum likelihood every V50 between "
+            "them is equally likely, and the scatter is 0"
+        )
+    return shown
+
+
+def prior_table(prior: "FiringEstimate", posterior: "FiringEstimate", level: float) -> Table:
+    """Return V50 and the scatter before and after the shots."""
+    interval_words = f"{percent(level)} interval"
+    return listing(
+        (("prior", prior), ("posterior", posterior)),
+        (Column("distribution"), lambda row: row[0]),
+        (
+            Column(f"V50, {interval_words}", "m/s"),
+            lambda row: with_interval(row[1].v50_m_s, row[1].v50_interval_m_s, ".0f"),
+        ),
+        (Column("standard deviation of V50", "m/s", ".0f"), lambda row: row[1].standard_deviation_m_s),
+        (
+            Column(f"scatter, {interval_words}", "m/s"),
+            lambda row: with_interval(row[1].scatter_m_s, row[1].scatter_interval_m_s, ".0f"),
+        ),
+    )
+
+
+def share_note(share: float) -> str:
+    """Return how much of a posterior is the prior."""
+    if share >= 1.0:
+        return "the shots do not narrow V50: its posterior is no narrower than its prior"
+    part = f"{100.0 * share:.{0 if share > 0.095 else 1}f} %"
+    return f"the prior contributes {part} of the precision (inverse variance) of V50, and the shots contribute the rest"
