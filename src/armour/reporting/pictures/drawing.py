@@ -27,8 +27,6 @@ INK, SOFT, PAPER = "#16191c", "#6a7178", "#ffffff"
 COLOURS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, INK)
 STYLES: Any = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (8, 2)))
 MARKERS = "os^DvP"
-# Colours in which text is hard to read on paper.
-PALE = {ORANGE, PURPLE}
 # Sizes of text, points.
 FONT, TITLE, NAME, SMALL = 9.0, 10.5, 8.0, 7.0
 STYLE: Any = {
@@ -58,8 +56,8 @@ STYLE: Any = {
 METADATA: dict[str, Any] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
 # Widths of a picture and of one in a column of a page, and the height of a panel, inches.
 WIDTH, COLUMN, PANEL = 5.2, 3.45, 2.6
-# Width of a plain and of a bold character as a part of the font size; longest name at the end of a curve, characters.
-CHARACTER, BOLD, END_CHARACTERS = 0.56, 0.64, 20
+# Width of a plain and of a bold character as a part of the font size.
+CHARACTER, BOLD = 0.56, 0.64
 # Largest number of points of a panel that have large marks.
 MANY = 100
 # Looks of a reference line, of a shaded range, of a band about a curve, and of the paper behind a name; width of the
@@ -178,50 +176,20 @@ def _lines(texts: Iterable[str], width: float, size: float, character: float = C
 
 
 def _name(axes: Axes) -> list[Any]:
-    """Name several curves at their ends if these are apart, and everything else in a legend below the panel."""
+    """Name what a panel shows in a legend below it, if it has none."""
     handles: list[Any] = [] if axes.get_legend() else axes.get_legend_handles_labels()[0]
-    curves, scale = list(filter(is_curve, handles)), 72.0 / axes.figure.dpi
-    ends = [_end(line, axes) for line in curves]
-    heights = np.sort([scale * axes.transData.transform(end)[1] for end in ends if end is not None])
-    apart = len(heights) == len(curves) > 1 and np.diff(heights).min() > 1.3 * NAME and axes.get_aspect() == "auto"
-    if apart and all(len(line.get_label()) <= END_CHARACTERS for line in curves):
-        for line, end in zip(curves, ends, strict=True):
-            colour = INK if line.get_color() in PALE else line.get_color()
-            look: Any = {"color": colour, "fontsize": NAME, "annotation_clip": False}
-            axes.annotate(line.get_label(), end, (4.0, 0.0), textcoords="offset points", va="center", **look)
-        handles = [handle for handle in handles if handle not in curves]
     if not handles:
         return []
+    figure: Any = axes.figure
     box: Any = axes.get_tightbbox()
-    room = int(scale * box.width / (CHARACTER * NAME))  # characters
+    room = int(72.0 * box.width / figure.dpi / (CHARACTER * NAME))  # characters
     labels = ["\n".join(wrapped(handle.get_label(), room - 7)) for handle in handles]
     columns = room // (max(len(line) for label in labels for line in label.splitlines()) + 7)
     # Measured from the panel, which keeps its height.
-    left, down = (box.x0 - axes.bbox.x0) / axes.figure.dpi, (axes.bbox.y0 - box.y0) / axes.figure.dpi
-    figure: Any = axes.figure
+    left, down = (box.x0 - axes.bbox.x0) / figure.dpi, (axes.bbox.y0 - box.y0) / figure.dpi
     place = offset_copy(axes.transAxes, figure, x=left, y=-down, units="inches")
-    look = {"loc": "upper left", "bbox_to_anchor": (0.0, 0.0), "bbox_transform": place, "borderaxespad": 0.4}
+    look: Any = {"loc": "upper left", "bbox_to_anchor": (0.0, 0.0), "bbox_transform": place, "borderaxespad": 0.4}
     return [axes.legend(handles, labels, ncols=max(1, min(3, columns, len(handles))), **look)]
-
-
-def is_curve(artist: Any) -> bool:
-    """Return whether an artist is a curve, rather than marks or a line across the panel."""
-    return (
-        isinstance(artist, Line2D)
-        and artist.get_linestyle() != "None"
-        and artist.axes is not None
-        and artist.get_transform() == artist.axes.transData
-        and np.size(artist.get_xydata()) > 0
-    )
-
-
-def _end(line: Any, axes: Axes) -> Any:
-    """Return the last point of a curve within its panel; None if x does not increase or the curve leaves the panel."""
-    points = np.asarray(line.get_xydata(), float)
-    points = points[np.isfinite(points).all(axis=1)]
-    points = points[points[:, 0] <= axes.get_xlim()[1]]
-    whole = len(points) and (np.diff(points[:, 0]) >= 0.0).all() and points[0, 0] < points[-1, 0]
-    return points[-1] if whole and axes.bbox.padded(1.0).contains(*axes.transData.transform(points[-1])) else None
 
 
 def saved(figure: Figure, suffix: str, made_by: str = "", **options: Any) -> bytes:
