@@ -22,7 +22,7 @@ from typer.testing import CliRunner
 
 import armour
 from armour.analysis.quantities import label_and_unit
-from armour.reporting.markdown import markdown_table
+from armour.reporting.formats import markdown_table
 from armour.reporting.views.library import entry_table, entry_tables, library_table, threat_table
 from armour.scenario.inputs import INPUTS
 from armour.scenario.library import Kind

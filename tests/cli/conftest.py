@@ -47,7 +47,7 @@ def described(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -
     """Files of pictures hold their words where a test does not ask for `drawn`: tests/reporting writes them all."""
     if "drawn" not in request.fixturenames:
         monkeypatch.setattr("armour.reporting.pictures.drawing.saved", words_in)
-        monkeypatch.setattr("armour.reporting.html.inline_svg", lambda _, __, name: f'<svg id="{name}"></svg>')
+        monkeypatch.setattr("armour.reporting.formats.inline_svg", lambda _, __, name: f'<svg id="{name}"></svg>')
 
 
 @pytest.fixture

@@ -22,7 +22,7 @@ from armour.design.search import Requirement
 from armour.errors import InputError
 from armour.reporting import design_page as module
 from armour.reporting.design_page import design_page
-from armour.reporting.html import TEMPLATES
+from armour.reporting.formats import TEMPLATES
 from armour.reporting.words import chance
 from armour.scenario.scenario import Scenario
 from tests.helpers.cases import scenario, shipped_scenario

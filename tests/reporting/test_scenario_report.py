@@ -12,7 +12,7 @@ from armour.design.check import CheckedThreat, check, verdict_of
 from armour.design.optimise import DesignResult, optimise
 from armour.errors import Note
 from armour.evidence.model_error import NO_TEST
-from armour.reporting.markdown import markdown_report
+from armour.reporting.formats import markdown_report
 from armour.reporting.report import Report, ReportSection
 from armour.reporting.scenario_report import Contents, contents_of, scenario_report
 from armour.reporting.views.design import AREAL_DENSITY, COST, frontier_table

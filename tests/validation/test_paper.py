@@ -4,7 +4,7 @@ import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.design.optimise import optimise
-from armour.reporting.markdown import markdown_report
+from armour.reporting.formats import markdown_report
 from armour.reporting.views.validation import suite_report
 from armour.scenario.scenario import load_scenario
 from armour.validation.suite import Case, Suite, load_suite

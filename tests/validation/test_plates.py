@@ -8,7 +8,7 @@ from functools import cache
 
 import pytest
 
-from armour.reporting.markdown import markdown_report
+from armour.reporting.formats import markdown_report
 from armour.reporting.views.validation import suite_report
 from armour.scenario.inputs import INPUTS
 from armour.scenario.library import shipped_library

@@ -462,8 +462,8 @@ def report(
 
     The report is one self-contained file with the answer, its uncertainty, charts (HTML) and the sources of all values.
     """
+    from armour.reporting.formats import REPORT_ENDINGS, report_text
     from armour.reporting.scenario_report import contents_of, scenario_report
-    from armour.reporting.show import REPORT_ENDINGS, report_text
     from armour.scenario.scenario import scenario_file
 
     check_outputs(output, inputs=[source], force=force)

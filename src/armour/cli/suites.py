@@ -50,7 +50,7 @@ def validate(
 
     The exit code is 3 if a value lies outside its band; with --update, if a value that is not replaced does.
     """
-    from armour.reporting.markdown import markdown_report
+    from armour.reporting.formats import markdown_report
     from armour.reporting.views import validation as view
     from armour.scenario.changes import changes_of
     from armour.scenario.scenario import files_of

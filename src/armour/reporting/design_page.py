@@ -17,7 +17,7 @@ from armour.design.catalogue import COST, NO_BOUND, Catalogue, catalogue_of
 from armour.design.map import DesignMap, design_map, limits_over_sources, thicknesses_tested, with_edges_of_known
 from armour.errors import InputError, Problem
 from armour.evidence.model_error import given_error
-from armour.reporting.html import TEMPLATES, rendered
+from armour.reporting.formats import TEMPLATES, rendered
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Layer
 from armour.units import MM

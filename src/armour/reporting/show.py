@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from armour.analysis.results import OnProgress, Result, ignore_progress
 from armour.errors import mistake, refuse
 from armour.files import unwritable, write_file, wrong_ending
-from armour.reporting.report import Report, drawing_of, function_of
+from armour.reporting.report import drawing_of, function_of
 from armour.scenario.scenario import Scenario
 
 if TYPE_CHECKING:
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
 # Texts of a scenario that no result depends on.
 TEXTS = {"title", "author", "project", "date"}
-REPORT_ENDINGS = (".html", ".md")
 
 
 def plot(
@@ -89,7 +88,7 @@ def _same(scenario: Scenario, other: Scenario) -> bool:
 
 def in_html(result: Result) -> str | None:
     """Return the tables of a result as HTML, for a notebook; None where it has none."""
-    from armour.reporting.html import rendered
+    from armour.reporting.formats import rendered
 
     if (tables_of := function_of(result, "views", "tables_of")) is None:
         return None
@@ -127,6 +126,7 @@ def report(
     NoAnswerError
         If the question of the scenario has no answer.
     """
+    from armour.reporting.formats import REPORT_ENDINGS, report_text
     from armour.reporting.scenario_report import contents_of, scenario_report
     from armour.reporting.views.validation import suite_report
     from armour.validation.validate import SuiteResult
@@ -144,14 +144,3 @@ def report(
         message = f"must be a Scenario or the result of validate, found a {type(subject).__name__}"
         raise mistake("report", "subject", message)
     write_file(path, report_text(content, path).encode(errors="backslashreplace"))
-
-
-def report_text(content: Report, path: Path) -> str:
-    """Return a report in the format of a file, HTML or Markdown."""
-    if path.suffix.lower() == ".md":
-        from armour.reporting.markdown import markdown_report
-
-        return markdown_report(content)
-    from armour.reporting.html import html_report
-
-    return html_report(content)

@@ -1,6 +1,6 @@
-"""Reports and tables as HTML: one self-contained page without scripts, with its pictures as SVG.
+"""Reports and tables as HTML, one self-contained page without scripts, and as Markdown.
 
-The pictures have the page's colours, and show the values of points on hover.
+In HTML the pictures are SVG, which has the page's colours and shows the values of points on hover.
 """
 
 import re
@@ -14,7 +14,9 @@ import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup, escape
 
+from armour.files import printable
 from armour.reporting.report import Report
+from armour.reporting.table import Table
 from armour.reporting.text import number, printable_lines, unbroken
 
 if TYPE_CHECKING:
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
 
     from armour.reporting.pictures.drawing import Picture, Points, Sheet
 
+REPORT_ENDINGS = (".html", ".md")
 # Names with a number, such as "6061-T6", at whose hyphens no line of a heading may end.
 NAME = re.compile(r"(?<![\w-])(?=[\w-]*\d)\w+(-\w+)+(?![\w-])")
 SVG, XLINK = "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"
@@ -36,6 +39,11 @@ RADIUS = 6.0
 def _safe_text(text: str) -> str:
     """Escape the control characters of a text, and let no line end between a number and its unit."""
     return unbroken(printable_lines(text))
+
+
+def report_text(report: Report, path: Path) -> str:
+    """Return a report in the format of a file with one of the endings, HTML or Markdown."""
+    return markdown_report(report) if path.suffix.lower() == ".md" else html_report(report)
 
 
 def html_report(report: Report) -> str:
@@ -133,3 +141,27 @@ def _attribute(key: str, value: str, name: str) -> str:
         for colour, themed in THEME.items():
             value = value.replace(colour, themed)
     return value
+
+
+def markdown_report(report: Report) -> str:
+    """Format a report as Markdown."""
+    return rendered("report.md", markdown_text, report=report, fenced=_fenced).rstrip() + "\n"
+
+
+def markdown_table(table: Table) -> str:
+    """Format a table, without its title."""
+    return rendered("table.md", markdown_text, table=table).rstrip()
+
+
+def markdown_text(text: str) -> str:
+    """Escape the markup and the control characters of a text, and join its lines."""
+    text = re.sub(r"[\\|*_<>`\[~$&]", r"\\\g<0>", printable(" ".join(text.split())))
+    # What begins a heading, a list or a rule at the start of a line.
+    return re.sub(r"^(#{0,5}|\d{0,9})([#+\-.)])(?=[ -]|$)", r"\1\\\2", text)
+
+
+def _fenced(text: str, language: str) -> Markup:
+    """Return text within a fence longer than any in it."""
+    text = printable_lines(text)
+    fence = "`" * max(3, 1 + max((len(run) for run in re.findall("`+", text)), default=0))
+    return Markup(f"{fence}{language}\n{text.rstrip()}\n{fence}")
