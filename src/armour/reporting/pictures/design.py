@@ -22,7 +22,7 @@ from armour.design.map import (
 from armour.design.optimise import OBJECTIVES, Design, DesignResult
 from armour.reporting.pictures import drawing
 from armour.reporting.table import in_words
-from armour.reporting.text import percent, wrapped
+from armour.reporting.text import percent
 from armour.reporting.views.design import (
     COST,
     CRITERIA,
@@ -39,14 +39,12 @@ from armour.reporting.words import chance
 # Largest numbers of pairs of materials that are shown as points and as lines; nodes of the grid along an axis; largest
 # number of designs on offer that are shown as dots.
 MAX_PAIRS, MAX_LINES, NODES, MAX_DOTS = 12, 6, 25, 250
-# Characters in a line of the title of a panel beside others.
-TITLE_CHARACTERS = 34
 # Probability that a map shows if the scenario requires no confidence.
 USUAL = 0.95
 # Name of the region where less than half of the armours stop the projectile.
 EVEN = "perforated more often than not"
-# Difference between two frontiers, m/s, below which one line is drawn; opacity of a tinted region.
-SAME_M_S, TINT = 1.0, 0.14
+# Opacity of a tinted region.
+TINT = 0.14
 
 
 class _Panel(NamedTuple):
@@ -122,26 +120,20 @@ def _nodes(offered: Any) -> Any:
 
 def _draw_lines(result: DesignResult, layer: str, maps: "Sequence[_Map]", sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the limits of pairs of materials over one thickness, a panel for each threat."""
-    catalogue, count = maps[0].catalogue, len(result.threats)
-    beside = sheet.width is None and count in (2, 3)
+    catalogue = maps[0].catalogue
     stop = " as required" if any(maps[0].confidences) else " by the model"
     if any(pair_map.over_sources is not None for pair_map in maps):
         stop = ", untested ones even with the least flow stress of their sources, which bands show"
     note = f"Filled dots are designs on offer that stop the threat{stop}."
-    width = 3.4 * count if beside else drawing.WIDTH
-    picture = sheet.panels(
-        design_title(result), *[drawing.PANEL] * count, note=note, width=width, beside=beside, sharex=True
-    )
+    picture = sheet.panels(design_title(result), *[drawing.PANEL] * len(result.threats), note=note, sharex=True)
     for place, (axes, threat) in enumerate(zip(picture.axes, catalogue.threats, strict=True)):
         limits = np.concatenate([pair_map.limits_m_s[..., place].ravel() for pair_map in maps])
         axes.set_ylim(drawing.widened([threat.required_m_s, *limits], 0.12))
         for index, pair_map in enumerate(maps):
             pair_map.draw_line(axes, layer, place, drawing.COLOURS[index % len(drawing.COLOURS)])
         axes.axhline(threat.required_m_s, linestyle="--", label=f"{threat.required_m_s:g} m/s required", **drawing.RULE)
-        words = "\n".join(wrapped(result.threats[place], TITLE_CHARACTERS if beside else 100))
-        axes.set(title=words, ylabel=in_words("ballistic_limit_m_s"))
-        if beside or place == count - 1:
-            axes.set_xlabel(in_words(f"armour.{layer}_thickness_mm"))
+        axes.set(title=result.threats[place], ylabel=in_words("ballistic_limit_m_s"))
+    picture.axes[-1].set_xlabel(in_words(f"armour.{layer}_thickness_mm"))
     return picture
 
 
@@ -199,10 +191,8 @@ class _Map:
             _Frontier(required, {"color": drawing.BLUE, "linestyle": "-"}, (0.0, np.inf), label),
         ]
         if not any(self.confidences):
-            with np.errstate(invalid="ignore"):
-                if not np.nanmax(abs(self.above_m_s - even), initial=0.0) < SAME_M_S or np.isnan(required).all():
-                    label = f"ballistic limit by the model = velocity{' + margin' if margin else ''}"
-                    frontiers.append(_Frontier(self.above_m_s, {"color": drawing.INK, "linestyle": "-"}, None, label))
+            label = f"ballistic limit by the model = velocity{' + margin' if margin else ''}"
+            frontiers.append(_Frontier(self.above_m_s, {"color": drawing.INK, "linestyle": "-"}, None, label))
         return [frontier for frontier in frontiers if not np.isnan(frontier.values).all()]
 
     def draw(self, axes: Axes) -> None:

@@ -108,17 +108,16 @@ class Sheet:
         return self.width or width
 
     def panels(
-        self, title: str, *heights: float, note: str = "", width: float = WIDTH, beside: bool = False, **subplots: Any
+        self, title: str, *heights: float, note: str = "", width: float = WIDTH, sharex: bool = False
     ) -> Picture:
-        """Return a picture with empty panels of given heights, inches, below or beside each other."""
+        """Return a picture with empty panels of given heights, inches, below each other."""
         if self.ax is not None:
             if len(heights) > 1:
                 raise mistake("plot", "ax", f"must not be given for a picture of {len(heights)} panels")
             return Picture([self.ax], title, note)
-        figure = NotebookFigure(figsize=(self.across(width), max(heights) if beside else sum(heights)))
-        rows = heights[:1] if beside else heights
-        grid = figure.subplots(len(rows), len(heights) // len(rows), squeeze=False, height_ratios=rows, **subplots)
-        return Picture(grid.ravel().tolist(), title, note)
+        figure = NotebookFigure(figsize=(self.across(width), sum(heights)))
+        panels = figure.subplots(len(heights), squeeze=False, height_ratios=heights, sharex=sharex)
+        return Picture(panels.ravel().tolist(), title, note)
 
 
 def drawn(

@@ -67,23 +67,23 @@ def draw_uncertainty(result: "UncertaintyResult", sheet: drawing.Sheet) -> drawi
 
 
 def draw_sensitivity(result: "SensitivityResult", sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw them, the inputs with the largest of the first answer, the ballistic limit where there is one, on top."""
+    """Draw the elasticities; inputs with the largest of the first answer, the limit where there is one, are on top."""
     answers = [name for name, value in result.answers.items() if value is not None]
     # Without an elasticity an input, such as the velocity for the ballistic limit, is below those with one.
     inputs = sorted(
         (item for item in result.inputs if any(item.elasticities[answer] is not None for answer in answers)),
         key=lambda item: [-abs(item.elasticities[answer] or 0.0) for answer in answers],
     )
-    names, titles = [label_and_unit(item.input)[0] for item in inputs], [label_and_unit(name)[0] for name in answers]
-    title, note = "", "Change in % for a 1 % increase of the input."
+    names = [label_and_unit(item.input)[0] for item in inputs]
+    changes = {label_and_unit(name)[0]: [item.elasticities[name] for item in inputs] for name in answers}
+    title = ""
     if inputs:
         most = inputs[0].elasticities[answers[0]] or 0.0
-        title = f"The {titles[0]} depends most on the {names[0]}: {most:+.2f} % for 1 % more"
-    heights = [drawing.rows_height(names, titled=True)] * len(answers)
-    picture = sheet.panels(title, *heights, note=note, beside=True, sharey=True)
-    for axes, answer, heading in zip(picture.axes, answers, titles, strict=True):
-        drawing.rows(axes, names, {"": [item.elasticities[answer] for item in inputs]}, 0.0)
-        axes.set(title=heading, xlabel="change, %")
+        title = f"The {next(iter(changes))} depends most on the {names[0]}: {most:+.2f} % for 1 % more"
+    picture = sheet.panels(title, drawing.rows_height(names), note="Change in % for a 1 % increase of the input.")
+    [axes] = picture.axes
+    drawing.rows(axes, names, changes, 0.0)
+    axes.set_xlabel("change, %")
     return picture
 
 
