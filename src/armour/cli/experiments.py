@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import armour
 from armour.cli import completion
-from armour.cli.question import Answer, Force, Output, PlotFile, argument, number, option, question
+from armour.cli.question import Answer, Force, PlotFile, argument, number, option, question
 from armour.cli.runner import CHECK_FAILED, check_outputs, read_scenario, wrong_option
 from armour.cli.scenario_commands import LIMIT_READS, grid_of
 from armour.csv_files import MUST_SAY, PERFORATED
@@ -57,7 +57,7 @@ def v50(
     return Answer(result, file="" if scenario else str(table), exit_code=exit_code)
 
 
-@question(FIT, unit="tests", prior_reads=["uncertainty"])
+@question(FIT, unit="tests", prior_reads=["uncertainty"], outputs=["library", "fitted"])
 def calibrate(
     on_progress: "OnProgress",
     table: Annotated[
@@ -74,14 +74,12 @@ def calibrate(
     library: Annotated[
         Path | None,
         option("Write a library file with the fitted entries.", "--write", metavar="LIB.toml"),
-        Output.FILE,
     ] = None,
     fitted: Annotated[
         Path | None,
         option(
             "Write the scenario with the fitted entries and their uncertainty.", "--write-scenario", metavar="FILE.toml"
         ),
-        Output.FILE,
     ] = None,
     lot: Annotated[
         str | None, option("Name of the lot that the tests are of, which the fitted entries get.", metavar="NAME")
@@ -220,7 +218,7 @@ def _with_result(
         return Answer(plan, (*warnings, *plan.warnings), contents={table: content_with_shot}, held=stack.pop_all())
 
 
-@question(FIT, unit="armours", prior_reads=["uncertainty"], named={"designs": "--design"})
+@question(FIT, unit="armours", prior_reads=["uncertainty"], named={"designs": "--design"}, outputs=["csv"])
 def plan_tests(
     scenario: "Scenario",
     on_progress: "OnProgress",
@@ -248,7 +246,6 @@ def plan_tests(
     csv: Annotated[
         Path | None,
         option("Write the earlier tests and the planned ones, to be filled in, as CSV.", metavar="FILE"),
-        Output.FILE,
     ] = None,
     **options: Any,
 ) -> Answer:

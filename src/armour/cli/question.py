@@ -9,7 +9,6 @@ import re
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from enum import Enum, auto
 from functools import wraps
 from pathlib import Path
 from types import UnionType
@@ -98,13 +97,6 @@ def parameter(name: str, kind: Any, default: Any = None) -> inspect.Parameter:
     return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, annotation=kind, default=default)
 
 
-class Output(Enum):
-    """Marks an option for a file to write: any file, or a table, CSV."""
-
-    FILE = auto()
-    TABLE = auto()
-
-
 ScenarioFile = Annotated[
     Path,
     argument(
@@ -146,6 +138,8 @@ def question(
     first: str = "",
     prior_reads: Sequence[str] = (),
     named: Mapping[str, str] = {},
+    outputs: Sequence[str] = (),
+    tables: Sequence[str] = (),
     **keys: tuple[str, str],
 ) -> Callable[[Callable[..., Answer]], Callable[..., None]]:
     """Make a command from a function (scenario, on_progress, options) -> Answer.
@@ -154,9 +148,10 @@ def question(
     and warns.  The changes must be in the sections that it ``reads`` or, with ``--prior``, in those of ``prior_reads``;
     ``computed`` names its result in messages.  Its options are those of the function, with ``**options`` those of the
     public function of the same name, the common ones, and those that set ``keys`` of the scenario: by name, the key and
-    the help.  ``named`` has other names of parameters of the public function, for messages.  ``first`` names the step
-    before the progress, by default compiling; progress is counted in a ``unit``.  If the function has a ``table``, the
-    table and the scenario may be given in either order.
+    the help.  ``named`` has other names of parameters of the public function, for messages.  ``outputs`` and
+    ``tables`` are the options for files to write, the latter as CSV.  ``first`` names the step before the progress, by
+    default compiling; progress is counted in a ``unit``.  If the function has a ``table``, the table and the scenario
+    may be given in either order.
     """
 
     def command_of(function: Callable[..., Answer]) -> Callable[..., None]:
@@ -173,15 +168,17 @@ def question(
                 scenario = read_scenario(values["scenario"], values["changes"], read, settings, computed)
             elif values["changes"]:
                 raise wrong_option("--set", "must be given with a scenario")
-            _check_files(values, parameters, scenario)
+            _check_files(values, [*outputs, *tables], tables, scenario)
             with progress(unit, first=first) as count, as_options(function.__name__, named):
                 answer = function(**_arguments(function, values, parameters, scenario, count))
             _respond(answer, scenario, values)
 
-        command.__dict__.update(
-            __signature__=inspect.Signature(),
-            parameters=lambda: [*_public_options(function, parameters), *parameters.values()],
-        )
+        def all_parameters() -> list[inspect.Parameter]:
+            takes_options = "options" in inspect.signature(function).parameters
+            public = options_of(getattr(armour, function.__name__)) if takes_options else ()
+            return [*(item for item in public if item.name not in parameters), *parameters.values()]
+
+        command.__dict__.update(__signature__=inspect.Signature(), parameters=all_parameters)
         command.__annotations__ = {}
         return command
 
@@ -207,34 +204,22 @@ def _parameters(function: Callable[..., Answer], keys: Mapping[str, tuple[str, s
     return parameters | {item.name: item for item in common if item.name not in parameters}
 
 
-def _public_options(
-    function: Callable[..., Answer], parameters: Mapping[str, inspect.Parameter]
-) -> Iterator[inspect.Parameter]:
-    """Yield the options of the public function of the same name, if the function takes them, without the parameters."""
-    if "options" in inspect.signature(function).parameters:
-        yield from (item for item in options_of(getattr(armour, function.__name__)) if item.name not in parameters)
-
-
 def _check_files(
-    values: Mapping[str, Any], parameters: Mapping[str, inspect.Parameter], scenario: "Scenario | None"
+    values: Mapping[str, Any], outputs: Sequence[str], tables: Sequence[str], scenario: "Scenario | None"
 ) -> None:
-    """Check the outputs of a command, given the values of its options."""
+    """Check the outputs of a command, given the values of its options, of which others may be the names of files."""
     from armour.scenario.scenario import files_of
 
-    marks = {name: set(get_args(item.annotation)) & {*Output} for name, item in parameters.items()}
-    words = [word for name in values if name != "plot" and not marks.get(name) for word in _words(values[name])]
+    words: list[Any] = []
+    for name in values.keys() - {"plot", *outputs}:
+        words += values[name] if isinstance(values[name], list) else [values[name]]
     check_outputs(
-        *(values[name] for name, mark in marks.items() if mark),
-        inputs=[*words, *(files_of(scenario) if scenario else ())],
-        tables=[values[name] for name, mark in marks.items() if Output.TABLE in mark],
+        *(values[name] for name in outputs),
+        inputs=[*(word for word in words if isinstance(word, str | Path)), *(files_of(scenario) if scenario else ())],
+        tables=[values[name] for name in tables],
         plot=values["plot"],
         force=values["force"],
     )
-
-
-def _words(value: Any) -> list[str | Path]:
-    """Return the words of an option, which may be the names of files."""
-    return [word for word in (value if isinstance(value, list) else [value]) if isinstance(word, str | Path)]
 
 
 def _arguments(

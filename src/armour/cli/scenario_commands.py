@@ -19,7 +19,6 @@ from armour.cli.question import (
     AsJson,
     Changes,
     Force,
-    Output,
     PlotFile,
     ScenarioFile,
     Verbose,
@@ -75,12 +74,13 @@ CHECK_READS = (*IMPACT_READS, "threat", *CHECK)
     IMPACT_READS,
     computed="the simulated impact",
     first="computing",
+    tables=["history"],
     velocity=("impact.velocity_m_s", "Impact velocity, m/s; by default the scenario's."),
 )
 def simulate(
     scenario: "Scenario",
     on_progress: "OnProgress",
-    history: Annotated[Path | None, option("Write the state over time as CSV.", metavar="FILE"), Output.TABLE] = None,
+    history: Annotated[Path | None, option("Write the state over time as CSV.", metavar="FILE")] = None,
     plot: PlotFile = None,
 ) -> Answer:
     """Simulate one impact."""
@@ -204,7 +204,7 @@ def _read_each(paths: Sequence[Path], changes: Sequence[str] | None, confidence:
     return scenarios
 
 
-@question(DESIGNS, computed="the design", confidence=CONFIDENCE)
+@question(DESIGNS, computed="the design", outputs=["page"], tables=["csv"], confidence=CONFIDENCE)
 def optimise(
     scenario: "Scenario",
     on_progress: "OnProgress",
@@ -213,12 +213,9 @@ def optimise(
         option(
             "Write the Pareto front as CSV or, without one, the thinnest ceramic for each back plate.", metavar="FILE"
         ),
-        Output.TABLE,
     ] = None,
     page: Annotated[
-        Path | None,
-        option("Write an interactive map of all designs, .html.", "--map", metavar="FILE"),
-        Output.FILE,
+        Path | None, option("Write an interactive map of all designs, .html.", "--map", metavar="FILE")
     ] = None,
     changes: Changes = None,
     **options: Any,
