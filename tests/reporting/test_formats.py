@@ -91,7 +91,7 @@ def test_a_chart_stands_in_for_the_table_of_its_numbers():
 def test_no_line_ends_between_a_number_and_its_unit():
     content = page_of("as it is")
     shown, code = content.split('<pre class="toml">')
-    armour = f"6.35{NO_BREAK}mm AD85 on 6.35{NO_BREAK}mm <span>6061-T6</span>"
+    armour = f"6.35{NO_BREAK}mm AD85 on 6.35{NO_BREAK}mm 6061-T6"
     assert f"<h1>{armour} against 7.62{NO_BREAK}mm AP at 800{NO_BREAK}m/s</h1>" in shown
     assert f"<b>{armour}</b>" in shown.replace("\n", "")
     assert f"7.62{NO_BREAK}mm AP, 21.0{NO_BREAK}mm long, 6.5{NO_BREAK}mm in diameter</span>" in shown

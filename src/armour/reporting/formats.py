@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
-from markupsafe import Markup, escape
+from markupsafe import Markup
 
 from armour.files import printable
 from armour.reporting.report import Report
@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from armour.reporting.pictures.drawing import Picture, Points, Sheet
 
 REPORT_ENDINGS = (".html", ".md")
-# Names with a number, such as "6061-T6", at whose hyphens no line of a heading may end.
-NAME = re.compile(r"(?<![\w-])(?=[\w-]*\d)\w+(-\w+)+(?![\w-])")
 SVG, XLINK = "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"
 TEMPLATES = Path(__file__).parent / "templates"
 WIDTH_INCHES, POINTS_PER_INCH = 4.2, 72
@@ -70,13 +68,8 @@ def rendered(template: str, safe_text: Callable[[str], str] = _safe_text, **cont
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"zip": zip, "whole": _whole, "printable": printable_lines}
+    environment.filters |= {"zip": zip, "printable": printable_lines}
     return environment.get_template(template).render(context) + "\n"
-
-
-def _whole(text: str) -> Markup:
-    """Return a text with marks on its names, so that no line ends within one."""
-    return Markup(NAME.sub(r"<span>\g<0></span>", str(escape(_safe_text(text)))))
 
 
 def inline_svg(picture: "Picture", label: str, name: str) -> str:
