@@ -12,7 +12,7 @@ import typer
 
 import armour
 from armour.analysis.quantities import DESIGNS, QUANTITIES, REQUIRED, reads_of
-from armour.cli import completion
+from armour.cli import completion, runner
 from armour.cli.console import emit, progress, say, show
 from armour.cli.question import (
     Answer,
@@ -27,24 +27,6 @@ from armour.cli.question import (
     option,
     question,
     share,
-)
-from armour.cli.runner import (
-    CHECK_FAILED,
-    NO_ANSWER,
-    STANDARD_INPUT,
-    accepted,
-    as_options,
-    check_outputs,
-    command_line,
-    mistakes_in,
-    origin_of,
-    read_scenario,
-    respond,
-    scenario_paths,
-    set_options,
-    warnings_of,
-    write,
-    wrong_option,
 )
 from armour.errors import InputError, Problem, counted, mistake, refuse
 from armour.files import read_toml, shipped_suites, wrong_ending
@@ -146,14 +128,14 @@ def check(
     from armour.reporting.views import design as view
     from armour.scenario.scenario import files_of
 
-    paths = scenario_paths(scenario)
+    paths = runner.scenario_paths(scenario)
     is_one = paths == scenario[:1]  # and no folder, however many scenarios are in it
     if plot is not None and not is_one:
-        raise wrong_option("--plot", "must be given with one scenario, not with several or a folder")
-    with mistakes_in(junit, scenario, force=force):
+        raise runner.wrong_option("--plot", "must be given with one scenario, not with several or a folder")
+    with runner.mistakes_in(junit, scenario, force=force):
         scenarios = _read_each(paths, changes, confidence)
     inputs = [*scenario, *(file for loaded in scenarios for file in files_of(loaded))]
-    check_outputs(junit=junit, inputs=inputs, plot=plot, force=force)
+    runner.check_outputs(junit=junit, inputs=inputs, plot=plot, force=force)
     results: list[CheckResult] = []
     suites, warnings = [], []
     for loaded in scenarios:
@@ -166,16 +148,16 @@ def check(
             first, *other_lines = result.heading()
             show(*other_lines, *view.tables_of_check(result), title=first if is_one else f"{loaded.file}: {first}")
         results.append(result)
-        suites.append(view.check_junit(result, loaded.file, perf_counter() - start, origin_of(loaded)))
-        warnings += warnings_of(loaded, result.warnings, verbose=verbose)
+        suites.append(view.check_junit(result, loaded.file, perf_counter() - start, runner.origin_of(loaded)))
+        warnings += runner.warnings_of(loaded, result.warnings, verbose=verbose)
     if not (as_json or is_one):
         emit("\n")
         show(view.check_summary({loaded.file: result for loaded, result in zip(scenarios, results, strict=True)}))
-    respond(
+    runner.respond(
         results[0].to_dict()
         if is_one
         else [
-            {"scenario": loaded.file, **result.to_dict(), "made_by": origin_of(loaded)}
+            {"scenario": loaded.file, **result.to_dict(), "made_by": runner.origin_of(loaded)}
             for loaded, result in zip(scenarios, results, strict=True)
         ],
         (),
@@ -187,7 +169,7 @@ def check(
         scenario=scenarios[0],
     )
     if any(result.verdict != "passes" for result in results):
-        raise typer.Exit(CHECK_FAILED)
+        raise typer.Exit(runner.CHECK_FAILED)
 
 
 def _read_each(paths: Sequence[Path], changes: Sequence[str] | None, confidence: Any) -> list["Scenario"]:
@@ -197,7 +179,7 @@ def _read_each(paths: Sequence[Path], changes: Sequence[str] | None, confidence:
     for path in paths:
         try:
             settings = {"--confidence": (CONFIDENCE[0], confidence)}
-            scenarios.append(read_scenario(path, changes, CHECK_READS, settings, "the check"))
+            scenarios.append(runner.read_scenario(path, changes, CHECK_READS, settings, "the check"))
         except InputError as error:
             problems += error.problems
     refuse(dict.fromkeys(problems))
@@ -230,30 +212,32 @@ def optimise(
     if page is not None:
         refuse(wrong_ending(page, (".html",)))
     result = armour.optimise(scenario, on_progress=on_progress, **options)
-    source = "-" if scenario.file == STANDARD_INPUT else scenario.file
+    source = "-" if scenario.file == runner.STANDARD_INPUT else scenario.file
     map_page = ""
     if page is not None:
         from armour.reporting.design_page import design_page
 
-        command, needed = ["armour", "simulate", source], accepted(changes or (), IMPACT_READS)
+        command, needed = ["armour", "simulate", source], runner.accepted(changes or (), IMPACT_READS)
         map_page = design_page(
             scenario, command, needed, on_progress, [str(line) for line in view.design_verdict(result)]
         )
     design = None if source == "-" else result.shown
     then = "" if design is None else _check_of(scenario, design, source, changes or ())
     contents = {csv: lambda: view.design_csv(result), page: lambda: map_page}
-    return Answer(result, contents=contents, then=then, exit_code=NO_ANSWER if result.reason else 0)
+    return Answer(result, contents=contents, then=then, exit_code=runner.NO_ANSWER if result.reason else 0)
 
 
 def _check_of(scenario: "Scenario", best: "BestDesign", source: str, changes: Sequence[str]) -> str:
     """Return the command that checks the best design of a scenario."""
     values = best.changes_to(scenario)
     replaced = {*values, CONFIDENCE[0]}
-    kept = [change for change in accepted(changes, CHECK_READS) if change.partition("=")[0].strip() not in replaced]
+    kept = [
+        change for change in runner.accepted(changes, CHECK_READS) if change.partition("=")[0].strip() not in replaced
+    ]
     kept += [f"{key}={str(value).removesuffix('.0')}" for key, value in values.items()]
     required = scenario.design and scenario.design.confidence
     confidence = ["--confidence", f"{required:g}"] if required else []
-    return shlex.join(["armour", "check", source, *confidence, *set_options(kept)])
+    return shlex.join(["armour", "check", source, *confidence, *runner.set_options(kept)])
 
 
 @question(("impact", "armour", "ballistic_limit"), first="computing")
@@ -331,7 +315,7 @@ def sweep(
     from armour.sweeps.tables import read_table
 
     begun = exists(parts_of(output))
-    check_outputs(
+    runner.check_outputs(
         None if begun else output,
         inputs=[scenario, *([cases] if cases else [])],
         plot=plot,
@@ -340,14 +324,14 @@ def sweep(
     )
     names = [name.strip() for name in quantities.split(",")]
     reads = reads_of(name for name in names if name in QUANTITIES)
-    loaded = read_scenario(scenario, changes, (*ROUND_AND_ARMOUR, *reads), computed="the sweep")
+    loaded = runner.read_scenario(scenario, changes, (*ROUND_AND_ARMOUR, *reads), computed="the sweep")
     if (cases is None) == (not over):
-        raise wrong_option("--over", "must be given, or --cases, but not both")
+        raise runner.wrong_option("--over", "must be given, or --cases, but not both")
     if threads is not None and not (type(threads) is int and threads > 0):
-        raise wrong_option("--threads", f"must be a whole number of at least 1, found {describe(threads)}")
+        raise runner.wrong_option("--threads", f"must be a whole number of at least 1, found {describe(threads)}")
     if plot is not None:
         _check_drawn(len(over or []), names[0])
-    with as_options("sweep"), ExitStack() as stack:
+    with runner.as_options("sweep"), ExitStack() as stack:
         source = Cases(cases) if cases is not None else grid_of("--over", over or [])
         count = stack.enter_context(progress("rows", source.count))
 
@@ -367,7 +351,7 @@ def sweep(
             names,
             output,
             replace=force,
-            command=command_line(),
+            command=runner.command_line(),
             workers=workers,
             threads=threads,
             on_chunk=on_chunk,
@@ -384,7 +368,7 @@ def sweep(
         table = read_table(output)
         return drawn(lambda sheet: draw_columns(table, source.keys, names[0], loaded, sheet), Sheet(), lines).figure
 
-    respond(
+    runner.respond(
         {"rows": rows, "output": str(output)},
         [first_rows(read_table(output))] if rows <= SWEEP_ROWS else (),
         as_json=as_json,
@@ -398,9 +382,9 @@ def sweep(
 def _check_drawn(keys: int, quantity: str) -> None:
     """Check that a quantity over a number of keys can be drawn."""
     if keys not in (1, 2):
-        raise wrong_option("--plot", f"must be given with one or two --over keys, found {keys or 'none'}")
+        raise runner.wrong_option("--plot", f"must be given with one or two --over keys, found {keys or 'none'}")
     if quantity == "outcome":
-        raise wrong_option("--plot", "must be given with a number first in --quantities, found outcome")
+        raise runner.wrong_option("--plot", "must be given with a number first in --quantities, found outcome")
 
 
 def _notes(names: list[str], *, drawn: bool) -> Iterator[str]:
@@ -463,12 +447,12 @@ def report(
     from armour.reporting.scenario_report import contents_of, scenario_report
     from armour.scenario.scenario import scenario_file
 
-    check_outputs(output, inputs=[source], force=force)
+    runner.check_outputs(output, inputs=[source], force=force)
     refuse(wrong_ending(output, REPORT_ENDINGS))
     confidence_option = [] if confidence is None else ["--confidence", str(confidence)]
     changes = changes or []
-    command = command_line()
-    accepted_options = set_options(accepted(changes, DESIGNS))
+    command = runner.command_line()
+    accepted_options = runner.set_options(runner.accepted(changes, DESIGNS))
     map_command = shlex.join(
         ["armour", "optimise", str(source), *confidence_option, *accepted_options, "--map", "map.html"]
     )
@@ -477,17 +461,17 @@ def report(
     is_suite = str(source) != "-" and {"case", "table"} & read_toml(source).keys()
     for name, is_given in (("--as-is", as_is), ("--confidence", confidence_option)):
         if is_suite and is_given:
-            raise wrong_option(name, "must be given with a scenario, found a suite")
+            raise runner.wrong_option(name, "must be given with a scenario, found a suite")
     if is_suite:
         content = _suite_report(source, changes, command)
     else:
         reads = (*BYLINE, "armour", *(AS_IS if as_is else DESIGNS))
         required = {"--confidence": (CONFIDENCE[0], confidence)}
-        scenario = read_scenario(source, changes, reads, required, computed="the report")
+        scenario = runner.read_scenario(source, changes, reads, required, computed="the report")
         with progress("armours") as count:
             contents = contents_of(scenario, count, as_is=as_is)
         content = scenario_report(contents, command, map_command)
-    write({output: report_text(content, output)})
+    runner.write({output: report_text(content, output)})
 
 
 def _suite_report(source: Path, changes: list[str], command: str) -> "Report":

@@ -23,16 +23,7 @@ from armour.design.optimise import OBJECTIVES, Design, DesignResult
 from armour.reporting.pictures import drawing
 from armour.reporting.table import in_words
 from armour.reporting.text import percent
-from armour.reporting.views.design import (
-    COST,
-    CRITERIA,
-    design_title,
-    least_probability,
-    outcome,
-    pair_words,
-    required_margins,
-    verdict,
-)
+from armour.reporting.views import design as view
 from armour.reporting.views.validation import grouped
 from armour.reporting.words import chance
 
@@ -71,7 +62,7 @@ def draw_map_of_design(result: DesignResult, sheet: drawing.Sheet, below: Sequen
     layer, maps = _maps(result)
     if layer:
         return _draw_lines(result, layer, maps, sheet)
-    return _draw_panels(design_title(result), [maps[0].panel(), *below], sheet)
+    return _draw_panels(view.design_title(result), [maps[0].panel(), *below], sheet)
 
 
 def draw_front_of_design(result: DesignResult, sheet: drawing.Sheet) -> drawing.Picture:
@@ -125,10 +116,8 @@ def _draw_lines(result: DesignResult, layer: str, maps: "Sequence[_Map]", sheet:
     if any(pair_map.over_sources is not None for pair_map in maps):
         stop = ", untested ones even with the least flow stress of their sources, which bands show"
     note = f"Filled dots are designs on offer that stop the threat{stop}."
-    picture = sheet.panels(design_title(result), *[drawing.PANEL] * len(result.threats), note=note, sharex=True)
+    picture = sheet.panels(view.design_title(result), *[drawing.PANEL] * len(result.threats), note=note, sharex=True)
     for place, (axes, threat) in enumerate(zip(picture.axes, catalogue.threats, strict=True)):
-        limits = np.concatenate([pair_map.limits_m_s[..., place].ravel() for pair_map in maps])
-        axes.set_ylim(drawing.widened([threat.required_m_s, *limits], 0.12))
         for index, pair_map in enumerate(maps):
             pair_map.draw_line(axes, layer, place, drawing.COLOURS[index % len(drawing.COLOURS)])
         axes.axhline(threat.required_m_s, linestyle="--", label=f"{threat.required_m_s:g} m/s required", **drawing.RULE)
@@ -181,7 +170,8 @@ class _Map:
         """Where half of the armours stop the threat, where as many as required do, and where the limit suffices."""
         even = self.surely_m_s([0.5] * len(self.confidences))
         required = self.surely_m_s([self.shown if level is None else level for level in self.confidences])
-        label, margin = f"stopped in {percent(self.shown)} of cases or more", required_margins(self.catalogue.scenario)
+        label = f"stopped in {percent(self.shown)} of cases or more"
+        margin = view.required_margins(self.catalogue.scenario)
         if any(self.confidences):
             required = np.minimum(required, self.above_m_s)
             if len(set(self.confidences)) > 1 or margin:
@@ -206,7 +196,7 @@ class _Map:
         unknown = np.isnan(self.grid.stopped_m_s).any(axis=(-2, -1))
         if not unknown.all():
             _tint(axes, x, y, unknown, 1e-3, np.inf, "probability unknown: too unlike tests", color=drawing.SOFT)
-        column = CRITERIA[self.result.minimised]
+        column = view.CRITERIA[self.result.minimised]
         objective = self.grid.on_grid(self.catalogue.objective(self.grid.candidates))
         limits = self.grid.limits_m_s[..., self.governing]
         against = f" against {self.result.threats[self.governing]}" if len(self.result.threats) > 1 else ""
@@ -233,12 +223,6 @@ class _Map:
     def over_sources(self) -> Any:
         """Limits with the flow stresses of sources, (sources, ceramics, back plates, threats); None without them."""
         return limits_over_sources(self.catalogue, self.grid)
-
-    @property
-    def limits_m_s(self) -> Any:
-        """Limits by the model and with the flow stresses of sources, (..., ceramics, back plates, threats)."""
-        over = () if self.over_sources is None else self.over_sources
-        return np.stack([self.grid.limits_m_s, *over])
 
     def name(self, layer: str) -> str:
         """Return what distinguishes the pair from others: the layer's material and, if that varies, the other's."""
@@ -286,7 +270,7 @@ class _Map:
             label = f"refined: {_design_text(refined, self.result.minimised)}"
             yield refined, {"marker": "D", "color": drawing.GREEN, "label": label, "name": ""}
         if (best := self.result.shown) is not None:
-            sure = least_probability(best)
+            sure = view.least_probability(best)
             name = self._named(best, "probability unknown" if sure is None else f"{chance(sure)} stopped")
             colour = drawing.VERMILION if self.result.reason else drawing.BLUE if any(self.confidences) else drawing.INK
             yield best, {**large, "name": name, "color": colour}
@@ -294,7 +278,7 @@ class _Map:
     def _named(self, design: Design, sure: str) -> str:
         """Return the name of a design: thicknesses, objective, and probability of stopping."""
         thicknesses = f"{design.ceramic_thickness_mm:.4g} on " if design.ceramic else ""
-        objective = CRITERIA[self.result.minimised].with_unit(getattr(design, self.result.minimised))
+        objective = view.CRITERIA[self.result.minimised].with_unit(getattr(design, self.result.minimised))
         return f"{thicknesses}{design.backing_thickness_mm:.4g} mm\n{objective}, {sure}"
 
     def _draw_offered(self, axes: Axes) -> None:
@@ -347,7 +331,7 @@ def _pairs_panel(result: DesignResult) -> _Panel:
     """Return the panel of the best design of each pair of materials."""
     best = [pair.best for pair in result.pairs if pair.best is not None]
     shown = best[:MAX_PAIRS]
-    names = [pair_words(design) for design in shown]
+    names = [view.pair_words(design) for design in shown]
 
     def draw_pairs(axes: Axes) -> None:
         drawing.name_rows(axes, names)
@@ -357,7 +341,7 @@ def _pairs_panel(result: DesignResult) -> _Panel:
             words = [f"{names[place]}\n{_design_text(shown[place], result.minimised)}" for place in places]
             look: Any = {"filled": tested, "label": label, "markersize": 6.0, "color": drawing.BLUE}
             drawing.points(axes, values, places, words, **look)
-        axes.set_xlabel(CRITERIA[result.minimised].heading)
+        axes.set_xlabel(view.CRITERIA[result.minimised].heading)
 
     note = f"The best {MAX_PAIRS} of {len(best)} pairs of materials are shown." if len(best) > MAX_PAIRS else ""
     heading = f"{OBJECTIVES[result.minimised].least.capitalize()} design of each pair of materials"
@@ -374,25 +358,25 @@ def _front_panel(result: DesignResult) -> _Panel:
         drawing.points(axes, x, y, words, label=drawing.legible(name), **look)
 
     def draw_all(axes: Axes) -> None:
-        for index, (name, designs) in enumerate(grouped(result.pareto, pair_words).items()):
+        for index, (name, designs) in enumerate(grouped(result.pareto, view.pair_words).items()):
             draw_designs(axes, designs, name, filled=False, **drawing.look_of(index))
         if result.shown is not None:
             name = "nearest" if result.reason else "best"
             draw_designs(axes, [result.shown], name, markersize=3.0, color=drawing.INK)
-        axes.set(xlabel=CRITERIA[keys[0]].heading, ylabel=CRITERIA[keys[1]].heading)
+        axes.set(xlabel=view.CRITERIA[keys[0]].heading, ylabel=view.CRITERIA[keys[1]].heading)
 
     notes = []
     if len(result.criteria) > 2:
-        hidden = " and ".join(CRITERIA[key].label for key in result.criteria[2:])
+        hidden = " and ".join(view.CRITERIA[key].label for key in result.criteria[2:])
         notes.append(f"Designs that others beat in both criteria drawn are better in {hidden}.")
-    if COST.key in keys:
+    if view.COST.key in keys:
         notes.append("Costs are in the currency of the scenario.")
     return _Panel(drawing.PANEL, "Pareto front", draw_all, " ".join(notes))
 
 
 def _design_text(design: Design, *criteria: str) -> str:
     """Return the thicknesses of a design and its values of criteria."""
-    values = (f"{CRITERIA[key].label} {CRITERIA[key].with_unit(getattr(design, key))}" for key in criteria)
+    values = (f"{view.CRITERIA[key].label} {view.CRITERIA[key].with_unit(getattr(design, key))}" for key in criteria)
     return ", ".join([f"{design.ceramic_thickness_mm:.4g} on {design.backing_thickness_mm:.4g} mm", *values])
 
 
@@ -404,7 +388,7 @@ def draw_check(result: CheckResult, sheet: drawing.Sheet) -> drawing.Picture:
     ]
     heights = [drawing.rows_height(changes, titled=True) for changes in names]
     note = "Percentages: probability that the armour stops the projectile."
-    picture = sheet.panels(outcome(result), *heights, note=note)
+    picture = sheet.panels(view.outcome(result), *heights, note=note)
     for axes, threat, rows_of_threat, changes in zip(picture.axes, result.threats, rows, names, strict=True):
         last = axes is picture.axes[-1]
         drawing.name_rows(axes, changes)
@@ -418,5 +402,5 @@ def draw_check(result: CheckResult, sheet: drawing.Sheet) -> drawing.Picture:
         velocities = [row.velocity_m_s for row in rows_of_threat]
         label = "velocity of the round" if last else ""
         drawing.points(axes, velocities, places, marker="D", color=drawing.VERMILION, label=label)
-        axes.set(xlabel="velocity, m/s", title=f"{threat.threat}: {verdict(threat)}")
+        axes.set(xlabel="velocity, m/s", title=f"{threat.threat}: {view.verdict(threat)}")
     return picture
