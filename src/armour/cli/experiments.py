@@ -267,12 +267,12 @@ def _source(candidates: list[str]) -> "Grid | Cases":
     from armour.planning.candidates import of_candidates
     from armour.sweeps.cases import Cases
 
-    files = [text for text in candidates if "=" not in text]
-    if files and len(candidates) > 1:
+    if all("=" in text for text in candidates):
+        with of_candidates():
+            return grid_of("--candidates", candidates)
+    if len(candidates) > 1:
         raise wrong_option("--candidates", "must be one CSV file, or keys with values")
-    if files and not files[0].endswith(".csv") and not exists(files[0]):
-        raise wrong_option("--candidates", f'must be KEY=VALUES or a CSV file, found "{files[0]}"')
-    if files:
-        return Cases(Path(files[0]))
-    with of_candidates():
-        return grid_of("--candidates", candidates)
+    [file] = candidates
+    if not file.endswith(".csv") and not exists(file):
+        raise wrong_option("--candidates", f'must be KEY=VALUES or a CSV file, found "{file}"')
+    return Cases(Path(file))

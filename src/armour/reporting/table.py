@@ -78,6 +78,14 @@ def deviation_percent(value: float | None, reference: float) -> float | None:
     return None if value is None else 100.0 * (value / reference - 1.0)
 
 
+def grouped(items: Iterable[Any], key: Callable[[Any], str]) -> dict[str, list[Any]]:
+    """Return items by a key."""
+    groups: dict[str, list[Any]] = {}
+    for item in items:
+        groups.setdefault(key(item), []).append(item)
+    return groups
+
+
 def listing(items: Iterable[Any], *sources: Source, title: str = "", rest: str = "") -> Table:
     """Make a table with a row for each item, without the columns that are empty in all of them."""
     rows = [[_cell(item, source) for source in sources] for item in items]

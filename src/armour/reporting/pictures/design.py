@@ -21,10 +21,9 @@ from armour.design.map import (
 )
 from armour.design.optimise import OBJECTIVES, Design, DesignResult
 from armour.reporting.pictures import drawing
-from armour.reporting.table import in_words
+from armour.reporting.table import grouped, in_words
 from armour.reporting.text import percent
 from armour.reporting.views import design as view
-from armour.reporting.views.validation import grouped
 from armour.reporting.words import chance
 
 # Largest numbers of pairs of materials that are shown as points and as lines; nodes of the grid along an axis; largest

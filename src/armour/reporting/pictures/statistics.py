@@ -9,15 +9,13 @@ from matplotlib.axes import Axes
 from armour.analysis.quantities import label_and_unit
 from armour.errors import mistake
 from armour.reporting.pictures import drawing
-from armour.reporting.table import deviation_percent, in_words
+from armour.reporting.table import deviation_percent, grouped, in_words
 from armour.reporting.text import interval, number, percent
-from armour.reporting.views.validation import grouped
 from armour.reporting.words import risk
 from armour.scenario.inputs import BACKING, CERAMIC, VELOCITY
 
 if TYPE_CHECKING:
     from armour.statistics.calibration import CalibrationResult, Residual
-    from armour.statistics.curves import FittedCurve
     from armour.statistics.sensitivity import SensitivityResult
     from armour.statistics.uncertainty import UncertaintyResult
     from armour.statistics.v50 import FiringResult, Shots
@@ -162,7 +160,9 @@ def draw_firing(result: "FiringResult", sheet: drawing.Sheet) -> drawing.Picture
     if not result.fits:
         raise mistake(shots.file, "", "must have a curve to draw, and these shots have none")
     fit, after, model = result.recommended or result.fits[0], result.posterior, result.model_ballistic_limit_m_s
-    low, high = _velocities(result, fit, shots)
+    # Limits beyond half the range of the shots are left out.
+    shown = [*shots.velocities_m_s, *(() if after is None else after.v50_interval_m_s)]
+    low, high = drawing.widened(shown, 0.5)
     level, notes = percent(result.confidence), []
     confidence, ends = level, fit.v50_interval_m_s
     if fit is result.recommended:
@@ -201,19 +201,6 @@ def draw_firing(result: "FiringResult", sheet: drawing.Sheet) -> drawing.Picture
     required = (f"{result.decision}: required", result.requirement_m_s, drawing.VERMILION, "--")
     drawing.velocities(axes, [required, ("limit by this model", model, drawing.INK, ":")])
     return picture
-
-
-def _velocities(result: "FiringResult", fit: "FittedCurve", shots: "Shots") -> tuple[float, float]:
-    """Return the range of velocities to draw: that of the shots, and of V50 and limits near them."""
-    slowest, fastest = min(shots.velocities_m_s), max(shots.velocities_m_s)
-    reach, margin = fastest - slowest or 0.01 * fastest, 0.1 * (fastest - slowest)
-    limits = (fit.v50_m_s, *fit.v50_interval_m_s, result.model_ballistic_limit_m_s)
-    shown = [slowest, fastest, *(limit for limit in limits if limit is not None)]
-    low, high = max(slowest - reach, min(shown) - margin), min(fastest + reach, max(shown) + margin)
-    if result.posterior is None:
-        return low, high
-    start, end = result.posterior.v50_interval_m_s
-    return min(low, start - margin), max(high, end + margin)
 
 
 def draw_shots(axes: Axes, shots: "Shots") -> None:

@@ -10,7 +10,8 @@ from matplotlib.axes import Axes
 from armour.analysis.closed_forms import residual_velocity
 from armour.errors import mistake
 from armour.reporting.pictures import drawing
-from armour.reporting.views.validation import drawn_checks, grouped
+from armour.reporting.table import grouped
+from armour.reporting.views.validation import drawn_checks
 from armour.scenario.sections import TINY
 from armour.validation.comparison import Comparison
 from armour.validation.figures import Figure

@@ -1,9 +1,8 @@
 """Suites of cases, the paper's figures, and comparisons with closed-form formulas."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from math import floor, log10
 from operator import itemgetter
-from typing import Any
 
 from armour import __version__
 from armour.analysis.closed_forms import FlorenceResult
@@ -11,7 +10,7 @@ from armour.analysis.quantities import QUANTITIES
 from armour.errors import counted
 from armour.reporting.junit import TestCase, junit_suite, junit_xml
 from armour.reporting.report import Report, ReportSection, drawing_of, origin_section
-from armour.reporting.table import Column, Table, column_of, deviation_percent, listing, record
+from armour.reporting.table import Column, Table, column_of, deviation_percent, grouped, listing, record
 from armour.reporting.text import Verdict, number
 from armour.reporting.words import BALLISTIC_LIMIT
 from armour.statistics.measured import LIMIT
@@ -20,14 +19,6 @@ from armour.validation.figures import Figure
 from armour.validation.rivals import Error
 from armour.validation.suite import CASES, Case
 from armour.validation.validate import FAILED, Check, SuiteResult, TableSummary
-
-
-def grouped(items: Iterable[Any], key: Callable[[Any], str]) -> dict[str, list[Any]]:
-    """Return items by a key."""
-    groups: dict[str, list[Any]] = {}
-    for item in items:
-        groups.setdefault(key(item), []).append(item)
-    return groups
 
 
 def check_groups(result: SuiteResult) -> dict[str, list[Check]]:
