@@ -49,7 +49,7 @@ def page_of(name: str) -> str:
 
 @cache
 def impact_svg() -> str:
-    picture = drawn(drawing_of(impact().of(scenario=scenario())), Sheet(WIDTH_INCHES), bare=True)
+    picture = drawn(drawing_of(impact().of(scenario=scenario())), Sheet(WIDTH_INCHES), title="")
     return inline_svg(picture, "an impact", "a")
 
 
@@ -136,7 +136,7 @@ def one(*series: Callable[[Axes], object]) -> str:
             item(picture.axes[0])
         return picture
 
-    return inline_svg(drawn(draw, Sheet(WIDTH_INCHES), bare=True), "T", "c")
+    return inline_svg(drawn(draw, Sheet(WIDTH_INCHES), title=""), "T", "c")
 
 
 def words(svg: str) -> list[str]:
@@ -177,7 +177,7 @@ def test_rows_and_stages_have_their_words():
     found = words(impact_svg())
     assert any(text.startswith("stage i: intact ceramic; penetrator erodes\n") for text in found)
     sensitivity = SensitivityResult({"ballistic_limit_m_s": 700.0}, (Elasticity(CERAMIC, 6.0, LIMIT),))
-    picture = drawn(drawing_of(sensitivity), Sheet(WIDTH_INCHES), bare=True)
+    picture = drawn(drawing_of(sensitivity), Sheet(WIDTH_INCHES), title="")
     assert words(inline_svg(picture, "T", "c")) == ["ballistic limit\nceramic thickness\nchange, %: -0.4"]
 
 
@@ -200,7 +200,7 @@ def test_identifiers_of_two_charts_differ_and_refer_to_each_other():
 @pytest.mark.parametrize("name", ["<!--</svg><script>alert(1)</script>url(#x)", "a\x08\x00\u2028b"])
 def test_names_are_text(name: str):
     drawing = drawing_of(design_result(ceramic=name, pareto=True), "draw_front_of")
-    content = inline_svg(drawn(drawing, Sheet(WIDTH_INCHES), bare=True), name, "c")
+    content = inline_svg(drawn(drawing, Sheet(WIDTH_INCHES), title=""), name, "c")
     assert "<script" not in content
     assert "<!--" not in content
     shown = "".join(ElementTree.fromstring(content).itertext())

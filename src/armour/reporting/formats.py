@@ -51,7 +51,7 @@ def html_report(report: Report) -> str:
     def shown(draw: "Callable[[Sheet], Picture]", heading: str) -> tuple[str, Markup, str]:
         from armour.reporting.pictures.drawing import Sheet, drawn
 
-        picture = drawn(draw, Sheet(WIDTH_INCHES), bare=True)
+        picture = drawn(draw, Sheet(WIDTH_INCHES), title="")
         svg = inline_svg(picture, picture.title or heading, f"chart{next(numbers)}")
         return picture.title, Markup(svg), picture.note
 

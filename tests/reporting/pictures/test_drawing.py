@@ -153,7 +153,7 @@ def test_the_title_is_the_answer_above_what_it_is_about():
     assert figure.get_suptitle().strip() == "T"
     assert "armour and round" in [text.get_text() for text in figure.texts]
     assert drawn(named_rows, Sheet(), ["armour"], title="mine").figure.get_suptitle() == "mine"
-    bare = drawn(named_rows, Sheet(4.2), bare=True).figure
+    bare = drawn(named_rows, Sheet(4.2), title="").figure
     assert not bare.texts
     assert bare.get_figwidth() == 4.2
 
@@ -200,7 +200,7 @@ def test_contours_of_two_quantities_are_named_apart():
 @pytest.mark.parametrize("name", ["catalogue", "paper/optimum_7.62mm_AP"])
 @pytest.mark.parametrize("width", [None, 3.45])
 def test_a_label_of_a_contour_is_within_the_panel(name: str, width: float | None):
-    [axes] = drawn(drawing_of(optimise(shipped_scenario(name)), "draw_map_of"), Sheet(width), bare=True).axes
+    [axes] = drawn(drawing_of(optimise(shipped_scenario(name)), "draw_map_of"), Sheet(width), title="").axes
     labels = [text.get_window_extent() for text in axes.texts if text.get_text().isdigit()]
     assert len(labels) > 6
     assert all(axes.bbox.contains(*corner) for box in labels for corner in (box.min, box.max))

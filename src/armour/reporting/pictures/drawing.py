@@ -121,16 +121,12 @@ class Sheet:
 
 
 def drawn(
-    draw: Callable[[Sheet], Picture],
-    sheet: Sheet,
-    heading: Sequence[str] = (),
-    *,
-    title: str | None = None,
-    bare: bool = False,
+    draw: Callable[[Sheet], Picture], sheet: Sheet, heading: Sequence[str] = (), title: str | None = None
 ) -> Picture:
     """Draw a picture with its legends, title, subject (the first line of the heading) and note.
 
-    A bare picture has only legends; one in a user's axes has no note.
+    A title that is given replaces title and subject.  One that is empty leaves legends alone; a picture in a user's
+    axes has no note.
     """
     with mpl.rc_context(STYLE):
         picture = draw(sheet)
@@ -143,7 +139,7 @@ def drawn(
             if sheet.ax.get_legend_handles_labels()[0]:
                 sheet.ax.legend()
             return picture
-        if not bare:
+        if any(lines):
             _make_room(picture.figure, _write(picture.figure, list(filter(None, lines)), picture.note))
         picture.figure.draw_without_rendering()  # places the panels
         _make_room(picture.figure, [legend for axes in picture.axes for legend in _name(axes)])
