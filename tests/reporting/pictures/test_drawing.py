@@ -17,6 +17,7 @@ from armour.reporting.pictures.drawing import (
     METADATA,
     PANEL,
     STYLE,
+    WIDTH,
     Picture,
     Points,
     Sheet,
@@ -97,9 +98,9 @@ def test_a_file_does_not_depend_on_the_last_digits_of_a_layout():
     assert isinstance(inexact.get_layout_engine(), InexactLayout)
 
 
-@pytest.mark.parametrize("width", [None, 4.2])
+@pytest.mark.parametrize("width", [WIDTH, 4.2])
 @pytest.mark.parametrize("name", DRAWINGS)
-def test_no_text_is_cut_and_no_panel_overlaps_another(name: str, width: float | None):
+def test_no_text_is_cut_and_no_panel_overlaps_another(name: str, width: float):
     figure = drawn(DRAWINGS[name](), Sheet(width), ["what it is about"]).figure
     figure.draw_without_rendering()
     whole, (across, up) = figure.get_tightbbox(), figure.get_size_inches()
@@ -198,8 +199,8 @@ def test_contours_of_two_quantities_are_named_apart():
 
 
 @pytest.mark.parametrize("name", ["catalogue", "paper/optimum_7.62mm_AP"])
-@pytest.mark.parametrize("width", [None, 3.45])
-def test_a_label_of_a_contour_is_within_the_panel(name: str, width: float | None):
+@pytest.mark.parametrize("width", [WIDTH, 3.45])
+def test_a_label_of_a_contour_is_within_the_panel(name: str, width: float):
     [axes] = drawn(drawing_of(optimise(shipped_scenario(name)), "draw_map_of"), Sheet(width), title="").axes
     labels = [text.get_window_extent() for text in axes.texts if text.get_text().isdigit()]
     assert len(labels) > 6

@@ -20,7 +20,7 @@ from armour.planning.firing import plan_shots
 from armour.planning.plan_tests import PlannedTests, plan_tests
 from armour.planning.procedures import OperatingPoint
 from armour.reporting.pictures import analysis, design, planning, statistics, sweeps, validation
-from armour.reporting.pictures.drawing import BLUE, COLUMN, INK, VERMILION, Picture, Points, Sheet, drawn
+from armour.reporting.pictures.drawing import BLUE, INK, VERMILION, Picture, Points, Sheet, drawn
 from armour.reporting.report import drawing_of
 from armour.scenario.inputs import BACKING, CERAMIC, VELOCITY
 from armour.scenario.scenario import load_scenario
@@ -249,7 +249,6 @@ def test_a_figure_of_the_paper():
     assert printed.get_color() == curves(axes)["B"].get_color()
     assert another.get_color() not in [line.get_color() for line in curves(axes).values()]
     assert len(axes.containers) == 1  # the range of one of them
-    assert picture.figure.get_figwidth() == COLUMN
 
 
 def test_a_series_of_several_panels_is_named_once():

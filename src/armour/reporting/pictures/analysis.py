@@ -36,8 +36,6 @@ PANELS: Any = (
     ("penetrator length L, mm", 0.75 * drawing.PANEL, {"": "length_mm"}),
     ("depth, bulge, mm", 0.75 * drawing.PANEL, {"depth Z": "depth_mm", "bulge h": "bulge_height_mm"}),
 )
-# Colours of all curves one after the other.
-COLOURS = (drawing.BLUE, drawing.ORANGE, drawing.GREEN, drawing.INK, drawing.PURPLE, drawing.VERMILION)
 CERAMIC, METAL, ROD = "#d9c48f", "#a9b8c6", "#5c6875"
 EDGE: Any = {"edgecolor": drawing.INK, "linewidth": 0.5}
 # Pictures of an impact at most, the least height of armour that they show, in diameters of the penetrator and as a part
@@ -45,9 +43,9 @@ EDGE: Any = {"edgecolor": drawing.INK, "linewidth": 0.5}
 PICTURES, SHOWN_DIAMETERS, SHOWN_PART, SCALE_MM = 6, 3.6, 0.6, 10.0
 # Part of the width of a picture that a panel takes at least.
 PART = 0.8
-# Width of a picture and height of the words above and below it, inches, characters in a line of words, and the time
-# between events of one at most, µs.
-INCHES, WORDS_INCHES, EVENT_CHARACTERS, AT_ONCE_US = 6.0, 1.1, 11, 1e-3
+# Height of the words above and below a picture, inches, characters in a line of them, and the time between events of
+# one picture at most, µs.
+WORDS_INCHES, EVENT_CHARACTERS, AT_ONCE_US = 1.1, 11, 1e-3
 
 
 def draw_impact(result: ImpactResult, sheet: drawing.Sheet) -> drawing.Picture:
@@ -63,24 +61,22 @@ def draw_impact(result: ImpactResult, sheet: drawing.Sheet) -> drawing.Picture:
         title = f"Perforated: residual velocity {result.residual_velocity_m_s:.0f} m/s"
     note = f"Drawn up to {shown:.3g} µs of {result.duration_us:.3g} µs." if shown < result.duration_us else ""
     # A result that is made by hand has no scenario, and so no armour to draw.
-    scenes = [_scene(result, history, sheet.across(INCHES))] if "scenario" in result.question else []
+    scenes = [_scene(result, history, sheet.width)] if "scenario" in result.question else []
     heights = [*(height for height, _ in scenes), *(height for _, height, _ in PANELS)]
-    picture = sheet.panels(title, *heights, note=note, width=INCHES)
+    picture = sheet.panels(title, *heights, note=note)
     over_time = picture.axes[len(scenes) :]
-    seen, colours = history.time_us <= shown, iter(COLOURS)
+    seen = history.time_us <= shown
     for axes, (label, _, curves) in zip(over_time, PANELS, strict=True):
         axes.sharex(over_time[-1])
         axes.tick_params(labelbottom=axes is over_time[-1])
         for stage in result.stages[::2]:
             axes.axvspan(stage.start_us, stage.end_us, **drawing.SHADE)
-        for (name, key), style in zip(curves.items(), drawing.STYLES, strict=False):
-            look: Any = {"linestyle": style, "color": next(colours), "label": name}
-            axes.plot(history.time_us[seen], getattr(history, key)[seen], **look)
+        for (name, key), style, colour in zip(curves.items(), drawing.STYLES, drawing.COLOURS, strict=False):
+            axes.plot(history.time_us[seen], getattr(history, key)[seen], linestyle=style, color=colour, label=name)
         axes.set_ylabel(label)
     over_time[1].set_ylim(bottom=0.0)
-    over_time[2].legend(loc="upper left")  # both rise from 0
     over_time[-1].set(xlabel="time since impact, µs", xlim=(0.0, max(shown, 1e-9)))
-    _name_stages(over_time[0], result, shown, PART * sheet.across(INCHES))
+    _name_stages(over_time[0], result, shown, PART * sheet.width)
     for _, draw in scenes:
         draw(picture.axes[0])
     return picture

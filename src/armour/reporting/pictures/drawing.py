@@ -54,8 +54,8 @@ STYLE: Any = {
 }
 # Formats of files, with the metadata that make the files of a picture reproducible.
 METADATA: dict[str, Any] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
-# Widths of a picture and of one in a column of a page, and the height of a panel, inches.
-WIDTH, COLUMN, PANEL = 5.2, 3.45, 2.6
+# Width of a picture and height of a panel, inches.
+WIDTH, PANEL = 5.2, 2.6
 # Width of a plain and of a bold character as a part of the font size.
 CHARACTER, BOLD = 0.56, 0.64
 # Largest number of points of a panel that have large marks.
@@ -98,24 +98,18 @@ class Picture:
 
 @dataclass(frozen=True)
 class Sheet:
-    """What to draw on: a new figure of a given width, inches, or of the picture's default width; or a user's axes."""
+    """What to draw on: a new figure of a given width, inches, or a user's axes."""
 
-    width: float | None = None
+    width: float = WIDTH
     ax: Axes | None = None
 
-    def across(self, width: float = WIDTH) -> float:
-        """Return the width of a picture with a default width, inches."""
-        return self.width or width
-
-    def panels(
-        self, title: str, *heights: float, note: str = "", width: float = WIDTH, sharex: bool = False
-    ) -> Picture:
+    def panels(self, title: str, *heights: float, note: str = "", sharex: bool = False) -> Picture:
         """Return a picture with empty panels of given heights, inches, below each other."""
         if self.ax is not None:
             if len(heights) > 1:
                 raise mistake("plot", "ax", f"must not be given for a picture of {len(heights)} panels")
             return Picture([self.ax], title, note)
-        figure = NotebookFigure(figsize=(self.across(width), sum(heights)))
+        figure = NotebookFigure(figsize=(self.width, sum(heights)))
         panels = figure.subplots(len(heights), squeeze=False, height_ratios=heights, sharex=sharex)
         return Picture(panels.ravel().tolist(), title, note)
 
@@ -171,8 +165,8 @@ def _lines(texts: Iterable[str], width: float, size: float, character: float = C
 
 
 def _name(axes: Axes) -> list[Any]:
-    """Name what a panel shows in a legend below it, if it has none."""
-    handles: list[Any] = [] if axes.get_legend() else axes.get_legend_handles_labels()[0]
+    """Name what a panel shows in a legend below it."""
+    handles: list[Any] = axes.get_legend_handles_labels()[0]
     if not handles:
         return []
     figure: Any = axes.figure

@@ -104,7 +104,7 @@ def draw_calibration(result: "CalibrationResult", sheet: drawing.Sheet) -> drawi
     heights = []
     for residuals in measured.values():
         tests = [names[residual.test] for residual in _largest(residuals)]
-        heights += [sheet.across() - 0.3, *([drawing.rows_height(tests, titled=True)] if tests else [])]
+        heights += [sheet.width - 0.3, *([drawing.rows_height(tests, titled=True)] if tests else [])]
     note = "Error bars: ± one standard deviation of the measured value." if given else ""
     picture = sheet.panels(title, *heights, note=note)
     panels = iter(picture.axes)

@@ -33,8 +33,8 @@ def draw_suite(result: SuiteResult, sheet: drawing.Sheet) -> drawing.Picture:
         rms = sqrt(sum(part * part for part in relative) / len(relative))
         title = f"{len(relative)} computed values deviate by {rms:.1f} % (RMS) from those expected"
     note = f"{left_out} of {len(result.checks)} cases are not shown: {LEFT_OUT}." if left_out else ""
-    heights = [sheet.across(drawing.COLUMN) - 0.3] * len(by_quantity)
-    picture = sheet.panels(title, *heights, note=note, width=drawing.COLUMN)
+    heights = [sheet.width - 0.3] * len(by_quantity)
+    picture = sheet.panels(title, *heights, note=note)
     for axes, (quantity, checks_of_quantity) in zip(picture.axes, by_quantity.items(), strict=True):
         groups = {
             group or CASES: [drawing.Compared(c.case.name, "expected", c.case.expected, c.computed) for c in members]
@@ -50,7 +50,7 @@ def draw_suite(result: SuiteResult, sheet: drawing.Sheet) -> drawing.Picture:
 
 def draw_figure(panels: Sequence[Figure], sheet: drawing.Sheet) -> drawing.Picture:
     """Draw a figure of the paper: the model's curves, with the numbers of the paper's text as marks."""
-    picture = sheet.panels(panels[0].section.title, *[drawing.PANEL] * len(panels), width=drawing.COLUMN)
+    picture = sheet.panels(panels[0].section.title, *[drawing.PANEL] * len(panels))
     named: set[str] = set()
     for axes, figure in zip(picture.axes, panels, strict=True):
         _draw_panel(axes, figure)
