@@ -41,8 +41,6 @@ EDGE: Any = {"edgecolor": drawing.INK, "linewidth": 0.5}
 # Pictures of an impact at most, the least height of armour that they show, in diameters of the penetrator and as a part
 # of their length, and the scale drawn, mm.
 PICTURES, SHOWN_DIAMETERS, SHOWN_PART, SCALE_MM = 6, 3.6, 0.6, 10.0
-# Part of the width of a picture that a panel takes at least.
-PART = 0.8
 # Height of the words above and below a picture, inches, characters in a line of them, and the time between events of
 # one picture at most, µs.
 WORDS_INCHES, EVENT_CHARACTERS, AT_ONCE_US = 1.1, 11, 1e-3
@@ -76,14 +74,14 @@ def draw_impact(result: ImpactResult, sheet: drawing.Sheet) -> drawing.Picture:
         axes.set_ylabel(label)
     over_time[1].set_ylim(bottom=0.0)
     over_time[-1].set(xlabel="time since impact, µs", xlim=(0.0, max(shown, 1e-9)))
-    _name_stages(over_time[0], result, shown, PART * sheet.width)
+    _name_stages(over_time[0], result, shown, 0.8 * sheet.width)
     for _, draw in scenes:
         draw(picture.axes[0])
     return picture
 
 
 def _name_stages(axes: Axes, result: ImpactResult, shown: float, inches: float) -> None:
-    """Name the stages above a panel of a width, in words where there is room, or by their codes."""
+    """Name the stages above a panel of at least a width, inches, in words where there is room, or by their codes."""
     low, high = axes.get_ylim()
     axes.set_ylim(low, high)
     for stage in result.stages:

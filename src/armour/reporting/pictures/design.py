@@ -148,31 +148,23 @@ class _Map:
         """The index of the governing threat of the named design."""
         return self.result.threats.index(self.result.shown.governing) if self.result.shown else 0
 
-    @cached_property
-    def shown(self) -> float:
-        """The confidence of the line of a probability: the largest one required."""
-        return max((level for level in self.confidences if level is not None), default=USUAL)
-
-    @cached_property
-    def above_m_s(self) -> Any:
-        """The least excess of the limits over the required velocities of the threats, m/s, (ceramics, back plates)."""
-        required = np.array([threat.required_m_s for threat in self.catalogue.threats])
-        return (self.grid.limits_m_s - required).min(axis=-1)
-
     def surely_m_s(self, confidences: Sequence[float]) -> Any:
-        """Return the least excess of velocities stopped with confidences over the threats', m/s, as `above_m_s`."""
+        """Return the least excess of velocities stopped with confidences over the threats', m/s, (ceramics, back plates)."""
         stopped = [self.grid.stopped_with(level)[..., threat] for threat, level in enumerate(confidences)]
         return (np.stack(stopped, axis=-1) - self.catalogue.velocities_m_s).min(axis=-1)
 
     @cached_property
     def frontiers(self) -> list[_Frontier]:
         """Where half of the armours stop the threat, where as many as required do, and where the limit suffices."""
+        largest = max((level for level in self.confidences if level is not None), default=USUAL)
         even = self.surely_m_s([0.5] * len(self.confidences))
-        required = self.surely_m_s([self.shown if level is None else level for level in self.confidences])
-        label = f"stopped in {percent(self.shown)} of cases or more"
+        required = self.surely_m_s([largest if level is None else level for level in self.confidences])
+        required_m_s = np.array([threat.required_m_s for threat in self.catalogue.threats])
+        above_m_s = (self.grid.limits_m_s - required_m_s).min(axis=-1)
+        label = f"stopped in {percent(largest)} of cases or more"
         margin = view.required_margins(self.catalogue.scenario)
         if any(self.confidences):
-            required = np.minimum(required, self.above_m_s)
+            required = np.minimum(required, above_m_s)
             if len(set(self.confidences)) > 1 or margin:
                 label = "meets the requirements"
         frontiers = [
@@ -181,7 +173,7 @@ class _Map:
         ]
         if not any(self.confidences):
             label = f"ballistic limit by the model = velocity{' + margin' if margin else ''}"
-            frontiers.append(_Frontier(self.above_m_s, {"color": drawing.INK, "linestyle": "-"}, None, label))
+            frontiers.append(_Frontier(above_m_s, {"color": drawing.INK, "linestyle": "-"}, None, label))
         return [frontier for frontier in frontiers if not np.isnan(frontier.values).all()]
 
     def draw(self, axes: Axes) -> None:
@@ -189,9 +181,10 @@ class _Map:
         x, y = self.grid.backing_mm, self.grid.ceramic_mm
         axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
         axes.set(xlabel=in_words("armour.backing_thickness_mm"), ylabel=in_words("armour.ceramic_thickness_mm"))
-        for frontier in self.frontiers:
-            if frontier.tinted is not None:
-                _tint(axes, x, y, frontier.values, *frontier.tinted, frontier.label, **frontier.look)
+        for values, look, tinted, label in self.frontiers:
+            if tinted:
+                _tint(axes, x, y, values, *tinted, label, **look)
+            drawing.contours(axes, x, y, values, [0.0], label="" if tinted else label, linewidth=1.9, **look)
         unknown = np.isnan(self.grid.stopped_m_s).any(axis=(-2, -1))
         if not unknown.all():
             _tint(axes, x, y, unknown, 1e-3, np.inf, "probability unknown: too unlike tests", color=drawing.SOFT)
@@ -206,9 +199,6 @@ class _Map:
         )
         self._draw_tested(axes)
         self._draw_offered(axes)
-        for values, look, tinted, label in self.frontiers:
-            name = "" if tinted else label
-            drawing.contours(axes, x, y, values, [0.0], label=name, linewidth=1.9, **look)
         for design, look in self._marked():
             value = getattr(design, self.result.minimised)
             place, name = (design.backing_thickness_mm, design.ceramic_thickness_mm), look.pop("name")
@@ -291,15 +281,12 @@ class _Map:
             drawing.points(axes, x, y, words, filled=False, **look)
 
     def _draw_tested(self, axes: Axes) -> None:
-        """Draw the outline of the thicknesses that were tested, cut to the map."""
+        """Draw the outline of the thicknesses that were tested."""
         tested = thicknesses_tested(self.catalogue, self.grid.pair, self.governing)
         if len(tested) == 2:
-            on_map = {"ceramic": self.grid.ceramic_mm, "backing": self.grid.backing_mm}
-            ends = {name: np.clip(tested[name], values[0], values[-1]) for name, values in on_map.items()}
-            (left, right), (low, high) = ends["backing"], ends["ceramic"]
-            if left < right and low < high:
-                x, y = [left, right, right, left, left], [low, low, high, high, low]
-                axes.plot(x, y, linestyle="-.", linewidth=1.0, color=drawing.GREEN, label="thicknesses tested")
+            (left, right), (low, high) = tested["backing"], tested["ceramic"]
+            x, y = [left, right, right, left, left], [low, low, high, high, low]
+            axes.plot(x, y, linestyle="-.", linewidth=1.0, color=drawing.GREEN, label="thicknesses tested")
 
     def panel(self) -> _Panel:
         """Return the panel of the map."""
