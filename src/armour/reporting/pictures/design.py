@@ -149,7 +149,7 @@ class _Map:
         return self.result.threats.index(self.result.shown.governing) if self.result.shown else 0
 
     def surely_m_s(self, confidences: Sequence[float]) -> Any:
-        """Return the least excess of velocities stopped with confidences over the threats', m/s, (ceramics, back plates)."""
+        """Return the least excess of velocities that are stopped over the threats', m/s, (ceramics, back plates)."""
         stopped = [self.grid.stopped_with(level)[..., threat] for threat, level in enumerate(confidences)]
         return (np.stack(stopped, axis=-1) - self.catalogue.velocities_m_s).min(axis=-1)
 
@@ -324,9 +324,8 @@ def _pairs_panel(result: DesignResult) -> _Panel:
         for tested, label in ((True, ""), (False, "no test of such an armour")):
             places = [place for place, design in enumerate(shown) if (design.model_error is not None) == tested]
             values = [getattr(shown[place], result.minimised) for place in places]
-            words = [f"{names[place]}\n{_design_text(shown[place], result.minimised)}" for place in places]
             look: Any = {"filled": tested, "label": label, "markersize": 6.0, "color": drawing.BLUE}
-            drawing.points(axes, values, places, words, **look)
+            drawing.points(axes, values, places, **look)
         axes.set_xlabel(view.CRITERIA[result.minimised].heading)
 
     note = f"The best {MAX_PAIRS} of {len(best)} pairs of materials are shown." if len(best) > MAX_PAIRS else ""

@@ -1,7 +1,7 @@
 """Pictures of plans of shots and of tests."""
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -119,7 +119,7 @@ def draw_planned_tests(result: "PlannedTests", sheet: drawing.Sheet) -> drawing.
         axes.set(xlim=drawing.widened(columns[0], 0.15), ylim=drawing.widened(columns[1], 0.15))
         order = np.argsort(gains, kind="stable")  # the greatest is written last
         _draw_candidates(axes, *drawing.on_grid(columns[0][order], columns[1][order], gains[order]))
-    _draw_planned(axes, places, velocities)
+    _draw_planned(axes, places)
     return picture
 
 
@@ -138,25 +138,18 @@ def _note(result: "PlannedTests", velocities: Sequence[float]) -> str:
     note = GAINS.format("" if result.planned[-1].total_cost is None else " per unit cost")
     if not result.sensitivities:
         note = "The planned tests do not determine the inputs, so no gain is shown."
-    return f"{note} The planned shots are at {velocities_in_words(velocities)}." if velocities else note
+    different = listed([f"{velocity:.4g} m/s" for velocity in sorted(set(velocities))])
+    return f"{note} The planned shots are at {different}." if velocities else note
 
 
-def _draw_planned(axes: Axes, places: Sequence[tuple[Any, ...]], velocities: Sequence[float]) -> None:
-    """Draw the points of planned tests, those with the same number of tests together, and the velocities of shots."""
+def _draw_planned(axes: Axes, places: Sequence[tuple[Any, ...]]) -> None:
+    """Draw the points of planned tests, those with the same number of tests together."""
     repeats = Counter(places)
     for times in sorted(set(repeats.values())):
-        alike = [place for place, count in repeats.items() if count == times]
-        shots = [[v for other, v in zip(places, velocities, strict=False) if other == place] for place in alike]
-        words = [f"at {velocities_in_words(velocities_here)}" for velocities_here in shots] if velocities else []
+        x, y = zip(*(place for place, count in repeats.items() if count == times), strict=True)
         rank = min(times, len(MARKERS))
         look: Any = {"label": "one test" if times == 1 else f"{times} tests", "color": drawing.VERMILION}
-        x, y = zip(*alike, strict=True)
-        drawing.points(axes, x, y, words, marker=MARKERS[rank - 1], markersize=5.0 + rank, **look)
-
-
-def velocities_in_words(velocities: Iterable[float]) -> str:
-    """Return different velocities in words, the first of them where they are many."""
-    return listed([f"{velocity:.4g} m/s" for velocity in sorted(set(velocities))])
+        drawing.points(axes, x, y, marker=MARKERS[rank - 1], markersize=5.0 + rank, **look)
 
 
 def _draw_candidates(axes: Axes, x: Any, y: Any, z: Any) -> None:
@@ -166,7 +159,7 @@ def _draw_candidates(axes: Axes, x: Any, y: Any, z: Any) -> None:
         return
     rows, columns = np.nonzero(np.isfinite(z) if np.isfinite(z).any() else np.isnan(z))
     words = [f"{value:.2f}" if np.isfinite(value) else "" for value in z[rows, columns]]
-    drawing.points(axes, x[columns], y[rows], words, filled=False, label=GAIN, color=drawing.SOFT)
+    drawing.points(axes, x[columns], y[rows], filled=False, label=GAIN, color=drawing.SOFT)
     if len(words) <= MAX_NUMBERS:
         for column, row, name in zip(columns, rows, words, strict=True):
             drawing.name_point(axes, x[column], y[row], name, above=False)

@@ -1,6 +1,6 @@
 """Pictures of uncertainties, sensitivities, calibrations and V50 from firing results."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,9 +10,9 @@ from armour.analysis.quantities import label_and_unit
 from armour.errors import mistake
 from armour.reporting.pictures import drawing
 from armour.reporting.table import deviation_percent, grouped, in_words
-from armour.reporting.text import interval, number, percent
+from armour.reporting.text import interval, percent
 from armour.reporting.words import risk
-from armour.scenario.inputs import BACKING, CERAMIC, VELOCITY
+from armour.scenario.inputs import VELOCITY
 
 if TYPE_CHECKING:
     from armour.statistics.calibration import CalibrationResult, Residual
@@ -92,8 +92,7 @@ WORDS = {"": "measured", "at least": "stopped at", "at most": "perforated at"}
 
 def draw_calibration(result: "CalibrationResult", sheet: drawing.Sheet) -> drawing.Picture:
     """Draw both for each quantity that was measured."""
-    names = _test_names(result)
-    title = f"Calibration to {len(names)} tests"
+    title = f"Calibration to {len({residual.test for residual in result.residuals})} tests"
     if result.mean_error_percent is not None:
         title += f": mean error {result.mean_error_percent:.1f} %"
     if result.left_out_error_percent is not None:
@@ -103,7 +102,7 @@ def draw_calibration(result: "CalibrationResult", sheet: drawing.Sheet) -> drawi
     measured = {quantity: [r for r in residuals if not r.bound] for quantity, residuals in by_quantity.items()}
     heights = []
     for residuals in measured.values():
-        tests = [names[residual.test] for residual in _largest(residuals)]
+        tests = [residual.test for residual in _largest(residuals)]
         heights += [sheet.width - 0.3, *([drawing.rows_height(tests, titled=True)] if tests else [])]
     note = "Error bars: ± one standard deviation of the measured value." if given else ""
     picture = sheet.panels(title, *heights, note=note)
@@ -111,23 +110,12 @@ def draw_calibration(result: "CalibrationResult", sheet: drawing.Sheet) -> drawi
     for quantity, residuals in by_quantity.items():
         groups: dict[str, list[drawing.Compared]] = {}
         for r in sorted(residuals, key=lambda residual: list(WORDS).index(residual.bound)):
-            pair = drawing.Compared(names[r.test], WORDS[r.bound], r.measured, r.computed, r.uncertainty or 0.0)
+            pair = drawing.Compared(r.test, WORDS[r.bound], r.measured, r.computed, r.uncertainty or 0.0)
             groups.setdefault(WORDS[r.bound] if r.bound else "tests", []).append(pair)
         drawing.agreement(next(panels), quantity, "measured", groups)
         if measured[quantity]:
-            _draw_deviations(next(panels), quantity, measured[quantity], names)
+            _draw_deviations(next(panels), quantity, measured[quantity])
     return picture
-
-
-def _test_names(result: "CalibrationResult") -> dict[str, str]:
-    """Return the name of each test or, where it has none, its armour."""
-    names = {residual.test: residual.test for residual in result.residuals}
-    tests = result.question.get("tests")
-    for name, place, cells in zip(tests.names, tests.places, tests.cells, strict=True) if tests else ():
-        layers = [number(float(cells[key]), "g") for key in (CERAMIC, BACKING) if key in cells]
-        if name == place and layers:
-            names[name] = f"{' on '.join(layers)} mm"
-    return names
 
 
 def _largest(residuals: "Sequence[Residual]") -> "list[Residual]":
@@ -135,7 +123,7 @@ def _largest(residuals: "Sequence[Residual]") -> "list[Residual]":
     return sorted(residuals, key=lambda r: -abs(deviation_percent(r.computed, r.measured) or 0.0))[:MAX_ROWS]
 
 
-def _draw_deviations(axes: Axes, quantity: str, residuals: "Sequence[Residual]", names: Mapping[str, str]) -> None:
+def _draw_deviations(axes: Axes, quantity: str, residuals: "Sequence[Residual]") -> None:
     """Draw deviations from measured values; of many tests those with the largest."""
     title, shown = f"Deviation of the computed {label_and_unit(quantity)[0]}", _largest(residuals)
     if len(shown) < len(residuals):
@@ -144,7 +132,7 @@ def _draw_deviations(axes: Axes, quantity: str, residuals: "Sequence[Residual]",
         "fitted": [deviation_percent(residual.computed, residual.measured) for residual in shown],
         "leave-one-out": [deviation_percent(residual.left_out, residual.measured) for residual in shown],
     }
-    drawing.rows(axes, [names[residual.test] for residual in shown], values, 0.0)
+    drawing.rows(axes, [residual.test for residual in shown], values, 0.0)
     axes.set(title=title, xlabel="deviation, %")
 
 
@@ -190,11 +178,11 @@ def draw_firing(result: "FiringResult", sheet: drawing.Sheet) -> drawing.Picture
         if bounded:
             start, end = (edge if e is None else e for e, edge in zip(ends, (low, high), strict=True))
             drawing.ranges(axes, [0.5], [(start, end)], drawing.BLUE)
-        drawing.points(axes, [fit.v50_m_s], [0.5], [words], color=drawing.BLUE)
+        drawing.points(axes, [fit.v50_m_s], [0.5], color=drawing.BLUE)
     if after is not None:
         name = f"posterior, V50 {after.v50_m_s:.1f} m/s"
         drawing.ranges(axes, [POSTERIOR], [after.v50_interval_m_s], drawing.PURPLE)
-        drawing.points(axes, [after.v50_m_s], [POSTERIOR], [name], marker="D", color=drawing.PURPLE, label=name)
+        drawing.points(axes, [after.v50_m_s], [POSTERIOR], marker="D", color=drawing.PURPLE, label=name)
     if result.mean is not None:
         name = "mean of shots" if result.mean.rule == "no usual rule" else "MIL-STD-662F"
         drawing.velocities(axes, [(name, result.mean.v50_m_s, drawing.SOFT, "-")])
