@@ -176,10 +176,6 @@ def _fragmented_us(p: Parameters, history: History) -> float:
     return float(np.interp(p.Hc0 / MM, crossed, history.time_us, right=inf))
 
 
-# Points of a curve of probability.
-CURVE_POINTS = 200
-
-
 def draw_limit(result: LimitResult, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the probability of stopping, if it is known, and the residual velocity over the impact velocity."""
     scenario, limit = drawing.needed(result, "scenario"), result.ballistic_limit_m_s
@@ -192,7 +188,7 @@ def draw_limit(result: LimitResult, sheet: drawing.Sheet) -> drawing.Picture:
     title += "" if residual_alone else f", 95 % interval {interval(ends, '.0f')} m/s"
     picture = sheet.panels(title, *[drawing.PANEL] * (1 if residual_alone else 2), sharex=True)
     if error is not None and ends is not None:
-        likely, velocities = picture.axes[0], np.linspace(*reach, CURVE_POINTS)
+        likely, velocities = picture.axes[0], np.linspace(*reach, 200)
         at = float(error.probability_of_stopping(limit, threat))
         likely.set(ylabel="probability of stopping, %", ylim=(0.0, 102.0))
         likely.axvspan(*ends, **drawing.SHADE, label="95 % interval")

@@ -31,8 +31,6 @@ from armour.reporting.words import chance
 MAX_PAIRS, MAX_LINES, NODES, MAX_DOTS = 12, 6, 25, 250
 # Probability that a map shows if the scenario requires no confidence.
 USUAL = 0.95
-# Name of the region where less than half of the armours stop the projectile.
-EVEN = "perforated more often than not"
 # Opacity of a tinted region.
 TINT = 0.14
 
@@ -167,8 +165,9 @@ class _Map:
             required = np.minimum(required, above_m_s)
             if len(set(self.confidences)) > 1 or margin:
                 label = "meets the requirements"
+        often = "perforated more often than not"
         frontiers = [
-            _Frontier(even, {"color": drawing.VERMILION, "linestyle": "--"}, (-np.inf, 0.0), EVEN),
+            _Frontier(even, {"color": drawing.VERMILION, "linestyle": "--"}, (-np.inf, 0.0), often),
             _Frontier(required, {"color": drawing.BLUE, "linestyle": "-"}, (0.0, np.inf), label),
         ]
         if not any(self.confidences):

@@ -58,8 +58,6 @@ METADATA: dict[str, Any] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"Creati
 WIDTH, PANEL = 5.2, 2.6
 # Width of a plain and of a bold character as a part of the font size.
 CHARACTER, BOLD = 0.56, 0.64
-# Largest number of points of a panel that have large marks.
-MANY = 100
 # Looks of a reference line, of a shaded range, of a band about a curve, and of the paper behind a name; width of the
 # caps of a range, points.
 RULE: Any = {"linewidth": 1.0, "color": INK}
@@ -367,7 +365,7 @@ def agreement(
             + f", computed {column.with_unit(p.computed)}"
             for p in group
         ]
-        look = look_of(index) | {"label": legible(label), "markersize": 5.0 if len(pairs) <= MANY else 3.0}
+        look = look_of(index) | {"label": legible(label), "markersize": 5.0 if len(pairs) <= 100 else 3.0}
         if any(p.deviation for p in group):
             ends = [(p.expected - p.deviation, p.expected + p.deviation) for p in group]
             ranges(axes, computed, ends, look["color"])

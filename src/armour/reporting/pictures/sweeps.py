@@ -16,8 +16,8 @@ from armour.scenario.scenario import Scenario
 from armour.sweeps.sweep import SweepResult
 from armour.units import MM
 
-# Quantities that are zero where the projectile is stopped, and lines of equal value on a map, about.
-RESIDUALS, CONTOURS = ("residual_velocity_m_s", "residual_mass_g"), 10
+# Quantities that are zero where the projectile is stopped.
+RESIDUALS = ("residual_velocity_m_s", "residual_mass_g")
 # Rows of a sweep whose points are marked on a curve.
 MAX_MARKERS = 40
 
@@ -98,7 +98,7 @@ def _draw_map(axes: Axes, table: Mapping[str, Any], keys: Sequence[str], answer:
     shown: Any = np.where(z > 0.0, z, np.nan) if answer.key in RESIDUALS else z
     drawing.colours_of(axes, x, y, shown, answer.heading)
     if min(z.shape) > 1:
-        drawing.contours(axes, x, y, shown, CONTOURS, at=0.2)
+        drawing.contours(axes, x, y, shown, 10, at=0.2)
         if set(keys) == {CERAMIC, BACKING}:
             thickness, armour = dict(zip(keys, np.meshgrid(x, y), strict=True)), scenario.core_armour()
             areal = armour.rho_c * MM * thickness[CERAMIC] + armour.rho_B * MM * thickness[BACKING]
