@@ -89,8 +89,6 @@ GAIN = "relative gain of one more test"
 GAINS = "Gain of one more test{}, relative to the average planned test (1: as good)."
 # Candidates up to which each has its gain as a number.
 MAX_NUMBERS = 60
-# Markers of candidates that are tested once, twice, and so on; those tested more often have the last.
-MARKERS = "os^D*"
 
 
 def draw_planned_tests(result: "PlannedTests", sheet: drawing.Sheet) -> drawing.Picture:
@@ -119,7 +117,11 @@ def draw_planned_tests(result: "PlannedTests", sheet: drawing.Sheet) -> drawing.
         axes.set(xlim=drawing.widened(columns[0], 0.15), ylim=drawing.widened(columns[1], 0.15))
         order = np.argsort(gains, kind="stable")  # the greatest is written last
         _draw_candidates(axes, *drawing.on_grid(columns[0][order], columns[1][order], gains[order]))
-    _draw_planned(axes, places)
+    repeats = Counter(places)
+    drawing.points(axes, *zip(*repeats, strict=True), label="planned", markersize=7.0, color=drawing.VERMILION)
+    for place, times in repeats.items():
+        if times > 1:
+            drawing.name_point(axes, *place, f"{times} tests")
     return picture
 
 
@@ -140,16 +142,6 @@ def _note(result: "PlannedTests", velocities: Sequence[float]) -> str:
         note = "The planned tests do not determine the inputs, so no gain is shown."
     different = listed([f"{velocity:.4g} m/s" for velocity in sorted(set(velocities))])
     return f"{note} The planned shots are at {different}." if velocities else note
-
-
-def _draw_planned(axes: Axes, places: Sequence[tuple[Any, ...]]) -> None:
-    """Draw the points of planned tests, those with the same number of tests together."""
-    repeats = Counter(places)
-    for times in sorted(set(repeats.values())):
-        x, y = zip(*(place for place, count in repeats.items() if count == times), strict=True)
-        rank = min(times, len(MARKERS))
-        look: Any = {"label": "one test" if times == 1 else f"{times} tests", "color": drawing.VERMILION}
-        drawing.points(axes, x, y, marker=MARKERS[rank - 1], markersize=5.0 + rank, **look)
 
 
 def _draw_candidates(axes: Axes, x: Any, y: Any, z: Any) -> None:
