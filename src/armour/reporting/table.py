@@ -89,7 +89,7 @@ def grouped(items: Iterable[Any], key: Callable[[Any], str]) -> dict[str, list[A
 def listing(items: Iterable[Any], *sources: Source, title: str = "", rest: str = "") -> Table:
     """Make a table with a row for each item, without the columns that are empty in all of them."""
     rows = [[_cell(item, source) for source in sources] for item in items]
-    columns = [source if isinstance(source, Column) else source[0] for source in sources]
+    columns = [_column(source) for source in sources]
     filled = [index for index, column in enumerate(columns) if not rows or any(column.text(row[index]) for row in rows)]
     cells = tuple(tuple(row[index] for index in filled) for row in rows)
     return Table(tuple(columns[index] for index in filled), cells, title, rest=rest)
@@ -98,6 +98,10 @@ def listing(items: Iterable[Any], *sources: Source, title: str = "", rest: str =
 def record(item: Any, *sources: Source, title: str = "") -> Table:
     """Make a table of one item, without the quantities that have no value."""
     return replace(listing([item], *sources, title=title), record=True)
+
+
+def _column(source: Source) -> Column:
+    return source if isinstance(source, Column) else source[0]
 
 
 def _cell(item: Any, source: Source) -> Cell:

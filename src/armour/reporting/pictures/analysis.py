@@ -177,7 +177,7 @@ def _fragmented_us(p: Parameters, history: History) -> float:
 
 
 def draw_limit(result: LimitResult, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw the probability of stopping, if it is known, and the residual velocity over the impact velocity."""
+    """Draw both over the impact velocity; without a model error, draw the residual velocity alone."""
     scenario, limit = drawing.needed(result, "scenario"), result.ballistic_limit_m_s
     threat, error, ends = scenario.impact.velocity_m_s, result.model_error, result.interval_m_s
     curve = residual_velocity_curve(scenario, result)
@@ -193,15 +193,17 @@ def draw_limit(result: LimitResult, sheet: drawing.Sheet) -> drawing.Picture:
         likely.set(ylabel="probability of stopping, %", ylim=(0.0, 102.0))
         likely.axvspan(*ends, **drawing.SHADE, label="95 % interval")
         likely.plot(velocities, 100.0 * error.probability_of_stopping(limit, velocities), color=drawing.BLUE)
+        likely.axvline(limit, linestyle=":", label=f"limit {limit:.0f} m/s", **drawing.RULE)
+        likely.axvline(threat, linestyle="--", linewidth=1.0, color=drawing.VERMILION)
         label = f"{threat:g} m/s: {chance(at)}"
         drawing.points(likely, [threat], [100.0 * at], marker="D", color=drawing.VERMILION, label=label)
     residual = picture.axes[-1]
     residual.plot(impact, impact, linestyle=":", linewidth=1.0, color=drawing.INK, label="no armour")
     residual.plot(impact, [point.residual_velocity_m_s for point in curve], color=drawing.BLUE, label="projectile")
-    plug = [point.plug_velocity_m_s for point in curve]
-    residual.plot(impact, plug, linestyle="--", color=drawing.GREEN, label="plug")
+    residual.plot(
+        impact, [point.plug_velocity_m_s for point in curve], linestyle="--", color=drawing.GREEN, label="plug"
+    )
+    residual.axvline(limit, linestyle=":", label="ballistic limit", **drawing.RULE)
+    residual.axvline(threat, linestyle="--", linewidth=1.0, color=drawing.VERMILION, label=f"{threat:g} m/s")
     drawing.residual_axes(residual, reach)
-    for axes in picture.axes:
-        lines = ("ballistic limit", limit, drawing.INK, ":"), ("impact", threat, drawing.VERMILION, "--")
-        drawing.velocities(axes, lines)
     return picture

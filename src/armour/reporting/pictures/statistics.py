@@ -91,7 +91,7 @@ WORDS = {"": "measured", "at least": "stopped at", "at most": "perforated at"}
 
 
 def draw_calibration(result: "CalibrationResult", sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw computed over measured values, and the deviations test by test, for each quantity."""
+    """Draw both for each quantity that was measured."""
     title = f"Calibration to {len({residual.test for residual in result.residuals})} tests"
     if result.mean_error_percent is not None:
         title += f": mean error {result.mean_error_percent:.1f} %"

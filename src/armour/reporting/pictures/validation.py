@@ -77,7 +77,7 @@ def _draw_panel(axes: Axes, figure: Figure) -> None:
 
 
 def draw_comparison(result: Comparison, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw the residual velocity by the model and by fits to it, and the limits by formulas."""
+    """Draw the curves, and the limits within their range."""
     limit = result.limit.ballistic_limit_m_s
     impact = [point.impact_velocity_m_s for point in result.curve]
     limits = {f"Florence, {formula.projectile}": formula.ballistic_limit_m_s for formula in result.florence}

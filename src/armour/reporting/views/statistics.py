@@ -242,17 +242,21 @@ def v50_table(result: "FiringResult") -> Table:
 
 def recommended_table(fit: "FittedCurve", level: float) -> Table:
     """Return the velocities and the scatter of the recommended curve, with their intervals."""
+    keys = {"V50": "v50", "V05": "v05", "V95": "v95", "scatter": "scale"}
+
+    def ends(name: str) -> str:
+        return interval(getattr(fit, f"{keys[name]}_interval_m_s"), ".0f")
+
+    def lower(name: str) -> Cell:
+        bound = getattr(fit, f"{keys[name]}_lower_m_s", None)
+        return "not bounded" if bound is None and name in ("V50", "V05") else bound
+
     return listing(
-        (
-            ("V50", fit.v50_m_s, fit.v50_interval_m_s, _or(fit.v50_lower_m_s, "not bounded")),
-            ("V05", fit.v05_m_s, fit.v05_interval_m_s, _or(fit.v05_lower_m_s, "not bounded")),
-            ("V95", fit.v95_m_s, fit.v95_interval_m_s, None),
-            ("scatter", fit.scale_m_s, fit.scale_interval_m_s, None),
-        ),
-        (Column("quantity"), lambda row: row[0]),
-        (Column("estimate", "m/s", ".0f"), lambda row: row[1]),
-        (Column(f"{percent(level)} interval", "m/s"), lambda row: interval(row[2], ".0f")),
-        (Column(f"one-sided {percent(level)} lower bound", "m/s", ".0f"), lambda row: row[3]),
+        keys,
+        (Column("quantity"), str),
+        (Column("estimate", "m/s", ".0f"), lambda name: getattr(fit, f"{keys[name]}_m_s")),
+        (Column(f"{percent(level)} interval", "m/s"), ends),
+        (Column(f"one-sided {percent(level)} lower bound", "m/s", ".0f"), lower),
         title=f"recommended: {fit.curve}, {fit.method}",
     )
 
