@@ -251,6 +251,12 @@ def test_a_figure_of_the_paper():
     assert len(axes.containers) == 1  # the range of one of them
 
 
+def test_a_series_of_several_panels_is_named_once():
+    first, second = drawn(partial(validation.draw_figure, [figure(), figure()]), Sheet()).axes
+    assert labels(first) == ["A", "B", "L", "printed", "another"]
+    assert not labels(second)
+
+
 def test_parity_of_the_tables_of_a_suite(folder):
     picture = picture_of(result(folder, TABLE + case("own", 700.0, "band = 100.0")))
     [axes] = picture.axes

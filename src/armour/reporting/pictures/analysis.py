@@ -203,7 +203,8 @@ def draw_limit(result: LimitResult, sheet: drawing.Sheet) -> drawing.Picture:
     residual.plot(
         impact, [point.plug_velocity_m_s for point in curve], linestyle="--", color=drawing.GREEN, label="plug"
     )
-    residual.axvline(limit, linestyle=":", label="ballistic limit", **drawing.RULE)
-    residual.axvline(threat, linestyle="--", linewidth=1.0, color=drawing.VERMILION, label=f"{threat:g} m/s")
+    residual.axvline(limit, linestyle=":", label="ballistic limit" if residual_alone else "", **drawing.RULE)
+    label = f"{threat:g} m/s" if residual_alone else ""
+    residual.axvline(threat, linestyle="--", linewidth=1.0, color=drawing.VERMILION, label=label)
     drawing.residual_axes(residual, reach)
     return picture

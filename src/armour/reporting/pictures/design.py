@@ -374,15 +374,17 @@ def draw_check(result: CheckResult, sheet: drawing.Sheet) -> drawing.Picture:
     note = "Percentages: probability that the armour stops the projectile."
     picture = sheet.panels(view.outcome(result), *heights, note=note)
     for axes, threat, rows_of_threat, changes in zip(picture.axes, result.threats, rows, names, strict=True):
+        last = axes is picture.axes[-1]
         drawing.name_rows(axes, changes)
         places = range(len(changes))
         limits = np.array([row.ballistic_limit_m_s for row in rows_of_threat], float)
         # An unknown interval is drawn as the limit alone.
         ends = [row.interval_m_s or (limit, limit) for row, limit in zip(rows_of_threat, limits, strict=True)]
         drawing.ranges(axes, places, ends, drawing.BLUE)
-        drawing.points(axes, limits, places, color=drawing.BLUE, label="ballistic limit, 95 % interval")
+        label = "ballistic limit, 95 % interval" if last else ""
+        drawing.points(axes, limits, places, color=drawing.BLUE, label=label)
         velocities = [row.velocity_m_s for row in rows_of_threat]
-        look: Any = {"marker": "D", "color": drawing.VERMILION, "label": "velocity of the round"}
-        drawing.points(axes, velocities, places, **look)
+        label = "velocity of the round" if last else ""
+        drawing.points(axes, velocities, places, marker="D", color=drawing.VERMILION, label=label)
         axes.set(xlabel="velocity, m/s", title=f"{threat.threat}: {view.verdict(threat)}")
     return picture

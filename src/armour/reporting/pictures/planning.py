@@ -37,7 +37,7 @@ def draw_shot_plan(plan: "ShotPlan", sheet: drawing.Sheet) -> drawing.Picture:
     label = "by the posterior" if plan.fired.complete else "by the prior"
     last.plot(x, plan.curve.probability, color=drawing.BLUE, label=label)
     draw_shots(last, plan.fired)
-    _draw_velocities(last, plan)
+    _draw_velocities(last, plan, named=False)
     return picture
 
 
@@ -58,7 +58,7 @@ def _draw_densities(axes: Axes, plan: "ShotPlan") -> None:
     if plan.fired.complete:
         axes.plot(x, plan.curve.posterior, color=drawing.BLUE, label="posterior, with the shots")
     axes.set(ylabel="probability density of V50, s/m", xlim=(x[0], x[-1]))
-    _draw_velocities(axes, plan)
+    _draw_velocities(axes, plan, named=True)
     axes.set_ylim(bottom=0.0)
 
 
@@ -79,10 +79,10 @@ def _draw_operating(axes: Axes, plan: "ShotPlan") -> None:
     axes.set_title(f"operating characteristic at a scatter of {armours[0].scatter_m_s:.0f} m/s")
 
 
-def _draw_velocities(axes: Axes, plan: "ShotPlan") -> None:
+def _draw_velocities(axes: Axes, plan: "ShotPlan", *, named: bool) -> None:
     """Draw lines at the next velocity and the required one."""
     following = ("next shot", plan.next_velocity_m_s, drawing.INK, ":")
-    drawing.velocities(axes, [following, ("requirement", plan.requirement_m_s, drawing.SOFT, "-.")])
+    drawing.velocities(axes, [following, ("requirement", plan.requirement_m_s, drawing.SOFT, "-.")], named=named)
 
 
 GAIN = "relative gain of one more test"

@@ -51,8 +51,14 @@ def draw_suite(result: SuiteResult, sheet: drawing.Sheet) -> drawing.Picture:
 def draw_figure(panels: Sequence[Figure], sheet: drawing.Sheet) -> drawing.Picture:
     """Draw a figure of the paper: the model's curves, with the numbers of the paper's text as marks."""
     picture = sheet.panels(panels[0].section.title, *[drawing.PANEL] * len(panels))
+    named: set[str] = set()
     for axes, figure in zip(picture.axes, panels, strict=True):
         _draw_panel(axes, figure)
+        # A series that several panels share is named in the first of them only.
+        handles, labels = axes.get_legend_handles_labels()
+        for handle, label in zip(handles, labels, strict=True):
+            handle.set_label("" if label in named else label)
+        named.update(labels)
     return picture
 
 
