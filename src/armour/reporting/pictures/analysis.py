@@ -1,6 +1,5 @@
 """Pictures of impacts and of ballistic limits."""
 
-from collections.abc import Callable
 from itertools import pairwise
 from math import inf
 from typing import Any
@@ -41,9 +40,12 @@ EDGE: Any = {"edgecolor": drawing.INK, "linewidth": 0.5}
 # Pictures of an impact at most, the least height of armour that they show, in diameters of the penetrator and as a part
 # of their length, and the scale drawn, mm.
 PICTURES, SHOWN_DIAMETERS, SHOWN_PART, SCALE_MM = 6, 3.6, 0.6, 10.0
-# Height of the words above and below a picture, inches, characters in a line of them, and the time between events of
-# one picture at most, µs.
-WORDS_INCHES, EVENT_CHARACTERS, AT_ONCE_US = 1.1, 11, 1e-3
+# Part of the width of a picture that a panel takes at least.
+PART = 0.8
+# Characters in a line of words above a picture, and the time between events of one at most, µs.
+EVENT_CHARACTERS, AT_ONCE_US = 12, 1e-3
+# Height of the words and of the scale below the pictures of an impact, as a multiple of the font size.
+BELOW = 4.9
 
 
 def draw_impact(result: ImpactResult, sheet: drawing.Sheet) -> drawing.Picture:
@@ -59,9 +61,9 @@ def draw_impact(result: ImpactResult, sheet: drawing.Sheet) -> drawing.Picture:
         title = f"Perforated: residual velocity {result.residual_velocity_m_s:.0f} m/s"
     note = f"Drawn up to {shown:.3g} µs of {result.duration_us:.3g} µs." if shown < result.duration_us else ""
     # A result that is made by hand has no scenario, and so no armour to draw.
-    scenes = [_scene(result, history, sheet.width)] if "scenario" in result.question else []
-    heights = [*(height for height, _ in scenes), *(height for _, height, _ in PANELS)]
-    picture = sheet.panels(title, *heights, note=note)
+    scene = _Scene(result, history) if "scenario" in result.question else None
+    scenes = [] if scene is None else [scene.high_inches(sheet.width)]
+    picture = sheet.panels(title, *scenes, *(height for _, height, _ in PANELS), note=note)
     over_time = picture.axes[len(scenes) :]
     seen = history.time_us <= shown
     for axes, (label, _, curves) in zip(over_time, PANELS, strict=True):
@@ -74,9 +76,9 @@ def draw_impact(result: ImpactResult, sheet: drawing.Sheet) -> drawing.Picture:
         axes.set_ylabel(label)
     over_time[1].set_ylim(bottom=0.0)
     over_time[-1].set(xlabel="time since impact, µs", xlim=(0.0, max(shown, 1e-9)))
-    _name_stages(over_time[0], result, shown, 0.8 * sheet.width)
-    for _, draw in scenes:
-        draw(picture.axes[0])
+    _name_stages(over_time[0], result, shown, PART * sheet.width)
+    if scene is not None:
+        scene.draw(picture.axes[0], PART * sheet.width)
     return picture
 
 
@@ -97,27 +99,70 @@ def _name_stages(axes: Axes, result: ImpactResult, shown: float, inches: float) 
             drawing.points(axes, [0.5 * (start + end)], [high], [text], marker="None")
 
 
-def _scene(result: ImpactResult, history: History, inches: float) -> tuple[float, Callable[[Axes], None]]:
-    """Return the height, inches, and the drawing of pictures to scale, side by side: at each end of a stage."""
-    p = result.question["scenario"].core_armour()
-    rod, diameter, ceramic, backing = (value / MM for value in (p.L0, p.D0, p.Hc0, p.Hb))
-    total, high = ceramic + backing, 0.5 * max(SHOWN_DIAMETERS * diameter, SHOWN_PART * (rod + ceramic + backing))
-    fragmented_us = _fragmented_us(p, history)
-    moments = _moments(result, fragmented_us)
-    times = [time for time, _ in moments]
-    depths, lengths, bulges, velocities = (
-        np.interp(times, history.time_us, values)
-        for values in (history.depth_mm, history.length_mm, history.bulge_height_mm, history.velocity_m_s)
-    )
-    furthest = total + bulges.max()
-    step = 1.15 * (furthest + (lengths - depths)[1:].clip(min=0.0).max())
-    width = rod + step * (len(moments) - 1) + furthest
+class _Scene:
+    """Pictures to scale along the line of fire, side by side: at the start and at the end of each stage."""
 
-    def draw_moment(axes: Axes, start: float, depth: float, length: float, bulge: float, *, broken: bool) -> None:
-        half = 0.5 * diameter
+    def __init__(self, result: ImpactResult, history: History) -> None:
+        p = result.question["scenario"].core_armour()
+        self.rod, self.diameter, self.ceramic, self.backing = (value / MM for value in (p.L0, p.D0, p.Hc0, p.Hb))
+        self.fragmented_us = _fragmented_us(p, history)
+        self.moments = _moments(result, self.fragmented_us)
+        times = [time for time, _ in self.moments]
+        self.depths, self.lengths, self.bulges, self.velocities = (
+            np.interp(times, history.time_us, values)
+            for values in (history.depth_mm, history.length_mm, history.bulge_height_mm, history.velocity_m_s)
+        )
+        left = np.minimum(self.depths - self.lengths, 0.0)
+        right = self.ceramic + self.backing + self.bulges
+        # Each has its width, but for those too narrow for words.
+        mean = (right - left).mean()
+        slots = (right - left).clip(min=0.85 * mean) + 0.15 * mean
+        self.middles, self.width = np.cumsum(slots) - 0.5 * slots, float(slots.sum())
+        self.starts = self.middles - 0.5 * (left + right)  # of the armour
+        self.high = 0.5 * max(SHOWN_DIAMETERS * self.diameter, SHOWN_PART * (self.rod + self.ceramic + self.backing))
+        self.words = [
+            f"{time:.3g} µs\n{velocity:.0f} m/s\n" + "\n".join(wrapped(event, EVENT_CHARACTERS))
+            for (time, event), velocity in zip(self.moments, self.velocities, strict=True)
+        ]
+
+    def high_inches(self, inches: float) -> float:
+        """Return the height of the pictures in a width, inches."""
+        lines = max(words.count("\n") + 1 for words in self.words)
+        return (inches - 0.1) * 2.05 * self.high / self.width + (1.3 * lines + BELOW) * drawing.SMALL / 72.0
+
+    def draw(self, axes: Axes, inches: float) -> None:
+        """Draw the pictures in a width, inches."""
+        high = self.high
+        for (time, _), start, *state in zip(
+            self.moments, self.starts, self.depths, self.lengths, self.bulges, strict=True
+        ):
+            self._draw_moment(axes, start, *state, broken=time >= self.fragmented_us - AT_ONCE_US)
+        longest = max(len(line) for words in self.words for line in [*words.splitlines(), "penetrator"])
+        room = 72.0 * inches / self.width * np.diff(self.middles).min(initial=self.width)
+        look: Any = {"ha": "center", "fontsize": min(drawing.SMALL, room / (drawing.CHARACTER * (longest + 1)))}
+        rods = [self.starts[0] - 0.5 * self.rod, *self.middles[1:]]
+        for middle, words, rod, length in zip(self.middles, self.words, rods, self.lengths, strict=True):
+            axes.text(middle, high, words, va="bottom", **look)
+            axes.text(rod, -1.05 * high, f"penetrator\n{length:.3g} mm", va="top", **look)
+        # Below the words, whose height is no length.
+        figure: Any = axes.figure
+        below = offset_copy(axes.transData, figure, y=-(BELOW - 0.5) * drawing.SMALL, units="points")
+        axes.plot([0.0, SCALE_MM], [-1.05 * high] * 2, color=drawing.INK, linewidth=1.0, transform=below, clip_on=False)
+        axes.text(0.5 * SCALE_MM, -1.05 * high, f"{SCALE_MM:g} mm", va="bottom", transform=below, **look)
+        for colour, thickness, name in ((CERAMIC, self.ceramic, "ceramic"), (METAL, self.backing, "plate")):
+            if thickness:
+                axes.fill([], [], facecolor=colour, label=name, **EDGE)
+        axes.set(xlim=(0.0, self.width), ylim=(-1.05 * high, high), aspect="equal")
+        axes.set_axis_off()
+
+    def _draw_moment(
+        self, axes: Axes, start: float, depth: float, length: float, bulge: float, *, broken: bool
+    ) -> None:
+        """Draw what is seen of layers and penetrator; one of a broken material is hatched."""
+        half, high, total = 0.5 * self.diameter, self.high, self.ceramic + self.backing
         for colour, near, far, hatch in (
-            (CERAMIC, 0.0, ceramic, "xxx" if broken else None),
-            (METAL, ceramic, total, None),
+            (CERAMIC, 0.0, self.ceramic, "xxx" if broken else None),
+            (METAL, self.ceramic, total, None),
         ):
             ahead = max(near + (bulge if near else 0.0), depth)
             beside = [(near, far, -high, -half), (near, far, half, high)]
@@ -126,30 +171,7 @@ def _scene(result: ImpactResult, history: History, inches: float) -> tuple[float
                     corner = start + first, low
                     axes.add_patch(Rectangle(corner, last - first, top - low, facecolor=colour, hatch=hatch, **EDGE))
         if length > 0.0:
-            axes.add_patch(Rectangle((start + depth - length, -half), length, diameter, facecolor=ROD, **EDGE))
-
-    def draw(axes: Axes) -> None:
-        look: Any = {"ha": "center", "fontsize": drawing.SMALL}
-        for place, ((time, event), velocity, *state) in enumerate(
-            zip(moments, velocities, depths, lengths, bulges, strict=True)
-        ):
-            start = place * step  # of the armour
-            draw_moment(axes, start, *state, broken=time >= fragmented_us - AT_ONCE_US)
-            words = [f"{time:.3g} µs", f"{velocity:.0f} m/s", *wrapped(event, EVENT_CHARACTERS)]
-            axes.text(start + 0.5 * total, high, "\n".join(words), va="bottom", **look)
-            axes.text(start + 0.5 * total, -1.05 * high, f"penetrator\n{state[1]:.3g} mm", va="top", **look)
-        # Below the words, whose height is no length.
-        figure: Any = axes.figure
-        below = offset_copy(axes.transData, figure, y=-4.4 * drawing.SMALL, units="points")
-        axes.plot([0.0, SCALE_MM], [-1.05 * high] * 2, color=drawing.INK, linewidth=1.0, transform=below, clip_on=False)
-        axes.text(0.5 * SCALE_MM, -1.05 * high, f"{SCALE_MM:g} mm", va="bottom", transform=below, **look)
-        for colour, thickness, name in ((CERAMIC, ceramic, "ceramic"), (METAL, backing, "plate")):
-            if thickness:
-                axes.fill([], [], facecolor=colour, label=name, **EDGE)
-        axes.set(xlim=(-rod, width - rod), ylim=(-1.05 * high, high), aspect="equal")
-        axes.set_axis_off()
-
-    return inches * 2.05 * high / width + WORDS_INCHES, draw
+            axes.add_patch(Rectangle((start + depth - length, -half), length, 2.0 * half, facecolor=ROD, **EDGE))
 
 
 def _moments(result: ImpactResult, fragmented_us: float) -> list[tuple[float, str]]:
