@@ -357,9 +357,8 @@ def _impact(contents: Contents) -> ReportSection:
         f"{abs(energy.difference):.1g} J."
     )
     table = analysis_view.stage_table(contents.impact)
-    # The table has the stages in words.
-    drawing = drawing_of(contents.impact, note="")
-    return ReportSection("The impact, stage by stage", (words,), pictures=(drawing,), tables=(table,), folded=True)
+    pictures = (drawing_of(contents.impact),)
+    return ReportSection("The impact, stage by stage", (words,), pictures=pictures, tables=(table,), folded=True)
 
 
 def _which_armour(contents: Contents) -> str:

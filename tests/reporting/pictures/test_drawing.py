@@ -69,6 +69,18 @@ DRAWINGS: dict[str, Callable[[], Callable[[Sheet], Picture]]] = {
 }
 
 
+def lines(sheet: Sheet, *series: tuple[list[float], str]) -> Picture:
+    """A picture of one panel with curves: their heights and names."""
+    picture = sheet.panels("T", PANEL)
+    for y, label in series:
+        picture.axes[0].plot([0.0, 1.0, 2.0], y, label=label)
+    return picture
+
+
+def end_names(picture: Picture) -> list[str]:
+    return [text.get_text() for text in picture.axes[0].texts]
+
+
 def legend_of(picture: Picture) -> list[str]:
     legend = picture.axes[0].get_legend()
     return [text.get_text() for text in legend.get_texts()] if legend else []
@@ -111,6 +123,24 @@ def test_no_text_is_cut_and_no_panel_overlaps_another(name: str, width: float):
     for first, second in combinations([axes.get_tightbbox() for axes in figure.axes], 2):
         shared = Bbox.intersection(first, second)
         assert shared is None or min(shared.width, shared.height) < 2.0
+
+
+def test_curves_are_named_at_their_ends_where_these_are_apart():
+    apart = drawn(lambda s: lines(s, ([0, 1, 2], "up"), ([2, 1, 0], "down")), Sheet())
+    assert end_names(apart) == ["up", "down"]
+    assert not legend_of(apart)
+    near = drawn(lambda s: lines(s, ([0, 1, 2], "up"), ([2, 1, 1.99], "other")), Sheet())
+    assert not end_names(near)
+    assert legend_of(near) == ["up", "other"]
+
+
+def test_a_curve_that_leaves_its_panel_has_a_legend():
+    def leaves(sheet: Sheet) -> Picture:
+        picture = lines(sheet, ([0, 1, 9], "up"), ([1, 1, 1], "even"))
+        picture.axes[0].set_ylim(0.0, 2.0)
+        return picture
+
+    assert legend_of(drawn(leaves, Sheet())) == ["up", "even"]
 
 
 def test_the_ends_of_a_range_may_be_in_either_order():

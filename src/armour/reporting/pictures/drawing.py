@@ -56,8 +56,8 @@ STYLE: Any = {
 METADATA: dict[str, Any] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
 # Width of a picture and height of a panel, inches.
 WIDTH, PANEL = 5.2, 2.6
-# Width of a plain and of a bold character as a part of the font size.
-CHARACTER, BOLD = 0.56, 0.64
+# Width of a plain and of a bold character as a part of the font size; longest name at the end of a curve, characters.
+CHARACTER, BOLD, END_CHARACTERS = 0.56, 0.64, 20
 # Looks of a reference line, of a shaded range, of a band about a curve, and of the paper behind a name; width of the
 # caps of a range, points.
 RULE: Any = {"linewidth": 1.0, "color": INK}
@@ -163,8 +163,15 @@ def _lines(texts: Iterable[str], width: float, size: float, character: float = C
 
 
 def _name(axes: Axes) -> list[Any]:
-    """Name what a panel shows in a legend below it."""
+    """Name several curves at their ends if there is room, and everything else in a legend below the panel."""
     handles: list[Any] = axes.get_legend_handles_labels()[0]
+    lines = [handle for handle in handles if isinstance(handle, Line2D) and handle.get_linestyle() != "None"]
+    curves = [line for line in lines if np.size(line.get_xdata()) > 2]
+    if len(curves) > 1 and _have_room(axes, curves):
+        for line in curves:
+            look: Any = {"fontsize": NAME, "va": "center", "annotation_clip": False}
+            axes.annotate(line.get_label(), line.get_xydata()[-1], (4.0, 0.0), textcoords="offset points", **look)
+        handles = [handle for handle in handles if handle not in curves]
     if not handles:
         return []
     figure: Any = axes.figure
@@ -175,8 +182,21 @@ def _name(axes: Axes) -> list[Any]:
     # Measured from the panel, which keeps its height.
     left, down = (box.x0 - axes.bbox.x0) / figure.dpi, (axes.bbox.y0 - box.y0) / figure.dpi
     place = offset_copy(axes.transAxes, figure, x=left, y=-down, units="inches")
-    look: Any = {"loc": "upper left", "bbox_to_anchor": (0.0, 0.0), "bbox_transform": place, "borderaxespad": 0.4}
+    look = {"loc": "upper left", "bbox_to_anchor": (0.0, 0.0), "bbox_transform": place, "borderaxespad": 0.4}
     return [axes.legend(handles, labels, ncols=max(1, min(3, columns, len(handles))), **look)]
+
+
+def _have_room(axes: Axes, curves: Sequence[Any]) -> bool:
+    """Return whether short names fit at the ends of curves: on the right, within the panel, and apart."""
+    points = [np.asarray(line.get_xydata(), float) for line in curves]
+    ends = axes.transData.transform([each[-1] for each in points])
+    gaps = np.diff(np.sort(ends[:, 1])) * 72.0 / axes.figure.dpi
+    return (
+        all(len(line.get_label()) <= END_CHARACTERS for line in curves)
+        and all(each[-1, 0] == each[:, 0].max() for each in points)
+        and all(axes.bbox.padded(1.0).contains(*end) for end in ends)
+        and bool(gaps.min() > 1.3 * NAME)
+    )
 
 
 def saved(figure: Figure, suffix: str, made_by: str = "", **options: Any) -> bytes:

@@ -72,16 +72,15 @@ def draw_sensitivity(result: "SensitivityResult", sheet: drawing.Sheet) -> drawi
         (item for item in result.inputs if any(item.elasticities[answer] is not None for answer in answers)),
         key=lambda item: [-abs(item.elasticities[answer] or 0.0) for answer in answers],
     )
-    names = [label_and_unit(item.input)[0] for item in inputs]
-    changes = {label_and_unit(name)[0]: [item.elasticities[name] for item in inputs] for name in answers}
-    title = ""
+    names, titles = [label_and_unit(item.input)[0] for item in inputs], [label_and_unit(name)[0] for name in answers]
+    title, note = "", "Change in % for a 1 % increase of the input."
     if inputs:
         most = inputs[0].elasticities[answers[0]] or 0.0
-        title = f"The {next(iter(changes))} depends most on the {names[0]}: {most:+.2f} % for 1 % more"
-    picture = sheet.panels(title, drawing.rows_height(names), note="Change in % for a 1 % increase of the input.")
-    [axes] = picture.axes
-    drawing.rows(axes, names, changes, 0.0)
-    axes.set_xlabel("change, %")
+        title = f"The {titles[0]} depends most on the {names[0]}: {most:+.2f} % for 1 % more"
+    picture = sheet.panels(title, *[drawing.rows_height(names, titled=True)] * len(answers), note=note)
+    for axes, answer, heading in zip(picture.axes, answers, titles, strict=True):
+        drawing.rows(axes, names, {"": [item.elasticities[answer] for item in inputs]}, 0.0)
+        axes.set(title=heading, xlabel="change, %")
     return picture
 
 
