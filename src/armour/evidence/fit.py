@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from armour.core.state import Parameters
-from armour.evidence.student import Floats
+from armour.evidence.mixture import Floats
 from armour.files import read_toml, shipped
 from armour.scenario.inputs import INPUTS
 from armour.scenario.library import DEFAULTS

@@ -9,8 +9,7 @@ import numpy as np
 
 from armour.core.state import Parameters
 from armour.errors import InputError, Problem
-from armour.evidence.mixture import Mixture
-from armour.evidence.student import Floats
+from armour.evidence.mixture import Floats, Mixture
 from armour.evidence.tests import Armours, Evidence, is_outside, is_untested, outside
 from armour.scenario.inputs import cosine_of
 from armour.scenario.scenario import Scenario

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import ndtr, ndtri
 
-from armour.evidence.student import Floats
+from armour.evidence.mixture import Floats
 from armour.scenario.schema import Distribution, Uncertainty, correlation_matrix
 
 # Independent replicates into which `np.array_split` divides samples; their differences give the intervals.
