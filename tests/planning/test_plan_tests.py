@@ -274,7 +274,7 @@ def test_wrong_settings(wilkins: Scenario, settings: dict[str, object], words: s
 def test_too_many_candidates_and_a_design_of_another_ceramic(wilkins: Scenario, monkeypatch: pytest.MonkeyPatch):
     with pytest.raises(InputError, match="as it is fitted: AD85, found B4C"):
         plan_tests(wilkins, GRID, scatter_percent=3.0, designs=[wilkins.replaced({"armour.ceramic": "B4C"})])
-    monkeypatch.setattr("armour.planning.candidates.MAX_CANDIDATES", 8)
+    monkeypatch.setattr("armour.planning.plan_tests.MAX_CANDIDATES", 8)
     with pytest.raises(InputError, match="candidates: must be at most 8 candidates, found 9"):
         plan_tests(wilkins, GRID, scatter_percent=3.0)
 

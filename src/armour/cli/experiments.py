@@ -267,7 +267,7 @@ def plan_tests(
 
 def _source(candidates: list[str]) -> "Grid | Cases":
     """Return the candidates."""
-    from armour.planning.candidates import of_candidates
+    from armour.planning.plan_tests import of_candidates
     from armour.sweeps.cases import Cases
 
     files = [text for text in candidates if "=" not in text]

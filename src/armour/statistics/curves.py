@@ -8,17 +8,17 @@ intervals are those of the profile of the likelihood.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from math import copysign, exp, inf, log, pi, sqrt
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-from scipy.optimize import minimize
+from scipy.optimize import brentq, minimize
 from scipy.special import expit, log_expit, log_ndtr, logit, ndtr, ndtri
 
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.variants import Floats
 from armour.errors import NoAnswerError
-from armour.statistics.profile import profile_end
 
 Link = Literal["probit", "logit"]
 Interval = tuple[float | None, float | None]
@@ -99,6 +99,37 @@ class FittedCurve:
         if self.scale_m_s == 0.0:
             return 0.5 * (1.0 + (velocity_m_s > self.v50_m_s) - (velocity_m_s < self.v50_m_s))
         return float(CDFS[self.curve]((velocity_m_s - self.v50_m_s) / self.scale_m_s))
+
+
+def profile_end(
+    deviance: Callable[[float], float], estimate: float, farthest: float, root: float, step: float, tolerance: float
+) -> float | None:
+    """Return the end of the interval of a quantity between its estimate and a farthest value; None if there is none.
+
+    Parameters
+    ----------
+    deviance : callable
+        -2 times the logarithm of the greatest likelihood with a value of the quantity over that with any.
+    estimate, farthest : float
+    root : float
+        Root of the deviance at the end.  The root is nearly linear in the quantity.
+    step : float
+        The first step from the estimate; each further one is twice as long.
+    tolerance : float
+        Of the end.
+    """
+
+    @cache
+    def excess(value: float) -> float:
+        return (0.0 if value == estimate else sqrt(max(deviance(value), 0.0))) - root
+
+    near, step = estimate, copysign(step, farthest - estimate)
+    while near != farthest:
+        far = near + step if abs(step) < abs(farthest - near) else farthest
+        if excess(far) > 0.0:
+            return float(brentq(excess, near, far, xtol=tolerance))
+        near, step = far, 2.0 * step
+    return None
 
 
 class Curve(NamedTuple):

@@ -22,8 +22,8 @@ from armour.scenario.inputs import BACKING, CERAMIC, NAMES, VELOCITY
 from armour.scenario.library import FLOW_STRESS_LAW
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Uncertainty, correlation_matrix
+from armour.statistics.curves import profile_end
 from armour.statistics.measured import LIMIT, MASS, RESIDUAL, MaterialGroup, Tests
-from armour.statistics.profile import profile_end
 
 
 class Prior(NamedTuple):
