@@ -11,7 +11,7 @@ from armour.cli.question import Answer, Force, Output, PlotFile, argument, numbe
 from armour.cli.runner import CHECK_FAILED, check_outputs, read_scenario, wrong_option
 from armour.cli.scenario_commands import LIMIT_READS, grid_of
 from armour.csv_files import MUST_SAY, PERFORATED
-from armour.errors import mistake
+from armour.errors import mistake, restated
 from armour.scenario.keys import describe
 
 if TYPE_CHECKING:
@@ -277,5 +277,5 @@ def _source(candidates: list[str]) -> "Grid | Cases":
         raise wrong_option("--candidates", f'must be KEY=VALUES or a CSV file, found "{files[0]}"')
     if files:
         return Cases(Path(files[0]))
-    with of_candidates():
+    with restated(of_candidates):
         return grid_of("--candidates", candidates)

@@ -316,10 +316,12 @@ def plan_shots(
         message = f"must not be given with {procedure} where the model error is known"
         raise mistake("plan_shots", "limits_m_s", message)
     limits = (limits_m_s or limits_of(expectation)) if procedure in LIMITED else None
+    if half_width_m_s is None and requirement_m_s is None and procedure != "up-and-down":
+        half_width_m_s = HALF_WIDTH_M_S
     settings = ShotSettings(
         prior=expectation,
         limits_m_s=limits or (-inf, inf),
-        half_width_m_s=half_width_m_s or _usual_half_width(procedure, requirement_m_s),
+        half_width_m_s=half_width_m_s,
         confidence=confidence,
         requirement_m_s=requirement_m_s,
         requirement_fraction=requirement_fraction,
@@ -330,7 +332,8 @@ def plan_shots(
         dice = np.random.default_rng(seed)
         if true_v50_m_s is None or true_scatter_m_s is None:
             likely = posterior_of(expectation, shots.velocities_m_s, shots.complete)
-            true_v50_m_s, true_scatter_m_s = _drawn(likely, dice)
+            point = dice.choice(len(likely.weights), p=likely.weights)
+            true_v50_m_s, true_scatter_m_s = likely.grid.v50_m_s[point].item(), likely.grid.scatter_m_s[point].item()
         fired = _simulated(shots, settings, rule, (true_v50_m_s, true_scatter_m_s), dice, on_progress)
     end_reason = rule.ended(fired, settings)
     aim = None if end_reason else rule.aim(fired, settings)
@@ -348,7 +351,7 @@ def plan_shots(
         expected_shots=further,
         expected_shots_90=further_90 if confidence > OTHER_CONFIDENCE else None,
         confidence=confidence,
-        half_width_m_s=settings.half_width_m_s,
+        half_width_m_s=half_width_m_s,
         requirement_m_s=requirement_m_s,
         requirement_fraction=requirement_fraction,
         limits_m_s=limits,
@@ -422,17 +425,6 @@ def _expected_v50(
         raise mistake("plan_shots", "scenario", "must be given, or shots, or limits of V50")
     middle = 0.5 * (low + high)
     return middle, ModelError(0.0, 100.0 * (high - low) / (2.0 * WITHIN * middle), NORMAL, source)
-
-
-def _usual_half_width(procedure: Procedure, requirement_m_s: float | None) -> float | None:
-    """Return the half width of the interval of V50 that ends the firing by default, m/s; None for another end."""
-    return None if procedure == "up-and-down" or requirement_m_s is not None else HALF_WIDTH_M_S
-
-
-def _drawn(likely: Posterior, dice: np.random.Generator) -> tuple[float, float]:
-    """Return a V50 and a scatter drawn at random from a posterior, m/s."""
-    point = dice.choice(len(likely.weights), p=likely.weights)
-    return float(likely.grid.v50_m_s[point]), float(likely.grid.scatter_m_s[point])
 
 
 def _simulated(

@@ -1,7 +1,6 @@
 """Choose the armours to test next, which best determine fitted inputs or the ballistic limit of a design."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass
 from math import isfinite, nan, sqrt
 from os import PathLike
@@ -15,7 +14,7 @@ from scipy.special import ndtri, stdtrit
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.evaluate import check_keys, scenarios_of
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
-from armour.analysis.variants import Floats, variants_of
+from armour.analysis.variants import Floats
 from armour.errors import MAX_PROBLEMS, Problem, choices, counted, mistake, refuse, restated
 from armour.planning import optimal_design
 from armour.planning.optimal_design import Task
@@ -197,11 +196,6 @@ class Candidates:
     costs: Floats | None  # (n,)
     groups: tuple[MaterialGroup, ...]
 
-    @property
-    def count(self) -> int:
-        """Number of candidates."""
-        return len(self.places)
-
     def values(self) -> dict[str, tuple[float | str, ...]]:
         """Return the columns as plain data."""
         return {key: tuple(column.tolist()) for key, column in self.columns.items()}
@@ -216,20 +210,14 @@ class Candidates:
         return f"Tests of {scenario.subject({**ANY_VELOCITY, **varied})}"
 
 
-@contextmanager
-def of_candidates() -> Iterator[None]:
-    """Say "candidates" instead of "sweep" in error messages."""
-    with restated(_of_candidates):
-        yield
-
-
-def _of_candidates(problem: Problem) -> Problem:
+def of_candidates(problem: Problem) -> Problem:
+    """Say "candidates" instead of "sweep" in an error message."""
     if problem.file != "sweep":
         return problem
     return problem._replace(file="plan_tests", key=f"candidates {problem.key.removeprefix('over').strip()}".strip())
 
 
-@of_candidates()
+@restated(of_candidates)
 def candidates_of(scenario: Scenario, choice: Choice, measure: Measure, cost: float | None) -> Candidates:
     """Return the candidates of a choice, checked; they have costs if the choice has, or if a test has a cost."""
     source = choice if isinstance(choice, Grid | Cases) else source_of(choice)
@@ -240,7 +228,7 @@ def candidates_of(scenario: Scenario, choice: Choice, measure: Measure, cost: fl
     columns = source.rows(np.arange(count))
     costs = columns.pop(COST, None)
     columns = dict(zip(canonical(columns, file), columns.values(), strict=True))
-    _check_columns(scenario, columns, measure, file, has_costs=costs is not None)
+    _check_columns(scenario, columns, measure, file)
     if costs is not None:
         invalid = np.flatnonzero(~((costs > 0.0) & (costs <= MAX_COST)))[:MAX_PROBLEMS]
         message = f"must be greater than 0 and at most {MAX_COST:g}, found"
@@ -259,14 +247,11 @@ def candidates_of(scenario: Scenario, choice: Choice, measure: Measure, cost: fl
     )
 
 
-def _check_columns(
-    scenario: Scenario, columns: Mapping[str, Any], measure: Measure, file: str, *, has_costs: bool
-) -> None:
+def _check_columns(scenario: Scenario, columns: Mapping[str, Any], measure: Measure, file: str) -> None:
     """Check that the columns are keys that a test may have and that have an effect."""
     allowed = (*INPUTS, *NAMES.values())
-    proposed = allowed if has_costs else (*allowed, COST)
     refuse(
-        Problem(file, key, f"must be an input or a name that a test has{choices(key, proposed)}")
+        Problem(file, key, f"must be an input or a name that a test has{choices(key, (*allowed, COST))}")
         for key in columns
         if key not in allowed
     )
@@ -275,8 +260,8 @@ def _check_columns(
     if measure == "limit" and VELOCITY in columns:
         message = "must not be given if the ballistic limit is measured; use --measure outcome for shots at a velocity"
         raise mistake(file, VELOCITY, message)
-    quantity = "outcome" if measure == "outcome" else LIMIT
-    check_keys(scenario, {key: column[0].item() for key, column in columns.items()}, (quantity,), file)
+    quantities = ["outcome" if measure == "outcome" else LIMIT]
+    check_keys(scenario, {key: column[0].item() for key, column in columns.items()}, quantities, file)
 
 
 class LimitModel(NamedTuple):
@@ -297,11 +282,8 @@ class LimitModel(NamedTuple):
         """Return the limits, m/s, (n,), given the inputs in their units, (k,)."""
         limits = np.empty(len(self.places))
         for group in self.groups:
-            fitted = {
-                name: np.full(len(group.where), value) for name, value in zip(self.names, x * self.units, strict=True)
-            }
-            variants = variants_of(group.scenario, {**group.columns, **fitted}, len(group.where))
-            limits[group.where] = MODELS[LIMIT](variants)
+            inputs = np.repeat([x * self.units], len(group.where), axis=0).T
+            limits[group.where] = MODELS[LIMIT](group.variants(dict(zip(self.names, inputs, strict=True))))
         return limits
 
     def check(self, limits: Floats) -> None:
@@ -330,15 +312,15 @@ def limit_model(
     candidates: Candidates, designs: Sequence[Scenario], fit: Sequence[str], law: Law | None, on_progress: OnProgress
 ) -> LimitModel:
     """Return the limits of candidates, followed by those of designs, as functions of inputs, which are checked."""
-    design_groups = (MaterialGroup(design, np.array([candidates.count + i]), {}) for i, design in enumerate(designs))
-    groups = tuple(
-        group._replace(scenario=with_law(group.scenario, law)) for group in (*candidates.groups, *design_groups)
-    )
+    places, groups = [(candidates.file, place) for place in candidates.places], [*candidates.groups]
+    for design in designs:
+        groups.append(MaterialGroup(design, np.array([len(places)]), {}))
+        places.append((design.file, ""))
+    groups = [group._replace(scenario=with_law(group.scenario, law)) for group in groups]
     names = fitted_names(fit, law)
     check_fittable(candidates.file, groups[0].scenario, groups, names)
-    places = [(candidates.file, place) for place in candidates.places] + [(design.file, "") for design in designs]
     units = units_of(groups[0].scenario, names)
-    return LimitModel(groups, tuple(places), tuple(names), units, on_progress)
+    return LimitModel(tuple(groups), tuple(places), tuple(names), units, on_progress)
 
 
 @checked
@@ -426,7 +408,7 @@ def plan_tests(
     knowledge = _knowledge(likelihood, model, scatter, prior=prior)
     limits = model.limits(knowledge.x)
     model.check(limits)
-    gradients, count = model.gradients(knowledge.x, limits), armours.count
+    gradients, count = model.gradients(knowledge.x, limits), len(armours.places)
     rows = _informing(armours, gradients[:count], limits[:count], knowledge.scatter, measure)
     if (rows**2).sum(axis=1).max() < LEAST_INFORMATION:
         message = f"must depend on {', '.join(model.names)}, found no candidate that does"

@@ -225,14 +225,6 @@ ARGUMENTS = np.arange(-4000, 4001) / 1000.0
 FLAT = 1.31525757633905
 
 
-def _weights(z: Floats) -> Floats:
-    """Return the Fisher information of shots on the argument of the normal distribution function."""
-    return np.exp(LOG_INFORMATION["probit"](z))
-
-
-INFORMATION = _weights(ARGUMENTS)
-
-
 def next_by_neyer(shots: Shots, settings: ShotSettings) -> Aim:
     """Return the velocity of the next shot by Neyer's D-optimal test [Neyer1994].
 
@@ -289,9 +281,8 @@ def _gaps(shots: Shots) -> list[float]:
 def _d_optimal(velocities: Sequence[float], v50: float, scatter: float) -> float:
     """Return the velocity, m/s, that maximises the determinant of the information on V50 and scatter."""
     z = (np.array(velocities) - v50) / scatter
-    weights = _weights(z)
-    total, first_moment, second_moment = weights.sum(), weights @ z, weights @ (z * z)
-    gain = INFORMATION * (total * ARGUMENTS**2 - 2.0 * first_moment * ARGUMENTS + second_moment)
+    weights, gained = (np.exp(LOG_INFORMATION["probit"](arguments)) for arguments in (z, ARGUMENTS))
+    gain = gained * (weights.sum() * ARGUMENTS**2 - 2.0 * (weights @ z) * ARGUMENTS + weights @ (z * z))
     return v50 + scatter * float(ARGUMENTS[np.argmax(gain)])
 
 

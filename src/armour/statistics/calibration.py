@@ -11,7 +11,7 @@ from scipy.special import stdtrit
 
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
-from armour.analysis.variants import Bools, Floats, outside_limits, variants_of
+from armour.analysis.variants import Bools, Floats, outside_limits
 from armour.errors import InputError, mistake
 from armour.evidence.fit import LEAST_REST
 from armour.scenario.checked import Names, checked
@@ -442,8 +442,7 @@ def _outside_limits(tests: Tests) -> Iterator[str]:
     """Yield a warning for each limit of the tests of the model outside which some of these tests lie."""
     counts: Counter[str] = Counter()
     for group in tests.groups:
-        rows = variants_of(group.scenario, group.columns, len(group.where))
-        counts.update(dict(outside_limits(rows, velocities=False)))
+        counts.update(dict(outside_limits(group.variants(), velocities=False)))
     return (f"{limit}; this concerns {count} of {len(tests.names)} tests" for limit, count in counts.items())
 
 

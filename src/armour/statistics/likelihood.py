@@ -14,7 +14,7 @@ from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.evaluate import Answers
 from armour.analysis.results import OnProgress
 from armour.analysis.searches import ballistic_limits
-from armour.analysis.variants import Bools, Floats, Ints, Variants, variants_of
+from armour.analysis.variants import Bools, Floats, Ints, Variants
 from armour.core.search import SCAN_POINTS
 from armour.errors import Problem, mistake, refuse
 from armour.evidence.sampling import centre_and_width
@@ -186,8 +186,7 @@ class Likelihood(NamedTuple):
         quantities = np.array([m.quantity for m in measurements])
         inputs = np.broadcast_to((x.T * self.units).T.reshape(len(x), -1), (len(x), len(self.tests.names)))
         for group in self.tests.groups:
-            columns = {**group.columns, **dict(zip(self.names, inputs[:, group.where], strict=True))}
-            variants = variants_of(group.scenario, columns, len(group.where))
+            variants = group.variants(dict(zip(self.names, inputs[:, group.where], strict=True)))
             in_group = np.isin(test_indices, group.where)
             for quantity, model in MODELS.items():
                 where = np.flatnonzero(in_group & (quantities == quantity))

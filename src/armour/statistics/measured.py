@@ -9,7 +9,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 from pydantic import PlainValidator
 
-from armour.analysis.variants import Floats, Ints
+from armour.analysis.variants import Floats, Ints, Variants, variants_of
 from armour.csv_files import MUST_SAY, PERFORATED, CsvRow, Rows, in_line_order, lines_of, read_rows
 from armour.errors import InputError, Problem, counted, mistake, refuse
 from armour.scenario.checked import Names, checked
@@ -47,6 +47,10 @@ class MaterialGroup(NamedTuple):
     scenario: Scenario
     where: Ints  # indices of the tests
     columns: dict[str, Floats]  # inputs that the table gives
+
+    def variants(self, inputs: Mapping[str, Floats] | None = None) -> Variants:
+        """Return the tests as variants of their scenario, with other values of some inputs, (tests,)."""
+        return variants_of(self.scenario, {**self.columns, **(inputs or {})}, len(self.where))
 
 
 class Tests(NamedTuple):
