@@ -123,8 +123,12 @@ class Fit(NamedTuple):
 
     def _matrix(self, q: Quantities) -> Floats:
         """Return the terms of n armours and, for an updated fit, which of its rounds is fired at each."""
-        rounds = np.empty((len(q["path_ratio"]), 0)) if self.rods is None else _same(rods_of(q), self.rods)
-        return np.column_stack([matrix_of(self.terms, self.reference, q), rounds])
+        matrix = matrix_of(self.terms, self.reference, q)
+        if self.rods is None:
+            return matrix
+        # The rounds are the same but for rounding.
+        rounds = np.isclose(rods_of(q)[:, None], self.rods, rtol=1e-6, atol=0.0).all(axis=2)
+        return np.column_stack([matrix, rounds])
 
     def updated(self, tests: LotTests, extra_deviation: float = 0.0, level: Sequence[float] | None = None) -> "Fit":
         """Return the fit for the lot of own tests; its weight is the logarithm of their density.
@@ -235,11 +239,6 @@ def as_measurements(
 def rods_of(q: Quantities) -> Floats:
     """Return the quantities that distinguish the rounds of n armours, (n, 4)."""
     return np.column_stack([q[name] for name in RODS])
-
-
-def _same(rods: Floats, rounds: Floats) -> Any:
-    """Return which of k rounds each of n penetrators is, (n, k), but for rounding."""
-    return np.isclose(rods[:, None], rounds, rtol=1e-6, atol=0.0).all(axis=2)
 
 
 def law_parameters(role: str, values: Mapping[str, float]) -> dict[str, float]:

@@ -161,10 +161,12 @@ def errors_of(scenario: Scenario, armours: Armours) -> Errors:
     if error is not None:
         repeated = error.ratio.mapped(lambda array: np.repeat(array[:, None], count, axis=1))
         return Errors(repeated, np.zeros((1, len(LAW_FIELDS), count)))
-    parts = []
+    parts, as_at_normal = [], scenario.design is not None and scenario.design.angles_as_at_normal_incidence
     for evidence, rows in armours.by_evidence():
         oblique = evidence.fails_angle(armours.cosines)
-        is_bounded = oblique & (armours.cosines >= cosine_of(_at_least_deg(scenario, evidence)))
+        # The greatest angle at which an armour is assumed to have at least its limit at normal incidence.
+        at_least_deg = 90.0 if evidence.ceramic and as_at_normal else evidence.at_least_deg
+        is_bounded = oblique & (armours.cosines >= cosine_of(at_least_deg))
         for members, at_normal in ((rows & ~oblique, False), (rows & is_bounded, True)):
             if evidence.fits and members.any():
                 parts.append((int(at_normal or evidence.lot != ""), evidence, np.flatnonzero(members), at_normal))
@@ -174,12 +176,6 @@ def errors_of(scenario: Scenario, armours: Armours) -> Errors:
         errors.parameters[0][:, where] = law_of(members.parameters)
         _set_errors(errors, first, evidence, where, members.at_normal_incidence() if at_normal else members)
     return errors
-
-
-def _at_least_deg(scenario: Scenario, evidence: Evidence) -> float:
-    """Return the greatest angle at which an armour is assumed to have at least its limit at normal incidence."""
-    as_normal = scenario.design is not None and scenario.design.angles_as_at_normal_incidence
-    return 90.0 if evidence.ceramic and as_normal else evidence.at_least_deg
 
 
 def _set_errors(errors: Errors, first: int, evidence: Evidence, where: Any, armours: Armours) -> None:

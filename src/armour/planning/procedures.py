@@ -10,7 +10,6 @@ Cov(target, result)^2 / Var(result) over the posterior.
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from math import copysign, inf, isfinite, log
 from typing import NamedTuple
 
@@ -70,7 +69,6 @@ class Demand(NamedTuple):
         return 2.0 * sides / np.maximum(edge, 1e-290)[:, None]
 
 
-@lru_cache(maxsize=4)
 def demand_of(requirement_m_s: float, fraction: float, scatter_m_s: float, scatter_factor: float) -> Demand:
     """Return the curves for a requirement; the expected scatter affects only how many shots are needed."""
     position = np.linspace(-FARTHEST, FARTHEST, DEMAND_NODES[0])
@@ -401,8 +399,7 @@ class Firings:
 
     def add(self, velocities: Floats, complete: Bools) -> None:
         """Add a shot to each firing."""
-        aims, place = np.unique(velocities, return_inverse=True)
-        response = self.grid.response(aims)[place]
+        response = self.grid.response(velocities)
         self.weights *= np.where(complete[:, None], response, 1.0 - response)
         self.weights /= self.weights.sum(axis=1, keepdims=True)
 

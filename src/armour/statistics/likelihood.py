@@ -264,7 +264,11 @@ class InputFit(Precision):
 
 def fit_inputs(likelihood: Likelihood) -> InputFit:
     """Fit inputs to tests, from several starts; see `armour.statistics.calibration.calibrate`."""
-    check_enough(likelihood)
+    tests, needed, count = likelihood.tests, likelihood.needed, likelihood.usable
+    if count < needed:
+        kinds = "measurements or outcomes" if tests.weighted else "measurements, as their uncertainties are not given,"
+        message = f"must have at least {needed} {kinds} for {len(likelihood.names)} coefficients, found {count}"
+        raise mistake(tests.file, "", message)
     of_law = likelihood.lower < 0.0
     starts = [np.where(of_law, 0.0, start) for start in STARTS]
     starts += [np.where(of_law, LAW_START, 1.0)] if of_law.any() else []
@@ -570,12 +574,3 @@ def check_fittable(file: str, scenario: Scenario, groups: Sequence[MaterialGroup
             )
             problems.append(Problem(file, key, message))
     refuse(problems)
-
-
-def check_enough(likelihood: Likelihood) -> None:
-    """Check that there are enough tests for a fit."""
-    tests, needed, count = likelihood.tests, likelihood.needed, likelihood.usable
-    if count < needed:
-        kinds = "measurements or outcomes" if tests.weighted else "measurements, as their uncertainties are not given,"
-        message = f"must have at least {needed} {kinds} for {len(likelihood.names)} coefficients, found {count}"
-        raise mistake(tests.file, "", message)
