@@ -1,6 +1,6 @@
 """Plan the next shot of a V50 firing, or simulate the whole firing."""
 
-from collections.abc import Container, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import inf
 from typing import Annotated, Any, Literal
@@ -61,6 +61,7 @@ FAR_PROBABILITY, FAR_PART = 0.999, 0.1
 ABSURD_FACTOR = 3.0
 # Greatest number of simulated shots.
 MAX_SIMULATED = 100
+BOTH = "must be given too: give both V50 and scatter, or neither"
 NOT_ENDED = f"the simulation stopped after {MAX_SIMULATED} shots before the firing ended"
 
 
@@ -288,18 +289,29 @@ def plan_shots(
     check_shots(shots, kinds=0)
     for firing in earlier:
         check_shots(instance(firing, Shots))
-    optional = {
-        "requirement_m_s": requirement_m_s,
-        "requirement_fraction": requirement_fraction != 0.5,
-        "prior": prior,
-        "half_width_m_s": half_width_m_s,
-        "true_v50_m_s": true_v50_m_s,
-        "true_scatter_m_s": true_scatter_m_s,
-        "seed": seed,
-    }
-    given = {key for key, value in optional.items() if value}
-    conflicts = _conflicts(procedure, given, limits_m_s, simulate=simulate)
-    refuse(Problem("plan_shots", *conflict) for conflict in conflicts)
+    required, without = requirement_m_s is not None, "must not be given without "
+    low, high = limits_m_s or (0.0, inf)
+    conflicts = [
+        ("requirement_fraction", requirement_fraction != 0.5 and not required, f"{without}a requirement"),
+        ("prior", prior and not required, f"{without}a requirement"),
+        (
+            "requirement_m_s",
+            required and procedure in LIMITED,
+            f"must not be given with {procedure}, which has no requirement",
+        ),
+        (
+            "half_width_m_s",
+            half_width_m_s and required and procedure == "bayesian",
+            "must not be given with a requirement, which ends the firing",
+        ),
+        ("true_v50_m_s", true_v50_m_s and not simulate, f"{without}simulating"),
+        ("true_scatter_m_s", true_scatter_m_s and not simulate, f"{without}simulating"),
+        ("seed", seed and not simulate, f"{without}simulating"),
+        ("true_v50_m_s", simulate and true_scatter_m_s and not true_v50_m_s, BOTH),
+        ("true_scatter_m_s", simulate and true_v50_m_s and not true_scatter_m_s, BOTH),
+        ("limits_m_s", low >= high, f"must rise, found {low:g} and {high:g}"),
+    ]
+    refuse(Problem("plan_shots", key, message) for key, wrong, message in conflicts if wrong)
     if earlier:
         firings = [(firing.velocities_m_s, firing.complete) for firing in earlier]
         scatter_percent, scatter_factor = pooled_scatter(firings, scatter_percent, scatter_factor)
@@ -379,26 +391,6 @@ def plan_shots(
             *(() if limit is None else limit.warnings),
         ),
     ).of(scenario.subject(ANY_VELOCITY) if scenario else f"V50 of {fired.file}", scenario=scenario)
-
-
-def _conflicts(
-    procedure: Procedure, given: Container[str], limits_m_s: tuple[float, float] | None, *, simulate: bool
-) -> Iterator[tuple[str, str]]:
-    """Yield the settings that exclude each other, are missing or are out of order, each with a message."""
-    truths = ("true_v50_m_s", "true_scatter_m_s")
-    if "requirement_m_s" not in given:
-        unused = (key for key in ("requirement_fraction", "prior") if key in given)
-        yield from ((key, "must not be given without a requirement") for key in unused)
-    elif procedure in LIMITED:
-        yield "requirement_m_s", f"must not be given with {procedure}, which has no requirement"
-    elif procedure == "bayesian" and "half_width_m_s" in given:
-        yield "half_width_m_s", "must not be given with a requirement, which ends the firing"
-    if not simulate:
-        yield from ((key, "must not be given without simulating") for key in (*truths, "seed") if key in given)
-    elif len(missing := [key for key in truths if key not in given]) == 1:
-        yield missing[0], "must be given too: give both V50 and scatter, or neither"
-    if limits_m_s is not None and limits_m_s[0] >= limits_m_s[1]:
-        yield "limits_m_s", f"must rise, found {limits_m_s[0]:g} and {limits_m_s[1]:g}"
 
 
 def _expected_v50(

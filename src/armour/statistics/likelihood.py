@@ -13,11 +13,11 @@ from scipy.special import chdtrc, log_ndtr, ndtri, stdtrit
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.evaluate import Answers
 from armour.analysis.results import OnProgress
+from armour.analysis.samples import centre_and_width
 from armour.analysis.searches import ballistic_limits
 from armour.analysis.variants import Bools, Floats, Ints, Variants
 from armour.core.search import SCAN_POINTS
 from armour.errors import Problem, mistake, refuse
-from armour.evidence.sampling import centre_and_width
 from armour.scenario.inputs import BACKING, CERAMIC, NAMES, VELOCITY
 from armour.scenario.library import FLOW_STRESS_LAW
 from armour.scenario.scenario import Scenario

@@ -13,20 +13,25 @@ from scipy.special import ndtri
 from armour.analysis.ballistic_limit import model_error
 from armour.analysis.estimates import CONFIDENCE, Estimate, jackknife, mean_of_replicates, proportion_of_replicates
 from armour.analysis.results import OnProgress, TableResult, ignore_progress, portions
-from armour.analysis.samples import Samples, by_laws, own_errors, own_values, sampled, section_of
+from armour.analysis.samples import (
+    REPLICATES,
+    Samples,
+    by_laws,
+    columns_of,
+    correlated,
+    moved_mean,
+    own_errors,
+    own_values,
+    points_of,
+    quantiles,
+    replicated_points,
+    sampled,
+    section_of,
+)
 from armour.analysis.searches import ballistic_limits
 from armour.analysis.variants import Bools, Floats, perforated
 from armour.errors import NoLimitError, Note
 from armour.evidence.model_error import Errors, ModelError
-from armour.evidence.sampling import (
-    REPLICATES,
-    columns_of,
-    correlated,
-    moved_mean,
-    points_of,
-    quantiles,
-    replicated_points,
-)
 from armour.evidence.tests import scenario_warnings
 from armour.scenario.checked import checked
 from armour.scenario.inputs import ERROR, VELOCITY
