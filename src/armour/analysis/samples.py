@@ -21,9 +21,6 @@ LEAST_RATIO = 0.01
 # Independent replicates into which `np.array_split` divides samples; their differences give the intervals.
 # More replicates would be smaller, and the samples as a whole would converge more slowly.
 REPLICATES = 16
-# Greatest shift of the mean by truncation without a warning, in standard deviations; probabilities that give the mean.
-MOVED = 0.1
-MIDDLES = (np.arange(1000) + 0.5) / 1000
 
 
 class Samples(NamedTuple):
@@ -155,12 +152,9 @@ def quantiles(distribution: Distribution, probabilities: ArrayLike, value: float
     if distribution.distribution == "lognormal":
         with np.errstate(divide="ignore"):
             ends = np.log(ends.clip(min=0.0))
-    if np.isinf(ends).all():
-        scores = ndtri(parts)
-    else:
-        from scipy.stats import truncnorm  # slow to import
-
-        scores = truncnorm.ppf(parts, *(ends - centre) / width)
+    low, high = (ends - centre) / width
+    side = -1.0 if low > 0.0 else 1.0  # probabilities near 1 have fewer digits than those near 0
+    scores = side * ndtri(ndtr(side * low) * (1.0 - parts) + ndtr(side * high) * parts)
     values = centre + width * scores
     return np.clip(np.exp(values) if distribution.distribution == "lognormal" else values, *distribution.ends)
 
@@ -170,8 +164,8 @@ def moved_mean(distribution: Distribution, value: float) -> tuple[float, float] 
     if distribution.distribution == "uniform" or np.isinf(distribution.ends).all():
         return None
     before, deviation = distribution.moments(value)
-    after = float(quantiles(distribution, MIDDLES, value).mean())
-    return (before, after) if abs(after - before) > MOVED * deviation else None
+    after = float(quantiles(distribution, (np.arange(1000) + 0.5) / 1000, value).mean())
+    return (before, after) if abs(after - before) > 0.1 * deviation else None
 
 
 def centre_and_width(distribution: Distribution, value: float) -> tuple[float, float]:

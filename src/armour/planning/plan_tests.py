@@ -57,12 +57,6 @@ MAX_CANDIDATES, MAX_COST = 10_000, 1e12
 Measure = Literal["limit", "outcome"]
 Choice = Mapping[str, object] | str | PathLike[str] | Grid | Cases
 MAX_NUMBER = 200
-# A test with less information on a relative change of an input, a standard deviation of a million, counts for nothing.
-LEAST_INFORMATION = 1e-12
-# Fraction of a vector that may lie outside the directions that tests determine.
-OUTSIDE = 1e-2
-# A fit this close to an end of its range, as a fraction of the range, has ended there.
-AT_END = 1e-6
 
 Criterion = Literal["D", "I"]
 
@@ -410,7 +404,8 @@ def plan_tests(
     model.check(limits)
     gradients, count = model.gradients(knowledge.x, limits), len(armours.places)
     rows = _informing(armours, gradients[:count], limits[:count], knowledge.scatter, measure)
-    if (rows**2).sum(axis=1).max() < LEAST_INFORMATION:
+    # A test with a standard deviation of a million of a relative change of an input counts for nothing.
+    if (rows**2).sum(axis=1).max() < 1e-12:
         message = f"must depend on {', '.join(model.names)}, found no candidate that does"
         raise mistake(armours.file, "", message)
     basis = optimal_design.identified(knowledge.base, rows)
@@ -553,8 +548,8 @@ def _fitted(fit: InputFit, scatter: float) -> _Knowledge:
             f"their standard deviations are multiplied by {fit.widened_by:.2f}"
         )
     lower, upper = fit.likelihood.lower, fit.likelihood.upper
-    # The search approaches an end without reaching it.
-    if (np.minimum(fit.best.x - lower, upper - fit.best.x) < AT_END * (upper - lower)).any():
+    # The search approaches an end of the range without reaching it.
+    if (np.minimum(fit.best.x - lower, upper - fit.best.x) < 1e-6 * (upper - lower)).any():
         warnings.append("the fit to the tests ends at the end of the range of its search")
     freedom = None if tests.weighted else fit.degrees_of_freedom
     return _Knowledge(fit.best.x, rows.T @ rows, scatter, freedom, tuple(warnings))
@@ -587,7 +582,8 @@ def _values_of(scenario: Scenario, role: str, fitted: Sequence[str]) -> dict[str
 def _determined(vectors: Floats, basis: Floats) -> Floats:
     """Return vectors, (m, k), in the basis that the tests determine, (k, r); NaN for those outside its span."""
     inside: Floats = vectors @ basis
-    outside = np.linalg.norm(vectors - inside @ basis.T, axis=1) > OUTSIDE * np.linalg.norm(vectors, axis=1)
+    # A hundredth of a vector may lie outside.
+    outside = np.linalg.norm(vectors - inside @ basis.T, axis=1) > 0.01 * np.linalg.norm(vectors, axis=1)
     inside[outside] = nan
     return inside
 

@@ -216,7 +216,6 @@ def langlie_doubts(shots: Shots, settings: ShotSettings) -> Iterator[str]:
         )
 
 
-REDUCTION = 0.8
 # Arguments of the normal distribution function at which the gain in information is examined.
 ARGUMENTS = np.arange(-4000, 4001) / 1000.0
 # The best argument if a constant probability, that of an infinite scatter, fits the shots best.
@@ -248,7 +247,7 @@ def next_by_neyer(shots: Shots, settings: ShotSettings) -> Aim:
     # Each earlier shot of part 2 has reduced the guess.
     for gap in gaps[:-1]:
         if 0.0 <= gap <= guess:
-            guess *= REDUCTION
+            guess *= 0.8
     partials, completes = shots.of(complete=False), shots.of(complete=True)
     middle, span = 0.5 * (partials[-1] + completes[0]), fastest - slowest
     if gaps[-1] > guess:

@@ -76,8 +76,6 @@ ASSUMED = (
     "the intervals depend on it"
 )
 ONE_SIDED = "all shots have the same outcome: if shots with the other one were left out, the fitted limits are wrong"
-# Greatest number of folds of the leave-one-out error.
-MAX_FOLDS = 100
 # Fraction of tables of sound tests in which a test is reported as out of line.
 FALSE_ALARMS = 0.05
 # Least difference of a computed value from a bound that counts: half of the last digit shown.
@@ -468,7 +466,8 @@ def _left_out(fit: InputFit) -> Floats:
     elif any(m.side for m in tests.measurements):
         needed += 1
     test_indices = np.array([m.test for m in tests.measurements])
-    folds = min(len(tests.names), MAX_FOLDS)
+    # Of many tests, several are left out at a time.
+    folds = min(len(tests.names), 100)
     inputs = np.full((len(fit.best.x), len(tests.names)), np.nan)
     for fold in range(folds):
         kept = test_indices % folds != fold

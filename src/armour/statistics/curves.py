@@ -35,19 +35,10 @@ LOG_INFORMATION: dict[Link, Callable[[Floats], Floats]] = {
 Z95: dict[Link, float] = {link: float(quantile(0.95)) for link, quantile in QUANTILES.items()}
 # Slopes, per standard deviation of the velocities, to search along a line, and the one that stands for an infinite one.
 SLOPES, STEEP = np.geomspace(1e-6, 5e3, 81), 2.0**20
-# Greatest number of shots for which a search looks between any two of them, as the penalised likelihood of few shots
-# can have several maxima along a line.
-FEW = 60
 # Range of the search for intercepts, as arguments of F beyond the shots, and their number.
 BEYOND, INTERCEPTS = 8.0, 61
 # Repetitions of a search between the neighbours of the likeliest point, and the points of each.
 NARROWINGS, NODES = 4, 21
-# First step towards the end of an interval, the distance beyond which there is none, and its accuracy.
-FIRST_STEP, MAX_DISTANCE, TOLERANCE = 0.3, 1e3, 1e-9
-# Number of velocities between which a band is interpolated, and the greatest argument of F at its ends.
-BAND_NODES, FARTHEST = 13, 40.0
-# Least determinant of the relative information.
-MIN_DETERMINANT = 1e-200
 
 
 @dataclass(frozen=True)
@@ -166,7 +157,8 @@ class ShotLikelihood:
         between = ordered[:-1] + np.array([[0.25], [0.5], [0.75]]) * np.diff(ordered)
         lowest, highest = float(x[self.signs < 0.0].max()), float(x[self.signs > 0.0].min())
         self.middle, self.separated = 0.5 * (lowest + highest), lowest <= highest and not penalised
-        self.places = np.append(ordered, between) if len(x) <= FEW else np.array([self.middle])
+        # A search looks between any two of few shots: their penalised likelihood can have several maxima along a line.
+        self.places = np.append(ordered, between) if len(x) <= 60 else np.array([self.middle])
         self.flat = self.with_slope(0.0)  # the maximum at a constant probability
         if self.separated:
             # Any velocity in the gap is as likely, and any probability at a velocity that both kinds share.
@@ -201,7 +193,7 @@ class ShotLikelihood:
             total = weights.sum(axis=1)
             centre = weights @ self.x / total
             determinants = total * (weights * (self.x - centre[:, None]) ** 2).sum(axis=1)
-            values = values + greatest + 0.5 * np.log(np.maximum(determinants, MIN_DETERMINANT))
+            values = values + greatest + 0.5 * np.log(np.maximum(determinants, 1e-200))
         return values
 
     def _lost(self, point: Floats) -> float:
@@ -245,7 +237,7 @@ class ShotLikelihood:
         def deviance(value: float) -> float:
             return 2.0 * (self.mode.value - profile(value).value)
 
-        end = profile_end(deviance, start, start + direction * MAX_DISTANCE, root, FIRST_STEP, TOLERANCE)
+        end = profile_end(deviance, start, start + direction * 1e3, root, step=0.3, tolerance=1e-9)
         return direction * inf if end is None else end
 
     def quantile_end(self, z: float, direction: float, root: float) -> float:
@@ -348,7 +340,7 @@ def penalised_band(
     shots = ShotLikelihood(partial, complete, link, penalised=True)
     root = float(ndtri(0.5 + 0.5 * confidence))
     places = (np.array(velocities_m_s) - shots.mean) / shots.deviation
-    nodes = np.linspace(places[0], places[-1], BAND_NODES)
+    nodes = np.linspace(places[0], places[-1], 13)
     ends = np.array([shots.argument_interval(float(node), root) for node in nodes])
-    low, high = CDFS[link](PchipInterpolator(nodes, ends.clip(-FARTHEST, FARTHEST))(places)).T
+    low, high = CDFS[link](PchipInterpolator(nodes, ends.clip(-40.0, 40.0))(places)).T
     return low, high

@@ -119,9 +119,6 @@ QUANTILES = {"V05": 0.05, "V50": 0.5, "V95": 0.95}
 ENDS = (0.05, 0.95)
 # Points of the curve of the probability of perforation.
 CURVE_POINTS = 121
-# Samples of each set for total indices: a fraction of those for the probability, within bounds.  More than the upper
-# bound would take longer than the probability and give no further digit of the indices.
-INDEX_DIVISOR, MIN_INDEX_SAMPLES, MAX_INDEX_SAMPLES = 4, 256, 2**16
 # Samples computed at a time, to bound the memory.
 SAMPLES_AT_A_TIME = 2**12
 
@@ -369,8 +366,12 @@ def index_samples(section: Uncertainty) -> int:
 
 
 def _index_size(section: Uncertainty) -> int:
-    fraction: int = 2 ** int(log2(section.samples // INDEX_DIVISOR))
-    return min(max(MIN_INDEX_SAMPLES, fraction), MAX_INDEX_SAMPLES)
+    """Return the number of samples of a set for indices: a fraction of those for the probability, within bounds.
+
+    More would take longer than the probability and give no further digit of the indices.
+    """
+    fraction: int = 2 ** int(log2(section.samples // 4))
+    return min(max(256, fraction), 2**16)
 
 
 def influences(
