@@ -290,20 +290,14 @@ def plan_shots(
     for firing in earlier:
         check_shots(instance(firing, Shots))
     required, without = requirement_m_s is not None, "must not be given without "
+    undecided = f"must not be given with {procedure}, which has no requirement"
+    other_end = "must not be given with a requirement, which ends the firing"
     low, high = limits_m_s or (0.0, inf)
     conflicts = [
         ("requirement_fraction", requirement_fraction != 0.5 and not required, f"{without}a requirement"),
         ("prior", prior and not required, f"{without}a requirement"),
-        (
-            "requirement_m_s",
-            required and procedure in LIMITED,
-            f"must not be given with {procedure}, which has no requirement",
-        ),
-        (
-            "half_width_m_s",
-            half_width_m_s and required and procedure == "bayesian",
-            "must not be given with a requirement, which ends the firing",
-        ),
+        ("requirement_m_s", required and procedure in LIMITED, undecided),
+        ("half_width_m_s", half_width_m_s and required and procedure == "bayesian", other_end),
         ("true_v50_m_s", true_v50_m_s and not simulate, f"{without}simulating"),
         ("true_scatter_m_s", true_scatter_m_s and not simulate, f"{without}simulating"),
         ("seed", seed and not simulate, f"{without}simulating"),

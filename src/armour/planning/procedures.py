@@ -501,17 +501,10 @@ def operating_characteristic(settings: ShotSettings) -> tuple[OperatingPoint, ..
     armours = np.repeat(points, FIRINGS)
     firings = Firings(current, settings, len(armours), FUTURE_CANDIDATES)
     shots, ended, _ = fire(firings, armours, np.full(len(armours), scatter), np.random.default_rng(0))
+    outcomes = zip(points.tolist(), shots.reshape(-1, FIRINGS), ended.reshape(-1, FIRINGS), strict=True)
     return tuple(
-        OperatingPoint(
-            v50_m_s=v50,
-            scatter_m_s=scatter,
-            met=float((ends > 0).mean()),
-            not_met=float((ends < 0).mean()),
-            shots=_median(numbers),
-        )
-        for v50, numbers, ends in zip(
-            points.tolist(), shots.reshape(-1, FIRINGS), ended.reshape(-1, FIRINGS), strict=True
-        )
+        OperatingPoint(v50, scatter, float((ends > 0).mean()), float((ends < 0).mean()), _median(numbers))
+        for v50, numbers, ends in outcomes
     )
 
 

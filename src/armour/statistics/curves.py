@@ -168,13 +168,8 @@ class ShotLikelihood:
             starts = np.vstack([_of_slope(self._intercepts(slope), slope) for slope in SLOPES])
             start = starts[self._values(starts).argmax()]
             simplex = start + np.array([[0.0, 0.0], [0.1, 0.0], [0.0, 0.1 * max(start[1], 0.1)]])
-            search = minimize(
-                self._lost,
-                start,
-                method="Nelder-Mead",
-                options={"initial_simplex": simplex, "xatol": 1e-9, "fatol": 1e-13},
-            )
-            self.mode = self._curve(search.x)
+            options: Any = {"initial_simplex": simplex, "xatol": 1e-9, "fatol": 1e-13}
+            self.mode = self._curve(minimize(self._lost, start, method="Nelder-Mead", options=options).x)
 
     def log_likelihoods(self, z: Floats) -> Floats:
         """Return the logarithms of the likelihoods of the shots, (n,), by arguments of F, (m, n) -> (m,)."""

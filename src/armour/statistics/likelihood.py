@@ -540,9 +540,8 @@ def check_fittable(file: str, scenario: Scenario, groups: Sequence[MaterialGroup
         if any(name in group.columns for group in groups):
             problems.append(Problem(file, name, "must not be a column if it is fitted"))
         if name in (VELOCITY, CERAMIC, BACKING):
-            problems.append(
-                Problem("calibrate", "fit", f'must be a property of a material or projectile, found "{name}"')
-            )
+            message = f'must be a property of a material or projectile, found "{name}"'
+            problems.append(Problem("calibrate", "fit", message))
     for role, key in NAMES.items():
         names = {group.scenario.name_of(role) for group in groups}
         if len(names) > 1 and any(name.startswith(role + ".") for name in inputs):

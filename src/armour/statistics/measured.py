@@ -187,9 +187,8 @@ def _mistakes(row: CsvRow, repeated_names: Container[str]) -> list[tuple[str, st
         mistakes.append((OUTCOME, f"must not be {outcome} if there is a residual velocity"))
     limit, velocity = row.numbers.get(LIMIT), row.numbers.get(VELOCITY)
     if perforated is not None and limit is not None and velocity is not None and (velocity > limit) != perforated:
-        mistakes.append(
-            (OUTCOME, f"must agree with the ballistic limit in its row, found {outcome} at {velocity:g} m/s")
-        )
+        message = f"must agree with the ballistic limit in its row, found {outcome} at {velocity:g} m/s"
+        mistakes.append((OUTCOME, message))
     if outcome is not None and VELOCITY not in row.texts:
         mistakes.append((VELOCITY, "is missing and must be given with an outcome"))
     for column in (*MEASURED, *MEASURED.values()):
