@@ -11,6 +11,7 @@ from pydantic import Field
 from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
 from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.results import OnProgress, Result, ignore_progress
+from armour.analysis.variants import Floats
 from armour.errors import Problem, counted, mistake, refuse
 from armour.evidence.model_error import NORMAL, ModelError
 from armour.planning.procedures import (
@@ -340,7 +341,8 @@ def plan_shots(
             likely = posterior_of(expectation, shots.velocities_m_s, shots.complete)
             point = dice.choice(len(likely.weights), p=likely.weights)
             true_v50_m_s, true_scatter_m_s = likely.grid.v50_m_s[point].item(), likely.grid.scatter_m_s[point].item()
-        fired = _simulated(shots, settings, rule, (true_v50_m_s, true_scatter_m_s), dice, on_progress)
+        simulated_limits = dice.normal(true_v50_m_s, true_scatter_m_s, MAX_SIMULATED)
+        fired = _simulated(shots, settings, rule, simulated_limits, on_progress)
     end_reason = rule.ended(fired, settings)
     aim = None if end_reason else rule.aim(fired, settings)
     prior_of_v50 = posterior_of(expectation, (), ())
@@ -413,20 +415,13 @@ def _expected_v50(
     return middle, ModelError(0.0, 100.0 * (high - low) / (2.0 * WITHIN * middle), NORMAL, source)
 
 
-def _simulated(
-    fired: Shots,
-    settings: ShotSettings,
-    rule: Rule,
-    truth: tuple[float, float],
-    dice: np.random.Generator,
-    on_progress: OnProgress,
-) -> Shots:
-    """Return shots followed by those of a rule at armour with a true V50 and scatter."""
-    for _ in range(MAX_SIMULATED):
+def _simulated(fired: Shots, settings: ShotSettings, rule: Rule, limits: Floats, on_progress: OnProgress) -> Shots:
+    """Return shots followed by those of a rule, each of which perforates above a limit of its own, m/s."""
+    for limit in limits:
         if rule.ended(fired, settings):
             break
         velocity = aimed(rule.aim(fired, settings).velocity_m_s)
-        fired = added(fired, velocity, bool(dice.normal(*truth) < velocity))
+        fired = added(fired, velocity, bool(limit < velocity))
         on_progress(1, None)
     return fired
 

@@ -21,6 +21,7 @@ from armour.analysis.variants import Floats
 from armour.errors import NoAnswerError
 
 Link = Literal["probit", "logit"]
+Velocities = Sequence[float]
 Interval = tuple[float | None, float | None]
 # Distribution functions of the links, the normal and the logistic one, and their inverses.
 CDFS: dict[Link, Callable[[Any], Any]] = {"probit": ndtr, "logit": expit}
@@ -131,7 +132,7 @@ class Curve(NamedTuple):
     value: float  # logarithm of the likelihood, with the penalty
 
 
-def has_curve(partial: Sequence[float], complete: Sequence[float]) -> bool:
+def has_curve(partial: Velocities, complete: Velocities) -> bool:
     """Return whether there are shots of both kinds, the complete penetrations faster on average."""
     return len(partial) > 0 and len(complete) > 0 and bool(np.mean(complete) > np.mean(partial))
 
@@ -139,9 +140,7 @@ def has_curve(partial: Sequence[float], complete: Sequence[float]) -> bool:
 class ShotLikelihood:
     """Likelihood of the velocities of partial and complete penetrations, with its maximum and confidence region."""
 
-    def __init__(
-        self, partial: Sequence[float], complete: Sequence[float], link: Link, *, penalised: bool = False
-    ) -> None:
+    def __init__(self, partial: Velocities, complete: Velocities, link: Link, *, penalised: bool = False) -> None:
         if not has_curve(partial, complete):
             raise NoAnswerError(
                 f"no V50: the complete penetrations were no faster on average ({np.mean(complete):.1f} m/s) than the "
@@ -272,12 +271,7 @@ def _of_slope(intercepts: Floats, slope: float) -> Floats:
 
 
 def fit_curve(
-    partial: Sequence[float],
-    complete: Sequence[float],
-    link: Link,
-    confidence: float = CONFIDENCE,
-    *,
-    penalised: bool = False,
+    partial: Velocities, complete: Velocities, link: Link, confidence: float = CONFIDENCE, *, penalised: bool = False
 ) -> FittedCurve | None:
     """Fit a curve to the velocities of partial and complete penetrations, m/s, by maximum likelihood.
 
@@ -322,11 +316,7 @@ def bounded(value: float) -> float | None:
 
 
 def penalised_band(
-    partial: Sequence[float],
-    complete: Sequence[float],
-    link: Link,
-    velocities_m_s: Sequence[float],
-    confidence: float = CONFIDENCE,
+    partial: Velocities, complete: Velocities, link: Link, velocities_m_s: Velocities, confidence: float = CONFIDENCE
 ) -> tuple[Floats, Floats]:
     """Return the pointwise confidence interval of the probability at ascending velocities, m/s, from low to high."""
     # Slow to import, and only charts need it.

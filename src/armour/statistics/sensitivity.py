@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import isnan, log
+from math import isnan, log, nan
 from typing import Any
 
 import numpy as np
@@ -108,16 +108,10 @@ def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         raise NoAnswerError("nothing to compare: no ballistic limit in the range of its search, no residual velocity")
     step = log((1.0 + CHANGE) / (1.0 - CHANGE))
     elasticities = {answer: np.log(values[1::2] / values[2::2]) / step for answer, values in answers.items()}
+    # The ballistic limit does not depend on the velocity, over which it is searched for.
+    elasticities[LIMIT][[*inputs].index(VELOCITY)] = nan
     changes = [
-        Elasticity(
-            name,
-            value,
-            {
-                # The ballistic limit does not depend on the velocity, over which it is searched for.
-                answer: None if (answer, name) == (LIMIT, VELOCITY) else _number(column[index])
-                for answer, column in elasticities.items()
-            },
-        )
+        Elasticity(name, value, {answer: _number(column[index]) for answer, column in elasticities.items()})
         for index, (name, value) in enumerate(inputs.items())
     ]
     return SensitivityResult(
