@@ -186,11 +186,8 @@ def _set_errors(errors: Errors, first: int, evidence: Evidence, where: Any, armo
     q = armours.quantities()
     holds = evidence.holds(q)
     errors.ratio.weights[:, where[holds]] = 0.0
-    doubted = {
-        limits.name: (limits.low, limits.high)
-        for limits in evidence.measured
-        if limits.name in DOUBTED and not evidence.ceramic
-    }
+    bare = () if evidence.ceramic else evidence.measured
+    doubted = {limits.name: (limits.low, limits.high) for limits in bare if limits.name in DOUBTED}
     for number, law in enumerate(evidence.laws or [()]):
         rows = np.flatnonzero(holds & ~is_outside(law, q))
         first_fit, members = evidence.fits[number], armours.at(rows)

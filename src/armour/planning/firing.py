@@ -15,7 +15,6 @@ from armour.analysis.variants import Floats
 from armour.errors import Problem, counted, mistake, refuse
 from armour.evidence.model_error import NORMAL, ModelError
 from armour.planning.procedures import (
-    OTHER_CONFIDENCE,
     PROCEDURES,
     OperatingPoint,
     Rule,
@@ -357,7 +356,7 @@ def plan_shots(
         reason="" if aim is None else aim.why + _why_outside(aim.velocity_m_s, fired) * (procedure != "up-and-down"),
         stopped=end_reason,
         expected_shots=further,
-        expected_shots_90=further_90 if confidence > OTHER_CONFIDENCE else None,
+        expected_shots_90=further_90,
         confidence=confidence,
         half_width_m_s=half_width_m_s,
         requirement_m_s=requirement_m_s,

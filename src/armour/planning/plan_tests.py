@@ -22,6 +22,7 @@ from armour.scenario.checked import Names, checked, instance
 from armour.scenario.inputs import INPUTS, NAMES, VELOCITY
 from armour.scenario.keys import canonical
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
+from armour.statistics import likelihood
 from armour.statistics.calibration import (
     FLOW_STRESS,
     Law,
@@ -32,21 +33,7 @@ from armour.statistics.calibration import (
     under_law,
     with_law,
 )
-from armour.statistics.likelihood import (
-    DIFFERENCE,
-    MODELS,
-    NO_PRIOR,
-    UPPER,
-    InputFit,
-    Likelihood,
-    check_fittable,
-    fit_inputs,
-    hazard,
-    likelihood_of,
-    prior_of,
-    rows_at,
-    units_of,
-)
+from armour.statistics.likelihood import InputFit, Likelihood
 from armour.statistics.measured import LIMIT, MaterialGroup, Tests, with_scatter
 from armour.sweeps.cases import Cases, Grid, source_of
 
@@ -277,7 +264,7 @@ class LimitModel(NamedTuple):
         limits = np.empty(len(self.places))
         for group in self.groups:
             inputs = np.repeat([x * self.units], len(group.where), axis=0).T
-            limits[group.where] = MODELS[LIMIT](group.variants(dict(zip(self.names, inputs, strict=True))))
+            limits[group.where] = likelihood.MODELS[LIMIT](group.variants(dict(zip(self.names, inputs, strict=True))))
         return limits
 
     def check(self, limits: Floats) -> None:
@@ -299,7 +286,7 @@ class LimitModel(NamedTuple):
             self.on_progress(len(limits), None)
             return (self.limits(x) - limits) / limits
 
-        return approx_fprime(x, changes, DIFFERENCE).reshape(len(limits), len(x))
+        return approx_fprime(x, changes, likelihood.DIFFERENCE).reshape(len(limits), len(x))
 
 
 def limit_model(
@@ -312,8 +299,8 @@ def limit_model(
         places.append((design.file, ""))
     groups = [group._replace(scenario=with_law(group.scenario, law)) for group in groups]
     names = fitted_names(fit, law)
-    check_fittable(candidates.file, groups[0].scenario, groups, names)
-    units = units_of(groups[0].scenario, names)
+    likelihood.check_fittable(candidates.file, groups[0].scenario, groups, names)
+    units = likelihood.units_of(groups[0].scenario, names)
     return LimitModel(tuple(groups), tuple(places), tuple(names), units, on_progress)
 
 
@@ -388,7 +375,7 @@ def plan_tests(
     _check_materials([(design.file, design) for design in designs], armours.groups[0].scenario, fit)
     model = limit_model(armours, designs, fit, law, on_progress)
     scatter = None if scatter_percent is None else scatter_percent / 100.0
-    likelihood = None
+    earlier = None
     if tests is not None:
         if scatter is not None and not tests.weighted:
             tests = with_scatter(tests, scatter)
@@ -396,10 +383,10 @@ def plan_tests(
             check_same_prior(tests, scenario, "plan_tests")
         tests_by_law, names = under_law(tests, fit, law)
         _check_materials([(tests.file, tests_by_law.groups[0].scenario)], model.scenario, names)
-        likelihood = likelihood_of(tests_by_law, names, on_progress, prior=prior)
+        earlier = likelihood.likelihood_of(tests_by_law, names, on_progress, prior=prior)
         # The scenario of the tests may have other values than the candidates.
-        model = model._replace(units=likelihood.units)
-    knowledge = _knowledge(likelihood, model, scatter, prior=prior)
+        model = model._replace(units=earlier.units)
+    knowledge = _knowledge(earlier, model, scatter, prior=prior)
     limits = model.limits(knowledge.x)
     model.check(limits)
     gradients, count = model.gradients(knowledge.x, limits), len(armours.places)
@@ -454,7 +441,7 @@ def _informing(candidates: Candidates, gradients: Floats, limits: Floats, scatte
     velocities = candidates.columns[VELOCITY].astype(np.float64)
     # As in a calibration, an outcome's scatter is in proportion to its velocity.
     z = (velocities - limits) / (scatter * velocities)
-    weights: Floats = limits / velocities * np.sqrt(hazard(z) * hazard(-z))
+    weights: Floats = limits / velocities * np.sqrt(likelihood.hazard(z) * likelihood.hazard(-z))
     return gradients / scatter * weights[:, None]
 
 
@@ -512,26 +499,26 @@ class _Knowledge(NamedTuple):
     warnings: tuple[str, ...]
 
 
-def _knowledge(likelihood: Likelihood | None, model: LimitModel, scatter: float | None, *, prior: bool) -> _Knowledge:
+def _knowledge(earlier: Likelihood | None, model: LimitModel, scatter: float | None, *, prior: bool) -> _Knowledge:
     """Return the knowledge of the inputs from earlier tests and the prior, and the scatter of a test."""
     fit = None
-    if likelihood is not None:
-        tests = likelihood.tests
-        if likelihood.usable >= likelihood.needed:
-            fit = fit_inputs(likelihood)
+    if earlier is not None:
+        tests = earlier.tests
+        if earlier.usable >= earlier.needed:
+            fit = likelihood.fit_inputs(earlier)
         scatter = scatter or (fit.spread if fit and not tests.weighted else _given_scatter(tests))
     if scatter is None:
         message = "must be given: there are too few tests to estimate it from"
         raise mistake("plan_tests", "scatter_percent", message)
     if fit is not None:
         return _fitted(fit, scatter)
-    scores = prior_of(model.scenario, model.names, model.units) if prior else NO_PRIOR
+    scores = likelihood.prior_of(model.scenario, model.names, model.units) if prior else likelihood.NO_PRIOR
     values = model.scenario.inputs()
     x = scores.centred(np.array([values.get(name, 0.0) for name in model.names]) / model.units)
     base = scores.rows(x).T @ scores.rows(x)
     warning = "the plan is optimal only near the inputs' present values, which no tests support"
-    if likelihood is not None:
-        rows = rows_at(likelihood, x, 1.0)[1]
+    if earlier is not None:
+        rows = likelihood.rows_at(earlier, x, 1.0)[1]
         base, warning = base + rows.T @ rows, f"{warning}: too few for a fit"
     return _Knowledge(x, base, scatter, None, (warning,))
 
@@ -600,6 +587,6 @@ def _half_widths(
         return np.full(len(gradients), nan)
     # Further limits also add to the knowledge of the scatter.
     freedom = knowledge.freedom and knowledge.freedom + (len(chosen) if measure == "limit" else 0)
-    factor = float(ndtri(UPPER) if freedom is None else stdtrit(freedom, UPPER))
+    factor = float(ndtri(likelihood.UPPER) if freedom is None else stdtrit(freedom, likelihood.UPPER))
     variances = np.einsum("mr,rs,ms->m", gradients, np.linalg.inv(information), gradients)
     return factor * np.sqrt(variances)

@@ -451,7 +451,7 @@ def fire(
 def expected_shots(shots: Shots, settings: ShotSettings) -> tuple[float | None, float | None]:
     """Return the median number of further shots in simulated continuations, and the same with a confidence of 90 %.
 
-    A number is None if it exceeds the maximum.
+    A number is None if it exceeds the maximum, and the second one if the confidence is no more than that.
     """
     current = posterior(shots, settings, FUTURE_NODES)
     # Even if the decision does not use the prior, the prior predicts the number of shots.
@@ -462,7 +462,7 @@ def expected_shots(shots: Shots, settings: ShotSettings) -> tuple[float | None, 
     # The median is known once half of the firings have ended.
     firings = Firings(current, settings, FUTURES, FUTURE_CANDIDATES)
     further, _, further_90 = fire(firings, v50, scatter, dice, least=FUTURES // 2)
-    return _median(further), _median(further_90)
+    return _median(further), _median(further_90) if settings.confidence > OTHER_CONFIDENCE else None
 
 
 def _median(shots: Floats) -> float | None:
