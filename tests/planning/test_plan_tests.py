@@ -253,6 +253,7 @@ def test_wrong_candidates(wilkins: Scenario, tmp_path: Path, rows: tuple[str, ..
         ({"number": 0}, "number: must be at least 1"),
         ({"scatter_percent": None}, "there are too few tests to estimate it from"),
         ({"fit": ()}, "fit: must name at least one input"),
+        ({"fit": VELOCITY}, f'plan_tests: fit: must be a property of a material or projectile, found "{VELOCITY}"'),
         ({"law": "backin"}, 'did you mean "backing"'),
         ({"law": "backing", "fit": "backing.shear_strength_MPa"}, f"law: must not be given unless {FLOW_STRESS} is"),
         (

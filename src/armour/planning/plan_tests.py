@@ -299,7 +299,7 @@ def limit_model(
         places.append((design.file, ""))
     groups = [group._replace(scenario=with_law(group.scenario, law)) for group in groups]
     names = fitted_names(fit, law)
-    likelihood.check_fittable(candidates.file, groups[0].scenario, groups, names)
+    likelihood.check_fittable(candidates.file, groups[0].scenario, groups, names, "plan_tests")
     units = likelihood.units_of(groups[0].scenario, names)
     return LimitModel(tuple(groups), tuple(places), tuple(names), units, on_progress)
 
@@ -370,7 +370,6 @@ def plan_tests(
     designs = (designs,) if isinstance(designs, Scenario) else tuple(designs) or (scenario,)
     fit = tuple(fit)
     check_fitted(fit, law, "plan_tests")
-    scenario.check_names([name for name in fit if law is None or name == FLOW_STRESS], "plan_tests", "fit")
     armours = candidates_of(scenario, candidates, measure, cost)
     _check_materials([(design.file, design) for design in designs], armours.groups[0].scenario, fit)
     model = limit_model(armours, designs, fit, law, on_progress)

@@ -532,16 +532,18 @@ def without(fit: InputFit, kept: Bools) -> Floats:
     return search(likelihood, x, scatter=fit.best.scatter, tolerance=COMPARED_TOLERANCE).x
 
 
-def check_fittable(file: str, scenario: Scenario, groups: Sequence[MaterialGroup], inputs: Sequence[str]) -> None:
-    """Check that the inputs can be fitted to the tests of a scenario in a file."""
-    scenario.check_names(inputs, "calibrate", "fit")
+def check_fittable(
+    file: str, scenario: Scenario, groups: Sequence[MaterialGroup], inputs: Sequence[str], function: str = "calibrate"
+) -> None:
+    """Check that the inputs of a function can be fitted to the tests of a scenario in a file."""
+    scenario.check_names(inputs, function, "fit")
     problems = []
     for name in inputs:
         if any(name in group.columns for group in groups):
             problems.append(Problem(file, name, "must not be a column if it is fitted"))
         if name in (VELOCITY, CERAMIC, BACKING):
             message = f'must be a property of a material or projectile, found "{name}"'
-            problems.append(Problem("calibrate", "fit", message))
+            problems.append(Problem(function, "fit", message))
     for role, key in NAMES.items():
         names = {group.scenario.name_of(role) for group in groups}
         if len(names) > 1 and any(name.startswith(role + ".") for name in inputs):

@@ -57,21 +57,16 @@ def first_order_indices(section: Uncertainty, points: Floats, values: Floats) ->
     scaled_values = (values - values.mean()) / values.std()
     replicates = zip(np.array_split(points, REPLICATES), np.array_split(scaled_values, REPLICATES), strict=True)
     moments = [
-        [_moments(_basis(*column), scaled) for column in zip(correlated(section, part).T, uniform, strict=True)]
+        [_moments(*column, scaled) for column in zip(correlated(section, part).T, uniform, strict=True)]
         for part, scaled in replicates
     ]
     return [jackknife(_explained, by_replicate) for by_replicate in np.array(moments).swapaxes(0, 1)]
 
 
-def _basis(chances: Floats, uniform: bool) -> Floats:
-    """Return polynomials, (n, terms), of the uniform or normal score of an input."""
+def _moments(chances: Floats, uniform: bool, values: Floats) -> Floats:
+    """Return the sums of the products of polynomials of an input's uniform or normal score, and of values, (n,)."""
     polynomials = legvander(2.0 * chances - 1.0, DEGREE) if uniform else hermevander(ndtri(chances), DEGREE)
-    return np.asarray(polynomials, dtype=np.float64)
-
-
-def _moments(basis: Floats, values: Floats) -> Floats:
-    """Return the sums of the products of the columns of a basis, (n, terms), and of values, (n,)."""
-    columns = np.column_stack([basis, values])
+    columns = np.column_stack([polynomials, values])
     return columns.T @ columns
 
 
