@@ -151,20 +151,15 @@ class PlannedTests(TableResult):
         return f"{counted(tests, 'test')} of {counted(candidates, 'candidate')}{least}"
 
     def _columns(self) -> Mapping[str, Any]:
-        return by_column(
-            {
-                "number": test.number,
-                **test.inputs,
-                "ballistic_limit_m_s": test.ballistic_limit_m_s,
-                "total_cost": test.total_cost,
-                **{f"half-width of {name}": value for name, value in test.half_widths.items()},
-                **{
-                    f"half-width of the limit of {name}, m/s": value
-                    for name, value in zip(self.designs, test.limit_half_widths_m_s, strict=True)
-                },
-            }
-            for test in self.planned[1:]
-        )
+        rows = []
+        for test in self.planned[1:]:
+            row: dict[str, Any] = {"number": test.number, **test.inputs}
+            row |= {"ballistic_limit_m_s": test.ballistic_limit_m_s, "total_cost": test.total_cost}
+            row |= {f"half-width of {name}": width for name, width in test.half_widths.items()}
+            for name, width in zip(self.designs, test.limit_half_widths_m_s, strict=True):
+                row[f"half-width of the limit of {name}, m/s"] = width
+            rows.append(row)
+        return by_column(rows)
 
 
 @dataclass(frozen=True)

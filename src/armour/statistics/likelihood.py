@@ -297,16 +297,11 @@ def likelihood_of(tests: Tests, inputs: Sequence[str], on_progress: OnProgress, 
     first = tests.groups[0].scenario
     of_law = np.array([_is_of_law(name) for name in inputs])
     units = units_of(first, inputs)
-    return Likelihood(
-        tests,
-        tuple(inputs),
-        units=units,
-        lower=np.where(of_law, -MAX_COEFFICIENT, MIN_RATIO),
-        upper=np.where(of_law, MAX_COEFFICIENT, MAX_RATIO),
-        kept=np.ones(len(tests.measurements), dtype=bool),
-        on_progress=on_progress,
-        prior=prior_of(first, inputs, units) if prior else NO_PRIOR,
-    )
+    lower = np.where(of_law, -MAX_COEFFICIENT, MIN_RATIO)
+    upper = np.where(of_law, MAX_COEFFICIENT, MAX_RATIO)
+    kept = np.ones(len(tests.measurements), dtype=bool)
+    known = prior_of(first, inputs, units) if prior else NO_PRIOR
+    return Likelihood(tests, tuple(inputs), units, lower, upper, kept, on_progress, known)
 
 
 def units_of(scenario: Scenario, inputs: Sequence[str]) -> Floats:

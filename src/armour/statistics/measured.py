@@ -155,11 +155,9 @@ def read_tests(path: Table, scenario: Scenario, notes: Names = ()) -> Tests:
     rows, problems = read_rows(file, chain(first, lines), numbers=numbers, texts=texts, needed=(), usual=USUAL)
     names = tuple(row.texts.get("test", row.place) for row in rows)
     repeated_names = {name for name, count in Counter(names).items() if count > 1}
-    problems += [
-        Problem(file, f"{row.place}: {key}" if key else row.place, message)
-        for row in rows
-        for key, message in _mistakes(row, repeated_names)
-    ]
+    for row in rows:
+        for key, message in _mistakes(row, repeated_names):
+            problems.append(Problem(file, f"{row.place}: {key}" if key else row.place, message))
     measurements = [measurement for test, row in enumerate(rows) for measurement in _measurements(test, row)]
     weighted = {MEASURED[m.quantity] in rows[m.test].texts for m in measurements}
     if len(weighted) == 2:

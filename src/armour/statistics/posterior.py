@@ -263,10 +263,8 @@ def learned(
 def _contradictions(prior: Posterior, posterior: Posterior) -> Iterator[str]:
     """Yield a warning for each of V50 and scatter whose posterior lies outside the plausible interval of the prior."""
     before, after = prior.estimate(PLAUSIBLE), posterior.estimate(PLAUSIBLE)
-    for name, value, (low, high) in (
-        ("V50", after.v50_m_s, before.v50_interval_m_s),
-        ("scatter", after.scatter_m_s, before.scatter_interval_m_s),
-    ):
+    v50, scatter = (after.v50_m_s, before.v50_interval_m_s), (after.scatter_m_s, before.scatter_interval_m_s)
+    for name, (value, (low, high)) in {"V50": v50, "scatter": scatter}.items():
         if not low <= value <= high:
             yield (
                 f"the shots contradict the prior: with them the {name} is {value:.1f} m/s, beyond its "
