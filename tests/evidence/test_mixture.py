@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from armour.evidence.mixture import Mixture
+from armour.evidence.mixture import Mixture, probability_below, quantile
 
 WEIGHTS, LOCATIONS = np.array([0.5, 0.2, 0.3]), np.array([6.4, 6.6, 6.7])
 SCALES, FREEDOM = np.array([0.05, 0.1, 0.03]), np.array([5.0, 1e6, 12.0])
@@ -75,3 +75,31 @@ def test_without_logarithm_the_number_itself_is_distributed():
     assert distribution.probability_above(650.0) == pytest.approx(stats.t.sf(650.0, 8.0, 714.0, 35.0))
     assert distribution.quantile(0.05) == pytest.approx(stats.t.ppf(0.05, 8.0, 714.0, 35.0))
     assert np.exp(distribution.log_density(650.0)) == pytest.approx(stats.t.pdf(650.0, 8.0, 714.0, 35.0))
+
+
+MANY_FREEDOMS = np.array([2.5, 3.0, 7.0, 30.0, 199.0, 201.0, 2e3, 1e6])[:, None]
+
+
+def test_probabilities():
+    values = np.array([-50.0, -8.0, -1.0, -1e-9, 0.0, 0.3, 2.0, 30.0])
+    probabilities = probability_below(MANY_FREEDOMS, values, many=False)
+    np.testing.assert_allclose(probabilities, stats.t.cdf(values, MANY_FREEDOMS), rtol=0.0, atol=1e-12)
+
+
+def test_quantiles():
+    probabilities = np.array([1e-3, 0.025, 0.2, 0.5, 0.9, 0.999])
+    quantiles = quantile(MANY_FREEDOMS, probabilities, many=False)
+    np.testing.assert_allclose(quantiles, stats.t.ppf(probabilities, MANY_FREEDOMS), rtol=1e-10, atol=1e-12)
+
+
+@pytest.mark.parametrize("many", [False, True])
+def test_ends(many: bool):
+    ends = quantile(np.array([5.0]), np.array([0.0, 1.0, np.nan]), many=many)
+    np.testing.assert_array_equal(ends, [-np.inf, np.inf, np.nan])
+
+
+def test_one_and_many_are_alike():
+    values, freedom = np.linspace(-5.0, 5.0, 101), np.array(5.0)
+    chances = probability_below(freedom, values, many=True)
+    np.testing.assert_allclose(probability_below(freedom, values, many=False), chances, rtol=0.0, atol=1e-12)
+    np.testing.assert_allclose(quantile(freedom, chances, many=False), values, rtol=1e-10, atol=1e-12)

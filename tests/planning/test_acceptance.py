@@ -7,8 +7,15 @@ from scipy.special import log_ndtr, ndtr, ndtri
 from scipy.stats import norm
 
 from armour.evidence.model_error import ModelError
-from armour.planning.acceptance import Demand, demand_of
-from armour.planning.procedures import ShotSettings, decisions, next_bayesian, posterior, stopped_bayesian
+from armour.planning.procedures import (
+    Demand,
+    ShotSettings,
+    decisions,
+    demand_of,
+    next_bayesian,
+    posterior,
+    stopped_bayesian,
+)
 from armour.statistics.posterior import FiringPrior
 from armour.statistics.v50 import Shots
 from tools.experiments.firings import requirement

@@ -253,6 +253,7 @@ def test_wrong_candidates(wilkins: Scenario, tmp_path: Path, rows: tuple[str, ..
         ({"number": 0}, "number: must be at least 1"),
         ({"scatter_percent": None}, "there are too few tests to estimate it from"),
         ({"fit": ()}, "fit: must name at least one input"),
+        ({"fit": VELOCITY}, f'plan_tests: fit: must be a property of a material or projectile, found "{VELOCITY}"'),
         ({"law": "backin"}, 'did you mean "backing"'),
         ({"law": "backing", "fit": "backing.shear_strength_MPa"}, f"law: must not be given unless {FLOW_STRESS} is"),
         (
@@ -274,7 +275,7 @@ def test_wrong_settings(wilkins: Scenario, settings: dict[str, object], words: s
 def test_too_many_candidates_and_a_design_of_another_ceramic(wilkins: Scenario, monkeypatch: pytest.MonkeyPatch):
     with pytest.raises(InputError, match="as it is fitted: AD85, found B4C"):
         plan_tests(wilkins, GRID, scatter_percent=3.0, designs=[wilkins.replaced({"armour.ceramic": "B4C"})])
-    monkeypatch.setattr("armour.planning.candidates.MAX_CANDIDATES", 8)
+    monkeypatch.setattr("armour.planning.plan_tests.MAX_CANDIDATES", 8)
     with pytest.raises(InputError, match="candidates: must be at most 8 candidates, found 9"):
         plan_tests(wilkins, GRID, scatter_percent=3.0)
 

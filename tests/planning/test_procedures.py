@@ -24,6 +24,7 @@ from armour.planning.procedures import (
 )
 from armour.statistics.posterior import FiringPrior, Posterior, posterior_of
 from armour.statistics.v50 import Shots
+from tools.experiments.firings import simulate
 
 pytestmark = pytest.mark.slow
 
@@ -267,3 +268,9 @@ def test_fewer_shots_are_expected_for_a_wider_interval_and_as_shots_are_fired():
     assert sooner is not None
     assert sooner == expected_shots(SHOTS, BAYESIAN._replace(confidence=0.9))[0]
     assert sooner < narrow
+
+
+def test_firings_of_the_campaign_end_with_intervals_that_hold():
+    firings = simulate("bayesian", 1.0, 15.0, 10, 1)
+    assert 8 < firings.shots.mean() < 40
+    assert firings.held.mean() > 0.6

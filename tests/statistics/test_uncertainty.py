@@ -11,10 +11,9 @@ from scipy.integrate import quad
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.estimates import Estimate
 from armour.analysis.evaluate import evaluate
-from armour.analysis.samples import Samples
+from armour.analysis.samples import Samples, columns_of, points_of
 from armour.analysis.variants import Floats, perforated, variants_of
 from armour.errors import InputError, NoLimitError
-from armour.evidence.sampling import columns_of, points_of
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Uncertainty, correlation_matrix
 from armour.statistics import uncertainty as module

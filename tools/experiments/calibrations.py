@@ -14,10 +14,10 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from armour.analysis.results import ignore_progress
+from armour.analysis.samples import quantiles
 from armour.analysis.variants import Floats, Variants, variants_of
 from armour.core.equations import intact_strength
 from armour.engine.batch import fields
-from armour.evidence.sampling import quantiles
 from armour.scenario.inputs import BACKING, CERAMIC
 from armour.scenario.scenario import load_scenario
 from armour.statistics import likelihood as likelihood_fit

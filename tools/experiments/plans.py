@@ -18,8 +18,7 @@ from scipy.stats import t
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import ignore_progress
 from armour.analysis.variants import Floats
-from armour.planning.candidates import LimitModel
-from armour.planning.plan_tests import plan_tests
+from armour.planning.plan_tests import LimitModel, plan_tests
 from armour.scenario.inputs import BACKING, CERAMIC
 from armour.scenario.scenario import Scenario, load_scenario
 from armour.statistics import likelihood as likelihood_fit

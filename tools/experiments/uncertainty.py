@@ -12,9 +12,8 @@ from scipy.interpolate import make_lsq_spline
 
 from armour.analysis.estimates import Estimate
 from armour.analysis.results import portions
-from armour.analysis.samples import own_errors, own_values, sampled, section_of
+from armour.analysis.samples import columns_of, own_errors, own_values, points_of, sampled, section_of
 from armour.analysis.variants import Floats, Ints, perforated
-from armour.evidence.sampling import columns_of, points_of
 from armour.scenario.inputs import ERROR, VELOCITY
 from armour.scenario.scenario import Scenario, load_scenario
 from armour.statistics.uncertainty import QUANTILES, SAMPLES_AT_A_TIME, TAIL, sample_limits, uncertainty

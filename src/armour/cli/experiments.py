@@ -11,7 +11,7 @@ from armour.cli.question import Answer, Force, PlotFile, argument, number, optio
 from armour.cli.runner import CHECK_FAILED, check_outputs, read_scenario, wrong_option
 from armour.cli.scenario_commands import LIMIT_READS, grid_of
 from armour.csv_files import MUST_SAY, PERFORATED
-from armour.errors import mistake
+from armour.errors import mistake, restated
 from armour.scenario.keys import describe
 
 if TYPE_CHECKING:
@@ -264,11 +264,11 @@ def plan_tests(
 
 def _source(candidates: list[str]) -> "Grid | Cases":
     """Return the candidates."""
-    from armour.planning.candidates import of_candidates
+    from armour.planning.plan_tests import of_candidates
     from armour.sweeps.cases import Cases
 
     if all("=" in text for text in candidates):
-        with of_candidates():
+        with restated(of_candidates):
             return grid_of("--candidates", candidates)
     if len(candidates) > 1:
         raise wrong_option("--candidates", "must be one CSV file, or keys with values")

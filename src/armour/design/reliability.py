@@ -8,12 +8,11 @@ from scipy.special import bdtrc
 
 from armour.analysis.estimates import TAIL, Estimate, proportion
 from armour.analysis.results import OnProgress, ignore_progress
-from armour.analysis.samples import own_errors, own_values, sampled, section_at, section_of
+from armour.analysis.samples import columns_of, own_errors, own_values, points_of, sampled, section_at, section_of
 from armour.analysis.variants import perforated
 from armour.design.catalogue import NO_BOUND, CandidateDesigns, Catalogue
 from armour.errors import Problem, refuse
 from armour.evidence.model_error import Errors
-from armour.evidence.sampling import columns_of, points_of
 from armour.scenario.inputs import BACKING, CERAMIC
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import MAX_SAMPLES, Uncertainty

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from armour.core.state import Parameters
-from armour.evidence.student import Floats
+from armour.evidence.mixture import Floats
 from armour.files import read_toml, shipped
 from armour.scenario.inputs import INPUTS
 from armour.scenario.library import DEFAULTS
@@ -22,12 +22,8 @@ from armour.units import GPA, MM, MPA
 CONSTRAINT = DEFAULTS["flow_stress_GPa"][0] * GPA / MPA
 # m/D^3 of a usual core, g/mm3.
 CORE = 0.0215
-# Fraction of the trend beyond the tests that is added to the scale there.
-TREND_DOUBT = 0.5
 # Least standard deviation of a test that is assumed for own tests, as it differs between lots.
 LEAST_REST = 0.04
-# Most iterations of the approximation of outcomes, and the least precision of one.
-MOST_ROUNDS, LEAST_PRECISION = 100, 1e-9
 # Quantities that distinguish rounds.
 RODS = ("rod_diameter_mm", "rod_length_ratio", "rod_density_kg_m3", "rod_strength_GPa")
 # Values of n armours by name, (n,).
@@ -110,7 +106,7 @@ class Fit(NamedTuple):
     def predicted(self, q: Quantities, ranges: Mapping[str, tuple[float, float]]) -> tuple[Floats, Floats]:
         """Return locations and scales of the distributions of n armours, (n,) each.
 
-        Beyond the ranges of the tests, by quantity, the trend continues, and a fraction of it is added to the scale.
+        Beyond the ranges of the tests, by quantity, the trend continues, and half of it is added to the scale.
         """
         matrix = self._matrix(q)
         variance = self.variance + np.einsum("ni,ij,nj->n", matrix, self.covariance, matrix)
@@ -118,13 +114,17 @@ class Fit(NamedTuple):
             variance += ~matrix[:, len(self.terms) :].any(axis=1) * self.standard_deviations[1] ** 2
         for name, ends in ranges.items():
             inside = self._matrix({**q, name: q[name].clip(*ends)})
-            variance += (TREND_DOUBT * ((matrix - inside) @ self.coefficients)) ** 2
+            variance += (0.5 * ((matrix - inside) @ self.coefficients)) ** 2
         return matrix @ self.coefficients, np.sqrt(variance)
 
     def _matrix(self, q: Quantities) -> Floats:
         """Return the terms of n armours and, for an updated fit, which of its rounds is fired at each."""
-        rounds = np.empty((len(q["path_ratio"]), 0)) if self.rods is None else _same(rods_of(q), self.rods)
-        return np.column_stack([matrix_of(self.terms, self.reference, q), rounds])
+        matrix = matrix_of(self.terms, self.reference, q)
+        if self.rods is None:
+            return matrix
+        # The rounds are the same but for rounding.
+        rounds = np.isclose(rods_of(q)[:, None], self.rods, rtol=1e-6, atol=0.0).all(axis=2)
+        return np.column_stack([matrix, rounds])
 
     def updated(self, tests: LotTests, extra_deviation: float = 0.0, level: Sequence[float] | None = None) -> "Fit":
         """Return the fit for the lot of own tests; its weight is the logarithm of their density.
@@ -205,7 +205,7 @@ def as_measurements(
     middle, posterior = mean.copy(), covariance.copy()  # of the limits
     # Means and variances of the limits without the shot, and how far these are on its side.
     without, spread, score = np.empty(n), np.empty(n), np.empty(n)
-    for _ in range(MOST_ROUNDS):
+    for _ in range(100):
         before = precision.copy()
         for i in range(n):
             cavity = 1.0 / posterior[i, i] - precision[i]  # precision of the limit without the shot
@@ -215,7 +215,7 @@ def as_measurements(
             slope = np.exp(-0.5 * score[i] ** 2 - log_ndtr(score[i])) / np.sqrt(2.0 * np.pi)
             mean_with = without[i] + spread[i] * sides[i] * slope / np.sqrt(total)
             narrowed = spread[i] - spread[i] ** 2 * slope * (slope + score[i]) / total
-            precision_change = max(1.0 / narrowed - cavity, LEAST_PRECISION) - precision[i]
+            precision_change = max(1.0 / narrowed - cavity, 1e-9) - precision[i]
             information_change = mean_with / narrowed - without[i] * cavity - information[i]
             precision[i], information[i] = precision[i] + precision_change, information[i] + information_change
             change = posterior[:, i] / (1.0 + precision_change * posterior[i, i])
@@ -235,11 +235,6 @@ def as_measurements(
 def rods_of(q: Quantities) -> Floats:
     """Return the quantities that distinguish the rounds of n armours, (n, 4)."""
     return np.column_stack([q[name] for name in RODS])
-
-
-def _same(rods: Floats, rounds: Floats) -> Any:
-    """Return which of k rounds each of n penetrators is, (n, k), but for rounding."""
-    return np.isclose(rods[:, None], rounds, rtol=1e-6, atol=0.0).all(axis=2)
 
 
 def law_parameters(role: str, values: Mapping[str, float]) -> dict[str, float]:

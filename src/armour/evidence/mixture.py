@@ -1,15 +1,17 @@
-"""Mixtures of Student's t distributions: the ballistic limit of an armour given the evidence."""
+"""Mixtures of Student's t distributions: the ballistic limit of an armour given the evidence.
+
+Student's t distribution is computed by quadrature for one armour, as scipy is slow to import, and by scipy for many.
+"""
 
 from collections.abc import Callable
+from math import lgamma
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from armour.evidence.student import Floats, density_at_0, probability_below, quantile
+Floats = NDArray[np.float64]
 
-# Tolerance of a quantile, or of its logarithm, and the most steps to it; ten are usual.
-TOLERANCE, MOST_STEPS = 1e-12, 200
 # Greatest count of numbers of one armour to compute without scipy.
 MOST = 1000
 
@@ -70,33 +72,21 @@ class Mixture(NamedTuple):
         many = self._many(chances)
         by_component = np.where(weights > 0.0, locations, np.nan) + scales * quantile(freedom, chances, many=many)
         low, high = np.fmin.reduce(by_component), np.fmax.reduce(by_component)
-        places = np.where(low == high, low, 0.5 * (low + high))
-        moving = np.ones_like(places, dtype=bool)
-        # Newton's method, for each value until its own last step, within an interval that the steps narrow.
-        for _ in range(MOST_STEPS if len(by_component) > 1 else 0):
+        # The quantile of the mixture is between those of its components; each step halves the interval.
+        for _ in range(44 if len(by_component) > 1 else 0):
+            places = 0.5 * (low + high)
             below = (weights * probability_below(freedom, (places - locations) / scales, many=many)).sum(axis=0)
             low, high = np.where(below < chances, places, low), np.where(below < chances, high, places)
-            with np.errstate(all="ignore"):
-                new = places + (chances - below) * np.exp(-self._log_density(places))
-                new = np.where((new >= low) & (new <= high), new, 0.5 * (low + high))
-                last, places = places, np.where(moving, np.where(low == high, low, new), places)
-                moving &= np.abs(places - last) > TOLERANCE * np.maximum(1.0, np.abs(places))
-            if not moving.any():
-                break
-        return np.exp(places) if self.logarithmic else places
+        return np.exp(high) if self.logarithmic else high
 
     def log_density(self, values: ArrayLike) -> Any:
         """Return the logarithm of the density at values above 0, per their unit."""
-        *_, places = self._at(values)
-        return self._log_density(places) - (places if self.logarithmic else 0.0)
-
-    def _log_density(self, places: Floats) -> Any:
-        """Return the logarithm of the density at values, or per unit of their logarithms at these."""
-        weights, locations, scales, freedom = self._parts(places)
-        constant = np.log(density_at_0(freedom))
+        weights, locations, scales, freedom, places = self._at(values)
+        constant = np.log(_constants(freedom) / np.sqrt(freedom))
         kernel = 0.5 * (freedom + 1.0) * np.log1p(((places - locations) / scales) ** 2 / freedom)
         with np.errstate(divide="ignore"):
-            return np.logaddexp.reduce(np.log(weights) + constant - np.log(scales) - kernel)
+            log_density = np.logaddexp.reduce(np.log(weights) + constant - np.log(scales) - kernel)
+        return log_density - (places if self.logarithmic else 0.0)
 
     def drawn(self, chances: Floats) -> tuple[Any, Floats]:
         """Return components and values at chances, (n,), between 0 and 1, one for each draw.
@@ -119,3 +109,60 @@ class Mixture(NamedTuple):
         with np.errstate(divide="ignore"):
             places = np.log(values) if self.logarithmic else np.asarray(values, dtype=np.float64)
         return [*self._parts(places), places]
+
+
+# Quadrature, exact to 1e-12 for two and a half degrees of freedom or more, and the standard deviations it covers.
+_OFF_DIAGONAL = np.arange(1.0, 64.0) / np.sqrt(4.0 * np.arange(1.0, 64.0) ** 2 - 1.0)
+# Gauss-Legendre by Golub and Welsch: numpy's own function would import all of numpy.polynomial.
+NODES, _VECTORS = np.linalg.eigh(np.diag(_OFF_DIAGONAL, 1) + np.diag(_OFF_DIAGONAL, -1))
+WEIGHTS = 2.0 * _VECTORS[0] ** 2
+COVERED = 9.0
+
+
+def probability_below(freedom: Floats, t: Floats, *, many: bool) -> Floats:
+    """Return the probability of less than t, with the broadcast shape."""
+    freedom, t = np.broadcast_arrays(freedom, t)
+    if many:
+        from scipy.special import stdtr  # slow to import
+
+        return np.asarray(stdtr(freedom, t))
+    return _below(freedom, _constants(freedom), np.arctan(t / np.sqrt(freedom)))
+
+
+def quantile(freedom: Floats, probabilities: Floats, *, many: bool) -> Floats:
+    """Return the values that are not exceeded with given probabilities, with the broadcast shape."""
+    freedom, probabilities = np.broadcast_arrays(freedom, probabilities)
+    if many:
+        from scipy.special import stdtrit  # slow to import
+
+        values = stdtrit(freedom, probabilities)
+    else:
+        constants, high = _constants(freedom), np.full(freedom.shape, 0.5 * np.pi)
+        low = -high
+        for _ in range(56):
+            angle = 0.5 * (low + high)
+            is_below = _below(freedom, constants, angle) < probabilities
+            low, high = np.where(is_below, angle, low), np.where(is_below, high, angle)
+        values = np.sqrt(freedom) * np.tan(0.5 * (low + high))
+    # Versions of scipy give different results at 0 and 1.
+    ends = [np.isnan(probabilities), probabilities == 0.0, probabilities == 1.0]
+    return np.select(ends, [np.nan, -np.inf, np.inf], values)
+
+
+def _below(freedom: Floats, constants: Floats, angle: Floats) -> Floats:
+    """Return the probability of less than the square root of the freedom times the tangent of an angle.
+
+    The density over the angle is a constant times the power freedom - 1 of its cosine.
+    """
+    reach = np.minimum(np.abs(angle), COVERED / np.sqrt(freedom))[..., None]
+    log_cosines = 0.5 * np.log1p(-(np.sin(0.5 * reach * (1.0 + NODES)) ** 2))
+    integral = (0.5 * reach * WEIGHTS * np.exp((freedom[..., None] - 1.0) * log_cosines)).sum(axis=-1)
+    return 0.5 + np.sign(angle) * constants * integral
+
+
+def _constants(freedom: Floats) -> Floats:
+    """Return the density at an angle of 0: Gamma((freedom + 1) / 2) / (Gamma(freedom / 2) sqrt(pi))."""
+    half = 0.5 * freedom
+    series = 1.0 - 1.0 / (8.0 * half) + 1.0 / (128.0 * half**2) + 5.0 / (1024.0 * half**3) - 21.0 / (32768.0 * half**4)
+    few = [np.exp(lgamma(x + 0.5) - lgamma(x)) if x < 100.0 else np.nan for x in half.ravel().tolist()]
+    return np.where(half < 100.0, np.reshape(few, half.shape), np.sqrt(half) * series) / np.sqrt(np.pi)

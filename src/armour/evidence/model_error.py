@@ -9,8 +9,7 @@ import numpy as np
 
 from armour.core.state import Parameters
 from armour.errors import InputError, Problem
-from armour.evidence.mixture import Mixture
-from armour.evidence.student import Floats
+from armour.evidence.mixture import Floats, Mixture
 from armour.evidence.tests import Armours, Evidence, is_outside, is_untested, outside
 from armour.scenario.inputs import cosine_of
 from armour.scenario.scenario import Scenario
@@ -162,10 +161,12 @@ def errors_of(scenario: Scenario, armours: Armours) -> Errors:
     if error is not None:
         repeated = error.ratio.mapped(lambda array: np.repeat(array[:, None], count, axis=1))
         return Errors(repeated, np.zeros((1, len(LAW_FIELDS), count)))
-    parts = []
+    parts, as_at_normal = [], scenario.design is not None and scenario.design.angles_as_at_normal_incidence
     for evidence, rows in armours.by_evidence():
         oblique = evidence.fails_angle(armours.cosines)
-        is_bounded = oblique & (armours.cosines >= cosine_of(_at_least_deg(scenario, evidence)))
+        # The greatest angle at which an armour is assumed to have at least its limit at normal incidence.
+        at_least_deg = 90.0 if evidence.ceramic and as_at_normal else evidence.at_least_deg
+        is_bounded = oblique & (armours.cosines >= cosine_of(at_least_deg))
         for members, at_normal in ((rows & ~oblique, False), (rows & is_bounded, True)):
             if evidence.fits and members.any():
                 parts.append((int(at_normal or evidence.lot != ""), evidence, np.flatnonzero(members), at_normal))
@@ -177,12 +178,6 @@ def errors_of(scenario: Scenario, armours: Armours) -> Errors:
     return errors
 
 
-def _at_least_deg(scenario: Scenario, evidence: Evidence) -> float:
-    """Return the greatest angle at which an armour is assumed to have at least its limit at normal incidence."""
-    as_normal = scenario.design is not None and scenario.design.angles_as_at_normal_incidence
-    return 90.0 if evidence.ceramic and as_normal else evidence.at_least_deg
-
-
 def _set_errors(errors: Errors, first: int, evidence: Evidence, where: Any, armours: Armours) -> None:
     """Set the errors, from a first law on, of those of n armours for which evidence holds.
 
@@ -191,11 +186,8 @@ def _set_errors(errors: Errors, first: int, evidence: Evidence, where: Any, armo
     q = armours.quantities()
     holds = evidence.holds(q)
     errors.ratio.weights[:, where[holds]] = 0.0
-    doubted = {
-        limits.name: (limits.low, limits.high)
-        for limits in evidence.measured
-        if limits.name in DOUBTED and not evidence.ceramic
-    }
+    bare = () if evidence.ceramic else evidence.measured
+    doubted = {limits.name: (limits.low, limits.high) for limits in bare if limits.name in DOUBTED}
     for number, law in enumerate(evidence.laws or [()]):
         rows = np.flatnonzero(holds & ~is_outside(law, q))
         first_fit, members = evidence.fits[number], armours.at(rows)

@@ -1,6 +1,6 @@
 """Plan the next shot of a V50 firing, or simulate the whole firing."""
 
-from collections.abc import Container, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import inf
 from typing import Annotated, Any, Literal
@@ -11,10 +11,10 @@ from pydantic import Field
 from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
 from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.results import OnProgress, Result, ignore_progress
+from armour.analysis.variants import Floats
 from armour.errors import Problem, counted, mistake, refuse
 from armour.evidence.model_error import NORMAL, ModelError
 from armour.planning.procedures import (
-    OTHER_CONFIDENCE,
     PROCEDURES,
     OperatingPoint,
     Rule,
@@ -61,6 +61,7 @@ FAR_PROBABILITY, FAR_PART = 0.999, 0.1
 ABSURD_FACTOR = 3.0
 # Greatest number of simulated shots.
 MAX_SIMULATED = 100
+BOTH = "must be given too: give both V50 and scatter, or neither"
 NOT_ENDED = f"the simulation stopped after {MAX_SIMULATED} shots before the firing ended"
 
 
@@ -288,18 +289,23 @@ def plan_shots(
     check_shots(shots, kinds=0)
     for firing in earlier:
         check_shots(instance(firing, Shots))
-    optional = {
-        "requirement_m_s": requirement_m_s,
-        "requirement_fraction": requirement_fraction != 0.5,
-        "prior": prior,
-        "half_width_m_s": half_width_m_s,
-        "true_v50_m_s": true_v50_m_s,
-        "true_scatter_m_s": true_scatter_m_s,
-        "seed": seed,
-    }
-    given = {key for key, value in optional.items() if value}
-    conflicts = _conflicts(procedure, given, limits_m_s, simulate=simulate)
-    refuse(Problem("plan_shots", *conflict) for conflict in conflicts)
+    required, without = requirement_m_s is not None, "must not be given without "
+    undecided = f"must not be given with {procedure}, which has no requirement"
+    other_end = "must not be given with a requirement, which ends the firing"
+    low, high = limits_m_s or (0.0, inf)
+    conflicts = [
+        ("requirement_fraction", requirement_fraction != 0.5 and not required, f"{without}a requirement"),
+        ("prior", prior and not required, f"{without}a requirement"),
+        ("requirement_m_s", required and procedure in LIMITED, undecided),
+        ("half_width_m_s", half_width_m_s and required and procedure == "bayesian", other_end),
+        ("true_v50_m_s", true_v50_m_s and not simulate, f"{without}simulating"),
+        ("true_scatter_m_s", true_scatter_m_s and not simulate, f"{without}simulating"),
+        ("seed", seed and not simulate, f"{without}simulating"),
+        ("true_v50_m_s", simulate and true_scatter_m_s and not true_v50_m_s, BOTH),
+        ("true_scatter_m_s", simulate and true_v50_m_s and not true_scatter_m_s, BOTH),
+        ("limits_m_s", low >= high, f"must rise, found {low:g} and {high:g}"),
+    ]
+    refuse(Problem("plan_shots", key, message) for key, wrong, message in conflicts if wrong)
     if earlier:
         firings = [(firing.velocities_m_s, firing.complete) for firing in earlier]
         scatter_percent, scatter_factor = pooled_scatter(firings, scatter_percent, scatter_factor)
@@ -316,10 +322,12 @@ def plan_shots(
         message = f"must not be given with {procedure} where the model error is known"
         raise mistake("plan_shots", "limits_m_s", message)
     limits = (limits_m_s or limits_of(expectation)) if procedure in LIMITED else None
+    if half_width_m_s is None and requirement_m_s is None and procedure != "up-and-down":
+        half_width_m_s = HALF_WIDTH_M_S
     settings = ShotSettings(
         prior=expectation,
         limits_m_s=limits or (-inf, inf),
-        half_width_m_s=half_width_m_s or _usual_half_width(procedure, requirement_m_s),
+        half_width_m_s=half_width_m_s,
         confidence=confidence,
         requirement_m_s=requirement_m_s,
         requirement_fraction=requirement_fraction,
@@ -330,8 +338,10 @@ def plan_shots(
         dice = np.random.default_rng(seed)
         if true_v50_m_s is None or true_scatter_m_s is None:
             likely = posterior_of(expectation, shots.velocities_m_s, shots.complete)
-            true_v50_m_s, true_scatter_m_s = _drawn(likely, dice)
-        fired = _simulated(shots, settings, rule, (true_v50_m_s, true_scatter_m_s), dice, on_progress)
+            point = dice.choice(len(likely.weights), p=likely.weights)
+            true_v50_m_s, true_scatter_m_s = likely.grid.v50_m_s[point].item(), likely.grid.scatter_m_s[point].item()
+        simulated_limits = dice.normal(true_v50_m_s, true_scatter_m_s, MAX_SIMULATED)
+        fired = _simulated(shots, settings, rule, simulated_limits, on_progress)
     end_reason = rule.ended(fired, settings)
     aim = None if end_reason else rule.aim(fired, settings)
     prior_of_v50 = posterior_of(expectation, (), ())
@@ -346,9 +356,9 @@ def plan_shots(
         reason="" if aim is None else aim.why + _why_outside(aim.velocity_m_s, fired) * (procedure != "up-and-down"),
         stopped=end_reason,
         expected_shots=further,
-        expected_shots_90=further_90 if confidence > OTHER_CONFIDENCE else None,
+        expected_shots_90=further_90,
         confidence=confidence,
-        half_width_m_s=settings.half_width_m_s,
+        half_width_m_s=half_width_m_s,
         requirement_m_s=requirement_m_s,
         requirement_fraction=requirement_fraction,
         limits_m_s=limits,
@@ -378,26 +388,6 @@ def plan_shots(
     ).of(scenario.subject(ANY_VELOCITY) if scenario else f"V50 of {fired.file}", scenario=scenario)
 
 
-def _conflicts(
-    procedure: Procedure, given: Container[str], limits_m_s: tuple[float, float] | None, *, simulate: bool
-) -> Iterator[tuple[str, str]]:
-    """Yield the settings that exclude each other, are missing or are out of order, each with a message."""
-    truths = ("true_v50_m_s", "true_scatter_m_s")
-    if "requirement_m_s" not in given:
-        unused = (key for key in ("requirement_fraction", "prior") if key in given)
-        yield from ((key, "must not be given without a requirement") for key in unused)
-    elif procedure in LIMITED:
-        yield "requirement_m_s", f"must not be given with {procedure}, which has no requirement"
-    elif procedure == "bayesian" and "half_width_m_s" in given:
-        yield "half_width_m_s", "must not be given with a requirement, which ends the firing"
-    if not simulate:
-        yield from ((key, "must not be given without simulating") for key in (*truths, "seed") if key in given)
-    elif len(missing := [key for key in truths if key not in given]) == 1:
-        yield missing[0], "must be given too: give both V50 and scatter, or neither"
-    if limits_m_s is not None and limits_m_s[0] >= limits_m_s[1]:
-        yield "limits_m_s", f"must rise, found {limits_m_s[0]:g} and {limits_m_s[1]:g}"
-
-
 def _expected_v50(
     limit: LimitResult | None, fired: Shots, limits_m_s: tuple[float, float] | None
 ) -> tuple[float, ModelError]:
@@ -424,31 +414,13 @@ def _expected_v50(
     return middle, ModelError(0.0, 100.0 * (high - low) / (2.0 * WITHIN * middle), NORMAL, source)
 
 
-def _usual_half_width(procedure: Procedure, requirement_m_s: float | None) -> float | None:
-    """Return the half width of the interval of V50 that ends the firing by default, m/s; None for another end."""
-    return None if procedure == "up-and-down" or requirement_m_s is not None else HALF_WIDTH_M_S
-
-
-def _drawn(likely: Posterior, dice: np.random.Generator) -> tuple[float, float]:
-    """Return a V50 and a scatter drawn at random from a posterior, m/s."""
-    point = dice.choice(len(likely.weights), p=likely.weights)
-    return float(likely.grid.v50_m_s[point]), float(likely.grid.scatter_m_s[point])
-
-
-def _simulated(
-    fired: Shots,
-    settings: ShotSettings,
-    rule: Rule,
-    truth: tuple[float, float],
-    dice: np.random.Generator,
-    on_progress: OnProgress,
-) -> Shots:
-    """Return shots followed by those of a rule at armour with a true V50 and scatter."""
-    for _ in range(MAX_SIMULATED):
+def _simulated(fired: Shots, settings: ShotSettings, rule: Rule, limits: Floats, on_progress: OnProgress) -> Shots:
+    """Return shots followed by those of a rule, each of which perforates above a limit of its own, m/s."""
+    for limit in limits:
         if rule.ended(fired, settings):
             break
         velocity = aimed(rule.aim(fired, settings).velocity_m_s)
-        fired = added(fired, velocity, bool(dice.normal(*truth) < velocity))
+        fired = added(fired, velocity, bool(limit < velocity))
         on_progress(1, None)
     return fired
 

@@ -19,10 +19,8 @@ from armour.analysis.variants import Floats, Ints
 SINGULAR = 1e-3
 # Two sets whose losses differ by less than this, relatively, are equally good; the first candidate is then chosen.
 TIE = 1e-9
-# Accuracy of the efficiency of the continuous design, and the greatest number of steps towards it.
-GAP, MAX_STEPS = 1e-4, 20_000
-# Greatest number of exchanges, each of which improves the set.
-MAX_EXCHANGES = 1000
+# Accuracy of the efficiency of the continuous design.
+GAP = 1e-4
 
 
 class Task(NamedTuple):
@@ -151,7 +149,7 @@ def _exchanged(task: Task, start: Sequence[int], cost: float | None) -> list[int
     """
     chosen = [*start]
     products = task.rows[:, :, None] * task.rows[:, None, :]
-    for _ in range(MAX_EXCHANGES):
+    for _ in range(1000):
         information, total = task.information(chosen), float(task.costs[chosen].sum())
         best, exchange = _bounded(task, task.loss(information), np.array(total), cost), None
         for place in dict.fromkeys(chosen):
@@ -188,7 +186,7 @@ def continuous_design(task: Task, cost: float) -> tuple[Floats, float]:
     at_full_cost = task._replace(rows=rows)
     shares = np.full(len(rows), 1.0 / len(rows))
     power = 1.0 if task.targets is None else 0.5
-    for _ in range(MAX_STEPS):
+    for _ in range(20_000):
         information = task.base + (rows * shares[:, None]).T @ rows
         slopes = at_full_cost.sensitivities(information)
         gap = float(slopes.max()) - float(shares @ slopes)

@@ -3,43 +3,47 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite, nan, sqrt
+from os import PathLike
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field, PlainValidator
+from scipy.optimize import approx_fprime
 from scipy.special import ndtri, stdtrit
 
 from armour.analysis.estimates import CONFIDENCE
+from armour.analysis.evaluate import check_keys, scenarios_of
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.analysis.variants import Floats
-from armour.errors import Problem, counted, mistake, refuse
+from armour.errors import MAX_PROBLEMS, Problem, choices, counted, mistake, refuse, restated
 from armour.planning import optimal_design
-from armour.planning.candidates import MAX_COST, Candidates, Choice, LimitModel, Measure, candidates_of, limit_model
 from armour.planning.optimal_design import Task
 from armour.scenario.checked import Names, checked, instance
-from armour.scenario.inputs import NAMES, VELOCITY
-from armour.scenario.scenario import Scenario
-from armour.statistics.calibration import FLOW_STRESS, Law, check_fitted, check_same_prior, law_of, under_law
-from armour.statistics.likelihood import (
-    NO_PRIOR,
-    UPPER,
-    InputFit,
-    Likelihood,
-    fit_inputs,
-    hazard,
-    likelihood_of,
-    prior_of,
-    rows_at,
+from armour.scenario.inputs import INPUTS, NAMES, VELOCITY
+from armour.scenario.keys import canonical
+from armour.scenario.scenario import ANY_VELOCITY, Scenario
+from armour.statistics import likelihood
+from armour.statistics.calibration import (
+    FLOW_STRESS,
+    Law,
+    check_fitted,
+    check_same_prior,
+    fitted_names,
+    law_of,
+    under_law,
+    with_law,
 )
-from armour.statistics.measured import LIMIT, Tests, with_scatter
+from armour.statistics.likelihood import InputFit, Likelihood
+from armour.statistics.measured import LIMIT, MaterialGroup, Tests, with_scatter
+from armour.sweeps.cases import Cases, Grid, source_of
 
+# Column of the cost of a candidate.
+COST = "cost"
+MAX_CANDIDATES, MAX_COST = 10_000, 1e12
+
+Measure = Literal["limit", "outcome"]
+Choice = Mapping[str, object] | str | PathLike[str] | Grid | Cases
 MAX_NUMBER = 200
-# A test with less information on a relative change of an input, a standard deviation of a million, counts for nothing.
-LEAST_INFORMATION = 1e-12
-# Fraction of a vector that may lie outside the directions that tests determine.
-OUTSIDE = 1e-2
-# A fit this close to an end of its range, as a fraction of the range, has ended there.
-AT_END = 1e-6
 
 Criterion = Literal["D", "I"]
 
@@ -147,20 +151,152 @@ class PlannedTests(TableResult):
         return f"{counted(tests, 'test')} of {counted(candidates, 'candidate')}{least}"
 
     def _columns(self) -> Mapping[str, Any]:
-        return by_column(
-            {
-                "number": test.number,
-                **test.inputs,
-                "ballistic_limit_m_s": test.ballistic_limit_m_s,
-                "total_cost": test.total_cost,
-                **{f"half-width of {name}": value for name, value in test.half_widths.items()},
-                **{
-                    f"half-width of the limit of {name}, m/s": value
-                    for name, value in zip(self.designs, test.limit_half_widths_m_s, strict=True)
-                },
-            }
-            for test in self.planned[1:]
-        )
+        rows = []
+        for test in self.planned[1:]:
+            row: dict[str, Any] = {"number": test.number, **test.inputs}
+            row |= {"ballistic_limit_m_s": test.ballistic_limit_m_s, "total_cost": test.total_cost}
+            row |= {f"half-width of {name}": width for name, width in test.half_widths.items()}
+            for name, width in zip(self.designs, test.limit_half_widths_m_s, strict=True):
+                row[f"half-width of the limit of {name}, m/s"] = width
+            rows.append(row)
+        return by_column(rows)
+
+
+@dataclass(frozen=True)
+class Candidates:
+    """Armours that can be tested, and the velocities of their shots if outcomes are measured."""
+
+    file: str
+    places: tuple[str, ...]  # in messages, (n,)
+    columns: dict[str, Any]  # inputs and names by key, (n,)
+    costs: Floats | None  # (n,)
+    groups: tuple[MaterialGroup, ...]
+
+    def values(self) -> dict[str, tuple[float | str, ...]]:
+        """Return the columns as plain data."""
+        return {key: tuple(column.tolist()) for key, column in self.columns.items()}
+
+    def inputs(self, place: int) -> dict[str, float | str]:
+        """Return the inputs of one candidate."""
+        return {key: column[place].item() for key, column in self.columns.items()}
+
+    def subject(self, scenario: Scenario) -> str:
+        """Return materials and rounds, such as "Tests of AD85 on 6061-T6 against 7.62 mm AP"."""
+        varied = {key: () if key in INPUTS else column for key, column in self.values().items()}
+        return f"Tests of {scenario.subject({**ANY_VELOCITY, **varied})}"
+
+
+def of_candidates(problem: Problem) -> Problem:
+    """Say "candidates" instead of "sweep" in an error message."""
+    if problem.file != "sweep":
+        return problem
+    return problem._replace(file="plan_tests", key=f"candidates {problem.key.removeprefix('over').strip()}".strip())
+
+
+@restated(of_candidates)
+def candidates_of(scenario: Scenario, choice: Choice, measure: Measure, cost: float | None) -> Candidates:
+    """Return the candidates of a choice, checked; they have costs if the choice has, or if a test has a cost."""
+    source = choice if isinstance(choice, Grid | Cases) else source_of(choice)
+    file = str(source.path) if isinstance(source, Cases) else "candidates"
+    count = source.count
+    if count > MAX_CANDIDATES:
+        raise mistake(file, "", f"must be at most {MAX_CANDIDATES:,} candidates, found {count:,}")
+    columns = source.rows(np.arange(count))
+    costs = columns.pop(COST, None)
+    columns = dict(zip(canonical(columns, file), columns.values(), strict=True))
+    _check_columns(scenario, columns, measure, file)
+    if costs is not None:
+        invalid = np.flatnonzero(~((costs > 0.0) & (costs <= MAX_COST)))[:MAX_PROBLEMS]
+        message = f"must be greater than 0 and at most {MAX_COST:g}, found"
+        refuse(source.place(0, int(row), Problem(file, COST, f"{message} {costs[row]:g}")) for row in invalid)
+    if costs is not None or cost is not None:
+        costs = (0.0 if costs is None else costs) + np.full(count, cost or 0.0)
+    if measure == "outcome" and VELOCITY not in columns:
+        columns[VELOCITY] = np.full(count, scenario.impact.velocity_m_s)
+    groups = scenarios_of(scenario, columns, lambda row, problem: source.place(0, row, problem))
+    return Candidates(
+        file=file,
+        places=tuple(source.place(0, row, Problem(file, "", "")).key.removeprefix("over ") for row in range(count)),
+        columns=columns,
+        costs=costs,
+        groups=tuple(MaterialGroup(armour, where, inputs) for where, armour, inputs in groups),
+    )
+
+
+def _check_columns(scenario: Scenario, columns: Mapping[str, Any], measure: Measure, file: str) -> None:
+    """Check that the columns are keys that a test may have and that have an effect."""
+    allowed = (*INPUTS, *NAMES.values())
+    refuse(
+        Problem(file, key, f"must be an input or a name that a test has{choices(key, (*allowed, COST))}")
+        for key in columns
+        if key not in allowed
+    )
+    if not columns:
+        raise mistake(file, "", "must have at least one key of an armour")
+    if measure == "limit" and VELOCITY in columns:
+        message = "must not be given if the ballistic limit is measured; use --measure outcome for shots at a velocity"
+        raise mistake(file, VELOCITY, message)
+    quantities = ["outcome" if measure == "outcome" else LIMIT]
+    check_keys(scenario, {key: column[0].item() for key, column in columns.items()}, quantities, file)
+
+
+class LimitModel(NamedTuple):
+    """Ballistic limits of n candidates and designs as functions of k inputs."""
+
+    groups: tuple[MaterialGroup, ...]  # under the law of the flow stress
+    places: tuple[tuple[str, str], ...]  # file and place of each in messages, (n,)
+    names: tuple[str, ...]  # of the inputs
+    units: Floats  # of the inputs: a scenario's values, or 1, (k,)
+    on_progress: OnProgress
+
+    @property
+    def scenario(self) -> Scenario:
+        """The first scenario."""
+        return self.groups[0].scenario
+
+    def limits(self, x: Floats) -> Floats:
+        """Return the limits, m/s, (n,), given the inputs in their units, (k,)."""
+        limits = np.empty(len(self.places))
+        for group in self.groups:
+            inputs = np.repeat([x * self.units], len(group.where), axis=0).T
+            limits[group.where] = likelihood.MODELS[LIMIT](group.variants(dict(zip(self.names, inputs, strict=True))))
+        return limits
+
+    def check(self, limits: Floats) -> None:
+        """Check that all limits are within the ranges of their searches."""
+        problems = []
+        for group in self.groups:
+            section = group.scenario.ballistic_limit
+            low, high = section.velocity_min_m_s, section.velocity_max_m_s
+            ends = f"between {low:g} and {high:g} m/s, the range of the search"
+            inside = (limits[group.where] > low) & (limits[group.where] < high)
+            for file, place in (self.places[row] for row in group.where[~inside]):
+                problems.append(Problem(file, place, f"must have a ballistic limit {ends}, found none"))
+        refuse(problems)
+
+    def gradients(self, x: Floats, limits: Floats) -> Floats:
+        """Return the gradients of the limits, relative to the limits, (n, k)."""
+
+        def changes(x: Floats) -> Floats:
+            self.on_progress(len(limits), None)
+            return (self.limits(x) - limits) / limits
+
+        return approx_fprime(x, changes, likelihood.DIFFERENCE).reshape(len(limits), len(x))
+
+
+def limit_model(
+    candidates: Candidates, designs: Sequence[Scenario], fit: Sequence[str], law: Law | None, on_progress: OnProgress
+) -> LimitModel:
+    """Return the limits of candidates, followed by those of designs, as functions of inputs, which are checked."""
+    places, groups = [(candidates.file, place) for place in candidates.places], [*candidates.groups]
+    for design in designs:
+        groups.append(MaterialGroup(design, np.array([len(places)]), {}))
+        places.append((design.file, ""))
+    groups = [group._replace(scenario=with_law(group.scenario, law)) for group in groups]
+    names = fitted_names(fit, law)
+    likelihood.check_fittable(candidates.file, groups[0].scenario, groups, names, "plan_tests")
+    units = likelihood.units_of(groups[0].scenario, names)
+    return LimitModel(tuple(groups), tuple(places), tuple(names), units, on_progress)
 
 
 @checked
@@ -229,12 +365,11 @@ def plan_tests(
     designs = (designs,) if isinstance(designs, Scenario) else tuple(designs) or (scenario,)
     fit = tuple(fit)
     check_fitted(fit, law, "plan_tests")
-    scenario.check_names([name for name in fit if law is None or name == FLOW_STRESS], "plan_tests", "fit")
     armours = candidates_of(scenario, candidates, measure, cost)
     _check_materials([(design.file, design) for design in designs], armours.groups[0].scenario, fit)
     model = limit_model(armours, designs, fit, law, on_progress)
     scatter = None if scatter_percent is None else scatter_percent / 100.0
-    likelihood = None
+    earlier = None
     if tests is not None:
         if scatter is not None and not tests.weighted:
             tests = with_scatter(tests, scatter)
@@ -242,15 +377,16 @@ def plan_tests(
             check_same_prior(tests, scenario, "plan_tests")
         tests_by_law, names = under_law(tests, fit, law)
         _check_materials([(tests.file, tests_by_law.groups[0].scenario)], model.scenario, names)
-        likelihood = likelihood_of(tests_by_law, names, on_progress, prior=prior)
+        earlier = likelihood.likelihood_of(tests_by_law, names, on_progress, prior=prior)
         # The scenario of the tests may have other values than the candidates.
-        model = model._replace(units=likelihood.units)
-    knowledge = _knowledge(likelihood, model, scatter, prior=prior)
+        model = model._replace(units=earlier.units)
+    knowledge = _knowledge(earlier, model, scatter, prior=prior)
     limits = model.limits(knowledge.x)
     model.check(limits)
-    gradients, count = model.gradients(knowledge.x, limits), armours.count
+    gradients, count = model.gradients(knowledge.x, limits), len(armours.places)
     rows = _informing(armours, gradients[:count], limits[:count], knowledge.scatter, measure)
-    if (rows**2).sum(axis=1).max() < LEAST_INFORMATION:
+    # A test with a standard deviation of a million of a relative change of an input counts for nothing.
+    if (rows**2).sum(axis=1).max() < 1e-12:
         message = f"must depend on {', '.join(model.names)}, found no candidate that does"
         raise mistake(armours.file, "", message)
     basis = optimal_design.identified(knowledge.base, rows)
@@ -299,7 +435,7 @@ def _informing(candidates: Candidates, gradients: Floats, limits: Floats, scatte
     velocities = candidates.columns[VELOCITY].astype(np.float64)
     # As in a calibration, an outcome's scatter is in proportion to its velocity.
     z = (velocities - limits) / (scatter * velocities)
-    weights: Floats = limits / velocities * np.sqrt(hazard(z) * hazard(-z))
+    weights: Floats = limits / velocities * np.sqrt(likelihood.hazard(z) * likelihood.hazard(-z))
     return gradients / scatter * weights[:, None]
 
 
@@ -357,26 +493,26 @@ class _Knowledge(NamedTuple):
     warnings: tuple[str, ...]
 
 
-def _knowledge(likelihood: Likelihood | None, model: LimitModel, scatter: float | None, *, prior: bool) -> _Knowledge:
+def _knowledge(earlier: Likelihood | None, model: LimitModel, scatter: float | None, *, prior: bool) -> _Knowledge:
     """Return the knowledge of the inputs from earlier tests and the prior, and the scatter of a test."""
     fit = None
-    if likelihood is not None:
-        tests = likelihood.tests
-        if likelihood.usable >= likelihood.needed:
-            fit = fit_inputs(likelihood)
+    if earlier is not None:
+        tests = earlier.tests
+        if earlier.usable >= earlier.needed:
+            fit = likelihood.fit_inputs(earlier)
         scatter = scatter or (fit.spread if fit and not tests.weighted else _given_scatter(tests))
     if scatter is None:
         message = "must be given: there are too few tests to estimate it from"
         raise mistake("plan_tests", "scatter_percent", message)
     if fit is not None:
         return _fitted(fit, scatter)
-    scores = prior_of(model.scenario, model.names, model.units) if prior else NO_PRIOR
+    scores = likelihood.prior_of(model.scenario, model.names, model.units) if prior else likelihood.NO_PRIOR
     values = model.scenario.inputs()
     x = scores.centred(np.array([values.get(name, 0.0) for name in model.names]) / model.units)
     base = scores.rows(x).T @ scores.rows(x)
     warning = "the plan is optimal only near the inputs' present values, which no tests support"
-    if likelihood is not None:
-        rows = rows_at(likelihood, x, 1.0)[1]
+    if earlier is not None:
+        rows = likelihood.rows_at(earlier, x, 1.0)[1]
         base, warning = base + rows.T @ rows, f"{warning}: too few for a fit"
     return _Knowledge(x, base, scatter, None, (warning,))
 
@@ -393,8 +529,8 @@ def _fitted(fit: InputFit, scatter: float) -> _Knowledge:
             f"their standard deviations are multiplied by {fit.widened_by:.2f}"
         )
     lower, upper = fit.likelihood.lower, fit.likelihood.upper
-    # The search approaches an end without reaching it.
-    if (np.minimum(fit.best.x - lower, upper - fit.best.x) < AT_END * (upper - lower)).any():
+    # The search approaches an end of the range without reaching it.
+    if (np.minimum(fit.best.x - lower, upper - fit.best.x) < 1e-6 * (upper - lower)).any():
         warnings.append("the fit to the tests ends at the end of the range of its search")
     freedom = None if tests.weighted else fit.degrees_of_freedom
     return _Knowledge(fit.best.x, rows.T @ rows, scatter, freedom, tuple(warnings))
@@ -427,7 +563,8 @@ def _values_of(scenario: Scenario, role: str, fitted: Sequence[str]) -> dict[str
 def _determined(vectors: Floats, basis: Floats) -> Floats:
     """Return vectors, (m, k), in the basis that the tests determine, (k, r); NaN for those outside its span."""
     inside: Floats = vectors @ basis
-    outside = np.linalg.norm(vectors - inside @ basis.T, axis=1) > OUTSIDE * np.linalg.norm(vectors, axis=1)
+    # A hundredth of a vector may lie outside.
+    outside = np.linalg.norm(vectors - inside @ basis.T, axis=1) > 0.01 * np.linalg.norm(vectors, axis=1)
     inside[outside] = nan
     return inside
 
@@ -444,6 +581,6 @@ def _half_widths(
         return np.full(len(gradients), nan)
     # Further limits also add to the knowledge of the scatter.
     freedom = knowledge.freedom and knowledge.freedom + (len(chosen) if measure == "limit" else 0)
-    factor = float(ndtri(UPPER) if freedom is None else stdtrit(freedom, UPPER))
+    factor = float(ndtri(likelihood.UPPER) if freedom is None else stdtrit(freedom, likelihood.UPPER))
     variances = np.einsum("mr,rs,ms->m", gradients, np.linalg.inv(information), gradients)
     return factor * np.sqrt(variances)

@@ -1,5 +1,7 @@
 """Choose the velocities of a V50 firing and end it: up and down, Langlie's, Neyer's and the Bayesian procedure.
 
+Whether a requirement is met is decided from shots alone, at stated risks, or with the prior.
+
 The Bayesian procedure fires the shot that is expected to be most informative, given the model's limit and its error.
 The target is V50 or, with a requirement, whether the velocity at which a given fraction of shots perforates exceeds the
 required one.  The gain of a shot is the expected reduction of the variance of this target by its result,
@@ -8,14 +10,13 @@ Cov(target, result)^2 / Var(result) over the posterior.
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import copysign, inf, isfinite
+from math import copysign, inf, isfinite, log
 from typing import NamedTuple
 
 import numpy as np
 from scipy.special import ndtri
 
 from armour.analysis.variants import Bools, Floats, Ints
-from armour.planning.acceptance import Demand, demand_of
 from armour.statistics.curves import LOG_INFORMATION, FittedCurve, ShotLikelihood, fit_curve, has_curve
 from armour.statistics.posterior import (
     NODES,
@@ -25,9 +26,60 @@ from armour.statistics.posterior import (
     V50Grid,
     expected,
     is_above,
+    normalised,
     posterior_of,
 )
 from armour.statistics.v50 import MAX_VELOCITY_M_S, MIN_VELOCITY_M_S, SPANS_M_S, MeanV50, Shots, mean_v50
+
+# Nodes of the distance between the velocity in question and the required one, and of the scatter.  The distance, in
+# scatters, is the hyperbolic sine of a normal variable with the standard deviation SPREAD, up to FARTHEST; the scatter
+# is log-normal, up to DEVIATIONS.
+DEMAND_NODES, SPREAD, FARTHEST, DEVIATIONS = (30, 7), 1.6, 4.2, 2.4
+# Curves that just meet the requirement: nodes of their scatter, its range in units of the required velocity, and the
+# weight of each curve, negligible in the average.
+EDGE_NODES, EDGE_SCATTERS, EDGE_WEIGHT = 41, (1e-3, 0.5), 1e-12
+
+
+class Demand(NamedTuple):
+    """Curves that meet a requirement, do not meet it, or just meet it; the last count half on either side.
+
+    The requirement is that the velocity at which a fraction of shots perforates exceeds the required one.  The evidence
+    that it is met is the likelihood of the shots averaged over curves that meet it, divided by the greatest likelihood
+    of a curve that does not.  If the requirement is not met, this ratio ever exceeds 1/risk with a probability of at
+    most `risk`, whatever rule chooses the velocities and ends the firing [Wasserman2020].  The same holds with the
+    sides exchanged.
+
+    The logarithm of the likelihood of normal curves is concave in intercept and slope, in which each side is convex.
+    Wherever the ratio exceeds 1, the likeliest curve of the other side is therefore one that just meets the
+    requirement.
+    """
+
+    grid: V50Grid
+    log_weights: Floats  # (points,)
+    met: Floats  # (points,): 1 where a curve meets it, 0 where it does not, 0.5 where it just does
+
+    def posterior(self, velocities_m_s: Sequence[float], complete: Sequence[bool]) -> Posterior:
+        """Return the curves with their weights given shots, of which there may be none."""
+        return Posterior(self.grid, normalised(self.log_weights + self.grid.log_likelihood(velocities_m_s, complete)))
+
+    def ratios(self, weights: Floats) -> Floats:
+        """Return the evidence for and against the requirement by n distributions, (n, points) -> (n, 2)."""
+        edge = weights[:, self.met == 0.5].max(axis=1) / EDGE_WEIGHT
+        sides = np.column_stack([weights @ (self.met == 1.0), weights @ (self.met == 0.0)])
+        return 2.0 * sides / np.maximum(edge, 1e-290)[:, None]
+
+
+def demand_of(requirement_m_s: float, fraction: float, scatter_m_s: float, scatter_factor: float) -> Demand:
+    """Return the curves for a requirement; the expected scatter affects only how many shots are needed."""
+    position = np.linspace(-FARTHEST, FARTHEST, DEMAND_NODES[0])
+    deviation = np.linspace(-DEVIATIONS, DEVIATIONS, DEMAND_NODES[1])
+    distance = np.append(np.repeat(np.sinh(position), DEMAND_NODES[1]), np.zeros(EDGE_NODES))
+    edge_scatters = requirement_m_s * np.geomspace(*EDGE_SCATTERS, EDGE_NODES)
+    scatter = np.append(np.tile(scatter_m_s * np.exp(log(scatter_factor) * deviation), DEMAND_NODES[0]), edge_scatters)
+    weights = np.exp(-0.5 * np.add.outer((position / SPREAD) ** 2, deviation**2)).ravel()
+    weights = np.append(weights / weights.sum(), np.full(EDGE_NODES, EDGE_WEIGHT))
+    grid = V50Grid(requirement_m_s + (distance - float(ndtri(fraction))) * scatter, scatter, (1, len(scatter)))
+    return Demand(grid, np.log(weights), 0.5 + 0.5 * np.sign(distance))
 
 
 class ShotSettings(NamedTuple):
@@ -164,19 +216,10 @@ def langlie_doubts(shots: Shots, settings: ShotSettings) -> Iterator[str]:
         )
 
 
-REDUCTION = 0.8
 # Arguments of the normal distribution function at which the gain in information is examined.
 ARGUMENTS = np.arange(-4000, 4001) / 1000.0
 # The best argument if a constant probability, that of an infinite scatter, fits the shots best.
 FLAT = 1.31525757633905
-
-
-def _weights(z: Floats) -> Floats:
-    """Return the Fisher information of shots on the argument of the normal distribution function."""
-    return np.exp(LOG_INFORMATION["probit"](z))
-
-
-INFORMATION = _weights(ARGUMENTS)
 
 
 def next_by_neyer(shots: Shots, settings: ShotSettings) -> Aim:
@@ -204,7 +247,7 @@ def next_by_neyer(shots: Shots, settings: ShotSettings) -> Aim:
     # Each earlier shot of part 2 has reduced the guess.
     for gap in gaps[:-1]:
         if 0.0 <= gap <= guess:
-            guess *= REDUCTION
+            guess *= 0.8
     partials, completes = shots.of(complete=False), shots.of(complete=True)
     middle, span = 0.5 * (partials[-1] + completes[0]), fastest - slowest
     if gaps[-1] > guess:
@@ -235,9 +278,8 @@ def _gaps(shots: Shots) -> list[float]:
 def _d_optimal(velocities: Sequence[float], v50: float, scatter: float) -> float:
     """Return the velocity, m/s, that maximises the determinant of the information on V50 and scatter."""
     z = (np.array(velocities) - v50) / scatter
-    weights = _weights(z)
-    total, first_moment, second_moment = weights.sum(), weights @ z, weights @ (z * z)
-    gain = INFORMATION * (total * ARGUMENTS**2 - 2.0 * first_moment * ARGUMENTS + second_moment)
+    weights, gained = (np.exp(LOG_INFORMATION["probit"](arguments)) for arguments in (z, ARGUMENTS))
+    gain = gained * (weights.sum() * ARGUMENTS**2 - 2.0 * (weights @ z) * ARGUMENTS + weights @ (z * z))
     return v50 + scatter * float(ARGUMENTS[np.argmax(gain)])
 
 
@@ -356,8 +398,7 @@ class Firings:
 
     def add(self, velocities: Floats, complete: Bools) -> None:
         """Add a shot to each firing."""
-        aims, place = np.unique(velocities, return_inverse=True)
-        response = self.grid.response(aims)[place]
+        response = self.grid.response(velocities)
         self.weights *= np.where(complete[:, None], response, 1.0 - response)
         self.weights /= self.weights.sum(axis=1, keepdims=True)
 
@@ -410,7 +451,7 @@ def fire(
 def expected_shots(shots: Shots, settings: ShotSettings) -> tuple[float | None, float | None]:
     """Return the median number of further shots in simulated continuations, and the same with a confidence of 90 %.
 
-    A number is None if it exceeds the maximum.
+    A number is None if it exceeds the maximum, and the second one if the confidence is no more than that.
     """
     current = posterior(shots, settings, FUTURE_NODES)
     # Even if the decision does not use the prior, the prior predicts the number of shots.
@@ -421,7 +462,7 @@ def expected_shots(shots: Shots, settings: ShotSettings) -> tuple[float | None, 
     # The median is known once half of the firings have ended.
     firings = Firings(current, settings, FUTURES, FUTURE_CANDIDATES)
     further, _, further_90 = fire(firings, v50, scatter, dice, least=FUTURES // 2)
-    return _median(further), _median(further_90)
+    return _median(further), _median(further_90) if settings.confidence > OTHER_CONFIDENCE else None
 
 
 def _median(shots: Floats) -> float | None:
@@ -460,17 +501,10 @@ def operating_characteristic(settings: ShotSettings) -> tuple[OperatingPoint, ..
     armours = np.repeat(points, FIRINGS)
     firings = Firings(current, settings, len(armours), FUTURE_CANDIDATES)
     shots, ended, _ = fire(firings, armours, np.full(len(armours), scatter), np.random.default_rng(0))
+    outcomes = zip(points.tolist(), shots.reshape(-1, FIRINGS), ended.reshape(-1, FIRINGS), strict=True)
     return tuple(
-        OperatingPoint(
-            v50_m_s=v50,
-            scatter_m_s=scatter,
-            met=float((ends > 0).mean()),
-            not_met=float((ends < 0).mean()),
-            shots=_median(numbers),
-        )
-        for v50, numbers, ends in zip(
-            points.tolist(), shots.reshape(-1, FIRINGS), ended.reshape(-1, FIRINGS), strict=True
-        )
+        OperatingPoint(v50, scatter, float((ends > 0).mean()), float((ends < 0).mean()), _median(numbers))
+        for v50, numbers, ends in outcomes
     )
 
 

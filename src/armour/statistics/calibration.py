@@ -11,7 +11,7 @@ from scipy.special import stdtrit
 
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
-from armour.analysis.variants import Bools, Floats, outside_limits, variants_of
+from armour.analysis.variants import Bools, Floats, outside_limits
 from armour.errors import InputError, mistake
 from armour.evidence.fit import LEAST_REST
 from armour.scenario.checked import Names, checked
@@ -76,8 +76,6 @@ ASSUMED = (
     "the intervals depend on it"
 )
 ONE_SIDED = "all shots have the same outcome: if shots with the other one were left out, the fitted limits are wrong"
-# Greatest number of folds of the leave-one-out error.
-MAX_FOLDS = 100
 # Fraction of tables of sound tests in which a test is reported as out of line.
 FALSE_ALARMS = 0.05
 # Least difference of a computed value from a bound that counts: half of the last digit shown.
@@ -442,8 +440,7 @@ def _outside_limits(tests: Tests) -> Iterator[str]:
     """Yield a warning for each limit of the tests of the model outside which some of these tests lie."""
     counts: Counter[str] = Counter()
     for group in tests.groups:
-        rows = variants_of(group.scenario, group.columns, len(group.where))
-        counts.update(dict(outside_limits(rows, velocities=False)))
+        counts.update(dict(outside_limits(group.variants(), velocities=False)))
     return (f"{limit}; this concerns {count} of {len(tests.names)} tests" for limit, count in counts.items())
 
 
@@ -469,7 +466,8 @@ def _left_out(fit: InputFit) -> Floats:
     elif any(m.side for m in tests.measurements):
         needed += 1
     test_indices = np.array([m.test for m in tests.measurements])
-    folds = min(len(tests.names), MAX_FOLDS)
+    # Of many tests, several are left out at a time.
+    folds = min(len(tests.names), 100)
     inputs = np.full((len(fit.best.x), len(tests.names)), np.nan)
     for fold in range(folds):
         kept = test_indices % folds != fold

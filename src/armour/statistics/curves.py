@@ -8,19 +8,20 @@ intervals are those of the profile of the likelihood.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from math import copysign, exp, inf, log, pi, sqrt
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-from scipy.optimize import minimize
+from scipy.optimize import brentq, minimize
 from scipy.special import expit, log_expit, log_ndtr, logit, ndtr, ndtri
 
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.variants import Floats
 from armour.errors import NoAnswerError
-from armour.statistics.profile import profile_end
 
 Link = Literal["probit", "logit"]
+Velocities = Sequence[float]
 Interval = tuple[float | None, float | None]
 # Distribution functions of the links, the normal and the logistic one, and their inverses.
 CDFS: dict[Link, Callable[[Any], Any]] = {"probit": ndtr, "logit": expit}
@@ -35,19 +36,10 @@ LOG_INFORMATION: dict[Link, Callable[[Floats], Floats]] = {
 Z95: dict[Link, float] = {link: float(quantile(0.95)) for link, quantile in QUANTILES.items()}
 # Slopes, per standard deviation of the velocities, to search along a line, and the one that stands for an infinite one.
 SLOPES, STEEP = np.geomspace(1e-6, 5e3, 81), 2.0**20
-# Greatest number of shots for which a search looks between any two of them, as the penalised likelihood of few shots
-# can have several maxima along a line.
-FEW = 60
 # Range of the search for intercepts, as arguments of F beyond the shots, and their number.
 BEYOND, INTERCEPTS = 8.0, 61
 # Repetitions of a search between the neighbours of the likeliest point, and the points of each.
 NARROWINGS, NODES = 4, 21
-# First step towards the end of an interval, the distance beyond which there is none, and its accuracy.
-FIRST_STEP, MAX_DISTANCE, TOLERANCE = 0.3, 1e3, 1e-9
-# Number of velocities between which a band is interpolated, and the greatest argument of F at its ends.
-BAND_NODES, FARTHEST = 13, 40.0
-# Least determinant of the relative information.
-MIN_DETERMINANT = 1e-200
 
 
 @dataclass(frozen=True)
@@ -101,6 +93,37 @@ class FittedCurve:
         return float(CDFS[self.curve]((velocity_m_s - self.v50_m_s) / self.scale_m_s))
 
 
+def profile_end(
+    deviance: Callable[[float], float], estimate: float, farthest: float, root: float, step: float, tolerance: float
+) -> float | None:
+    """Return the end of the interval of a quantity between its estimate and a farthest value; None if there is none.
+
+    Parameters
+    ----------
+    deviance : callable
+        -2 times the logarithm of the greatest likelihood with a value of the quantity over that with any.
+    estimate, farthest : float
+    root : float
+        Root of the deviance at the end.  The root is nearly linear in the quantity.
+    step : float
+        The first step from the estimate; each further one is twice as long.
+    tolerance : float
+        Of the end.
+    """
+
+    @cache
+    def excess(value: float) -> float:
+        return (0.0 if value == estimate else sqrt(max(deviance(value), 0.0))) - root
+
+    near, step = estimate, copysign(step, farthest - estimate)
+    while near != farthest:
+        far = near + step if abs(step) < abs(farthest - near) else farthest
+        if excess(far) > 0.0:
+            return float(brentq(excess, near, far, xtol=tolerance))
+        near, step = far, 2.0 * step
+    return None
+
+
 class Curve(NamedTuple):
     """Argument of F as intercept plus slope times the standardised velocity, and its likelihood."""
 
@@ -109,7 +132,7 @@ class Curve(NamedTuple):
     value: float  # logarithm of the likelihood, with the penalty
 
 
-def has_curve(partial: Sequence[float], complete: Sequence[float]) -> bool:
+def has_curve(partial: Velocities, complete: Velocities) -> bool:
     """Return whether there are shots of both kinds, the complete penetrations faster on average."""
     return len(partial) > 0 and len(complete) > 0 and bool(np.mean(complete) > np.mean(partial))
 
@@ -117,9 +140,7 @@ def has_curve(partial: Sequence[float], complete: Sequence[float]) -> bool:
 class ShotLikelihood:
     """Likelihood of the velocities of partial and complete penetrations, with its maximum and confidence region."""
 
-    def __init__(
-        self, partial: Sequence[float], complete: Sequence[float], link: Link, *, penalised: bool = False
-    ) -> None:
+    def __init__(self, partial: Velocities, complete: Velocities, link: Link, *, penalised: bool = False) -> None:
         if not has_curve(partial, complete):
             raise NoAnswerError(
                 f"no V50: the complete penetrations were no faster on average ({np.mean(complete):.1f} m/s) than the "
@@ -135,7 +156,8 @@ class ShotLikelihood:
         between = ordered[:-1] + np.array([[0.25], [0.5], [0.75]]) * np.diff(ordered)
         lowest, highest = float(x[self.signs < 0.0].max()), float(x[self.signs > 0.0].min())
         self.middle, self.separated = 0.5 * (lowest + highest), lowest <= highest and not penalised
-        self.places = np.append(ordered, between) if len(x) <= FEW else np.array([self.middle])
+        # A search looks between any two of few shots: their penalised likelihood can have several maxima along a line.
+        self.places = np.append(ordered, between) if len(x) <= 60 else np.array([self.middle])
         self.flat = self.with_slope(0.0)  # the maximum at a constant probability
         if self.separated:
             # Any velocity in the gap is as likely, and any probability at a velocity that both kinds share.
@@ -145,13 +167,8 @@ class ShotLikelihood:
             starts = np.vstack([_of_slope(self._intercepts(slope), slope) for slope in SLOPES])
             start = starts[self._values(starts).argmax()]
             simplex = start + np.array([[0.0, 0.0], [0.1, 0.0], [0.0, 0.1 * max(start[1], 0.1)]])
-            search = minimize(
-                self._lost,
-                start,
-                method="Nelder-Mead",
-                options={"initial_simplex": simplex, "xatol": 1e-9, "fatol": 1e-13},
-            )
-            self.mode = self._curve(search.x)
+            options: Any = {"initial_simplex": simplex, "xatol": 1e-9, "fatol": 1e-13}
+            self.mode = self._curve(minimize(self._lost, start, method="Nelder-Mead", options=options).x)
 
     def log_likelihoods(self, z: Floats) -> Floats:
         """Return the logarithms of the likelihoods of the shots, (n,), by arguments of F, (m, n) -> (m,)."""
@@ -170,7 +187,7 @@ class ShotLikelihood:
             total = weights.sum(axis=1)
             centre = weights @ self.x / total
             determinants = total * (weights * (self.x - centre[:, None]) ** 2).sum(axis=1)
-            values = values + greatest + 0.5 * np.log(np.maximum(determinants, MIN_DETERMINANT))
+            values = values + greatest + 0.5 * np.log(np.maximum(determinants, 1e-200))
         return values
 
     def _lost(self, point: Floats) -> float:
@@ -214,7 +231,7 @@ class ShotLikelihood:
         def deviance(value: float) -> float:
             return 2.0 * (self.mode.value - profile(value).value)
 
-        end = profile_end(deviance, start, start + direction * MAX_DISTANCE, root, FIRST_STEP, TOLERANCE)
+        end = profile_end(deviance, start, start + direction * 1e3, root, step=0.3, tolerance=1e-9)
         return direction * inf if end is None else end
 
     def quantile_end(self, z: float, direction: float, root: float) -> float:
@@ -254,12 +271,7 @@ def _of_slope(intercepts: Floats, slope: float) -> Floats:
 
 
 def fit_curve(
-    partial: Sequence[float],
-    complete: Sequence[float],
-    link: Link,
-    confidence: float = CONFIDENCE,
-    *,
-    penalised: bool = False,
+    partial: Velocities, complete: Velocities, link: Link, confidence: float = CONFIDENCE, *, penalised: bool = False
 ) -> FittedCurve | None:
     """Fit a curve to the velocities of partial and complete penetrations, m/s, by maximum likelihood.
 
@@ -304,11 +316,7 @@ def bounded(value: float) -> float | None:
 
 
 def penalised_band(
-    partial: Sequence[float],
-    complete: Sequence[float],
-    link: Link,
-    velocities_m_s: Sequence[float],
-    confidence: float = CONFIDENCE,
+    partial: Velocities, complete: Velocities, link: Link, velocities_m_s: Velocities, confidence: float = CONFIDENCE
 ) -> tuple[Floats, Floats]:
     """Return the pointwise confidence interval of the probability at ascending velocities, m/s, from low to high."""
     # Slow to import, and only charts need it.
@@ -317,7 +325,7 @@ def penalised_band(
     shots = ShotLikelihood(partial, complete, link, penalised=True)
     root = float(ndtri(0.5 + 0.5 * confidence))
     places = (np.array(velocities_m_s) - shots.mean) / shots.deviation
-    nodes = np.linspace(places[0], places[-1], BAND_NODES)
+    nodes = np.linspace(places[0], places[-1], 13)
     ends = np.array([shots.argument_interval(float(node), root) for node in nodes])
-    low, high = CDFS[link](PchipInterpolator(nodes, ends.clip(-FARTHEST, FARTHEST))(places)).T
+    low, high = CDFS[link](PchipInterpolator(nodes, ends.clip(-40.0, 40.0))(places)).T
     return low, high

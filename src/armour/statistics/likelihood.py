@@ -13,17 +13,17 @@ from scipy.special import chdtrc, log_ndtr, ndtri, stdtrit
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.evaluate import Answers
 from armour.analysis.results import OnProgress
+from armour.analysis.samples import centre_and_width
 from armour.analysis.searches import ballistic_limits
-from armour.analysis.variants import Bools, Floats, Ints, Variants, variants_of
+from armour.analysis.variants import Bools, Floats, Ints, Variants
 from armour.core.search import SCAN_POINTS
 from armour.errors import Problem, mistake, refuse
-from armour.evidence.sampling import centre_and_width
 from armour.scenario.inputs import BACKING, CERAMIC, NAMES, VELOCITY
 from armour.scenario.library import FLOW_STRESS_LAW
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Uncertainty, correlation_matrix
+from armour.statistics.curves import profile_end
 from armour.statistics.measured import LIMIT, MASS, RESIDUAL, MaterialGroup, Tests
-from armour.statistics.profile import profile_end
 
 
 class Prior(NamedTuple):
@@ -88,8 +88,6 @@ def prior_of(scenario: Scenario, names: Sequence[str], units: Floats) -> Prior:
 
 # Bounds of an input in units of the scenario's own value; of a coefficient of a law, which may be negative.
 MIN_RATIO, MAX_RATIO, MAX_COEFFICIENT = 0.1, 10.0, 3.0
-# Starting points of the fit, in the same units, and a further one for the coefficients of a law, which start at 0.
-STARTS, LAW_START = (1.0, 0.5, 2.0), 0.3
 # Tolerance of ballistic limits, m/s, and change of inputs for the derivatives.
 LIMIT_TOLERANCE_M_S = 1e-9
 DIFFERENCE = 1e-4
@@ -99,14 +97,10 @@ FIT_TOLERANCE, COMPARED_TOLERANCE = 1e-10, 1e-5
 SMALL_CHANGE = 1e-3
 # Values this close to each other are equal.
 EQUAL = 1e-3
-# Range of the scatter, and relative accuracy of the most likely one.
-SCATTERS, SCATTER_TOLERANCE = (1e-6, 1.0), 1e-3
+# Range of the scatter.
+SCATTERS = 1e-6, 1.0
 # Least p value at which the given uncertainties are taken to explain the deviations.
 MIN_P_VALUE = 0.05
-# Least degrees of freedom that give a p value, and the number of their decimals free of rounding errors.
-MIN_FREEDOM, FREEDOM_DIGITS = 0.5, 9
-# First step and accuracy of the ends of an interval, in standard errors.
-FIRST_STEP, END_TOLERANCE = 1.8, 1e-3
 
 
 @dataclass(frozen=True)
@@ -186,8 +180,7 @@ class Likelihood(NamedTuple):
         quantities = np.array([m.quantity for m in measurements])
         inputs = np.broadcast_to((x.T * self.units).T.reshape(len(x), -1), (len(x), len(self.tests.names)))
         for group in self.tests.groups:
-            columns = {**group.columns, **dict(zip(self.names, inputs[:, group.where], strict=True))}
-            variants = variants_of(group.scenario, columns, len(group.where))
+            variants = group.variants(dict(zip(self.names, inputs[:, group.where], strict=True)))
             in_group = np.isin(test_indices, group.where)
             for quantity, model in MODELS.items():
                 where = np.flatnonzero(in_group & (quantities == quantity))
@@ -265,20 +258,32 @@ class InputFit(Precision):
 
 def fit_inputs(likelihood: Likelihood) -> InputFit:
     """Fit inputs to tests, from several starts; see `armour.statistics.calibration.calibrate`."""
-    check_enough(likelihood)
+    tests, needed, count = likelihood.tests, likelihood.needed, likelihood.usable
+    if count < needed:
+        kinds = "measurements or outcomes" if tests.weighted else "measurements, as their uncertainties are not given,"
+        message = f"must have at least {needed} {kinds} for {len(likelihood.names)} coefficients, found {count}"
+        raise mistake(tests.file, "", message)
     of_law = likelihood.lower < 0.0
-    starts = [np.where(of_law, 0.0, start) for start in STARTS]
-    starts += [np.where(of_law, LAW_START, 1.0)] if of_law.any() else []
+    # Coefficients of a law start at 0, and once elsewhere.
+    starts = [np.where(of_law, 0.0, start) for start in (1.0, 0.5, 2.0)]
+    starts += [np.where(of_law, 0.3, 1.0)] if of_law.any() else []
     ends = [search(likelihood, start) for start in starts]
     best = min(ends, key=lambda end: end.loss)
-    linear = _linearised(likelihood, best)
-    precision = _by_uncertainties(best, linear) if likelihood.tests.weighted else _by_scatter(best, linear)
+    sides, z = likelihood.sides, likelihood.deviations(best.x) / best.scatter
+    weights, rows = rows_at(likelihood, best.x, best.scatter)
+    residuals = np.where(sides == 0, z, -sides * hazard(sides * z) / np.maximum(weights, 1e-150))
+    rows = np.vstack([rows, likelihood.prior.rows(best.x)])
+    residuals = np.append(residuals, likelihood.prior.scores(best.x))
+    if tests.weighted:
+        precision = _by_uncertainties(rows, residuals, sides)
+    else:
+        precision = _by_scatter(rows, weights, z, sides, best.scatter)
     return InputFit(
         **vars(precision),
         likelihood=likelihood,
         best=best,
-        rows=linear.rows,
-        residuals=linear.residuals,
+        rows=rows,
+        residuals=residuals,
         prior_shares=_prior_shares(likelihood.prior, best, precision),
         aicc=None if len(likelihood.prior.where) else _aicc(likelihood, best),
         starts=len(ends),
@@ -292,16 +297,11 @@ def likelihood_of(tests: Tests, inputs: Sequence[str], on_progress: OnProgress, 
     first = tests.groups[0].scenario
     of_law = np.array([_is_of_law(name) for name in inputs])
     units = units_of(first, inputs)
-    return Likelihood(
-        tests,
-        tuple(inputs),
-        units=units,
-        lower=np.where(of_law, -MAX_COEFFICIENT, MIN_RATIO),
-        upper=np.where(of_law, MAX_COEFFICIENT, MAX_RATIO),
-        kept=np.ones(len(tests.measurements), dtype=bool),
-        on_progress=on_progress,
-        prior=prior_of(first, inputs, units) if prior else NO_PRIOR,
-    )
+    lower = np.where(of_law, -MAX_COEFFICIENT, MIN_RATIO)
+    upper = np.where(of_law, MAX_COEFFICIENT, MAX_RATIO)
+    kept = np.ones(len(tests.measurements), dtype=bool)
+    known = prior_of(first, inputs, units) if prior else NO_PRIOR
+    return Likelihood(tests, tuple(inputs), units, lower, upper, kept, on_progress, known)
 
 
 def units_of(scenario: Scenario, inputs: Sequence[str]) -> Floats:
@@ -361,7 +361,7 @@ def search(
 
     if scatter_matters and not likelihood.tests.weighted and scatter is None:
         ends = log(SCATTERS[0]), log(SCATTERS[1])
-        scatter = exp(minimize_scalar(profile, bounds=ends, options={"xatol": SCATTER_TOLERANCE}).x)
+        scatter = exp(minimize_scalar(profile, bounds=ends, options={"xatol": 1e-3}).x)
     deviations = move(scatter if scatter and scatter_matters else 1.0)
     if scatter is None:
         scatter = 1.0 if likelihood.tests.weighted else float(np.clip(np.sqrt(np.mean(deviations**2)), *SCATTERS))
@@ -373,46 +373,20 @@ def _losses(z: Floats, sides: Floats) -> Floats:
     return np.where(sides == 0, z, np.sqrt(-2.0 * log_ndtr(sides * z)))
 
 
-class _Linearised(NamedTuple):
-    """The problem linearised at a fit, with the q scores of the prior below the m measurements."""
-
-    exact: Bools  # which measurements are values rather than outcomes, (m,)
-    z: Floats  # deviations in standard deviations, (m,)
-    weights: Floats  # roots of the Fisher information of the measurements on their z, (m,)
-    scatter_information: Floats  # Fisher information on the logarithm of the scatter, (m,)
-    rows: Floats  # (m + q, k)
-    residuals: Floats  # (m + q,)
-
-
-def _linearised(likelihood: Likelihood, best: Point) -> _Linearised:
-    sides, z = likelihood.sides, likelihood.deviations(best.x) / best.scatter
-    exact, slopes = sides == 0, hazard(sides * z)
-    weights, rows = rows_at(likelihood, best.x, best.scatter)
-    residuals = np.where(exact, z, -sides * slopes / np.maximum(weights, 1e-150))
-    return _Linearised(
-        exact,
-        z,
-        weights,
-        scatter_information=np.where(exact, 2.0, z**2 * slopes * hazard(-sides * z)),
-        rows=np.vstack([rows, likelihood.prior.rows(best.x)]),
-        residuals=np.append(residuals, likelihood.prior.scores(best.x)),
-    )
-
-
 # Probability below the upper end of an interval, and the threshold of a likelihood ratio where scatters are known.
 UPPER = 0.5 * (1.0 + CONFIDENCE)
 NORMAL_THRESHOLD = float(ndtri(UPPER)) ** 2
 
 
-def _by_uncertainties(best: Point, linear: _Linearised) -> Precision:
+def _by_uncertainties(rows: Floats, residuals: Floats, sides: Floats) -> Precision:
     """Return the precision by the given uncertainties, widened if the deviations are larger than these explain."""
-    count, scores = len(best.x), linear.residuals[len(linear.z) :]
-    covariance, leverages = _inverted(linear.rows, count)
+    count, exact, z, scores = rows.shape[1], sides == 0, residuals[: len(sides)], residuals[len(sides) :]
+    covariance, leverages = _inverted(rows, count)
     # The part of the inputs that outcomes determine takes no degree of freedom from measured values and prior.
-    freedom = float(linear.exact.sum() + len(scores) - count + leverages[: len(linear.z)][~linear.exact].sum())
-    freedom = round(freedom, FREEDOM_DIGITS) + 0.0  # outcomes alone leave none, but for rounding
-    chi_squared = float((linear.z[linear.exact] ** 2).sum()) + float((scores**2).sum())
-    p_value = float(chdtrc(freedom, chi_squared)) if freedom > MIN_FREEDOM else None
+    freedom = float(exact.sum() + len(scores) - count + leverages[: len(z)][~exact].sum())
+    freedom = round(freedom, 9) + 0.0  # outcomes alone leave none, but for rounding
+    chi_squared = float((z[exact] ** 2).sum()) + float((scores**2).sum())
+    p_value = float(chdtrc(freedom, chi_squared)) if freedom > 0.5 else None
     widened_by, threshold = 1.0, NORMAL_THRESHOLD
     # A wider interval does not repair a prior that the tests contradict.
     if p_value is not None and p_value < MIN_P_VALUE and not len(scores):
@@ -421,20 +395,21 @@ def _by_uncertainties(best: Point, linear: _Linearised) -> Precision:
     return Precision(covariance * widened_by**2, 1.0, freedom, chi_squared, p_value, widened_by, threshold)
 
 
-def _by_scatter(best: Point, linear: _Linearised) -> Precision:
+def _by_scatter(rows: Floats, weights: Floats, z: Floats, sides: Floats, scatter: float) -> Precision:
     """Return the precision by the scatter, which is estimated too.
 
     Without outcomes and prior the intervals are exact for a linear model.  With outcomes the scatter has as many
     degrees of freedom as measured values would give that determine it as well.
     """
-    count, measured, exact = len(best.x), len(linear.z), linear.exact
+    count, measured, exact = rows.shape[1], len(z), sides == 0
     # The estimates depend on the scatter through the outcomes and the prior.
-    columns = np.zeros((len(linear.rows) + 1, count + 1))
-    columns[:-1, :count] = linear.rows
-    columns[:measured, count] = np.where(exact, 0.0, -linear.weights * linear.z)
+    columns = np.zeros((len(rows) + 1, count + 1))
+    columns[:-1, :count] = rows
+    columns[:measured, count] = np.where(exact, 0.0, -weights * z)
     columns[-1, count] = sqrt(2.0 * exact.sum())
     _, leverages = _inverted(columns, count)
-    number = 0.5 * float(linear.scatter_information.sum())  # of measured values that would determine it as well
+    information = np.where(exact, 2.0, z**2 * hazard(sides * z) * hazard(-sides * z))  # on the scatter's logarithm
+    number = 0.5 * float(information.sum())  # of measured values that would determine it as well
     # The part that the prior determines takes no degree of freedom from the tests and adds no error to the scatter.
     by_tests = count - float(leverages[measured:].sum())
     freedom = number - by_tests
@@ -443,9 +418,9 @@ def _by_scatter(best: Point, linear: _Linearised) -> Precision:
     exact_threshold = number * float(np.log1p(stdtrit(freedom, UPPER) ** 2 / freedom))
     return Precision(
         covariance=_inverted(columns, count)[0],
-        spread=best.scatter * sqrt(number / freedom),
+        spread=scatter * sqrt(number / freedom),
         degrees_of_freedom=freedom,
-        chi_squared=float((linear.z[exact] ** 2).sum()) * best.scatter**2,
+        chi_squared=float((z[exact] ** 2).sum()) * scatter**2,
         p_value=None,
         widened_by=1.0,
         threshold=NORMAL_THRESHOLD + by_tests / count * (exact_threshold - NORMAL_THRESHOLD),
@@ -532,8 +507,8 @@ def _end(fit: InputFit, index: int, bound: float, error: float) -> tuple[float |
         start = np.clip(start, likelihood.lower, likelihood.upper)
         return search(likelihood, start, held=index, tolerance=COMPARED_TOLERANCE).loss - best.loss
 
-    step = min(max(FIRST_STEP * error, DIFFERENCE), 1.0)
-    end = profile_end(deviance, float(best.x[index]), bound, sqrt(fit.threshold), step, END_TOLERANCE * step)
+    step = min(max(1.8 * error, DIFFERENCE), 1.0)
+    end = profile_end(deviance, float(best.x[index]), bound, sqrt(fit.threshold), step, 1e-3 * step)
     return end, end is None and deviance(bound) < EQUAL
 
 
@@ -552,17 +527,18 @@ def without(fit: InputFit, kept: Bools) -> Floats:
     return search(likelihood, x, scatter=fit.best.scatter, tolerance=COMPARED_TOLERANCE).x
 
 
-def check_fittable(file: str, scenario: Scenario, groups: Sequence[MaterialGroup], inputs: Sequence[str]) -> None:
-    """Check that the inputs can be fitted to the tests of a scenario in a file."""
-    scenario.check_names(inputs, "calibrate", "fit")
+def check_fittable(
+    file: str, scenario: Scenario, groups: Sequence[MaterialGroup], inputs: Sequence[str], function: str = "calibrate"
+) -> None:
+    """Check that the inputs of a function can be fitted to the tests of a scenario in a file."""
+    scenario.check_names(inputs, function, "fit")
     problems = []
     for name in inputs:
         if any(name in group.columns for group in groups):
             problems.append(Problem(file, name, "must not be a column if it is fitted"))
         if name in (VELOCITY, CERAMIC, BACKING):
-            problems.append(
-                Problem("calibrate", "fit", f'must be a property of a material or projectile, found "{name}"')
-            )
+            message = f'must be a property of a material or projectile, found "{name}"'
+            problems.append(Problem(function, "fit", message))
     for role, key in NAMES.items():
         names = {group.scenario.name_of(role) for group in groups}
         if len(names) > 1 and any(name.startswith(role + ".") for name in inputs):
@@ -571,12 +547,3 @@ def check_fittable(file: str, scenario: Scenario, groups: Sequence[MaterialGroup
             )
             problems.append(Problem(file, key, message))
     refuse(problems)
-
-
-def check_enough(likelihood: Likelihood) -> None:
-    """Check that there are enough tests for a fit."""
-    tests, needed, count = likelihood.tests, likelihood.needed, likelihood.usable
-    if count < needed:
-        kinds = "measurements or outcomes" if tests.weighted else "measurements, as their uncertainties are not given,"
-        message = f"must have at least {needed} {kinds} for {len(likelihood.names)} coefficients, found {count}"
-        raise mistake(tests.file, "", message)

@@ -9,7 +9,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 from pydantic import PlainValidator
 
-from armour.analysis.variants import Floats, Ints
+from armour.analysis.variants import Floats, Ints, Variants, variants_of
 from armour.csv_files import MUST_SAY, PERFORATED, CsvRow, Rows, in_line_order, lines_of, read_rows
 from armour.errors import InputError, Problem, counted, mistake, refuse
 from armour.scenario.checked import Names, checked
@@ -47,6 +47,10 @@ class MaterialGroup(NamedTuple):
     scenario: Scenario
     where: Ints  # indices of the tests
     columns: dict[str, Floats]  # inputs that the table gives
+
+    def variants(self, inputs: Mapping[str, Floats] | None = None) -> Variants:
+        """Return the tests as variants of their scenario, with other values of some inputs, (tests,)."""
+        return variants_of(self.scenario, {**self.columns, **(inputs or {})}, len(self.where))
 
 
 class Tests(NamedTuple):
@@ -151,11 +155,9 @@ def read_tests(path: Table, scenario: Scenario, notes: Names = ()) -> Tests:
     rows, problems = read_rows(file, chain(first, lines), numbers=numbers, texts=texts, needed=(), usual=USUAL)
     names = tuple(row.texts.get("test", row.place) for row in rows)
     repeated_names = {name for name, count in Counter(names).items() if count > 1}
-    problems += [
-        Problem(file, f"{row.place}: {key}" if key else row.place, message)
-        for row in rows
-        for key, message in _mistakes(row, repeated_names)
-    ]
+    for row in rows:
+        for key, message in _mistakes(row, repeated_names):
+            problems.append(Problem(file, f"{row.place}: {key}" if key else row.place, message))
     measurements = [measurement for test, row in enumerate(rows) for measurement in _measurements(test, row)]
     weighted = {MEASURED[m.quantity] in rows[m.test].texts for m in measurements}
     if len(weighted) == 2:
@@ -183,9 +185,8 @@ def _mistakes(row: CsvRow, repeated_names: Container[str]) -> list[tuple[str, st
         mistakes.append((OUTCOME, f"must not be {outcome} if there is a residual velocity"))
     limit, velocity = row.numbers.get(LIMIT), row.numbers.get(VELOCITY)
     if perforated is not None and limit is not None and velocity is not None and (velocity > limit) != perforated:
-        mistakes.append(
-            (OUTCOME, f"must agree with the ballistic limit in its row, found {outcome} at {velocity:g} m/s")
-        )
+        message = f"must agree with the ballistic limit in its row, found {outcome} at {velocity:g} m/s"
+        mistakes.append((OUTCOME, message))
     if outcome is not None and VELOCITY not in row.texts:
         mistakes.append((VELOCITY, "is missing and must be given with an outcome"))
     for column in (*MEASURED, *MEASURED.values()):

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from armour.analysis.searches import ballistic_limits
-from armour.analysis.variants import Floats, Variants, concatenated, variants_of
+from armour.analysis.variants import Floats, Variants, concatenated
 from armour.csv_files import lines_of
 from armour.errors import counted, mistake
 from armour.evidence.fit import fits, law_parameters, shipped_data
@@ -93,8 +93,8 @@ def own_tests(tests: Tests, fitted: Mapping[str, float]) -> OwnTests | None:
         return None
     scenario = tests.groups[0].scenario
     places = np.argsort(np.concatenate([group.where for group in tests.groups]))
-    parts = [variants_of(group.scenario, group.columns, len(group.where)) for group in tests.groups]
-    rows, entry = concatenated(parts).at(places[[shot.test for shot in shots]]), scenario.entry_of(role)
+    parts = concatenated([group.variants() for group in tests.groups])
+    rows, entry = parts.at(places[[shot.test for shot in shots]]), scenario.entry_of(role)
     q, sides = rows.armours.quantities(), np.array([float(shot.side) for shot in shots])
     velocities = np.array([shot.value for shot in shots])
     if entry is None or not ((q["ceramic_thickness_ratio"] == 0.0) == (role == "backing")).all():

@@ -5,7 +5,6 @@ model's limit with the distribution of its error, cut off at 1 % of the limit; t
 relative to V50 is log-normal and independent of it.  Sums over a grid take the place of random samples.
 """
 
-from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import log
@@ -145,9 +144,9 @@ class V50Grid(NamedTuple):
     def log_likelihood(self, velocities_m_s: Sequence[float], complete: Sequence[bool]) -> Floats:
         """Return the logarithm of the likelihood of shots, of which there may be none, (points,)."""
         logarithm = np.zeros(len(self.v50_m_s))
-        for (velocity, result), count in Counter(zip(velocities_m_s, complete, strict=True)).items():
+        for velocity, result in zip(velocities_m_s, complete, strict=True):
             argument = (velocity - self.v50_m_s) / self.scatter_m_s
-            logarithm += count * log_ndtr(argument if result else -argument)
+            logarithm += log_ndtr(argument if result else -argument)
         return logarithm
 
     def response(self, velocities_m_s: Floats) -> Floats:
@@ -180,7 +179,7 @@ class Posterior(NamedTuple):
     def _scatter_quantiles(self, probabilities: Sequence[float]) -> list[float]:
         """Return quantiles of the scatter, m/s; each point represents the scatters up to midway to the next ones."""
         logs = np.log(self.grid.scatter_m_s)
-        step = max(float(logs[1] - logs[0]), 1e-12)
+        step = logs[1] - logs[0]
         places = np.linspace(logs.min() - 0.5 * step, logs.max() + 0.5 * step, 2 * self.grid.shape[1])
         below = np.array([expected(np.clip(0.5 + (place - logs) / step, 0.0, 1.0), self.weights) for place in places])
         return np.exp(np.interp(ndtri(probabilities), _normal(below), places)).tolist()
@@ -206,7 +205,7 @@ def is_above(grid: V50Grid, velocity_m_s: float, fraction: float) -> Floats:
     It rises linearly between neighbouring V50s.
     """
     excess = grid.v50_m_s + float(ndtri(fraction)) * grid.scatter_m_s - velocity_m_s
-    step = max(float(np.diff(grid.v50_m_s[:: grid.shape[1]]).mean()), 1e-12)
+    step = np.diff(grid.v50_m_s[:: grid.shape[1]]).mean()
     return np.clip(0.5 + excess / step, 0.0, 1.0)
 
 
@@ -219,8 +218,13 @@ def posterior_of(
     prior: FiringPrior, velocities_m_s: Sequence[float], complete: Sequence[bool], nodes: tuple[int, int] = NODES
 ) -> Posterior:
     """Return the posterior given shots, of which there may be none."""
+    limit, velocities = prior.limit_m_s, np.array(velocities_m_s)
+    low, high = prior.error.interval(limit, TAIL)
+    # The first range of V50 includes shots far from the prior.
+    low = max((velocities / BEYOND).min(initial=low), LEAST * limit)
+    high = (velocities * BEYOND).max(initial=min(high, MOST * limit))
     reach, middle = DEVIATIONS * log(prior.scatter_factor), log(prior.scatter_percent / 100.0)
-    ranges = [_v50_range(prior, velocities_m_s), (middle - reach, middle + reach)]
+    ranges = [(low, high), (middle - reach, middle + reach)]
     for _ in range(NARROWINGS):
         v50, log_ratio = (np.linspace(*ends, count) for ends, count in zip(ranges, nodes, strict=True))
         grid = V50Grid.over(v50, log_ratio)
@@ -236,15 +240,6 @@ def posterior_of(
         else:
             break
     return Posterior(grid, normalised(logarithm))
-
-
-def _v50_range(prior: FiringPrior, velocities_m_s: Sequence[float]) -> tuple[float, float]:
-    """Return the first range of V50, m/s, which includes shots far from the prior."""
-    limit = prior.limit_m_s
-    low, high = prior.error.interval(limit, TAIL)
-    slowest = min([low, *(velocity / BEYOND for velocity in velocities_m_s)])
-    fastest = max([min(high, MOST * limit), *(velocity * BEYOND for velocity in velocities_m_s)])
-    return max(slowest, LEAST * limit), fastest
 
 
 def narrowed(axis: Floats, kept: ArrayLike) -> tuple[float, float]:
@@ -268,10 +263,8 @@ def learned(
 def _contradictions(prior: Posterior, posterior: Posterior) -> Iterator[str]:
     """Yield a warning for each of V50 and scatter whose posterior lies outside the plausible interval of the prior."""
     before, after = prior.estimate(PLAUSIBLE), posterior.estimate(PLAUSIBLE)
-    for name, value, (low, high) in (
-        ("V50", after.v50_m_s, before.v50_interval_m_s),
-        ("scatter", after.scatter_m_s, before.scatter_interval_m_s),
-    ):
+    v50, scatter = (after.v50_m_s, before.v50_interval_m_s), (after.scatter_m_s, before.scatter_interval_m_s)
+    for name, (value, (low, high)) in {"V50": v50, "scatter": scatter}.items():
         if not low <= value <= high:
             yield (
                 f"the shots contradict the prior: with them the {name} is {value:.1f} m/s, beyond its "

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import isnan, log
+from math import isnan, log, nan
 from typing import Any
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from armour.analysis.evaluate import Answers
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.analysis.searches import ballistic_limits
-from armour.analysis.variants import Floats, Variants, concatenated, variants_of
+from armour.analysis.variants import concatenated, variants_of
 from armour.errors import NoAnswerError, counted
 from armour.evidence.tests import scenario_warnings
 from armour.scenario.checked import checked
@@ -98,21 +98,20 @@ def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         variants_of(scenario, {name: np.array([value * (1.0 + CHANGE), value * (1.0 - CHANGE)])}, 2)
         for name, value in inputs.items()
     ]
-    answers = _answers(concatenated([variants_of(scenario, {}, 1), *changed]), on_progress)
+    variants = concatenated([variants_of(scenario, {}, 1), *changed])
+    impacts, limits = Answers(variants), ballistic_limits(variants, tolerance=LIMIT_TOLERANCE_M_S)
+    limits[:1] = ballistic_limits(variants.at(np.arange(1)))  # the scenario's own has the usual tolerance
+    limits[np.isinf(limits)] = np.nan
+    on_progress(len(limits), len(limits))
+    answers = {LIMIT: limits, RESIDUAL: np.where(impacts.perforated, impacts.residual_velocities, np.nan)}
     if all(isnan(values[0]) for values in answers.values()):
         raise NoAnswerError("nothing to compare: no ballistic limit in the range of its search, no residual velocity")
     step = log((1.0 + CHANGE) / (1.0 - CHANGE))
     elasticities = {answer: np.log(values[1::2] / values[2::2]) / step for answer, values in answers.items()}
+    # The ballistic limit does not depend on the velocity, over which it is searched for.
+    elasticities[LIMIT][[*inputs].index(VELOCITY)] = nan
     changes = [
-        Elasticity(
-            name,
-            value,
-            {
-                # The ballistic limit does not depend on the velocity, over which it is searched for.
-                answer: None if (answer, name) == (LIMIT, VELOCITY) else _number(column[index])
-                for answer, column in elasticities.items()
-            },
-        )
+        Elasticity(name, value, {answer: _number(column[index]) for answer, column in elasticities.items()})
         for index, (name, value) in enumerate(inputs.items())
     ]
     return SensitivityResult(
@@ -120,19 +119,6 @@ def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         inputs=tuple(sorted(changes, key=lambda item: -abs(item.elasticities[LIMIT] or 0.0))),
         warnings=scenario_warnings(scenario, scenario.impact.velocity_m_s),
     ).of(scenario.subject(), scenario=scenario)
-
-
-def _answers(variants: Variants, on_progress: OnProgress) -> dict[str, Floats]:
-    """Return the answers of each variant, (n,); NaN if there is none.
-
-    The first variant is the scenario itself; the ballistic limits of the others are accurate to a finer tolerance.
-    """
-    answers, count = Answers(variants), len(variants.velocities)
-    limits = ballistic_limits(variants, tolerance=LIMIT_TOLERANCE_M_S)
-    limits[:1] = ballistic_limits(variants.at(np.arange(1)))
-    limits[np.isinf(limits)] = np.nan
-    on_progress(count, count)
-    return {LIMIT: limits, RESIDUAL: np.where(answers.perforated, answers.residual_velocities, np.nan)}
 
 
 def _number(value: float) -> float | None:

@@ -13,20 +13,25 @@ from scipy.special import ndtri
 from armour.analysis.ballistic_limit import model_error
 from armour.analysis.estimates import CONFIDENCE, Estimate, jackknife, mean_of_replicates, proportion_of_replicates
 from armour.analysis.results import OnProgress, TableResult, ignore_progress, portions
-from armour.analysis.samples import Samples, by_laws, own_errors, own_values, sampled, section_of
+from armour.analysis.samples import (
+    REPLICATES,
+    Samples,
+    by_laws,
+    columns_of,
+    correlated,
+    moved_mean,
+    own_errors,
+    own_values,
+    points_of,
+    quantiles,
+    replicated_points,
+    sampled,
+    section_of,
+)
 from armour.analysis.searches import ballistic_limits
 from armour.analysis.variants import Bools, Floats, perforated
 from armour.errors import NoLimitError, Note
 from armour.evidence.model_error import Errors, ModelError
-from armour.evidence.sampling import (
-    REPLICATES,
-    columns_of,
-    correlated,
-    moved_mean,
-    points_of,
-    quantiles,
-    replicated_points,
-)
 from armour.evidence.tests import scenario_warnings
 from armour.scenario.checked import checked
 from armour.scenario.inputs import ERROR, VELOCITY
@@ -52,21 +57,16 @@ def first_order_indices(section: Uncertainty, points: Floats, values: Floats) ->
     scaled_values = (values - values.mean()) / values.std()
     replicates = zip(np.array_split(points, REPLICATES), np.array_split(scaled_values, REPLICATES), strict=True)
     moments = [
-        [_moments(_basis(*column), scaled) for column in zip(correlated(section, part).T, uniform, strict=True)]
+        [_moments(*column, scaled) for column in zip(correlated(section, part).T, uniform, strict=True)]
         for part, scaled in replicates
     ]
     return [jackknife(_explained, by_replicate) for by_replicate in np.array(moments).swapaxes(0, 1)]
 
 
-def _basis(chances: Floats, uniform: bool) -> Floats:
-    """Return polynomials, (n, terms), of the uniform or normal score of an input."""
+def _moments(chances: Floats, uniform: bool, values: Floats) -> Floats:
+    """Return the sums of the products of polynomials of an input's uniform or normal score, and of values, (n,)."""
     polynomials = legvander(2.0 * chances - 1.0, DEGREE) if uniform else hermevander(ndtri(chances), DEGREE)
-    return np.asarray(polynomials, dtype=np.float64)
-
-
-def _moments(basis: Floats, values: Floats) -> Floats:
-    """Return the sums of the products of the columns of a basis, (n, terms), and of values, (n,)."""
-    columns = np.column_stack([basis, values])
+    columns = np.column_stack([polynomials, values])
     return columns.T @ columns
 
 
@@ -114,9 +114,6 @@ QUANTILES = {"V05": 0.05, "V50": 0.5, "V95": 0.95}
 ENDS = (0.05, 0.95)
 # Points of the curve of the probability of perforation.
 CURVE_POINTS = 121
-# Samples of each set for total indices: a fraction of those for the probability, within bounds.  More than the upper
-# bound would take longer than the probability and give no further digit of the indices.
-INDEX_DIVISOR, MIN_INDEX_SAMPLES, MAX_INDEX_SAMPLES = 4, 256, 2**16
 # Samples computed at a time, to bound the memory.
 SAMPLES_AT_A_TIME = 2**12
 
@@ -364,8 +361,12 @@ def index_samples(section: Uncertainty) -> int:
 
 
 def _index_size(section: Uncertainty) -> int:
-    fraction: int = 2 ** int(log2(section.samples // INDEX_DIVISOR))
-    return min(max(MIN_INDEX_SAMPLES, fraction), MAX_INDEX_SAMPLES)
+    """Return the number of samples of a set for indices: a fraction of those for the probability, within bounds.
+
+    More would take longer than the probability and give no further digit of the indices.
+    """
+    fraction: int = 2 ** int(log2(section.samples // 4))
+    return min(max(256, fraction), 2**16)
 
 
 def influences(
