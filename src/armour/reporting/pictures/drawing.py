@@ -165,7 +165,7 @@ def _lines(texts: Iterable[str], width: float, size: float, character: float = C
 def _name(axes: Axes) -> list[Any]:
     """Name several curves at their ends if there is room, and everything else in a legend below the panel."""
     handles: list[Any] = axes.get_legend_handles_labels()[0]
-    lines = [handle for handle in handles if isinstance(handle, Line2D) and handle.get_linestyle() != "None"]
+    lines: list[Any] = [h for h in handles if isinstance(h, Line2D) and h.get_linestyle() != "None"]
     curves = [line for line in lines if np.size(line.get_xdata()) > 2]
     if len(curves) > 1 and _have_room(axes, curves):
         for line in curves:

@@ -119,9 +119,9 @@ def draw_planned_tests(result: "PlannedTests", sheet: drawing.Sheet) -> drawing.
         _draw_candidates(axes, *drawing.on_grid(columns[0][order], columns[1][order], gains[order]))
     repeats = Counter(places)
     drawing.points(axes, *zip(*repeats, strict=True), label="planned", markersize=7.0, color=drawing.VERMILION)
-    for place, times in repeats.items():
+    for (x, y), times in repeats.items():
         if times > 1:
-            drawing.name_point(axes, *place, f"{times} tests")
+            drawing.name_point(axes, x, y, f"{times} tests")
     return picture
 
 
