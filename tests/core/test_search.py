@@ -11,7 +11,6 @@ from armour.core.search import (
     RunSettings,
     Trial,
     find_ballistic_limit,
-    find_least_ceramic_thickness,
     impact,
     narrowed_change,
     scan,
@@ -21,13 +20,13 @@ from tests.helpers.bisection import bisect
 from tests.helpers.cases import armour
 from tests.helpers.runs import perforates, random_designs
 
-COUNT, LIMITS, STEPS = 40, 15, 500_000
+LIMITS, STEPS = 15, 500_000
 VELOCITIES = scan(20.0, 4000.0)
 SOLVER = RunSettings(1.0, 0.0, STEPS, TOLERANCE)
 
 
 def test_the_limits_are_those_of_scan_and_bisection():
-    for p in random_designs(COUNT)[:LIMITS]:
+    for p in random_designs(LIMITS):
         result = find_ballistic_limit(p, VELOCITIES, 1e-4, 1.0, 0.0, STEPS)
         above = next(i for i, velocity in enumerate(VELOCITIES) if result.high <= velocity)
         low, high = bisect(lambda v, p=p: perforates(p, v), VELOCITIES[above - 1], VELOCITIES[above], 1e-6)  # type: ignore[misc]
@@ -57,28 +56,6 @@ def test_a_change_to_stop_is_narrowed():
     assert result.high - result.low <= 1.2e-3
 
 
-@pytest.mark.parametrize("index", range(0, COUNT, 2))
-def test_the_least_thickness_is_that_of_bisection(index: int):
-    p = random_designs(COUNT)[index]
-    thick = 10.0 * p.D0
-    result = find_least_ceramic_thickness(p, 700.0, 0.0, thick, 1e-8, 1.0, 0.0, STEPS)
-    if not perforates(p._replace(Hc0=0.0), 700.0):
-        assert (result.low, result.high) == (0.0, inf)
-        return
-    _, high = bisect(lambda Hc0: not perforates(p._replace(Hc0=Hc0), 700.0), 0.0, thick, 1e-9)
-    assert -result.low == pytest.approx(high, abs=2e-8)
-    assert 0.0 < result.high - result.low <= 1e-8
-    assert result.resolved
-
-
-def test_the_least_thickness_by_a_law_of_the_flow_stress():
-    p = armour()._replace(n_B=0.4, n_cB=-0.3, a_c=0.2, a_B=-0.1)
-    result = find_least_ceramic_thickness(p, 800.0, 0.0, 0.05, 1e-8, 1.0, 0.0, STEPS)
-    assert perforates(p._replace(Hc0=-result.high), 800.0)
-    assert not perforates(p._replace(Hc0=-result.low), 800.0)
-    assert 0.0 < result.high - result.low <= 1e-8
-
-
 def test_a_range_without_a_root():
     p = armour()
     slow = scan(20.0, 500.0)
@@ -86,10 +63,6 @@ def test_a_range_without_a_root():
     assert (result.low, result.high, result.resolved) == (500.0, inf, True)
     result = find_ballistic_limit(p, scan(900.0, 1500.0), 1e-3, 1.0, 0.0, STEPS)
     assert (result.low, result.high, result.resolved) == (-inf, 900.0, True)
-    result = find_least_ceramic_thickness(p, 3000.0, 0.0, 0.01, 1e-8, 1.0, 0.0, STEPS)
-    assert (result.low, result.high, result.resolved) == (-inf, -0.01, True)
-    result = find_least_ceramic_thickness(p, 200.0, 0.002, 0.01, 1e-8, 1.0, 0.0, STEPS)
-    assert (result.low, result.high, result.resolved) == (-0.002, inf, True)
 
 
 @pytest.mark.parametrize("steps", [3, 21])
@@ -97,25 +70,18 @@ def test_an_unresolved_run_ends_the_search(steps: int):
     result = find_ballistic_limit(armour(), VELOCITIES, 1e-3, 1.0, 0.0, steps)
     assert result.low == result.high
     assert not result.resolved
-    assert not find_least_ceramic_thickness(armour(), 800.0, 0.0, 0.01, 1e-8, 1.0, 0.0, steps).resolved
 
 
 class Impacts:
-    """Impacts whose outcome is a function of the velocity or of the ceramic thickness, m, which it counts."""
+    """Impacts whose outcome is a function of the velocity, which it counts."""
 
     def __init__(self, perforates: Callable[[float], bool], unresolved: tuple[float, float] = (inf, inf)) -> None:
         self.perforates, self.unresolved, self.count = perforates, unresolved, 0
 
     def at_velocity(self, _p: Parameters, V: float, _solver: RunSettings) -> Trial:
-        return self.trial(V, V)
-
-    def at_thickness(self, p: Parameters, V: float, _solver: RunSettings) -> Trial:
-        return self.trial(p.Hc0, V)
-
-    def trial(self, x: float, V: float) -> Trial:
         self.count += 1
-        resolved = not self.unresolved[0] <= x <= self.unresolved[1]
-        perforated = resolved and self.perforates(x)
+        resolved = not self.unresolved[0] <= V <= self.unresolved[1]
+        perforated = resolved and self.perforates(V)
         return Trial(V, perforated, resolved, 1.0 if perforated else -1.0)
 
 
@@ -164,29 +130,6 @@ def test_usual_runs_that_contradict_the_rough_ones_scan_again(monkeypatch: pytes
     result = find_ballistic_limit(armour(), FAST, 0.01, 1.0, 0.0, STEPS)
     assert result.low <= 2500.0 <= result.high <= result.low + 0.0101
     assert result.runs == rough.count + usual.count
-
-
-@pytest.mark.parametrize(
-    ("thickness", "unresolved", "low", "high"),
-    [
-        (0.005, (inf, inf), -0.005, -0.005),
-        (0.0, (inf, inf), -0.001, inf),
-        (0.02, (inf, inf), -inf, -0.01),
-        (0.005, (0.001, 0.001), -inf, inf),
-        (0.005, (0.01, 0.01), -inf, inf),
-        (0.005, (0.004, 0.006), -inf, inf),
-    ],
-)
-def test_every_run_of_a_search_for_a_thickness_is_counted(
-    monkeypatch: pytest.MonkeyPatch, thickness, unresolved, low, high
-):
-    impacts = Impacts(lambda Hc0: Hc0 < thickness, unresolved)
-    monkeypatch.setattr(search, "impact", impacts.at_thickness)
-    result = find_least_ceramic_thickness(armour(), 800.0, 0.001, 0.01, 1e-6, 1.0, 0.0, STEPS)
-    assert result.low == pytest.approx(low, abs=1e-6)
-    assert result.high == pytest.approx(high, abs=1e-6)
-    assert result.resolved is (unresolved[0] == inf)
-    assert result.runs == impacts.count
 
 
 def test_a_tolerance_below_rounding_ends():

@@ -22,8 +22,7 @@ from armour.core.state import Parameters
 from armour.engine import batch, cache
 from armour.evidence.mixture import Mixture
 from armour.evidence.model_error import Errors
-from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S
-from armour.units import MM
+from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S, Range
 
 # Width, mm, to which a least thickness is bisected.
 THICKNESS_TOLERANCE_MM = 1e-6
@@ -146,56 +145,38 @@ def changes_above(variants: Variants, limits: Floats) -> Bools:
     return again
 
 
-def bisect_rows(
-    holds: Condition, rows: Ints, low: Floats, high: Floats, below: Floats | None = None, above: Floats | None = None
-) -> Floats:
+def bisect_rows(holds: Condition, rows: Ints, low: Floats, high: Floats) -> Floats:
     """Return the upper ends of brackets of rows, (low, high), mm, after bisection.
 
-    A condition holds at the upper ends and not at the lower ones.  Narrower brackets (below, above) known to contain
-    the change save evaluations without altering the result.
+    A condition holds at the upper ends and not at the lower ones.
     """
     low, high = low.copy(), high.copy()
-    below, above = low if below is None else below, high if above is None else above
     while True:
         middle = 0.5 * (low + high)
         places = np.flatnonzero((high - low > THICKNESS_TOLERANCE_MM) & (low < middle) & (middle < high))
         if not len(places):
             return high
         values = middle[places]
-        good = values >= above[places]
-        unknown = ~good & (values > below[places])
-        good[unknown] = holds(values[unknown], rows[places[unknown]])
+        good = holds(values, rows[places])
         high[places[good]] = values[good]
         low[places[~good]] = values[~good]
 
 
 def least_ceramics_mm(variants: Variants) -> Least:
     """Return the least ceramic thickness of the grid's range that stops each impact, mm; NaN if none does."""
-    low, high = variants.grid.ceramic_thickness_mm.min, variants.grid.ceramic_thickness_mm.max
-    below, above = np.empty_like(variants.velocities), np.empty_like(variants.velocities)
-    for cosine in np.unique(variants.cosines):
-        rows = variants.cosines == cosine
-        alike = variants.at(rows)
-        range_m = low / cosine * MM, high / cosine * MM
-        brackets = batch.least_thicknesses(
-            alike.parameters, alike.velocities, *range_m, THICKNESS_TOLERANCE_MM * MM, variants.options
-        )
-        check_resolved(brackets.resolved, alike)
-        # The perforated end of a bracket of thicknesses is the lower one.
-        below[rows], above[rows] = brackets.perforated / MM * cosine, brackets.stopped / MM * cosine
-    least = np.where(np.isfinite(above) & ~np.isfinite(below), low, np.nan)
-    where = np.flatnonzero(np.isfinite(above) & np.isfinite(below))
-    stops, is_unusual = _conditions(lambda values, rows: with_thicknesses(variants.at(rows), ceramic_mm=values))
-    lows, highs = np.full(len(least), low), np.full(len(least), high)
-    least[where] = bisect_rows(stops, where, lows[where], highs[where], below[where], above[where])
-    return scanned_where_unusual(least, stops, is_unusual, lows, highs)
+    return _least_of_layer(variants, "ceramic_mm", variants.grid.ceramic_thickness_mm)
 
 
 def least_backings_mm(variants: Variants) -> Least:
     """Return the least back plate thickness of the grid's range that stops each impact, mm; NaN if none does."""
-    count, backing = len(variants.velocities), variants.grid.backing_thickness_mm
-    stops, is_unusual = _conditions(lambda values, rows: with_thicknesses(variants.at(rows), backing_mm=values))
-    return least_values_mm(stops, is_unusual, np.full(count, backing.min), np.full(count, backing.max))
+    return _least_of_layer(variants, "backing_mm", variants.grid.backing_thickness_mm)
+
+
+def _least_of_layer(variants: Variants, layer: str, of_range: Range) -> Least:
+    """Return the least thickness of a layer, an argument of `with_thicknesses`."""
+    count = len(variants.velocities)
+    conditions = _conditions(lambda values, rows: with_thicknesses(variants.at(rows), **{layer: values}))
+    return least_values_mm(*conditions, np.full(count, of_range.min), np.full(count, of_range.max))
 
 
 def least_totals_mm(variants: Variants) -> Least:
@@ -232,24 +213,15 @@ def least_values_mm(
 ) -> Least:
     """Return the least thickness from low to high, mm, that stops the threat in each row, by bisection or scan.
 
-    Unless a row is unusual, the outcome is taken to change once at most; the others are scanned at some points.
+    The outcome is taken to change once at most.  Rows that are unusual, by the least thickness found or, if that is
+    NaN, by their other quantities, are scanned at some points instead.
     """
     rows = np.arange(len(low))
     least = np.where(stops(low, rows), low, np.nan)
     rest = rows[np.isnan(least)]
     rest = rest[stops(high[rest], rest)]
     least[rest] = bisect_rows(stops, rest, low[rest], high[rest])
-    return scanned_where_unusual(least, stops, is_unusual, low, high, points)
-
-
-def scanned_where_unusual(
-    least: Floats, stops: Condition, is_unusual: Condition, low: Floats, high: Floats, points: int = DENSE_SCAN_POINTS
-) -> Least:
-    """Return least thicknesses of rows, mm, with those of a scan from low to high for unusual rows.
-
-    A row is unusual by the least thickness given or, if that is NaN, by the other quantities of the row.
-    """
-    scanned = Least(least.copy(), np.zeros(len(least), dtype=bool))
+    changes_again = np.zeros(len(least), dtype=bool)
     where = np.flatnonzero(is_unusual(least, np.arange(len(least))))
     for start in range(0, len(where), SCANS_AT_A_TIME):
         rows = where[start : start + SCANS_AT_A_TIME]
@@ -257,6 +229,6 @@ def scanned_where_unusual(
         stopped = stops(values.ravel(), np.repeat(rows, points)).reshape(values.shape)
         first, numbers = stopped.argmax(axis=1), np.arange(len(rows))
         upper = bisect_rows(stops, rows, values[numbers, np.maximum(first - 1, 0)], values[numbers, first])
-        scanned.mm[rows] = np.where(stopped.any(axis=1), upper, np.nan)
-        scanned.changes_again[rows] = (stopped[:, :-1] > stopped[:, 1:]).any(axis=1)
-    return scanned
+        least[rows] = np.where(stopped.any(axis=1), upper, np.nan)
+        changes_again[rows] = (stopped[:, :-1] > stopped[:, 1:]).any(axis=1)
+    return Least(least, changes_again)

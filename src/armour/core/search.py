@@ -1,4 +1,4 @@
-"""Searches for the ballistic limit and the least ceramic thickness.
+"""Search for the ballistic limit.
 
 The outcome may change more than once with the impact velocity: the ballistic limit is the lowest change that a scan of
 velocities sees.  A change is narrowed by the energy that the projectile has left, or lacks, which is nearly linear in
@@ -12,7 +12,7 @@ from typing import NamedTuple
 from armour.core.bounds import may_perforate
 from armour.core.roots import MOST_TRIALS, bracket, narrowed, next_point
 from armour.core.run import TOLERANCE, Run, run
-from armour.core.state import Outcome, Parameters, with_ceramic
+from armour.core.state import Outcome, Parameters
 
 # Rough runs: their tolerance, the fraction of a limit by which they may miss it, which the usual runs check, and the
 # width, m/s, to which they narrow it.
@@ -141,35 +141,3 @@ def narrowed_change(p: Parameters, below: Trial, above: Trial, tolerance: float,
             return SearchResult(trial.V, trial.V, runs, False)
         b = narrowed(b, trial.V * trial.V, trial.f)
     return SearchResult(sqrt(min(b.x1, b.x2)), sqrt(max(b.x1, b.x2)), runs, True)
-
-
-def find_least_ceramic_thickness(
-    p: Parameters, Vi: float, thin: float, thick: float, tolerance: float, V_arrest: float, dt: float, max_steps: int
-) -> SearchResult:
-    """Find the least ceramic thickness between two, m, that stops an impact; the outcome changes once between them.
-
-    The result brackets the negative thickness, -Hc0, m, so that its upper end perforates.  ``p.Hc0`` is not used;
-    ``tolerance`` is the width of the final bracket, m.
-    """
-    solver = RunSettings(V_arrest, dt, max_steps, TOLERANCE)
-    thinnest = impact(with_thickness(p, thin), Vi, solver)
-    if not thinnest.resolved or not thinnest.perforated:
-        return SearchResult(-thin if thinnest.resolved else -inf, inf, 1, thinnest.resolved)
-    thickest = impact(with_thickness(p, thick), Vi, solver)
-    if not thickest.resolved or thickest.perforated:
-        return SearchResult(-inf, -thick if thickest.resolved else inf, 2, thickest.resolved)
-    b = bracket(-thin, thinnest.f, -thick, thickest.f)
-    runs = 2
-    while abs(b.x2 - b.x1) > tolerance and runs < MOST_TRIALS:
-        x = next_point(b, 0.95 * tolerance)
-        trial = impact(with_thickness(p, -x), Vi, solver)
-        runs += 1
-        if not trial.resolved:
-            return SearchResult(-inf, inf, runs, False)
-        b = narrowed(b, x, trial.f)
-    return SearchResult(min(b.x1, b.x2), max(b.x1, b.x2), runs, True)
-
-
-def with_thickness(p: Parameters, Hc0: float) -> Parameters:
-    """Return the parameters with another ceramic thickness, m."""
-    return with_ceramic(p, Hc0, p.Yc0, p.n_B, p.n_cB, p.a_c, p.a_B)

@@ -1,4 +1,4 @@
-"""Impacts, ballistic limits and ceramic thicknesses of many armours, as arrays, computed in threads."""
+"""Impacts and ballistic limits of many armours, as arrays, computed in threads."""
 
 import os
 from collections.abc import Sequence
@@ -19,7 +19,7 @@ Ints = NDArray[np.int64]
 PORTION = 256
 # Portions for each thread when there are few rows, as some take longer, and the fewest rows worth a thread, about 2 ms.
 PORTIONS_PER_THREAD = 4
-LEAST_PORTIONS = {"impacts": 256, "ballistic_limits": 32, "least_thicknesses": 32}
+LEAST_PORTIONS = {"impacts": 256, "ballistic_limits": 32}
 
 
 class Impacts(NamedTuple):
@@ -36,7 +36,7 @@ class Impacts(NamedTuple):
 
 
 class Brackets(NamedTuple):
-    """Results of n searches for a ballistic limit, m/s, or a ceramic thickness, m; an array of shape (n,) each.
+    """Results of n searches for a ballistic limit, m/s; an array of shape (n,) each.
 
     If nothing in the range is stopped, or perforated, that end of the bracket is infinite.
     """
@@ -90,23 +90,8 @@ def ballistic_limits(
     """
     velocities = np.array(scan(low, high, points), dtype=np.float64)
     velocities.flags.writeable = False
-    return _brackets("ballistic_limits", [rows], (velocities, tolerance), options)
-
-
-def least_thicknesses(
-    rows: Floats,
-    velocities: Floats,
-    thin: float,
-    thick: float,
-    tolerance: float,
-    options: SolverOptions = DEFAULT_OPTIONS,
-) -> Brackets:
-    """Find least ceramic thicknesses between two, m; see `armour.core.search.find_least_ceramic_thickness`."""
-    return _brackets("least_thicknesses", [rows, velocities], (thin, thick, tolerance), options)
-
-
-def _brackets(name: str, inputs: list[Floats], search: tuple[Any, ...], options: SolverOptions) -> Brackets:
-    counts, ends = _computed(name, inputs, (*search, *options[:3]), 2, options.threads)
+    settings = (velocities, tolerance, *options[:3])
+    counts, ends = _computed("ballistic_limits", [rows], settings, 2, options.threads)
     return Brackets(ends[:, 0], ends[:, 1], counts[:, 0], counts[:, 1] != 0)
 
 

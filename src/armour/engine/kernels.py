@@ -49,12 +49,10 @@ _rows = types.Array(_float, 2, "C", readonly=True)
 _counts, _ends = _int[:, ::1], _float[:, ::1]
 _solver = types.Tuple((_float, _float, _int))
 _scan = types.Tuple((_velocities, _float, _float, _float, _int))
-_search = types.Tuple((_float, _float, _float, _float, _float, _int))
 
 SIGNATURES: dict[str, tuple[Any, ...]] = {
     "impacts": (_rows, _velocities, _solver, _counts, _ends),
     "ballistic_limits": (_rows, _scan, _counts, _ends),
-    "least_thicknesses": (_rows, _velocities, _search, _counts, _ends),
 }
 
 
