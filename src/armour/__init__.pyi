@@ -7,12 +7,12 @@ from .analysis.ballistic_limit import ballistic_limit as ballistic_limit
 from .analysis.ballistic_limit import confidence as confidence
 from .analysis.closed_forms import FlorenceResult as FlorenceResult
 from .analysis.closed_forms import ResidualVelocityFit as ResidualVelocityFit
-from .analysis.estimates import Estimate as Estimate
 from .analysis.flow_stress import NeededFlowStress as NeededFlowStress
-from .analysis.history import History as History
+from .analysis.impact import History as History
 from .analysis.impact import ImpactResult as ImpactResult
 from .analysis.impact import StageRecord as StageRecord
 from .analysis.impact import simulate as simulate
+from .analysis.samples import Estimate as Estimate
 from .design.check import CheckedThreat as CheckedThreat
 from .design.check import CheckResult as CheckResult
 from .design.check import WhatIf as WhatIf

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from armour.analysis.estimates import jackknife, mean_of_replicates, proportion, proportion_of_replicates
+from armour.analysis.samples import jackknife, mean_of_replicates, proportion, proportion_of_replicates
 
 
 def test_clopper_pearson_intervals():

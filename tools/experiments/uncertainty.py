@@ -10,9 +10,8 @@ from pathlib import Path
 import numpy as np
 from scipy.interpolate import make_lsq_spline
 
-from armour.analysis.estimates import Estimate
 from armour.analysis.results import portions
-from armour.analysis.samples import own_errors, own_values, sampled, section_of
+from armour.analysis.samples import Estimate, own_errors, own_values, sampled, section_of
 from armour.analysis.variants import Floats, Ints, perforated
 from armour.evidence.sampling import columns_of, points_of
 from armour.scenario.inputs import ERROR, VELOCITY

@@ -16,8 +16,8 @@ from armour.errors import Problem, refuse
 from armour.evidence.mixture import Mixture
 from armour.evidence.model_error import Errors
 from armour.evidence.tests import Materials, is_untested
-from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, OBLIQUITY, VELOCITY, cosine_of, fields_of, inputs_of_entry
-from armour.scenario.library import LibraryEntry, penetrator_length_mm
+from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, OBLIQUITY, VELOCITY, cosine_of, fields_of
+from armour.scenario.library import LibraryEntry, inputs_of_entry, penetrator_length_mm
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import (
     MAX_DESIGNS,

@@ -6,9 +6,8 @@ from math import ceil, log, log1p
 import numpy as np
 from scipy.special import bdtrc
 
-from armour.analysis.estimates import TAIL, Estimate, proportion
 from armour.analysis.results import OnProgress, ignore_progress
-from armour.analysis.samples import own_errors, own_values, sampled, section_at, section_of
+from armour.analysis.samples import TAIL, Estimate, own_errors, own_values, proportion, sampled, section_at, section_of
 from armour.analysis.variants import perforated
 from armour.design.catalogue import NO_BOUND, CandidateDesigns, Catalogue
 from armour.errors import Problem, refuse

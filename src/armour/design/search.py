@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from armour.analysis.estimates import Estimate
 from armour.analysis.results import FIRST_IMPACTS, OnProgress, ignore_progress, portions
+from armour.analysis.samples import Estimate
 from armour.analysis.searches import ballistic_limits, limits_anywhere
 from armour.analysis.variants import Bools, Floats, Ints, Variants, perforated
 from armour.core.search import DENSE_SCAN_POINTS

@@ -11,7 +11,7 @@ import numba
 from numba import config, types
 from numba.extending import overload, register_jitable
 
-from armour.core import bounds, equations, events, rk4, roots, search, stages, state
+from armour.core import equations, events, rk4, roots, search, stages, state
 from armour.core import run as core_run
 from armour.core.state import Parameters
 from armour.engine import loops
@@ -22,7 +22,7 @@ OPTIONS: Any = {"no_cfunc_wrapper": True, "_nrt": False}
 # Called in every step: numba would not inline them by itself, which takes a fifth longer.
 INLINED = stages.rates, rk4.step
 # Make the functions of the core callable from compiled code.
-for _module in (state, equations, stages, roots, rk4, events, bounds, core_run, search):
+for _module in (state, equations, stages, roots, rk4, events, core_run, search):
     for _function in vars(_module).values():
         if isinstance(_function, FunctionType) and _function.__module__ == _module.__name__:
             register_jitable(**OPTIONS, forceinline=_function in INLINED)(_function)

@@ -9,8 +9,8 @@ import numpy as np
 from pydantic import Field, PlainValidator
 from scipy.special import ndtri, stdtrit
 
-from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
+from armour.analysis.samples import CONFIDENCE
 from armour.analysis.variants import Floats
 from armour.errors import Problem, counted, mistake, refuse
 from armour.planning import optimal_design

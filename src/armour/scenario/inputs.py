@@ -6,15 +6,13 @@ as "ceramic.flow_stress_GPa": a property of the scenario's ceramic, independent 
 
 from collections.abc import Mapping
 from math import cos, radians
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from armour.units import GPA, MM, MPA
 
-if TYPE_CHECKING:  # the help of the command line lists inputs, and should not wait for pydantic
-    from armour.scenario.library import Kind, LibraryEntry
-
+Kind = Literal["projectile", "ceramic", "metal"]
 # Kinds of library entry by role in the scenario.
-ROLES: dict[str, "Kind"] = {"projectile": "projectile", "ceramic": "ceramic", "backing": "metal"}
+ROLES: dict[str, Kind] = {"projectile": "projectile", "ceramic": "ceramic", "backing": "metal"}
 # Keys of the scenario that name its library entries, by role.
 NAMES = {"projectile": "impact.projectile", "ceramic": "armour.ceramic", "backing": "armour.backing"}
 
@@ -44,7 +42,7 @@ class Input(NamedTuple):
         return self.name.split(".")[1]
 
     @property
-    def kind(self) -> "Kind | None":
+    def kind(self) -> Kind | None:
         """Kind of library entry that holds the input; None for one of the scenario's own sections."""
         return ROLES.get(self.section)
 
@@ -79,15 +77,6 @@ _INPUTS = (
 )
 # Every input by name.
 INPUTS = {definition.name: definition for definition in _INPUTS}
-
-
-def inputs_of_entry(role: str, entry: "LibraryEntry") -> dict[str, float]:
-    """Return the values of the inputs that an entry of the library gives in a role, by name."""
-    return {
-        name: entry[key]
-        for key in entry.values
-        if (name := f"{role}.{key}") in INPUTS and (name != YIELD or entry.derived - {key})
-    }
 
 
 def cosine_of(obliquity_deg: float) -> float:

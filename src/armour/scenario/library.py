@@ -1,4 +1,4 @@
-"""Library of projectiles and materials: the shipped entries and those that files and scenarios add.
+"""Library of projectiles and materials: the shipped entries and those that files and scenarios add; named threats.
 
 Every value has a status (measured, nominal, fitted or assumed) and a source.
 """
@@ -23,6 +23,7 @@ from pydantic import (
 from armour.errors import CHOOSE, Note, Problem, listed, mistake, refuse, suggestion
 from armour.files import read_toml, shipped
 from armour.scenario.checked import checked
+from armour.scenario.inputs import INPUTS, YIELD, Kind
 from armour.scenario.keys import describe, key_name
 from armour.scenario.sections import NOT_TINY, NUMBER, TINY, Items, NumberOrText, Section, validated
 from armour.units import GPA, MM, MPA, G, words_and_unit
@@ -253,7 +254,6 @@ class Metal(Entry):
     """Strain to fracture, for Florence's formula."""
 
 
-Kind = Literal["projectile", "ceramic", "metal"]
 KINDS: dict[Kind, type[Entry]] = {"projectile": Projectile, "ceramic": Ceramic, "metal": Metal}
 # Keys of the values of each kind.
 VALUE_KEYS = {kind: [key for key in KINDS[kind].model_fields if key not in Entry.model_fields] for kind in KINDS}
@@ -360,6 +360,15 @@ class LibraryEntry:
         aliases = {"aliases": list(self.aliases)} if self.aliases else {}
         sources = {SOURCES: list(self.flow_stress_sources_GPa)} if self.flow_stress_sources_GPa else {}
         return {"kind": self.kind, "name": self.name, "description": self.description, **aliases, **values, **sources}
+
+
+def inputs_of_entry(role: str, entry: LibraryEntry) -> dict[str, float]:
+    """Return the values of the inputs that an entry of the library gives in a role, by name."""
+    return {
+        name: entry[key]
+        for key in entry.values
+        if (name := f"{role}.{key}") in INPUTS and (name != YIELD or entry.derived - {key})
+    }
 
 
 def hint(name: str, entries: Iterable[LibraryEntry], names: Iterable[str]) -> str:
@@ -631,3 +640,36 @@ def shipped_library() -> Library:
     for name in FILES:
         library = library.extended(read_toml(shipped("configs") / f"{name}.toml"), file="")
     return library
+
+
+# Keys of [impact] and [[threat]] that the name of a threat gives.
+THREAT_KEYS = ("projectile", "velocity_m_s", "obliquity_deg")
+
+
+class NamedThreat(Section):
+    """A threat of a standard."""
+
+    standard: str
+    level: str
+    round: str
+    projectile: str
+    velocity_m_s: float
+    tolerance_m_s: float | None = None
+    """By which the velocity of a shot may differ."""
+    obliquity_deg: float | None = None
+    status: Literal["confirmed", "unconfirmed"]
+    source: str
+
+    def values(self) -> dict[str, object]:
+        """Return the values that the threat gives in [impact] or [[threat]], by key."""
+        return self.model_dump(include=set(THREAT_KEYS), exclude_none=True)
+
+
+class _File(Section):
+    threat: dict[str, NamedThreat]
+
+
+@cache
+def named_threats() -> dict[str, NamedThreat]:
+    """Return the shipped threats by name."""
+    return validated(_File, read_toml(shipped("configs") / "threats.toml"), "").threat

@@ -19,7 +19,6 @@ from pydantic import PrivateAttr, ValidationError
 from armour.core.state import Parameters
 from armour.errors import InputError, Note, Problem, choices, joined, refuse, restated, suggestion
 from armour.files import located, named, read_toml, shipped_files, write_file
-from armour.scenario.changes import changed
 from armour.scenario.checked import checked
 from armour.scenario.inputs import (
     BACKING,
@@ -29,18 +28,19 @@ from armour.scenario.inputs import (
     OBLIQUITY,
     ROLES,
     VELOCITY,
+    Kind,
     cosine_of,
     fields_of,
-    inputs_of_entry,
 )
-from armour.scenario.keys import Parts, key_name, leaves, parts_of, values_by_key
+from armour.scenario.keys import Parts, changed, key_name, leaves, parts_of, values_by_key
 from armour.scenario.library import (
     KINDS,
     ROD,
+    THREAT_KEYS,
     Entry,
-    Kind,
     Library,
     LibraryEntry,
+    inputs_of_entry,
     is_rod,
     penetrator_length_mm,
     read_library,
@@ -64,7 +64,6 @@ from armour.scenario.schema import (
     shot,
 )
 from armour.scenario.sections import NOT_TINY, NUMBER, TINY, Items, Section, model_in, problems_of
-from armour.scenario.threats import THREAT_KEYS
 from armour.units import MM, key_hint
 
 if TYPE_CHECKING:

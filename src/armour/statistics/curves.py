@@ -15,7 +15,7 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.special import expit, log_expit, log_ndtr, logit, ndtr, ndtri
 
-from armour.analysis.estimates import CONFIDENCE
+from armour.analysis.samples import CONFIDENCE
 from armour.analysis.variants import Floats
 from armour.errors import NoAnswerError
 from armour.statistics.profile import profile_end

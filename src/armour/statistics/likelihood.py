@@ -10,9 +10,9 @@ import numpy as np
 from scipy.optimize import approx_fprime, least_squares, minimize_scalar
 from scipy.special import chdtrc, log_ndtr, ndtri, stdtrit
 
-from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.evaluate import Answers
 from armour.analysis.results import OnProgress
+from armour.analysis.samples import CONFIDENCE
 from armour.analysis.searches import ballistic_limits
 from armour.analysis.variants import Bools, Floats, Ints, Variants, variants_of
 from armour.core.search import SCAN_POINTS

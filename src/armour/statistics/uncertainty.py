@@ -11,9 +11,20 @@ from numpy.polynomial.legendre import legvander
 from scipy.special import ndtri
 
 from armour.analysis.ballistic_limit import model_error
-from armour.analysis.estimates import CONFIDENCE, Estimate, jackknife, mean_of_replicates, proportion_of_replicates
 from armour.analysis.results import OnProgress, TableResult, ignore_progress, portions
-from armour.analysis.samples import Samples, by_laws, own_errors, own_values, sampled, section_of
+from armour.analysis.samples import (
+    CONFIDENCE,
+    Estimate,
+    Samples,
+    by_laws,
+    jackknife,
+    mean_of_replicates,
+    own_errors,
+    own_values,
+    proportion_of_replicates,
+    sampled,
+    section_of,
+)
 from armour.analysis.searches import ballistic_limits
 from armour.analysis.variants import Bools, Floats, perforated
 from armour.errors import NoLimitError, Note

@@ -2,7 +2,7 @@ from dataclasses import replace
 
 import pytest
 
-from armour.analysis.estimates import Estimate
+from armour.analysis.samples import Estimate
 from armour.reporting.views import firing as v50_view
 from armour.reporting.views import uncertainty as uncertainty_view
 from armour.reporting.views.calibration import coefficient_table, correlation_table, residual_table

@@ -9,8 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 from matplotlib.transforms import offset_copy
 
-from armour.analysis.history import History
-from armour.analysis.impact import ImpactResult
+from armour.analysis.impact import History, ImpactResult
 from armour.core.equations import crack_velocity
 from armour.core.state import Parameters
 from armour.errors import mistake

@@ -1,6 +1,6 @@
 """A propagated uncertainty."""
 
-from armour.analysis.estimates import Estimate
+from armour.analysis.samples import Estimate
 from armour.reporting.table import Column, Table, column_of, in_words, listing, record
 from armour.reporting.text import interval, percent, with_interval
 from armour.reporting.words import SAMPLED_ALONE, STOPPING, error_note, rounded_down
