@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from armour.analysis.results import FIRST_IMPACTS, OnProgress, ignore_progress, portions
+from armour.analysis.results import OnProgress, ignore_progress, portions
 from armour.analysis.samples import Estimate
 from armour.analysis.searches import ballistic_limits, limits_anywhere
 from armour.analysis.variants import Bools, Floats, Ints, Variants, perforated
@@ -19,9 +19,9 @@ from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S
 if TYPE_CHECKING:
     from armour.design.reliability import Reliability
 
-# Impacts and limits that are computed at a time, which bounds the memory.
-IMPACTS_AT_A_TIME = 50_000
-LIMITS_AT_A_TIME = 10_000
+# Numbers of designs and of limits to compute at a time, in a few tenths of a second.
+IMPACTS_AT_A_TIME = 10_000
+LIMITS_AT_A_TIME = 2_000
 # Number of designs up to which all threats are computed together.  If there are more, those that one threat perforates
 # are not tried against the next, which saves more than the additional calls of the engine cost.
 FEW_DESIGNS = 100
@@ -49,7 +49,7 @@ class Requirement:
         stops_threats = np.ones(len(candidates.pair), dtype=bool)
         threats = range(len(self.catalogue.threats))
         groups = [threats] if len(stops_threats) <= FEW_DESIGNS else [threats[i : i + 1] for i in threats]
-        for part in portions(len(stops_threats), IMPACTS_AT_A_TIME, FIRST_IMPACTS):
+        for part in portions(len(stops_threats), IMPACTS_AT_A_TIME):
             remaining = np.arange(part.start, part.stop)
             for group in groups:
                 rows, required, bounds = self.catalogue.against_each(candidates.at(remaining), group)
