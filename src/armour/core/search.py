@@ -152,41 +152,41 @@ def find_ballistic_limit(
     """
     solver = RunSettings(V_arrest, dt, max_steps, TOLERANCE)
     rough = scanned_limit(p, velocities, ROUGH_WIDTH, RunSettings(V_arrest, dt, max_steps, ROUGH))
-    runs = rough.runs
     if rough.resolved and -inf < rough.low and rough.high < inf:
         below = impact(p, rough.low * (1.0 - ROUGH_ERROR), solver)
         above = impact(p, rough.high * (1.0 + ROUGH_ERROR), solver)
-        runs += 2
         if below.resolved and above.resolved and above.perforated and not below.perforated:
-            change = narrowed_change(p, below, above, tolerance, solver)
-            return SearchResult(change.low, change.high, change.runs + runs, change.resolved)
-    limit = scanned_limit(p, velocities, tolerance, solver)
-    return SearchResult(limit.low, limit.high, limit.runs + runs, limit.resolved)
+            return narrowed_change(p, below, above, tolerance, solver, rough.runs + 2)
+        return scanned_limit(p, velocities, tolerance, solver, rough.runs + 2)
+    return scanned_limit(p, velocities, tolerance, solver, rough.runs)
 
 
-def scanned_limit(p: Parameters, velocities: Sequence[float], tolerance: float, solver: RunSettings) -> SearchResult:
-    """Find the ballistic limit by runs of one kind, see `find_ballistic_limit`."""
+def scanned_limit(
+    p: Parameters, velocities: Sequence[float], tolerance: float, solver: RunSettings, runs: int = 0
+) -> SearchResult:
+    """Find the ballistic limit by runs of one kind, see `find_ballistic_limit`, after some runs."""
     first = first_scanned(p, velocities)
     below = impact(p, velocities[first], solver)
     if below.perforated or not below.resolved:
-        return SearchResult(-inf if below.resolved else below.V, below.V, 1, below.resolved)
+        return SearchResult(-inf if below.resolved else below.V, below.V, runs + 1, below.resolved)
     for i in range(first + 1, len(velocities)):
         above = impact(p, velocities[i], solver)
-        runs = i - first + 1
         if not above.resolved:
-            return SearchResult(above.V, above.V, runs, False)
+            return SearchResult(above.V, above.V, runs + i - first + 1, False)
         if above.perforated:
-            change = narrowed_change(p, below, above, tolerance, solver)
-            return SearchResult(change.low, change.high, change.runs + runs, change.resolved)
+            return narrowed_change(p, below, above, tolerance, solver, runs + i - first + 1)
         below = above
-    return SearchResult(below.V, inf, len(velocities) - first, True)
+    return SearchResult(below.V, inf, runs + len(velocities) - first, True)
 
 
-def narrowed_change(p: Parameters, below: Trial, above: Trial, tolerance: float, solver: RunSettings) -> SearchResult:
-    """Narrow a change of the outcome between two impacts to a tolerance, m/s."""
-    runs = 0
+def narrowed_change(
+    p: Parameters, below: Trial, above: Trial, tolerance: float, solver: RunSettings, runs: int = 0
+) -> SearchResult:
+    """Narrow a change of the outcome between two impacts to a tolerance, m/s, after some runs."""
     b = bracket(above.V * above.V, above.f, below.V * below.V, below.f)
-    while abs(b.x2 - b.x1) > 2.0 * below.V * tolerance and runs < MOST_TRIALS:
+    for _ in range(MOST_TRIALS):
+        if abs(b.x2 - b.x1) <= 2.0 * below.V * tolerance:
+            break
         trial = impact(p, sqrt(next_point(b, 1.9 * below.V * tolerance)), solver)
         runs += 1
         if not trial.resolved:

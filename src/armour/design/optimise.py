@@ -13,6 +13,7 @@ from armour.analysis.samples import Estimate
 from armour.analysis.variants import Bools, Floats, Ints, Variants
 from armour.design.candidates import candidates_of, joined
 from armour.design.catalogue import FIRST_VALUES, MARGIN, NO_BOUND, ROUNDING, CandidateDesigns, Catalogue, catalogue_of
+from armour.design.reliability import Reliability
 from armour.design.search import Requirement, Search
 from armour.errors import Problem, listed, refuse
 from armour.evidence.mixture import Mixture
@@ -397,11 +398,7 @@ def _best_place(catalogue: Catalogue, on_progress: OnProgress) -> tuple[Search, 
     """
     requirement = Requirement(catalogue, on_progress)
     while True:
-        reliability = None
-        if catalogue.sampled:
-            from armour.design.reliability import Reliability  # imports scipy, which takes a tenth of a second
-
-            reliability = Reliability(requirement.catalogue, on_progress)
+        reliability = Reliability(requirement.catalogue, on_progress) if catalogue.sampled else None
         search = Search(requirement, candidates_of(requirement), reliability)
         tested = requirement.tested(search.candidates)
         lenient = requirement.catalogue.lenient
@@ -666,10 +663,7 @@ def _pairs(search: Search, best: int | None, tested: Bools) -> tuple[Pair, ...]:
     if search.catalogue.sampled:
         # Only possible runners-up are sampled, as each design takes thousands of impacts.
         possible = [designs[search.values[designs] <= greatest] for designs in possible]
-    # The first designs pass most often; computing their limits together is quicker.
-    possible = [designs[np.argsort(~tested[designs], kind="stable")] for designs in possible]
-    search.limits(np.array([designs[0] for designs in possible if len(designs)], dtype=np.int64))
-    places = [search.first(designs) for designs in possible]
+    places = [search.first(designs[np.argsort(~tested[designs], kind="stable")]) for designs in possible]
     unconstrained = _unconstrained(search) if None in places else search
     pairs = []
     for index, (offer, place) in enumerate(zip(offers, places, strict=True)):

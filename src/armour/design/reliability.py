@@ -4,9 +4,8 @@ from functools import lru_cache
 from math import ceil, log, log1p
 
 import numpy as np
-from scipy.special import bdtrc
 
-from armour.analysis.results import OnProgress, ignore_progress
+from armour.analysis.results import OnProgress, ignore_progress, portions
 from armour.analysis.samples import TAIL, Estimate, own_errors, own_values, proportion, sampled, section_at, section_of
 from armour.analysis.variants import perforated
 from armour.design.catalogue import NO_BOUND, CandidateDesigns, Catalogue
@@ -17,12 +16,8 @@ from armour.scenario.inputs import BACKING, CERAMIC
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import MAX_SAMPLES, Uncertainty
 
-# Number of samples after which a design is first checked for whether it can still pass.
-FIRST_SAMPLES = 64
-# Sampling stops early if the number of perforations would be less probable than this were the bound to hold.
-IMPROBABLE = 1e-9
-# Samples that are computed at a time at most, which bounds the memory.
-MOST_SAMPLES = 2**15
+# Samples that are computed at a time.
+SAMPLES_AT_A_TIME = 2**10
 # Scenarios of pairs of materials and threats that are kept.
 MOST_SCENARIOS = 1000
 
@@ -61,15 +56,14 @@ class Reliability:
     def within(self, bound: float, scenario: Scenario, layers: dict[str, float], errors: Errors) -> Estimate | None:
         """Estimate the probability of perforation of a design; None if its interval exceeds a bound.
 
-        The layers are their thicknesses, by input.  A model error that is not known is left out.  Samples are taken in
-        growing parts, until these show that the bound is exceeded.
+        The layers are their thicknesses, by input.  A model error that is not known is left out.
         """
         values = own_values(scenario) | layers
         section = section_at(scenario, values, with_error=bool(errors.known.all()))
         points = self.points[:, : len(section.inputs())]
-        hits, start, end = 0, 0, FIRST_SAMPLES
-        while start < len(points):
-            part = points[start:end]
+        hits = 0
+        for portion in portions(len(points), SAMPLES_AT_A_TIME):
+            part = points[portion]
             columns = columns_of(section, values, part)
             if layers.get(CERAMIC) == 0.0:
                 columns.pop(CERAMIC, None)  # an absent layer has no thickness to vary
@@ -77,9 +71,8 @@ class Reliability:
             hits += int(perforated(sampled(scenario, columns, len(part), errors).variants).sum())
             estimate = proportion(hits, len(points))
             self.on_progress(len(part), None)
-            if estimate.high > bound or bdtrc(hits - 1, end, bound) < IMPROBABLE:
+            if estimate.high > bound:
                 return None
-            start, end = end, end + min(end, MOST_SAMPLES)
         return estimate
 
 

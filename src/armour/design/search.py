@@ -4,7 +4,6 @@ from bisect import bisect_left, bisect_right
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,10 +13,8 @@ from armour.analysis.searches import ballistic_limits, limits_anywhere
 from armour.analysis.variants import Bools, Floats, Ints, Variants, perforated
 from armour.core.search import DENSE_SCAN_POINTS
 from armour.design.catalogue import COST, MARGIN, CandidateDesigns, Catalogue, first_backings
+from armour.design.reliability import Reliability
 from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S
-
-if TYPE_CHECKING:
-    from armour.design.reliability import Reliability
 
 # Numbers of designs and of limits to compute at a time, in a few tenths of a second.
 IMPACTS_AT_A_TIME = 10_000
@@ -137,7 +134,7 @@ class Search:
     """
 
     def __init__(
-        self, requirement: Requirement, candidates: CandidateDesigns, reliability: "Reliability | None" = None
+        self, requirement: Requirement, candidates: CandidateDesigns, reliability: Reliability | None = None
     ) -> None:
         self.requirement, self.candidates, self.reliability = requirement, candidates, reliability
         self.catalogue = requirement.catalogue
