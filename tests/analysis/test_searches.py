@@ -5,7 +5,8 @@ import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.evaluate import Answers
-from armour.analysis.searches import (
+from armour.analysis.variants import (
+    Variants,
     ballistic_limits,
     bisect_rows,
     changes_above,
@@ -13,8 +14,10 @@ from armour.analysis.searches import (
     least_ceramics_mm,
     least_totals_mm,
     limits_anywhere,
+    perforated,
+    variants_of,
+    with_thicknesses,
 )
-from armour.analysis.variants import Variants, perforated, variants_of, with_thicknesses
 from armour.errors import InputError, NoLimitError
 from armour.scenario.scenario import Scenario
 from tests.helpers.cases import scenario

@@ -12,8 +12,7 @@ import numpy as np
 from armour.analysis.flow_stress import NeededFlowStress, needed_flow_stress
 from armour.analysis.impact import ImpactResult, impact_at, unresolved_error
 from armour.analysis.results import OnProgress, Result, ignore_progress
-from armour.analysis.searches import ballistic_limits, limit_brackets, limits_by_law, outcomes_at
-from armour.analysis.variants import variants_of
+from armour.analysis.variants import ballistic_limits, limit_brackets, limits_by_law, outcomes_at, variants_of
 from armour.core import search
 from armour.core.state import Outcome
 from armour.errors import InputError, NoLimitError

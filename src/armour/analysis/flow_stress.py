@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from armour.analysis.searches import ballistic_limits
-from armour.analysis.variants import Floats, variants_of
+from armour.analysis.variants import Floats, ballistic_limits, variants_of
 from armour.evidence.fit import fits
 from armour.evidence.mixture import Mixture
 from armour.evidence.tests import is_untested

@@ -8,8 +8,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from armour.analysis.searches import distributions, limits_by_law
-from armour.analysis.variants import Bools, Floats, Ints, Variants, grid_of, with_thicknesses
+from armour.analysis.variants import (
+    Bools,
+    Floats,
+    Ints,
+    Variants,
+    distributions,
+    grid_of,
+    limits_by_law,
+    with_thicknesses,
+)
 from armour.core.state import Parameters
 from armour.engine import batch
 from armour.errors import Problem, refuse

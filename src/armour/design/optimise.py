@@ -11,10 +11,9 @@ from armour.analysis.flow_stress import NeededFlowStress, needed_flow_stress
 from armour.analysis.results import OnProgress, TableResult, data_frame, ignore_progress
 from armour.analysis.samples import Estimate
 from armour.analysis.variants import Bools, Floats, Ints, Variants
-from armour.design.candidates import candidates_of, joined
 from armour.design.catalogue import FIRST_VALUES, MARGIN, NO_BOUND, ROUNDING, CandidateDesigns, Catalogue, catalogue_of
 from armour.design.reliability import Reliability
-from armour.design.search import Requirement, Search
+from armour.design.search import Requirement, Search, candidates_of, joined
 from armour.errors import Problem, listed, refuse
 from armour.evidence.mixture import Mixture
 from armour.evidence.model_error import REMEDY, ModelError, error_of, why_unknown

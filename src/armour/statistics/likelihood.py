@@ -13,8 +13,7 @@ from scipy.special import chdtrc, log_ndtr, ndtri, stdtrit
 from armour.analysis.evaluate import Answers
 from armour.analysis.results import OnProgress
 from armour.analysis.samples import CONFIDENCE
-from armour.analysis.searches import ballistic_limits
-from armour.analysis.variants import Bools, Floats, Ints, Variants, variants_of
+from armour.analysis.variants import Bools, Floats, Ints, Variants, ballistic_limits, variants_of
 from armour.core.search import SCAN_POINTS
 from armour.errors import Problem, mistake, refuse
 from armour.evidence.sampling import centre_and_width

@@ -25,8 +25,7 @@ from armour.analysis.samples import (
     sampled,
     section_of,
 )
-from armour.analysis.searches import ballistic_limits
-from armour.analysis.variants import Bools, Floats, perforated
+from armour.analysis.variants import Bools, Floats, ballistic_limits, perforated
 from armour.errors import NoLimitError, Note
 from armour.evidence.model_error import Errors, ModelError
 from armour.evidence.sampling import (
