@@ -15,11 +15,8 @@ from armour.engine import cache
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-# Rows that a thread takes at a time, at most.
-PORTION = 256
-# Portions for each thread when there are few rows, as some take longer, and the fewest rows worth a thread, about 2 ms.
-PORTIONS_PER_THREAD = 4
-LEAST_PORTIONS = {"impacts": 256, "ballistic_limits": 32}
+# Rows that a thread takes at a time, about 2 ms.
+PORTIONS = {"impacts": 256, "ballistic_limits": 32}
 
 
 class Impacts(NamedTuple):
@@ -103,22 +100,15 @@ def _computed(
     count = len(rows)
     inputs = [rows, *(np.ascontiguousarray(np.broadcast_to(column, count)) for column in velocities)]
     counts, ends = np.empty((count, 2), np.int64), np.empty((count, width))
-    kernel = cache.kernel(name)
-    workers = threads or available_cores()
-    size = max(min(-(-count // (PORTIONS_PER_THREAD * workers)), PORTION), LEAST_PORTIONS[name])
+    kernel, size = cache.kernel(name), PORTIONS[name]
 
     def compute(start: int) -> None:
         part = slice(start, start + size)
         kernel(*(array[part] for array in inputs), settings, counts[part], ends[part])
 
     starts = range(0, count, size)
-    workers = min(workers, len(starts))
-    if workers <= 1:
-        for start in starts:
-            compute(start)
-    else:
-        with ThreadPoolExecutor(workers) as pool:
-            list(pool.map(compute, starts))
+    with ThreadPoolExecutor(min(threads or available_cores(), len(starts)) or 1) as pool:
+        list(pool.map(compute, starts))
     return counts, ends
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cache, cached_property
+from functools import cached_property
 from itertools import compress
 from math import inf
 from os import PathLike
@@ -143,7 +143,6 @@ LARGEST = 1e12
 Name = Annotated[str, Field(min_length=1)]
 Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
 Width = Annotated[float, Field(ge=0.0, le=LARGEST)]
-Read = Callable[[Path], dict[str, Any]]
 Parts = tuple[str | int, ...]
 
 
@@ -466,13 +465,12 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
         for index, case in enumerate(suite.case)
         if case.expected is None and not is_regression(case, suite)
     )
-    read = cache(read_toml)
     cases: list[Case] = []
     # A mistake in many rows of a table is reported for the first of them.
     wrong: dict[tuple[Parts, Problem], Problem] = {}
     for row in _rows(suite):
         try:
-            cases += _cases(row, suite, path.parent, changes, read)
+            cases += _cases(row, suite, path.parent, changes)
         except InputError as error:
             for problem in error.problems:
                 wrong.setdefault((row.place[:2], problem), _placed(problem, row, path))
@@ -520,13 +518,13 @@ def _rows(suite: SuiteSection) -> Iterator[_Row]:
             yield _Row(table, ("table", index, "file"))
 
 
-def _cases(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, object], read: Read) -> list[Case]:
+def _cases(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, object]) -> list[Case]:
     """Return the case of a row, or those of a file."""
     section, file = row.section, _file(folder, row.section.scenario)
-    scenario = _scenario(file, read, section.set, row.inputs, changes)
+    scenario = _scenario(file, section.set, row.inputs, changes)
     replacement = None
     if section.replaced_by is not None:
-        replacement = _scenario(file, read, section.set, section.replaced_by, changes)
+        replacement = _scenario(file, section.set, section.replaced_by, changes)
     check_answerable(section.quantity, scenario, replacement)
     name = ", ".join(map(_in_words, row.inputs, row.inputs.values())) or section.name
     case = Case(suite, section, name, scenario, row.expected, row.place, replacement, row.rivals, row.measured)
@@ -566,9 +564,9 @@ def _reads_of(case: Case) -> set[str]:
     return {*ROUND_AND_ARMOUR, *QUESTIONS[case.quantity]}
 
 
-def _scenario(file: Path, read: Read, *changes: Mapping[str, object]) -> Scenario:
+def _scenario(file: Path, *changes: Mapping[str, object]) -> Scenario:
     """Return the scenario of a file with changes, one after the other."""
-    return parse_changed(read(file), *changes, file=named(file), folder=file.parent)
+    return parse_changed(read_toml(file), *changes, file=named(file), folder=file.parent)
 
 
 def _file(folder: Path, name: str) -> Path:
