@@ -1,7 +1,7 @@
 """Variants of a scenario as rows for the compiled engine, their ballistic limits and their least thicknesses."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +16,8 @@ from armour.errors import mistake
 from armour.evidence.mixture import Mixture
 from armour.evidence.model_error import LAW_FIELDS, Errors, errors_of
 from armour.evidence.tests import Armours, Materials, armours_of, is_unusual, limits_outside
-from armour.scenario.inputs import LAYERS, OBLIQUITY, VELOCITY, YIELD, cosine_of, fields_of
-from armour.scenario.library import DEFAULTS, ROD, length_mm, strength_notes
+from armour.scenario.inputs import OBLIQUITY, VELOCITY, YIELD, cosine_of, fields_of
+from armour.scenario.library import DEFAULTS, strength_notes
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S, Optimise, Range
 from armour.units import MM
@@ -104,24 +104,19 @@ def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -
 
     Each row equals the scenario that `Scenario.with_inputs` makes of its values.
     """
-    rows = np.tile(batch.packed([scenario.core_armour()]), (count, 1))
+    inputs: dict[str, Any] = scenario.inputs()
+    if YIELD in columns:
+        derived = scenario.entry("metal", scenario.armour.backing).derived
+        inputs |= {f"backing.{key}": DEFAULTS[key][0] * columns[YIELD] for key in derived}
+    inputs |= columns
     cosines = np.full(count, scenario.cosine())
     if OBLIQUITY in columns:
         # NumPy's cosine may differ from that of a single scenario in the last digit.
         cosines[:] = [cosine_of(obliquity) for obliquity in columns[OBLIQUITY].tolist()]
-        inputs = scenario.inputs()
-        columns = {**{name: np.full(count, inputs[name]) for name in LAYERS if name in inputs}, **columns}
-    if YIELD in columns:
-        derived = scenario.entry("metal", scenario.armour.backing).derived
-        columns = {**{f"backing.{key}": DEFAULTS[key][0] * columns[YIELD] for key in derived}, **columns}
-    field = batch.fields(rows)
-    for name, values in fields_of(columns, cosines).items():
-        getattr(field, name)[:] = values
-    rod = [f"projectile.{key}" for key in ROD]
-    if any(name in columns for name in rod):
-        inputs = scenario.inputs()
-        field.L0[:] = length_mm(*(columns.get(name, inputs[name]) for name in rod)) * MM
-    velocities = np.array(np.broadcast_to(columns.get(VELOCITY, scenario.impact.velocity_m_s), count), dtype=np.float64)
+    rows = np.tile(batch.packed([scenario.core_armour()]), (count, 1))
+    for name, values in fields_of(inputs, cosines).items():
+        getattr(batch.fields(rows), name)[:] = values
+    velocities = np.array(np.broadcast_to(inputs[VELOCITY], count), dtype=np.float64)
     own_strength = columns.keys().isdisjoint((YIELD, "backing.flow_stress_GPa"))
     materials = armours_of(scenario).materials
     return Variants(

@@ -5,10 +5,10 @@ as "ceramic.flow_stress_GPa": a property of the scenario's ceramic, independent 
 """
 
 from collections.abc import Mapping
-from math import cos, radians
+from math import cos, pi, radians
 from typing import Any, Literal, NamedTuple
 
-from armour.units import GPA, MM, MPA
+from armour.units import GPA, MM, MPA, G
 
 Kind = Literal["projectile", "ceramic", "metal"]
 # Kinds of library entry by role in the scenario.
@@ -50,6 +50,8 @@ class Input(NamedTuple):
 VELOCITY, OBLIQUITY = "impact.velocity_m_s", "impact.obliquity_deg"
 CERAMIC, BACKING = LAYERS = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm"
 YIELD = "backing.dynamic_yield_strength_MPa"
+# Inputs that determine the penetrator's length.
+ROD = ("projectile.penetrator_diameter_mm", "projectile.penetrator_mass_g", "projectile.density_kg_m3")
 # The model error as an input, and the keys that it depends on besides projectile, armour, model and solver.
 ERROR = "model.limit_error_percent"
 OF_ERROR = ("uncertainty.model", "design.angles_as_at_normal_incidence")
@@ -79,6 +81,12 @@ _INPUTS = (
 INPUTS = {definition.name: definition for definition in _INPUTS}
 
 
+def length_mm(diameter_mm: Any, mass_g: Any, density_kg_m3: Any) -> Any:
+    """Compute the length of a cylinder, mm; float or array."""
+    area = pi * (diameter_mm * MM) ** 2 / 4.0
+    return mass_g * G / (density_kg_m3 * area) / MM
+
+
 def cosine_of(obliquity_deg: float) -> float:
     """Return the cosine of an obliquity: the thickness of a layer over its thickness along the line of fire."""
     return cos(radians(obliquity_deg))
@@ -89,8 +97,11 @@ def fields_of(inputs: Mapping[str, Any], cosine: Any) -> dict[str, Any]:
 
     The values, and the cosine of the obliquity, are numbers or arrays.
     """
-    return {
+    fields = {
         INPUTS[name].field: (value / cosine if name in LAYERS else value) * INPUTS[name].factor
         for name, value in inputs.items()
         if INPUTS[name].field
     }
+    if ROD[0] in inputs:
+        fields["L0"] = length_mm(*(inputs[name] for name in ROD)) * MM
+    return fields

@@ -26,6 +26,7 @@ from armour.scenario.inputs import (
     INPUTS,
     NAMES,
     OBLIQUITY,
+    ROD,
     ROLES,
     VELOCITY,
     Kind,
@@ -35,14 +36,12 @@ from armour.scenario.inputs import (
 from armour.scenario.keys import Parts, changed, key_name, leaves, parts_of, values_by_key
 from armour.scenario.library import (
     KINDS,
-    ROD,
     THREAT_KEYS,
     Entry,
     Library,
     LibraryEntry,
     inputs_of_entry,
-    is_rod,
-    penetrator_length_mm,
+    is_slender,
     read_library,
     shipped_library,
 )
@@ -222,7 +221,6 @@ class Scenario(Section):
     @cached_property
     def _parameters(self) -> Parameters:
         fields: dict[str, Any] = dict.fromkeys(Parameters._fields, 0.0) | fields_of(self._inputs, self.cosine())
-        fields["L0"] = penetrator_length_mm(self.entry("projectile", self.impact.projectile)) * MM
         fields["shear_law"] = SHEAR_LAWS[self.model.shear_perimeter]
         return Parameters(**fields)
 
@@ -313,11 +311,9 @@ class Scenario(Section):
 
         self.check_names(columns, self.file)
         conditions = [(name, _allowed(name, values)) for name, values in columns.items()]
-        rod = [f"projectile.{key}" for key in ROD]
-        if changed_rod := [name for name in rod if name in columns]:
-            values_of: dict[str, Any] = {**self.inputs(), **columns}
+        if changed_rod := [name for name in ROD if name in columns]:
             with np.errstate(all="ignore"):
-                conditions.append((changed_rod[-1], is_rod(*(values_of[name] for name in rod))))
+                conditions.append((changed_rod[-1], is_slender({**self.inputs(), **columns})))
         for name, allowed in conditions:
             if not np.all(allowed):
                 row = int(np.argmin(allowed))
