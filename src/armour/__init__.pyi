@@ -3,11 +3,9 @@
 from .analysis.ballistic_limit import ConfidenceResult as ConfidenceResult
 from .analysis.ballistic_limit import Crossing as Crossing
 from .analysis.ballistic_limit import LimitResult as LimitResult
+from .analysis.ballistic_limit import NeededFlowStress as NeededFlowStress
 from .analysis.ballistic_limit import ballistic_limit as ballistic_limit
 from .analysis.ballistic_limit import confidence as confidence
-from .analysis.closed_forms import FlorenceResult as FlorenceResult
-from .analysis.closed_forms import ResidualVelocityFit as ResidualVelocityFit
-from .analysis.flow_stress import NeededFlowStress as NeededFlowStress
 from .analysis.impact import History as History
 from .analysis.impact import ImpactResult as ImpactResult
 from .analysis.impact import StageRecord as StageRecord
@@ -72,6 +70,8 @@ from .sweeps.sweep import sweep as sweep
 from .validation.comparison import Comparison as Comparison
 from .validation.comparison import RuleResult as RuleResult
 from .validation.comparison import compare as compare
+from .validation.rivals import FlorenceResult as FlorenceResult
+from .validation.rivals import ResidualVelocityFit as ResidualVelocityFit
 from .validation.suite import Case as Case
 from .validation.suite import Suite as Suite
 from .validation.suite import load_suite as load_suite

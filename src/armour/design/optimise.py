@@ -7,7 +7,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from armour.analysis.flow_stress import NeededFlowStress, needed_flow_stress
+from armour.analysis.ballistic_limit import NeededFlowStress, needed_flow_stress
 from armour.analysis.results import OnProgress, TableResult, data_frame, ignore_progress
 from armour.analysis.samples import Estimate
 from armour.analysis.variants import Bools, Floats, Ints, Variants

@@ -1,8 +1,8 @@
 """Picture of a comparison: the residual velocity by the model and by fits to it, with the limits of formulas."""
 
-from armour.analysis.closed_forms import residual_velocity
 from armour.reporting.pictures import drawing
 from armour.validation.comparison import Comparison
+from armour.validation.rivals import residual_velocity
 
 
 def draw(result: Comparison, sheet: drawing.Sheet) -> drawing.Picture:

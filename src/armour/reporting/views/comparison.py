@@ -1,10 +1,10 @@
 """A comparison with closed-form formulas."""
 
-from armour.analysis.closed_forms import FlorenceResult
 from armour.reporting.table import Column, Table, column_of, deviation_percent, listing, record
 from armour.reporting.views.suite import error_tables
 from armour.reporting.words import BALLISTIC_LIMIT
 from armour.validation.comparison import Comparison
+from armour.validation.rivals import FlorenceResult
 
 
 def comparison_table(result: Comparison) -> Table:
