@@ -148,11 +148,7 @@ def evaluate_groups(
 AGAIN = "the outcome changes more than once with the impact velocity, and the lowest change is taken"
 THICKER = "a thicker {} is perforated at a velocity that a thinner one stops"
 # Searches of least thicknesses by layer; both in proportion for the armour.
-LEAST = {
-    "ceramic": least_ceramics_mm,
-    "back plate": least_backings_mm,
-    "armour": least_totals_mm,
-}
+LEAST = {"ceramic": least_ceramics_mm, "back plate": least_backings_mm, "armour": least_totals_mm}
 
 
 class Answers:

@@ -313,7 +313,8 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
 
     warnings = [*scenario.unused_impact(), *catalogue.omissions()]
     if place is not None:
-        warnings += _outside(search, place)
+        metals = (scenario.entry("metal", layer.material) for layer in catalogue.section.backing)
+        warnings += threat_warnings(scenario, _rows(search, place).armours, metals)
     warnings += [] if catalogue.sampled else scenario.unused_distributions()
     criteria = tuple(catalogue.section.pareto or ())
     frontier, ends = np.empty(0, dtype=np.int64), dict[str, Any]()
@@ -496,13 +497,6 @@ def _failing_backings(search: Search, best: int, frontier: Ints) -> tuple[float,
     if search.catalogue.offers[search.candidates.pair[best]].backing.free_range() is not None:
         return ()
     return tuple(np.setdiff1d(search.frontier_backings(best), search.candidates.backing_mm[frontier]).tolist())
-
-
-def _outside(search: Search, place: int) -> list[str]:
-    """Return the ways in which a design and its threats differ from what the model was compared with."""
-    scenario = search.catalogue.scenario
-    metals = (scenario.entry("metal", layer.material) for layer in search.catalogue.section.backing)
-    return [*threat_warnings(scenario, _rows(search, place).armours, metals)]
 
 
 def _changing(search: Search, columns: Sequence[tuple[int, str, float]]) -> Iterator[str]:

@@ -36,13 +36,13 @@ class Reliability:
 
     def probabilities(self, candidates: CandidateDesigns, place: int) -> dict[str, Estimate] | None:
         """Estimate the probabilities of perforation of a design, see `Search.probabilities`."""
-        thicknesses = float(candidates.ceramic_mm[place]), float(candidates.backing_mm[place])
+        thicknesses = {CERAMIC: float(candidates.ceramic_mm[place]), BACKING: float(candidates.backing_mm[place])}
         estimates = {}
         for i, threat in enumerate(self.catalogue.threats):
             bound = float(self.catalogue.bounds[i])
             if bound < NO_BOUND:
                 scenario = self.against(int(candidates.pair[place]), i)
-                layers = _layers(scenario, *thicknesses)
+                layers = {key: thicknesses[key] for key in thicknesses if key in scenario.inputs()}
                 errors = own_errors(scenario, layers)
                 is_known = scenario.excludes_error() or errors.known.all()
                 if self.catalogue.lenient and not is_known:
@@ -74,12 +74,6 @@ class Reliability:
             if estimate.high > bound:
                 return None
         return estimate
-
-
-def _layers(scenario: Scenario, ceramic_mm: float, backing_mm: float) -> dict[str, float]:
-    """Return the thicknesses of the layers that a scenario has, by input."""
-    layers = {CERAMIC: ceramic_mm, BACKING: backing_mm}
-    return {key: value for key, value in layers.items() if key in own_values(scenario)}
 
 
 def _check(catalogue: Catalogue, section: Uncertainty) -> None:

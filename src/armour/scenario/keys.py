@@ -13,6 +13,7 @@ from armour.scenario.inputs import INPUTS, NAMING
 Parts = tuple[str, ...]
 # More parts than any key of a scenario has; deeper tables exhaust the stack.
 MAX_PARTS = 20
+LISTED = "; a list is given whole, such as threat=[{...}]"
 # Keys, and indices of lists.
 _Place = tuple[str | int, ...]
 # Texts and comments, within which brackets and ends of lines do not count, brackets, and ends of lines.
@@ -167,9 +168,6 @@ def _keys(value: Any, parts: _Place) -> Iterator[_Place]:
     children = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
     for name, child in children:
         yield from _keys(child, (*parts, name))
-
-
-LISTED = "; a list is given whole, such as threat=[{...}]"
 
 
 def changed(data: Mapping[str, Any], changes: Mapping[str, object], file: str = "scenario") -> dict[str, Any]:

@@ -30,6 +30,8 @@ from armour.errors import mistake, refuse
 from armour.files import csv_cell, csv_value, exchangeable, make_private, reason, unwritable, wrong_ending
 
 RESUME = "repeat the same sweep to resume"
+# Number of rows in a row group of Parquet, independent of the size of a chunk.
+ROW_GROUP = 100_000
 # The database, its journal, and a table that is being written.
 FILE_NAME = re.compile(r"rows|rows-journal|\.armour-[0-9a-f]{16}")
 TABLES = """
@@ -256,10 +258,6 @@ def unpacked(content: bytes) -> Chunk:
     with np.load(BytesIO(content)) as arrays:
         names, warnings = json.loads(str(arrays["about"]))
         return Chunk({name: arrays[f"arr_{number}"] for number, name in enumerate(names)}, warnings)
-
-
-# Number of rows in a row group of Parquet, independent of the size of a chunk.
-ROW_GROUP = 100_000
 
 
 def is_csv(path: Path) -> bool:
