@@ -166,11 +166,11 @@ def scanned_limit(
 ) -> SearchResult:
     """Find the ballistic limit by runs of one kind, see `find_ballistic_limit`, after some runs."""
     first = first_scanned(p, velocities)
-    below = impact(p, velocities[first], solver)
+    below = impact(p, float(velocities[first]), solver)  # Python's own number, of an array too
     if below.perforated or not below.resolved:
         return SearchResult(-inf if below.resolved else below.V, below.V, runs + 1, below.resolved)
     for i in range(first + 1, len(velocities)):
-        above = impact(p, velocities[i], solver)
+        above = impact(p, float(velocities[i]), solver)
         if not above.resolved:
             return SearchResult(above.V, above.V, runs + i - first + 1, False)
         if above.perforated:

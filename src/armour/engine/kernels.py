@@ -37,12 +37,6 @@ def compiled_parameters_at(rows: Any, i: Any) -> Any:  # noqa: ARG001 (numba giv
     )  # fmt: skip
 
 
-@overload(loops.numbers, jit_options=OPTIONS, strict=False)
-def compiled_numbers(velocities: Any) -> Any:  # noqa: ARG001
-    """Compile `loops.numbers`, which compiled code does not need."""
-    return lambda velocities: velocities
-
-
 _float, _int = types.float64, types.int64
 _velocities = types.Array(_float, 1, "C", readonly=True)
 _rows = types.Array(_float, 2, "C", readonly=True)

@@ -14,11 +14,6 @@ def parameters_at(rows: Any, i: int) -> Parameters:
     return Parameters(*rows[i].tolist())
 
 
-def numbers(velocities: Any) -> Any:
-    """Return an array as Python's own numbers."""
-    return velocities.tolist()
-
-
 def impacts(rows: Any, velocities: Any, settings: Any, counts: Any, ends: Any) -> None:
     """Write the outcome and steps of each impact to ``counts``, the duration and final state to ``ends``."""
     V_arrest, dt, max_steps = settings
@@ -31,8 +26,7 @@ def impacts(rows: Any, velocities: Any, settings: Any, counts: Any, ends: Any) -
 
 def ballistic_limits(rows: Any, settings: Any, counts: Any, ends: Any) -> None:
     """Write the runs of each search and whether it is resolved to ``counts``, its bracket to ``ends``."""
-    scan, tolerance, V_arrest, dt, max_steps = settings
-    velocities = numbers(scan)
+    velocities, tolerance, V_arrest, dt, max_steps = settings
     for i in range(len(rows)):
         limit = find_ballistic_limit(parameters_at(rows, i), velocities, tolerance, V_arrest, dt, max_steps)
         counts[i, 0], counts[i, 1] = limit.runs, limit.resolved
