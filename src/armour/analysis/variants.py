@@ -57,9 +57,8 @@ class Variants(NamedTuple):
 
     @property
     def grid(self) -> Optimise:
-        """Ranges of thicknesses; `grid_of` checks that the scenario has them."""
-        assert self.scenario.optimise is not None, "checked before"
-        return self.scenario.optimise
+        """Ranges of thicknesses."""
+        return grid_of(self.scenario)
 
     @property
     def errors(self) -> Errors:
