@@ -24,10 +24,9 @@ import armour
 from armour.analysis.quantities import label_and_unit
 from armour.reporting.formats import markdown_table
 from armour.reporting.views.library import entry_table, entry_tables, library_table, threat_table
-from armour.scenario.inputs import INPUTS
-from armour.scenario.library import Kind
+from armour.scenario.inputs import INPUTS, Kind
+from armour.scenario.library import named_threats
 from armour.scenario.scenario import scenario_schema
-from armour.scenario.threats import named_threats
 from armour.validation.tested import tested_with
 
 DOCS = Path(__file__).parents[1] / "docs"

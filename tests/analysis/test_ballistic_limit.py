@@ -2,8 +2,7 @@ import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit, confidence
 from armour.analysis.impact import impact_at
-from armour.analysis.searches import ballistic_limits
-from armour.analysis.variants import variants_of
+from armour.analysis.variants import ballistic_limits, variants_of
 from armour.core import search
 from armour.errors import InputError, NoLimitError
 from armour.evidence.tests import is_unusual

@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 import armour
 from armour.cli.app import app
 from armour.files import shipped_files
-from armour.scenario.threats import named_threats
+from armour.scenario.library import named_threats
 
 pytestmark = pytest.mark.slow
 

@@ -7,13 +7,12 @@ import numpy as np
 import pytest
 
 from armour.core.run import run
-from armour.core.search import find_ballistic_limit, find_least_ceramic_thickness, scan
+from armour.core.search import find_ballistic_limit, scan
 from armour.core.state import Outcome, Parameters
 from armour.engine import batch
 from tests.helpers.runs import random_designs
 
 COUNT = 400
-SEARCHES = 40
 LIMITS = 8
 
 
@@ -49,13 +48,6 @@ def test_ballistic_limits_are_those_of_plain_python(rows: batch.Floats):
     for i, p in enumerate(designs()[:LIMITS]):
         plain = find_ballistic_limit(p, scan(20.0, 4000.0), 1e-3, 1.0, 0.0, 500_000)
         assert tuple(column[i] for column in found) == plain
-
-
-def test_least_thicknesses_are_those_of_plain_python(rows: batch.Floats, velocities: batch.Floats):
-    found = batch.least_thicknesses(rows[:SEARCHES], velocities[:SEARCHES], 0.0, 0.1, 1e-8)
-    for i, p in enumerate(designs()[:SEARCHES]):
-        plain = find_least_ceramic_thickness(p, float(velocities[i]), 0.0, 0.1, 1e-8, 1.0, 0.0, 500_000)
-        assert tuple(column[i] for column in found) == (-plain.low, -plain.high, plain.runs, plain.resolved)
 
 
 def test_results_depend_neither_on_threads_nor_on_order(rows: batch.Floats, velocities: batch.Floats):

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit
-from armour.analysis.closed_forms import florence_ballistic_limit
 from armour.analysis.evaluate import evaluate
 from armour.analysis.impact import simulate
 from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY
 from armour.scenario.scenario import Scenario
+from armour.validation.rivals import florence_ballistic_limit
 from tests.helpers.cases import scenario
 
 ANGLES = (0.0, 15.0, 30.0, 45.0, 60.0)

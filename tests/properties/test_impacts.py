@@ -8,8 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from armour.analysis.impact import simulate
-from armour.analysis.searches import ballistic_limits
-from armour.analysis.variants import variants_of
+from armour.analysis.variants import ballistic_limits, variants_of
 from armour.core.equations import CONOID, PROJECTILE
 from armour.core.run import run
 from armour.core.state import Outcome, Parameters

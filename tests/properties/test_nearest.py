@@ -7,8 +7,7 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from armour.analysis.searches import ballistic_limits
-from armour.analysis.variants import variants_of
+from armour.analysis.variants import ballistic_limits, variants_of
 from armour.design.optimise import BestDesign, optimise
 from armour.scenario.scenario import Scenario
 from tests.helpers.cases import scenario

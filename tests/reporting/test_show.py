@@ -8,8 +8,7 @@ from typing import Any
 import pytest
 
 from armour.analysis.ballistic_limit import Crossing, LimitResult, ballistic_limit, confidence
-from armour.analysis.history import History
-from armour.analysis.impact import simulate
+from armour.analysis.impact import History, simulate
 from armour.analysis.results import TableResult
 from armour.design.optimise import optimise
 from armour.errors import InputError

@@ -6,7 +6,7 @@ import tomllib
 import pytest
 
 from armour.errors import InputError
-from armour.scenario.changes import changed
+from armour.scenario.keys import changed
 from armour.scenario.scenario import parse_scenario
 from tests.helpers.cases import data
 

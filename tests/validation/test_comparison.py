@@ -5,10 +5,10 @@ from typing import Any
 import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit
-from armour.analysis.closed_forms import florence_ballistic_limit, residual_velocity
 from armour.errors import InputError, NoAnswerError
 from armour.reporting.views.validation import rule_note
 from armour.validation.comparison import Comparison, compare
+from armour.validation.rivals import florence_ballistic_limit, residual_velocity
 from tests.helpers.cases import scenario
 
 pytestmark = pytest.mark.slow

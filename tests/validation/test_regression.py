@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 
 from armour.files import read_toml, shipped
-from armour.scenario.library import KINDS, UNUSED, Kind, shipped_library
+from armour.scenario.inputs import Kind
+from armour.scenario.library import KINDS, UNUSED, shipped_library
 from armour.validation.suite import Case, load_suite
 from armour.validation.validate import validate
 from tests.helpers.cases import perforates

@@ -315,7 +315,7 @@ __attribute__((flatten)) static Run run(Parameters p, double Vi, double dt, doub
     return (Run){outcome, t, y, steps, s.eroding || s.penetrated ? 0.0 : k.V};
 }
 
-/* bounds.py */
+/* the bound of search.py */
 static const double ALLOWANCE = 0.01;
 
 static double least_energy_of_plate(Parameters p) {

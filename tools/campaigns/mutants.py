@@ -33,10 +33,9 @@ os.environ |= {"ARMOUR_COMPILED": "0", "CI": "1"}
 
 ROOT = Path(__file__).resolve().parents[2]
 CORE = ROOT / "src" / "armour" / "core"
-FILES = ("equations.py", "rk4.py", "stages.py", "roots.py", "bounds.py", "events.py", "run.py", "search.py")
+FILES = ("equations.py", "rk4.py", "stages.py", "roots.py", "events.py", "run.py", "search.py")
 TESTS = (
     "tests/core",
-    "tests/analysis/test_history.py",
     "tests/analysis/test_impact.py",
     *(f"tests/numerics/test_{name}.py" for name in ("closed_forms", "order", "similarity", "independent")),
 )

@@ -17,8 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from armour.analysis.searches import ballistic_limits, distributions
-from armour.analysis.variants import Floats, variants_of
+from armour.analysis.variants import Floats, ballistic_limits, distributions, variants_of
 from armour.evidence.fit import Fit, LotTests, fits, shipped_data
 from armour.evidence.mixture import Mixture
 from armour.evidence.tests import STRANGE, STRANGE_METAL, Materials

@@ -14,9 +14,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
-from armour.scenario.inputs import INPUTS, ROLES
+from armour.scenario.inputs import INPUTS, ROLES, Kind
 from armour.scenario.keys import key_name
-from armour.scenario.library import Kind
 from armour.scenario.scenario import Scenario
 from armour.validation.suite import Case, Suite, load_suite
 from armour.validation.validate import FAILED, paper_suite, validate

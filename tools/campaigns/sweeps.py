@@ -112,7 +112,7 @@ def full(folder: Path) -> Iterator[str]:
 def main() -> int:
     """Compute the tables of undisturbed sweeps, then disturb others; return the exit code."""
     sweeps.MAX_CHUNK = CHUNK
-    for name in ("impacts", "ballistic_limits", "least_thicknesses"):
+    for name in ("impacts", "ballistic_limits"):
         kernel(name)
     with tempfile.TemporaryDirectory(prefix="sweeps-") as place:
         for ending in ENDINGS:

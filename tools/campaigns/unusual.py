@@ -13,8 +13,16 @@ import sys
 
 import numpy as np
 
-from armour.analysis.searches import ballistic_limits, least_ceramics_mm
-from armour.analysis.variants import Bools, Floats, Ints, Variants, perforated, with_thicknesses
+from armour.analysis.variants import (
+    Bools,
+    Floats,
+    Ints,
+    Variants,
+    ballistic_limits,
+    least_ceramics_mm,
+    perforated,
+    with_thicknesses,
+)
 from armour.core.search import DENSE_SCAN_POINTS, SCAN_POINTS, scan
 from armour.core.state import Outcome, Parameters
 from armour.engine import batch

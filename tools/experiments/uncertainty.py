@@ -10,9 +10,16 @@ from pathlib import Path
 import numpy as np
 from scipy.interpolate import make_lsq_spline
 
-from armour.analysis.estimates import Estimate
 from armour.analysis.results import portions
-from armour.analysis.samples import columns_of, own_errors, own_values, points_of, sampled, section_of
+from armour.analysis.samples import (
+    Estimate,
+    columns_of,
+    own_errors,
+    own_values,
+    points_of,
+    sampled,
+    section_of,
+)
 from armour.analysis.variants import Floats, Ints, perforated
 from armour.scenario.inputs import ERROR, VELOCITY
 from armour.scenario.scenario import Scenario, load_scenario

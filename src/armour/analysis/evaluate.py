@@ -11,10 +11,25 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from armour.analysis import searches
-from armour.analysis import variants as rows
 from armour.analysis.quantities import QUANTITIES, reads_of
-from armour.analysis.variants import Bools, Floats, Ints, Variants, grid_of, outside_limits, variants_of
+from armour.analysis.variants import (
+    Bools,
+    Floats,
+    Ints,
+    Least,
+    Variants,
+    ballistic_limits,
+    changes_above,
+    distributions,
+    grid_of,
+    impacts,
+    least_backings_mm,
+    least_ceramics_mm,
+    least_totals_mm,
+    outside_limits,
+    variants_of,
+    with_thicknesses,
+)
 from armour.core.equations import cross_section
 from armour.core.state import Outcome
 from armour.engine import batch
@@ -133,11 +148,7 @@ def evaluate_groups(
 AGAIN = "the outcome changes more than once with the impact velocity, and the lowest change is taken"
 THICKER = "a thicker {} is perforated at a velocity that a thinner one stops"
 # Searches of least thicknesses by layer; both in proportion for the armour.
-LEAST = {
-    "ceramic": searches.least_ceramics_mm,
-    "back plate": searches.least_backings_mm,
-    "armour": searches.least_totals_mm,
-}
+LEAST = {"ceramic": least_ceramics_mm, "back plate": least_backings_mm, "armour": least_totals_mm}
 
 
 class Answers:
@@ -148,12 +159,12 @@ class Answers:
 
     def __init__(self, variants: Variants) -> None:
         self.variants = variants
-        self._least_by_layer: dict[str, searches.Least] = {}
+        self._least_by_layer: dict[str, Least] = {}
 
     @cached_property
     def impacts(self) -> batch.Impacts:
         """Ends of the impacts."""
-        return rows.impacts(self.variants)
+        return impacts(self.variants)
 
     @cached_property
     def perforated(self) -> Bools:
@@ -163,10 +174,10 @@ class Answers:
     @cached_property
     def ballistic_limits(self) -> Floats:
         """Ballistic limits, m/s; NaN for none in the range searched."""
-        limits = searches.ballistic_limits(self.variants)
+        limits = ballistic_limits(self.variants)
         return np.where(np.isfinite(limits), limits, np.nan)
 
-    def least(self, layer: str) -> searches.Least:
+    def least(self, layer: str) -> Least:
         """Return the least thicknesses of a layer, a key of `LEAST`, that stop the impacts."""
         if layer not in self._least_by_layer:
             self._least_by_layer[layer] = LEAST[layer](self.variants)
@@ -175,12 +186,12 @@ class Answers:
     @cached_property
     def with_least_ceramic(self) -> Variants:
         """The variants with the least ceramic thickness that stops the impact."""
-        return rows.with_thicknesses(self.variants, ceramic_mm=self.least("ceramic").mm)
+        return with_thicknesses(self.variants, ceramic_mm=self.least("ceramic").mm)
 
     @cached_property
     def with_least_backing(self) -> Variants:
         """The variants with the least back plate thickness that stops the impact."""
-        return rows.with_thicknesses(self.variants, backing_mm=self.least("back plate").mm)
+        return with_thicknesses(self.variants, backing_mm=self.least("back plate").mm)
 
     @cached_property
     def residual_velocities(self) -> Floats:
@@ -220,16 +231,13 @@ class Answers:
     @property
     def probabilities_of_stopping(self) -> Floats:
         """Probabilities of stopping the projectile, given the model error."""
-        distributions = searches.distributions(self.variants, self.ballistic_limits)
-        return distributions.probability_above(self.variants.velocities)
+        return distributions(self.variants, self.ballistic_limits).probability_above(self.variants.velocities)
 
     def changes(self, quantities: Sequence[str]) -> dict[str, int]:
         """Return warnings that the outcome changes more than once, each with the number of rows concerned."""
         rows_by_words: dict[str, Bools] = {}
         if limits := [name for name in quantities if "ballistic_limit" in QUANTITIES[name].reads]:
-            rows_by_words[f"{', '.join(limits)}: {AGAIN}"] = searches.changes_above(
-                self.variants, self.ballistic_limits
-            )
+            rows_by_words[f"{', '.join(limits)}: {AGAIN}"] = changes_above(self.variants, self.ballistic_limits)
         for name in quantities:
             if layer := QUANTITIES[name].least:
                 rows_by_words[f"{name}: {THICKER.format(layer)}"] = self.least(layer).changes_again

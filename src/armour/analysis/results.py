@@ -5,7 +5,6 @@ from contextlib import suppress
 from dataclasses import asdict, dataclass
 from importlib import import_module
 from math import nan
-from time import perf_counter
 from typing import Any, ClassVar, Self
 
 from armour.scenario.scenario import Scenario, heading
@@ -139,24 +138,12 @@ def same_columns(columns: Mapping[str, Any], expected: Mapping[str, Any]) -> boo
 # Called with the work done since the last call and the total, None if that is unknown.
 OnProgress = Callable[[int, int | None], None]
 
-# Number of rows in the first portion, of impacts and of searches, and the time that each further one should take, s.
-FIRST_IMPACTS, FIRST_SEARCHES = 256, 16
-PORTION_S = 0.5
-
 
 def ignore_progress(_done: int, _total: int | None) -> None:
     """Do nothing."""
 
 
-def portions(count: int, most: int, first: int = FIRST_SEARCHES) -> Iterator[slice]:
-    """Yield the portions of n rows to compute one after the other, each of limited size, to bound the memory.
-
-    Each takes about half a second at the speed of the one before it; the results do not depend on the portions.
-    """
-    start, size = 0, min(first, most)
-    while start < count:
-        end, begun = min(start + size, count), perf_counter()
-        yield slice(start, end)
-        # A clock may be too coarse for short portions.
-        speed = (end - start) / max(perf_counter() - begun, 1e-3)
-        start, size = end, min(max(int(PORTION_S * speed), 1), most)
+def portions(count: int, most: int) -> Iterator[slice]:
+    """Yield the portions of n rows to compute one after the other: this bounds the memory and shows the progress."""
+    for start in range(0, count, most):
+        yield slice(start, min(start + most, count))

@@ -1,26 +1,36 @@
-"""Variants of a scenario as rows for the compiled engine."""
+"""Variants of a scenario as rows for the compiled engine, their ballistic limits and their least thicknesses."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from armour.analysis.impact import unresolved_error
-from armour.core.state import Outcome
-from armour.engine import batch
+from armour.analysis.results import OnProgress, ignore_progress
+from armour.core.run import run
+from armour.core.search import DENSE_SCAN_POINTS, SCAN_POINTS, find_ballistic_limit, scan
+from armour.core.state import Outcome, Parameters
+from armour.engine import batch, cache
 from armour.errors import mistake
+from armour.evidence.mixture import Mixture
 from armour.evidence.model_error import LAW_FIELDS, Errors, errors_of
 from armour.evidence.tests import Armours, Materials, armours_of, is_unusual, limits_outside
-from armour.scenario.inputs import LAYERS, OBLIQUITY, VELOCITY, YIELD, cosine_of, fields_of
-from armour.scenario.library import DEFAULTS, ROD, length_mm, strength_notes
+from armour.scenario.inputs import OBLIQUITY, VELOCITY, YIELD, cosine_of, fields_of
+from armour.scenario.library import DEFAULTS, strength_notes
 from armour.scenario.scenario import Scenario
-from armour.scenario.schema import Optimise
+from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S, Optimise, Range
 from armour.units import MM
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
+# Width, mm, to which a least thickness is bisected.
+THICKNESS_TOLERANCE_MM = 1e-6
+# Number of rows to compute at all points of a scan at a time, which bounds the memory.
+SCANS_AT_A_TIME = 250
+# Whether a condition holds at values of some rows: (values, rows) -> holds.
+Condition = Callable[[Floats, Ints], Bools]
 
 
 class Variants(NamedTuple):
@@ -47,9 +57,8 @@ class Variants(NamedTuple):
 
     @property
     def grid(self) -> Optimise:
-        """Ranges of thicknesses; `grid_of` checks that the scenario has them."""
-        assert self.scenario.optimise is not None, "checked before"
-        return self.scenario.optimise
+        """Ranges of thicknesses."""
+        return grid_of(self.scenario)
 
     @property
     def errors(self) -> Errors:
@@ -94,24 +103,19 @@ def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -
 
     Each row equals the scenario that `Scenario.with_inputs` makes of its values.
     """
-    rows = np.tile(batch.packed([scenario.core_armour()]), (count, 1))
+    inputs: dict[str, Any] = scenario.inputs()
+    if YIELD in columns:
+        derived = scenario.entry("metal", scenario.armour.backing).derived
+        inputs |= {f"backing.{key}": DEFAULTS[key][0] * columns[YIELD] for key in derived}
+    inputs |= columns
     cosines = np.full(count, scenario.cosine())
     if OBLIQUITY in columns:
         # NumPy's cosine may differ from that of a single scenario in the last digit.
         cosines[:] = [cosine_of(obliquity) for obliquity in columns[OBLIQUITY].tolist()]
-        inputs = scenario.inputs()
-        columns = {**{name: np.full(count, inputs[name]) for name in LAYERS if name in inputs}, **columns}
-    if YIELD in columns:
-        derived = scenario.entry("metal", scenario.armour.backing).derived
-        columns = {**{f"backing.{key}": DEFAULTS[key][0] * columns[YIELD] for key in derived}, **columns}
-    field = batch.fields(rows)
-    for name, values in fields_of(columns, cosines).items():
-        getattr(field, name)[:] = values
-    rod = [f"projectile.{key}" for key in ROD]
-    if any(name in columns for name in rod):
-        inputs = scenario.inputs()
-        field.L0[:] = length_mm(*(columns.get(name, inputs[name]) for name in rod)) * MM
-    velocities = np.array(np.broadcast_to(columns.get(VELOCITY, scenario.impact.velocity_m_s), count), dtype=np.float64)
+    rows = np.tile(batch.packed([scenario.core_armour()]), (count, 1))
+    for name, values in fields_of(inputs, cosines).items():
+        getattr(batch.fields(rows), name)[:] = values
+    velocities = np.array(np.broadcast_to(inputs[VELOCITY], count), dtype=np.float64)
     own_strength = columns.keys().isdisjoint((YIELD, "backing.flow_stress_GPa"))
     materials = armours_of(scenario).materials
     return Variants(
@@ -180,3 +184,203 @@ def with_thicknesses(
     """Return the variants with other thicknesses, mm."""
     layers = {"Hc0": ceramic_mm, "Hb": backing_mm}
     return variants.with_fields({key: mm / variants.cosines * MM for key, mm in layers.items() if mm is not None})
+
+
+class Least(NamedTuple):
+    """Least thicknesses of n rows."""
+
+    mm: Floats  # NaN where none is found
+    changes_again: Bools  # a thicker layer is known to be perforated; looked for where a row is unusual
+
+
+def ballistic_limits(
+    variants: Variants,
+    range_m_s: tuple[float, float] | None = None,
+    *,
+    tolerance: float | None = None,
+    points: int | None = None,
+    on_progress: OnProgress = ignore_progress,
+) -> Floats:
+    """Return the ballistic limit of each row, m/s; -inf where the lowest velocity perforates, inf where none does.
+
+    The limit equals that of `armour.analysis.ballistic_limit.ballistic_limit` to the last bit.  The range of velocities
+    and the tolerance, m/s, are by default those of the section.  By default the scan has the usual number of points,
+    or the dense one for unusual rows.
+    """
+    section = variants.scenario.ballistic_limit
+    range_m_s = range_m_s or (section.velocity_min_m_s, section.velocity_max_m_s)
+    tolerance = section.tolerance_m_s if tolerance is None else tolerance
+    limits = np.empty(len(variants.velocities))
+    dense = unusual(variants) if points is None else np.zeros(len(limits), dtype=bool)
+    for rows, number in ((~dense, points or SCAN_POINTS), (dense, DENSE_SCAN_POINTS)):
+        if rows.any():
+            brackets = limit_brackets(variants.parameters[rows], *range_m_s, tolerance, variants.options, number)
+            check_resolved(brackets.resolved, variants.at(rows)._replace(velocities=brackets.perforated))
+            limits[rows] = np.where(np.isneginf(brackets.stopped), -np.inf, brackets.perforated)
+            on_progress(int(brackets.runs.sum()), None)
+    return limits
+
+
+def limit_brackets(
+    rows: Floats, low: float, high: float, tolerance: float, options: batch.SolverOptions, points: int
+) -> batch.Brackets:
+    """Return the brackets of the limits of rows, by the engine or, for a single row, by Python if that is quicker.
+
+    Both give the same brackets to the last bit.
+    """
+    if len(rows) > 1 or _engine_is_quicker("ballistic_limits", options, points):
+        return batch.ballistic_limits(rows, low, high, tolerance, options, points)
+    velocities = scan(low, high, points)
+    result = find_ballistic_limit(Parameters(*rows[0].tolist()), velocities, tolerance, *options[:3])
+    return batch.Brackets(*(np.array([value]) for value in result))
+
+
+def _engine_is_quicker(kernel: str, options: batch.SolverOptions, points: int) -> bool:
+    """Return whether the engine scans the velocities for one armour more quickly than Python, its loading included."""
+    slow = points == DENSE_SCAN_POINTS or options.time_step > 0.0
+    return cache.is_loaded(kernel) or (slow and cache.is_compiled(kernel))
+
+
+def outcomes_at(armour: Parameters, velocities: Sequence[float], options: batch.SolverOptions, points: int) -> Ints:
+    """Return the outcome of an armour at each velocity, m/s, of a scan with a number of points.
+
+    The engine computes them, or Python if that is quicker; the outcomes are the same.
+    """
+    if _engine_is_quicker("impacts", options, points):
+        return batch.impacts(batch.packed([armour] * len(velocities)), np.array(velocities), options).outcome
+    V_arrest, time_step, max_steps, _ = options
+    return np.array([run(armour, velocity, time_step, V_arrest, max_steps).outcome for velocity in velocities])
+
+
+def limits_anywhere(variants: Variants, on_progress: OnProgress = ignore_progress) -> Floats:
+    """Return the ballistic limit of each row, m/s, also outside the range of the section.
+
+    It is then searched for from 20 to 10,000 m/s; a limit beyond this range is replaced by the nearer end.
+    """
+    slowest = min(variants.scenario.ballistic_limit.velocity_min_m_s, SLOWEST_M_S)
+    limits = ballistic_limits(variants, on_progress=on_progress)
+    outside = np.flatnonzero(np.isinf(limits))
+    if len(outside):
+        limits[outside] = ballistic_limits(variants.at(outside), (slowest, FASTEST_M_S), on_progress=on_progress)
+    return limits.clip(slowest, FASTEST_M_S)
+
+
+def limits_by_law(variants: Variants, errors: Errors, own_limits: Floats) -> Floats:
+    """Return the ballistic limits by each law of the rows' errors, m/s, (laws, n), given those of the rows.
+
+    They are searched for beyond the range of the section too.  A row without a limit, NaN, has none by any law.
+    """
+    limits = np.tile(own_limits, (len(errors.ratio.weights), 1))
+    for law in range(1, len(limits)):
+        rows = np.flatnonzero((errors.ratio.weights[law] > 0.0) & ~np.isnan(own_limits))
+        if len(rows):
+            limits[law, rows] = limits_anywhere(variants.by_law(law, errors).at(rows))
+    return limits
+
+
+def distributions(variants: Variants, limits: Floats) -> Mixture:
+    """Return the distributions of the ballistic limits of n armours, given those of the model, m/s, (n,)."""
+    errors = variants.errors
+    return errors.ratio.times(limits_by_law(variants, errors, limits))
+
+
+def changes_above(variants: Variants, limits: Floats) -> Bools:
+    """Return which unusual rows are seen to stop an impact faster than their ballistic limit, (n,)."""
+    section, again = variants.scenario.ballistic_limit, np.zeros(len(limits), dtype=bool)
+    velocities = np.array(scan(section.velocity_min_m_s, section.velocity_max_m_s, DENSE_SCAN_POINTS))
+    where = np.flatnonzero(unusual(variants) & np.isfinite(limits))
+    for start in range(0, len(where), SCANS_AT_A_TIME):
+        part = where[start : start + SCANS_AT_A_TIME]
+        row, place = np.nonzero(velocities > limits[part, None])
+        faster = variants.at(part[row])._replace(velocities=velocities[place])
+        again[part[row[~perforated(faster)]]] = True
+    return again
+
+
+def bisect_rows(holds: Condition, rows: Ints, low: Floats, high: Floats) -> Floats:
+    """Return the upper ends of brackets of rows, (low, high), mm, after bisection.
+
+    A condition holds at the upper ends and not at the lower ones.
+    """
+    low, high = low.copy(), high.copy()
+    while True:
+        middle = 0.5 * (low + high)
+        places = np.flatnonzero((high - low > THICKNESS_TOLERANCE_MM) & (low < middle) & (middle < high))
+        if not len(places):
+            return high
+        values = middle[places]
+        good = holds(values, rows[places])
+        high[places[good]] = values[good]
+        low[places[~good]] = values[~good]
+
+
+def least_ceramics_mm(variants: Variants) -> Least:
+    """Return the least ceramic thickness of the grid's range that stops each impact, mm; NaN if none does."""
+    return _least_of_layer(variants, "ceramic_mm", variants.grid.ceramic_thickness_mm)
+
+
+def least_backings_mm(variants: Variants) -> Least:
+    """Return the least back plate thickness of the grid's range that stops each impact, mm; NaN if none does."""
+    return _least_of_layer(variants, "backing_mm", variants.grid.backing_thickness_mm)
+
+
+def _least_of_layer(variants: Variants, layer: str, of_range: Range) -> Least:
+    """Return the least thickness of a layer, an argument of `with_thicknesses`."""
+    count = len(variants.velocities)
+    conditions = _conditions(lambda values, rows: with_thicknesses(variants.at(rows), **{layer: values}))
+    return least_values_mm(*conditions, np.full(count, of_range.min), np.full(count, of_range.max))
+
+
+def least_totals_mm(variants: Variants) -> Least:
+    """Return the least thickness of both layers together that stops each impact, mm; NaN if none does.
+
+    The layers keep their proportion and are within the grid's ranges.
+    """
+    grid, ceramics, backings = variants.grid, variants.ceramics_mm, variants.backings_mm
+    totals = ceramics + backings
+    low, high = grid.backing_thickness_mm.min / backings, grid.backing_thickness_mm.max / backings
+    layered = ceramics > 0.0
+    low[layered] = np.maximum(low[layered], grid.ceramic_thickness_mm.min / ceramics[layered])
+    high[layered] = np.minimum(high[layered], grid.ceramic_thickness_mm.max / ceramics[layered])
+    where = np.flatnonzero(low <= high)
+
+    def scaled(values: Floats, rows: Ints) -> Variants:
+        places = where[rows]
+        ceramic_mm, backing_mm = (values * layer[places] / totals[places] for layer in (ceramics, backings))
+        return with_thicknesses(variants.at(places), ceramic_mm=ceramic_mm, backing_mm=backing_mm)
+
+    least = Least(np.full(len(totals), np.nan), np.zeros(len(totals), dtype=bool))
+    ends = low[where] * totals[where], high[where] * totals[where]
+    least.mm[where], least.changes_again[where] = least_values_mm(*_conditions(scaled), *ends)
+    return least
+
+
+def _conditions(thick: Callable[[Floats, Ints], Variants]) -> tuple[Condition, Condition]:
+    """Return whether rows with other thicknesses stop the impact, and whether they are unusual."""
+    return lambda *at: ~perforated(thick(*at)), lambda *at: unusual(thick(*at))
+
+
+def least_values_mm(
+    stops: Condition, is_unusual: Condition, low: Floats, high: Floats, points: int = DENSE_SCAN_POINTS
+) -> Least:
+    """Return the least thickness from low to high, mm, that stops the threat in each row, by bisection or scan.
+
+    The outcome is taken to change once at most.  Rows that are unusual, by the least thickness found or, if that is
+    NaN, by their other quantities, are scanned at some points instead.
+    """
+    rows = np.arange(len(low))
+    least = np.where(stops(low, rows), low, np.nan)
+    rest = rows[np.isnan(least)]
+    rest = rest[stops(high[rest], rest)]
+    least[rest] = bisect_rows(stops, rest, low[rest], high[rest])
+    changes_again = np.zeros(len(least), dtype=bool)
+    where = np.flatnonzero(is_unusual(least, np.arange(len(least))))
+    for start in range(0, len(where), SCANS_AT_A_TIME):
+        rows = where[start : start + SCANS_AT_A_TIME]
+        values = np.linspace(low[rows], high[rows], points, axis=1)
+        stopped = stops(values.ravel(), np.repeat(rows, points)).reshape(values.shape)
+        first, numbers = stopped.argmax(axis=1), np.arange(len(rows))
+        upper = bisect_rows(stops, rows, values[numbers, np.maximum(first - 1, 0)], values[numbers, first])
+        least[rows] = np.where(stopped.any(axis=1), upper, np.nan)
+        changes_again[rows] = (stopped[:, :-1] > stopped[:, 1:]).any(axis=1)
+    return Least(least, changes_again)

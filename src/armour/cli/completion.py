@@ -45,8 +45,7 @@ tables = _files(".csv", shipped_tests)
 
 def entries() -> list[str]:
     """Return the names in the library."""
-    from armour.scenario.library import shipped_library
-    from armour.scenario.threats import named_threats
+    from armour.scenario.library import named_threats, shipped_library
 
     return [*(name for names in shipped_library().entries.values() for name in names), *named_threats()]
 
@@ -77,9 +76,8 @@ def numbers(incomplete: str) -> list[str]:
 
 def assignments(incomplete: str) -> list[str]:
     """Return inputs and keys, each with an equals sign or, after it, the words that the key can have."""
-    from armour.scenario.library import shipped_library
+    from armour.scenario.library import named_threats, shipped_library
     from armour.scenario.scenario import Scenario
-    from armour.scenario.threats import named_threats
 
     key, equal, _ = incomplete.partition("=")
     if equal:

@@ -45,8 +45,7 @@ def section(kind: str) -> Callable[..., None]:
 def _list(kinds: Sequence[str], *, tested: bool, as_json: bool) -> None:
     """List entries of some kinds."""
     from armour.reporting.views.library import library_table, threat_table
-    from armour.scenario.library import shipped_library
-    from armour.scenario.threats import named_threats
+    from armour.scenario.library import named_threats, shipped_library
 
     library, tested_entries = shipped_library(), None
     data: dict[str, dict[str, Any]] = library.to_dict()
@@ -77,8 +76,7 @@ def show_entry(
 ) -> None:
     """Show an entry with the source of every value."""
     from armour.reporting.views.library import entry_tables, threat_table
-    from armour.scenario.library import shipped_library
-    from armour.scenario.threats import named_threats
+    from armour.scenario.library import named_threats, shipped_library
 
     as_json = as_json or (ctx.parent is not None and ctx.parent.params["as_json"])
     if threat := named_threats().get(name):

@@ -99,8 +99,8 @@ def read_scenario(
     are the keys and values of other options, None for one that is not given.  ``computed`` names the result of the
     command in messages.  A wrong value of an option is a problem of the command line.
     """
-    from armour.scenario.changes import changes_of
     from armour.scenario.effect import check_effect
+    from armour.scenario.keys import changes_of
     from armour.scenario.scenario import parse_changed, scenario_file
 
     changes = changes_of(assignments or ())
@@ -128,8 +128,8 @@ def read_scenario(
 
 def accepted(changes: Iterable[str], reads: Collection[str]) -> list[str]:
     """Return those changes of ``--set`` that a command with such ``reads`` accepts."""
-    from armour.scenario.changes import changes_of
     from armour.scenario.effect import is_read
+    from armour.scenario.keys import changes_of
 
     return [change for change in changes if all(is_read(key, reads) for key in values_by_key(changes_of([change])))]
 

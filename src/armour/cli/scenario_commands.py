@@ -310,9 +310,8 @@ def sweep(
     from armour.reporting.views.sweeps import SWEEP_ROWS, first_rows
     from armour.scenario.scenario import heading
     from armour.sweeps.cases import Cases
-    from armour.sweeps.store import parts_of
+    from armour.sweeps.store import parts_of, read_table
     from armour.sweeps.sweep import subject_of, write_sweep
-    from armour.sweeps.tables import read_table
 
     begun = exists(parts_of(output))
     runner.check_outputs(
@@ -476,7 +475,7 @@ def report(
 
 def _suite_report(source: Path, changes: list[str], command: str) -> "Report":
     from armour.reporting.views.validation import suite_report
-    from armour.scenario.changes import changes_of
+    from armour.scenario.keys import changes_of
     from armour.validation.suite import load_suite
     from armour.validation.validate import validate
 

@@ -52,7 +52,7 @@ def validate(
     """
     from armour.reporting.formats import markdown_report
     from armour.reporting.views import validation as view
-    from armour.scenario.changes import changes_of
+    from armour.scenario.keys import changes_of
     from armour.scenario.scenario import files_of
     from armour.validation.suite import load_suite
     from armour.validation.validate import kept_by_update

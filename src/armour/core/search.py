@@ -1,18 +1,70 @@
-"""Searches for the ballistic limit and the least ceramic thickness.
+"""Search for the ballistic limit.
 
 The outcome may change more than once with the impact velocity: the ballistic limit is the lowest change that a scan of
 velocities sees.  A change is narrowed by the energy that the projectile has left, or lacks, which is nearly linear in
 the square of the impact velocity.
+
+The scan starts where the projectile may have the energy to perforate.  Let T be the kinetic energy of projectile and
+moving target per cross-section, J/m^2.  By the equations of motion it falls by at least ``Y`` for each metre of the
+target that is penetrated, and by the shear force over the cross-section for each metre that it is displaced, as long as
+an eroding rod loses more energy than it transfers: V^2 <= 2 Yp/rho_p.  docs/design.md derives the bound under "Bound on
+the energy".
 """
 
 from collections.abc import Sequence
-from math import inf, sqrt
+from math import exp, inf, log, sqrt
 from typing import NamedTuple
 
-from armour.core.bounds import may_perforate
+from armour.core import equations as eq
 from armour.core.roots import MOST_TRIALS, bracket, narrowed, next_point
 from armour.core.run import TOLERANCE, Run, run
-from armour.core.state import Outcome, Parameters, with_ceramic
+from armour.core.stages import with_intact_strength
+from armour.core.state import Outcome, Parameters
+
+# Error of an integration that the bound allows for, as a fraction of the least energy that perforates.
+ALLOWANCE = 0.01
+
+
+def may_perforate(p: Parameters, V: float) -> bool:
+    """Return whether a projectile of the velocity V, m/s, may have the energy to perforate."""
+    if 2.0 * p.Yp / p.rho_p < V * V:
+        return True
+    return 0.5 * p.rho_p * p.L0 * V * V * (1.0 + ALLOWANCE) > least_energy(with_intact_strength(p), V)
+
+
+def least_energy(p: Parameters, V: float) -> float:
+    """Return a lower bound on the energy per cross-section, J/m^2, that perforates at an impact velocity V, m/s.
+
+    Where ceramic is ahead, T falls for each metre by at least ``Yc0 (V/Vs1)^2`` (9), in which V^2 is at least
+    2 T/(areal mass of projectile and target) and Vs1 at most the impact velocity, or by the work of the displacement.
+    """
+    plate = least_energy_of_plate(p)
+    if p.Hc0 <= 0.0:
+        return plate
+    areal_mass = p.rho_p * p.L0 + p.rho_B * p.Hb + p.rho_c * p.Hc0
+    rate = 2.0 * p.Yc0 / (areal_mass * V * V)
+    D = eq.sheared_diameter(p.shear_law, p.D0, p.Hc0)
+    A0 = eq.cross_section(p.D0)
+    # A mixture of penetration and displacement takes at least a third of the work of displacement.
+    greatest = min(eq.shear_force_whole_plate(D, p.tau, p.Hb) / 3.0, eq.shear_force_whole_plate(p.D0, p.tau, p.Hb)) / A0
+    knee = greatest / rate
+    if plate >= knee:
+        return plate + greatest * p.Hc0
+    depth = log(knee / plate) / rate
+    if depth >= p.Hc0:
+        return plate * exp(rate * p.Hc0)
+    return knee + greatest * (p.Hc0 - depth)
+
+
+def least_energy_of_plate(p: Parameters) -> float:
+    """Return the least energy per cross-section, J/m^2, that perforates the plate.
+
+    Penetration takes YB for each metre and displacement 4 tau/D0 times the plate ahead (23a); the two add up to Hb.
+    The least energy is that of penetration first, until a plug of the thickness YB D0/(8 tau) remains.
+    """
+    plug = min(p.Hb, p.YB * p.D0 / (8.0 * p.tau))
+    return p.YB * (p.Hb - plug) + 4.0 * p.tau / p.D0 * plug * plug
+
 
 # Rough runs: their tolerance, the fraction of a limit by which they may miss it, which the usual runs check, and the
 # width, m/s, to which they narrow it.
@@ -100,76 +152,44 @@ def find_ballistic_limit(
     """
     solver = RunSettings(V_arrest, dt, max_steps, TOLERANCE)
     rough = scanned_limit(p, velocities, ROUGH_WIDTH, RunSettings(V_arrest, dt, max_steps, ROUGH))
-    runs = rough.runs
     if rough.resolved and -inf < rough.low and rough.high < inf:
         below = impact(p, rough.low * (1.0 - ROUGH_ERROR), solver)
         above = impact(p, rough.high * (1.0 + ROUGH_ERROR), solver)
-        runs += 2
         if below.resolved and above.resolved and above.perforated and not below.perforated:
-            change = narrowed_change(p, below, above, tolerance, solver)
-            return SearchResult(change.low, change.high, change.runs + runs, change.resolved)
-    limit = scanned_limit(p, velocities, tolerance, solver)
-    return SearchResult(limit.low, limit.high, limit.runs + runs, limit.resolved)
+            return narrowed_change(p, below, above, tolerance, solver, rough.runs + 2)
+        return scanned_limit(p, velocities, tolerance, solver, rough.runs + 2)
+    return scanned_limit(p, velocities, tolerance, solver, rough.runs)
 
 
-def scanned_limit(p: Parameters, velocities: Sequence[float], tolerance: float, solver: RunSettings) -> SearchResult:
-    """Find the ballistic limit by runs of one kind, see `find_ballistic_limit`."""
+def scanned_limit(
+    p: Parameters, velocities: Sequence[float], tolerance: float, solver: RunSettings, runs: int = 0
+) -> SearchResult:
+    """Find the ballistic limit by runs of one kind, see `find_ballistic_limit`, after some runs."""
     first = first_scanned(p, velocities)
-    below = impact(p, velocities[first], solver)
+    below = impact(p, float(velocities[first]), solver)  # Python's own number, of an array too
     if below.perforated or not below.resolved:
-        return SearchResult(-inf if below.resolved else below.V, below.V, 1, below.resolved)
+        return SearchResult(-inf if below.resolved else below.V, below.V, runs + 1, below.resolved)
     for i in range(first + 1, len(velocities)):
-        above = impact(p, velocities[i], solver)
-        runs = i - first + 1
+        above = impact(p, float(velocities[i]), solver)
         if not above.resolved:
-            return SearchResult(above.V, above.V, runs, False)
+            return SearchResult(above.V, above.V, runs + i - first + 1, False)
         if above.perforated:
-            change = narrowed_change(p, below, above, tolerance, solver)
-            return SearchResult(change.low, change.high, change.runs + runs, change.resolved)
+            return narrowed_change(p, below, above, tolerance, solver, runs + i - first + 1)
         below = above
-    return SearchResult(below.V, inf, len(velocities) - first, True)
+    return SearchResult(below.V, inf, runs + len(velocities) - first, True)
 
 
-def narrowed_change(p: Parameters, below: Trial, above: Trial, tolerance: float, solver: RunSettings) -> SearchResult:
-    """Narrow a change of the outcome between two impacts to a tolerance, m/s."""
-    runs = 0
+def narrowed_change(
+    p: Parameters, below: Trial, above: Trial, tolerance: float, solver: RunSettings, runs: int = 0
+) -> SearchResult:
+    """Narrow a change of the outcome between two impacts to a tolerance, m/s, after some runs."""
     b = bracket(above.V * above.V, above.f, below.V * below.V, below.f)
-    while abs(b.x2 - b.x1) > 2.0 * below.V * tolerance and runs < MOST_TRIALS:
+    for _ in range(MOST_TRIALS):
+        if abs(b.x2 - b.x1) <= 2.0 * below.V * tolerance:
+            break
         trial = impact(p, sqrt(next_point(b, 1.9 * below.V * tolerance)), solver)
         runs += 1
         if not trial.resolved:
             return SearchResult(trial.V, trial.V, runs, False)
         b = narrowed(b, trial.V * trial.V, trial.f)
     return SearchResult(sqrt(min(b.x1, b.x2)), sqrt(max(b.x1, b.x2)), runs, True)
-
-
-def find_least_ceramic_thickness(
-    p: Parameters, Vi: float, thin: float, thick: float, tolerance: float, V_arrest: float, dt: float, max_steps: int
-) -> SearchResult:
-    """Find the least ceramic thickness between two, m, that stops an impact; the outcome changes once between them.
-
-    The result brackets the negative thickness, -Hc0, m, so that its upper end perforates.  ``p.Hc0`` is not used;
-    ``tolerance`` is the width of the final bracket, m.
-    """
-    solver = RunSettings(V_arrest, dt, max_steps, TOLERANCE)
-    thinnest = impact(with_thickness(p, thin), Vi, solver)
-    if not thinnest.resolved or not thinnest.perforated:
-        return SearchResult(-thin if thinnest.resolved else -inf, inf, 1, thinnest.resolved)
-    thickest = impact(with_thickness(p, thick), Vi, solver)
-    if not thickest.resolved or thickest.perforated:
-        return SearchResult(-inf, -thick if thickest.resolved else inf, 2, thickest.resolved)
-    b = bracket(-thin, thinnest.f, -thick, thickest.f)
-    runs = 2
-    while abs(b.x2 - b.x1) > tolerance and runs < MOST_TRIALS:
-        x = next_point(b, 0.95 * tolerance)
-        trial = impact(with_thickness(p, -x), Vi, solver)
-        runs += 1
-        if not trial.resolved:
-            return SearchResult(-inf, inf, runs, False)
-        b = narrowed(b, x, trial.f)
-    return SearchResult(min(b.x1, b.x2), max(b.x1, b.x2), runs, True)
-
-
-def with_thickness(p: Parameters, Hc0: float) -> Parameters:
-    """Return the parameters with another ceramic thickness, m."""
-    return with_ceramic(p, Hc0, p.Yc0, p.n_B, p.n_cB, p.a_c, p.a_B)

@@ -5,7 +5,7 @@ pressure than its strength.  A `Stage` records which sides yield; it is constant
 """
 
 from armour.core import equations as eq
-from armour.core.state import Medium, Parameters, Stage, State, with_ceramic
+from armour.core.state import Medium, Parameters, Stage, State
 
 # Least plate ahead, as a fraction of Hb: keeps the rates finite in a trial step past the back face.
 THINNEST_PLATE = 1e-9
@@ -13,10 +13,14 @@ THINNEST_PLATE = 1e-9
 
 def with_intact_strength(p: Parameters) -> Parameters:
     """Return the parameters with the flow stress that the law of the ceramic gives, and without the law."""
-    if p.Hc0 <= 0.0 or (p.n_B == 0.0 and p.n_cB == 0.0 and p.a_c == 0.0 and p.a_B == 0.0):
+    if p.Hc0 <= 0.0:
         return p
     Yc0 = eq.intact_strength(p.Yc0, p.D0, p.Hc0, p.Hb, p.n_B, p.n_cB, p.a_c, p.a_B)
-    return with_ceramic(p, p.Hc0, Yc0, 0.0, 0.0, 0.0, 0.0)
+    # numba lacks `_replace`.
+    return Parameters(
+        p.L0, p.D0, p.rho_p, p.Yp, p.Hc0, p.rho_c, p.Ec, Yc0, 0.0, 0.0, 0.0, 0.0,
+        p.Hb, p.rho_B, p.YB, p.tau, p.shear_law,
+    )  # fmt: skip
 
 
 def medium_ahead(y: State, s: Stage, p: Parameters) -> tuple[float, float]:
@@ -79,16 +83,9 @@ def mass_ahead(y: State, s: Stage, p: Parameters) -> float:
 
 def joint_deceleration(y: State, s: Stage, p: Parameters) -> float:
     """Return dV/dt of a rigid projectile that carries all material ahead, m/s^2 (31), (33)."""
-    return eq.carried_deceleration(
-        shear_force(y, s, p),
-        eq.cross_section(p.D0),
-        p.rho_p,
-        y.L,
-        p.rho_c,
-        ceramic_ahead(y, s, p),
-        p.rho_B,
-        plate_ahead(y, s, p),
-    )
+    F, A0 = shear_force(y, s, p), eq.cross_section(p.D0)
+    Hc, Hbc = ceramic_ahead(y, s, p), plate_ahead(y, s, p)
+    return eq.carried_deceleration(F, A0, p.rho_p, y.L, p.rho_c, Hc, p.rho_B, Hbc)
 
 
 def rates(y: State, s: Stage, p: Parameters) -> State:

@@ -48,13 +48,6 @@ class Parameters(NamedTuple):
     shear_law: int  # diameter of the shear perimeter in (12a), see `armour.core.equations.sheared_diameter`
 
 
-def with_ceramic(p: Parameters, Hc0: float, Yc0: float, n_B: float, n_cB: float, a_c: float, a_B: float) -> Parameters:
-    """Return the parameters with another thickness and flow stress of the ceramic; numba lacks `_replace`."""
-    return Parameters(
-        p.L0, p.D0, p.rho_p, p.Yp, Hc0, p.rho_c, p.Ec, Yc0, n_B, n_cB, a_c, a_B, p.Hb, p.rho_B, p.YB, p.tau, p.shear_law
-    )  # fmt: skip
-
-
 class State(NamedTuple):
     """The five unknowns; also their rates of change, per second."""
 

@@ -8,16 +8,24 @@ from typing import NamedTuple
 
 import numpy as np
 
-from armour.analysis.searches import distributions, limits_by_law
-from armour.analysis.variants import Bools, Floats, Ints, Variants, grid_of, with_thicknesses
+from armour.analysis.variants import (
+    Bools,
+    Floats,
+    Ints,
+    Variants,
+    distributions,
+    grid_of,
+    limits_by_law,
+    with_thicknesses,
+)
 from armour.core.state import Parameters
 from armour.engine import batch
 from armour.errors import Problem, refuse
 from armour.evidence.mixture import Mixture
 from armour.evidence.model_error import Errors
 from armour.evidence.tests import Materials, is_untested
-from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, OBLIQUITY, VELOCITY, cosine_of, fields_of, inputs_of_entry
-from armour.scenario.library import LibraryEntry, penetrator_length_mm
+from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, OBLIQUITY, VELOCITY, cosine_of, fields_of
+from armour.scenario.library import LibraryEntry, inputs_of_entry
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import (
     MAX_DESIGNS,
@@ -338,9 +346,7 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
     varying = {name for rows in inputs.values() for name in INPUTS if len({row.get(name) for row in rows}) > 1}
     parameters = {role: np.array([_parameters(row) for row in rows]) for role, rows in inputs.items()}
     layers = (parameters["ceramic"][:, None] + parameters["backing"][None]).reshape(-1, len(Parameters._fields))
-    of_projectile = batch.fields(parameters["projectile"])
-    of_projectile.L0[:] = [penetrator_length_mm(projectile) * MM for projectile in projectiles]
-    of_projectile.shear_law[:] = SHEAR_LAWS[scenario.model.shear_perimeter]
+    batch.fields(parameters["projectile"]).shear_law[:] = SHEAR_LAWS[scenario.model.shear_perimeter]
     densities = batch.fields(layers)
     offers = tuple(
         Offer(*pair, float(densities.rho_c[i]), float(densities.rho_B[i]))

@@ -4,8 +4,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
-from armour.analysis.ballistic_limit import confidence_alone, limit_and_error, probability_of_stopping
-from armour.analysis.flow_stress import NeededFlowStress, needed_flow_stress
+from armour.analysis.ballistic_limit import (
+    NeededFlowStress,
+    confidence_alone,
+    limit_and_error,
+    needed_flow_stress,
+    probability_of_stopping,
+)
 from armour.analysis.impact import simulate
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.evidence.model_error import ModelError

@@ -7,13 +7,13 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from armour.analysis.estimates import Estimate
-from armour.analysis.flow_stress import NeededFlowStress, needed_flow_stress
+from armour.analysis.ballistic_limit import NeededFlowStress, needed_flow_stress
 from armour.analysis.results import OnProgress, TableResult, data_frame, ignore_progress
+from armour.analysis.samples import Estimate
 from armour.analysis.variants import Bools, Floats, Ints, Variants
-from armour.design.candidates import candidates_of, joined
 from armour.design.catalogue import FIRST_VALUES, MARGIN, NO_BOUND, ROUNDING, CandidateDesigns, Catalogue, catalogue_of
-from armour.design.search import Requirement, Search
+from armour.design.reliability import Reliability
+from armour.design.search import Requirement, Search, candidates_of, joined
 from armour.errors import Problem, listed, refuse
 from armour.evidence.mixture import Mixture
 from armour.evidence.model_error import REMEDY, ModelError, error_of, why_unknown
@@ -313,7 +313,8 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
 
     warnings = [*scenario.unused_impact(), *catalogue.omissions()]
     if place is not None:
-        warnings += _outside(search, place)
+        metals = (scenario.entry("metal", layer.material) for layer in catalogue.section.backing)
+        warnings += threat_warnings(scenario, _rows(search, place).armours, metals)
     warnings += [] if catalogue.sampled else scenario.unused_distributions()
     criteria = tuple(catalogue.section.pareto or ())
     frontier, ends = np.empty(0, dtype=np.int64), dict[str, Any]()
@@ -397,11 +398,7 @@ def _best_place(catalogue: Catalogue, on_progress: OnProgress) -> tuple[Search, 
     """
     requirement = Requirement(catalogue, on_progress)
     while True:
-        reliability = None
-        if catalogue.sampled:
-            from armour.design.reliability import Reliability  # imports scipy, which takes a tenth of a second
-
-            reliability = Reliability(requirement.catalogue, on_progress)
+        reliability = Reliability(requirement.catalogue, on_progress) if catalogue.sampled else None
         search = Search(requirement, candidates_of(requirement), reliability)
         tested = requirement.tested(search.candidates)
         lenient = requirement.catalogue.lenient
@@ -500,13 +497,6 @@ def _failing_backings(search: Search, best: int, frontier: Ints) -> tuple[float,
     if search.catalogue.offers[search.candidates.pair[best]].backing.free_range() is not None:
         return ()
     return tuple(np.setdiff1d(search.frontier_backings(best), search.candidates.backing_mm[frontier]).tolist())
-
-
-def _outside(search: Search, place: int) -> list[str]:
-    """Return the ways in which a design and its threats differ from what the model was compared with."""
-    scenario = search.catalogue.scenario
-    metals = (scenario.entry("metal", layer.material) for layer in search.catalogue.section.backing)
-    return [*threat_warnings(scenario, _rows(search, place).armours, metals)]
 
 
 def _changing(search: Search, columns: Sequence[tuple[int, str, float]]) -> Iterator[str]:
@@ -666,10 +656,7 @@ def _pairs(search: Search, best: int | None, tested: Bools) -> tuple[Pair, ...]:
     if search.catalogue.sampled:
         # Only possible runners-up are sampled, as each design takes thousands of impacts.
         possible = [designs[search.values[designs] <= greatest] for designs in possible]
-    # The first designs pass most often; computing their limits together is quicker.
-    possible = [designs[np.argsort(~tested[designs], kind="stable")] for designs in possible]
-    search.limits(np.array([designs[0] for designs in possible if len(designs)], dtype=np.int64))
-    places = [search.first(designs) for designs in possible]
+    places = [search.first(designs[np.argsort(~tested[designs], kind="stable")]) for designs in possible]
     unconstrained = _unconstrained(search) if None in places else search
     pairs = []
     for index, (offer, place) in enumerate(zip(offers, places, strict=True)):

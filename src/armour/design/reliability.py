@@ -4,11 +4,20 @@ from functools import lru_cache
 from math import ceil, log, log1p
 
 import numpy as np
-from scipy.special import bdtrc
 
-from armour.analysis.estimates import TAIL, Estimate, proportion
-from armour.analysis.results import OnProgress, ignore_progress
-from armour.analysis.samples import columns_of, own_errors, own_values, points_of, sampled, section_at, section_of
+from armour.analysis.results import OnProgress, ignore_progress, portions
+from armour.analysis.samples import (
+    TAIL,
+    Estimate,
+    columns_of,
+    own_errors,
+    own_values,
+    points_of,
+    proportion,
+    sampled,
+    section_at,
+    section_of,
+)
 from armour.analysis.variants import perforated
 from armour.design.catalogue import NO_BOUND, CandidateDesigns, Catalogue
 from armour.errors import Problem, refuse
@@ -17,12 +26,8 @@ from armour.scenario.inputs import BACKING, CERAMIC
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import MAX_SAMPLES, Uncertainty
 
-# Number of samples after which a design is first checked for whether it can still pass.
-FIRST_SAMPLES = 64
-# Sampling stops early if the number of perforations would be less probable than this were the bound to hold.
-IMPROBABLE = 1e-9
-# Samples that are computed at a time at most, which bounds the memory.
-MOST_SAMPLES = 2**15
+# Samples that are computed at a time.
+SAMPLES_AT_A_TIME = 2**10
 # Scenarios of pairs of materials and threats that are kept.
 MOST_SCENARIOS = 1000
 
@@ -41,13 +46,13 @@ class Reliability:
 
     def probabilities(self, candidates: CandidateDesigns, place: int) -> dict[str, Estimate] | None:
         """Estimate the probabilities of perforation of a design, see `Search.probabilities`."""
-        thicknesses = float(candidates.ceramic_mm[place]), float(candidates.backing_mm[place])
+        thicknesses = {CERAMIC: float(candidates.ceramic_mm[place]), BACKING: float(candidates.backing_mm[place])}
         estimates = {}
         for i, threat in enumerate(self.catalogue.threats):
             bound = float(self.catalogue.bounds[i])
             if bound < NO_BOUND:
                 scenario = self.against(int(candidates.pair[place]), i)
-                layers = _layers(scenario, *thicknesses)
+                layers = {key: thicknesses[key] for key in thicknesses if key in scenario.inputs()}
                 errors = own_errors(scenario, layers)
                 is_known = scenario.excludes_error() or errors.known.all()
                 if self.catalogue.lenient and not is_known:
@@ -61,15 +66,14 @@ class Reliability:
     def within(self, bound: float, scenario: Scenario, layers: dict[str, float], errors: Errors) -> Estimate | None:
         """Estimate the probability of perforation of a design; None if its interval exceeds a bound.
 
-        The layers are their thicknesses, by input.  A model error that is not known is left out.  Samples are taken in
-        growing parts, until these show that the bound is exceeded.
+        The layers are their thicknesses, by input.  A model error that is not known is left out.
         """
         values = own_values(scenario) | layers
         section = section_at(scenario, values, with_error=bool(errors.known.all()))
         points = self.points[:, : len(section.inputs())]
-        hits, start, end = 0, 0, FIRST_SAMPLES
-        while start < len(points):
-            part = points[start:end]
+        hits = 0
+        for portion in portions(len(points), SAMPLES_AT_A_TIME):
+            part = points[portion]
             columns = columns_of(section, values, part)
             if layers.get(CERAMIC) == 0.0:
                 columns.pop(CERAMIC, None)  # an absent layer has no thickness to vary
@@ -77,16 +81,9 @@ class Reliability:
             hits += int(perforated(sampled(scenario, columns, len(part), errors).variants).sum())
             estimate = proportion(hits, len(points))
             self.on_progress(len(part), None)
-            if estimate.high > bound or bdtrc(hits - 1, end, bound) < IMPROBABLE:
+            if estimate.high > bound:
                 return None
-            start, end = end, end + min(end, MOST_SAMPLES)
         return estimate
-
-
-def _layers(scenario: Scenario, ceramic_mm: float, backing_mm: float) -> dict[str, float]:
-    """Return the thicknesses of the layers that a scenario has, by input."""
-    layers = {CERAMIC: ceramic_mm, BACKING: backing_mm}
-    return {key: value for key, value in layers.items() if key in own_values(scenario)}
 
 
 def _check(catalogue: Catalogue, section: Uncertainty) -> None:

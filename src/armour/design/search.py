@@ -1,27 +1,37 @@
-"""Search for the designs of a catalogue that pass: the requirement, and the order of designs by the objective."""
+"""Search for the designs of a catalogue that pass: the requirement, and the designs in the order of the objective.
+
+The candidates are all combinations of the given thicknesses and, of a free thickness, the least value that passes.
+"""
 
 from bisect import bisect_left, bisect_right
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from armour.analysis.estimates import Estimate
-from armour.analysis.results import FIRST_IMPACTS, OnProgress, ignore_progress, portions
-from armour.analysis.searches import ballistic_limits, limits_anywhere
-from armour.analysis.variants import Bools, Floats, Ints, Variants, perforated
-from armour.core.search import DENSE_SCAN_POINTS
+from armour.analysis.results import OnProgress, ignore_progress, portions
+from armour.analysis.samples import Estimate
+from armour.analysis.variants import (
+    Bools,
+    Floats,
+    Ints,
+    Least,
+    Variants,
+    ballistic_limits,
+    least_values_mm,
+    limits_anywhere,
+    perforated,
+    unusual,
+)
+from armour.core.search import DENSE_SCAN_POINTS, SCAN_POINTS
 from armour.design.catalogue import COST, MARGIN, CandidateDesigns, Catalogue, first_backings
-from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S
+from armour.design.reliability import Reliability
+from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S, FreeRange, Range
 
-if TYPE_CHECKING:
-    from armour.design.reliability import Reliability
-
-# Impacts and limits that are computed at a time, which bounds the memory.
-IMPACTS_AT_A_TIME = 50_000
-LIMITS_AT_A_TIME = 10_000
+# Numbers of designs and of limits to compute at a time, in a few tenths of a second.
+IMPACTS_AT_A_TIME = 10_000
+LIMITS_AT_A_TIME = 2_000
 # Number of designs up to which all threats are computed together.  If there are more, those that one threat perforates
 # are not tried against the next, which saves more than the additional calls of the engine cost.
 FEW_DESIGNS = 100
@@ -31,6 +41,12 @@ FIRST_AT_A_TIME = 500
 MOST_BACKINGS = 1000
 # Differences of criteria that matter on a Pareto front: kg/m², mm and, for costs, as a fraction of the lowest.
 RESOLUTION = {"areal_density_kg_m2": 0.01, "thickness_mm": 0.01, COST: 0.001}
+# Largest distance of the back plate thicknesses of the last round, mm.
+BACKING_TOLERANCE_MM = 1e-3
+# Ratio of the distances of the back plate thicknesses of one round and the next.
+CLOSER = 10
+# Number of parts into which a Pareto front divides the excess margin of the thickest design.
+MARGIN_PARTS = 10
 
 
 @dataclass
@@ -49,7 +65,7 @@ class Requirement:
         stops_threats = np.ones(len(candidates.pair), dtype=bool)
         threats = range(len(self.catalogue.threats))
         groups = [threats] if len(stops_threats) <= FEW_DESIGNS else [threats[i : i + 1] for i in threats]
-        for part in portions(len(stops_threats), IMPACTS_AT_A_TIME, FIRST_IMPACTS):
+        for part in portions(len(stops_threats), IMPACTS_AT_A_TIME):
             remaining = np.arange(part.start, part.stop)
             for group in groups:
                 rows, required, bounds = self.catalogue.against_each(candidates.at(remaining), group)
@@ -137,7 +153,7 @@ class Search:
     """
 
     def __init__(
-        self, requirement: Requirement, candidates: CandidateDesigns, reliability: "Reliability | None" = None
+        self, requirement: Requirement, candidates: CandidateDesigns, reliability: Reliability | None = None
     ) -> None:
         self.requirement, self.candidates, self.reliability = requirement, candidates, reliability
         self.catalogue = requirement.catalogue
@@ -328,3 +344,152 @@ def distinct(costs: Floats, front: Ints, resolutions: Floats) -> Ints:
         if not (costs[distinct_rows] <= costs[row] + resolutions).all(axis=1).any():
             distinct_rows.append(row)
     return front[np.isin(front, distinct_rows)]
+
+
+def candidates_of(requirement: Requirement, criteria: Sequence[str] = (), *, refine: bool = False) -> CandidateDesigns:
+    """Return the candidate designs that meet the constraints, in the order of the objective.
+
+    With ``refine`` all ranges are free between their values.  For the criteria of a Pareto front, free thicknesses are
+    refined by each of them; if one is the margin, there are also designs with more margin, up to the thickest.
+    """
+    catalogue = requirement.catalogue
+    columns = [name for name in dict.fromkeys((catalogue.section.minimise, *criteria)) if name != MARGIN]
+    pairs = range(len(catalogue.offers))
+    parts = [_of_pair(requirement, pair, columns, refine=refine) for pair in pairs]
+    if MARGIN in criteria:
+        parts += [part for pair in pairs for part in _with_more_margin(requirement, pair, columns)]
+    return catalogue.in_order(joined(parts))
+
+
+def joined(parts: Sequence[CandidateDesigns]) -> CandidateDesigns:
+    """Concatenate candidates."""
+    return CandidateDesigns(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+
+
+def _with_more_margin(requirement: Requirement, pair: int, columns: Sequence[str]) -> list[CandidateDesigns]:
+    """Return designs of a pair with free thicknesses: the thickest, and the thinnest for margins up to its own."""
+    catalogue = requirement.catalogue
+    layers = catalogue.offers[pair][:2]
+    if not any(layer.free_range() for layer in layers):
+        return []
+    greatest = (layer.thicknesses()[-1:] if layer.free_range() else layer.thicknesses() for layer in layers)
+    thickest = catalogue.combinations(pair, *greatest)
+    spare = float((requirement.limits(thickest) - catalogue.required_m_s(thickest)).min(axis=1).max())
+    parts = [thickest]
+    for margin in np.linspace(0.0, max(spare, 0.0), MARGIN_PARTS + 1)[1:-1].tolist():
+        raised = replace(requirement, catalogue=replace(catalogue, more_margin_m_s=margin), runs=0)
+        parts.append(_of_pair(raised, pair, columns, refine=False, verify=False))
+        requirement.runs += raised.runs
+    return parts
+
+
+def _of_pair(
+    requirement: Requirement, pair: int, columns: Sequence[str], *, refine: bool, verify: bool = True
+) -> CandidateDesigns:
+    """Return the candidate designs of a pair; a free thickness is NaN if no value of it passes.
+
+    Where both thicknesses are free, they are refined around the best by each of some columns.
+    """
+    catalogue, offer = requirement.catalogue, requirement.catalogue.offers[pair]
+    ceramic, backing = (layer.free_range(refine=refine) for layer in (offer.ceramic, offer.backing))
+    ceramics, backings = (np.array(layer.thicknesses()) for layer in (offer.ceramic, offer.backing))
+
+    def least(layer: str, free_range: Range | FreeRange, other_mm: Floats) -> CandidateDesigns:
+        """Return the designs with the least thickness of a free layer on each thickness of the other."""
+
+        def designs(values: Floats, other_mm: Floats) -> CandidateDesigns:
+            return catalogue.candidates(pair, *((values, other_mm) if layer == "ceramic" else (other_mm, values)))
+
+        thicknesses = _least(requirement, free_range, designs, other_mm, verify=verify)
+        requirement.changing[pair, layer].update(other_mm[thicknesses.changes_again].tolist())
+        return designs(thicknesses.mm, other_mm)
+
+    if ceramic is None:
+        if backing is None:
+            return catalogue.combinations(pair, ceramics, backings)
+        return least("back plate", backing, ceramics)
+    if backing is None:
+        return least("ceramic", ceramic, backings)
+
+    # Both are free: in each round, the back plate thicknesses are closer together around the best of the round before.
+    rounds: list[CandidateDesigns] = []
+    backings, width = first_backings(backing)
+
+    def values_of(backings: Floats) -> Floats:
+        thicknesses, place = np.unique(backings, return_inverse=True)
+        designs = least("ceramic", ceramic, thicknesses)
+        rounds.append(designs)
+        violations = catalogue.violations(designs)
+        if (violations > 0.0).all():
+            values = np.tile(violations, (len(columns), 1))  # towards the design that violates its constraints least
+        else:
+            values = np.array([np.where(violations > 0.0, np.inf, getattr(designs, name)) for name in columns])
+        return np.take_along_axis(values, place.reshape(backings.shape), axis=1)
+
+    first = np.tile(backings, (len(columns), 1))
+    minimise_over_backings(values_of, first, backing.min, backing.max, width)
+    designs = joined(rounds)
+    return designs.at(np.unique(designs.backing_mm, return_index=True)[1])
+
+
+def _least(
+    requirement: Requirement,
+    free_range: Range | FreeRange,
+    designs: Callable[[Floats, Floats], CandidateDesigns],
+    other_mm: Floats,
+    *,
+    verify: bool,
+) -> Least:
+    """Return the least thickness of a free layer that passes with each thickness of the other.
+
+    The search is by the outcome at the velocities required and, to verify, by the limit if one lies below them.
+    """
+
+    def stops(values: Floats, rows: Ints) -> Bools:
+        return requirement.stops(designs(values, other_mm[rows]))
+
+    def passes(values: Floats, rows: Ints) -> Bools:
+        return Search(requirement, designs(values, other_mm[rows])).passes(np.arange(len(rows)))
+
+    def scanned(values: Floats, rows: Ints) -> Bools:
+        variants, *_ = requirement.catalogue.against_each(designs(values, other_mm[rows]))
+        # If a probability is bounded, the thickest may lie beyond the tests while thinner ones do not.
+        return unusual(variants).reshape(-1, len(requirement.catalogue.threats)).any(axis=1) | (
+            np.isnan(values) & requirement.catalogue.bounded
+        )
+
+    low, high = np.full(len(other_mm), free_range.min), np.full(len(other_mm), free_range.max)
+    least = least_values_mm(stops, scanned, low, high)
+    if not verify:
+        return least
+    stopping = np.flatnonzero(~np.isnan(least.mm))
+    failing = stopping[~passes(least.mm[stopping], stopping)]
+    by_limit = least_values_mm(
+        lambda values, rows: passes(values, failing[rows]),
+        lambda values, rows: scanned(values, failing[rows]),
+        *(least.mm[failing], high[failing]),
+        points=SCAN_POINTS,  # each a limit, with velocities scanned densely
+    )
+    least.mm[failing] = by_limit.mm
+    least.changes_again[failing] |= by_limit.changes_again
+    return least
+
+
+def minimise_over_backings(
+    values_of: Callable[[Floats], Floats], first: Floats, low: float, high: float, width: float
+) -> Floats:
+    """Return the minimum of a function of the back plate thickness in each row, (n,); inf if it has no value.
+
+    The function returns values, (n, k), at thicknesses, (n, k), mm.  The first round has the thicknesses given, at a
+    distance of ``width``; each further round has thicknesses from low to high closer together around the best.
+    """
+    backings, rows = first, np.arange(len(first))
+    while True:
+        values = values_of(backings)
+        best = values.argmin(axis=1)
+        centre, least = backings[rows, best], values.min(axis=1)
+        if width <= BACKING_TOLERANCE_MM or not np.isfinite(least).any():
+            return least
+        closer = np.linspace(np.maximum(centre - width, low), np.minimum(centre + width, high), 2 * CLOSER, axis=1)
+        backings = np.concatenate([centre[:, None], closer], axis=1)
+        width /= CLOSER

@@ -1,4 +1,4 @@
-"""Impacts, ballistic limits and ceramic thicknesses of many armours, as arrays, computed in threads."""
+"""Impacts and ballistic limits of many armours, as arrays, computed in threads."""
 
 import os
 from collections.abc import Sequence
@@ -15,11 +15,8 @@ from armour.engine import cache
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-# Rows that a thread takes at a time, at most.
-PORTION = 256
-# Portions for each thread when there are few rows, as some take longer, and the fewest rows worth a thread, about 2 ms.
-PORTIONS_PER_THREAD = 4
-LEAST_PORTIONS = {"impacts": 256, "ballistic_limits": 32, "least_thicknesses": 32}
+# Rows that a thread takes at a time, about 2 ms.
+PORTIONS = {"impacts": 256, "ballistic_limits": 32}
 
 
 class Impacts(NamedTuple):
@@ -36,7 +33,7 @@ class Impacts(NamedTuple):
 
 
 class Brackets(NamedTuple):
-    """Results of n searches for a ballistic limit, m/s, or a ceramic thickness, m; an array of shape (n,) each.
+    """Results of n searches for a ballistic limit, m/s; an array of shape (n,) each.
 
     If nothing in the range is stopped, or perforated, that end of the bracket is infinite.
     """
@@ -90,23 +87,8 @@ def ballistic_limits(
     """
     velocities = np.array(scan(low, high, points), dtype=np.float64)
     velocities.flags.writeable = False
-    return _brackets("ballistic_limits", [rows], (velocities, tolerance), options)
-
-
-def least_thicknesses(
-    rows: Floats,
-    velocities: Floats,
-    thin: float,
-    thick: float,
-    tolerance: float,
-    options: SolverOptions = DEFAULT_OPTIONS,
-) -> Brackets:
-    """Find least ceramic thicknesses between two, m; see `armour.core.search.find_least_ceramic_thickness`."""
-    return _brackets("least_thicknesses", [rows, velocities], (thin, thick, tolerance), options)
-
-
-def _brackets(name: str, inputs: list[Floats], search: tuple[Any, ...], options: SolverOptions) -> Brackets:
-    counts, ends = _computed(name, inputs, (*search, *options[:3]), 2, options.threads)
+    settings = (velocities, tolerance, *options[:3])
+    counts, ends = _computed("ballistic_limits", [rows], settings, 2, options.threads)
     return Brackets(ends[:, 0], ends[:, 1], counts[:, 0], counts[:, 1] != 0)
 
 
@@ -118,22 +100,15 @@ def _computed(
     count = len(rows)
     inputs = [rows, *(np.ascontiguousarray(np.broadcast_to(column, count)) for column in velocities)]
     counts, ends = np.empty((count, 2), np.int64), np.empty((count, width))
-    kernel = cache.kernel(name)
-    workers = threads or available_cores()
-    size = max(min(-(-count // (PORTIONS_PER_THREAD * workers)), PORTION), LEAST_PORTIONS[name])
+    kernel, size = cache.kernel(name), PORTIONS[name]
 
     def compute(start: int) -> None:
         part = slice(start, start + size)
         kernel(*(array[part] for array in inputs), settings, counts[part], ends[part])
 
     starts = range(0, count, size)
-    workers = min(workers, len(starts))
-    if workers <= 1:
-        for start in starts:
-            compute(start)
-    else:
-        with ThreadPoolExecutor(workers) as pool:
-            list(pool.map(compute, starts))
+    with ThreadPoolExecutor(min(threads or available_cores(), len(starts)) or 1) as pool:
+        list(pool.map(compute, starts))
     return counts, ends
 
 

@@ -11,7 +11,7 @@ import numba
 from numba import config, types
 from numba.extending import overload, register_jitable
 
-from armour.core import bounds, equations, events, rk4, roots, search, stages, state
+from armour.core import equations, events, rk4, roots, search, stages, state
 from armour.core import run as core_run
 from armour.core.state import Parameters
 from armour.engine import loops
@@ -22,7 +22,7 @@ OPTIONS: Any = {"no_cfunc_wrapper": True, "_nrt": False}
 # Called in every step: numba would not inline them by itself, which takes a fifth longer.
 INLINED = stages.rates, rk4.step
 # Make the functions of the core callable from compiled code.
-for _module in (state, equations, stages, roots, rk4, events, bounds, core_run, search):
+for _module in (state, equations, stages, roots, rk4, events, core_run, search):
     for _function in vars(_module).values():
         if isinstance(_function, FunctionType) and _function.__module__ == _module.__name__:
             register_jitable(**OPTIONS, forceinline=_function in INLINED)(_function)
@@ -37,24 +37,16 @@ def compiled_parameters_at(rows: Any, i: Any) -> Any:  # noqa: ARG001 (numba giv
     )  # fmt: skip
 
 
-@overload(loops.numbers, jit_options=OPTIONS, strict=False)
-def compiled_numbers(velocities: Any) -> Any:  # noqa: ARG001
-    """Compile `loops.numbers`, which compiled code does not need."""
-    return lambda velocities: velocities
-
-
 _float, _int = types.float64, types.int64
 _velocities = types.Array(_float, 1, "C", readonly=True)
 _rows = types.Array(_float, 2, "C", readonly=True)
 _counts, _ends = _int[:, ::1], _float[:, ::1]
 _solver = types.Tuple((_float, _float, _int))
 _scan = types.Tuple((_velocities, _float, _float, _float, _int))
-_search = types.Tuple((_float, _float, _float, _float, _float, _int))
 
 SIGNATURES: dict[str, tuple[Any, ...]] = {
     "impacts": (_rows, _velocities, _solver, _counts, _ends),
     "ballistic_limits": (_rows, _scan, _counts, _ends),
-    "least_thicknesses": (_rows, _velocities, _search, _counts, _ends),
 }
 
 

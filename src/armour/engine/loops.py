@@ -3,20 +3,15 @@
 from typing import Any
 
 from armour.core.run import run
-from armour.core.search import find_ballistic_limit, find_least_ceramic_thickness
+from armour.core.search import find_ballistic_limit
 from armour.core.state import Parameters
 
-NAMES = "impacts", "ballistic_limits", "least_thicknesses"
+NAMES = "impacts", "ballistic_limits"
 
 
 def parameters_at(rows: Any, i: int) -> Parameters:
     """Return row i as `Parameters` of Python's own numbers."""
     return Parameters(*rows[i].tolist())
-
-
-def numbers(velocities: Any) -> Any:
-    """Return an array as Python's own numbers."""
-    return velocities.tolist()
 
 
 def impacts(rows: Any, velocities: Any, settings: Any, counts: Any, ends: Any) -> None:
@@ -31,17 +26,8 @@ def impacts(rows: Any, velocities: Any, settings: Any, counts: Any, ends: Any) -
 
 def ballistic_limits(rows: Any, settings: Any, counts: Any, ends: Any) -> None:
     """Write the runs of each search and whether it is resolved to ``counts``, its bracket to ``ends``."""
-    scan, tolerance, V_arrest, dt, max_steps = settings
-    velocities = numbers(scan)
+    velocities, tolerance, V_arrest, dt, max_steps = settings
     for i in range(len(rows)):
         limit = find_ballistic_limit(parameters_at(rows, i), velocities, tolerance, V_arrest, dt, max_steps)
         counts[i, 0], counts[i, 1] = limit.runs, limit.resolved
         ends[i, 0], ends[i, 1] = limit.low, limit.high
-
-
-def least_thicknesses(rows: Any, velocities: Any, settings: Any, counts: Any, ends: Any) -> None:
-    """Write the same for searches for the least ceramic thickness that stops an impact."""
-    for i in range(len(rows)):
-        least = find_least_ceramic_thickness(parameters_at(rows, i), float(velocities[i]), *settings)
-        counts[i, 0], counts[i, 1] = least.runs, least.resolved
-        ends[i, 0], ends[i, 1] = -least.low, -least.high

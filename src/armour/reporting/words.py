@@ -2,8 +2,7 @@
 
 from math import ceil, floor
 
-from armour.analysis.ballistic_limit import ConfidenceResult, no_error
-from armour.analysis.flow_stress import NeededFlowStress
+from armour.analysis.ballistic_limit import ConfidenceResult, NeededFlowStress, no_error
 from armour.design.check import CheckedThreat
 from armour.evidence.model_error import ModelError
 from armour.reporting.table import Column, Source, column_of

@@ -5,16 +5,14 @@ as "ceramic.flow_stress_GPa": a property of the scenario's ceramic, independent 
 """
 
 from collections.abc import Mapping
-from math import cos, radians
-from typing import TYPE_CHECKING, Any, NamedTuple
+from math import cos, pi, radians
+from typing import Any, Literal, NamedTuple
 
-from armour.units import GPA, MM, MPA
+from armour.units import GPA, MM, MPA, G
 
-if TYPE_CHECKING:  # the help of the command line lists inputs, and should not wait for pydantic
-    from armour.scenario.library import Kind, LibraryEntry
-
+Kind = Literal["projectile", "ceramic", "metal"]
 # Kinds of library entry by role in the scenario.
-ROLES: dict[str, "Kind"] = {"projectile": "projectile", "ceramic": "ceramic", "backing": "metal"}
+ROLES: dict[str, Kind] = {"projectile": "projectile", "ceramic": "ceramic", "backing": "metal"}
 # Keys of the scenario that name its library entries, by role.
 NAMES = {"projectile": "impact.projectile", "ceramic": "armour.ceramic", "backing": "armour.backing"}
 
@@ -44,7 +42,7 @@ class Input(NamedTuple):
         return self.name.split(".")[1]
 
     @property
-    def kind(self) -> "Kind | None":
+    def kind(self) -> Kind | None:
         """Kind of library entry that holds the input; None for one of the scenario's own sections."""
         return ROLES.get(self.section)
 
@@ -52,6 +50,8 @@ class Input(NamedTuple):
 VELOCITY, OBLIQUITY = "impact.velocity_m_s", "impact.obliquity_deg"
 CERAMIC, BACKING = LAYERS = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm"
 YIELD = "backing.dynamic_yield_strength_MPa"
+# Inputs that determine the penetrator's length.
+ROD = ("projectile.penetrator_diameter_mm", "projectile.penetrator_mass_g", "projectile.density_kg_m3")
 # The model error as an input, and the keys that it depends on besides projectile, armour, model and solver.
 ERROR = "model.limit_error_percent"
 OF_ERROR = ("uncertainty.model", "design.angles_as_at_normal_incidence")
@@ -81,13 +81,10 @@ _INPUTS = (
 INPUTS = {definition.name: definition for definition in _INPUTS}
 
 
-def inputs_of_entry(role: str, entry: "LibraryEntry") -> dict[str, float]:
-    """Return the values of the inputs that an entry of the library gives in a role, by name."""
-    return {
-        name: entry[key]
-        for key in entry.values
-        if (name := f"{role}.{key}") in INPUTS and (name != YIELD or entry.derived - {key})
-    }
+def length_mm(diameter_mm: Any, mass_g: Any, density_kg_m3: Any) -> Any:
+    """Compute the length of a cylinder, mm; float or array."""
+    area = pi * (diameter_mm * MM) ** 2 / 4.0
+    return mass_g * G / (density_kg_m3 * area) / MM
 
 
 def cosine_of(obliquity_deg: float) -> float:
@@ -100,8 +97,11 @@ def fields_of(inputs: Mapping[str, Any], cosine: Any) -> dict[str, Any]:
 
     The values, and the cosine of the obliquity, are numbers or arrays.
     """
-    return {
+    fields = {
         INPUTS[name].field: (value / cosine if name in LAYERS else value) * INPUTS[name].factor
         for name, value in inputs.items()
         if INPUTS[name].field
     }
+    if ROD[0] in inputs:
+        fields["L0"] = length_mm(*(inputs[name] for name in ROD)) * MM
+    return fields

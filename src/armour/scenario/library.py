@@ -1,4 +1,4 @@
-"""Library of projectiles and materials: the shipped entries and those that files and scenarios add.
+"""Library of projectiles and materials: the shipped entries and those that files and scenarios add; named threats.
 
 Every value has a status (measured, nominal, fitted or assumed) and a source.
 """
@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache
-from math import inf, nan, pi
+from math import inf, nan
 from os import PathLike
 from typing import Annotated, Any, Generic, Literal, TypeVar
 
@@ -23,9 +23,10 @@ from pydantic import (
 from armour.errors import CHOOSE, Note, Problem, listed, mistake, refuse, suggestion
 from armour.files import read_toml, shipped
 from armour.scenario.checked import checked
+from armour.scenario.inputs import INPUTS, ROD, YIELD, Kind, length_mm
 from armour.scenario.keys import describe, key_name
 from armour.scenario.sections import NOT_TINY, NUMBER, TINY, Items, NumberOrText, Section, validated
-from armour.units import GPA, MM, MPA, G, words_and_unit
+from armour.units import GPA, MPA, words_and_unit
 
 Status = Literal["measured", "nominal", "fitted", "assumed"]
 Number = TypeVar("Number", bound=float)
@@ -253,7 +254,6 @@ class Metal(Entry):
     """Strain to fracture, for Florence's formula."""
 
 
-Kind = Literal["projectile", "ceramic", "metal"]
 KINDS: dict[Kind, type[Entry]] = {"projectile": Projectile, "ceramic": Ceramic, "metal": Metal}
 # Keys of the values of each kind.
 VALUE_KEYS = {kind: [key for key in KINDS[kind].model_fields if key not in Entry.model_fields] for kind in KINDS}
@@ -281,8 +281,6 @@ DEFAULTS = {
 }
 # Most entries with similar names that a message lists.
 MOST_ALIKE = 12
-# Keys of a projectile that determine its penetrator's length.
-ROD = ("penetrator_diameter_mm", "penetrator_mass_g", "density_kg_m3")
 # Range of the ratio of length to diameter of a penetrator; outside it, the mass most likely has a wrong unit.
 SLENDERNESS = (0.1, 100.0)
 
@@ -362,6 +360,15 @@ class LibraryEntry:
         return {"kind": self.kind, "name": self.name, "description": self.description, **aliases, **values, **sources}
 
 
+def inputs_of_entry(role: str, entry: LibraryEntry) -> dict[str, float]:
+    """Return the values of the inputs that an entry of the library gives in a role, by name."""
+    return {
+        name: entry[key]
+        for key in entry.values
+        if (name := f"{role}.{key}") in INPUTS and (name != YIELD or entry.derived - {key})
+    }
+
+
 def hint(name: str, entries: Iterable[LibraryEntry], names: Iterable[str]) -> str:
     """Return a hint at the entries whose names contain a name that is not in the library, or at the closest name.
 
@@ -390,7 +397,11 @@ def _described(text: str, entries: Iterable[LibraryEntry]) -> list[LibraryEntry]
 
 def _in_short(entry: LibraryEntry) -> str:
     """Return the name of an entry with the values that tell it from those of similar names."""
-    keys = {"projectile": ROD[:2], "ceramic": ("flow_stress_GPa",), "metal": (STATIC if entry.is_static else DYNAMIC,)}
+    keys = {
+        "projectile": ("penetrator_diameter_mm", "penetrator_mass_g"),
+        "ceramic": ("flow_stress_GPa",),
+        "metal": (STATIC if entry.is_static else DYNAMIC,),
+    }
     values = (f"{words} {entry[key]:.4g} {unit}" for key in keys[entry.kind] for words, unit in [words_and_unit(key)])
     return f"{entry.name} ({', '.join(values)})"
 
@@ -415,21 +426,15 @@ def tensile_strength(metal: LibraryEntry) -> float:
     return metal[key] if key in metal.values else nan
 
 
-def penetrator_length_mm(projectile: LibraryEntry) -> float:
-    """Return the length of a projectile's penetrator, mm."""
-    return float(length_mm(*(projectile[key] for key in ROD)))
-
-
-def length_mm(diameter_mm: Any, mass_g: Any, density_kg_m3: Any) -> Any:
-    """Compute the length of a cylinder, mm; float or array."""
-    area = pi * (diameter_mm * MM) ** 2 / 4.0
-    return mass_g * G / (density_kg_m3 * area) / MM
-
-
-def is_rod(diameter_mm: Any, mass_g: Any, density_kg_m3: Any) -> Any:
-    """Return whether the length of a cylinder over its diameter lies within SLENDERNESS; float or array."""
-    ratio = length_mm(diameter_mm, mass_g, density_kg_m3) / diameter_mm
+def is_slender(inputs: Mapping[str, Any]) -> Any:
+    """Return whether the length of a penetrator over its diameter lies within SLENDERNESS; float or array."""
+    ratio = slenderness(inputs)
     return (SLENDERNESS[0] <= ratio) & (ratio <= SLENDERNESS[1])
+
+
+def slenderness(inputs: Mapping[str, Any]) -> Any:
+    """Return the length of a penetrator over its diameter; float or array."""
+    return length_mm(*(inputs[name] for name in ROD)) / inputs[ROD[0]]
 
 
 @dataclass(frozen=True, repr=False)
@@ -592,11 +597,11 @@ def _mistakes(entry: LibraryEntry) -> dict[str, str]:
     """Return what is wrong with an entry, by key."""
     if missing := [key for key in VALUE_KEYS[entry.kind] if key not in (*entry.values, *OPTIONAL)]:
         return dict.fromkeys(missing, "is missing and must be given, or based_on an entry that has it")
-    if entry.kind != "projectile" or is_rod(*(entry[key] for key in ROD)):
+    if entry.kind != "projectile" or is_slender(inputs_of_entry("projectile", entry)):
         return {}
     message = (
         f"must make a rod {SLENDERNESS[0]:g} to {SLENDERNESS[1]:g} diameters long with the diameter and density given, "
-        f"found {penetrator_length_mm(entry) / entry[ROD[0]]:.3g} diameters; is it in g?"
+        f"found {slenderness(inputs_of_entry('projectile', entry)):.3g} diameters; is it in g?"
     )
     return {"penetrator_mass_g": message}
 
@@ -631,3 +636,36 @@ def shipped_library() -> Library:
     for name in FILES:
         library = library.extended(read_toml(shipped("configs") / f"{name}.toml"), file="")
     return library
+
+
+# Keys of [impact] and [[threat]] that the name of a threat gives.
+THREAT_KEYS = ("projectile", "velocity_m_s", "obliquity_deg")
+
+
+class NamedThreat(Section):
+    """A threat of a standard."""
+
+    standard: str
+    level: str
+    round: str
+    projectile: str
+    velocity_m_s: float
+    tolerance_m_s: float | None = None
+    """By which the velocity of a shot may differ."""
+    obliquity_deg: float | None = None
+    status: Literal["confirmed", "unconfirmed"]
+    source: str
+
+    def values(self) -> dict[str, object]:
+        """Return the values that the threat gives in [impact] or [[threat]], by key."""
+        return self.model_dump(include=set(THREAT_KEYS), exclude_none=True)
+
+
+class _File(Section):
+    threat: dict[str, NamedThreat]
+
+
+@cache
+def named_threats() -> dict[str, NamedThreat]:
+    """Return the shipped threats by name."""
+    return validated(_File, read_toml(shipped("configs") / "threats.toml"), "").threat

@@ -19,7 +19,6 @@ from pydantic import PrivateAttr, ValidationError
 from armour.core.state import Parameters
 from armour.errors import InputError, Note, Problem, choices, joined, refuse, restated, suggestion
 from armour.files import located, named, read_toml, shipped_files, write_file
-from armour.scenario.changes import changed
 from armour.scenario.checked import checked
 from armour.scenario.inputs import (
     BACKING,
@@ -27,22 +26,22 @@ from armour.scenario.inputs import (
     INPUTS,
     NAMES,
     OBLIQUITY,
+    ROD,
     ROLES,
     VELOCITY,
+    Kind,
     cosine_of,
     fields_of,
-    inputs_of_entry,
 )
-from armour.scenario.keys import Parts, key_name, leaves, parts_of, values_by_key
+from armour.scenario.keys import Parts, changed, key_name, leaves, parts_of, values_by_key
 from armour.scenario.library import (
     KINDS,
-    ROD,
+    THREAT_KEYS,
     Entry,
-    Kind,
     Library,
     LibraryEntry,
-    is_rod,
-    penetrator_length_mm,
+    inputs_of_entry,
+    is_slender,
     read_library,
     shipped_library,
 )
@@ -64,7 +63,6 @@ from armour.scenario.schema import (
     shot,
 )
 from armour.scenario.sections import NOT_TINY, NUMBER, TINY, Items, Section, model_in, problems_of
-from armour.scenario.threats import THREAT_KEYS
 from armour.units import MM, key_hint
 
 if TYPE_CHECKING:
@@ -223,7 +221,6 @@ class Scenario(Section):
     @cached_property
     def _parameters(self) -> Parameters:
         fields: dict[str, Any] = dict.fromkeys(Parameters._fields, 0.0) | fields_of(self._inputs, self.cosine())
-        fields["L0"] = penetrator_length_mm(self.entry("projectile", self.impact.projectile)) * MM
         fields["shear_law"] = SHEAR_LAWS[self.model.shear_perimeter]
         return Parameters(**fields)
 
@@ -314,11 +311,9 @@ class Scenario(Section):
 
         self.check_names(columns, self.file)
         conditions = [(name, _allowed(name, values)) for name, values in columns.items()]
-        rod = [f"projectile.{key}" for key in ROD]
-        if changed_rod := [name for name in rod if name in columns]:
-            values_of: dict[str, Any] = {**self.inputs(), **columns}
+        if changed_rod := [name for name in ROD if name in columns]:
             with np.errstate(all="ignore"):
-                conditions.append((changed_rod[-1], is_rod(*(values_of[name] for name in rod))))
+                conditions.append((changed_rod[-1], is_slender({**self.inputs(), **columns})))
         for name, allowed in conditions:
             if not np.all(allowed):
                 row = int(np.argmin(allowed))

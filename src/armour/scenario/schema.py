@@ -21,10 +21,9 @@ from pydantic import (
 
 from armour.core import equations
 from armour.errors import choices
-from armour.scenario.inputs import ERROR, INPUTS, THREAT
-from armour.scenario.library import Kind, LibraryTables, hint
+from armour.scenario.inputs import ERROR, INPUTS, THREAT, Kind
+from armour.scenario.library import THREAT_KEYS, LibraryTables, hint, named_threats
 from armour.scenario.sections import FREE_TAG, LIST_TAG, NOT_TINY, RANGE_TAG, Items, Section, above
-from armour.scenario.threats import THREAT_KEYS, named_threats
 from armour.units import US
 
 # Greatest numbers of values on an axis and of designs on a grid; more are most likely a mistake.

@@ -98,7 +98,7 @@ def problems_of(error: ValidationError, model: type[Section], file: str) -> list
             keys = _known_keys(model, parts[:-1])
             word, paths = str(parts[-1]), [*keys, *(_paths(model) if len(parts) == 1 else ())]
             hint = key_hint(word, paths) or suggestion(word, paths) or choices(word, keys)
-            message = "unknown key" + hint * bool(keys)
+            message = f"unknown key{hint}"
         elif detail["type"] == "missing":
             message = f"is missing and must be given{MISSING.get(key_name(parts), '')}"
         elif detail["type"] == "value_error":
@@ -142,19 +142,14 @@ def _paths(model: type[Section]) -> list[str]:
 
 def _known_keys(model: Any, parts: Sequence[str | int]) -> list[str]:
     """Return the keys that the model knows in the table at the given parts of a key."""
-    free_name = False
+    is_free_name = False
     for part in parts:
-        if isinstance(part, int):
-            continue
-        if free_name:
-            free_name = False
-        elif model is not None and part in model.model_fields:
-            annotation = model.model_fields[str(part)].annotation
-            free_name = get_origin(annotation) is dict
-            model = model_in(annotation)
-        else:
-            return []
-    return list(model.model_fields) if model is not None else []
+        if isinstance(part, str) and is_free_name:
+            is_free_name = False
+        elif isinstance(part, str):
+            annotation = model.model_fields[part].annotation
+            model, is_free_name = model_in(annotation), get_origin(annotation) is dict
+    return list(model.model_fields)
 
 
 def model_in(annotation: Any) -> Any:

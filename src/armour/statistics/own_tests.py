@@ -5,8 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from armour.analysis.searches import ballistic_limits
-from armour.analysis.variants import Floats, Variants, concatenated
+from armour.analysis.variants import Floats, Variants, ballistic_limits, concatenated
 from armour.csv_files import lines_of
 from armour.errors import counted, mistake
 from armour.evidence.fit import fits, law_parameters, shipped_data

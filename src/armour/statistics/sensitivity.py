@@ -9,8 +9,7 @@ import numpy as np
 
 from armour.analysis.evaluate import Answers
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
-from armour.analysis.searches import ballistic_limits
-from armour.analysis.variants import concatenated, variants_of
+from armour.analysis.variants import ballistic_limits, concatenated, variants_of
 from armour.errors import NoAnswerError, counted
 from armour.evidence.tests import scenario_warnings
 from armour.scenario.checked import checked

@@ -11,25 +11,28 @@ from numpy.polynomial.legendre import legvander
 from scipy.special import ndtri
 
 from armour.analysis.ballistic_limit import model_error
-from armour.analysis.estimates import CONFIDENCE, Estimate, jackknife, mean_of_replicates, proportion_of_replicates
 from armour.analysis.results import OnProgress, TableResult, ignore_progress, portions
 from armour.analysis.samples import (
+    CONFIDENCE,
     REPLICATES,
+    Estimate,
     Samples,
     by_laws,
     columns_of,
     correlated,
+    jackknife,
+    mean_of_replicates,
     moved_mean,
     own_errors,
     own_values,
     points_of,
+    proportion_of_replicates,
     quantiles,
     replicated_points,
     sampled,
     section_of,
 )
-from armour.analysis.searches import ballistic_limits
-from armour.analysis.variants import Bools, Floats, perforated
+from armour.analysis.variants import Bools, Floats, ballistic_limits, perforated
 from armour.errors import NoLimitError, Note
 from armour.evidence.model_error import Errors, ModelError
 from armour.evidence.tests import scenario_warnings

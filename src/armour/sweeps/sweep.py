@@ -31,8 +31,7 @@ from armour.scenario.checked import Names, checked
 from armour.scenario.keys import describe
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.sweeps.cases import BLOCK, Cases, Grid, source_of
-from armour.sweeps.store import RESUME, Chunk, Store
-from armour.sweeps.tables import csv_of, read_table
+from armour.sweeps.store import RESUME, Chunk, Store, csv_of, read_table
 
 # Greatest number of rows in memory; more need a file.
 MAX_ROWS = 10_000_000

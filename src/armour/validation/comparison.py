@@ -6,23 +6,25 @@ from functools import cache
 from typing import Any
 
 from armour.analysis.ballistic_limit import LimitResult, ballistic_limit, residual_velocity_curve
-from armour.analysis.closed_forms import (
-    FlorenceResult,
-    ResidualVelocityFit,
-    bodies_of,
-    fit_areal_density_rule,
-    fit_lambert_jonas,
-    fit_recht_ipson,
-    florence_result,
-    missing_for_florence,
-)
 from armour.analysis.impact import ImpactResult
 from armour.analysis.results import OnProgress, TableResult, ignore_progress
 from armour.errors import NoAnswerError, refuse
 from armour.scenario.checked import checked
 from armour.scenario.inputs import ROLES
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
-from armour.validation.rivals import Error, areal_densities, measured_limits
+from armour.validation.rivals import (
+    Error,
+    FlorenceResult,
+    ResidualVelocityFit,
+    areal_densities,
+    bodies_of,
+    fit_areal_density_rule,
+    fit_lambert_jonas,
+    fit_recht_ipson,
+    florence_result,
+    measured_limits,
+    missing_for_florence,
+)
 from armour.validation.suite import Case, Suite, load_suite
 from armour.validation.validate import paper_suite, validate
 

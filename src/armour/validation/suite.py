@@ -1,8 +1,8 @@
-"""Suites: cases with expected values, listed in the suite or in files of tests, and bands for computed values."""
+"""Suites: cases with expected values, listed in the suite or in files of tests, and the questions that they ask."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cache
+from functools import cached_property
 from itertools import compress
 from math import inf
 from os import PathLike
@@ -12,9 +12,13 @@ from typing import Annotated, Any, ClassVar, NamedTuple
 
 from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, field_validator, model_validator
 
-from armour.analysis.quantities import label_and_unit
+from armour.analysis.ballistic_limit import ballistic_limit
+from armour.analysis.evaluate import Answers, groups_of
+from armour.analysis.quantities import DESIGNS, OF_GRID, QUANTITIES, label_and_unit
+from armour.analysis.variants import Floats, Variants, grid_of
 from armour.csv_files import MUST_SAY, PERFORATED, number
-from armour.errors import InputError, Problem, choices, counted, mistake, refuse
+from armour.design.optimise import BestDesign, optimise
+from armour.errors import InputError, NoAnswerError, Problem, choices, counted, mistake, refuse
 from armour.files import named, read_toml, shipped, shipped_files, suite_file
 from armour.scenario.checked import checked
 from armour.scenario.effect import check_columns, check_effect
@@ -23,7 +27,82 @@ from armour.scenario.keys import canonical, describe, key_name, parts_of, values
 from armour.scenario.scenario import Scenario, parse_changed
 from armour.scenario.sections import LIST_TAG, RANGE_TAG, NumberOrText, Section, validated
 from armour.statistics.measured import MEASURED, read_tests
-from armour.validation.questions import QUESTIONS, SAVINGS, check_answerable
+
+
+class Subject:
+    """A scenario and, if given, the same with a material replaced; nothing is computed twice."""
+
+    def __init__(self, scenario: Scenario, replacement: Scenario | None = None) -> None:
+        self.scenario, self.replacement = scenario, replacement
+
+    @cached_property
+    def answers(self) -> Answers:
+        """The engine's answers about the scenario: one row."""
+        return Answers(groups_of(self.scenario, {})[0].variants)
+
+    @cached_property
+    def lightest(self) -> BestDesign:
+        """The lightest design of the scenario's grid; a NoAnswerError says why there is none."""
+        result = optimise(self.scenario)
+        if result.best is None:
+            raise NoAnswerError(result.explanation)
+        return result.best
+
+    @cached_property
+    def required(self) -> tuple[Variants, Variants]:
+        """Armours with the least thickness of the layer whose material is replaced, before and after that."""
+        assert self.replacement is not None, "a suite gives replaced_by with SAVINGS"
+        before, after = self.answers, Subject(self.replacement).answers
+        if self.scenario.armour.ceramic != self.replacement.armour.ceramic:
+            return before.with_least_ceramic, after.with_least_ceramic
+        return before.with_least_backing, after.with_least_backing
+
+
+# Questions about the lightest design, named after its attributes.
+LIGHTEST = ("optimum_ceramic_thickness_mm", "optimum_backing_thickness_mm", "optimum_areal_density_kg_m2")
+# Questions about replacing a material by another: the quantity reduced, reported in per cent of its value.
+SAVINGS: dict[str, Callable[[Variants], Floats]] = {
+    "thickness_saved_percent": lambda armours: armours.ceramics_mm + armours.backings_mm,
+    "weight_saved_percent": lambda armours: armours.areal_densities_kg_m2,
+}
+# All questions that a suite may ask, and the parts of a scenario that each depends on, see `armour.scenario.effect`.
+QUESTIONS: dict[str, tuple[str, ...]] = {
+    **{name: quantity.reads for name, quantity in QUANTITIES.items()},
+    **dict.fromkeys(LIGHTEST, DESIGNS),
+    **dict.fromkeys(SAVINGS, OF_GRID),
+}
+
+
+def answer(name: str, subject: Subject) -> float | str:
+    """Answer a question; raise NoAnswerError if it has no answer in the scenario's range."""
+    value: float | str
+    if name in LIGHTEST:
+        value = getattr(subject.lightest, name.removeprefix("optimum_"))
+    elif name in SAVINGS:
+        before, after = (float(SAVINGS[name](armours)[0]) for armours in subject.required)
+        value = 100.0 * (1.0 - after / before)
+    else:
+        value = QUANTITIES[name].compute(subject.answers)[0].item()
+    if value == value:
+        return value
+    if "optimise" not in QUESTIONS[name]:
+        ballistic_limit(subject.scenario)  # raises, with the reason
+    velocity = subject.scenario.impact.velocity_m_s
+    raise NoAnswerError(
+        f"no design: no thickness of the range stops the projectile at {velocity:g} m/s; "
+        "raise the max of optimise.ceramic_thickness_mm or of optimise.backing_thickness_mm"
+    )
+
+
+def check_answerable(name: str, scenario: Scenario, replacement: Scenario | None) -> None:
+    """Check that a scenario has the grid that a question needs, and that exactly one material is replaced."""
+    if "optimise" in QUESTIONS[name]:
+        grid_of(scenario)
+    if replacement is not None:
+        before, after = scenario.armour, replacement.armour
+        if (before.ceramic != after.ceramic) == (before.backing != after.backing):
+            raise mistake(scenario.file, "replaced_by", "must name another ceramic or another backing, and not both")
+
 
 Cells = Mapping[str, float | str]
 
@@ -64,7 +143,6 @@ LARGEST = 1e12
 Name = Annotated[str, Field(min_length=1)]
 Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
 Width = Annotated[float, Field(ge=0.0, le=LARGEST)]
-Read = Callable[[Path], dict[str, Any]]
 Parts = tuple[str | int, ...]
 
 
@@ -264,7 +342,7 @@ class Case:
 
     @property
     def quantity(self) -> str:
-        """One of `armour.validation.questions.QUESTIONS`."""
+        """One of `armour.validation.suite.QUESTIONS`."""
         return self.section.quantity
 
     @property
@@ -387,13 +465,12 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
         for index, case in enumerate(suite.case)
         if case.expected is None and not is_regression(case, suite)
     )
-    read = cache(read_toml)
     cases: list[Case] = []
     # A mistake in many rows of a table is reported for the first of them.
     wrong: dict[tuple[Parts, Problem], Problem] = {}
     for row in _rows(suite):
         try:
-            cases += _cases(row, suite, path.parent, changes, read)
+            cases += _cases(row, suite, path.parent, changes)
         except InputError as error:
             for problem in error.problems:
                 wrong.setdefault((row.place[:2], problem), _placed(problem, row, path))
@@ -441,13 +518,13 @@ def _rows(suite: SuiteSection) -> Iterator[_Row]:
             yield _Row(table, ("table", index, "file"))
 
 
-def _cases(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, object], read: Read) -> list[Case]:
+def _cases(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, object]) -> list[Case]:
     """Return the case of a row, or those of a file."""
     section, file = row.section, _file(folder, row.section.scenario)
-    scenario = _scenario(file, read, section.set, row.inputs, changes)
+    scenario = _scenario(file, section.set, row.inputs, changes)
     replacement = None
     if section.replaced_by is not None:
-        replacement = _scenario(file, read, section.set, section.replaced_by, changes)
+        replacement = _scenario(file, section.set, section.replaced_by, changes)
     check_answerable(section.quantity, scenario, replacement)
     name = ", ".join(map(_in_words, row.inputs, row.inputs.values())) or section.name
     case = Case(suite, section, name, scenario, row.expected, row.place, replacement, row.rivals, row.measured)
@@ -487,9 +564,9 @@ def _reads_of(case: Case) -> set[str]:
     return {*ROUND_AND_ARMOUR, *QUESTIONS[case.quantity]}
 
 
-def _scenario(file: Path, read: Read, *changes: Mapping[str, object]) -> Scenario:
+def _scenario(file: Path, *changes: Mapping[str, object]) -> Scenario:
     """Return the scenario of a file with changes, one after the other."""
-    return parse_changed(read(file), *changes, file=named(file), folder=file.parent)
+    return parse_changed(read_toml(file), *changes, file=named(file), folder=file.parent)
 
 
 def _file(folder: Path, name: str) -> Path:

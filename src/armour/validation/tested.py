@@ -7,8 +7,8 @@ import numpy as np
 
 from armour.analysis.evaluate import groups_of
 from armour.files import shipped_files, shipped_tests
-from armour.scenario.inputs import BACKING, CERAMIC, NAMES
-from armour.scenario.library import Kind, shipped_library
+from armour.scenario.inputs import BACKING, CERAMIC, NAMES, Kind
+from armour.scenario.library import shipped_library
 from armour.scenario.scenario import load_scenario
 
 

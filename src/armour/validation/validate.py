@@ -16,9 +16,8 @@ from armour.files import named, shipped_suites
 from armour.scenario.checked import checked
 from armour.scenario.inputs import INPUTS, NAMES
 from armour.scenario.sections import TINY
-from armour.validation.questions import Subject, answer
 from armour.validation.rivals import Error, errors_of
-from armour.validation.suite import Case, GroupSection, Suite, TableSection, meets
+from armour.validation.suite import Case, GroupSection, Subject, Suite, TableSection, answer, meets
 
 Status = Literal["within", "outside", "no answer", "no expected value", "not scored"]
 FAILED: tuple[Status, ...] = ("outside", "no answer", "no expected value")

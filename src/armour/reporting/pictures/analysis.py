@@ -10,8 +10,7 @@ from matplotlib.patches import Rectangle
 from matplotlib.transforms import offset_copy
 
 from armour.analysis.ballistic_limit import LimitResult, residual_velocity_curve
-from armour.analysis.history import History
-from armour.analysis.impact import ImpactResult
+from armour.analysis.impact import History, ImpactResult
 from armour.core.equations import crack_velocity
 from armour.core.state import Parameters
 from armour.errors import mistake

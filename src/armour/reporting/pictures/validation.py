@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from armour.analysis.closed_forms import residual_velocity
 from armour.errors import mistake
 from armour.reporting.pictures import drawing
 from armour.reporting.table import grouped
@@ -15,6 +14,7 @@ from armour.reporting.views.validation import drawn_checks
 from armour.scenario.sections import TINY
 from armour.validation.comparison import Comparison
 from armour.validation.figures import Figure
+from armour.validation.rivals import residual_velocity
 from armour.validation.suite import CASES
 from armour.validation.validate import SuiteResult
 

@@ -5,8 +5,8 @@ from collections.abc import Callable, Mapping, Sequence
 from armour.errors import listed
 from armour.files import read_toml, shipped_files, shipped_suites
 from armour.reporting.table import Column, Source, Table, column_of, listing
-from armour.scenario.library import DYNAMIC, KINDS, OPTIONAL, STATIC, Kind, Library, LibraryEntry
-from armour.scenario.threats import NamedThreat
+from armour.scenario.inputs import Kind
+from armour.scenario.library import DYNAMIC, KINDS, OPTIONAL, STATIC, Library, LibraryEntry, NamedThreat
 
 # Rounds of materials, or materials of rounds, by kind and name.
 Tested = Mapping[tuple[Kind, str], Sequence[str]]

@@ -5,7 +5,6 @@ from math import floor, log10
 from operator import itemgetter
 
 from armour import __version__
-from armour.analysis.closed_forms import FlorenceResult
 from armour.analysis.quantities import QUANTITIES
 from armour.errors import counted
 from armour.reporting.junit import TestCase, junit_suite, junit_xml
@@ -16,7 +15,7 @@ from armour.reporting.words import BALLISTIC_LIMIT
 from armour.statistics.measured import LIMIT
 from armour.validation.comparison import Comparison
 from armour.validation.figures import Figure
-from armour.validation.rivals import Error
+from armour.validation.rivals import Error, FlorenceResult
 from armour.validation.suite import CASES, Case
 from armour.validation.validate import FAILED, Check, SuiteResult, TableSummary
 

@@ -5,7 +5,7 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 
-from armour.analysis.closed_forms import (
+from armour.validation.rivals import (
     Plates,
     conoid_radius,
     fit_areal_density_rule,
