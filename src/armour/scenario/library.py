@@ -500,6 +500,8 @@ class Library:
         `file` holds the entries and is the source of values without one; `prefix` is the key of the tables in it.
         """
         tables = tables if isinstance(tables, LibraryTables) else validated(LibraryTables, tables, file)
+        if not any(getattr(tables, kind) for kind in KINDS):
+            return self
         entries: dict[Kind, dict[str, LibraryEntry]] = {kind: dict(self.entries[kind]) for kind in KINDS}
         problems: list[Problem] = []
         notes = list(self.notes)
