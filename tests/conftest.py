@@ -41,6 +41,12 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.fixture
+def not_laid_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Do not place the panels of pictures of which a test reads the content: tests/reporting looks at their places."""
+    monkeypatch.setattr("armour.reporting.pictures.drawing.NotebookFigure.draw_without_rendering", lambda _: None)
+
+
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: Any, log: Any) -> Any:
     """Give each file to one process, so that what its tests share is computed once."""

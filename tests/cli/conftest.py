@@ -48,7 +48,7 @@ def described(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -
     if "drawn" not in request.fixturenames:
         monkeypatch.setattr("armour.reporting.pictures.drawing.saved", words_in)
         monkeypatch.setattr("armour.reporting.formats.inline_svg", lambda _, __, name: f'<svg id="{name}"></svg>')
-        monkeypatch.setattr("armour.reporting.pictures.drawing.NotebookFigure.draw_without_rendering", lambda _: None)
+        request.getfixturevalue("not_laid_out")
 
 
 @pytest.fixture

@@ -25,7 +25,7 @@ from tests.helpers.results import impact, planned_tests, uncertainty_result
 from tests.helpers.suites import case
 from tests.helpers.suites import result as suite_result
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("not_laid_out")]
 
 SHOTS = Shots((700.0, 710.0, 720.0, 730.0), (False, True, False, True))
 LIMIT = "ballistic_limit_m_s"

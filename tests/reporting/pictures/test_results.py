@@ -34,6 +34,9 @@ from tests.helpers.results import impact as impact_result
 from tests.helpers.suites import TABLE, WILKINS_LIMIT, case, result
 
 
+pytestmark = pytest.mark.usefixtures("not_laid_out")
+
+
 def picture_of(result: Any, function: str = "draw") -> Picture:
     """The picture of a result, with its legends."""
     return drawn(drawing_of(result, function), Sheet())
