@@ -1,6 +1,7 @@
 """Own tests of a lot: what a calibrated entry keeps of them, and what follows for other armours."""
 
 import tomllib
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -34,11 +35,12 @@ def scenario_of(tests: Measured, case: Scenario, fit: str, lot: str = "lot 7") -
     return parse_scenario(tomllib.loads(text), file="made.toml")
 
 
-def of_wilkins(law: Law = "constant", **values: float) -> Scenario:
+@cache
+def of_wilkins(law: Law = "constant") -> Scenario:
     """The scenario of Wilkins' tests with AD85 calibrated to them."""
     wilkins = shipped_scenario("wilkins")
     text = scenario_text(wilkins_fit(law), read_tests(TESTS, wilkins), wilkins, "lot 7", FILE)
-    return parse_scenario(tomllib.loads(text), file="made.toml").replaced({VELOCITY: 700.0, **values})
+    return parse_scenario(tomllib.loads(text), file="made.toml").replaced({VELOCITY: 700.0})
 
 
 def plate(projectile: str, strength_MPa: float, thickness: float) -> Scenario:

@@ -1,5 +1,6 @@
 import warnings
 from collections.abc import Callable
+from functools import cache
 from itertools import combinations
 from xml.etree import ElementTree
 
@@ -10,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.transforms import Bbox
 
-from armour.design.optimise import optimise
+from armour.design.optimise import DesignResult, optimise
 from armour.errors import InputError
 from armour.reporting.pictures.drawing import (
     BLUE,
@@ -60,9 +61,14 @@ def a_map(sheet: Sheet) -> Picture:
     return picture
 
 
+@cache
+def optimum(name: str) -> DesignResult:
+    return optimise(shipped_scenario(name))
+
+
 DRAWINGS: dict[str, Callable[[], Callable[[Sheet], Picture]]] = {
     "impact": lambda: drawing_of(impact().of(scenario=scenario())),
-    "design": lambda: drawing_of(optimise(shipped_scenario("catalogue"))),
+    "design": lambda: drawing_of(optimum("catalogue")),
     "uncertainty": lambda: drawing_of(uncertainty_result().of(scenario=scenario(velocity=700.0))),
     "map": lambda: a_map,
     "rows": lambda: named_rows,
@@ -204,6 +210,7 @@ def test_no_text_is_markup_and_none_has_control_characters(text: str):
     assert legible("_a") == " _a"
 
 
+@pytest.mark.usefixtures("not_laid_out")
 def test_no_line_ends_between_a_number_and_its_unit():
     for length in range(40, 80, 4):
         figure = drawn(named_rows, Sheet(), title=f"{length * 'a'} 6.35 mm").figure
@@ -231,7 +238,7 @@ def test_contours_of_two_quantities_are_named_apart():
 @pytest.mark.parametrize("name", ["catalogue", "paper/optimum_7.62mm_AP"])
 @pytest.mark.parametrize("width", [WIDTH, 3.45])
 def test_a_label_of_a_contour_is_within_the_panel(name: str, width: float):
-    [axes] = drawn(drawing_of(optimise(shipped_scenario(name)), "draw_map_of"), Sheet(width), title="").axes
+    [axes] = drawn(drawing_of(optimum(name), "draw_map_of"), Sheet(width), title="").axes
     labels = [text.get_window_extent() for text in axes.texts if text.get_text().isdigit()]
     assert len(labels) > 6
     assert all(axes.bbox.contains(*corner) for box in labels for corner in (box.min, box.max))
