@@ -33,7 +33,6 @@ from tests.helpers.results import OTHER, THREAT, best_of, design_result, uncerta
 from tests.helpers.results import impact as impact_result
 from tests.helpers.suites import TABLE, WILKINS_LIMIT, case, result
 
-
 pytestmark = pytest.mark.usefixtures("not_laid_out")
 
 
