@@ -6,6 +6,7 @@ from matplotlib.text import Text
 from typer.testing import Result
 
 from armour.engine.cache import kernel
+from armour.engine.loops import NAMES
 from tests.helpers.commands import invoke
 
 
@@ -34,7 +35,8 @@ class Cli:
 @pytest.fixture(autouse=True, scope="session")
 def silent(compiled: None) -> None:  # noqa: ARG001 (in this order)
     """Compile the engine before the first command, which would say so."""
-    kernel("impacts")
+    for name in NAMES:
+        kernel(name)
 
 
 @pytest.fixture
