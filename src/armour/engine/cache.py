@@ -16,7 +16,6 @@ from hashlib import sha256
 from importlib.util import find_spec
 from pathlib import Path
 from threading import Lock
-from types import ModuleType
 
 from platformdirs import user_cache_dir
 
@@ -36,8 +35,6 @@ log = logging.getLogger(__name__)
 _lock = Lock()
 _kernels: dict[str, Kernel] = {}
 _logged: set[str] = set()
-# What each module of the core held when nothing in it was replaced.
-_own: dict[ModuleType, dict[str, object]] = {}
 
 
 def digest(package: Path = PACKAGE) -> str:
@@ -76,12 +73,9 @@ def replaced_function() -> str:
     """Return the name of a function of the core that another program has replaced, or ""."""
     expected_modules = ("armour.core", "builtins", "collections", "enum", "math", "typing")
     for module in CORE:
-        if _own.get(module) == vars(module):  # asked at every call of a kernel
-            continue
         for attribute, value in vars(module).items():
             if callable(value) and not getattr(value, "__module__", "").startswith(expected_modules):
                 return f"{module.__name__}.{attribute}"
-        _own[module] = dict(vars(module))
     return ""
 
 
