@@ -8,7 +8,6 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field
-from scipy.special import ndtr, ndtri
 
 from armour.analysis.variants import Floats, Ints, Variants, variants_of
 from armour.engine import batch
@@ -193,6 +192,8 @@ def correlated(uncertainty: Uncertainty, points: Floats) -> Floats:
     """Return points of the unit cube, shape (n, inputs), with the correlations of a Gaussian copula."""
     if not uncertainty.correlation:
         return points
+    from scipy.special import ndtr, ndtri  # slow to import
+
     factor = np.linalg.cholesky(correlation_matrix(list(uncertainty.inputs()), uncertainty.correlation))
     return ndtr(ndtri(points) @ factor.T)
 
@@ -221,6 +222,8 @@ def quantiles(distribution: Distribution, probabilities: ArrayLike, value: float
     if distribution.distribution == "lognormal":
         with np.errstate(divide="ignore"):
             ends = np.log(ends.clip(min=0.0))
+    from scipy.special import ndtr, ndtri  # slow to import
+
     low, high = (ends - centre) / width
     side = -1.0 if low > 0.0 else 1.0  # probabilities near 1 have fewer digits than those near 0
     scores = side * ndtri(ndtr(side * low) * (1.0 - parts) + ndtr(side * high) * parts)

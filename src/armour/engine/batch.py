@@ -107,8 +107,11 @@ def _computed(
         kernel(*(array[part] for array in inputs), settings, counts[part], ends[part])
 
     starts = range(0, count, size)
-    with ThreadPoolExecutor(min(threads or available_cores(), len(starts)) or 1) as pool:
-        list(pool.map(compute, starts))
+    if len(starts) > 1:
+        with ThreadPoolExecutor(min(threads or available_cores(), len(starts))) as pool:
+            list(pool.map(compute, starts))
+    elif count:
+        compute(0)
     return counts, ends
 
 
