@@ -206,7 +206,7 @@ def test_a_name_in_place_of_a_scenario_may_be_read():
         armour.simulate("wilkins")  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("name", ["load_scenario", "load_suite", "read_shots", "parse_scenario"])
+@pytest.mark.parametrize("name", ["load_scenario", "load_suite", "parse_scenario"])
 @pytest.mark.parametrize("given", [None, 5, [1]])
 def test_a_wrong_path_or_mapping_is_refused(name: str, given: object):
     with pytest.raises(armour.InputError, match=rf"{name}: \w+: must be a (path|mapping), found "):

@@ -125,6 +125,15 @@ def test_wrong_files_with_every_mistake(tmp_path: Path, rows: list[str], message
     assert [message in text for message in messages] == [True] * len(messages)
 
 
+def test_rows_are_read_as_a_file_is(tmp_path: Path):
+    rows = [{"velocity_m_s": 700, "result": "stopped"}, {"velocity_m_s": 720.5, "result": "C"}]
+    shots = read_shots(rows)
+    file = read_shots(csv_file(tmp_path / "shots.csv", "velocity_m_s,result", "700,stopped", "720.5,C"))
+    assert (shots.velocities_m_s, shots.complete) == (file.velocities_m_s, file.complete)
+    with pytest.raises(InputError, match="rows: row 2: velocity_m_s: must be a number"):
+        read_shots([rows[0], {"velocity_m_s": "fast", "result": "C"}])
+
+
 @pytest.mark.parametrize(
     ("shots", "settings", "message"),
     [

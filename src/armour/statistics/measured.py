@@ -3,14 +3,12 @@
 from collections import Counter
 from collections.abc import Container, Mapping, Sequence
 from itertools import chain, islice
-from os import PathLike
-from typing import Annotated, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from pydantic import PlainValidator
 
 from armour.analysis.variants import Floats, Ints, Variants, variants_of
-from armour.csv_files import MUST_SAY, PERFORATED, CsvRow, Rows, in_line_order, lines_of, read_rows
+from armour.csv_files import MUST_SAY, PERFORATED, CsvRow, Table, in_line_order, lines_of, read_rows
 from armour.errors import InputError, Problem, counted, mistake, refuse
 from armour.scenario.checked import Names, checked
 from armour.scenario.inputs import INPUTS, NAMES, ROLES, VELOCITY
@@ -27,8 +25,6 @@ MEASURED = {
 USUAL = f"{', '.join((*MEASURED, OUTCOME))}, test, armour.ceramic_thickness_mm and other keys of a scenario"
 # Range of measurements and of uncertainties, in any unit.
 MIN_MEASURED, MAX_MEASURED = 1e-3, 1e6
-# A table, which is checked when it is read.
-Table = Annotated[str | PathLike[str] | Rows, PlainValidator(lambda table: table)]
 
 
 class Measurement(NamedTuple):

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from itertools import chain, islice
 from math import inf
 from numbers import Real
-from os import PathLike
 from pathlib import Path
 from statistics import median
 from typing import Annotated, Any, Literal
@@ -15,7 +14,7 @@ from pydantic import Field
 from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.analysis.samples import CONFIDENCE, Confidence
-from armour.csv_files import MUST_SAY, PERFORATED, in_line_order, lines_of, read_rows
+from armour.csv_files import MUST_SAY, PERFORATED, Table, in_line_order, lines_of, read_rows
 from armour.errors import Problem, counted, mistake, refuse, suggestion
 from armour.scenario.checked import checked
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
@@ -180,15 +179,16 @@ class FiringResult(TableResult):
 
 
 @checked
-def read_shots(path: str | PathLike[str], *, one_kind: bool = False) -> Shots:
-    """Read firing results from a CSV file.
+def read_shots(path: Table, *, one_kind: bool = False) -> Shots:
+    """Read firing results.
 
     Parameters
     ----------
-    path : path-like
-        File with the columns ``velocity_m_s``, ``result`` ("partial" or "complete", "stopped" or "perforated", P or C,
-        PP or CP, no or yes, in letters of any case) and, optionally, ``shot``; or, where there is no such file, the
-        name of a shipped one, ``"shots.csv"``.
+    path : path-like, sequence of mappings or data frame
+        CSV file or, if there is no such file, the shipped one of this name, ``"shots.csv"``; or the rows themselves,
+        each a mapping by column, or a data frame of pandas or polars.
+        Its columns are ``velocity_m_s``, ``result`` ("partial" or "complete", "stopped" or "perforated", P or C,
+        PP or CP, no or yes, in letters of any case) and, optionally, ``shot``.
         Other columns are ignored, but one that looks like a misspelling of these is an error.
     one_kind : bool
         Whether all penetrations may be partial, or all complete, which is enough for a plan and for a posterior.
