@@ -187,6 +187,16 @@ def test_existing_files_are_not_overwritten(output: Path):
     assert list(output.parent.iterdir()) == [output]
 
 
+@pytest.mark.parametrize("suffix", ["", "-journal"])
+def test_a_process_that_was_killed_before_its_first_row_leaves_nothing_that_matters(output: Path, suffix: str):
+    folder = rows_of(output).parent
+    folder.mkdir(mode=0o700)
+    (folder / f".armour-0123456789abcdef{suffix}").touch()
+    assert not filled(output, 1)
+    assert not finished(output)
+    assert list(output.parent.iterdir()) == [output]
+
+
 @pytest.mark.parametrize("name", ["job", "a.new", "0000000000000.npz"])
 def test_own_files_in_a_folder_of_that_name_survive(output: Path, name: str):
     folder = rows_of(output).parent

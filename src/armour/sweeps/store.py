@@ -32,8 +32,8 @@ from armour.files import csv_cell, csv_value, exchangeable, make_private, reason
 RESUME = "repeat the same sweep to resume"
 # Number of rows in a row group of Parquet, independent of the size of a chunk.
 ROW_GROUP = 100_000
-# The database, its journal, and a table that is being written.
-FILE_NAME = re.compile(r"rows|rows-journal|\.armour-[0-9a-f]{16}")
+# The database or one to try locks, its journal, and a table that is being written.
+FILE_NAME = re.compile(r"(rows|\.armour-[0-9a-f]{16})(-journal)?")
 TABLES = """
 create table if not exists job (checksum, content);
 create table if not exists chunk (start integer primary key, checksum, content);
