@@ -92,13 +92,14 @@ def test_each_replicate_covers_the_whole_range(method: str):
 
 
 @pytest.mark.parametrize("end", ["min", "max"])
-def test_a_truncation_far_out_in_a_tail(end: str):
-    """Quantiles of the exponential distribution to which the tail tends, beyond the digits of the other tail's."""
-    at = 10.0 + 2.0 * (9.0 if end == "min" else -9.0)
+@pytest.mark.parametrize("deviations", [9.0, 90.0])
+def test_a_truncation_far_out_in_a_tail(end: str, deviations: float):
+    """Quantiles of the exponential distribution to which the tail tends, where a probability may have no digits."""
+    at = 10.0 + 2.0 * (deviations if end == "min" else -deviations)
     far = distribution_of(distribution="normal", standard_deviation=2.0, **{end: at})
     values = quantiles(far, PARTS, 10.0)
     parts = PARTS if end == "min" else 1.0 - PARTS
-    assert np.abs(values - at) == pytest.approx(-np.log1p(-parts) * 2.0 / 9.0, rel=0.1)
+    assert np.abs(values - at) == pytest.approx(-np.log1p(-parts) * 2.0 / deviations, rel=0.1)
 
 
 def test_a_mean_that_truncation_moves():

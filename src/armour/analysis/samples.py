@@ -222,11 +222,13 @@ def quantiles(distribution: Distribution, probabilities: ArrayLike, value: float
     if distribution.distribution == "lognormal":
         with np.errstate(divide="ignore"):
             ends = np.log(ends.clip(min=0.0))
-    from scipy.special import ndtr, ndtri  # slow to import
+    from scipy.special import log_ndtr, ndtri_exp  # slow to import
 
     low, high = (ends - centre) / width
     side = -1.0 if low > 0.0 else 1.0  # probabilities near 1 have fewer digits than those near 0
-    scores = side * ndtri(ndtr(side * low) * (1.0 - parts) + ndtr(side * high) * parts)
+    with np.errstate(divide="ignore"):
+        shares = log_ndtr(side * low) + np.log1p(-parts), log_ndtr(side * high) + np.log(parts)
+    scores = side * ndtri_exp(np.logaddexp(*shares))
     values = centre + width * scores
     return np.clip(np.exp(values) if distribution.distribution == "lognormal" else values, *distribution.ends)
 
