@@ -7,9 +7,7 @@ from itertools import chain, islice
 from math import isfinite, nan
 from os import PathLike
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple, Protocol
-
-from pydantic import PlainValidator
+from typing import Any, NamedTuple, Protocol
 
 from armour.errors import CHOOSE, InputError, Problem, mistake, refuse, suggestion
 from armour.files import csv_value, located, named, reason, shipped_tests
@@ -49,8 +47,6 @@ class Frame(Protocol):
 
 # Rows given in Python: mappings by column, or a data frame.
 Rows = Iterable[Mapping[str, Any]] | Frame
-# A table, which is checked when it is read.
-Table = Annotated[str | PathLike[str] | Rows, PlainValidator(lambda table: table)]
 # A line: its place, for messages, and its cells.
 Line = tuple[str, list[str]]
 

@@ -225,7 +225,7 @@ def quantiles(distribution: Distribution, probabilities: ArrayLike, value: float
     from scipy.special import log_ndtr, ndtri_exp  # slow to import
 
     low, high = (ends - centre) / width
-    side = -1.0 if low > 0.0 else 1.0  # probabilities near 1 have fewer digits than those near 0
+    side = -1.0 if high > -low else 1.0  # probabilities near 1 have fewer digits than those near 0
     with np.errstate(divide="ignore"):
         shares = log_ndtr(side * low) + np.log1p(-parts), log_ndtr(side * high) + np.log(parts)
     scores = side * ndtri_exp(np.logaddexp(*shares))

@@ -5,7 +5,7 @@ from math import ceil, log, log1p
 
 import numpy as np
 
-from armour.analysis.results import OnProgress, ignore_progress, portions
+from armour.analysis.results import OnProgress, ignore_progress
 from armour.analysis.samples import (
     TAIL,
     Estimate,
@@ -26,8 +26,12 @@ from armour.scenario.inputs import BACKING, CERAMIC
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import MAX_SAMPLES, Uncertainty
 
-# Samples that are computed at a time.
-SAMPLES_AT_A_TIME = 2**10
+# Number of samples after which a design is first checked for whether it can still pass.
+FIRST_SAMPLES = 64
+# Sampling stops early if the number of perforations would be less probable than this were the bound to hold.
+IMPROBABLE = 1e-9
+# Samples that are computed at a time at most, which bounds the memory.
+MOST_SAMPLES = 2**15
 # Scenarios of pairs of materials and threats that are kept.
 MOST_SCENARIOS = 1000
 
@@ -66,14 +70,17 @@ class Reliability:
     def within(self, bound: float, scenario: Scenario, layers: dict[str, float], errors: Errors) -> Estimate | None:
         """Estimate the probability of perforation of a design; None if its interval exceeds a bound.
 
-        The layers are their thicknesses, by input.  A model error that is not known is left out.
+        The layers are their thicknesses, by input.  A model error that is not known is left out.  Samples are taken in
+        growing parts, until these show that the bound is exceeded.
         """
+        from scipy.special import bdtrc  # slow to import
+
         values = own_values(scenario) | layers
         section = section_at(scenario, values, with_error=bool(errors.known.all()))
         points = self.points[:, : len(section.inputs())]
-        hits = 0
-        for portion in portions(len(points), SAMPLES_AT_A_TIME):
-            part = points[portion]
+        hits, start, end = 0, 0, FIRST_SAMPLES
+        while start < len(points):
+            part = points[start:end]
             columns = columns_of(section, values, part)
             if layers.get(CERAMIC) == 0.0:
                 columns.pop(CERAMIC, None)  # an absent layer has no thickness to vary
@@ -81,8 +88,9 @@ class Reliability:
             hits += int(perforated(sampled(scenario, columns, len(part), errors).variants).sum())
             estimate = proportion(hits, len(points))
             self.on_progress(len(part), None)
-            if estimate.high > bound:
+            if estimate.high > bound or bdtrc(hits - 1, end, bound) < IMPROBABLE:
                 return None
+            start, end = end, end + min(end, MOST_SAMPLES)
         return estimate
 
 

@@ -9,6 +9,7 @@ from typing import Annotated, Any, ParamSpec, TypeVar, Union, get_args, get_orig
 
 from pydantic import PlainValidator, create_model
 
+from armour.csv_files import Rows
 from armour.scenario.keys import describe
 from armour.scenario.sections import Section, validated
 
@@ -103,3 +104,5 @@ def _names(argument: object) -> tuple[str, ...]:
 
 # A name, or several different names, as a tuple.
 Names = Annotated[str | Sequence[str], PlainValidator(_names)]
+# A table, which is checked when it is read.
+Table = Annotated[str | PathLike[str] | Rows, PlainValidator(lambda table: table)]

@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from armour.analysis.variants import Floats, Ints, Variants, variants_of
-from armour.csv_files import MUST_SAY, PERFORATED, CsvRow, Table, in_line_order, lines_of, read_rows
+from armour.csv_files import MUST_SAY, PERFORATED, CsvRow, in_line_order, lines_of, read_rows
 from armour.errors import InputError, Problem, counted, mistake, refuse
-from armour.scenario.checked import Names, checked
+from armour.scenario.checked import Names, Table, checked
 from armour.scenario.inputs import INPUTS, NAMES, ROLES, VELOCITY
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 

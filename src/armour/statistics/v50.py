@@ -14,9 +14,9 @@ from pydantic import Field
 from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.analysis.samples import CONFIDENCE, Confidence
-from armour.csv_files import MUST_SAY, PERFORATED, Table, in_line_order, lines_of, read_rows
+from armour.csv_files import MUST_SAY, PERFORATED, in_line_order, lines_of, read_rows
 from armour.errors import Problem, counted, mistake, refuse, suggestion
-from armour.scenario.checked import checked
+from armour.scenario.checked import Table, checked
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.statistics.curves import CDFS, FittedCurve, ShotLikelihood, fit_curve, has_curve
 from armour.statistics.posterior import FiringEstimate, FiringPrior, learned, no_prior, posterior_of
