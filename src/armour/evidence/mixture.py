@@ -12,6 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 Floats = NDArray[np.float64]
 
+# Steps to a quantile, each of which halves the interval that it is in.
+HALVINGS = 48
 # Greatest count of numbers of one armour to compute without scipy.
 MOST = 1000
 
@@ -72,8 +74,8 @@ class Mixture(NamedTuple):
         many = self._many(chances)
         by_component = np.where(weights > 0.0, locations, np.nan) + scales * quantile(freedom, chances, many=many)
         low, high = np.fmin.reduce(by_component), np.fmax.reduce(by_component)
-        # The quantile of the mixture is between those of its components; each step halves the interval.
-        for _ in range(44 if len(by_component) > 1 else 0):
+        # The quantile of the mixture is between those of its components.
+        for _ in range(HALVINGS if len(by_component) > 1 else 0):
             places = 0.5 * (low + high)
             below = (weights * probability_below(freedom, (places - locations) / scales, many=many)).sum(axis=0)
             low, high = np.where(below < chances, places, low), np.where(below < chances, high, places)
@@ -117,6 +119,10 @@ _OFF_DIAGONAL = np.arange(1.0, 64.0) / np.sqrt(4.0 * np.arange(1.0, 64.0) ** 2 -
 NODES, _VECTORS = np.linalg.eigh(np.diag(_OFF_DIAGONAL, 1) + np.diag(_OFF_DIAGONAL, -1))
 WEIGHTS = 2.0 * _VECTORS[0] ** 2
 COVERED = 9.0
+# Tolerance of an angle, and the most steps to it; ten are usual.
+ANGLE_TOLERANCE, MOST_ANGLES = 1e-14, 100
+# Least density to divide by, far beyond any probability of use.
+LEAST_DENSITY = 1e-300
 
 
 def probability_below(freedom: Floats, t: Floats, *, many: bool) -> Floats:
@@ -137,13 +143,15 @@ def quantile(freedom: Floats, probabilities: Floats, *, many: bool) -> Floats:
 
         values = stdtrit(freedom, probabilities)
     else:
-        constants, high = _constants(freedom), np.full(freedom.shape, 0.5 * np.pi)
-        low = -high
-        for _ in range(56):
-            angle = 0.5 * (low + high)
-            is_below = _below(freedom, constants, angle) < probabilities
-            low, high = np.where(is_below, angle, low), np.where(is_below, high, angle)
-        values = np.sqrt(freedom) * np.tan(0.5 * (low + high))
+        constants, angle = _constants(freedom), np.zeros(freedom.shape)
+        # Newton's method does not pass the root: the function bends one way on each side of 0.
+        for _ in range(MOST_ANGLES):
+            density = np.maximum(constants * np.cos(angle) ** (freedom - 1.0), LEAST_DENSITY)
+            step = (probabilities - _below(freedom, constants, angle)) / density
+            angle = (angle + step).clip(-0.5 * np.pi, 0.5 * np.pi)
+            if not (np.abs(step) > ANGLE_TOLERANCE).any():
+                break
+        values = np.sqrt(freedom) * np.tan(angle)
     # Versions of scipy give different results at 0 and 1.
     ends = [np.isnan(probabilities), probabilities == 0.0, probabilities == 1.0]
     return np.select(ends, [np.nan, -np.inf, np.inf], values)
