@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 Floats = NDArray[np.float64]
 
-# Steps to a quantile, each of which halves the interval that it is in.
-HALVINGS = 48
+# Tolerance of a quantile, or of its logarithm, and the most steps to it; ten are usual.
+TOLERANCE, MOST_STEPS = 1e-12, 200
 # Greatest count of numbers of one armour to compute without scipy.
 MOST = 1000
 
@@ -74,21 +74,33 @@ class Mixture(NamedTuple):
         many = self._many(chances)
         by_component = np.where(weights > 0.0, locations, np.nan) + scales * quantile(freedom, chances, many=many)
         low, high = np.fmin.reduce(by_component), np.fmax.reduce(by_component)
-        # The quantile of the mixture is between those of its components.
-        for _ in range(HALVINGS if len(by_component) > 1 else 0):
-            places = 0.5 * (low + high)
+        places = np.where(low == high, low, 0.5 * (low + high))
+        moving = np.ones_like(places, dtype=bool)
+        # Newton's method, for each value until its own last step, within an interval that the steps narrow.
+        for _ in range(MOST_STEPS if len(by_component) > 1 else 0):
             below = (weights * probability_below(freedom, (places - locations) / scales, many=many)).sum(axis=0)
             low, high = np.where(below < chances, places, low), np.where(below < chances, high, places)
-        return np.exp(high) if self.logarithmic else high
+            with np.errstate(all="ignore"):
+                new = places + (chances - below) * np.exp(-self._log_density(places))
+                new = np.where((new >= low) & (new <= high), new, 0.5 * (low + high))
+                last, places = places, np.where(moving, np.where(low == high, low, new), places)
+                moving &= np.abs(places - last) > TOLERANCE * np.maximum(1.0, np.abs(places))
+            if not moving.any():
+                break
+        return np.exp(places) if self.logarithmic else places
 
     def log_density(self, values: ArrayLike) -> Any:
         """Return the logarithm of the density at values above 0, per their unit."""
-        weights, locations, scales, freedom, places = self._at(values)
+        *_, places = self._at(values)
+        return self._log_density(places) - (places if self.logarithmic else 0.0)
+
+    def _log_density(self, places: Floats) -> Any:
+        """Return the logarithm of the density at values, or per unit of their logarithms at these."""
+        weights, locations, scales, freedom = self._parts(places)
         constant = np.log(_constants(freedom) / np.sqrt(freedom))
         kernel = 0.5 * (freedom + 1.0) * np.log1p(((places - locations) / scales) ** 2 / freedom)
         with np.errstate(divide="ignore"):
-            log_density = np.logaddexp.reduce(np.log(weights) + constant - np.log(scales) - kernel)
-        return log_density - (places if self.logarithmic else 0.0)
+            return np.logaddexp.reduce(np.log(weights) + constant - np.log(scales) - kernel)
 
     def drawn(self, chances: Floats) -> tuple[Any, Floats]:
         """Return components and values at chances, (n,), between 0 and 1, one for each draw.
