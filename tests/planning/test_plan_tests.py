@@ -247,6 +247,12 @@ def test_wrong_candidates(wilkins: Scenario, tmp_path: Path, rows: tuple[str, ..
     assert words in str(caught.value)
 
 
+@pytest.mark.parametrize("law", [None, "product"])
+def test_a_flow_stress_without_a_ceramic_is_refused(law: Law | None):
+    with pytest.raises(InputError, match=f'plan_tests: fit: must name an input of the scenario, found "{FLOW_STRESS}"'):
+        plan_tests(shipped_scenario("bare_plate"), {BACKING: [4.0, 6.0]}, law=law, scatter_percent=5.0)
+
+
 @pytest.mark.parametrize(
     ("settings", "words"),
     [

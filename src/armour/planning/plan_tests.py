@@ -365,6 +365,7 @@ def plan_tests(
     designs = (designs,) if isinstance(designs, Scenario) else tuple(designs) or (scenario,)
     fit = tuple(fit)
     check_fitted(fit, law, "plan_tests")
+    scenario.check_names([name for name in fit if law is None or name == FLOW_STRESS], "plan_tests", "fit")
     armours = candidates_of(scenario, candidates, measure, cost)
     _check_materials([(design.file, design) for design in designs], armours.groups[0].scenario, fit)
     model = limit_model(armours, designs, fit, law, on_progress)
