@@ -3,8 +3,9 @@
 from functools import cache
 from typing import Any
 
+from armour.scenario.inputs import FLOW_STRESS
 from armour.scenario.scenario import Scenario
-from armour.statistics.calibration import FLOW_STRESS, CalibrationResult, Law, calibrate
+from armour.statistics.calibration import CalibrationResult, Law, calibrate
 from armour.statistics.measured import Tests, read_tests
 from tests.helpers.cases import TESTS, shipped_scenario
 

@@ -10,9 +10,9 @@ from scipy.stats import norm
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.errors import InputError
 from armour.planning.plan_tests import PlannedTests, plan_tests
-from armour.scenario.inputs import BACKING, CERAMIC, VELOCITY
+from armour.scenario.inputs import BACKING, CERAMIC, FLOW_STRESS, VELOCITY
 from armour.scenario.scenario import Scenario
-from armour.statistics.calibration import FLOW_STRESS, Law, calibrate
+from armour.statistics.calibration import Law, calibrate
 from armour.statistics.measured import read_tests
 from tests.helpers.cases import TESTS, csv_file, shipped_scenario
 

@@ -13,10 +13,10 @@ from scipy import stats
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.evaluate import evaluate
 from armour.analysis.impact import simulate
+from armour.scenario.inputs import FLOW_STRESS
 from armour.scenario.scenario import Scenario
 from armour.statistics import likelihood
 from armour.statistics.calibration import (
-    FLOW_STRESS,
     LAWS,
     CalibrationResult,
     Law,

@@ -13,9 +13,9 @@ from armour.analysis.evaluate import evaluate
 from armour.design.optimise import optimise
 from armour.errors import InputError, NoAnswerError
 from armour.evidence.tests import armours_of, scenario_warnings
-from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, VELOCITY
+from armour.scenario.inputs import BACKING, CERAMIC, FLOW_STRESS, OBLIQUITY, VELOCITY
 from armour.scenario.scenario import Scenario, parse_scenario
-from armour.statistics.calibration import FLOW_STRESS, Law, calibrate
+from armour.statistics.calibration import Law, calibrate
 from armour.statistics.fitted_library import scenario_text
 from armour.statistics.measured import Tests as Measured
 from armour.statistics.measured import read_tests

@@ -21,9 +21,9 @@ from armour.analysis.variants import Floats, ballistic_limits, distributions, va
 from armour.evidence.fit import Fit, LotTests, fits, shipped_data
 from armour.evidence.mixture import Mixture
 from armour.evidence.tests import STRANGE, STRANGE_METAL, Materials
-from armour.scenario.inputs import BACKING, CERAMIC
+from armour.scenario.inputs import BACKING, CERAMIC, FLOW_STRESS
 from armour.scenario.scenario import load_scenario
-from armour.statistics.calibration import FLOW_STRESS, with_ceramic
+from armour.statistics.calibration import with_ceramic
 from armour.statistics.measured import LIMIT, read_tests
 from armour.statistics.own_tests import SHOT_SCATTER, UNTESTED, own_tests
 from tools.campaigns.evidence import NAMES, ranges_of, table, write_tables

@@ -18,10 +18,10 @@ from armour.analysis.samples import quantiles
 from armour.analysis.variants import Floats, Variants, variants_of
 from armour.core.equations import intact_strength
 from armour.engine.batch import fields
-from armour.scenario.inputs import BACKING, CERAMIC
+from armour.scenario.inputs import BACKING, CERAMIC, FLOW_STRESS
 from armour.scenario.scenario import load_scenario
 from armour.statistics import likelihood as likelihood_fit
-from armour.statistics.calibration import FLOW_STRESS, LAWS, Law, with_ceramic, with_law
+from armour.statistics.calibration import LAWS, Law, with_ceramic, with_law
 from armour.statistics.measured import LIMIT, Measurement, Tests, read_tests
 from armour.units import GPA
 from tools.experiments.share import Share, holds

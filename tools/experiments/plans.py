@@ -19,10 +19,10 @@ from armour.analysis.results import ignore_progress
 from armour.analysis.samples import CONFIDENCE
 from armour.analysis.variants import Floats
 from armour.planning.plan_tests import LimitModel, plan_tests
-from armour.scenario.inputs import BACKING, CERAMIC
+from armour.scenario.inputs import BACKING, CERAMIC, FLOW_STRESS
 from armour.scenario.scenario import Scenario, load_scenario
 from armour.statistics import likelihood as likelihood_fit
-from armour.statistics.calibration import FLOW_STRESS, LAWS, Law, calibrate, with_ceramic, with_law
+from armour.statistics.calibration import LAWS, Law, calibrate, with_ceramic, with_law
 from armour.statistics.measured import LIMIT, MaterialGroup, read_tests
 from tools.experiments.calibrations import ROOT, Table
 from tools.experiments.share import Share

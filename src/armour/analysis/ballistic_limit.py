@@ -21,11 +21,10 @@ from armour.evidence.mixture import Mixture
 from armour.evidence.model_error import ModelError, error_of, why_unknown
 from armour.evidence.tests import armours_of, is_untested, is_unusual, scenario_warnings
 from armour.scenario.checked import checked
-from armour.scenario.inputs import OBLIQUITY
+from armour.scenario.inputs import FLOW_STRESS, OBLIQUITY
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S
 
-FLOW_STRESS = "ceramic.flow_stress_GPa"
 # Range of flow stresses that is searched, GPa; the number of values in a grid, and the number of grids, each finer than
 # the one before, until two neighbours differ by less than 0.01 %.
 RANGE_GPA, POINTS, GRIDS = (0.1, 100.0), 64, 3

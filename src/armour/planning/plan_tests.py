@@ -19,12 +19,11 @@ from armour.errors import MAX_PROBLEMS, Problem, choices, counted, mistake, refu
 from armour.planning import optimal_design
 from armour.planning.optimal_design import Task
 from armour.scenario.checked import Names, checked, instance
-from armour.scenario.inputs import INPUTS, NAMES, VELOCITY
+from armour.scenario.inputs import FLOW_STRESS, INPUTS, NAMES, VELOCITY
 from armour.scenario.keys import canonical
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.statistics import likelihood
 from armour.statistics.calibration import (
-    FLOW_STRESS,
     Law,
     check_fitted,
     check_same_prior,

@@ -49,7 +49,7 @@ class Input(NamedTuple):
 
 VELOCITY, OBLIQUITY = "impact.velocity_m_s", "impact.obliquity_deg"
 CERAMIC, BACKING = LAYERS = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm"
-YIELD = "backing.dynamic_yield_strength_MPa"
+YIELD, FLOW_STRESS = "backing.dynamic_yield_strength_MPa", "ceramic.flow_stress_GPa"
 # Inputs that determine the penetrator's length.
 ROD = ("projectile.penetrator_diameter_mm", "projectile.penetrator_mass_g", "projectile.density_kg_m3")
 # The model error as an input, and the keys that it depends on besides projectile, armour, model and solver.

@@ -15,7 +15,7 @@ from armour.analysis.variants import Bools, Floats, outside_limits
 from armour.errors import InputError, mistake
 from armour.evidence.fit import LEAST_REST
 from armour.scenario.checked import Names, checked
-from armour.scenario.inputs import ROLES
+from armour.scenario.inputs import FLOW_STRESS, ROLES
 from armour.scenario.keys import key_name
 from armour.scenario.library import FLOW_STRESS_LAW
 from armour.scenario.scenario import Scenario
@@ -31,8 +31,6 @@ from armour.statistics.likelihood import (
 )
 from armour.statistics.measured import Tests, common_of, subject_of, with_scatter
 from armour.statistics.own_tests import NOTHING_OF_ERROR, own_tests, repeated
-
-FLOW_STRESS = "ceramic.flow_stress_GPa"
 
 Law = Literal["constant", "ceramic", "backing", "product", "linear"]
 # Keys of the ceramic that each law fits.

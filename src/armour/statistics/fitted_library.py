@@ -12,11 +12,11 @@ from pydantic import Field
 from armour.errors import InputError, NoAnswerError, counted, mistake
 from armour.files import parse_toml, write_file
 from armour.scenario.checked import checked
-from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, NAMES, VELOCITY
+from armour.scenario.inputs import BACKING, CERAMIC, FLOW_STRESS, INPUTS, NAMES, VELOCITY
 from armour.scenario.library import FLOW_STRESS_LAW, LibraryEntry, shipped_library
 from armour.scenario.scenario import Scenario, parse_scenario
 from armour.scenario.schema import DesignSection, Line
-from armour.statistics.calibration import FLOW_STRESS, LAWS, CalibrationResult
+from armour.statistics.calibration import LAWS, CalibrationResult
 from armour.statistics.measured import LIMIT, MEASURED, OUTCOME, Tests
 from armour.statistics.own_tests import NOTHING_OF_ERROR
 

@@ -362,7 +362,8 @@ def _refitted(cases: Sequence[Case]) -> Iterator[Error]:
     Nothing is fitted if the rows of the table differ in their settings.
     """
     # Imported here for scipy, which a suite without rivals does not need.
-    from armour.statistics.calibration import FLOW_STRESS, fit_by_law
+    from armour.scenario.inputs import FLOW_STRESS
+    from armour.statistics.calibration import fit_by_law
     from armour.statistics.likelihood import intervals
 
     name, scenario = cases[0].scenario.name_of("ceramic"), cases[0].scenario
