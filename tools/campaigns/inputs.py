@@ -357,7 +357,7 @@ VALUES: dict[str, Callable[[Maker], str]] = {
     "--tests": Maker.tests,
     "--design": partial(Maker.scenario, name="d.toml"),
     "--earlier": read("e.csv", SHOTS),
-    "--quantities": lambda maker: ",".join({maker.among(*QUANTITIES) for _ in range(2)}),
+    "--quantities": lambda maker: ",".join(sorted({maker.among(*QUANTITIES) for _ in range(2)})),
     "--threads": of(1, 2),
     "--scheduler": of("x", "tcp://", "x:y:z"),
     "--velocity": ends(300.0, 1500.0),
