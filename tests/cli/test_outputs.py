@@ -144,7 +144,14 @@ def test_a_file_is_replaced_where_that_is_asked_for(cli, own: Path):
     assert all((own / name).read_text().count("\n") for name in ("h.csv", "t.csv"))
 
 
-@pytest.mark.parametrize("words", ["simulate own.toml --history h.xlsx", "optimise own.toml --csv h.md"])
+@pytest.mark.parametrize(
+    "words",
+    [
+        "simulate own.toml --history h.xlsx",
+        "optimise own.toml --csv h.md",
+        "plan tests own.toml --candidates armour.ceramic_thickness_mm=6,8 --csv h.txt",
+    ],
+)
 @pytest.mark.usefixtures("own")
 def test_a_table_is_csv(cli, words: str):
     ending = Path(words.split()[-1]).suffix

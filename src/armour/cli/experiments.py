@@ -218,7 +218,7 @@ def _with_result(
         return Answer(plan, (*warnings, *plan.warnings), contents={table: content_with_shot}, held=stack.pop_all())
 
 
-@question(FIT, unit="armours", prior_reads=["uncertainty"], named={"designs": "--design"}, outputs=["csv"])
+@question(FIT, unit="armours", prior_reads=["uncertainty"], named={"designs": "--design"}, tables=["csv"])
 def plan_tests(
     scenario: "Scenario",
     on_progress: "OnProgress",
