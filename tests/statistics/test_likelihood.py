@@ -19,6 +19,7 @@ from tests.helpers.fits import fitted, table_of
 C, V, LIMIT = "armour.ceramic_thickness_mm", "impact.velocity_m_s", "ballistic_limit_m_s"
 STRESS, TAU = "ceramic.flow_stress_GPa", "backing.shear_strength_MPa"
 TWO = [f"{C},{LIMIT}", "6,700", "7,720"]
+MANY = [f"{C},{LIMIT}", *(f"6,{700 + test}" for test in range(301))]
 WEIGHTED = [f"{C},{V},outcome,ballistic_limit_uncertainty_m_s", "6,700,stopped,10", "7,720,perforated,10"]
 CERAMICS = [f"armour.ceramic,{C},{LIMIT}", "AD85,6,700", "AD99.5,7,720"]
 
@@ -28,6 +29,7 @@ CERAMICS = [f"armour.ceramic,{C},{LIMIT}", "AD85,6,700", "AD99.5,7,720"]
     [
         (TWO, {"fit": [C]}, "must not be a column if it is fitted"),
         (TWO, {"fit": [V]}, "must be a property of a material or projectile"),
+        (TWO, {"fit": ["impact.obliquity_deg"]}, "must be a property of a material or projectile"),
         (TWO, {"fit": ["hardness"]}, 'found "hardness"; choose from'),
         (TWO, {"fit": "ceramic"}, 'calibrate: fit: must name an input of the scenario, found "ceramic"'),
         (TWO, {"fit": []}, "must name at least one input"),
@@ -39,10 +41,14 @@ CERAMICS = [f"armour.ceramic,{C},{LIMIT}", "AD85,6,700", "AD99.5,7,720"]
         (TWO, {"law": "linaer"}, 'found the text "linaer"; did you mean "linear"'),
         (TWO, {"fit": [TAU], "law": "all"}, f"calibrate: law: must not be given unless {STRESS} is fitted"),
         (WEIGHTED, {"law": "linear"}, "must have at least 3 measurements or outcomes for 3 coefficients, found 2"),
+        (MANY, {}, "must have at most 300 limits and outcomes, found 301"),
         (CERAMICS, {}, "armour.ceramic: must be the same in all tests if the ceramic is fitted, found AD85, AD99.5"),
     ],
 )
-def test_fits_that_are_not_possible(table: list[str], settings: dict[str, Any], message: str):
+def test_fits_that_are_not_possible(
+    table: list[str], settings: dict[str, Any], message: str, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr("armour.statistics.likelihood.search", lambda *_: pytest.fail("searched for"))
     with pytest.raises(InputError) as error:
         fitted(shipped_scenario("wilkins"), *table, **settings)
     assert message in str(error.value)

@@ -17,7 +17,7 @@ from armour.evidence.fit import LEAST_REST
 from armour.scenario.checked import Names, checked
 from armour.scenario.inputs import FLOW_STRESS, ROLES
 from armour.scenario.keys import key_name
-from armour.scenario.library import FLOW_STRESS_LAW
+from armour.scenario.library import FLOW_STRESS_LAW, MOST_TESTS
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Uncertainty
 from armour.statistics.likelihood import (
@@ -29,7 +29,7 @@ from armour.statistics.likelihood import (
     likelihood_of,
     without,
 )
-from armour.statistics.measured import Tests, common_of, subject_of, with_scatter
+from armour.statistics.measured import LIMIT, Tests, common_of, subject_of, with_scatter
 from armour.statistics.own_tests import NOTHING_OF_ERROR, own_tests, repeated
 
 Law = Literal["constant", "ceramic", "backing", "product", "linear"]
@@ -255,8 +255,8 @@ def calibrate(
     ------
     InputError
         If the tests were read with another scenario, a name is not an input, the tests differ in the material that is
-        fitted, there are fewer of them than coefficients, a prior is neither normal nor lognormal, or a run does not
-        end.
+        fitted, there are fewer of them than coefficients, there are more than 300 limits and outcomes, a prior is
+        neither normal nor lognormal, or a run does not end.
     """
     fit = tuple(fit)
     common = common_of(scenario)
@@ -270,6 +270,8 @@ def calibrate(
         if entry is not None and entry.evidence is not None:
             message = f"must not be of a material with own tests, found {entry.name}; give all tests of the lot at once"
             raise mistake(tests.file, "", message)
+    if (count := sum(m.quantity == LIMIT for m in tests.measurements)) > MOST_TESTS:
+        raise mistake(tests.file, "", f"must have at most {MOST_TESTS} limits and outcomes, found {count}")
     check_fitted(fit, law, "calibrate")
     fits: list[tuple[InputFit, CalibrationResult]] = []
     for fitted_law in LAWS if law == "all" else (law,):

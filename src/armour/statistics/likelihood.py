@@ -16,7 +16,7 @@ from armour.analysis.samples import CONFIDENCE, centre_and_width
 from armour.analysis.variants import Bools, Floats, Ints, Variants, ballistic_limits
 from armour.core.search import SCAN_POINTS
 from armour.errors import Problem, mistake, refuse
-from armour.scenario.inputs import BACKING, CERAMIC, NAMES, VELOCITY
+from armour.scenario.inputs import INPUTS, NAMES
 from armour.scenario.library import FLOW_STRESS_LAW
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Uncertainty, correlation_matrix
@@ -534,7 +534,7 @@ def check_fittable(
     for name in inputs:
         if any(name in group.columns for group in groups):
             problems.append(Problem(file, name, "must not be a column if it is fitted"))
-        if name in (VELOCITY, CERAMIC, BACKING):
+        if INPUTS[name].kind is None:
             message = f'must be a property of a material or projectile, found "{name}"'
             problems.append(Problem(function, "fit", message))
     for role, key in NAMES.items():

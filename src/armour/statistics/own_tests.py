@@ -7,7 +7,7 @@ import numpy as np
 
 from armour.analysis.variants import Floats, Variants, ballistic_limits, concatenated
 from armour.csv_files import lines_of
-from armour.errors import counted, mistake
+from armour.errors import counted
 from armour.evidence.fit import fits, law_parameters, shipped_data
 from armour.evidence.model_error import other_settings
 from armour.evidence.tests import armours_of, is_outside, shipped_evidence, shipped_evidence_of
@@ -16,7 +16,6 @@ from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, cosine_of
 from armour.scenario.library import (
     FLOW_STRESS_LAW,
     IN_COMMON,
-    MOST_TESTS,
     RESULTS,
     VARIED,
     LawTests,
@@ -81,11 +80,9 @@ def own_tests(tests: Tests, fitted: Mapping[str, float]) -> OwnTests | None:
     None if they do not determine the model error: there is no limit or outcome, something else than a strength of
     ceramic or back plate was fitted, settings differ from those of the shipped tests, there are no shipped tests of
     such plates, the tests are at several angles beyond those of the shipped tests, or one is far from what any lot can
-    have.  More than the greatest number of tests is an InputError.
+    have.
     """
     shots = [m for m in tests.measurements if m.quantity == LIMIT]
-    if len(shots) > MOST_TESTS:
-        raise mistake(tests.file, "", f"must have at most {MOST_TESTS} limits and outcomes, found {len(shots)}")
     role, *other_roles = {name.partition(".")[0] for name in fitted}
     keys = {name.partition(".")[2] for name in fitted} - {"dynamic_yield_strength_MPa"}
     if other_roles or not shots or not keys <= {*KEYS.get(role, ())} or other_settings(tests.scenario):
