@@ -241,6 +241,11 @@ class DesignResult(TableResult):
         """The best design or, without one, the nearest."""
         return self.best or self.nearest
 
+    @property
+    def reported(self) -> BestDesign | None:
+        """The design shown or, without one, the best of the first pair, which is not ranked."""
+        return self.shown or next((pair.best for pair in self.pairs if pair.best is not None), None)
+
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain data; ``refined`` only if requested."""
         data = super().to_dict()

@@ -81,8 +81,7 @@ def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *
         on_progress(done, None)
 
     design = optimise(scenario, on_progress=on_part) if asks_for_design(scenario) and not as_is else None
-    # Without a best design, the report is on the best one of a pair that is not ranked.
-    best = None if design is None else design.shown or next((pair.best for pair in design.pairs if pair.best), None)
+    best = None if design is None else design.reported
     armour = scenario if best is None else scenario.replaced(best.changes_to(scenario))
     checked = check(armour, on_progress=on_part)
     impacts = [armour.against(threat) for threat in armour.threats()]

@@ -81,7 +81,7 @@ def _maps(result: DesignResult) -> "tuple[str, list[_Map]]":
     """Return the layer whose thickness alone varies, or an empty text, and the maps of the pairs that are drawn."""
     catalogue = catalogue_of(drawing.needed(result, "scenario"))
     names = [(offer.ceramic.material, offer.backing.material) for offer in catalogue.offers]
-    design = result.shown or next((pair.best for pair in result.pairs if pair.best is not None), None)
+    design = result.reported
     best = 0 if design is None else names.index((design.ceramic, design.backing))
     confidences = tuple(1.0 - bound if bound < NO_BOUND else None for bound in catalogue.bounds.tolist())
     probabilities = tuple({1.0 - USUAL, 0.5, USUAL, *(level for level in confidences if level is not None)})
