@@ -360,10 +360,10 @@ def gains(weights: Floats, target: Floats, response: Floats) -> Floats:
 
     The weights of n distributions, (n, points), and the response at the velocities, (m, points), give (n, m).
     """
-    # Unlike in matrix products, these sums do not depend on the number of threads.
-    probability = np.einsum("np,mp->nm", weights, response).clip(1e-12, 1.0 - 1e-12)
+    # Unlike matrix products, these do not depend on the number of threads, as no grid has more than 10,000 points.
+    probability = np.vecdot(weights[:, None], response).clip(1e-12, 1.0 - 1e-12)
     mean = expected(target, weights)
-    covariance = np.einsum("np,mp->nm", weights * (target - mean[:, None]), response)
+    covariance = np.vecdot((weights * (target - mean[:, None]))[:, None], response)
     return covariance**2 / (probability * (1.0 - probability))
 
 
