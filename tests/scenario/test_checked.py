@@ -60,4 +60,9 @@ def test_what_is_right_is_passed_on():
     assert f(names=(x for x in "ab"))[2] == ("a", "b")  # type: ignore[arg-type]
     assert f(limits=[1, 2])[6] == (1.0, 2.0)  # type: ignore[arg-type]
     assert (f(number=np.int64(3))[3], f(prior=np.bool_(True))[7]) == (3, True)  # type: ignore[arg-type]
-    assert "scenario" in inspect.signature(f).parameters
+
+
+def test_help_shows_types_without_bounds():
+    shown = inspect.signature(f).parameters
+    assert str(shown["names"]) == "names: str | collections.abc.Sequence[str] = ()"
+    assert str(shown["confidence"]) == "confidence: float = 0.95"

@@ -57,6 +57,10 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
         bound.arguments |= dict(validated(model(), annotated, function.__name__))
         return function(*bound.args, **bound.kwargs)
 
+    # Help shows types without bounds, which the docstring states; the class that a method is of does not exist yet.
+    hints = {} if "." in function.__qualname__ else get_type_hints(function)
+    shown = [item.replace(annotation=hints.get(name, item.annotation)) for name, item in parameters.parameters.items()]
+    call.__dict__["__signature__"] = parameters.replace(parameters=shown)
     return call
 
 
