@@ -1,6 +1,7 @@
 """Rules for the next velocity: by hand, against published levels and against independent implementations."""
 
 from itertools import product
+from math import prod
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from scipy.stats import norm
 
 from armour.evidence.model_error import ModelError
 from armour.planning.procedures import (
+    FUTURE_NODES,
     Firings,
     ShotSettings,
     expected_shots,
@@ -22,7 +24,7 @@ from armour.planning.procedures import (
     stopped_bayesian,
     stopped_up_and_down,
 )
-from armour.statistics.posterior import FiringPrior, Posterior, posterior_of
+from armour.statistics.posterior import NODES, FiringPrior, Posterior, posterior_of
 from armour.statistics.v50 import Shots
 from tools.experiments.firings import simulate
 
@@ -34,6 +36,11 @@ def prior_of(v50_m_s: float, scatter_m_s: float) -> FiringPrior:
 
 
 UP_AND_DOWN = ShotSettings(prior_of(720.0, 15.0))
+
+
+def test_gains_do_not_depend_on_the_number_of_threads():
+    """Libraries of linear algebra divide sums over more than 10,000 numbers among threads."""
+    assert max(prod(NODES), prod(FUTURE_NODES)) <= 10_000
 
 
 def test_the_first_shot_is_at_the_estimate_or_above_the_requirement():

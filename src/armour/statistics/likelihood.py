@@ -535,8 +535,7 @@ def check_fittable(
         if any(name in group.columns for group in groups):
             problems.append(Problem(file, name, "must not be a column if it is fitted"))
         if INPUTS[name].kind is None:
-            message = f'must be a property of a material or projectile, found "{name}"'
-            problems.append(Problem(function, "fit", message))
+            problems.append(Problem(function, "fit", f'must be a property of a material or projectile, found "{name}"'))
     for role, key in NAMES.items():
         names = {group.scenario.name_of(role) for group in groups}
         if len(names) > 1 and any(name.startswith(role + ".") for name in inputs):

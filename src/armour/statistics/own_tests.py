@@ -13,15 +13,7 @@ from armour.evidence.model_error import other_settings
 from armour.evidence.tests import armours_of, is_outside, shipped_evidence, shipped_evidence_of
 from armour.files import shipped_tests
 from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, cosine_of
-from armour.scenario.library import (
-    FLOW_STRESS_LAW,
-    IN_COMMON,
-    RESULTS,
-    VARIED,
-    LawTests,
-    LibraryEntry,
-    OwnTests,
-)
+from armour.scenario.library import FLOW_STRESS_LAW, IN_COMMON, RESULTS, VARIED, LawTests, LibraryEntry, OwnTests
 from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S
 from armour.statistics.measured import LIMIT, Tests
 
