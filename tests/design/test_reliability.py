@@ -194,6 +194,7 @@ def test_what_was_not_tested_is_ranked_apart():
     assert lighter.areal_density_kg_m2 < best_of(untested).areal_density_kg_m2
     single = optimise(catalogue([threat], FROM_TESTS, ceramic=ceramics[:1], backing=metals))
     assert (single.best, single.nearest, single.reason) == (None, None, "not known")
+    assert single.reported == single.pairs[0].best is not None
 
 
 def test_the_pareto_front_keeps_to_the_bound():
