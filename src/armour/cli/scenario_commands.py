@@ -91,7 +91,7 @@ def ballistic_limit(scenario: "Scenario", on_progress: "OnProgress") -> Answer:
 
 @question(LIMIT_READS, computed="the ballistic limit", first="searching")
 def compare(scenario: "Scenario", on_progress: "OnProgress") -> Answer:
-    """Compare the model with closed-form formulas."""
+    """Compare the model with simpler formulas."""
     from armour.analysis.ballistic_limit import not_monotonic
 
     result = armour.compare(scenario, on_progress=on_progress)

@@ -8,8 +8,8 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from armour.analysis.ballistic_limit import NeededFlowStress, needed_flow_stress
+from armour.analysis.estimates import Estimate
 from armour.analysis.results import OnProgress, TableResult, data_frame, ignore_progress
-from armour.analysis.samples import Estimate
 from armour.analysis.variants import Bools, Floats, Ints, Variants
 from armour.design.catalogue import FIRST_VALUES, MARGIN, NO_BOUND, ROUNDING, CandidateDesigns, Catalogue, catalogue_of
 from armour.design.reliability import Reliability

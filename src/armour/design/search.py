@@ -10,8 +10,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from armour.analysis.estimates import Estimate
 from armour.analysis.results import OnProgress, ignore_progress, portions
-from armour.analysis.samples import Estimate
 from armour.analysis.variants import (
     Bools,
     Floats,

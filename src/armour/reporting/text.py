@@ -9,7 +9,7 @@ from armour.files import printable
 from armour.units import ENDINGS
 
 if TYPE_CHECKING:
-    from armour.analysis.samples import Estimate
+    from armour.analysis.estimates import Estimate
 
 
 class Verdict(str):

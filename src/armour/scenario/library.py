@@ -259,7 +259,7 @@ KINDS: dict[Kind, type[Entry]] = {"projectile": Projectile, "ceramic": Ceramic, 
 VALUE_KEYS = {kind: [key for key in KINDS[kind].model_fields if key not in Entry.model_fields] for kind in KINDS}
 # Files of the shipped library.
 FILES = ("ceramics", "metals", "projectiles", "tested_plates")
-# Keys that the model does not use: data of the whole projectile, and properties for the closed forms.
+# Keys that the model does not use: data of the whole projectile, and properties for the formulas of `armour compare`.
 UNUSED = ("caliber_mm", "projectile_mass_g", "ultimate_tensile_strength_MPa", "strain_to_fracture")
 # Coefficients of the law of a ceramic's flow stress, see `armour.core.equations.intact_strength`; 0 if absent.
 FLOW_STRESS_LAW = (

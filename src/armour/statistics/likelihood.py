@@ -10,9 +10,10 @@ import numpy as np
 from scipy.optimize import approx_fprime, least_squares, minimize_scalar
 from scipy.special import chdtrc, log_ndtr, ndtri, stdtrit
 
+from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.evaluate import Answers
 from armour.analysis.results import OnProgress
-from armour.analysis.samples import CONFIDENCE, centre_and_width
+from armour.analysis.samples import centre_and_width
 from armour.analysis.variants import Bools, Floats, Ints, Variants, ballistic_limits
 from armour.core.search import SCAN_POINTS
 from armour.errors import Problem, mistake, refuse

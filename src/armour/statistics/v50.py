@@ -12,8 +12,8 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
+from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
-from armour.analysis.samples import CONFIDENCE, Confidence
 from armour.csv_files import MUST_SAY, PERFORATED, in_line_order, lines_of, read_rows
 from armour.errors import Problem, counted, mistake, refuse, suggestion
 from armour.scenario.checked import Table, checked

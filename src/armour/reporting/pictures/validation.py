@@ -14,7 +14,7 @@ from armour.reporting.views.validation import drawn_checks
 from armour.scenario.sections import TINY
 from armour.validation.comparison import Comparison
 from armour.validation.figures import Figure
-from armour.validation.rivals import residual_velocity
+from armour.validation.formulas import residual_velocity
 from armour.validation.suite import CASES
 from armour.validation.validate import SuiteResult
 

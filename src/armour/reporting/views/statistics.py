@@ -2,8 +2,8 @@
 
 from typing import TYPE_CHECKING
 
+from armour.analysis.estimates import Estimate
 from armour.analysis.quantities import label_and_unit
-from armour.analysis.samples import Estimate
 from armour.reporting.table import Cell, Column, Source, Table, column_of, deviation_percent, in_words, listing, record
 from armour.reporting.text import Verdict, interval, percent, with_interval
 from armour.reporting.words import SAMPLED_ALONE, STOPPING, error_note, rounded_down, rounded_up

@@ -1,4 +1,4 @@
-"""Suites of cases, the paper's figures, and comparisons with closed-form formulas."""
+"""Suites of cases, the paper's figures, and comparisons with simpler formulas."""
 
 from collections.abc import Mapping, Sequence
 from math import floor, log10
@@ -15,7 +15,8 @@ from armour.reporting.words import BALLISTIC_LIMIT
 from armour.statistics.measured import LIMIT
 from armour.validation.comparison import Comparison
 from armour.validation.figures import Figure
-from armour.validation.rivals import Error, FlorenceResult
+from armour.validation.formulas import FlorenceResult
+from armour.validation.rivals import Error
 from armour.validation.suite import CASES, Case
 from armour.validation.validate import FAILED, Check, SuiteResult, TableSummary
 
