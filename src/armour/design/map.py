@@ -34,10 +34,6 @@ class DesignMap(NamedTuple):
     # if the model error is not known.
     stopped_m_s: Floats
 
-    def on_grid(self, values: Floats) -> Floats:
-        """Return a quantity of the candidates, (ceramics, back plates)."""
-        return values.reshape(len(self.ceramic_mm), len(self.backing_mm))
-
     def stopped_with(self, probability: float) -> Floats:
         """Return velocities that are stopped with one of the probabilities, m/s, (ceramics, back plates, threats)."""
         return np.asarray(self.stopped_m_s[..., self.probabilities.index(probability)])

@@ -299,8 +299,8 @@ def likelihood_of(tests: Tests, inputs: Sequence[str], on_progress: OnProgress, 
     lower = np.where(of_law, -MAX_COEFFICIENT, MIN_RATIO)
     upper = np.where(of_law, MAX_COEFFICIENT, MAX_RATIO)
     kept = np.ones(len(tests.measurements), dtype=bool)
-    known = prior_of(first, inputs, units) if prior else NO_PRIOR
-    return Likelihood(tests, tuple(inputs), units, lower, upper, kept, on_progress, known)
+    distributions = prior_of(first, inputs, units) if prior else NO_PRIOR
+    return Likelihood(tests, tuple(inputs), units, lower, upper, kept, on_progress, distributions)
 
 
 def units_of(scenario: Scenario, inputs: Sequence[str]) -> Floats:

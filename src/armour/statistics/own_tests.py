@@ -55,11 +55,11 @@ def repeated(tests: Tests) -> Iterator[str]:
     """Warn of tests, at least two, that are among the shipped ones which model errors come from."""
     usual = tests.scenario.inputs()
     shipped_values = {**usual, CERAMIC: 0.0, OBLIQUITY: 0.0}  # where a shipped table has no such column
-    known = set()
+    shipped = set()
     for name in ("wilkins.csv", "plates.csv"):
         (_, header), *lines = lines_of(shipped_tests()[name])[1]
-        known |= {_identity(dict(zip(header, line, strict=True)), shipped_values) for _, line in lines}
-    count = sum(_identity(cells, usual) in known for cells in tests.cells)
+        shipped |= {_identity(dict(zip(header, line, strict=True)), shipped_values) for _, line in lines}
+    count = sum(_identity(cells, usual) in shipped for cells in tests.cells)
     # One alone may be a coincidence.
     if count > 1:
         yield (
@@ -71,8 +71,8 @@ def repeated(tests: Tests) -> Iterator[str]:
 def _identity(cells: Mapping[str, float | str], usual: Mapping[str, float]) -> tuple[float, ...]:
     """Return the values that identify a test, from its row or else the usual ones."""
     # An empty cell is none; a zero is a value.
-    given = {key: value for key, value in cells.items() if value != ""}
-    return tuple(float(given.get(key, usual.get(key, 0.0))) for key in IDENTITY)
+    values = {key: value for key, value in cells.items() if value != ""}
+    return tuple(float(values.get(key, usual.get(key, 0.0))) for key in IDENTITY)
 
 
 def own_tests(tests: Tests, fitted: Mapping[str, float]) -> OwnTests | None:

@@ -417,9 +417,9 @@ def check_shots(shots: Shots, *, kinds: int = 2) -> None:
     elif outliers := [value for value in velocities if not MIN_VELOCITY_M_S <= value <= MAX_VELOCITY_M_S]:
         message = f"must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g} m/s, found {outliers[0]:g}"
     elif len(set(shots.complete)) < kinds:
-        found = f"only {'complete' if shots.complete[0] else 'partial'} ones" if count else "none"
+        present = f"only {'complete' if shots.complete[0] else 'partial'} ones" if count else "none"
         least = "partial and one complete penetration" if kinds == 2 else "shot"
-        message = f"must have at least one {least}, found {found}"
+        message = f"must have at least one {least}, found {present}"
         message += f"; armour plan shots {shots.file} gives the next velocity" if count else ""
     if message:
         raise mistake(shots.file, "", message)

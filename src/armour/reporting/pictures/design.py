@@ -188,7 +188,7 @@ class _Map:
         if not unknown.all():
             _tint(axes, x, y, unknown, 1e-3, np.inf, "probability unknown: too unlike tests", color=drawing.SOFT)
         column = view.CRITERIA[self.result.minimised]
-        objective = self.grid.on_grid(self.catalogue.objective(self.grid.candidates))
+        objective = self.catalogue.objective(self.grid.candidates).reshape(len(y), len(x))
         limits = self.grid.limits_m_s[..., self.governing]
         against = f" against {self.result.threats[self.governing]}" if len(self.result.threats) > 1 else ""
         dotted: dict[str, Any] = {"linestyle": ":", "color": drawing.SOFT}

@@ -96,14 +96,14 @@ def draw_calibration(result: "CalibrationResult", sheet: drawing.Sheet) -> drawi
         title += f": mean error {result.mean_error_percent:.1f} %"
     if result.left_out_error_percent is not None:
         title += f", {result.left_out_error_percent:.1f} % leave-one-out"
-    given = any(residual.uncertainty for residual in result.residuals)
+    has_uncertainties = any(residual.uncertainty for residual in result.residuals)
     by_quantity = grouped(result.residuals, lambda residual: residual.quantity)
     measured = {quantity: [r for r in residuals if not r.bound] for quantity, residuals in by_quantity.items()}
     heights = []
     for residuals in measured.values():
         tests = [residual.test for residual in _largest(residuals)]
         heights += [sheet.width - 0.3, *([drawing.rows_height(tests, titled=True)] if tests else [])]
-    note = "Error bars: ± one standard deviation of the measured value." if given else ""
+    note = "Error bars: ± one standard deviation of the measured value." if has_uncertainties else ""
     picture = sheet.panels(title, *heights, note=note)
     panels = iter(picture.axes)
     for quantity, residuals in by_quantity.items():

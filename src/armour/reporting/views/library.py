@@ -28,8 +28,8 @@ def library_table(library: Library, kind: Kind, tested: Tested | None = None) ->
     are listed, with what they were tested with in place of the description.
     """
     entries = [entry for entry in library.entries[kind].values() if tested is None or (kind, entry.name) in tested]
-    given = {key for entry in entries for key in entry.values if key not in (*OPTIONAL, *entry.derived)} | {STATIC}
-    keys = [key for key in KINDS[kind].model_fields if key in given]
+    used_keys = {key for entry in entries for key in entry.values if key not in (*OPTIONAL, *entry.derived)} | {STATIC}
+    keys = [key for key in KINDS[kind].model_fields if key in used_keys]
     described: Source = column_of("description", prose=True)
     if tested is not None:
         described = (Column("tested with", prose=True), lambda entry: listed(tested[kind, entry.name]))

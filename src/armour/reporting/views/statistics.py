@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from armour.analysis.estimates import Estimate
 from armour.analysis.quantities import label_and_unit
 from armour.reporting.table import Cell, Column, Source, Table, column_of, deviation_percent, in_words, listing, record
-from armour.reporting.text import Verdict, interval, percent, with_interval
+from armour.reporting.text import VerdictLine, interval, percent, with_interval
 from armour.reporting.words import SAMPLED_ALONE, STOPPING, error_note, rounded_down, rounded_up
 
 if TYPE_CHECKING:
@@ -319,13 +319,13 @@ def requirement_verdict(result: "FiringResult") -> list[str]:
         return []
     required = f"{result.requirement_m_s:g} m/s required of V50"
     if result.consumers_risk is None or result.producers_risk is None:
-        return [Verdict(f"{result.decision}: {required}; no curve fits the shots", good=False)]
+        return [VerdictLine(f"{result.decision}: {required}; no curve fits the shots", good=False)]
     allowed = percent(round(1.0 - result.confidence, 12))
     risks = (
         f"accepting it now has a risk (consumer's) of {risk_of(result.consumers_risk)}, rejecting it (producer's) of "
         f"{risk_of(result.producers_risk)}; {allowed} decides"
     )
-    return [Verdict(f"{result.decision}: {required}; {risks}", good=result.decision == "met"), FIXED]
+    return [VerdictLine(f"{result.decision}: {required}; {risks}", good=result.decision == "met"), FIXED]
 
 
 def risk_of(risk: float) -> str:

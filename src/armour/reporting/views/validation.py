@@ -10,7 +10,7 @@ from armour.errors import counted
 from armour.reporting.junit import TestCase, junit_suite, junit_xml
 from armour.reporting.report import Report, ReportSection, drawing_of, origin_section
 from armour.reporting.table import Column, Table, column_of, deviation_percent, grouped, listing, record
-from armour.reporting.text import Verdict, number
+from armour.reporting.text import VerdictLine, number
 from armour.reporting.words import BALLISTIC_LIMIT
 from armour.statistics.measured import LIMIT
 from armour.validation.comparison import Comparison
@@ -211,7 +211,7 @@ def tables_of_suite(result: SuiteResult) -> list[Table | str]:
     if unexplained:
         shown.append(f"not scored: {counted(len(unexplained), 'case')}; --verbose shows them, and why")
     scored = result.count("within", *FAILED) > 0
-    return [*shown, Verdict(verdict(result), good=result.passed) if scored else "no case is scored"]
+    return [*shown, VerdictLine(verdict(result), good=result.passed) if scored else "no case is scored"]
 
 
 def update_table(updates: Sequence[Check]) -> Table:
@@ -238,8 +238,8 @@ def parity_table(result: SuiteResult) -> Table:
 
 def drawn_checks(result: SuiteResult) -> list[Check]:
     """Return what a picture of a suite shows: the numbers of its tables, or else of its cases."""
-    numbers = [check for check in result.checks if check.deviation is not None and check.case.measured is None]
-    return [check for check in numbers if check.case.group] or numbers
+    checks = [check for check in result.checks if check.deviation is not None and check.case.measured is None]
+    return [check for check in checks if check.case.group] or checks
 
 
 # Part of the tests whose limits an allowance covers.
