@@ -29,7 +29,7 @@ from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S
 # the one before, until two neighbours differ by less than 0.01 %.
 RANGE_GPA, POINTS, GRIDS = (0.1, 100.0), 64, 3
 # Probability that is used if the scenario requires none.
-USUAL = 0.9
+USUAL_PROBABILITY = 0.9
 # Number of intervals above the limit in a plotted curve.
 CURVE_POINTS = 60
 # Probability above which a lower bound is reported as the probability.
@@ -82,7 +82,7 @@ def needed_flow_stress(
     ceramic = scenario.entry_of("ceramic")
     if ceramic is None or not scenario.armour.ceramic_thickness_mm or not is_untested(ceramic):
         return None
-    required, sources = probability or USUAL, ceramic.flow_stress_sources_GPa
+    required, sources = probability or USUAL_PROBABILITY, ceramic.flow_stress_sources_GPa
     likely_m_s = scenario.impact.velocity_m_s / float(constant_law_error().quantile(1.0 - required))
     return NeededFlowStress(
         ceramic.name,

@@ -30,7 +30,7 @@ THICKNESS_TOLERANCE_MM = 1e-6
 # Number of rows to compute at all points of a scan at a time, which bounds the memory.
 SCANS_AT_A_TIME = 250
 # Whether a condition holds at values of some rows: (values, rows) -> holds.
-Condition = Callable[[Floats, Ints], Bools]
+RowCondition = Callable[[Floats, Ints], Bools]
 
 
 class Variants(NamedTuple):
@@ -286,18 +286,18 @@ def distributions(variants: Variants, limits: Floats) -> Mixture:
 
 def changes_above(variants: Variants, limits: Floats) -> Bools:
     """Return which unusual rows are seen to stop an impact faster than their ballistic limit, (n,)."""
-    section, again = variants.scenario.ballistic_limit, np.zeros(len(limits), dtype=bool)
+    section, changes_again = variants.scenario.ballistic_limit, np.zeros(len(limits), dtype=bool)
     velocities = np.array(scan(section.velocity_min_m_s, section.velocity_max_m_s, DENSE_SCAN_POINTS))
     where = np.flatnonzero(unusual(variants) & np.isfinite(limits))
     for start in range(0, len(where), SCANS_AT_A_TIME):
         part = where[start : start + SCANS_AT_A_TIME]
         row, place = np.nonzero(velocities > limits[part, None])
         faster = variants.at(part[row])._replace(velocities=velocities[place])
-        again[part[row[~perforated(faster)]]] = True
-    return again
+        changes_again[part[row[~perforated(faster)]]] = True
+    return changes_again
 
 
-def bisect_rows(holds: Condition, rows: Ints, low: Floats, high: Floats) -> Floats:
+def bisect_rows(holds: RowCondition, rows: Ints, low: Floats, high: Floats) -> Floats:
     """Return the upper ends of brackets of rows, (low, high), mm, after bisection.
 
     A condition holds at the upper ends and not at the lower ones.
@@ -309,9 +309,9 @@ def bisect_rows(holds: Condition, rows: Ints, low: Floats, high: Floats) -> Floa
         if not len(places):
             return high
         values = middle[places]
-        good = holds(values, rows[places])
-        high[places[good]] = values[good]
-        low[places[~good]] = values[~good]
+        is_met = holds(values, rows[places])
+        high[places[is_met]] = values[is_met]
+        low[places[~is_met]] = values[~is_met]
 
 
 def least_ceramics_mm(variants: Variants) -> Least:
@@ -355,13 +355,13 @@ def least_totals_mm(variants: Variants) -> Least:
     return least
 
 
-def _conditions(thick: Callable[[Floats, Ints], Variants]) -> tuple[Condition, Condition]:
+def _conditions(thick: Callable[[Floats, Ints], Variants]) -> tuple[RowCondition, RowCondition]:
     """Return whether rows with other thicknesses stop the impact, and whether they are unusual."""
     return lambda *at: ~perforated(thick(*at)), lambda *at: unusual(thick(*at))
 
 
 def least_values_mm(
-    stops: Condition, is_unusual: Condition, low: Floats, high: Floats, points: int = DENSE_SCAN_POINTS
+    stops: RowCondition, is_unusual: RowCondition, low: Floats, high: Floats, points: int = DENSE_SCAN_POINTS
 ) -> Least:
     """Return the least thickness from low to high, mm, that stops the threat in each row, by bisection or scan.
 

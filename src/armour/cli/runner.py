@@ -234,10 +234,10 @@ def warnings_of(scenario: "Scenario | None", warnings: Iterable[str], file: str 
     """
     notes = () if scenario is None else (f"note: {note}" for note in scenario.notes)
     where = file or (scenario.file if scenario else "")
-    every = list(dict.fromkeys(warnings))
+    shown = list(dict.fromkeys(warnings))
     if not verbose:
-        every = in_two_lines(every, "with -v")
-    return [*notes, *(": ".join(filter(None, ("warning", where, warning))) for warning in every)]
+        shown = in_two_lines(shown, "with -v")
+    return [*notes, *(": ".join(filter(None, ("warning", where, warning))) for warning in shown)]
 
 
 def as_options(function: str, named: Mapping[str, str] = {}) -> AbstractContextManager[None]:

@@ -33,7 +33,7 @@ Reason = Literal["", "none passes", "not known"]
 MOST_LISTED = 5
 
 
-class Objective(NamedTuple):
+class ObjectiveWords(NamedTuple):
     """A quantity to minimise: words for less and more of it, its unit, and the key of [design] that bounds it."""
 
     least: str
@@ -44,9 +44,9 @@ class Objective(NamedTuple):
 
 
 OBJECTIVES = {
-    "areal_density_kg_m2": Objective("lightest", "lighter", "heavier", " kg/m²", "areal_density_max_kg_m2"),
-    "thickness_mm": Objective("thinnest", "thinner", "thicker", " mm", "thickness_max_mm"),
-    "cost_per_m2": Objective("cheapest", "cheaper", "dearer", " per m²", "cost_max_per_m2"),
+    "areal_density_kg_m2": ObjectiveWords("lightest", "lighter", "heavier", " kg/m²", "areal_density_max_kg_m2"),
+    "thickness_mm": ObjectiveWords("thinnest", "thinner", "thicker", " mm", "thickness_max_mm"),
+    "cost_per_m2": ObjectiveWords("cheapest", "cheaper", "dearer", " per m²", "cost_max_per_m2"),
 }
 
 

@@ -29,10 +29,10 @@ def junit_suite(name: str, cases: Iterable[TestCase], seconds: float, origin: Ma
     properties = ElementTree.SubElement(suite, "properties")
     for key, text in origin.items():
         ElementTree.SubElement(properties, "property", name=key, value=printable(text))
-    seen = Counter[tuple[str, str]]()
+    counts = Counter[tuple[str, str]]()
     for each in cases:
-        seen[each.group, each.title] += 1
-        count = seen[each.group, each.title]
+        counts[each.group, each.title] += 1
+        count = counts[each.group, each.title]
         number = f" ({count})" if count > 1 else ""  # readers take equal names for one case
         title = printable(each.title) + number
         case = ElementTree.SubElement(suite, "testcase", classname=printable(each.group), name=title)

@@ -45,7 +45,7 @@ IDENTITY = (CERAMIC, BACKING, OBLIQUITY, *PENETRATOR, "ballistic_limit_m_s")
 IMPLAUSIBLE = 6.0
 # What can be calibrated to own tests, by role: keys of the entry, and quantities.
 KEYS = {"ceramic": ("flow_stress_GPa", *FLOW_STRESS_LAW), "backing": ("flow_stress_GPa", "shear_strength_MPa")}
-QUANTITIES = {
+QUANTITIES_OF_ROLE = {
     "ceramic": ("ceramic_strength_GPa", "backing_exponent", "product_exponent", "slopes"),
     "backing": ("backing_strength_GPa", "backing_shear_ratio"),
 }
@@ -111,7 +111,7 @@ def own_tests(tests: Tests, fitted: Mapping[str, float]) -> OwnTests | None:
     q |= {"velocity_m_s": velocities, "uncertainty_m_s": np.array(scatter), "side": sides}
     return OwnTests(
         source=f"{counted(len(tests.names), 'test')} of {Path(tests.file).name}",
-        calibrated={name: float(values[name][0]) for name in QUANTITIES[role]},
+        calibrated={name: float(values[name][0]) for name in QUANTITIES_OF_ROLE[role]},
         tests={name: _rounded(q[name]) for name in (*VARIED, *IN_COMMON, *RESULTS)},
         law=laws,
     )

@@ -25,7 +25,7 @@ from armour.units import key_hint
 # Number of shots of each kind in the mean, and the span of their velocities that is usual with it, m/s: 125, 90 and
 # 60 ft/s.  MIL-STD-662F leaves the span to the specification.
 SPANS_M_S = {5: 38.1, 3: 27.4, 2: 18.3}
-Rule = Literal["usual span", "given span", "no usual rule"]
+SpanRule = Literal["usual span", "given span", "no usual rule"]
 # Lower confidence levels to try if the interval at the requested one is not bounded.
 LOWER_LEVELS = (0.9, 0.8, 0.5)
 Decision = Literal["met", "not met", "not decided", ""]
@@ -87,7 +87,7 @@ class MeanV50:
     pairs: int
     span_m_s: float
     span_allowed_m_s: float
-    rule: Rule
+    rule: SpanRule
 
 
 @dataclass(frozen=True, repr=False)
@@ -438,6 +438,6 @@ def mean_v50(
         allowed = SPANS_M_S[count] if span_m_s is None else span_m_s
         if len(velocities) == 2 * count and span <= allowed + 1e-9:
             usual = SPANS_M_S.get(count)
-            rule: Rule = "no usual rule" if usual is None else "usual span" if allowed == usual else "given span"
+            rule: SpanRule = "no usual rule" if usual is None else "usual span" if allowed == usual else "given span"
             return MeanV50(sum(velocities) / len(velocities), count, span, allowed, rule)
     return None

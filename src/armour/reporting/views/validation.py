@@ -108,15 +108,15 @@ def error_tables(errors: Sequence[Error]) -> list[Table]:
     """Return the errors of the predictions that each table compares."""
     return [
         listing(
-            same,
+            errors_of_table,
             column_of("predictor", label="predicted by", prose=True),
             column_of("mean_percent", ".1f", "mean error"),
             column_of("left_out_percent", ".1f"),
             column_of("largest_percent", ".1f"),
             column_of("fitted", prose=True),
-            title=f"errors, {table}, {counted(same[0].count, 'row')}",
+            title=f"errors, {table}, {counted(errors_of_table[0].count, 'row')}",
         )
-        for table, same in grouped(errors, lambda error: error.table).items()
+        for table, errors_of_table in grouped(errors, lambda error: error.table).items()
     ]
 
 
