@@ -218,8 +218,7 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
     points = search.DENSE_SCAN_POINTS if is_unusual(armours_of(scenario).parameters).all() else search.SCAN_POINTS
     crossings, runs, lowest_perforates = find_crossings(scenario, points, on_progress)
     if lowest_perforates or not crossings:
-        message = _no_limit(crossings, lowest_perforates, points, low, high)
-        raise NoLimitError(message, above=not lowest_perforates)
+        raise NoLimitError(_no_limit(crossings, lowest_perforates, points, low, high), above=not lowest_perforates)
     limit = crossings[0].bracket_m_s[1]
     error = model_error(scenario, limit)
     return LimitResult(
@@ -299,8 +298,7 @@ def residual_velocity_curve(
     section = scenario.ballistic_limit
     ballistic_limit = limit.ballistic_limit_m_s
     low = max(section.velocity_min_m_s, 0.7 * ballistic_limit)
-    last = limit.crossings[-1].bracket_m_s[1]
-    high = min(section.velocity_max_m_s, max(1.6 * ballistic_limit, 1.1 * last))
+    high = min(section.velocity_max_m_s, max(1.6 * ballistic_limit, 1.1 * limit.crossings[-1].bracket_m_s[1]))
     rising = [ballistic_limit + (high - ballistic_limit) * (i / CURVE_POINTS) ** 2 for i in range(CURVE_POINTS + 1)]
     impacts = []
     for velocity in (low, limit.bracket_m_s[0], *rising):

@@ -174,8 +174,7 @@ def perforated(variants: Variants) -> Bools:
 def check_resolved(resolved: Bools, variants: Variants) -> None:
     """Raise an InputError that names the key at fault if the run of a row does not end."""
     if not resolved.all():
-        first = int(np.argmin(resolved))
-        raise unresolved_error(variants.scenario, float(variants.velocities[first]))
+        raise unresolved_error(variants.scenario, float(variants.velocities[int(np.argmin(resolved))]))
 
 
 def with_thicknesses(
@@ -230,8 +229,7 @@ def limit_brackets(
     """
     if len(rows) > 1 or _engine_is_quicker("ballistic_limits", options, points):
         return batch.ballistic_limits(rows, low, high, tolerance, options, points)
-    velocities = scan(low, high, points)
-    result = find_ballistic_limit(Parameters(*rows[0].tolist()), velocities, tolerance, *options[:3])
+    result = find_ballistic_limit(Parameters(*rows[0].tolist()), scan(low, high, points), tolerance, *options[:3])
     return batch.Brackets(*(np.array([value]) for value in result))
 
 

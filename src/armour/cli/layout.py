@@ -94,8 +94,7 @@ def _rows(table: Table, room: int) -> Iterator[Grid | str]:
         gap = GAP if fit != NARROW else 1
         widths = _shared(limits, room, gap)
         if widths is not None:
-            right = [column.numeric for column in table.columns]
-            yield _grid(texts, widths, right, gap, headings)
+            yield _grid(texts, widths, [column.numeric for column in table.columns], gap, headings)
             return
     yield from _blocks(table, texts, room)
 

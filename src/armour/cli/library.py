@@ -81,12 +81,10 @@ def show_entry(
     as_json = as_json or (ctx.parent is not None and ctx.parent.params["as_json"])
     if threat := named_threats().get(name):
         content = {"kind": "threat", "name": name, **threat.model_dump()}
-        shown = (threat_table({name: threat}), f"source: {threat.source}")
-        respond(content, shown, as_json=as_json, heading=[name])
+        respond(content, (threat_table({name: threat}), f"source: {threat.source}"), as_json=as_json, heading=[name])
         return
     for entry in shipped_library().find(name):
-        title = f"{entry.name} ({entry.kind})"
-        respond(entry.to_dict(), entry_tables(entry), as_json=as_json, heading=[title])
+        respond(entry.to_dict(), entry_tables(entry), as_json=as_json, heading=[f"{entry.name} ({entry.kind})"])
 
 
 def init(

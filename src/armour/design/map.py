@@ -134,8 +134,7 @@ def thicknesses_tested(catalogue: Catalogue, pair: int, threat: int) -> dict[str
 
     The keys are "ceramic" and "backing".
     """
-    offer = catalogue.offers[pair]
-    middle = [np.array([np.mean(layer.thicknesses())]) for layer in offer[:2]]
+    middle = [np.array([np.mean(layer.thicknesses())]) for layer in catalogue.offers[pair][:2]]
     rows, *_ = catalogue.against_each(catalogue.candidates(pair, *middle), [threat])
     [(evidence, _)] = rows.armours.by_evidence()
     if given_error(catalogue.scenario) or not rows.errors.known.all():

@@ -231,8 +231,7 @@ def read_shots(path: Table, *, one_kind: bool = False) -> Shots:
             problems.append(Problem(file, f"{row.place}: result", f'{MUST_SAY}, found "{text}"'))
     refuse(in_line_order(problems))
     shot_names = tuple(row.texts.get("shot", "") for row in rows)
-    complete = tuple(map(bool, results))
-    shots = Shots(tuple(velocities), complete, file, shot_names if any(shot_names) else ())
+    shots = Shots(tuple(velocities), tuple(map(bool, results)), file, shot_names if any(shot_names) else ())
     check_shots(shots, kinds=1 if one_kind else 2)
     return shots
 

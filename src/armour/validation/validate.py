@@ -171,8 +171,7 @@ class SuiteResult(TableResult):
         }
 
     def _words(self) -> str:
-        scored = self.count("within", *FAILED)
-        return f"{self.count('within')} of {scored} within their bands"
+        return f"{self.count('within')} of {self.count('within', *FAILED)} within their bands"
 
     def _columns(self) -> dict[str, Any]:
         return by_column(check.to_dict() for check in self.checks)

@@ -47,8 +47,7 @@ def draw_uncertainty(result: "UncertaintyResult", sheet: drawing.Sheet) -> drawi
         axes.axvline(limit, linestyle=style, linewidth=1.0, color=colour, label=f"{name} {limit:.1f} m/s")
     interval = [[p.value - p.low], [p.high - p.value]]
     axes.errorbar([at], [p.value], interval, fmt="none", ecolor=drawing.VERMILION, capsize=drawing.CAP)
-    label = f"{p.value:.3f} at {at:g} m/s"
-    drawing.points(axes, [at], [p.value], color=drawing.VERMILION, label=label)
+    drawing.points(axes, [at], [p.value], color=drawing.VERMILION, label=f"{p.value:.3f} at {at:g} m/s")
     if names:
         swings = {
             f"input at its {quantile} quantile": [index.limits_m_s[side] for index in result.inputs]
