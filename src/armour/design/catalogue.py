@@ -168,11 +168,10 @@ class Catalogue:
         required = np.array([threat.required_m_s for threat in self.threats]) + self.more_margin_m_s
         bounds = np.where((self.bounds < NO_BOUND) & (not self.sampled), self.bounds, 1.0)
         designs = candidates.at(design_of_row)
-        parameters = self.layers[designs.pair] + self.projectiles[threat_of_row]
         # The evidence is looked up for each of the materials of the rows.
         pairs, place_of_row = np.unique(designs.pair, return_inverse=True)
         rows = Variants(
-            parameters,
+            self.layers[designs.pair] + self.projectiles[threat_of_row],
             self.velocities_m_s[threat_of_row],
             self.cosines[threat_of_row],
             place_of_row,

@@ -260,11 +260,15 @@ class DesignResult(TableResult):
         best = self.shown
         if best is None:
             return self.reason
-        untested = " (untested)" * best.untested
-        ceramic = f"{best.ceramic_thickness_mm:g} mm {best.ceramic}{untested} on " if best.ceramic else ""
-        armour = f"{ceramic}{best.backing_thickness_mm:g} mm {best.backing}"
         nearest = f"{self.reason}, nearest " if self.reason else ""
-        return f"{nearest}{armour}, {best.areal_density_kg_m2:.2f} kg/m²"
+        return f"{nearest}{armour_in_words(best)}, {best.areal_density_kg_m2:.2f} kg/m²"
+
+
+def armour_in_words(design: Design) -> str:
+    """Return the layers of a design, such as "11 mm AD85 on 6 mm 5083-H3"."""
+    ceramic = f"{design.ceramic} (untested)" if design.untested else design.ceramic
+    layers = (design.ceramic_thickness_mm, ceramic), (design.backing_thickness_mm, design.backing)
+    return " on ".join(f"{round(thickness, 3):g} mm {name}" for thickness, name in layers if name)
 
 
 @checked

@@ -12,7 +12,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from armour.analysis.ballistic_limit import ballistic_limit
-from armour.analysis.results import OnProgress, ignore_progress
+from armour.analysis.results import OnProgress
 from armour.analysis.variants import Floats
 from armour.errors import NoLimitError, Problem
 from armour.scenario.inputs import LAYERS
@@ -257,7 +257,7 @@ def florence_ballistic_limit(scenario: Scenario, body: Body = "penetrator") -> f
     return florence_limit(*_in_symbols(scenario, body))
 
 
-def florence_result(scenario: Scenario, body: Body, on_progress: OnProgress = ignore_progress) -> FlorenceResult:
+def florence_result(scenario: Scenario, body: Body, on_progress: OnProgress) -> FlorenceResult:
     """Compute Florence's limit, and the best armour of the same areal density by Florence's formula."""
     mass_g, diameter_mm = mass_and_diameter(scenario, body)
     m, r, plates = _in_symbols(scenario, body)

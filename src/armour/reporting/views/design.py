@@ -6,7 +6,7 @@ from math import inf
 from xml.etree.ElementTree import Element
 
 from armour.design.check import CheckedThreat, CheckResult, WhatIf
-from armour.design.optimise import OBJECTIVES, BestDesign, Design, DesignResult, Pair
+from armour.design.optimise import OBJECTIVES, BestDesign, Design, DesignResult, Pair, armour_in_words
 from armour.errors import counted, joined
 from armour.reporting.junit import TestCase, junit_suite
 from armour.reporting.table import Column, Source, Table, column_of, csv_text, listing, record
@@ -67,13 +67,6 @@ def best_table(design: BestDesign, required: Mapping[str, float], title: str = "
         (COST, design.cost_per_m2 or None),
         title=title,
     )
-
-
-def armour_in_words(design: Design) -> str:
-    """Return the layers of a design, such as "11 mm AD85 on 6 mm 5083-H3"."""
-    ceramic = f"{design.ceramic} (untested)" if design.untested else design.ceramic
-    layers = (design.ceramic_thickness_mm, ceramic), (design.backing_thickness_mm, design.backing)
-    return " on ".join(f"{round(thickness, 3):g} mm {name}" for thickness, name in layers if name)
 
 
 def design_verdict(result: DesignResult) -> list[Table | str]:

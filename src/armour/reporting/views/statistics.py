@@ -220,9 +220,8 @@ def v50_table(result: "FiringResult") -> Table:
     mean = result.mean
     rule: list[Source] = [(Column("V50, mean"), "none: too few shots of each kind within the span allowed")]
     if mean is not None:
-        standard = mean.rule != "no usual rule"
         rule = [
-            (Column("V50, MIL-STD-662F" if standard else "V50, mean", "m/s", ".0f"), mean.v50_m_s),
+            (Column("V50, mean" if mean.rule == "no usual rule" else "V50, MIL-STD-662F", "m/s", ".0f"), mean.v50_m_s),
             (Column("shots averaged"), f"{mean.pairs} partial and {mean.pairs} complete"),
             (Column("span of these shots", "m/s", ".0f"), mean.span_m_s),
             (Column("span allowed", "m/s", ".0f"), mean.span_allowed_m_s),

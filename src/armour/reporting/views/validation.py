@@ -134,9 +134,8 @@ def note_rows(checks: Sequence[Check]) -> list[tuple[str, str]]:
 
 def verdict(result: SuiteResult) -> str:
     """Return the outcome of a suite in a line."""
-    scored = result.count("within", *FAILED)
     failed = [f"{count} {status}" for status in FAILED if (count := result.count(status))]
-    return ", ".join([f"{result.count('within')} of {scored} within their bands", *failed])
+    return ", ".join([f"{result.count('within')} of {result.count('within', *FAILED)} within their bands", *failed])
 
 
 def suite_tables(result: SuiteResult) -> list[Table]:
