@@ -153,14 +153,9 @@ def quantiles(distribution: Distribution, probabilities: ArrayLike, value: float
     if distribution.distribution == "lognormal":
         with np.errstate(divide="ignore"):
             ends = np.log(ends.clip(min=0.0))
-    from scipy.special import log_ndtr, ndtri_exp  # slow to import
+    from scipy.stats import truncnorm  # slow to import
 
-    low, high = (ends - centre) / width
-    side = -1.0 if high > -low else 1.0  # probabilities near 1 have fewer digits than those near 0
-    with np.errstate(divide="ignore"):
-        shares = log_ndtr(side * low) + np.log1p(-parts), log_ndtr(side * high) + np.log(parts)
-    scores = side * ndtri_exp(np.logaddexp(*shares))
-    values = centre + width * scores
+    values = truncnorm.ppf(parts, *(ends - centre) / width, loc=centre, scale=width)
     return np.clip(np.exp(values) if distribution.distribution == "lognormal" else values, *distribution.ends)
 
 

@@ -441,6 +441,8 @@ class Distribution(Section):
                 raise ValueError("a uniform distribution must have min and max, and nothing else")
         elif widths != 1:
             raise ValueError("must have standard_deviation or standard_deviation_percent, and not both")
+        elif self.distribution == "lognormal" and self.max is not None and self.max <= 0.0:
+            raise ValueError(f"a lognormal distribution must have a max greater than 0, found {self.max:g}")
         return self
 
     @property

@@ -65,20 +65,18 @@ def florence_split(m: float, r: float, rho1: float, rho2: float, areal_density: 
     def ceramic(h2: float) -> float:
         return (areal_density - rho2 * h2) / rho1
 
-    def too_thick(h2: float) -> bool:
+    def excess(h2: float) -> float:
         a = conoid_radius(r, ceramic(h2))
         loaded = pi * a * a * areal_density
-        return rho1 / (rho2 * h2) < 4.0 / a * (1.0 + loaded / (m + loaded))
+        return rho1 / (rho2 * h2) - 4.0 / a * (1.0 + loaded / (m + loaded))
 
     bare = areal_density / rho2
-    if not too_thick(bare):
+    if excess(bare) >= 0.0:
         return 0.0, bare
-    low, h2 = 1e-9 * bare, bare
-    while low < (middle := 0.5 * (low + h2)) < h2:
-        if too_thick(middle):
-            h2 = middle
-        else:
-            low = middle
+    # Imported here because Florence's limit, which `armour validate` computes, does not need scipy.
+    from scipy.optimize import brentq
+
+    h2 = float(brentq(excess, 1e-9 * bare, bare, xtol=1e-15))
     return ceramic(h2), h2
 
 
@@ -121,7 +119,7 @@ def fit_areal_density_rule(areal_densities: Floats, limits: Floats, p: float | N
         return -float(s.sum() ** 2 / (s @ s))
 
     if p is None:
-        from scipy.optimize import minimize_scalar
+        from scipy.optimize import minimize_scalar  # slow to import
 
         p = float(minimize_scalar(remainder, bounds=(0.0, MAX_POWER), method="bounded", options={"xatol": 1e-8}).x)
     s = ratios**p / limits
@@ -157,8 +155,7 @@ def residual_velocity(V: float, limit: float, ratio: float, exponent: float) -> 
 
 def fit_lambert_jonas(impact: Sequence[float], residual: Sequence[float], limit: float) -> ResidualVelocityFit:
     """Fit ratio and exponent of Lambert and Jonas by least squares."""
-    # Imported here because Florence's formula, which `armour validate` uses, does not need scipy.
-    from scipy.optimize import minimize_scalar
+    from scipy.optimize import minimize_scalar  # slow to import
 
     def fit(exponent: float) -> ResidualVelocityFit:
         return _fit_ratio("Lambert-Jonas", impact, residual, limit, exponent)
