@@ -19,16 +19,7 @@ REQUIRED = (
 # What a quantity depends on besides projectile, armour, model and solver, see `armour.scenario.effect`.
 OF_IMPACT, OF_LIMIT, OF_GRID = ("impact",), ("ballistic_limit",), ("impact", "optimise")
 OF_STOPPING = ("impact", "ballistic_limit", *OF_ERROR)
-DESIGNS = (
-    "impact",
-    "threat",
-    "armour.ceramic",
-    "armour.backing",
-    "design",
-    "optimise",
-    "ballistic_limit",
-    "uncertainty",
-)
+DESIGNS = (*OF_GRID, *OF_LIMIT, "threat", "armour.ceramic", "armour.backing", "design", "uncertainty")
 
 
 class Quantity(NamedTuple):

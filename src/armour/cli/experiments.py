@@ -72,8 +72,7 @@ def calibrate(
     ],
     scenario: "Scenario",
     library: Annotated[
-        Path | None,
-        option("Write a library file with the fitted entries.", "--write", metavar="LIB.toml"),
+        Path | None, option("Write a library file with the fitted entries.", "--write", metavar="LIB.toml")
     ] = None,
     fitted: Annotated[
         Path | None,

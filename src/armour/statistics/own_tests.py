@@ -6,12 +6,11 @@ from pathlib import Path
 import numpy as np
 
 from armour.analysis.variants import Floats, Variants, ballistic_limits, concatenated
-from armour.csv_files import lines_of
+from armour.csv_files import shipped_rows
 from armour.errors import counted, mistake
 from armour.evidence.fit import fits, law_parameters, shipped_data
 from armour.evidence.model_error import other_settings
 from armour.evidence.tests import armours_of, is_outside, shipped_evidence, shipped_evidence_of
-from armour.files import shipped_tests
 from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, cosine_of
 from armour.scenario.library import (
     FLOW_STRESS_LAW,
@@ -57,8 +56,7 @@ def repeated(tests: Tests) -> Iterator[str]:
     shipped_values = {**usual, CERAMIC: 0.0, OBLIQUITY: 0.0}  # where a shipped table has no such column
     shipped = set()
     for name in ("wilkins.csv", "plates.csv"):
-        (_, header), *lines = lines_of(shipped_tests()[name])[1]
-        shipped |= {_identity(dict(zip(header, line, strict=True)), shipped_values) for _, line in lines}
+        shipped |= {_identity(row, shipped_values) for row in shipped_rows(name)}
     count = sum(_identity(cells, usual) in shipped for cells in tests.cells)
     # One alone may be a coincidence.
     if count > 1:

@@ -64,10 +64,7 @@ def threat_table(threats: Mapping[str, NamedThreat]) -> Table:
 
 def shipped_tables() -> list[Table | str]:
     """Return tables of what can be copied: scenarios, suites, tables of tests or shots, and notebooks."""
-    titled = {
-        "scenario": shipped_files("scenarios", ".toml"),
-        "suite for armour validate": shipped_suites(),
-    }
+    titled = {"scenario": shipped_files("scenarios", ".toml"), "suite for armour validate": shipped_suites()}
     shown = {
         kind: {name: str(read_toml(path)["title"]) for name, path in files.items()} for kind, files in titled.items()
     }
