@@ -47,22 +47,20 @@ def _list(kinds: Sequence[str], *, tested: bool, as_json: bool) -> None:
     from armour.reporting.views.library import library_table, threat_table
     from armour.scenario.library import named_threats, shipped_library
 
-    library, tested_entries = shipped_library(), None
+    library, partners = shipped_library(), None
     data: dict[str, dict[str, Any]] = library.to_dict()
     threats = named_threats()
     if tested:
         from armour.validation.tested import tested_with
 
-        tested_entries = tested_with()
+        partners = tested_with()
         tested_data: dict[str, dict[str, Any]] = {kind: {} for kind in data}
-        for (kind, name), words in tested_entries.items():
+        for (kind, name), words in partners.items():
             tested_data[kind][name] = {**data[kind][name], "tested_with": list(words)}
         data = tested_data
-        threats = {
-            name: threat for name, threat in threats.items() if ("projectile", threat.projectile) in tested_entries
-        }
+        threats = {name: threat for name, threat in threats.items() if ("projectile", threat.projectile) in partners}
     data["threat"] = {name: threat.model_dump() for name, threat in threats.items()}
-    tables: dict[str, Table | str] = {kind: library_table(library, kind, tested_entries) for kind in library.entries}
+    tables: dict[str, Table | str] = {kind: library_table(library, kind, partners) for kind in library.entries}
     tables["threat"] = threat_table(threats)
     if len(kinds) > 1:
         tables["metal"] = f"{len(data['metal'])} metals: armour library metals{' --tested' * tested}"

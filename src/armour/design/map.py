@@ -78,9 +78,7 @@ def limits_over_sources(catalogue: Catalogue, designs: DesignMap) -> Floats | No
     return np.array(limits).reshape(-1, *designs.limits_m_s.shape)
 
 
-def with_edges_of_known(
-    catalogue: Catalogue, pair: int, ceramic_mm: Floats, backing_mm: Floats
-) -> tuple[Floats, Floats]:
+def with_known_edges(catalogue: Catalogue, pair: int, ceramic_mm: Floats, backing_mm: Floats) -> tuple[Floats, Floats]:
     """Return thicknesses of a grid, mm, with those between which the model error becomes known or unknown."""
     scans = [
         np.linspace(values[0], values[-1], EDGE_POINTS) if len(values) > 1 else values

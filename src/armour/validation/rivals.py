@@ -140,8 +140,6 @@ def _fitted_error(cases: Sequence[Case], predictor: str, fitted: str, predicted:
     return _error(cases[0].group, predictor, in_sample.tolist(), fitted, float(out.mean()))
 
 
-def _error(
-    table: str, predictor: str, percents: Sequence[float], fitted: str, left_out_percent: float | None = None
-) -> Error:
+def _error(table: str, predictor: str, percents: Sequence[float], fitted: str, left_out: float | None = None) -> Error:
     mean = sum(percents) / len(percents)
-    return Error(table, predictor, len(percents), mean, max(percents), left_out_percent, fitted)
+    return Error(table, predictor, len(percents), mean, max(percents), left_out, fitted)

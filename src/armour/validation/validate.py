@@ -349,9 +349,8 @@ def kept_by_update(result: SuiteResult) -> SuiteResult:
     """Return the result without the regression values, which an update replaces."""
     checks = tuple(check for check in result.checks if not check.case.regression)
     groups = {check.case.group for check in checks}
-    return replace(
-        result, checks=checks, summaries=tuple(summary for summary in result.summaries if summary.name in groups)
-    )
+    summaries = tuple(summary for summary in result.summaries if summary.name in groups)
+    return replace(result, checks=checks, summaries=summaries)
 
 
 def updated_file(content: bytes, updates: Sequence[Check]) -> bytes:

@@ -71,9 +71,7 @@ def shipped_tables() -> list[Table | str]:
     shown["scenario"]["template"] = "Every key with a comment: what armour init copies by default"
     shown["table of tests"] = TESTS
     shown["notebook"] = {"study.ipynb": "A study in Python, for Jupyter"}
-    return [
-        Table((Column(kind), Column("contents", prose=True)), tuple(words.items())) for kind, words in shown.items()
-    ]
+    return [Table((Column(kind), Column("contents", prose=True)), tuple(rows.items())) for kind, rows in shown.items()]
 
 
 KEY = Column("key")
