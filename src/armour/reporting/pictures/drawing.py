@@ -189,11 +189,11 @@ def _name(axes: Axes) -> list[Any]:
 def _have_room(axes: Axes, curves: Sequence[Any]) -> bool:
     """Return whether short names fit at the ends of curves: on the right, within the panel, and apart."""
     points = [np.asarray(line.get_xydata(), float) for line in curves]
-    ends = axes.transData.transform([each[-1] for each in points])
+    ends = axes.transData.transform([xy[-1] for xy in points])
     gaps = np.diff(np.sort(ends[:, 1])) * 72.0 / axes.figure.dpi
     return (
         all(len(line.get_label()) <= END_CHARACTERS for line in curves)
-        and all(each[-1, 0] == each[:, 0].max() for each in points)
+        and all(xy[-1, 0] == xy[:, 0].max() for xy in points)
         and all(axes.bbox.padded(1.0).contains(*end) for end in ends)
         and bool(gaps.min() > 1.3 * NAME)
     )

@@ -174,7 +174,7 @@ def _or(value: float | None, words: str) -> Cell:
 
 def correlation_table(result: "CalibrationResult") -> Table:
     """Return the correlations of the coefficients, which are numbered in the heading."""
-    names = [f"{number} {in_words(each.name)}" for number, each in enumerate(result.coefficients, start=1)]
+    names = [f"{number} {in_words(c.name)}" for number, c in enumerate(result.coefficients, start=1)]
     numbers = (Column(name.partition(" ")[0], spec="+.3f") for name in names)
     rows: list[tuple[Cell, ...]] = [(name, *values) for name, values in zip(names, result.correlation, strict=True)]
     return Table((Column("correlation", prose=True), *numbers), tuple(rows))
@@ -184,14 +184,14 @@ def residual_table(result: "CalibrationResult") -> Table:
     """Return measured and computed values, test by test; one-sided tests have a bound and no deviation."""
     quantities = {residual.quantity for residual in result.residuals}
     words, unit = label_and_unit(*quantities) if len(quantities) == 1 else ("", "")
-    each: tuple[Source, ...] = (
+    quantity_columns: tuple[Source, ...] = (
         (Column("quantity", prose=True), lambda r: label_and_unit(r.quantity)[0]),
         (Column("unit"), lambda r: label_and_unit(r.quantity)[1]),
     )
     return listing(
         result.residuals,
         column_of("test", prose=True),
-        *(() if words else each),
+        *(() if words else quantity_columns),
         column_of("bound"),
         (Column(f"measured {words}".rstrip(), unit, "g"), lambda r: r.measured),
         (Column("computed", unit, ".4g"), lambda r: r.computed),
