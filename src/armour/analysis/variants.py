@@ -117,10 +117,8 @@ def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -
         getattr(batch.fields(rows), name)[:] = values
     velocities = np.array(np.broadcast_to(inputs[VELOCITY], count), dtype=np.float64)
     own_strength = columns.keys().isdisjoint((YIELD, "backing.flow_stress_GPa"))
-    materials = armours_of(scenario).materials
-    return Variants(
-        rows, velocities, cosines, np.zeros(count, dtype=np.int64), scenario, tuple(materials), own_strength
-    )
+    materials, material_of_row = tuple(armours_of(scenario).materials), np.zeros(count, dtype=np.int64)
+    return Variants(rows, velocities, cosines, material_of_row, scenario, materials, own_strength)
 
 
 def concatenated(parts: Sequence[Variants]) -> Variants:

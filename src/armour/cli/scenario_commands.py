@@ -451,10 +451,8 @@ def report(
     confidence_option = [] if confidence is None else ["--confidence", str(confidence)]
     changes = changes or []
     command = runner.command_line()
-    accepted_options = runner.set_options(runner.accepted(changes, DESIGNS))
-    map_command = shlex.join(
-        ["armour", "optimise", str(source), *confidence_option, *accepted_options, "--map", "map.html"]
-    )
+    set_words = runner.set_options(runner.accepted(changes, DESIGNS))
+    map_command = shlex.join(["armour", "optimise", str(source), *confidence_option, *set_words, "--map", "map.html"])
     if str(source) != "-":
         source = scenario_file(source, shipped_suites())
     is_suite = str(source) != "-" and {"case", "table"} & read_toml(source).keys()

@@ -87,9 +87,8 @@ def values_by_key(changes: Mapping[str, object]) -> dict[Parts, object]:
 def not_a_key(file: str, key: str) -> Problem:
     """Return the problem of a text that is not a key."""
     example = 'armour.ceramic_thickness_mm or library.projectile."7.62 mm AP"'
-    return Problem(
-        file, "", f"must be a key of the scenario as TOML writes it, such as {example}, found {describe(key)}"
-    )
+    message = f"must be a key of the scenario as TOML writes it, such as {example}, found {describe(key)}"
+    return Problem(file, "", message)
 
 
 def describe(value: object) -> str:

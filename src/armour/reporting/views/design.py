@@ -239,9 +239,8 @@ def tables_of_design(result: DesignResult) -> list[Table | str]:
         if result.refined == best:
             shown.append(f"no {objective.less} design was found between the values of the grid")
         else:
-            shown.append(
-                best_table(result.refined, required, f"{objective.least} design between the values of the grid")
-            )
+            title = f"{objective.least} design between the values of the grid"
+            shown.append(best_table(result.refined, required, title))
     if best is not None and (len(result.threats) > 1 or best.probabilities):
         shown.append(margin_table(result, required))
     verbose = result.question.get("every_row")

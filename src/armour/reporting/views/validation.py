@@ -358,9 +358,8 @@ def figure_table(panels: Sequence[Figure]) -> Table:
             # The label of a curve may name its quantity, or what the curve differs in.
             named = label.rpartition(", ")[2] in quantities
             columns[f"{label}, {y_label.rpartition(', ')[2]}" if named else f"{label}: {y_label}"] = values
-    return Table(
-        tuple(Column(label, spec="g", key=label) for label in columns), tuple(zip(*columns.values(), strict=True))
-    )
+    headings = tuple(Column(label, spec="g", key=label) for label in columns)
+    return Table(headings, tuple(zip(*columns.values(), strict=True)))
 
 
 def comparison_table(result: Comparison) -> Table:
