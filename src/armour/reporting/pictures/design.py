@@ -79,7 +79,7 @@ def _draw_panels(answer: str, panels: Sequence[_Panel], sheet: drawing.Sheet) ->
 
 def _maps(result: DesignResult) -> "tuple[str, list[_Map]]":
     """Return the layer whose thickness alone varies, or an empty text, and the maps of the pairs that are drawn."""
-    catalogue = catalogue_of(drawing.needed(result, "scenario"))
+    catalogue = catalogue_of(drawing.recorded(result, "scenario"))
     names = [(offer.ceramic.material, offer.backing.material) for offer in catalogue.offers]
     design = result.shown or next((pair.best for pair in result.pairs if pair.best is not None), None)
     best = 0 if design is None else names.index((design.ceramic, design.backing))

@@ -216,8 +216,8 @@ def saved(figure: Figure, suffix: str, made_by: str = "", **options: Any) -> byt
     return content.getvalue()
 
 
-def needed(result: Result, key: str) -> Any:
-    """Return the scenario or shots of a result; refuse a result that was made by hand and has none."""
+def recorded(result: Result, key: str) -> Any:
+    """Return the scenario or shots recorded with a result; refuse one that was made by hand and has none."""
     if (value := result.question.get(key)) is None:
         raise mistake("plot", key, "must be given to draw this result")
     return value

@@ -28,7 +28,7 @@ SHOWN_PROBABILITY = 0.002
 def draw_uncertainty(result: "UncertaintyResult", sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the probability of perforation over velocity, and the ballistic limit at quantiles of each input."""
     curve, p, level = result.curve, result.probability_of_perforation, percent(result.confidence)
-    at = drawing.needed(result, "scenario").impact.velocity_m_s
+    at = drawing.recorded(result, "scenario").impact.velocity_m_s
     names = [label_and_unit(index.input)[0] for index in result.inputs]
     picture = sheet.panels(
         f"Perforated with a probability of {risk(1.0 - p.value)} at {at:g} m/s",
@@ -142,7 +142,7 @@ def draw_firing(result: "FiringResult", sheet: drawing.Sheet) -> drawing.Picture
     """Draw the probability of a complete penetration over the velocity."""
     from armour.statistics.curves import penalised_band
 
-    shots = drawing.needed(result, "shots")
+    shots = drawing.recorded(result, "shots")
     if not result.fits:
         raise mistake(shots.file, "", "must have a curve to draw, and these shots have none")
     fit, after, model = result.recommended or result.fits[0], result.posterior, result.model_ballistic_limit_m_s
