@@ -6,11 +6,11 @@ from .analysis.ballistic_limit import LimitResult as LimitResult
 from .analysis.ballistic_limit import NeededFlowStress as NeededFlowStress
 from .analysis.ballistic_limit import ballistic_limit as ballistic_limit
 from .analysis.ballistic_limit import confidence as confidence
+from .analysis.estimates import Estimate as Estimate
 from .analysis.impact import History as History
 from .analysis.impact import ImpactResult as ImpactResult
 from .analysis.impact import StageRecord as StageRecord
 from .analysis.impact import simulate as simulate
-from .analysis.samples import Estimate as Estimate
 from .design.check import CheckedThreat as CheckedThreat
 from .design.check import CheckResult as CheckResult
 from .design.check import WhatIf as WhatIf
@@ -70,8 +70,8 @@ from .sweeps.sweep import sweep as sweep
 from .validation.comparison import Comparison as Comparison
 from .validation.comparison import RuleResult as RuleResult
 from .validation.comparison import compare as compare
-from .validation.rivals import FlorenceResult as FlorenceResult
-from .validation.rivals import ResidualVelocityFit as ResidualVelocityFit
+from .validation.formulas import FlorenceResult as FlorenceResult
+from .validation.formulas import ResidualVelocityFit as ResidualVelocityFit
 from .validation.suite import Case as Case
 from .validation.suite import Suite as Suite
 from .validation.suite import load_suite as load_suite

@@ -146,6 +146,12 @@ def read_csv(path: Path) -> Iterator[tuple[int, list[str]]]:
         raise mistake(path, "", f"cannot be read: {reason(error)}") from None
 
 
+def shipped_rows(name: str) -> list[dict[str, str]]:
+    """Return the rows of a shipped table by column."""
+    (_, header), *lines = lines_of(shipped_tests()[name])[1]
+    return [dict(zip(header, cells, strict=True)) for _, cells in lines]
+
+
 def lines_of(table: str | PathLike[str] | Rows) -> tuple[str, Iterator[Line]]:
     """Return the name of a table, for messages, and its lines, from rows or a CSV file, perhaps a shipped one."""
     if isinstance(table, str | PathLike):

@@ -36,17 +36,17 @@ def words_and_unit(key: str) -> tuple[str, str]:
 
 def key_hint(name: str, names: Sequence[str]) -> str:
     """Return a hint at the name from which a wrong one differs only by its section or its unit; "" if there is none."""
-    known: dict[str, str] = {}
+    keys: dict[str, str] = {}
     for key in names:
-        known.setdefault(key, key)
-        known.setdefault(key.rpartition(".")[2], key)
-    if name in known:
-        return f'; did you mean "{known[name]}"?'
-    stems = {word.removesuffix(ending): word for ending in ENDINGS for word in known if word.endswith(ending)}
+        keys.setdefault(key, key)
+        keys.setdefault(key.rpartition(".")[2], key)
+    if name in keys:
+        return f'; did you mean "{keys[name]}"?'
+    stems = {word.removesuffix(ending): word for ending in ENDINGS for word in keys if word.endswith(ending)}
     if name in stems:
-        return f"; its unit is missing: {known[stems[name]]}"
+        return f"; its unit is missing: {keys[stems[name]]}"
     for stem, word in stems.items():
         # Another unit has short parts, such as ft and s.
         if re.fullmatch(rf"{re.escape(stem)}(_[^_]{{1,4}})+", name):
-            return f"; its unit must be {words_and_unit(word)[1]}: {known[word]}"
+            return f"; its unit must be {words_and_unit(word)[1]}: {keys[word]}"
     return ""

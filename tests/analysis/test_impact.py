@@ -177,10 +177,10 @@ def test_the_balance_closes_to_the_order_of_the_method(name: str):
     impact = simulate(case)
     energy = energy_balance(case, impact)
     assert 0.0 < abs(energy.difference) <= 2e-6 * energy.before
-    assert all(row.eroded >= 0.0 and row.braked >= 0.0 for row in energy.rows)
-    for row, stage in zip(energy.rows, impact.stages, strict=True):
-        assert row.stage == stage.stage
-        assert row.total == pytest.approx(stage.energy_lost_J, abs=2e-6 * energy.before)
+    assert energy.eroded >= 0.0
+    assert energy.braked >= 0.0
+    lost = sum(stage.energy_lost_J for stage in impact.stages)
+    assert energy.eroded + energy.braked == pytest.approx(lost, abs=2e-6 * energy.before)
     assert 0.0 <= energy.left <= energy.before
     coarse, fine = (closing_error(case, impact.duration_us / steps) for steps in (200, 800))
     assert abs(fine) < 0.25 * abs(coarse)
@@ -202,15 +202,10 @@ def test_the_energy_at_impact_and_left_is_the_projectiles():
 
 
 def test_eroded_material_carries_off_its_energy():
-    """In dwell the loss by braking has a closed form: the rod's strength times area times the length eroded."""
-    case = load_scenario(SCENARIOS / "dwell.toml")
-    impact = simulate(case, history=True)
-    first = energy_balance(case, impact).rows[0]
-    a, history = case.core_armour(), impact.history
-    assert history is not None
-    inside = history.time_us <= impact.stages[0].end_us
-    length, velocity = history.length_mm[inside][-1] / 1000.0, history.velocity_m_s[inside][-1]
-    area = math.pi * a.D0**2 / 4.0
-    lost = 0.5 * a.rho_p * area * (a.L0 * case.impact.velocity_m_s**2 - length * velocity**2)
-    assert first.braked == pytest.approx(a.Yp * area * (a.L0 - length), rel=1e-6)
-    assert first.total == pytest.approx(lost, rel=1e-6)
+    """While a rod erodes, the loss by braking has a closed form: its strength times area times the length eroded."""
+    case = load_scenario(SCENARIOS / "dwell.toml", {"solver.arrest_velocity_m_s": 500.0})
+    impact = simulate(case)
+    energy, a = energy_balance(case, impact), case.core_armour()
+    eroded_length = a.L0 - impact.residual_length_mm / 1000.0
+    assert energy.braked == pytest.approx(a.Yp * math.pi * a.D0**2 / 4.0 * eroded_length, rel=1e-6)
+    assert energy.eroded + energy.braked == pytest.approx(energy.before - energy.left, rel=1e-6)

@@ -11,7 +11,7 @@ from armour.analysis.ballistic_limit import confidence
 from armour.analysis.impact import simulate
 from armour.cli.layout import rendered
 from armour.reporting.table import Column, Table, record
-from armour.reporting.text import Verdict
+from armour.reporting.text import VerdictLine
 from armour.reporting.views.analysis import tables_of_impact
 from armour.reporting.views.library import library_table
 from armour.scenario.library import KINDS, shipped_library
@@ -110,7 +110,7 @@ def test_a_verdict_is_coloured_and_stands_at_its_numbers():
     table = record(None, (Column("limit", "m/s", ".0f"), 724.0))
 
     for good, colour in ((True, "32"), (False, "31")):
-        lines = rendered([Verdict("outcome", good=good), table], 80, "armour", "standard")
+        lines = rendered([VerdictLine("outcome", good=good), table], 80, "armour", "standard")
         assert lines.splitlines() == ["\x1b[1marmour\x1b[0m", f"\x1b[1;{colour}moutcome\x1b[0m", "limit  724 m/s"]
 
 

@@ -3,8 +3,8 @@
 from functools import cache
 from typing import Any
 
+from armour.analysis.estimates import Estimate
 from armour.analysis.impact import ImpactResult, simulate
-from armour.analysis.samples import Estimate
 from armour.design.optimise import BestDesign, Design, DesignResult, Pair
 from armour.evidence.model_error import ModelError
 from armour.planning.plan_tests import PlannedTest, PlannedTests

@@ -118,6 +118,8 @@ uncertainty.impact.velocity_m_s = { distribution = "uniform", min = 1.0, max = 2
     uncertainty.impact.velocity_m_s: a uniform distribution must have min and max, and nothing else
 uncertainty.impact.velocity_m_s = { distribution = "normal", standard_deviation = 1.0, min = 3.0, max = 2.0 }
     uncertainty.impact.velocity_m_s.max: must be above min, which is 3, found 2
+uncertainty.impact.velocity_m_s = { distribution = "lognormal", standard_deviation = 1.0, max = 0.0 }
+    uncertainty.impact.velocity_m_s: a lognormal distribution must have a max greater than 0, found 0
 uncertainty.correlation = [{ between = ["a"], coefficient = 0 }]
     uncertainty.correlation[0].between: must list at least 2 values, found 1
 uncertainty.correlation = [{ between = ["ceramic.density_kg_m3", "hardness"], coefficient = 0.5 }]

@@ -9,8 +9,9 @@ from scipy import stats
 from scipy.integrate import quad
 
 from armour.analysis.ballistic_limit import ballistic_limit
+from armour.analysis.estimates import Estimate
 from armour.analysis.evaluate import evaluate
-from armour.analysis.samples import Estimate, Samples, columns_of, points_of
+from armour.analysis.samples import Samples, columns_of, points_of
 from armour.analysis.variants import Floats, perforated, variants_of
 from armour.errors import InputError, NoLimitError
 from armour.scenario.scenario import Scenario

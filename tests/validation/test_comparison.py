@@ -8,7 +8,7 @@ from armour.analysis.ballistic_limit import ballistic_limit
 from armour.errors import InputError, NoAnswerError
 from armour.reporting.views.validation import rule_note
 from armour.validation.comparison import Comparison, compare
-from armour.validation.rivals import florence_ballistic_limit, residual_velocity
+from armour.validation.formulas import florence_ballistic_limit, residual_velocity
 from tests.helpers.cases import scenario
 
 pytestmark = pytest.mark.slow

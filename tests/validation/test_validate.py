@@ -7,7 +7,7 @@ import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.reporting.views.validation import suite_junit, suite_tables
-from armour.validation.rivals import florence_ballistic_limit
+from armour.validation.formulas import florence_ballistic_limit
 from armour.validation.suite import Between, Subject, load_suite, meets
 from armour.validation.validate import Check, SuiteResult, kept_by_update, result_of, updated_file, updates_of, validate
 from tests.helpers.cases import scenario

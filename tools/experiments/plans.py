@@ -15,8 +15,8 @@ from math import sqrt
 import numpy as np
 from scipy.stats import t
 
+from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import ignore_progress
-from armour.analysis.samples import CONFIDENCE
 from armour.analysis.variants import Floats
 from armour.planning.plan_tests import LimitModel, plan_tests
 from armour.scenario.inputs import BACKING, CERAMIC, FLOW_STRESS

@@ -10,20 +10,13 @@ from pathlib import Path
 import numpy as np
 from scipy.interpolate import make_lsq_spline
 
+from armour.analysis.estimates import Estimate
 from armour.analysis.results import portions
-from armour.analysis.samples import (
-    Estimate,
-    columns_of,
-    own_errors,
-    own_values,
-    points_of,
-    sampled,
-    section_of,
-)
+from armour.analysis.samples import columns_of, own_errors, own_values, points_of, sampled, section_of
 from armour.analysis.variants import Floats, Ints, perforated
 from armour.scenario.inputs import ERROR, VELOCITY
 from armour.scenario.scenario import Scenario, load_scenario
-from armour.statistics.uncertainty import QUANTILES, SAMPLES_AT_A_TIME, TAIL, sample_limits, uncertainty
+from armour.statistics.uncertainty import LEFT_OUT_TAIL, QUANTILES, SAMPLES_AT_A_TIME, sample_limits, uncertainty
 from tools.experiments.share import Share
 
 SHIPPED = Path(__file__).resolve().parents[2] / "scenarios" / "uncertain.toml"
@@ -76,7 +69,7 @@ def explained_by_error(factors: Floats, laws: Ints, limits: Floats) -> float:
     """
     kept = np.zeros(len(laws), dtype=bool)
     for law in np.unique(laws):
-        low, high = np.quantile(factors[laws == law], [TAIL, 1.0 - TAIL])
+        low, high = np.quantile(factors[laws == law], [LEFT_OUT_TAIL, 1.0 - LEFT_OUT_TAIL])
         kept |= (laws == law) & (factors >= low) & (factors <= high)
     factors, laws, limits = factors[kept], laws[kept], limits[kept]
     means = np.bincount(laws, limits / factors) / np.bincount(laws)

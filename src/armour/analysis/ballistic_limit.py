@@ -29,7 +29,7 @@ from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S
 # the one before, until two neighbours differ by less than 0.01 %.
 RANGE_GPA, POINTS, GRIDS = (0.1, 100.0), 64, 3
 # Probability that is used if the scenario requires none.
-USUAL = 0.9
+USUAL_PROBABILITY = 0.9
 # Number of intervals above the limit in a plotted curve.
 CURVE_POINTS = 60
 # Probability above which a lower bound is reported as the probability.
@@ -82,7 +82,7 @@ def needed_flow_stress(
     ceramic = scenario.entry_of("ceramic")
     if ceramic is None or not scenario.armour.ceramic_thickness_mm or not is_untested(ceramic):
         return None
-    required, sources = probability or USUAL, ceramic.flow_stress_sources_GPa
+    required, sources = probability or USUAL_PROBABILITY, ceramic.flow_stress_sources_GPa
     likely_m_s = scenario.impact.velocity_m_s / float(constant_law_error().quantile(1.0 - required))
     return NeededFlowStress(
         ceramic.name,
@@ -218,8 +218,7 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
     points = search.DENSE_SCAN_POINTS if is_unusual(armours_of(scenario).parameters).all() else search.SCAN_POINTS
     crossings, runs, lowest_perforates = find_crossings(scenario, points, on_progress)
     if lowest_perforates or not crossings:
-        message = _no_limit(crossings, lowest_perforates, points, low, high)
-        raise NoLimitError(message, above=not lowest_perforates)
+        raise NoLimitError(_no_limit(crossings, lowest_perforates, points, low, high), above=not lowest_perforates)
     limit = crossings[0].bracket_m_s[1]
     error = model_error(scenario, limit)
     return LimitResult(
@@ -299,8 +298,7 @@ def residual_velocity_curve(
     section = scenario.ballistic_limit
     ballistic_limit = limit.ballistic_limit_m_s
     low = max(section.velocity_min_m_s, 0.7 * ballistic_limit)
-    last = limit.crossings[-1].bracket_m_s[1]
-    high = min(section.velocity_max_m_s, max(1.6 * ballistic_limit, 1.1 * last))
+    high = min(section.velocity_max_m_s, max(1.6 * ballistic_limit, 1.1 * limit.crossings[-1].bracket_m_s[1]))
     rising = [ballistic_limit + (high - ballistic_limit) * (i / CURVE_POINTS) ** 2 for i in range(CURVE_POINTS + 1)]
     impacts = []
     for velocity in (low, limit.bracket_m_s[0], *rising):

@@ -260,47 +260,30 @@ def kinetic_energy(instant: Instant, armour: Parameters) -> float:
 
 
 @dataclass(frozen=True)
-class StageEnergy:
-    """Loss of kinetic energy in a stage, J."""
-
-    stage: str
-    eroded: float  # carried off by eroded material at the velocity that it had
-    braked: float  # work of the force that decelerates the rest of the rod
-
-    @property
-    def total(self) -> float:
-        """Total loss in the stage."""
-        return self.eroded + self.braked
-
-
-@dataclass(frozen=True)
 class EnergyBalance:
-    """Kinetic energy of the projectile, J: at impact, lost in each stage, and left at the end of the run."""
+    """Kinetic energy of the projectile, J: at impact, lost, and left at the end of the run."""
 
     before: float
-    rows: tuple[StageEnergy, ...]
+    eroded: float  # carried off by eroded material at the velocity that it had
+    braked: float  # work of the force that decelerates the rest of the rod
     left: float
 
     @property
     def difference(self) -> float:
         """Error of the balance: the energy at impact less that left and the losses, which are integrated apart."""
-        return self.before - self.left - sum(row.total for row in self.rows)
+        return self.before - self.eroded - self.braked - self.left
 
 
 def energy_balance(scenario: Scenario, impact: ImpactResult) -> EnergyBalance:
-    """Integrate the loss of kinetic energy in each stage of an impact along its run.
+    """Integrate the loss of kinetic energy along the run of an impact.
 
     Simpson's rule integrates the powers over each time step.  The state in the middle of a step is that of the cubic
     through the states and rates at its ends, so the balance closes to the fourth order of the time step.
     """
     _, trace, armour = run_impact(scenario, impact.impact_velocity_m_s)
-    steps = [(start, end) for start, end in pairwise(trace) if end.t > start.t]
-    losses = [(start.t / US, _lost(start, end, armour)) for start, end in steps]
-    rows = []
-    for record in impact.stages:
-        inside = [loss for time, loss in losses if record.start_us <= time < record.end_us]
-        rows.append(StageEnergy(record.stage, *(sum(part) for part in zip(*inside, strict=True))))
-    return EnergyBalance(kinetic_energy(trace[0], armour), tuple(rows), kinetic_energy(trace[-1], armour))
+    losses = [_lost(start, end, armour) for start, end in pairwise(trace) if end.t > start.t]
+    eroded, braked = map(sum, zip(*losses, strict=True))
+    return EnergyBalance(kinetic_energy(trace[0], armour), eroded, braked, kinetic_energy(trace[-1], armour))
 
 
 def _lost(start: Instant, end: Instant, p: Parameters) -> list[float]:

@@ -18,17 +18,8 @@ REQUIRED = (
 )
 # What a quantity depends on besides projectile, armour, model and solver, see `armour.scenario.effect`.
 OF_IMPACT, OF_LIMIT, OF_GRID = ("impact",), ("ballistic_limit",), ("impact", "optimise")
-STOPPING = ("impact", "ballistic_limit", *OF_ERROR)
-DESIGNS = (
-    "impact",
-    "threat",
-    "armour.ceramic",
-    "armour.backing",
-    "design",
-    "optimise",
-    "ballistic_limit",
-    "uncertainty",
-)
+OF_STOPPING = ("impact", "ballistic_limit", *OF_ERROR)
+DESIGNS = (*OF_GRID, *OF_LIMIT, "threat", "armour.ceramic", "armour.backing", "design", "uncertainty")
 
 
 class Quantity(NamedTuple):
@@ -61,7 +52,7 @@ QUANTITIES: dict[str, Quantity] = {
     "areal_density_kg_m2": Quantity("areal density", "kg/m²", ".1f", (), lambda a: a.variants.areal_densities_kg_m2),
     "ballistic_limit_m_s": Quantity("ballistic limit", "m/s", ".0f", OF_LIMIT, lambda a: a.ballistic_limits),
     "probability_of_stopping": Quantity(
-        "probability of stopping the projectile", "", ".2f", STOPPING, lambda a: a.probabilities_of_stopping
+        "probability of stopping the projectile", "", ".2f", OF_STOPPING, lambda a: a.probabilities_of_stopping
     ),
     "required_ceramic_thickness_mm": Quantity(
         "required ceramic thickness", "mm", ".3f", OF_GRID, lambda a: a.with_least_ceramic.ceramics_mm, "ceramic"

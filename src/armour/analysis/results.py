@@ -21,7 +21,7 @@ def installed(packages: Iterable[str]) -> list[tuple[str, str]]:
     return versions
 
 
-def made_by(scenario: Scenario | None = None, command: str = "") -> dict[str, str]:
+def made_by(scenario: Scenario | None, command: str) -> dict[str, str]:
     """Return the origin of an output: versions, command, and the hash of the content of a scenario."""
     from armour import MODEL_VERSION, __version__  # whose public names include those of this module
 

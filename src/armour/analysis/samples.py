@@ -1,13 +1,11 @@
-"""Samples of uncertain inputs: points of the unit cube, quantiles, a Gaussian copula; and estimates from samples."""
+"""Samples of uncertain inputs: points of the unit cube, quantiles, a Gaussian copula."""
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 from math import hypot, log, log1p, sqrt
-from typing import Annotated, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import Field
 
 from armour.analysis.variants import Floats, Ints, Variants, variants_of
 from armour.engine import batch
@@ -16,73 +14,6 @@ from armour.evidence.model_error import LAW_FIELDS, Errors
 from armour.scenario.inputs import ERROR
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Distribution, Uncertainty, correlation_matrix
-
-CONFIDENCE = 0.95
-Confidence = Annotated[float, Field(ge=0.5, le=0.9999)]
-# Probability beyond each end of an interval.
-TAIL = 0.5 * (1.0 - CONFIDENCE)
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """A number estimated from samples, with its confidence interval.
-
-    Attributes
-    ----------
-    value : float
-    low, high : float
-        Ends of the interval.
-    """
-
-    value: float
-    low: float
-    high: float
-
-
-def proportion(hits: int, samples: int) -> Estimate:
-    """Estimate a proportion, with the Clopper-Pearson confidence interval [Clopper1934]."""
-    from scipy.special import betaincinv  # slow to import
-
-    misses = samples - hits
-    low = float(betaincinv(hits, misses + 1, TAIL)) if hits else 0.0
-    high = float(betaincinv(hits + 1, misses, 1.0 - TAIL)) if misses else 1.0
-    return Estimate(hits / samples, low, high)
-
-
-def mean_of_replicates(values: Floats) -> Estimate:
-    """Estimate the mean of values of independent replicates, (replicates,), with the t interval."""
-    from scipy.special import stdtrit  # slow to import
-
-    mean, count = float(values.mean()), len(values)
-    half = float(stdtrit(count - 1, 1.0 - TAIL) * values.std(ddof=1)) / sqrt(count)
-    return Estimate(mean, mean - half, mean + half)
-
-
-def proportion_of_replicates(hits: Sequence[int], sizes: Sequence[int]) -> Estimate:
-    """Estimate a proportion from the hits in independent replicates, given their sizes, with the t interval.
-
-    If there are fewer hits, or misses, than replicates, the interval is the Clopper-Pearson one.
-    """
-    samples = sum(sizes)
-    plain = proportion(sum(hits), samples)
-    if min(sum(hits), samples - sum(hits)) < len(sizes):
-        return plain
-    mean = mean_of_replicates(np.divide(hits, sizes))
-    # Replicates may agree to the last hit; their spread does not resolve less than one hit in all of them.
-    half = max(mean.high - mean.value, -log(TAIL) / samples)
-    return Estimate(plain.value, max(0.0, plain.value - half), min(1.0, plain.value + half))
-
-
-def jackknife(statistic: Callable[[Floats], Floats], sums: Floats) -> Estimate:
-    """Estimate a statistic of sums over independent replicates, (replicates, ...), with the t interval.
-
-    The statistic maps stacked sums, (n, ...), to values, (n,).  Leaving out one replicate at a time also removes its
-    bias, which is inversely proportional to the number of samples.
-    """
-    whole = sums.sum(axis=0)
-    values = statistic(np.concatenate([whole[None], whole - sums]))
-    return mean_of_replicates(len(sums) * values[0] - (len(sums) - 1) * values[1:])
-
 
 # Least ratio of the armour's ballistic limit to that of the model.
 LEAST_RATIO = 0.01
@@ -222,14 +153,9 @@ def quantiles(distribution: Distribution, probabilities: ArrayLike, value: float
     if distribution.distribution == "lognormal":
         with np.errstate(divide="ignore"):
             ends = np.log(ends.clip(min=0.0))
-    from scipy.special import log_ndtr, ndtri_exp  # slow to import
+    from scipy.stats import truncnorm  # slow to import
 
-    low, high = (ends - centre) / width
-    side = -1.0 if high > -low else 1.0  # probabilities near 1 have fewer digits than those near 0
-    with np.errstate(divide="ignore"):
-        shares = log_ndtr(side * low) + np.log1p(-parts), log_ndtr(side * high) + np.log(parts)
-    scores = side * ndtri_exp(np.logaddexp(*shares))
-    values = centre + width * scores
+    values = truncnorm.ppf(parts, *(ends - centre) / width, loc=centre, scale=width)
     return np.clip(np.exp(values) if distribution.distribution == "lognormal" else values, *distribution.ends)
 
 

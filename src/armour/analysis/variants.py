@@ -30,7 +30,7 @@ THICKNESS_TOLERANCE_MM = 1e-6
 # Number of rows to compute at all points of a scan at a time, which bounds the memory.
 SCANS_AT_A_TIME = 250
 # Whether a condition holds at values of some rows: (values, rows) -> holds.
-Condition = Callable[[Floats, Ints], Bools]
+RowCondition = Callable[[Floats, Ints], Bools]
 
 
 class Variants(NamedTuple):
@@ -117,10 +117,8 @@ def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -
         getattr(batch.fields(rows), name)[:] = values
     velocities = np.array(np.broadcast_to(inputs[VELOCITY], count), dtype=np.float64)
     own_strength = columns.keys().isdisjoint((YIELD, "backing.flow_stress_GPa"))
-    materials = armours_of(scenario).materials
-    return Variants(
-        rows, velocities, cosines, np.zeros(count, dtype=np.int64), scenario, tuple(materials), own_strength
-    )
+    materials, material_of_row = tuple(armours_of(scenario).materials), np.zeros(count, dtype=np.int64)
+    return Variants(rows, velocities, cosines, material_of_row, scenario, materials, own_strength)
 
 
 def concatenated(parts: Sequence[Variants]) -> Variants:
@@ -174,8 +172,7 @@ def perforated(variants: Variants) -> Bools:
 def check_resolved(resolved: Bools, variants: Variants) -> None:
     """Raise an InputError that names the key at fault if the run of a row does not end."""
     if not resolved.all():
-        first = int(np.argmin(resolved))
-        raise unresolved_error(variants.scenario, float(variants.velocities[first]))
+        raise unresolved_error(variants.scenario, float(variants.velocities[int(np.argmin(resolved))]))
 
 
 def with_thicknesses(
@@ -230,8 +227,7 @@ def limit_brackets(
     """
     if len(rows) > 1 or _engine_is_quicker("ballistic_limits", options, points):
         return batch.ballistic_limits(rows, low, high, tolerance, options, points)
-    velocities = scan(low, high, points)
-    result = find_ballistic_limit(Parameters(*rows[0].tolist()), velocities, tolerance, *options[:3])
+    result = find_ballistic_limit(Parameters(*rows[0].tolist()), scan(low, high, points), tolerance, *options[:3])
     return batch.Brackets(*(np.array([value]) for value in result))
 
 
@@ -286,18 +282,18 @@ def distributions(variants: Variants, limits: Floats) -> Mixture:
 
 def changes_above(variants: Variants, limits: Floats) -> Bools:
     """Return which unusual rows are seen to stop an impact faster than their ballistic limit, (n,)."""
-    section, again = variants.scenario.ballistic_limit, np.zeros(len(limits), dtype=bool)
+    section, changes_again = variants.scenario.ballistic_limit, np.zeros(len(limits), dtype=bool)
     velocities = np.array(scan(section.velocity_min_m_s, section.velocity_max_m_s, DENSE_SCAN_POINTS))
     where = np.flatnonzero(unusual(variants) & np.isfinite(limits))
     for start in range(0, len(where), SCANS_AT_A_TIME):
         part = where[start : start + SCANS_AT_A_TIME]
         row, place = np.nonzero(velocities > limits[part, None])
         faster = variants.at(part[row])._replace(velocities=velocities[place])
-        again[part[row[~perforated(faster)]]] = True
-    return again
+        changes_again[part[row[~perforated(faster)]]] = True
+    return changes_again
 
 
-def bisect_rows(holds: Condition, rows: Ints, low: Floats, high: Floats) -> Floats:
+def bisect_rows(holds: RowCondition, rows: Ints, low: Floats, high: Floats) -> Floats:
     """Return the upper ends of brackets of rows, (low, high), mm, after bisection.
 
     A condition holds at the upper ends and not at the lower ones.
@@ -309,9 +305,9 @@ def bisect_rows(holds: Condition, rows: Ints, low: Floats, high: Floats) -> Floa
         if not len(places):
             return high
         values = middle[places]
-        good = holds(values, rows[places])
-        high[places[good]] = values[good]
-        low[places[~good]] = values[~good]
+        is_met = holds(values, rows[places])
+        high[places[is_met]] = values[is_met]
+        low[places[~is_met]] = values[~is_met]
 
 
 def least_ceramics_mm(variants: Variants) -> Least:
@@ -355,13 +351,13 @@ def least_totals_mm(variants: Variants) -> Least:
     return least
 
 
-def _conditions(thick: Callable[[Floats, Ints], Variants]) -> tuple[Condition, Condition]:
+def _conditions(thick: Callable[[Floats, Ints], Variants]) -> tuple[RowCondition, RowCondition]:
     """Return whether rows with other thicknesses stop the impact, and whether they are unusual."""
     return lambda *at: ~perforated(thick(*at)), lambda *at: unusual(thick(*at))
 
 
 def least_values_mm(
-    stops: Condition, is_unusual: Condition, low: Floats, high: Floats, points: int = DENSE_SCAN_POINTS
+    stops: RowCondition, is_unusual: RowCondition, low: Floats, high: Floats, points: int = DENSE_SCAN_POINTS
 ) -> Least:
     """Return the least thickness from low to high, mm, that stops the threat in each row, by bisection or scan.
 

@@ -179,10 +179,7 @@ COMMANDS: dict[str, dict[Callable[..., None], tuple[str, ...]]] = {
         sweep: (f"sweep {W} --over armour.ceramic_thickness_mm=4:12:0.1 -o limits.csv --plot limits.svg",),
     },
     "Design": {
-        optimise: (
-            f"optimise {P}/optimum_7.62mm_AP --refine",
-            "optimise catalogue --plot study.svg --csv front.csv",
-        ),
+        optimise: (f"optimise {P}/optimum_7.62mm_AP --refine", "optimise catalogue --plot study.svg --csv front.csv"),
         report: (f"report {P}/optimum_7.62mm_AP -o report.html", "report paper -o suite.html"),
     },
     "Judge the answer": {

@@ -72,8 +72,7 @@ def calibrate(
     ],
     scenario: "Scenario",
     library: Annotated[
-        Path | None,
-        option("Write a library file with the fitted entries.", "--write", metavar="LIB.toml"),
+        Path | None, option("Write a library file with the fitted entries.", "--write", metavar="LIB.toml")
     ] = None,
     fitted: Annotated[
         Path | None,
@@ -211,8 +210,7 @@ def _with_result(
 
         def content_with_shot() -> bytes:
             if content_of(table) != earlier_content:
-                message = "cannot be written: it has changed since it was read; repeat the command"
-                raise mistake(table, "", message)
+                raise mistake(table, "", "cannot be written: it has changed since it was read; repeat the command")
             return content
 
         return Answer(plan, (*warnings, *plan.warnings), contents={table: content_with_shot}, held=stack.pop_all())

@@ -18,7 +18,7 @@ from rich.text import Text
 
 from armour.files import printable
 from armour.reporting.table import Column, Table
-from armour.reporting.text import Verdict, unbroken
+from armour.reporting.text import VerdictLine, unbroken
 
 GAP = 2
 # Width of output to a pipe, where each row of a table stays on one line.
@@ -47,7 +47,7 @@ def rendered(items: Iterable[Table | str], room: int, title: str = "", colours: 
     if title:
         console.print(_text(console, title, room, "bold"))
     for item in items:
-        beside = not above or (isinstance(above, Verdict) and isinstance(item, Table) and item.record)
+        beside = not above or (isinstance(above, VerdictLine) and isinstance(item, Table) and item.record)
         above = item
         if isinstance(item, Table):
             if not beside or (title and item.title):
@@ -55,7 +55,7 @@ def rendered(items: Iterable[Table | str], room: int, title: str = "", colours: 
             for part in _parts(console, item, room):
                 console.print(part)
         else:
-            style = ("bold green" if item.good else "bold red") if isinstance(item, Verdict) else ""
+            style = ("bold green" if item.good else "bold red") if isinstance(item, VerdictLine) else ""
             console.print(_text(console, item, room, style))
     lines = shown.getvalue().replace(STAND_IN, " ").split("\n")
     return "\n".join(line.rstrip(" ") for line in lines)
@@ -94,8 +94,7 @@ def _rows(table: Table, room: int) -> Iterator[Grid | str]:
         gap = GAP if fit != NARROW else 1
         widths = _shared(limits, room, gap)
         if widths is not None:
-            right = [column.numeric for column in table.columns]
-            yield _grid(texts, widths, right, gap, headings)
+            yield _grid(texts, widths, [column.numeric for column in table.columns], gap, headings)
             return
     yield from _blocks(table, texts, room)
 

@@ -47,22 +47,20 @@ def _list(kinds: Sequence[str], *, tested: bool, as_json: bool) -> None:
     from armour.reporting.views.library import library_table, threat_table
     from armour.scenario.library import named_threats, shipped_library
 
-    library, tested_entries = shipped_library(), None
+    library, partners = shipped_library(), None
     data: dict[str, dict[str, Any]] = library.to_dict()
     threats = named_threats()
     if tested:
         from armour.validation.tested import tested_with
 
-        tested_entries = tested_with()
+        partners = tested_with()
         tested_data: dict[str, dict[str, Any]] = {kind: {} for kind in data}
-        for (kind, name), words in tested_entries.items():
+        for (kind, name), words in partners.items():
             tested_data[kind][name] = {**data[kind][name], "tested_with": list(words)}
         data = tested_data
-        threats = {
-            name: threat for name, threat in threats.items() if ("projectile", threat.projectile) in tested_entries
-        }
+        threats = {name: threat for name, threat in threats.items() if ("projectile", threat.projectile) in partners}
     data["threat"] = {name: threat.model_dump() for name, threat in threats.items()}
-    tables: dict[str, Table | str] = {kind: library_table(library, kind, tested_entries) for kind in library.entries}
+    tables: dict[str, Table | str] = {kind: library_table(library, kind, partners) for kind in library.entries}
     tables["threat"] = threat_table(threats)
     if len(kinds) > 1:
         tables["metal"] = f"{len(data['metal'])} metals: armour library metals{' --tested' * tested}"
@@ -81,12 +79,10 @@ def show_entry(
     as_json = as_json or (ctx.parent is not None and ctx.parent.params["as_json"])
     if threat := named_threats().get(name):
         content = {"kind": "threat", "name": name, **threat.model_dump()}
-        shown = (threat_table({name: threat}), f"source: {threat.source}")
-        respond(content, shown, as_json=as_json, heading=[name])
+        respond(content, (threat_table({name: threat}), f"source: {threat.source}"), as_json=as_json, heading=[name])
         return
     for entry in shipped_library().find(name):
-        title = f"{entry.name} ({entry.kind})"
-        respond(entry.to_dict(), entry_tables(entry), as_json=as_json, heading=[title])
+        respond(entry.to_dict(), entry_tables(entry), as_json=as_json, heading=[f"{entry.name} ({entry.kind})"])
 
 
 def init(

@@ -79,10 +79,9 @@ def mistakes_in(junit: Path | None, inputs: Sequence[Path], *, force: bool) -> I
 
         if junit is not None:
             cases = [TestCase(problem.file, problem.key or "file", "error", str(problem)) for problem in error.problems]
-            suite = junit_suite("invalid input", cases, 0.0, origin_of())
             with suppress(InputError):
                 check_outputs(junit=junit, inputs=inputs, force=force)
-                write({junit: junit_xml([suite])})
+                write({junit: junit_xml([junit_suite("invalid input", cases, 0.0, origin_of())])})
         raise
 
 
@@ -234,10 +233,10 @@ def warnings_of(scenario: "Scenario | None", warnings: Iterable[str], file: str 
     """
     notes = () if scenario is None else (f"note: {note}" for note in scenario.notes)
     where = file or (scenario.file if scenario else "")
-    every = list(dict.fromkeys(warnings))
+    shown = list(dict.fromkeys(warnings))
     if not verbose:
-        every = in_two_lines(every, "with -v")
-    return [*notes, *(": ".join(filter(None, ("warning", where, warning))) for warning in every)]
+        shown = in_two_lines(shown, "with -v")
+    return [*notes, *(": ".join(filter(None, ("warning", where, warning))) for warning in shown)]
 
 
 def as_options(function: str, named: Mapping[str, str] = {}) -> AbstractContextManager[None]:

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from armour.sweeps.sweep import Effort
 
 # Probability that a check and a report require: the key, and the help of the option.
-CONFIDENCE = ("design.confidence", "Required probability of stopping each threat, such as 0.95.")
+CONFIDENCE_OPTION = ("design.confidence", "Required probability of stopping each threat, such as 0.95.")
 # Keys of a design that a check reads.
 CHECK = ("design.confidence", "design.thickness_tolerance_mm")
 # Sections and keys that a ballistic limit depends on, see `armour.scenario.effect`.
@@ -91,7 +91,7 @@ def ballistic_limit(scenario: "Scenario", on_progress: "OnProgress") -> Answer:
 
 @question(LIMIT_READS, computed="the ballistic limit", first="searching")
 def compare(scenario: "Scenario", on_progress: "OnProgress") -> Answer:
-    """Compare the model with closed-form formulas."""
+    """Compare the model with simpler formulas."""
     from armour.analysis.ballistic_limit import not_monotonic
 
     result = armour.compare(scenario, on_progress=on_progress)
@@ -110,7 +110,7 @@ def check(
     junit: Annotated[
         Path | None, option("Write the results as JUnit XML; such a file is replaced.", metavar="FILE")
     ] = None,
-    confidence: Annotated[Any, option(CONFIDENCE[1], metavar="NUMBER", parser=share)] = None,
+    confidence: Annotated[Any, option(CONFIDENCE_OPTION[1], metavar="NUMBER", parser=share)] = None,
     plot: PlotFile = None,
     force: Force = False,
     changes: Changes = None,
@@ -178,7 +178,7 @@ def _read_each(paths: Sequence[Path], changes: Sequence[str] | None, confidence:
     problems: list[Problem] = []
     for path in paths:
         try:
-            settings = {"--confidence": (CONFIDENCE[0], confidence)}
+            settings = {"--confidence": (CONFIDENCE_OPTION[0], confidence)}
             scenarios.append(runner.read_scenario(path, changes, CHECK_READS, settings, "the check"))
         except InputError as error:
             problems += error.problems
@@ -186,7 +186,7 @@ def _read_each(paths: Sequence[Path], changes: Sequence[str] | None, confidence:
     return scenarios
 
 
-@question(DESIGNS, computed="the design", outputs=["page"], tables=["csv"], confidence=CONFIDENCE)
+@question(DESIGNS, computed="the design", outputs=["page"], tables=["csv"], confidence=CONFIDENCE_OPTION)
 def optimise(
     scenario: "Scenario",
     on_progress: "OnProgress",
@@ -230,7 +230,7 @@ def optimise(
 def _check_of(scenario: "Scenario", best: "BestDesign", source: str, changes: Sequence[str]) -> str:
     """Return the command that checks the best design of a scenario."""
     values = best.changes_to(scenario)
-    replaced = {*values, CONFIDENCE[0]}
+    replaced = {*values, CONFIDENCE_OPTION[0]}
     kept = [
         change for change in runner.accepted(changes, CHECK_READS) if change.partition("=")[0].strip() not in replaced
     ]
@@ -434,7 +434,7 @@ def report(
     as_is: Annotated[
         bool, option("Report on the scenario's own armour even if the scenario asks for a design.", "--as-is")
     ] = False,
-    confidence: Annotated[Any, option(CONFIDENCE[1], metavar="NUMBER", parser=share)] = None,
+    confidence: Annotated[Any, option(CONFIDENCE_OPTION[1], metavar="NUMBER", parser=share)] = None,
     force: Force = False,
     changes: Changes = None,
 ) -> None:
@@ -451,10 +451,8 @@ def report(
     confidence_option = [] if confidence is None else ["--confidence", str(confidence)]
     changes = changes or []
     command = runner.command_line()
-    accepted_options = runner.set_options(runner.accepted(changes, DESIGNS))
-    map_command = shlex.join(
-        ["armour", "optimise", str(source), *confidence_option, *accepted_options, "--map", "map.html"]
-    )
+    set_words = runner.set_options(runner.accepted(changes, DESIGNS))
+    map_command = shlex.join(["armour", "optimise", str(source), *confidence_option, *set_words, "--map", "map.html"])
     if str(source) != "-":
         source = scenario_file(source, shipped_suites())
     is_suite = str(source) != "-" and {"case", "table"} & read_toml(source).keys()
@@ -465,7 +463,7 @@ def report(
         content = _suite_report(source, changes, command)
     else:
         reads = (*BYLINE, "armour", *(AS_IS if as_is else DESIGNS))
-        required = {"--confidence": (CONFIDENCE[0], confidence)}
+        required = {"--confidence": (CONFIDENCE_OPTION[0], confidence)}
         scenario = runner.read_scenario(source, changes, reads, required, computed="the report")
         with progress("armours") as count:
             contents = contents_of(scenario, count, as_is=as_is)

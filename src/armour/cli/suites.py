@@ -103,8 +103,7 @@ def _computed(suite: "Suite", *, quiet: bool) -> tuple["SuiteResult", list[float
                 times.append(perf_counter())
                 count(1)
 
-            result = run_suite(suite, on_check=on_check)
-            return result, [end - start for start, end in pairwise(times)]
+            return run_suite(suite, on_check=on_check), [end - start for start, end in pairwise(times)]
     except KeyboardInterrupt:
         if done and not quiet:
             show(*view.tables_of_suite(result_of(suite, done)))

@@ -46,7 +46,7 @@ COST = "cost_per_m2"
 # Probability of perforation that stands for no bound.
 NO_BOUND = 0.5
 # Words of the layers by their names in keys.
-LAYERS = {"ceramic": "ceramic", "backing": "back plate"}
+LAYER_WORDS = {"ceramic": "ceramic", "backing": "back plate"}
 # Criterion that is not a column of the candidates.
 MARGIN = "margin_m_s"
 # Number of back plate thicknesses tried first if both layers are free: in a range without a step, and at most with one.
@@ -168,11 +168,10 @@ class Catalogue:
         required = np.array([threat.required_m_s for threat in self.threats]) + self.more_margin_m_s
         bounds = np.where((self.bounds < NO_BOUND) & (not self.sampled), self.bounds, 1.0)
         designs = candidates.at(design_of_row)
-        parameters = self.layers[designs.pair] + self.projectiles[threat_of_row]
         # The evidence is looked up for each of the materials of the rows.
         pairs, place_of_row = np.unique(designs.pair, return_inverse=True)
         rows = Variants(
-            parameters,
+            self.layers[designs.pair] + self.projectiles[threat_of_row],
             self.velocities_m_s[threat_of_row],
             self.cosines[threat_of_row],
             place_of_row,
@@ -273,7 +272,7 @@ class Catalogue:
         """Return key, name and ends, mm, of the ranges of thicknesses of a pair, without lists of thicknesses."""
         ranges = []
         places = divmod(pair, len(self.section.backing))
-        for layer, place, (role, name) in zip(self.offers[pair][:2], places, LAYERS.items(), strict=True):
+        for layer, place, (role, name) in zip(self.offers[pair][:2], places, LAYER_WORDS.items(), strict=True):
             if layer.free_range(refine=True):
                 values = layer.thicknesses()
                 ranges.append((self._key(role, place), name, values[0], values[-1]))
@@ -286,7 +285,7 @@ class Catalogue:
 
     def omissions(self) -> Iterator[str]:
         """Warn of each range of thicknesses that is not a whole number of steps."""
-        for role in LAYERS:
+        for role in LAYER_WORDS:
             for place, layer in enumerate(getattr(self.section, role)):
                 thickness = layer.thickness_mm
                 if isinstance(thickness, Range) and (omission := thickness.omission()):
@@ -370,7 +369,7 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
 def _wrong_layers(file: str, section: DesignSection, *, sampled: bool) -> Iterator[Problem]:
     """Yield the layers listed twice, and those that lack a step that sampling needs, or a cost that is asked for."""
     costs = COST in (section.minimise, *(section.pareto or ())) or section.cost_max_per_m2 is not None
-    for role in LAYERS:
+    for role in LAYER_WORDS:
         layers = getattr(section, role)
         for i, layer in enumerate(layers):
             key = f"design.{role}[{i}]"

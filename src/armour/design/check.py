@@ -162,9 +162,9 @@ def check(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> C
     section = scenario.design or DesignSection()
     threats = scenario.threats()
     impacts = [scenario.against(threat) for threat in threats]
-    checked_threats = [
+    checked_threats = tuple(
         _checked(against, threat, section, on_progress) for against, threat in zip(impacts, threats, strict=True)
-    ]
+    )
     metals = [scenario.entry("metal", scenario.armour.backing)]
     warnings = (
         *scenario.unused_impact(),
@@ -173,9 +173,8 @@ def check(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> C
     )
     verdicts = [threat.verdict for threat in checked_threats]
     worst: Verdict = "fails" if "fails" in verdicts else "not known" if "not known" in verdicts else "passes"
-    return CheckResult(tuple(checked_threats), worst, warnings).of(
-        scenario.subject(threats=scenario.threat), scenario=scenario
-    )
+    title = scenario.subject(threats=scenario.threat)
+    return CheckResult(checked_threats, worst, warnings).of(title, scenario=scenario)
 
 
 def verdict_of(required: float | None, probability: float | None, *, stops: bool) -> Verdict:

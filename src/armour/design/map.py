@@ -34,10 +34,6 @@ class DesignMap(NamedTuple):
     # if the model error is not known.
     stopped_m_s: Floats
 
-    def on_grid(self, values: Floats) -> Floats:
-        """Return a quantity of the candidates, (ceramics, back plates)."""
-        return values.reshape(len(self.ceramic_mm), len(self.backing_mm))
-
     def stopped_with(self, probability: float) -> Floats:
         """Return velocities that are stopped with one of the probabilities, m/s, (ceramics, back plates, threats)."""
         return np.asarray(self.stopped_m_s[..., self.probabilities.index(probability)])
@@ -82,9 +78,7 @@ def limits_over_sources(catalogue: Catalogue, designs: DesignMap) -> Floats | No
     return np.array(limits).reshape(-1, *designs.limits_m_s.shape)
 
 
-def with_edges_of_known(
-    catalogue: Catalogue, pair: int, ceramic_mm: Floats, backing_mm: Floats
-) -> tuple[Floats, Floats]:
+def with_known_edges(catalogue: Catalogue, pair: int, ceramic_mm: Floats, backing_mm: Floats) -> tuple[Floats, Floats]:
     """Return thicknesses of a grid, mm, with those between which the model error becomes known or unknown."""
     scans = [
         np.linspace(values[0], values[-1], EDGE_POINTS) if len(values) > 1 else values
@@ -138,8 +132,7 @@ def thicknesses_tested(catalogue: Catalogue, pair: int, threat: int) -> dict[str
 
     The keys are "ceramic" and "backing".
     """
-    offer = catalogue.offers[pair]
-    middle = [np.array([np.mean(layer.thicknesses())]) for layer in offer[:2]]
+    middle = [np.array([np.mean(layer.thicknesses())]) for layer in catalogue.offers[pair][:2]]
     rows, *_ = catalogue.against_each(catalogue.candidates(pair, *middle), [threat])
     [(evidence, _)] = rows.armours.by_evidence()
     if given_error(catalogue.scenario) or not rows.errors.known.all():

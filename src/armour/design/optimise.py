@@ -8,8 +8,8 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from armour.analysis.ballistic_limit import NeededFlowStress, needed_flow_stress
+from armour.analysis.estimates import Estimate
 from armour.analysis.results import OnProgress, TableResult, data_frame, ignore_progress
-from armour.analysis.samples import Estimate
 from armour.analysis.variants import Bools, Floats, Ints, Variants
 from armour.design.catalogue import FIRST_VALUES, MARGIN, NO_BOUND, ROUNDING, CandidateDesigns, Catalogue, catalogue_of
 from armour.design.reliability import Reliability
@@ -33,7 +33,7 @@ Reason = Literal["", "none passes", "not known"]
 MOST_LISTED = 5
 
 
-class Objective(NamedTuple):
+class ObjectiveWords(NamedTuple):
     """A quantity to minimise: words for less and more of it, its unit, and the key of [design] that bounds it."""
 
     least: str
@@ -44,9 +44,9 @@ class Objective(NamedTuple):
 
 
 OBJECTIVES = {
-    "areal_density_kg_m2": Objective("lightest", "lighter", "heavier", " kg/m²", "areal_density_max_kg_m2"),
-    "thickness_mm": Objective("thinnest", "thinner", "thicker", " mm", "thickness_max_mm"),
-    "cost_per_m2": Objective("cheapest", "cheaper", "dearer", " per m²", "cost_max_per_m2"),
+    "areal_density_kg_m2": ObjectiveWords("lightest", "lighter", "heavier", " kg/m²", "areal_density_max_kg_m2"),
+    "thickness_mm": ObjectiveWords("thinnest", "thinner", "thicker", " mm", "thickness_max_mm"),
+    "cost_per_m2": ObjectiveWords("cheapest", "cheaper", "dearer", " per m²", "cost_max_per_m2"),
 }
 
 
@@ -265,11 +265,15 @@ class DesignResult(TableResult):
         best = self.shown
         if best is None:
             return self.reason
-        untested = " (untested)" * best.untested
-        ceramic = f"{best.ceramic_thickness_mm:g} mm {best.ceramic}{untested} on " if best.ceramic else ""
-        armour = f"{ceramic}{best.backing_thickness_mm:g} mm {best.backing}"
         nearest = f"{self.reason}, nearest " if self.reason else ""
-        return f"{nearest}{armour}, {best.areal_density_kg_m2:.2f} kg/m²"
+        return f"{nearest}{armour_in_words(best)}, {best.areal_density_kg_m2:.2f} kg/m²"
+
+
+def armour_in_words(design: Design) -> str:
+    """Return the layers of a design, such as "11 mm AD85 on 6 mm 5083-H3"."""
+    ceramic = f"{design.ceramic} (untested)" if design.untested else design.ceramic
+    layers = (design.ceramic_thickness_mm, ceramic), (design.backing_thickness_mm, design.backing)
+    return " on ".join(f"{round(thickness, 3):g} mm {name}" for thickness, name in layers if name)
 
 
 @checked

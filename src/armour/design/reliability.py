@@ -5,19 +5,9 @@ from math import ceil, log, log1p
 
 import numpy as np
 
+from armour.analysis.estimates import TAIL, Estimate, proportion
 from armour.analysis.results import OnProgress, ignore_progress
-from armour.analysis.samples import (
-    TAIL,
-    Estimate,
-    columns_of,
-    own_errors,
-    own_values,
-    points_of,
-    proportion,
-    sampled,
-    section_at,
-    section_of,
-)
+from armour.analysis.samples import columns_of, own_errors, own_values, points_of, sampled, section_at, section_of
 from armour.analysis.variants import perforated
 from armour.design.catalogue import NO_BOUND, CandidateDesigns, Catalogue
 from armour.errors import Problem, refuse

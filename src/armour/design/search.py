@@ -10,8 +10,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from armour.analysis.estimates import Estimate
 from armour.analysis.results import OnProgress, ignore_progress, portions
-from armour.analysis.samples import Estimate
 from armour.analysis.variants import (
     Bools,
     Floats,
@@ -426,8 +426,7 @@ def _of_pair(
             values = np.array([np.where(violations > 0.0, np.inf, getattr(designs, name)) for name in columns])
         return np.take_along_axis(values, place.reshape(backings.shape), axis=1)
 
-    first = np.tile(backings, (len(columns), 1))
-    minimise_over_backings(values_of, first, backing.min, backing.max, width)
+    minimise_over_backings(values_of, np.tile(backings, (len(columns), 1)), backing.min, backing.max, width)
     designs = joined(rounds)
     return designs.at(np.unique(designs.backing_mm, return_index=True)[1])
 

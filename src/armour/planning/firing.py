@@ -9,8 +9,8 @@ import numpy as np
 from pydantic import Field
 
 from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
+from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.results import OnProgress, Result, ignore_progress
-from armour.analysis.samples import CONFIDENCE, Confidence
 from armour.analysis.variants import Floats
 from armour.errors import Problem, counted, mistake, refuse
 from armour.evidence.model_error import NORMAL, ModelError

@@ -11,9 +11,9 @@ from pydantic import Field, PlainValidator
 from scipy.optimize import approx_fprime
 from scipy.special import ndtri, stdtrit
 
+from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.evaluate import check_keys, scenarios_of
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
-from armour.analysis.samples import CONFIDENCE
 from armour.analysis.variants import Floats
 from armour.errors import MAX_PROBLEMS, Problem, choices, counted, mistake, refuse, restated
 from armour.planning import optimal_design

@@ -14,7 +14,7 @@ from armour.analysis.results import OnProgress, ignore_progress
 from armour.analysis.variants import Floats
 from armour.core.state import Parameters
 from armour.design.catalogue import COST, NO_BOUND, Catalogue, catalogue_of
-from armour.design.map import DesignMap, design_map, limits_over_sources, thicknesses_tested, with_edges_of_known
+from armour.design.map import DesignMap, design_map, limits_over_sources, thicknesses_tested, with_known_edges
 from armour.errors import InputError, Problem
 from armour.evidence.model_error import given_error
 from armour.reporting.formats import TEMPLATES, rendered
@@ -170,7 +170,7 @@ def _nodes(layer: Layer, nodes: int, free: int) -> Floats:
 
 
 def _pair(catalogue: Catalogue, pair: int, grid: tuple[Floats, Floats], on_progress: OnProgress) -> dict[str, Any]:
-    ceramics, backings = grid = with_edges_of_known(catalogue, pair, *grid)
+    ceramics, backings = grid = with_known_edges(catalogue, pair, *grid)
     offer = catalogue.offers[pair]
     designs = design_map(catalogue, pair, ceramics, backings, PROBABILITIES, on_progress)
     # A slider of the page has the greatest areal density.

@@ -29,19 +29,19 @@ def junit_suite(name: str, cases: Iterable[TestCase], seconds: float, origin: Ma
     properties = ElementTree.SubElement(suite, "properties")
     for key, text in origin.items():
         ElementTree.SubElement(properties, "property", name=key, value=printable(text))
-    seen = Counter[tuple[str, str]]()
-    for each in cases:
-        seen[each.group, each.title] += 1
-        count = seen[each.group, each.title]
+    counts = Counter[tuple[str, str]]()
+    for case in cases:
+        counts[case.group, case.title] += 1
+        count = counts[case.group, case.title]
         number = f" ({count})" if count > 1 else ""  # readers take equal names for one case
-        title = printable(each.title) + number
-        case = ElementTree.SubElement(suite, "testcase", classname=printable(each.group), name=title)
-        if each.seconds is not None:
-            case.set("time", f"{each.seconds:.3f}")
-        if each.result:
-            message = printable(each.message)
+        title = printable(case.title) + number
+        element = ElementTree.SubElement(suite, "testcase", classname=printable(case.group), name=title)
+        if case.seconds is not None:
+            element.set("time", f"{case.seconds:.3f}")
+        if case.result:
+            message = printable(case.message)
             # GitLab shows the text of the element, others its attribute.
-            ElementTree.SubElement(case, each.result, message=message).text = message
+            ElementTree.SubElement(element, case.result, message=message).text = message
     suite.set("tests", str(len(suite.findall("testcase"))))
     for plural, result in {"failures": "failure", "errors": "error", "skipped": "skipped"}.items():
         suite.set(plural, str(len(suite.findall(f"testcase/{result}"))))

@@ -28,7 +28,7 @@ from armour.statistics.sensitivity import SensitivityResult, sensitivity
 from armour.statistics.uncertainty import UncertaintyResult, probability_of_perforation, uncertainty
 
 # Keys of [design] that apply to any armour and do not ask for a design.
-KEYS_FOR_ANY_ARMOUR = {"confidence", "thickness_tolerance_mm", "angles_as_at_normal_incidence"}
+KEYS_OF_ANY_ARMOUR = {"confidence", "thickness_tolerance_mm", "angles_as_at_normal_incidence"}
 # What the model leaves out, see docs/limits.md.
 ASSUMPTIONS = (
     ("Penetrator", "a flat-ended cylinder of one material; jacket, tip, sabot and fracture of the core are left out"),
@@ -66,9 +66,7 @@ class Contents:
 def asks_for_design(scenario: Scenario) -> bool:
     """Return whether a scenario asks for the best design."""
     section = scenario.design
-    return scenario.optimise is not None or (
-        section is not None and not section.model_fields_set <= KEYS_FOR_ANY_ARMOUR
-    )
+    return scenario.optimise is not None or (section is not None and not section.model_fields_set <= KEYS_OF_ANY_ARMOUR)
 
 
 def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *, as_is: bool = False) -> Contents:

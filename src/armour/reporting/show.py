@@ -82,7 +82,7 @@ CalibrationResult, FiringResult, PlannedTests, ShotPlan, SuiteResult or SweepRes
 
 def _same(scenario: Scenario, other: Scenario) -> bool:
     """Return whether two scenarios give the same results."""
-    sections, other_sections = (each.model_dump(exclude=TEXTS | {"library"}) for each in (scenario, other))
+    sections, other_sections = (item.model_dump(exclude=TEXTS | {"library"}) for item in (scenario, other))
     return sections == other_sections and scenario.inputs() == other.inputs()
 
 

@@ -9,19 +9,19 @@ from armour.files import printable
 from armour.units import ENDINGS
 
 if TYPE_CHECKING:
-    from armour.analysis.samples import Estimate
+    from armour.analysis.estimates import Estimate
 
 
-class Verdict(str):
+class VerdictLine(str):
     """A line that says how an answer ends, well or not; a terminal shows it in green or red."""
 
     good: bool
 
     def __new__(cls, text: str, *, good: bool) -> Self:
         """Make a verdict."""
-        verdict = super().__new__(cls, text)
-        verdict.good = good
-        return verdict
+        line = super().__new__(cls, text)
+        line.good = good
+        return line
 
 
 # The space between a number and its unit, or after ±.

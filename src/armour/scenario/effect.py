@@ -68,7 +68,7 @@ def check_columns(scenario: Scenario, keys: Sequence[str], reads: Collection[str
 def _input_set_by(scenario: Scenario, parts: Parts) -> str:
     """Return the input that changes with a value of the section [library]; "" if none does."""
     _, kind, name, key = parts[:4]
-    value = scenario.entries.entries[kind][name][key]  # type: ignore[index]
+    value = scenario.entry(kind, name)[key]  # type: ignore[arg-type]
     inputs = scenario.inputs()
     for factor in (1.01, 0.99):  # one of them is within the bounds
         with suppress(InputError):

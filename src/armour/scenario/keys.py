@@ -15,7 +15,7 @@ Parts = tuple[str, ...]
 MAX_PARTS = 20
 LISTED = "; a list is given whole, such as threat=[{...}]"
 # Keys, and indices of lists.
-_Place = tuple[str | int, ...]
+KeyPath = tuple[str | int, ...]
 # Texts and comments, within which brackets and ends of lines do not count, brackets, and ends of lines.
 _TOKEN = re.compile(
     r'''"""(?:\\.|[^\\])*?"{3,5}|\'{3}.*?\'{3,5}|"(?:\\.|[^"\\\n])*"|\'[^\'\n]*\'|\#[^\n]*|[][{}\n]''', re.DOTALL
@@ -87,9 +87,8 @@ def values_by_key(changes: Mapping[str, object]) -> dict[Parts, object]:
 def not_a_key(file: str, key: str) -> Problem:
     """Return the problem of a text that is not a key."""
     example = 'armour.ceramic_thickness_mm or library.projectile."7.62 mm AP"'
-    return Problem(
-        file, "", f"must be a key of the scenario as TOML writes it, such as {example}, found {describe(key)}"
-    )
+    message = f"must be a key of the scenario as TOML writes it, such as {example}, found {describe(key)}"
+    return Problem(file, "", message)
 
 
 def describe(value: object) -> str:
@@ -111,7 +110,7 @@ def lines_of(text: str) -> dict[str, int]:
     """Return the line numbers, from 1, of every key and table of a TOML text, up to a syntax error."""
     lines: dict[str, int] = {}
     counts: dict[str, int] = {}
-    table: _Place = ()
+    table: KeyPath = ()
     for line, statement in _statements(text):
         try:
             data = tomllib.loads(statement)
@@ -147,9 +146,9 @@ def upwards(key: str) -> list[str]:
     return [key[:end] for end in sorted(ends, reverse=True)]
 
 
-def _header(data: Any, counts: dict[str, int]) -> _Place:
+def _header(data: Any, counts: dict[str, int]) -> KeyPath:
     """Return the key of the table that a header opens; for an array of tables, of its next element."""
-    parts: _Place = ()
+    parts: KeyPath = ()
     while data:
         [(name, data)] = data.items()
         parts = (*parts, name)
@@ -161,7 +160,7 @@ def _header(data: Any, counts: dict[str, int]) -> _Place:
     return parts
 
 
-def _keys(value: Any, parts: _Place) -> Iterator[_Place]:
+def _keys(value: Any, parts: KeyPath) -> Iterator[KeyPath]:
     """Yield the key of a value and the keys within it."""
     if parts:
         yield parts

@@ -81,7 +81,7 @@ Mass = Annotated[Value[Annotated[float, Field(gt=0.0, le=1e9), NOT_TINY]], _Numb
 Density = Annotated[Value[Annotated[float, Field(ge=100.0, le=30000.0)]], _NumberOrTable]
 StressGPa = Annotated[Value[Annotated[float, Field(ge=0.001, le=1000.0)]], _NumberOrTable]
 StressMPa = Annotated[Value[Annotated[float, Field(ge=1.0, le=1e6)]], _NumberOrTable]
-Coefficient = Annotated[Value[Annotated[float, Field(ge=-3.0, le=3.0)]], _NumberOrTable]
+LawCoefficient = Annotated[Value[Annotated[float, Field(ge=-3.0, le=3.0)]], _NumberOrTable]
 Strain = Annotated[Value[Annotated[float, Field(gt=0.0, le=10.0), NOT_TINY]], _NumberOrTable]
 
 
@@ -218,13 +218,13 @@ class Ceramic(Entry):
     flow_stress_sources_GPa: Annotated[Items[Annotated[float, Field(ge=0.001, le=1000.0)]], Field(max_length=2)] = ()
     """Least and greatest flow stress that sources give, of a ceramic of which no test on metal is known; one number if
     a single source gives one."""
-    flow_stress_backing_exponent: Coefficient | None = None
+    flow_stress_backing_exponent: LawCoefficient | None = None
     """Law of the flow stress: exponent of the back plate's thickness."""
-    flow_stress_product_exponent: Coefficient | None = None
+    flow_stress_product_exponent: LawCoefficient | None = None
     """Law of the flow stress: exponent of the product of both thicknesses."""
-    flow_stress_ceramic_slope: Coefficient | None = None
+    flow_stress_ceramic_slope: LawCoefficient | None = None
     """Law of the flow stress: slope by the ceramic's thickness."""
-    flow_stress_backing_slope: Coefficient | None = None
+    flow_stress_backing_slope: LawCoefficient | None = None
     """Law of the flow stress: slope by the back plate's thickness."""
 
     @field_validator("flow_stress_sources_GPa")
@@ -259,7 +259,7 @@ KINDS: dict[Kind, type[Entry]] = {"projectile": Projectile, "ceramic": Ceramic, 
 VALUE_KEYS = {kind: [key for key in KINDS[kind].model_fields if key not in Entry.model_fields] for kind in KINDS}
 # Files of the shipped library.
 FILES = ("ceramics", "metals", "projectiles", "tested_plates")
-# Keys that the model does not use: data of the whole projectile, and properties for the closed forms.
+# Keys that the model does not use: data of the whole projectile, and properties for the formulas of `armour compare`.
 UNUSED = ("caliber_mm", "projectile_mass_g", "ultimate_tensile_strength_MPa", "strain_to_fracture")
 # Coefficients of the law of a ceramic's flow stress, see `armour.core.equations.intact_strength`; 0 if absent.
 FLOW_STRESS_LAW = (

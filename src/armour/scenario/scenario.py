@@ -254,8 +254,7 @@ class Scenario(Section):
         """Return a hash of the validated content: every section, and every entry of the library that names refer to."""
         entries = self._entries.entries
         library = {kind: {name: entry.content() for name, entry in entries[kind].items()} for kind in entries}
-        content = {**self.model_dump(mode="json"), "library": library}
-        return sha256(json.dumps(content).encode()).hexdigest()
+        return sha256(json.dumps({**self.model_dump(mode="json"), "library": library}).encode()).hexdigest()
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Scenario) and self.digest() == other.digest()
@@ -651,8 +650,7 @@ def _library_of(source: _Source) -> tuple[Library, dict[Kind, dict[str, str]], l
         else {kind: library.known(kind) | {name: name for name in _table(tables, kind)} for kind in KINDS}
     )
     try:
-        section = LibrarySection.model_validate(tables)
-        library = library.extended(section, source.file, "library")
+        library = library.extended(LibrarySection.model_validate(tables), source.file, "library")
     except ValidationError:
         pass  # the validation of the whole scenario reports it
     except InputError as error:

@@ -212,9 +212,7 @@ class Range(Steps):
     """Evenly spaced thicknesses from min; max is included if it is a whole number of steps away."""
 
     min: ThicknessOrNone
-    """Least value."""
     max: Annotated[ThicknessOrNone, above("min", or_equal=True)]
-    """Greatest value."""
 
 
 def _above_zero(thickness: Any) -> Any:
@@ -357,7 +355,6 @@ class BackingLayer(Layer):
     material: MetalName
     """Name of the metal."""
     thickness_mm: Annotated[Thicknesses, AfterValidator(_above_zero)]
-    """Thicknesses to choose from: one, a list, a range with a step, or a range without a step for any value in it."""
 
 
 Objective = Literal["areal_density_kg_m2", "thickness_mm", "cost_per_m2"]
@@ -444,6 +441,8 @@ class Distribution(Section):
                 raise ValueError("a uniform distribution must have min and max, and nothing else")
         elif widths != 1:
             raise ValueError("must have standard_deviation or standard_deviation_percent, and not both")
+        elif self.distribution == "lognormal" and self.max is not None and self.max <= 0.0:
+            raise ValueError(f"a lognormal distribution must have a max greater than 0, found {self.max:g}")
         return self
 
     @property

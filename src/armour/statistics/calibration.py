@@ -9,8 +9,8 @@ from typing import Any, Literal
 import numpy as np
 from scipy.special import stdtrit
 
+from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
-from armour.analysis.samples import CONFIDENCE
 from armour.analysis.variants import Bools, Floats, outside_limits
 from armour.errors import InputError, mistake
 from armour.evidence.fit import LEAST_REST

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.optimize import brentq, minimize
 from scipy.special import expit, log_expit, log_ndtr, logit, ndtr, ndtri
 
-from armour.analysis.samples import CONFIDENCE
+from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.variants import Floats
 from armour.errors import NoAnswerError
 

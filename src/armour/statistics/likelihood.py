@@ -10,9 +10,10 @@ import numpy as np
 from scipy.optimize import approx_fprime, least_squares, minimize_scalar
 from scipy.special import chdtrc, log_ndtr, ndtri, stdtrit
 
+from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.evaluate import Answers
 from armour.analysis.results import OnProgress
-from armour.analysis.samples import CONFIDENCE, centre_and_width
+from armour.analysis.samples import centre_and_width
 from armour.analysis.variants import Bools, Floats, Ints, Variants, ballistic_limits
 from armour.core.search import SCAN_POINTS
 from armour.errors import Problem, mistake, refuse
@@ -298,8 +299,8 @@ def likelihood_of(tests: Tests, inputs: Sequence[str], on_progress: OnProgress, 
     lower = np.where(of_law, -MAX_COEFFICIENT, MIN_RATIO)
     upper = np.where(of_law, MAX_COEFFICIENT, MAX_RATIO)
     kept = np.ones(len(tests.measurements), dtype=bool)
-    known = prior_of(first, inputs, units) if prior else NO_PRIOR
-    return Likelihood(tests, tuple(inputs), units, lower, upper, kept, on_progress, known)
+    distributions = prior_of(first, inputs, units) if prior else NO_PRIOR
+    return Likelihood(tests, tuple(inputs), units, lower, upper, kept, on_progress, distributions)
 
 
 def units_of(scenario: Scenario, inputs: Sequence[str]) -> Floats:

@@ -6,12 +6,11 @@ from pathlib import Path
 import numpy as np
 
 from armour.analysis.variants import Floats, Variants, ballistic_limits, concatenated
-from armour.csv_files import lines_of
+from armour.csv_files import shipped_rows
 from armour.errors import counted
 from armour.evidence.fit import fits, law_parameters, shipped_data
 from armour.evidence.model_error import other_settings
 from armour.evidence.tests import armours_of, is_outside, shipped_evidence, shipped_evidence_of
-from armour.files import shipped_tests
 from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, cosine_of
 from armour.scenario.library import FLOW_STRESS_LAW, IN_COMMON, RESULTS, VARIED, LawTests, LibraryEntry, OwnTests
 from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S
@@ -36,7 +35,7 @@ IDENTITY = (CERAMIC, BACKING, OBLIQUITY, *PENETRATOR, "ballistic_limit_m_s")
 IMPLAUSIBLE = 6.0
 # What can be calibrated to own tests, by role: keys of the entry, and quantities.
 KEYS = {"ceramic": ("flow_stress_GPa", *FLOW_STRESS_LAW), "backing": ("flow_stress_GPa", "shear_strength_MPa")}
-QUANTITIES = {
+QUANTITIES_OF_ROLE = {
     "ceramic": ("ceramic_strength_GPa", "backing_exponent", "product_exponent", "slopes"),
     "backing": ("backing_strength_GPa", "backing_shear_ratio"),
 }
@@ -46,11 +45,10 @@ def repeated(tests: Tests) -> Iterator[str]:
     """Warn of tests, at least two, that are among the shipped ones which model errors come from."""
     usual = tests.scenario.inputs()
     shipped_values = {**usual, CERAMIC: 0.0, OBLIQUITY: 0.0}  # where a shipped table has no such column
-    known = set()
+    shipped = set()
     for name in ("wilkins.csv", "plates.csv"):
-        (_, header), *lines = lines_of(shipped_tests()[name])[1]
-        known |= {_identity(dict(zip(header, line, strict=True)), shipped_values) for _, line in lines}
-    count = sum(_identity(cells, usual) in known for cells in tests.cells)
+        shipped |= {_identity(row, shipped_values) for row in shipped_rows(name)}
+    count = sum(_identity(cells, usual) in shipped for cells in tests.cells)
     # One alone may be a coincidence.
     if count > 1:
         yield (
@@ -62,8 +60,8 @@ def repeated(tests: Tests) -> Iterator[str]:
 def _identity(cells: Mapping[str, float | str], usual: Mapping[str, float]) -> tuple[float, ...]:
     """Return the values that identify a test, from its row or else the usual ones."""
     # An empty cell is none; a zero is a value.
-    given = {key: value for key, value in cells.items() if value != ""}
-    return tuple(float(given.get(key, usual.get(key, 0.0))) for key in IDENTITY)
+    values = {key: value for key, value in cells.items() if value != ""}
+    return tuple(float(values.get(key, usual.get(key, 0.0))) for key in IDENTITY)
 
 
 def own_tests(tests: Tests, fitted: Mapping[str, float]) -> OwnTests | None:
@@ -100,7 +98,7 @@ def own_tests(tests: Tests, fitted: Mapping[str, float]) -> OwnTests | None:
     q |= {"velocity_m_s": velocities, "uncertainty_m_s": np.array(scatter), "side": sides}
     return OwnTests(
         source=f"{counted(len(tests.names), 'test')} of {Path(tests.file).name}",
-        calibrated={name: float(values[name][0]) for name in QUANTITIES[role]},
+        calibrated={name: float(values[name][0]) for name in QUANTITIES_OF_ROLE[role]},
         tests={name: _rounded(q[name]) for name in (*VARIED, *IN_COMMON, *RESULTS)},
         law=laws,
     )

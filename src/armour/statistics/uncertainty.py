@@ -11,22 +11,18 @@ from numpy.polynomial.legendre import legvander
 from scipy.special import ndtri
 
 from armour.analysis.ballistic_limit import model_error
+from armour.analysis.estimates import CONFIDENCE, Estimate, jackknife, mean_of_replicates, proportion_of_replicates
 from armour.analysis.results import OnProgress, TableResult, ignore_progress, portions
 from armour.analysis.samples import (
-    CONFIDENCE,
     REPLICATES,
-    Estimate,
     Samples,
     by_laws,
     columns_of,
     correlated,
-    jackknife,
-    mean_of_replicates,
     moved_mean,
     own_errors,
     own_values,
     points_of,
-    proportion_of_replicates,
     quantiles,
     replicated_points,
     sampled,
@@ -45,9 +41,9 @@ from armour.scenario.schema import Uncertainty
 DEGREE = 8
 # Probability of each tail of the model error that its indices leave out: the logarithm has Student's t distribution, so
 # with the whole tails the variance would be infinite.
-TAIL = 1e-4
+LEFT_OUT_TAIL = 1e-4
 # Probabilities whose quantiles give the moments of the model error between its tails.
-CHANCES = TAIL + (1.0 - 2.0 * TAIL) * (np.arange(100_000) + 0.5) / 100_000
+CHANCES = LEFT_OUT_TAIL + (1.0 - 2.0 * LEFT_OUT_TAIL) * (np.arange(100_000) + 0.5) / 100_000
 
 
 def first_order_indices(section: Uncertainty, points: Floats, values: Floats) -> list[Estimate]:

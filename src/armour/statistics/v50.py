@@ -12,8 +12,8 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
+from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
-from armour.analysis.samples import CONFIDENCE, Confidence
 from armour.csv_files import MUST_SAY, PERFORATED, in_line_order, lines_of, read_rows
 from armour.errors import Problem, counted, mistake, refuse, suggestion
 from armour.scenario.checked import Table, checked
@@ -25,7 +25,7 @@ from armour.units import key_hint
 # Number of shots of each kind in the mean, and the span of their velocities that is usual with it, m/s: 125, 90 and
 # 60 ft/s.  MIL-STD-662F leaves the span to the specification.
 SPANS_M_S = {5: 38.1, 3: 27.4, 2: 18.3}
-Rule = Literal["usual span", "given span", "no usual rule"]
+SpanRule = Literal["usual span", "given span", "no usual rule"]
 # Lower confidence levels to try if the interval at the requested one is not bounded.
 LOWER_LEVELS = (0.9, 0.8, 0.5)
 Decision = Literal["met", "not met", "not decided", ""]
@@ -87,7 +87,7 @@ class MeanV50:
     pairs: int
     span_m_s: float
     span_allowed_m_s: float
-    rule: Rule
+    rule: SpanRule
 
 
 @dataclass(frozen=True, repr=False)
@@ -231,8 +231,7 @@ def read_shots(path: Table, *, one_kind: bool = False) -> Shots:
             problems.append(Problem(file, f"{row.place}: result", f'{MUST_SAY}, found "{text}"'))
     refuse(in_line_order(problems))
     shot_names = tuple(row.texts.get("shot", "") for row in rows)
-    complete = tuple(map(bool, results))
-    shots = Shots(tuple(velocities), complete, file, shot_names if any(shot_names) else ())
+    shots = Shots(tuple(velocities), tuple(map(bool, results)), file, shot_names if any(shot_names) else ())
     check_shots(shots, kinds=1 if one_kind else 2)
     return shots
 
@@ -417,9 +416,9 @@ def check_shots(shots: Shots, *, kinds: int = 2) -> None:
     elif outliers := [value for value in velocities if not MIN_VELOCITY_M_S <= value <= MAX_VELOCITY_M_S]:
         message = f"must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g} m/s, found {outliers[0]:g}"
     elif len(set(shots.complete)) < kinds:
-        found = f"only {'complete' if shots.complete[0] else 'partial'} ones" if count else "none"
+        present = f"only {'complete' if shots.complete[0] else 'partial'} ones" if count else "none"
         least = "partial and one complete penetration" if kinds == 2 else "shot"
-        message = f"must have at least one {least}, found {found}"
+        message = f"must have at least one {least}, found {present}"
         message += f"; armour plan shots {shots.file} gives the next velocity" if count else ""
     if message:
         raise mistake(shots.file, "", message)
@@ -438,6 +437,6 @@ def mean_v50(
         allowed = SPANS_M_S[count] if span_m_s is None else span_m_s
         if len(velocities) == 2 * count and span <= allowed + 1e-9:
             usual = SPANS_M_S.get(count)
-            rule: Rule = "no usual rule" if usual is None else "usual span" if allowed == usual else "given span"
+            rule: SpanRule = "no usual rule" if usual is None else "usual span" if allowed == usual else "given span"
             return MeanV50(sum(velocities) / len(velocities), count, span, allowed, rule)
     return None

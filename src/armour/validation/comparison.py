@@ -1,4 +1,4 @@
-"""Comparison of the model with closed forms for a scenario's armour."""
+"""Comparison of the model with simpler formulas for a scenario's armour."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -12,19 +12,17 @@ from armour.errors import NoAnswerError, refuse
 from armour.scenario.checked import checked
 from armour.scenario.inputs import ROLES
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
-from armour.validation.rivals import (
-    Error,
+from armour.validation.formulas import (
     FlorenceResult,
     ResidualVelocityFit,
-    areal_densities,
     bodies_of,
     fit_areal_density_rule,
     fit_lambert_jonas,
     fit_recht_ipson,
     florence_result,
-    measured_limits,
     missing_for_florence,
 )
+from armour.validation.rivals import Error, areal_densities, measured_limits
 from armour.validation.suite import Case, Suite, load_suite
 from armour.validation.validate import paper_suite, validate
 
@@ -56,7 +54,7 @@ class RuleResult:
 
 @dataclass(frozen=True, repr=False)
 class Comparison(TableResult):
-    """Ballistic limit and residual velocities by the model and by closed forms.
+    """Ballistic limit and residual velocities by the model and by simpler formulas.
 
     Attributes
     ----------
@@ -119,7 +117,7 @@ class Comparison(TableResult):
 
 @checked
 def compare(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> Comparison:
-    """Compare the model with closed forms for a scenario's armour.
+    """Compare the model with simpler formulas for a scenario's armour.
 
     Parameters
     ----------

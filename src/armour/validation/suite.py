@@ -23,7 +23,7 @@ from armour.files import named, read_toml, shipped, shipped_files, suite_file
 from armour.scenario.checked import checked
 from armour.scenario.effect import check_columns, check_effect
 from armour.scenario.inputs import ROUND_AND_ARMOUR
-from armour.scenario.keys import canonical, describe, key_name, parts_of, values_by_key
+from armour.scenario.keys import KeyPath, canonical, describe, key_name, parts_of, values_by_key
 from armour.scenario.scenario import Scenario, parse_changed
 from armour.scenario.sections import LIST_TAG, RANGE_TAG, NumberOrText, Section, validated
 from armour.statistics.measured import MEASURED, read_tests
@@ -143,7 +143,6 @@ LARGEST = 1e12
 Name = Annotated[str, Field(min_length=1)]
 Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
 Width = Annotated[float, Field(ge=0.0, le=LARGEST)]
-Parts = tuple[str | int, ...]
 
 
 class GroupSection(Section):
@@ -319,7 +318,7 @@ class Case:
     name: str
     scenario: Scenario
     expected: float | str | None
-    place: Parts
+    place: KeyPath
     replacement: Scenario | None = None
     rivals: Mapping[str, float] = field(default_factory=dict)
     measured: float | None = None
@@ -467,7 +466,7 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
     )
     cases: list[Case] = []
     # A mistake in many rows of a table is reported for the first of them.
-    wrong: dict[tuple[Parts, Problem], Problem] = {}
+    wrong: dict[tuple[KeyPath, Problem], Problem] = {}
     for row in _rows(suite):
         try:
             cases += _cases(row, suite, path.parent, changes)
@@ -493,7 +492,7 @@ class _Row(NamedTuple):
     """Contents of the suite's file for a case, a row of a table, or a table whose rows are in a file of tests."""
 
     section: CaseSection | TableSection
-    place: Parts
+    place: KeyPath
     expected: float | str | None = 0.0
     first: bool = True  # whether it is the case of its section, or the first of them
     inputs: Mapping[str, float] = {}

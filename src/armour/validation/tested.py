@@ -1,12 +1,12 @@
 """Partners of the entries of the library in the tests from which the model error is estimated."""
 
-import csv
 from functools import cache
 
 import numpy as np
 
 from armour.analysis.evaluate import groups_of
-from armour.files import shipped_files, shipped_tests
+from armour.csv_files import shipped_rows
+from armour.files import shipped_files
 from armour.scenario.inputs import BACKING, CERAMIC, NAMES, Kind
 from armour.scenario.library import shipped_library
 from armour.scenario.scenario import load_scenario
@@ -18,7 +18,7 @@ def tested_with() -> dict[tuple[Kind, str], tuple[str, ...]]:
     # Files of the same name in the working folder must not replace the shipped ones.
     library, case = shipped_library(), load_scenario(shipped_files("scenarios", ".toml")["wilkins"])
     rounds = library.known("projectile")
-    plates = [row for row in _rows("plates.csv") if row["round"] in rounds]
+    plates = [row for row in shipped_rows("plates.csv") if row["round"] in rounds]
     tested: dict[tuple[Kind, str], dict[str, None]] = {}
 
     def add(kind: Kind, name: str, words: str) -> None:
@@ -34,7 +34,7 @@ def tested_with() -> dict[tuple[Kind, str], tuple[str, ...]]:
             metal, projectile = (str(bare[NAMES[role]][group.where[0]]) for role in ("backing", "projectile"))
             add("metal", metal, projectile)
             add("projectile", projectile, metal)
-    layers = {key: np.array([float(row[key]) for row in _rows("wilkins.csv")]) for key in (CERAMIC, BACKING)}
+    layers = {key: np.array([float(row[key]) for row in shipped_rows("wilkins.csv")]) for key in (CERAMIC, BACKING)}
     metal, projectile = case.armour.backing, case.impact.projectile
     for ceramic in library.names("ceramic"):
         [group] = groups_of(case.replaced({NAMES["ceramic"]: ceramic}), layers)
@@ -43,8 +43,3 @@ def tested_with() -> dict[tuple[Kind, str], tuple[str, ...]]:
             add("metal", metal, f"{projectile}, with {case.armour.ceramic}")
             add("projectile", projectile, f"{case.armour.ceramic} on {metal}")
     return {entry: tuple(words) for entry, words in tested.items()}
-
-
-def _rows(table: str) -> list[dict[str, str]]:
-    with shipped_tests()[table].open(newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))

@@ -19,8 +19,8 @@ from armour.scenario.sections import TINY
 from armour.validation.rivals import Error, errors_of
 from armour.validation.suite import Case, GroupSection, Subject, Suite, TableSection, answer, meets
 
-Status = Literal["within", "outside", "no answer", "no expected value", "not scored"]
-FAILED: tuple[Status, ...] = ("outside", "no answer", "no expected value")
+CheckStatus = Literal["within", "outside", "no answer", "no expected value", "not scored"]
+FAILED: tuple[CheckStatus, ...] = ("outside", "no answer", "no expected value")
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class Check:
 
     case: Case
     computed: float | str | None
-    status: Status
+    status: CheckStatus
     message: str = ""
 
     @property
@@ -112,7 +112,7 @@ class TableSummary:
     rms: float
     largest: float
     rms_band: float | None
-    status: Status
+    status: CheckStatus
     group: str = ""
     mean_magnitude: float = 0.0
     mean_expected: float | None = None
@@ -155,7 +155,7 @@ class SuiteResult(TableResult):
         """Whether every case and table is within its band, and every case has an expected value."""
         return self.count(*FAILED) == 0
 
-    def count(self, *statuses: Status) -> int:
+    def count(self, *statuses: CheckStatus) -> int:
         """Return the number of cases and tables with one of the statuses."""
         return sum(row.status in statuses for rows in (self.checks, self.summaries) for row in rows)
 
@@ -171,8 +171,7 @@ class SuiteResult(TableResult):
         }
 
     def _words(self) -> str:
-        scored = self.count("within", *FAILED)
-        return f"{self.count('within')} of {scored} within their bands"
+        return f"{self.count('within')} of {self.count('within', *FAILED)} within their bands"
 
     def _columns(self) -> dict[str, Any]:
         return by_column(check.to_dict() for check in self.checks)
@@ -243,7 +242,7 @@ def check(case: Case, subjects: dict[tuple[str, ...], Subject]) -> Check:
 
 def _judged(case: Case, computed: float | str | None, message: str = "") -> Check:
     """Return the check of a computed value; if it is None, the message says why.  Rows of files may have no band."""
-    status: Status = "not scored"
+    status: CheckStatus = "not scored"
     calibrated = _calibrated_to(case)
     if not (case.not_scored or calibrated):
         if computed is None:
@@ -311,7 +310,7 @@ def _summary(table: TableSection, bands: GroupSection, rows: Sequence[Check]) ->
     count = len(numbers) or 1
     mean, rms = sum(numbers) / count, sqrt(sum(number * number for number in numbers) / count)
     rms_band, mean_band = bands.rms_band_percent if percent else table.rms_band, bands.mean_band_percent
-    status: Status = "not scored"
+    status: CheckStatus = "not scored"
     if not (rms_band is None and mean_band is None):
         rms_within = rms_band is None or rms <= rms_band
         mean_within = mean_band is None or abs(mean - bands.mean_percent) <= mean_band
@@ -350,9 +349,8 @@ def kept_by_update(result: SuiteResult) -> SuiteResult:
     """Return the result without the regression values, which an update replaces."""
     checks = tuple(check for check in result.checks if not check.case.regression)
     groups = {check.case.group for check in checks}
-    return replace(
-        result, checks=checks, summaries=tuple(summary for summary in result.summaries if summary.name in groups)
-    )
+    summaries = tuple(summary for summary in result.summaries if summary.name in groups)
+    return replace(result, checks=checks, summaries=summaries)
 
 
 def updated_file(content: bytes, updates: Sequence[Check]) -> bytes:

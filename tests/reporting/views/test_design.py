@@ -1,7 +1,7 @@
 from dataclasses import replace
 from typing import Any
 
-from armour.analysis.samples import Estimate
+from armour.analysis.estimates import Estimate
 from armour.design.optimise import DesignResult, Pair
 from armour.reporting.table import Table
 from armour.reporting.views.design import (

@@ -2,7 +2,7 @@ from dataclasses import replace
 
 import pytest
 
-from armour.analysis.samples import Estimate
+from armour.analysis.estimates import Estimate
 from armour.reporting.views import statistics as view
 from armour.reporting.views.statistics import (
     INDEX_NOTE,

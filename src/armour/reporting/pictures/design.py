@@ -17,7 +17,7 @@ from armour.design.map import (
     lightest,
     limits_over_sources,
     thicknesses_tested,
-    with_edges_of_known,
+    with_known_edges,
 )
 from armour.design.optimise import OBJECTIVES, Design, DesignResult
 from armour.reporting.pictures import drawing
@@ -79,7 +79,7 @@ def _draw_panels(answer: str, panels: Sequence[_Panel], sheet: drawing.Sheet) ->
 
 def _maps(result: DesignResult) -> "tuple[str, list[_Map]]":
     """Return the layer whose thickness alone varies, or an empty text, and the maps of the pairs that are drawn."""
-    catalogue = catalogue_of(drawing.needed(result, "scenario"))
+    catalogue = catalogue_of(drawing.recorded(result, "scenario"))
     names = [(offer.ceramic.material, offer.backing.material) for offer in catalogue.offers]
     design = result.reported
     best = 0 if design is None else names.index((design.ceramic, design.backing))
@@ -88,7 +88,7 @@ def _maps(result: DesignResult) -> "tuple[str, list[_Map]]":
 
     def pair_map(pair: int) -> _Map:
         layers = (np.array(layer.thicknesses()) for layer in catalogue.offers[pair][:2])
-        grid = with_edges_of_known(catalogue, pair, *(_nodes(layer) for layer in layers))
+        grid = with_known_edges(catalogue, pair, *(_nodes(layer) for layer in layers))
         return _Map(result, catalogue, design_map(catalogue, pair, *grid, probabilities), confidences)
 
     single = [tuple(len(layer.thicknesses()) == 1 for layer in offer[:2]) for offer in catalogue.offers]
@@ -188,7 +188,7 @@ class _Map:
         if not unknown.all():
             _tint(axes, x, y, unknown, 1e-3, np.inf, "probability unknown: too unlike tests", color=drawing.SOFT)
         column = view.CRITERIA[self.result.minimised]
-        objective = self.grid.on_grid(self.catalogue.objective(self.grid.candidates))
+        objective = self.catalogue.objective(self.grid.candidates).reshape(len(y), len(x))
         limits = self.grid.limits_m_s[..., self.governing]
         against = f" against {self.result.threats[self.governing]}" if len(self.result.threats) > 1 else ""
         dotted: dict[str, Any] = {"linestyle": ":", "color": drawing.SOFT}
@@ -366,24 +366,22 @@ def _design_text(design: Design, *criteria: str) -> str:
 
 def draw_check(result: CheckResult, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw a panel for each threat, with a row for the armour as given and one for every change."""
-    rows = [(threat.as_given(), *threat.what_ifs) for threat in result.threats]
-    names = [
-        [f"{row.change}: {chance(row.probability_of_stopping)}" for row in rows_of_threat] for rows_of_threat in rows
-    ]
+    by_threat = [(threat.as_given(), *threat.what_ifs) for threat in result.threats]
+    names = [[f"{row.change}: {chance(row.probability_of_stopping)}" for row in what_ifs] for what_ifs in by_threat]
     heights = [drawing.rows_height(changes, titled=True) for changes in names]
     note = "Percentages: probability that the armour stops the projectile."
     picture = sheet.panels(view.outcome(result), *heights, note=note)
-    for axes, threat, rows_of_threat, changes in zip(picture.axes, result.threats, rows, names, strict=True):
+    for axes, threat, what_ifs, changes in zip(picture.axes, result.threats, by_threat, names, strict=True):
         last = axes is picture.axes[-1]
         drawing.name_rows(axes, changes)
         places = range(len(changes))
-        limits = np.array([row.ballistic_limit_m_s for row in rows_of_threat], float)
+        limits = np.array([row.ballistic_limit_m_s for row in what_ifs], float)
         # An unknown interval is drawn as the limit alone.
-        ends = [row.interval_m_s or (limit, limit) for row, limit in zip(rows_of_threat, limits, strict=True)]
+        ends = [row.interval_m_s or (limit, limit) for row, limit in zip(what_ifs, limits, strict=True)]
         drawing.ranges(axes, places, ends, drawing.BLUE)
         label = "ballistic limit, 95 % interval" if last else ""
         drawing.points(axes, limits, places, color=drawing.BLUE, label=label)
-        velocities = [row.velocity_m_s for row in rows_of_threat]
+        velocities = [row.velocity_m_s for row in what_ifs]
         label = "velocity of the round" if last else ""
         drawing.points(axes, velocities, places, marker="D", color=drawing.VERMILION, label=label)
         axes.set(xlabel="velocity, m/s", title=f"{threat.threat}: {view.verdict(threat)}")

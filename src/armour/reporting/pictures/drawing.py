@@ -189,11 +189,11 @@ def _name(axes: Axes) -> list[Any]:
 def _have_room(axes: Axes, curves: Sequence[Any]) -> bool:
     """Return whether short names fit at the ends of curves: on the right, within the panel, and apart."""
     points = [np.asarray(line.get_xydata(), float) for line in curves]
-    ends = axes.transData.transform([each[-1] for each in points])
+    ends = axes.transData.transform([xy[-1] for xy in points])
     gaps = np.diff(np.sort(ends[:, 1])) * 72.0 / axes.figure.dpi
     return (
         all(len(line.get_label()) <= END_CHARACTERS for line in curves)
-        and all(each[-1, 0] == each[:, 0].max() for each in points)
+        and all(xy[-1, 0] == xy[:, 0].max() for xy in points)
         and all(axes.bbox.padded(1.0).contains(*end) for end in ends)
         and bool(gaps.min() > 1.3 * NAME)
     )
@@ -216,8 +216,8 @@ def saved(figure: Figure, suffix: str, made_by: str = "", **options: Any) -> byt
     return content.getvalue()
 
 
-def needed(result: Result, key: str) -> Any:
-    """Return the scenario or shots of a result; refuse a result that was made by hand and has none."""
+def recorded(result: Result, key: str) -> Any:
+    """Return the scenario or shots recorded with a result; refuse one that was made by hand and has none."""
     if (value := result.question.get(key)) is None:
         raise mistake("plot", key, "must be given to draw this result")
     return value

@@ -28,7 +28,7 @@ SHOWN_PROBABILITY = 0.002
 def draw_uncertainty(result: "UncertaintyResult", sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the probability of perforation over velocity, and the ballistic limit at quantiles of each input."""
     curve, p, level = result.curve, result.probability_of_perforation, percent(result.confidence)
-    at = drawing.needed(result, "scenario").impact.velocity_m_s
+    at = drawing.recorded(result, "scenario").impact.velocity_m_s
     names = [label_and_unit(index.input)[0] for index in result.inputs]
     picture = sheet.panels(
         f"Perforated with a probability of {risk(1.0 - p.value)} at {at:g} m/s",
@@ -47,8 +47,7 @@ def draw_uncertainty(result: "UncertaintyResult", sheet: drawing.Sheet) -> drawi
         axes.axvline(limit, linestyle=style, linewidth=1.0, color=colour, label=f"{name} {limit:.1f} m/s")
     interval = [[p.value - p.low], [p.high - p.value]]
     axes.errorbar([at], [p.value], interval, fmt="none", ecolor=drawing.VERMILION, capsize=drawing.CAP)
-    label = f"{p.value:.3f} at {at:g} m/s"
-    drawing.points(axes, [at], [p.value], color=drawing.VERMILION, label=label)
+    drawing.points(axes, [at], [p.value], color=drawing.VERMILION, label=f"{p.value:.3f} at {at:g} m/s")
     if names:
         swings = {
             f"input at its {quantile} quantile": [index.limits_m_s[side] for index in result.inputs]
@@ -96,14 +95,14 @@ def draw_calibration(result: "CalibrationResult", sheet: drawing.Sheet) -> drawi
         title += f": mean error {result.mean_error_percent:.1f} %"
     if result.left_out_error_percent is not None:
         title += f", {result.left_out_error_percent:.1f} % leave-one-out"
-    given = any(residual.uncertainty for residual in result.residuals)
+    has_uncertainties = any(residual.uncertainty for residual in result.residuals)
     by_quantity = grouped(result.residuals, lambda residual: residual.quantity)
     measured = {quantity: [r for r in residuals if not r.bound] for quantity, residuals in by_quantity.items()}
     heights = []
     for residuals in measured.values():
         tests = [residual.test for residual in _largest(residuals)]
         heights += [sheet.width - 0.3, *([drawing.rows_height(tests, titled=True)] if tests else [])]
-    note = "Error bars: ± one standard deviation of the measured value." if given else ""
+    note = "Error bars: ± one standard deviation of the measured value." if has_uncertainties else ""
     picture = sheet.panels(title, *heights, note=note)
     panels = iter(picture.axes)
     for quantity, residuals in by_quantity.items():
@@ -143,7 +142,7 @@ def draw_firing(result: "FiringResult", sheet: drawing.Sheet) -> drawing.Picture
     """Draw the probability of a complete penetration over the velocity."""
     from armour.statistics.curves import penalised_band
 
-    shots = drawing.needed(result, "shots")
+    shots = drawing.recorded(result, "shots")
     if not result.fits:
         raise mistake(shots.file, "", "must have a curve to draw, and these shots have none")
     fit, after, model = result.recommended or result.fits[0], result.posterior, result.model_ballistic_limit_m_s

@@ -42,9 +42,9 @@ def draw_columns(
     """
     answer, values = column_of(name, ".4g"), table[name]
     title = f"{answer.label[:1].upper()}{answer.label[1:]} over {' and '.join(column_of(key).label for key in keys)}"
-    known = values[~np.isnan(values)]
-    if known.size and known.min() < known.max():
-        title += f": {number(known.min(), '.4g')} to {answer.with_unit(known.max())}"
+    numbers = values[~np.isnan(values)]
+    if numbers.size and numbers.min() < numbers.max():
+        title += f": {number(numbers.min(), '.4g')} to {answer.with_unit(numbers.max())}"
     missing = np.count_nonzero(np.isnan(values))
     notes = [f"{missing} of {len(values)} rows have no {answer.label}."] if missing else []
     named = [key for key in keys if not is_number(table[key])]

@@ -14,7 +14,7 @@ from armour.reporting.views.validation import drawn_checks
 from armour.scenario.sections import TINY
 from armour.validation.comparison import Comparison
 from armour.validation.figures import Figure
-from armour.validation.rivals import residual_velocity
+from armour.validation.formulas import residual_velocity
 from armour.validation.suite import CASES
 from armour.validation.validate import SuiteResult
 
@@ -33,8 +33,7 @@ def draw_suite(result: SuiteResult, sheet: drawing.Sheet) -> drawing.Picture:
         rms = sqrt(sum(part * part for part in relative) / len(relative))
         title = f"{len(relative)} computed values deviate by {rms:.1f} % (RMS) from those expected"
     note = f"{left_out} of {len(result.checks)} cases are not shown: {LEFT_OUT}." if left_out else ""
-    heights = [sheet.width - 0.3] * len(by_quantity)
-    picture = sheet.panels(title, *heights, note=note)
+    picture = sheet.panels(title, *[sheet.width - 0.3] * len(by_quantity), note=note)
     for axes, (quantity, checks_of_quantity) in zip(picture.axes, by_quantity.items(), strict=True):
         groups = {
             group or CASES: [drawing.Compared(c.case.name, "expected", c.case.expected, c.computed) for c in members]

@@ -6,7 +6,7 @@ from typing import NamedTuple
 from armour.analysis.ballistic_limit import ConfidenceResult, LimitResult
 from armour.analysis.impact import ImpactResult
 from armour.reporting.table import Column, Table, column_of, csv_text, listing, record
-from armour.reporting.text import Verdict
+from armour.reporting.text import VerdictLine
 from armour.reporting.words import BALLISTIC_LIMIT, SAMPLED_ALONE, STOPPING, basis_notes, chance, error_note, with_error
 
 
@@ -52,11 +52,11 @@ def tables_of_impact(result: ImpactResult) -> list[Table | str]:
     return [*parts, remaining, stage_table(result)]
 
 
-def verdict(result: ImpactResult) -> Verdict:
+def verdict(result: ImpactResult) -> VerdictLine:
     """Return the outcome in a line."""
     stopped = result.outcome == "stopped"
     residual = "" if stopped else f", residual velocity {result.residual_velocity_m_s:.0f} m/s"
-    return Verdict(result.outcome + residual, good=stopped)
+    return VerdictLine(result.outcome + residual, good=stopped)
 
 
 def stage_table(result: ImpactResult) -> Table:

@@ -6,11 +6,11 @@ from math import inf
 from xml.etree.ElementTree import Element
 
 from armour.design.check import CheckedThreat, CheckResult, WhatIf
-from armour.design.optimise import OBJECTIVES, BestDesign, Design, DesignResult, Pair
+from armour.design.optimise import OBJECTIVES, BestDesign, Design, DesignResult, Pair, armour_in_words
 from armour.errors import counted, joined
 from armour.reporting.junit import TestCase, junit_suite
 from armour.reporting.table import Column, Source, Table, column_of, csv_text, listing, record
-from armour.reporting.text import Verdict, interval, number, percent, with_interval
+from armour.reporting.text import VerdictLine, interval, number, percent, with_interval
 from armour.reporting.words import (
     BALLISTIC_LIMIT,
     STOPPING,
@@ -69,32 +69,25 @@ def best_table(design: BestDesign, required: Mapping[str, float], title: str = "
     )
 
 
-def armour_in_words(design: Design) -> str:
-    """Return the layers of a design, such as "11 mm AD85 on 6 mm 5083-H3"."""
-    ceramic = f"{design.ceramic} (untested)" if design.untested else design.ceramic
-    layers = (design.ceramic_thickness_mm, ceramic), (design.backing_thickness_mm, design.backing)
-    return " on ".join(f"{round(thickness, 3):g} mm {name}" for thickness, name in layers if name)
-
-
 def design_verdict(result: DesignResult) -> list[Table | str]:
     """Return, without a best design, what is nearest to one, and why it is no more than that."""
     nearest, unlimited = result.nearest, result.without_limits
     if not result.reason:
         return []
     if nearest is None:
-        return [Verdict(f"not known: {result.explanation}", good=False)]
+        return [VerdictLine(f"not known: {result.explanation}", good=False)]
     armour, notes = armour_in_words(nearest), _flow_stress_notes(nearest)
     threats = "every threat" if len(result.threats) > 1 else result.threats[0]
     if result.reason == "not known":
         least = OBJECTIVES[result.minimised].least
         words = f"not known: {armour} is the {least} that stops {threats} by the computed limit"
-        return [Verdict(words, good=False), *notes, result.explanation]
+        return [VerdictLine(words, good=False), *notes, result.explanation]
     short = ", ".join(f"{short:.0f} m/s against {threat}" for threat, short in nearest.short_m_s.items() if short)
     lacking = "; ".join(filter(None, (short, *_excesses(nearest))))
     explanation = result.explanation
     if unlimited is not None and unlimited.exceeds:
         explanation = f"{armour_in_words(unlimited)} would stop {threats}, but has {'; '.join(_excesses(unlimited))}"
-    return [Verdict(f"none passes: the nearest, {armour}, lacks {lacking}", good=False), explanation, *notes]
+    return [VerdictLine(f"none passes: the nearest, {armour}, lacks {lacking}", good=False), explanation, *notes]
 
 
 def _excesses(design: BestDesign) -> list[str]:
@@ -246,9 +239,8 @@ def tables_of_design(result: DesignResult) -> list[Table | str]:
         if result.refined == best:
             shown.append(f"no {objective.less} design was found between the values of the grid")
         else:
-            shown.append(
-                best_table(result.refined, required, f"{objective.least} design between the values of the grid")
-            )
+            title = f"{objective.least} design between the values of the grid"
+            shown.append(best_table(result.refined, required, title))
     if best is not None and (len(result.threats) > 1 or best.probabilities):
         shown.append(margin_table(result, required))
     verbose = result.question.get("every_row")
@@ -409,7 +401,7 @@ def standing(threat: CheckedThreat) -> tuple[int, float]:
 def tables_of_check(result: CheckResult) -> list[Table | str]:
     """Return the verdict, the threats, and what changes do against the one most likely to perforate, or each."""
     several = len(result.threats) > 1
-    shown: list[Table | str] = [Verdict(outcome(result), good=result.verdict == "passes"), threat_table(result)]
+    shown: list[Table | str] = [VerdictLine(outcome(result), good=result.verdict == "passes"), threat_table(result)]
     explained = result.threats if result.question.get("every_row") else (min(result.threats, key=standing),)
     for threat in explained:
         against = f"against {threat.threat}"
@@ -420,13 +412,13 @@ def tables_of_check(result: CheckResult) -> list[Table | str]:
     return shown
 
 
-def check_summary(results: Mapping[str, CheckResult]) -> Verdict:
+def check_summary(results: Mapping[str, CheckResult]) -> VerdictLine:
     """Return how many armours pass, each of a file, and which do not."""
     words = [f"passes: {sum(result.verdict == 'passes' for result in results.values())} of {len(results)}"]
     for missed in ("fails", "not known"):
         if files := [file for file, result in results.items() if result.verdict == missed]:
             words.append(f"{VERDICTS[missed]}: {', '.join(files)}")
-    return Verdict("; ".join(words), good=len(words) == 1)
+    return VerdictLine("; ".join(words), good=len(words) == 1)
 
 
 def check_junit(result: CheckResult, file: str, seconds: float, origin: Mapping[str, str]) -> Element:

@@ -28,8 +28,8 @@ def library_table(library: Library, kind: Kind, tested: Tested | None = None) ->
     are listed, with what they were tested with in place of the description.
     """
     entries = [entry for entry in library.entries[kind].values() if tested is None or (kind, entry.name) in tested]
-    given = {key for entry in entries for key in entry.values if key not in (*OPTIONAL, *entry.derived)} | {STATIC}
-    keys = [key for key in KINDS[kind].model_fields if key in given]
+    used_keys = {key for entry in entries for key in entry.values if key not in (*OPTIONAL, *entry.derived)} | {STATIC}
+    keys = [key for key in KINDS[kind].model_fields if key in used_keys]
     described: Source = column_of("description", prose=True)
     if tested is not None:
         described = (Column("tested with", prose=True), lambda entry: listed(tested[kind, entry.name]))
@@ -64,19 +64,14 @@ def threat_table(threats: Mapping[str, NamedThreat]) -> Table:
 
 def shipped_tables() -> list[Table | str]:
     """Return tables of what can be copied: scenarios, suites, tables of tests or shots, and notebooks."""
-    titled = {
-        "scenario": shipped_files("scenarios", ".toml"),
-        "suite for armour validate": shipped_suites(),
-    }
+    titled = {"scenario": shipped_files("scenarios", ".toml"), "suite for armour validate": shipped_suites()}
     shown = {
         kind: {name: str(read_toml(path)["title"]) for name, path in files.items()} for kind, files in titled.items()
     }
     shown["scenario"]["template"] = "Every key with a comment: what armour init copies by default"
     shown["table of tests"] = TESTS
     shown["notebook"] = {"study.ipynb": "A study in Python, for Jupyter"}
-    return [
-        Table((Column(kind), Column("contents", prose=True)), tuple(words.items())) for kind, words in shown.items()
-    ]
+    return [Table((Column(kind), Column("contents", prose=True)), tuple(rows.items())) for kind, rows in shown.items()]
 
 
 KEY = Column("key")

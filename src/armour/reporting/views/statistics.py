@@ -2,10 +2,10 @@
 
 from typing import TYPE_CHECKING
 
+from armour.analysis.estimates import Estimate
 from armour.analysis.quantities import label_and_unit
-from armour.analysis.samples import Estimate
 from armour.reporting.table import Cell, Column, Source, Table, column_of, deviation_percent, in_words, listing, record
-from armour.reporting.text import Verdict, interval, percent, with_interval
+from armour.reporting.text import VerdictLine, interval, percent, with_interval
 from armour.reporting.words import SAMPLED_ALONE, STOPPING, error_note, rounded_down, rounded_up
 
 if TYPE_CHECKING:
@@ -174,7 +174,7 @@ def _or(value: float | None, words: str) -> Cell:
 
 def correlation_table(result: "CalibrationResult") -> Table:
     """Return the correlations of the coefficients, which are numbered in the heading."""
-    names = [f"{number} {in_words(each.name)}" for number, each in enumerate(result.coefficients, start=1)]
+    names = [f"{number} {in_words(c.name)}" for number, c in enumerate(result.coefficients, start=1)]
     numbers = (Column(name.partition(" ")[0], spec="+.3f") for name in names)
     rows: list[tuple[Cell, ...]] = [(name, *values) for name, values in zip(names, result.correlation, strict=True)]
     return Table((Column("correlation", prose=True), *numbers), tuple(rows))
@@ -184,14 +184,14 @@ def residual_table(result: "CalibrationResult") -> Table:
     """Return measured and computed values, test by test; one-sided tests have a bound and no deviation."""
     quantities = {residual.quantity for residual in result.residuals}
     words, unit = label_and_unit(*quantities) if len(quantities) == 1 else ("", "")
-    each: tuple[Source, ...] = (
+    quantity_columns: tuple[Source, ...] = (
         (Column("quantity", prose=True), lambda r: label_and_unit(r.quantity)[0]),
         (Column("unit"), lambda r: label_and_unit(r.quantity)[1]),
     )
     return listing(
         result.residuals,
         column_of("test", prose=True),
-        *(() if words else each),
+        *(() if words else quantity_columns),
         column_of("bound"),
         (Column(f"measured {words}".rstrip(), unit, "g"), lambda r: r.measured),
         (Column("computed", unit, ".4g"), lambda r: r.computed),
@@ -220,9 +220,8 @@ def v50_table(result: "FiringResult") -> Table:
     mean = result.mean
     rule: list[Source] = [(Column("V50, mean"), "none: too few shots of each kind within the span allowed")]
     if mean is not None:
-        standard = mean.rule != "no usual rule"
         rule = [
-            (Column("V50, MIL-STD-662F" if standard else "V50, mean", "m/s", ".0f"), mean.v50_m_s),
+            (Column("V50, mean" if mean.rule == "no usual rule" else "V50, MIL-STD-662F", "m/s", ".0f"), mean.v50_m_s),
             (Column("shots averaged"), f"{mean.pairs} partial and {mean.pairs} complete"),
             (Column("span of these shots", "m/s", ".0f"), mean.span_m_s),
             (Column("span allowed", "m/s", ".0f"), mean.span_allowed_m_s),
@@ -319,13 +318,13 @@ def requirement_verdict(result: "FiringResult") -> list[str]:
         return []
     required = f"{result.requirement_m_s:g} m/s required of V50"
     if result.consumers_risk is None or result.producers_risk is None:
-        return [Verdict(f"{result.decision}: {required}; no curve fits the shots", good=False)]
+        return [VerdictLine(f"{result.decision}: {required}; no curve fits the shots", good=False)]
     allowed = percent(round(1.0 - result.confidence, 12))
     risks = (
         f"accepting it now has a risk (consumer's) of {risk_of(result.consumers_risk)}, rejecting it (producer's) of "
         f"{risk_of(result.producers_risk)}; {allowed} decides"
     )
-    return [Verdict(f"{result.decision}: {required}; {risks}", good=result.decision == "met"), FIXED]
+    return [VerdictLine(f"{result.decision}: {required}; {risks}", good=result.decision == "met"), FIXED]
 
 
 def risk_of(risk: float) -> str:

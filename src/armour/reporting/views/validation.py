@@ -1,4 +1,4 @@
-"""Suites of cases, the paper's figures, and comparisons with closed-form formulas."""
+"""Suites of cases, the paper's figures, and comparisons with simpler formulas."""
 
 from collections.abc import Mapping, Sequence
 from math import floor, log10
@@ -10,12 +10,13 @@ from armour.errors import counted
 from armour.reporting.junit import TestCase, junit_suite, junit_xml
 from armour.reporting.report import Report, ReportSection, drawing_of, origin_section
 from armour.reporting.table import Column, Table, column_of, deviation_percent, grouped, listing, record
-from armour.reporting.text import Verdict, number
+from armour.reporting.text import VerdictLine, number
 from armour.reporting.words import BALLISTIC_LIMIT
 from armour.statistics.measured import LIMIT
 from armour.validation.comparison import Comparison
 from armour.validation.figures import Figure
-from armour.validation.rivals import Error, FlorenceResult
+from armour.validation.formulas import FlorenceResult
+from armour.validation.rivals import Error
 from armour.validation.suite import CASES, Case
 from armour.validation.validate import FAILED, Check, SuiteResult, TableSummary
 
@@ -107,15 +108,15 @@ def error_tables(errors: Sequence[Error]) -> list[Table]:
     """Return the errors of the predictions that each table compares."""
     return [
         listing(
-            same,
+            errors_of_table,
             column_of("predictor", label="predicted by", prose=True),
             column_of("mean_percent", ".1f", "mean error"),
             column_of("left_out_percent", ".1f"),
             column_of("largest_percent", ".1f"),
             column_of("fitted", prose=True),
-            title=f"errors, {table}, {counted(same[0].count, 'row')}",
+            title=f"errors, {table}, {counted(errors_of_table[0].count, 'row')}",
         )
-        for table, same in grouped(errors, lambda error: error.table).items()
+        for table, errors_of_table in grouped(errors, lambda error: error.table).items()
     ]
 
 
@@ -133,9 +134,8 @@ def note_rows(checks: Sequence[Check]) -> list[tuple[str, str]]:
 
 def verdict(result: SuiteResult) -> str:
     """Return the outcome of a suite in a line."""
-    scored = result.count("within", *FAILED)
     failed = [f"{count} {status}" for status in FAILED if (count := result.count(status))]
-    return ", ".join([f"{result.count('within')} of {scored} within their bands", *failed])
+    return ", ".join([f"{result.count('within')} of {result.count('within', *FAILED)} within their bands", *failed])
 
 
 def suite_tables(result: SuiteResult) -> list[Table]:
@@ -210,7 +210,7 @@ def tables_of_suite(result: SuiteResult) -> list[Table | str]:
     if unexplained:
         shown.append(f"not scored: {counted(len(unexplained), 'case')}; --verbose shows them, and why")
     scored = result.count("within", *FAILED) > 0
-    return [*shown, Verdict(verdict(result), good=result.passed) if scored else "no case is scored"]
+    return [*shown, VerdictLine(verdict(result), good=result.passed) if scored else "no case is scored"]
 
 
 def update_table(updates: Sequence[Check]) -> Table:
@@ -237,8 +237,8 @@ def parity_table(result: SuiteResult) -> Table:
 
 def drawn_checks(result: SuiteResult) -> list[Check]:
     """Return what a picture of a suite shows: the numbers of its tables, or else of its cases."""
-    numbers = [check for check in result.checks if check.deviation is not None and check.case.measured is None]
-    return [check for check in numbers if check.case.group] or numbers
+    checks = [check for check in result.checks if check.deviation is not None and check.case.measured is None]
+    return [check for check in checks if check.case.group] or checks
 
 
 # Part of the tests whose limits an allowance covers.
@@ -358,9 +358,8 @@ def figure_table(panels: Sequence[Figure]) -> Table:
             # The label of a curve may name its quantity, or what the curve differs in.
             named = label.rpartition(", ")[2] in quantities
             columns[f"{label}, {y_label.rpartition(', ')[2]}" if named else f"{label}: {y_label}"] = values
-    return Table(
-        tuple(Column(label, spec="g", key=label) for label in columns), tuple(zip(*columns.values(), strict=True))
-    )
+    headings = tuple(Column(label, spec="g", key=label) for label in columns)
+    return Table(headings, tuple(zip(*columns.values(), strict=True)))
 
 
 def comparison_table(result: Comparison) -> Table:

@@ -1,11 +1,11 @@
-"""Closed forms, against published check values and their conditions of optimality."""
+"""Simpler formulas, against published check values and their conditions of optimality."""
 
 from math import pi, sqrt
 
 import numpy as np
 import pytest
 
-from armour.validation.rivals import (
+from armour.validation.formulas import (
     Plates,
     conoid_radius,
     fit_areal_density_rule,
