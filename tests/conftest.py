@@ -3,6 +3,7 @@
 import atexit
 import gc
 import os
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,9 @@ import pytest
 
 # Small products of matrices take four times the processor time on several threads, which wait for each other.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+# Otherwise every process would compile the sources anew, and pytest the tests.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 # Most of what is made stays to the end: tests take a twentieth less time where it is seldom looked at for garbage.
 gc.set_threshold(50_000, 20, 20)
 atexit.register(gc.freeze)

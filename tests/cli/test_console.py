@@ -102,7 +102,7 @@ def test_a_long_command_shows_progress_and_ends_when_interrupted(folder: Path):
     """Its standard error is a pseudo-terminal; it leaves no file behind."""
     theirs, ours = pty.openpty()
     environment = {**os.environ, "TERM": "xterm", "COLUMNS": "100", "LINES": "24"}
-    options = ["--samples", "16384", "--plot", "u.svg"]
+    options = ["--samples", "8192", "--plot", "u.svg"]
     command = [sys.executable, "-m", "armour", "uncertainty", str(SCENARIOS / "uncertain.toml"), *options]
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=ours, env=environment, cwd=folder) as process:
         os.close(ours)
