@@ -138,7 +138,13 @@ def test_the_rate_is_that_of_what_is_computed(monkeypatch: pytest.MonkeyPatch):
 
 @pytest.mark.parametrize(
     "command",
-    ["simulate", "ballistic-limit", "compare", f"v50 {SCENARIOS / 'tests' / 'shots.csv'}", "plan shots"],
+    [
+        "simulate",
+        "ballistic-limit",
+        "compare",
+        f"v50 {SCENARIOS / 'tests' / 'shots.csv'}",
+        "plan shots --half-width-m-s 90",
+    ],
 )
 def test_searches_count_their_impacts(command: str, cli, monkeypatch: pytest.MonkeyPatch):
     """With short time steps each takes seconds."""
