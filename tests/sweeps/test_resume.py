@@ -123,6 +123,11 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
+def likeliest_first(value: object) -> list[Any]:
+    """Return the other values, those of the type of a value first."""
+    return sorted(OTHERS, key=lambda other: type(other) is not type(value))
+
+
 def changes_of_every_key(folder: Path) -> Iterator[tuple[str, Scenario]]:
     """Yield, for every key of every section, a scenario in which it has another value."""
     whole = parse_scenario(WHOLE, folder=folder)
@@ -132,8 +137,7 @@ def changes_of_every_key(folder: Path) -> Iterator[tuple[str, Scenario]]:
             if next(sections_in(getattr(section, key)), None):
                 seen.add((name_of(type(section)), key))  # the keys in it are changed
                 continue
-            own = type(getattr(section, key))
-            for other in sorted(OTHERS, key=lambda other, own=own: type(other) is not own):  # the likeliest first
+            for other in likeliest_first(getattr(section, key)):
                 try:
                     made = parse_scenario(put(WHOLE, (*parts, key), other), folder=folder)
                 except (InputError, TypeError):
