@@ -92,7 +92,7 @@ def test_the_engine_finds_the_same_to_the_last_bit(
         monkeypatch.setattr("armour.engine.cache.is_loaded", lambda _name, answer=loaded: answer)
         monkeypatch.setattr("armour.engine.cache.is_compiled", lambda _name, answer=compiled: answer)
         found.append(confidence(case))
-        limits.append([ballistic_limit(each) for each in (case, case.replaced({"solver.time_step_us": 1.0}))])
+        limits.append([ballistic_limit(each) for each in (case, case.replaced({"solver.time_step_us": 4.0}))])
     assert found[0].probability_of_stopping is not None or points == 1025
     assert found[0] == found[1] == found[2]
     assert limits[0] == limits[1] == limits[2]

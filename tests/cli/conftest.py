@@ -46,8 +46,12 @@ def drawn() -> None:
 
 @pytest.fixture(autouse=True)
 def described(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Files of pictures hold their words where a test does not ask for `drawn`: tests/reporting writes them all."""
+    """Files of pictures hold their words where a test does not ask for `drawn`, and maps few nodes.
+
+    tests/reporting writes them whole.
+    """
     if "drawn" not in request.fixturenames:
+        monkeypatch.setattr("armour.reporting.design_page.NODES", ((0, 13),))
         monkeypatch.setattr("armour.reporting.pictures.drawing.saved", words_in)
         monkeypatch.setattr("armour.reporting.formats.inline_svg", lambda _, __, name: f'<svg id="{name}"></svg>')
         request.getfixturevalue("not_laid_out")

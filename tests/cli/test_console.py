@@ -102,7 +102,7 @@ def test_a_long_command_shows_progress_and_ends_when_interrupted(folder: Path):
     """Its standard error is a pseudo-terminal; it leaves no file behind."""
     theirs, ours = pty.openpty()
     environment = {**os.environ, "TERM": "xterm", "COLUMNS": "100", "LINES": "24"}
-    options = ["--samples", "16384", "--plot", "u.svg"]
+    options = ["--samples", "8192", "--plot", "u.svg"]
     command = [sys.executable, "-m", "armour", "uncertainty", str(SCENARIOS / "uncertain.toml"), *options]
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=ours, env=environment, cwd=folder) as process:
         os.close(ours)
@@ -138,7 +138,13 @@ def test_the_rate_is_that_of_what_is_computed(monkeypatch: pytest.MonkeyPatch):
 
 @pytest.mark.parametrize(
     "command",
-    ["simulate", "ballistic-limit", "compare", f"v50 {SCENARIOS / 'tests' / 'shots.csv'}", "plan shots"],
+    [
+        "simulate",
+        "ballistic-limit",
+        "compare",
+        f"v50 {SCENARIOS / 'tests' / 'shots.csv'}",
+        "plan shots --half-width-m-s 90",
+    ],
 )
 def test_searches_count_their_impacts(command: str, cli, monkeypatch: pytest.MonkeyPatch):
     """With short time steps each takes seconds."""

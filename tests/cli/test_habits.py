@@ -3,6 +3,7 @@
 import json
 import shlex
 import tomllib
+from functools import cache
 from pathlib import Path
 
 import jsonschema
@@ -28,6 +29,7 @@ PLAYED = [line.removeprefix("$ ") for path in GOLDEN.glob("*.txt") for line in p
 RUN_ELSEWHERE = [command.removeprefix("armour ") for command in SHOWN + PLAYED if command.startswith("armour ")]
 
 
+@cache
 def words_of(command: str) -> set[str]:
     return {word.removesuffix(".toml") for word in shlex.split(command.replace(" -o ", " --output "))}
 

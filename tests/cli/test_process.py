@@ -215,13 +215,11 @@ def test_only_a_use_that_compiles_says_so(cli, folder: Path, monkeypatch: pytest
     assert result.stderr.splitlines() == [*said, "wrote a.csv: 2 rows"]
 
 
-def test_numbers_do_not_depend_on_the_threads_of_the_linear_algebra(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    found = set()
-    for threads in "12":
-        monkeypatch.setenv("OPENBLAS_NUM_THREADS", threads)
-        found.add(process("-m", "armour", "plan", "shots", "wilkins", "--json", cwd=tmp_path).stdout)
-    assert len(found) == 1
-    assert "".join(found)
+def test_numbers_do_not_depend_on_the_threads_of_the_linear_algebra(cli, folder: Path, monkeypatch: pytest.MonkeyPatch):
+    plan = ("plan", "shots", "wilkins", "--json")
+    here = os.environ["OPENBLAS_NUM_THREADS"]
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", "2" if here == "1" else "1")
+    assert process("-m", "armour", *plan, cwd=folder).stdout == cli(*plan).stdout != ""
 
 
 def test_what_computes_single_rows_does_not_say_that_it_compiles(cli, folder: Path, monkeypatch: pytest.MonkeyPatch):

@@ -124,7 +124,7 @@ def test_the_total_index_of_the_models_error_is_exact():
     """The armour's limit is the model's times a ratio, so that total = first (1 + CV^2), CV of the model's limit."""
     spread = {"distribution": "normal", "standard_deviation_percent": 8.0}
     error_section = {"scale_percent": 5.0, "degrees_of_freedom": 30.0}
-    sections = {"samples": 1024, "ceramic": {"flow_stress_GPa": spread}, "backing": {"flow_stress_GPa": spread}}
+    sections = {"samples": 256, "ceramic": {"flow_stress_GPa": spread}, "backing": {"flow_stress_GPa": spread}}
     alone = uncertainty(scenario(uncertainty={**sections, "model": {"included": False}}))
     both = uncertainty(scenario(uncertainty={**sections, "model": error_section}))
     [error] = [index for index in both.inputs if index.input == "model.limit_error_percent"]
@@ -142,7 +142,7 @@ def test_the_total_index_of_the_models_error_is_exact():
 def test_the_index_of_the_models_error_leaves_out_its_tails():
     """A 10,000th on each side: with 2 degrees of freedom or fewer, the variance with them is infinite."""
     spread = {"distribution": "normal", "standard_deviation_percent": 8.0}
-    sections = {"samples": 1024, "ceramic": {"flow_stress_GPa": spread}, "backing": {"flow_stress_GPa": spread}}
+    sections = {"samples": 512, "ceramic": {"flow_stress_GPa": spread}, "backing": {"flow_stress_GPa": spread}}
     alone = uncertainty(scenario(uncertainty={**sections, "model": {"included": False}}))
     error_section = {"scale_percent": 2.0, "degrees_of_freedom": 2.0}
     both = uncertainty(scenario(uncertainty={**sections, "model": error_section}))
@@ -157,7 +157,7 @@ def test_the_index_of_the_models_error_leaves_out_its_tails():
 def test_samples_by_several_laws_are_the_mixture():
     """The sampled probability is the mean, over samples of the inputs, of the probability that `confidence` gives."""
     normal = {"distribution": "normal", "standard_deviation_percent": 2.5}
-    case = scenario(velocity=724.0, uncertainty={"samples": 4096, "ceramic": {"flow_stress_GPa": normal}})
+    case = scenario(velocity=724.0, uncertainty={"samples": 1024, "ceramic": {"flow_stress_GPa": normal}})
     values = stats.norm(5.2, 0.13).ppf((np.arange(400) + 0.5) / 400)
     [exact] = evaluate(case, {"ceramic.flow_stress_GPa": values}, ["probability_of_stopping"]).values()
     assert 1.0 - exact.mean() == pytest.approx(uncertainty(case).probability_of_perforation.value, abs=0.004)
@@ -173,8 +173,8 @@ def test_an_unknown_error_is_told():
 
 
 def test_a_total_index_is_not_below_the_first_order_one():
-    """By their sampling errors alone it would be: 0.17 and 0.19."""
-    for index in uncertainty(shipped_scenario("uncertain")).inputs:
+    """By their sampling errors alone it would be: 0.155 and 0.172."""
+    for index in uncertainty(shipped_scenario("uncertain").replaced({"uncertainty.samples": 2048})).inputs:
         assert index.first is not None
         assert index.total is not None
         assert index.total.value >= index.first.value

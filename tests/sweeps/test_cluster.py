@@ -9,15 +9,17 @@ import threading
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
-from distributed import Client, LocalCluster
 
 from armour.errors import InputError
 from armour.sweeps.cluster import connected, workers_of
 from armour.sweeps.sweep import write_sweep
 from tests.helpers.cases import sweep_grid, sweep_scenario
+
+if TYPE_CHECKING:
+    from distributed import Client
 
 pytestmark = pytest.mark.slow
 
@@ -26,6 +28,8 @@ QUANTITIES = ("ballistic_limit_m_s", "residual_velocity_m_s", "outcome")
 
 
 def test_a_worker_that_is_killed_costs_nothing_but_time(tmp_path: Path):
+    from distributed import Client, LocalCluster
+
     source = sweep_grid("armour.ceramic_thickness_mm=2:12:1", "impact.velocity_m_s=700:900:20")
     case = sweep_scenario()
     write_sweep(case, source, QUANTITIES, tmp_path / "here.csv", size=10)
@@ -70,8 +74,10 @@ def test_an_address_without_a_scheduler(address: str, message: str, monkeypatch:
 
 
 @pytest.fixture(scope="module")
-def client() -> Iterator[Client]:
+def client() -> "Iterator[Client]":
     """A cluster in this process, without workers."""
+    from distributed import Client, LocalCluster
+
     with (
         LocalCluster(n_workers=0, processes=False, dashboard_address="127.0.0.1:0") as cluster,
         Client(cluster) as client,
@@ -79,13 +85,13 @@ def client() -> Iterator[Client]:
         yield client
 
 
-def sweep_on(client: Client, output: Path) -> None:
+def sweep_on(client: "Client", output: Path) -> None:
     """A sweep on a cluster, a row a chunk."""
     with workers_of(client) as workers:
         write_sweep(sweep_scenario(), sweep_grid(VELOCITIES), ["outcome"], output, workers=workers, size=1)
 
 
-def test_a_cluster_without_workers(client: Client, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_a_cluster_without_workers(client: "Client", tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     assert client.cluster is not None
     address = client.cluster.scheduler_address
     monkeypatch.setattr("armour.sweeps.cluster.TIMEOUT_S", 1.0)
@@ -96,7 +102,7 @@ def test_a_cluster_without_workers(client: Client, tmp_path: Path, monkeypatch: 
         sweep_on(client, tmp_path / "a.csv")
 
 
-def test_workers_of_another_version_are_refused(client: Client, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_workers_of_another_version_are_refused(client: "Client", tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     here = threading.get_ident()
     assert client.cluster is not None
     client.cluster.scale(1)
@@ -108,7 +114,7 @@ def test_workers_of_another_version_are_refused(client: Client, tmp_path: Path, 
         sweep_on(client, tmp_path / "b.csv")
 
 
-def test_a_scheduler_is_connected_to_and_a_worker_is_none(client: Client, tmp_path: Path):
+def test_a_scheduler_is_connected_to_and_a_worker_is_none(client: "Client", tmp_path: Path):
     assert client.cluster is not None
     client.cluster.scale(1)
     client.wait_for_workers(1)
@@ -122,6 +128,8 @@ def test_a_scheduler_is_connected_to_and_a_worker_is_none(client: Client, tmp_pa
 
 
 def test_a_cluster_is_started_on_this_machine(monkeypatch: pytest.MonkeyPatch):
+    from distributed import LocalCluster
+
     here = partial(LocalCluster, n_workers=1, processes=False)
     monkeypatch.setattr("distributed.LocalCluster", here)
     with connected("local") as found:
@@ -146,7 +154,7 @@ def test_without_dask_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch):
     ],
 )
 def test_what_fails_on_a_cluster_is_told(
-    client: Client, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: BaseException, message: str
+    client: "Client", tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: BaseException, message: str
 ):
     def submit(*_args: Any, **_settings: Any) -> None:
         raise error

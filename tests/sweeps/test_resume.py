@@ -2,7 +2,6 @@
 
 import shutil
 from collections.abc import Iterator, Mapping
-from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
@@ -105,22 +104,28 @@ def classes_in(annotation: Any) -> Iterator[type[BaseModel]]:
         yield from classes_in(inner)
 
 
-def put(content: dict[str, Any], parts: tuple[Any, ...], value: object) -> dict[str, Any]:
-    """Return the content of a scenario with another value in a place."""
-    content = deepcopy(content)
-    table: Any = content
-    for name in parts[:-1]:
-        if isinstance(table, dict) and not isinstance(table.get(name), dict | list):
-            table[name] = {"value": table[name]} if name in table else {}
-        table = table[name]
-    table[parts[-1]] = value
-    return content
+def put(content: Any, parts: tuple[Any, ...], value: object) -> Any:
+    """Return the content of a scenario with another value in a place; the rest is not copied."""
+    name, *rest = parts
+    if rest:
+        inner = content.get(name) if isinstance(content, dict) else content[name]
+        if isinstance(content, dict) and not isinstance(inner, dict | list):
+            inner = {"value": inner} if name in content else {}
+        value = put(inner, (*rest,), value)
+    if isinstance(content, dict):
+        return {**content, name: value}
+    return [*content[:name], value, *content[name + 1 :]]
 
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     (tmp_path / "lib.toml").write_text('[ceramic.F]\nbased_on = "AD85"\nflow_stress_GPa = 4.0\n')
     return tmp_path
+
+
+def likeliest_first(value: object) -> list[Any]:
+    """Return the other values, those of the type of a value first."""
+    return sorted(OTHERS, key=lambda other: type(other) is not type(value))
 
 
 def changes_of_every_key(folder: Path) -> Iterator[tuple[str, Scenario]]:
@@ -132,7 +137,7 @@ def changes_of_every_key(folder: Path) -> Iterator[tuple[str, Scenario]]:
             if next(sections_in(getattr(section, key)), None):
                 seen.add((name_of(type(section)), key))  # the keys in it are changed
                 continue
-            for other in OTHERS:
+            for other in likeliest_first(getattr(section, key)):
                 try:
                     made = parse_scenario(put(WHOLE, (*parts, key), other), folder=folder)
                 except (InputError, TypeError):
