@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.stats import multivariate_t, norm
+from scipy.stats import t as student
 
 from armour.evidence.fit import LEAST_REST, LotTests, as_measurements, fits, matrix_of
 from tools.evidence import GROUPS, plates_of
@@ -47,6 +48,23 @@ def test_measured_limits_update_the_population():
     assert updated.degrees_of_freedom == FIT.degrees_of_freedom + 3
     density = multivariate_t(Z @ FIT.coefficients, S, int(FIT.degrees_of_freedom)).logpdf(tests.errors)
     assert updated.weight == pytest.approx(density + 1.5 * np.log(np.pi))
+
+
+def test_a_test_out_of_line_is_improbable_given_the_others():
+    """The conditional distribution, of a multivariate Student's t distribution, of each given the others."""
+    tests = lot([0.10, 0.14, -0.42])
+    Z, nu = matrix_of(FIT.terms, FIT.reference, tests.quantities), FIT.degrees_of_freedom
+    S, d = Z @ prior() @ Z.T + max(REST, LEAST_REST) ** 2 * np.eye(3), tests.errors - Z @ FIT.coefficients
+    probabilities = FIT.probabilities_of_farther(tests)
+    for i in range(3):
+        others = [place for place in range(3) if place != i]
+        gain = np.linalg.solve(S[np.ix_(others, others)], S[others, i])
+        variance = (S[i, i] - gain @ S[others, i]) * (
+            nu + d[others] @ np.linalg.solve(S[np.ix_(others, others)], d[others])
+        )
+        deviation = abs(d[i] - gain @ d[others]) / np.sqrt(variance / (nu + 2))
+        assert probabilities[i] == pytest.approx(2.0 * student.sf(deviation, nu + 2))
+    assert probabilities[2] < 0.01 < min(probabilities[:2])
 
 
 def test_against_another_round_only_the_alloys_part_is_shared():

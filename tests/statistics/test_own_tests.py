@@ -203,12 +203,35 @@ def test_own_tests_of_a_ceramic_without_shipped_tests():
     assert result.warnings == ()
 
 
+@pytest.mark.parametrize("limits", [(640, 850, 970), (850, 850, 970), (640, 1050, 970), (640, 850, 580)])
+def test_a_mistyped_own_test_is_warned_of_and_the_answer_says_so(limits: tuple[int, ...]):
+    """Which of three is wrong, the others do not always tell; a limit that no lot can have is no evidence."""
+    rows = [f"{layers},{limit}" for layers, limit in zip(("4,4", "6,5", "8,6"), limits, strict=True)]
+    tests = table_of(CARBIDE, f"{CERAMIC},{BACKING},ballistic_limit_m_s", *rows)
+    result = calibrate(tests, CARBIDE)
+    named = [warning for warning in result.warnings if "out of line" in warning]
+    assert len(named) == (limits != (640, 850, 970))
+    if result.evidence is not None:
+        error = confidence(scenario_of(tests, CARBIDE, FLOW_STRESS).replaced({CERAMIC: 6.0, BACKING: 5.0})).model_error
+        assert error is not None
+        assert ("3 own tests of this lot (1 out of line with the others)" in error.source) == len(named)
+
+
+@pytest.mark.parametrize(("stopped", "perforated", "contradict"), [(740, 780, False), (790, 650, True)])
+def test_outcomes_that_contradict_each_other_are_warned_of(stopped: int, perforated: int, contradict: bool):
+    header = f"{CERAMIC},{BACKING},{VELOCITY},outcome"
+    tests = table_of(CARBIDE, header, f"6,5,{stopped},partial", f"6,5,{perforated},complete", "8,6,860,partial")
+    warnings = calibrate(tests, CARBIDE).warnings
+    assert any("out of line with the other tests: measured at" in warning for warning in warnings) == contradict
+
+
 def test_shots_that_were_all_stopped_tell_something_and_are_warned_of():
     header = f"{CERAMIC},{BACKING},{VELOCITY},outcome,ballistic_limit_uncertainty_m_s"
     tests = table_of(CARBIDE, header, "7,6,950,partial,20", "7,6,960,partial,20")
     result = calibrate(tests, CARBIDE)
     assert result.coefficients[0].estimate is None
     assert any("all shots have the same outcome" in warning for warning in result.warnings)
+    assert "ceramic.flow_stress_GPa stays at 9: the tests do not identify it" in result.warnings
     case = scenario_of(tests, CARBIDE, FLOW_STRESS).replaced({CERAMIC: 7.0, BACKING: 6.0})
     assert probability(confidence(case.replaced({VELOCITY: 900.0}))) > 0.8
     assert case.inputs()[FLOW_STRESS] == 9.0

@@ -20,7 +20,7 @@ import numpy as np
 from armour.analysis.variants import Floats, ballistic_limits, distributions, variants_of
 from armour.evidence.fit import Fit, LotTests, fits, shipped_data
 from armour.evidence.mixture import Mixture
-from armour.evidence.tests import STRANGE, STRANGE_METAL, Materials
+from armour.evidence.tests import FALSE_ALARMS, STRANGE, STRANGE_METAL, Materials
 from armour.scenario.inputs import BACKING, CERAMIC, FLOW_STRESS
 from armour.scenario.scenario import load_scenario
 from armour.statistics.calibration import with_ceramic
@@ -121,6 +121,26 @@ def lots_of(group_name: str, own: int, draws: int = DRAWS) -> Iterator[Lot]:
                     found.append(Outcome.of(lot.error[rest], mixture_of([by_own], q, [np.zeros(len(rest))], ranges)))
             if found:
                 yield Lot(f"{fired} on {alloy}", count, np.mean([one.means() for one in found], axis=0))
+
+
+def warned_of(group_name: str, own: int) -> Iterator[Floats]:
+    """Return, of each lot, how often its own tests are warned of, and one of them if its limit is 25 % higher."""
+    group, dice = GROUPS[group_name], np.random.default_rng(1)
+    plates = plates_of(group.kind, group.metal)
+    for alloy, fired in sorted(set(zip(plates.alloy, plates.round, strict=True))):
+        lot, (fit, _) = plates.at((plates.alloy == alloy) & (plates.round == fired)), _left_out(group_name, alloy)
+        if len(lot.error) >= own:
+            draws = [lot.at(dice.choice(len(lot.error), own, replace=False)) for _ in range(DRAWS)]
+            sound = [doubtful(fit, tests.quantities, tests.error).any() for tests in draws]
+            higher = [doubtful(fit, t.quantities, t.error + np.log(1.25) * (np.arange(own) == 0))[0] for t in draws]
+            yield np.array([np.mean(sound), np.mean(higher)])
+
+
+def doubtful(fit: Fit, q: Any, errors: Floats) -> Any:
+    """Return which own tests, whose limits were measured exactly, are out of line, (n,)."""
+    nothing = np.zeros(len(errors))
+    tests = LotTests(q, errors, nothing, nothing, np.arange(len(errors)))
+    return fit.probabilities_of_farther(tests) * len(errors) < FALSE_ALARMS
 
 
 @cache
@@ -266,6 +286,12 @@ def main() -> int:
                     if share < LEAST_SHARE:
                         row = [NAMES[name], lot.name, f"{lot.tests}", f"{own}", f"{share:.0f}", f"{before:.0f}"]
                         of_lots.append([*row, f"{100.0 * lot.means[0] ** 0.5:.1f}"])
+    of_warnings = []
+    for name in PLATES:
+        for own in (2, 3, 5):
+            shares_of_lots = np.array(list(warned_of(name, own)))
+            row = [f"{100.0 * share:.1f}" for share in (*shares_of_lots.mean(axis=0), shares_of_lots[:, 0].max())]
+            of_warnings.append([NAMES[name], f"{own}", f"{len(shares_of_lots)}", *row])
     of_wilkins = [[f"{own}", *numbers(wilkins(own).means())] for own in (0, 1, 2, 3)]
     rows, shares = [], []
     for case in CASES:
@@ -288,6 +314,7 @@ def main() -> int:
         table(("tests of", "lot", "tests", "own tests", "within 95", "by the shipped fit", "RMS"), of_lots),
         table(("own tests", *head), of_wilkins),
         table(("lots", "own tests", "armour", *head), rows),
+        table(("tests of", "own tests", "lots", "sound", "25 % too high", "sound, of one lot"), of_warnings),
     )
     text = (
         f"limits stated to be exceeded with 95 %: {min(trues):.1f} % or more are, by group; lots lose at most "

@@ -137,13 +137,8 @@ class Fit(NamedTuple):
         level : sequence of float, optional
             Mean and standard deviation of the first coefficient, for a lot that the fit does not cover.
         """
-        rods = np.unique(rods_of(tests.quantities), axis=0)
-        test_deviation, nu = max(self.standard_deviations[2], LEAST_REST), self.degrees_of_freedom
-        Z = self._replace(rods=rods)._matrix(tests.quantities)
-        b, C = self._of_new_lot(len(rods), extra_deviation, level)
-        # Covariance of the tests: those at the same armour have the same limit.
-        K = Z @ C @ Z.T + test_deviation**2 * (tests.armours[:, None] == tests.armours)
-        deviations, variances = tests.errors - Z @ b, tests.uncertainties**2
+        rods, b, C, Z, K = self._of_tests(tests, extra_deviation, level)
+        nu, deviations, variances = self.degrees_of_freedom, tests.errors - Z @ b, tests.uncertainties**2
         limits, shots = np.flatnonzero(tests.sides == 0.0), np.flatnonzero(tests.sides)
         S = K[np.ix_(limits, limits)] + np.diag(variances[limits])
         log_density = _log_density(deviations[limits], S, nu)
@@ -161,11 +156,43 @@ class Fit(NamedTuple):
         return self._replace(
             coefficients=b + G @ deviations,
             covariance=widened_by * (C - G @ Z @ C),
-            variance=widened_by * test_deviation**2,
+            variance=widened_by * self._test_deviation**2,
             degrees_of_freedom=nu + len(Z),
             rods=rods,
             weight=log_density,
         )
+
+    def probabilities_of_farther(
+        self, tests: LotTests, extra_deviation: float = 0.0, level: Sequence[float] | None = None
+    ) -> Floats:
+        """Return how probable it is that each own test lies farther from what the others predict, (n,); 1 for shots.
+
+        The parameters are those of `updated`.
+        """
+        from scipy.special import stdtr  # slow to import
+
+        _, b, _, Z, K = self._of_tests(tests, extra_deviation, level)
+        limits, nu = np.flatnonzero(tests.sides == 0.0), self.degrees_of_freedom
+        deviations = (tests.errors - Z @ b)[limits]
+        precision = np.linalg.inv((K + np.diag(tests.uncertainties**2))[np.ix_(limits, limits)])
+        # Squared deviation of each from the prediction by the others, over its variance, and the sum for the others.
+        squares = (precision @ deviations) ** 2 / np.diag(precision)
+        other_squares = deviations @ precision @ deviations - squares
+        freedom, probabilities = nu + len(limits) - 1, np.ones(len(tests.errors))
+        probabilities[limits] = 2.0 * stdtr(freedom, -np.sqrt(squares * freedom / (nu + other_squares)))
+        return probabilities
+
+    def _of_tests(self, tests: LotTests, extra_deviation: float, level: Sequence[float] | None) -> tuple[Floats, ...]:
+        """Return rounds, coefficients and their covariance, terms of the tests, and the covariance of their limits."""
+        rods = np.unique(rods_of(tests.quantities), axis=0)
+        Z = self._replace(rods=rods)._matrix(tests.quantities)
+        b, C = self._of_new_lot(len(rods), extra_deviation, level)
+        # Tests at the same armour have the same limit.
+        return rods, b, C, Z, Z @ C @ Z.T + self._test_deviation**2 * (tests.armours[:, None] == tests.armours)
+
+    @property
+    def _test_deviation(self) -> float:
+        return max(self.standard_deviations[2], LEAST_REST)
 
     def _of_new_lot(self, rounds: int, extra_deviation: float, level: Sequence[float] | None) -> tuple[Floats, Floats]:
         """Return coefficients of a lot and effects of rounds, and their covariance; see `updated`."""

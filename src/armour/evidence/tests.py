@@ -23,6 +23,11 @@ ALIKE = 1.1
 STRANGE, STRANGE_METAL = 0.10, 0.15
 # Properties that identify a ceramic.
 OF_CERAMIC = ("ceramic_density_kg_m3", "ceramic_modulus_GPa", "ceramic_strength_GPa")
+# Fraction of tables of sound tests of which one is called out of line.
+FALSE_ALARMS = 0.05
+# Number of standard deviations from the prediction for any lot beyond which an own test is a mistake.
+IMPLAUSIBLE = 6.0
+OF_NO_LOT = "an own test has a limit that no lot of such armour can have"
 NO_LAW = "no limit of its own tests says how exact the model is"
 # More differences than any armour can have, and the relative size of rounding.
 MOST, ROUNDING = 1000, 1e-6
@@ -85,6 +90,7 @@ class Evidence(NamedTuple):
     at_least_deg: float = 0.0  # greatest angle at which plates are known to have at least the limit at normal incidence
     at_least: str = ""  # the tests that show it
     lot: str = ""  # of own tests
+    doubtful: tuple[int, ...] = ()  # own tests that are out of line with the others
 
     def differences(self, q: Quantities) -> Any:
         """Return the number of respects in which n armours differ from the tests; a ceramic or none outweighs all."""
@@ -242,14 +248,22 @@ def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
     rows = np.column_stack([tested[name] for name in (*VARIED, *IN_COMMON)])
     # Shots at equal armours count as shots at one armour; each measured limit belongs to an armour of its own.
     armours = np.where(sides == 0.0, -1.0 - np.arange(len(rows)), np.unique(rows, axis=0, return_inverse=True)[1])
-    updated = []
+    updated, farther, distances = [], np.zeros(len(rows)), np.full(len(rows), np.inf)
     for law in own_tests.law:
         fit = fits()[law.fit]._replace(law=law_parameters("ceramic" if shipped.ceramic else "backing", law.values))
         errors = np.log(velocities / np.array(law.computed_m_s))
         tests = LotTests(tested, errors, sides, tested["uncertainty_m_s"] / velocities, armours)
         updated.append(fit.updated(tests, between_lots, law.level))
+        farther = np.maximum(farther, fit.probabilities_of_farther(tests, between_lots, law.level))
+        distances = np.minimum(distances, _distances(fit, tests, law.level))
+    if len(implausible := np.flatnonzero(distances > IMPLAUSIBLE)):
+        return Evidence("", OF_NO_LOT, (), (), (), (), (0.0, np.inf), (), lot=entry.name, doubtful=tuple(implausible))
     weights = softmax([fit.weight for fit in updated])
+    # Of a single test, another lot may be the cause.
+    doubtful = np.flatnonzero(farther * len(rows) < FALSE_ALARMS) if len(rows) > 1 else ()
     words = f"{counted(len(velocities), 'own test')} of this lot"
+    if len(doubtful):
+        words += f" ({len(doubtful)} out of line with the others)"
     title = f"{shipped.title} and {words}"
     columns = {name: np.append(column, own_tests.calibrated.get(name, [])) for name, column in tested.items()}
     kind, measured = (
@@ -271,7 +285,19 @@ def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
         fits=tuple(fit._replace(weight=w) for fit, w in zip(updated, weights, strict=True)),
         obliquity_max_deg=max(shipped.obliquity_max_deg, *np.degrees(np.arccos(1.0 / tested["path_ratio"]))),
         lot=own_tests.lot or entry.name,
+        doubtful=tuple(doubtful),
     )
+
+
+def _distances(fit: Fit, tests: LotTests, level: Sequence[float] | None) -> Any:
+    """Return the deviations of own tests from the prediction for any lot, (n,), in standard deviations.
+
+    A stopped shot deviates upwards alone, a perforating one downwards.
+    """
+    location, scale = fit.predicted(tests.quantities, {})
+    mean, deviation = level or (0.0, 0.0)
+    errors = tests.errors - location - mean
+    return np.where(tests.sides == 0.0, abs(errors), tests.sides * errors) / np.hypot(scale, deviation)
 
 
 def is_untested(ceramic: LibraryEntry) -> bool:

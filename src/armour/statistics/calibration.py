@@ -1,19 +1,20 @@
 """Calibration: inputs of a scenario fitted to tests, with intervals and leave-one-out errors."""
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from itertools import chain
 from typing import Any, Literal
 
 import numpy as np
-from scipy.special import stdtrit
+from scipy.special import ndtri, stdtrit
 
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.analysis.variants import Bools, Floats, outside_limits
 from armour.errors import InputError, mistake
 from armour.evidence.fit import LEAST_REST
+from armour.evidence.tests import FALSE_ALARMS, own_evidence
 from armour.scenario.checked import Names, checked
 from armour.scenario.inputs import FLOW_STRESS, ROLES
 from armour.scenario.keys import key_name
@@ -74,8 +75,6 @@ ASSUMED = (
     "the intervals depend on it"
 )
 ONE_SIDED = "all shots have the same outcome: if shots with the other one were left out, the fitted limits are wrong"
-# Fraction of tables of sound tests in which a test is reported as out of line.
-FALSE_ALARMS = 0.05
 # Least difference of a computed value from a bound that counts: half of the last digit shown.
 EQUAL = 0.005
 
@@ -105,10 +104,15 @@ class Residual:
     uncertainty: float | None = None
 
     @property
+    def missed_by(self) -> float:
+        """How far the computed value is beyond the bound; negative if it meets it, or without one."""
+        sides = {"at least": 1.0, "at most": -1.0}
+        return sides[self.bound] * (self.measured - self.computed) if self.bound else -np.inf
+
+    @property
     def met(self) -> bool:
         """Whether the computed value meets the bound, to a hundredth."""
-        beyond = self.computed - self.measured if self.bound == "at least" else self.measured - self.computed
-        return beyond >= -EQUAL
+        return self.missed_by <= EQUAL
 
 
 @dataclass(frozen=True)
@@ -298,16 +302,26 @@ def calibrate(
 
 def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str]) -> CalibrationResult:
     """Return a result with the evidence of the tests under its law, or with a warning that they give none."""
+    scenario, doubtful, notes = tests.groups[0].scenario, set[int](), list[str]()
     values = {c.name: c.estimate for c in result.coefficients if c.estimate is not None}
     # A single value that the tests do not identify keeps its present value; the tests still inform about the limits.
-    if len(result.coefficients) == 1:
-        values = {name: tests.groups[0].scenario.inputs()[name] for name in inputs} | values
-    if len(values) == len(result.coefficients) and (evidence := own_tests(tests, values)):
-        warnings = (*result.warnings, *repeated(tests))
-        return replace(result, evidence=evidence.model_dump(exclude_none=True), warnings=warnings)
-    if {name.partition(".")[0] for name in inputs} != {"projectile"}:
-        return replace(result, warnings=(*result.warnings, f"of the entry, {NOTHING_OF_ERROR}"))
-    return result
+    if not values and len(result.coefficients) == 1:
+        values = {name: scenario.inputs()[name] for name in inputs}
+        notes = [f"{name} stays at {value:g}: the tests do not identify it" for name, value in values.items()]
+    entry = scenario.entry_of(inputs[0].partition(".")[0])
+    kept = own_tests(tests, values) if len(values) == len(result.coefficients) else None
+    if kept is not None and entry is not None:
+        evidence = own_evidence(entry, kept)
+        shots = [place for place, m in enumerate(tests.measurements) if m.quantity == LIMIT]
+        doubtful = {shots[place] for place in evidence.doubtful}
+        if evidence.fits:
+            notes += repeated(tests)
+            result = replace(result, evidence=kept.model_dump(exclude_none=True))
+        else:
+            notes = [f"of the entry, {evidence.source}"]
+    elif {name.partition(".")[0] for name in inputs} != {"projectile"}:
+        notes = [f"of the entry, {NOTHING_OF_ERROR}"]
+    return replace(result, warnings=(*_out_of_line(tests, result, doubtful), *result.warnings, *notes))
 
 
 def under_law(tests: Tests, inputs: Sequence[str], law: Law | None) -> tuple[Tests, list[str]]:
@@ -393,10 +407,8 @@ def fit_by_law(
         widened_by=fit.widened_by,
         aicc=fit.aicc,
         warnings=(
-            *tests.scenario.unused_threats(),
-            *([ASSUMED] if too_few else []),
             *_bad_fit(fit),
-            *_out_of_line(tests, residuals, len(inputs)),
+            *([ASSUMED] if too_few else []),
             *([ONE_SIDED] if len({m.side for m in tests.measurements}) == 1 and tests.measurements[0].side else []),
             *_outside_limits(tests),
         ),
@@ -418,20 +430,30 @@ def out_of_line(deviations: Floats, left_out: Floats, coefficients: int) -> Bool
     return added > limit**2 * scatter
 
 
-def _out_of_line(tests: Tests, residuals: Sequence[Residual], coefficients: int) -> Iterator[str]:
-    """Yield a warning for each measurement that is out of line with the others, with its line."""
-    pairs = [(m, r) for m, r in zip(tests.measurements, residuals, strict=True) if not r.bound]
-    scales = np.array([m.uncertainty or m.value for m, _ in pairs])
-    measured, computed, left_out = (
-        np.array([getattr(r, key) for _, r in pairs], dtype=float) for key in ("measured", "computed", "left_out")
+def _out_of_line(tests: Tests, result: CalibrationResult, doubtful: Collection[int]) -> Iterator[str]:
+    """Yield a warning for each measurement that is out of line with the others, with its line.
+
+    These are the doubtful ones, those far from the fit of all, and bounds that it misses by too much.
+    """
+    residuals, count = result.residuals, len(result.residuals)
+    values = np.array([place for place, r in enumerate(residuals) if not r.bound], dtype=np.int64)
+    measured, computed, left_out, scales = (
+        np.array([getattr(residuals[place], key) for place in values], dtype=np.float64)
+        for key in ("measured", "computed", "left_out", "uncertainty")
     )
-    outliers = out_of_line((computed - measured) / scales, (left_out - measured) / scales, coefficients)
-    for i in np.flatnonzero(outliers):
-        m, r = pairs[i]
-        name = "" if r.test == tests.places[m.test] else f" ({r.test})"
+    scales = np.where(np.isnan(scales), measured, scales)
+    outliers = out_of_line((computed - measured) / scales, (left_out - measured) / scales, len(result.coefficients))
+    farthest = ndtri(1.0 - FALSE_ALARMS / count)
+    missed = {place for place, r in enumerate(residuals) if r.uncertainty and r.missed_by > farthest * r.uncertainty}
+    for place in sorted({*values[outliers].tolist(), *doubtful, *missed}):
+        r, line = residuals[place], tests.places[tests.measurements[place].test]
+        name = "" if r.test == line else f" ({r.test})"
+        expected = f"the fit gives {r.computed:.4g}"
+        if r.left_out is not None:
+            expected = f"a fit to the others gives {r.left_out:.4g}"
         yield (
-            f"{tests.places[m.test]}{name}: {r.quantity} is out of line with the other tests: measured "
-            f"{r.measured:g}, but a fit to the others gives {r.left_out:.4g}; chance alone makes one such test in "
+            f"{line}{name}: {r.quantity} is out of line with the other tests: measured {r.bound}{' ' * bool(r.bound)}"
+            f"{r.measured:g}, but {expected}; chance alone makes one such test in about "
             f"{100.0 * FALSE_ALARMS:g} % of tables"
         )
 

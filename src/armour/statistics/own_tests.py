@@ -8,7 +8,7 @@ import numpy as np
 from armour.analysis.variants import Floats, Variants, ballistic_limits, concatenated
 from armour.csv_files import shipped_rows
 from armour.errors import counted
-from armour.evidence.fit import fits, law_parameters, shipped_data
+from armour.evidence.fit import law_parameters, shipped_data
 from armour.evidence.model_error import other_settings
 from armour.evidence.tests import armours_of, is_outside, shipped_evidence, shipped_evidence_of
 from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, cosine_of
@@ -25,14 +25,12 @@ UNTESTED = 0.40
 FACTOR, STEPS, CHANGE, LEAST_SLOPE = 8.0, 6, 0.05, 0.3
 # Reason why calibrated entries without usable tests have no model error.
 NOTHING_OF_ERROR = (
-    "the tests that it was calibrated to do not determine the model error: none measured a limit, one is implausible "
-    "for any lot, or their settings, armours or angles are not those of the shipped tests"
+    "the tests that it was calibrated to do not determine the model error: none measured a limit, or their settings, "
+    "armours or angles are not those of the shipped tests"
 )
 # What identifies a test: layers, angle, penetrator and measured limit.
 PENETRATOR = ("projectile.penetrator_diameter_mm", "projectile.penetrator_mass_g")
 IDENTITY = (CERAMIC, BACKING, OBLIQUITY, *PENETRATOR, "ballistic_limit_m_s")
-# Number of standard deviations from the prediction for any lot beyond which a test is a mistake.
-IMPLAUSIBLE = 6.0
 # What can be calibrated to own tests, by role: keys of the entry, and quantities.
 KEYS = {"ceramic": ("flow_stress_GPa", *FLOW_STRESS_LAW), "backing": ("flow_stress_GPa", "shear_strength_MPa")}
 QUANTITIES_OF_ROLE = {
@@ -69,8 +67,7 @@ def own_tests(tests: Tests, fitted: Mapping[str, float]) -> OwnTests | None:
 
     None if they do not determine the model error: there is no limit or outcome, something else than a strength of
     ceramic or back plate was fitted, settings differ from those of the shipped tests, there are no shipped tests of
-    such plates, the tests are at several angles beyond those of the shipped tests, or one is far from what any lot can
-    have.
+    such plates, or the tests are at several angles beyond those of the shipped tests.
     """
     shots = [m for m in tests.measurements if m.quantity == LIMIT]
     role, *other_roles = {name.partition(".")[0] for name in fitted}
@@ -87,7 +84,7 @@ def own_tests(tests: Tests, fitted: Mapping[str, float]) -> OwnTests | None:
         return None
     measured = np.where(sides == 0.0, velocities, np.nan)
     laws = _laws_of_plates(rows, entry) if role == "backing" else _laws_of_ceramic(rows, entry, measured)
-    if not laws or not _are_plausible(laws, q, sides, velocities):
+    if not laws:
         return None
     longest_path = (1.0 + 1e-6) / cosine_of(shipped_evidence_of(laws[0].fit).obliquity_max_deg)
     if len({*_rounded(rows.cosines)}) > 1 and (q["path_ratio"] > longest_path).any():
@@ -102,19 +99,6 @@ def own_tests(tests: Tests, fitted: Mapping[str, float]) -> OwnTests | None:
         tests={name: _rounded(q[name]) for name in (*VARIED, *IN_COMMON, *RESULTS)},
         law=laws,
     )
-
-
-def _are_plausible(laws: tuple[LawTests, ...], q: Mapping[str, Floats], sides: Floats, velocities: Floats) -> bool:
-    """Return whether each limit or shot is near the prediction of at least one law for any lot."""
-    deviations = np.full(len(sides), np.inf)
-    for law in laws:
-        location, scale = fits()[law.fit].predicted(q, {})
-        level, level_deviation = law.level or (0.0, 0.0)
-        error = np.log(velocities / np.array(law.computed_m_s)) - location - level
-        # A stopped shot is implausible far above the predicted limit, a perforating one far below it.
-        distance = np.where(sides == 0.0, abs(error), sides * error) / np.hypot(scale, level_deviation)
-        deviations = np.minimum(deviations, distance)
-    return bool((deviations <= IMPLAUSIBLE).all())
 
 
 def _rounded(values: Floats) -> tuple[float, ...]:
