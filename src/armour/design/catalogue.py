@@ -133,9 +133,13 @@ class Catalogue:
 
     @cached_property
     def one_source(self) -> Bools:
-        """Whether a single source gives the flow stress of the ceramic of each pair; such a pair is never the best."""
-        ceramics = (materials.ceramic for materials in self.materials)
-        return np.array([ceramic is not None and len(ceramic.flow_stress_sources_GPa) == 1 for ceramic in ceramics])
+        """Whether a single source gives the flow stress of the ceramic of each pair; such a pair is never the best.
+
+        That of a ceramic without tests has at least the source of its value.
+        """
+        ceramics = [materials.ceramic for materials in self.materials]
+        sources = [0 if ceramic is None else len(ceramic.flow_stress_sources_GPa) for ceramic in ceramics]
+        return np.maximum(sources, self.untested) == 1
 
     @cached_property
     def untested(self) -> list[bool]:
