@@ -137,9 +137,8 @@ class Catalogue:
 
         That of a ceramic without tests has at least the source of its value.
         """
-        ceramics = [materials.ceramic for materials in self.materials]
-        sources = [0 if ceramic is None else len(ceramic.flow_stress_sources_GPa) for ceramic in ceramics]
-        return np.maximum(sources, self.untested) == 1
+        ceramics = (materials.ceramic for materials in self.materials)
+        return np.array([c is not None and max(len(c.flow_stress_sources_GPa), is_untested(c)) == 1 for c in ceramics])
 
     @cached_property
     def untested(self) -> list[bool]:
