@@ -58,6 +58,13 @@ def test_wrong_usage(cli, words: str):
     assert cli(*words.split()).exit_code == 2
 
 
+@pytest.mark.parametrize("words", [("check", ""), ("simulate", ""), ("check", "wilkins", "--junit", "")])
+def test_a_variable_that_is_not_set_is_no_path(cli, words: tuple[str, ...], folder: Path):
+    """It would be the current folder, all scenarios of which would be checked."""
+    assert cli.fails(2, *words) == ["command line: must not contain an empty word, such as a variable that is not set"]
+    assert not list(folder.iterdir())
+
+
 @pytest.mark.parametrize("number", ["7_00", "\uff17\uff10\uff10", "700%", "nan", "7,5"])
 @pytest.mark.parametrize(
     "words",

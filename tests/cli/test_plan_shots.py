@@ -27,6 +27,13 @@ def test_after_the_end_a_shot_needs_its_velocity(cli, folder: Path):
     assert cli(*options, "--velocity-m-s", "740").exit_code == 0
 
 
+def test_a_shot_without_its_velocity_has_the_planned_one_which_is_said(cli, folder: Path):
+    said = cli(*PLAIN, "--result", "P").stderr
+    [_header, shot] = rows(folder / "f.csv")
+    assert f"note: f.csv: records the planned {shot.split(',')[1]} m/s\n" in said
+    assert "note: f.csv" not in cli(*PLAIN, "--result", "P", "--velocity-m-s", "730").stderr
+
+
 @pytest.mark.parametrize(
     ("partial", "complete", "given"), [("P", "C", "cp"), ("PP", "CP", "cp"), ("pp", "cp", "Complete")]
 )

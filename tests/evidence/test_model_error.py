@@ -8,6 +8,7 @@ import pytest
 from armour.analysis.ballistic_limit import ballistic_limit, confidence, model_error, no_error
 from armour.analysis.evaluate import evaluate
 from armour.analysis.variants import variants_of
+from armour.core import equations
 from armour.design.check import check
 from armour.design.optimise import optimise
 from armour.errors import InputError
@@ -192,9 +193,21 @@ def test_the_error_is_that_of_the_settings_of_the_tests(settings: dict[str, Any]
     result = confidence(scenario(velocity=700.0).replaced(settings))
     [(key, value)] = settings.items()
     assert result.probability_of_stopping is None
-    assert f"other settings than {key} = {value}" in result.reason
+    assert f"the tests were not computed with {key} = {value}" in result.reason
     with_error = scenario(uncertainty={"model": {"scale_percent": 9.0}}).replaced(settings)
     assert model_error(with_error, 700.0) is not None
+
+
+def test_the_error_is_that_of_the_equations_of_the_tests(monkeypatch: pytest.MonkeyPatch):
+    velocity = equations.crack_velocity
+    monkeypatch.setattr(equations, "crack_velocity", lambda Ec, rho_c: 0.5 * velocity(Ec, rho_c))
+    result = confidence(scenario(velocity=700.0))
+    assert result.probability_of_stopping is None
+    assert "the tests were not computed with armour.core.equations.crack_velocity replaced" in result.reason
+    given = confidence(scenario(velocity=700.0, uncertainty={"model": {"scale_percent": 9.0}}))
+    assert given.probability_of_stopping is not None
+    monkeypatch.undo()
+    assert confidence(scenario(velocity=700.0)).probability_of_stopping is not None
 
 
 def test_the_row_that_is_half_of_its_neighbour_is_not_in_the_fit_of_steel():

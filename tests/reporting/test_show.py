@@ -1,5 +1,6 @@
 """Figures, reports and tables in a notebook."""
 
+import re
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -7,12 +8,14 @@ from typing import Any
 
 import pytest
 
+import armour
 from armour.analysis.ballistic_limit import Crossing, LimitResult, ballistic_limit, confidence
 from armour.analysis.impact import History, simulate
-from armour.analysis.results import TableResult
+from armour.analysis.results import Result, TableResult
 from armour.design.optimise import optimise
 from armour.errors import InputError
 from armour.planning.firing import plan_shots
+from armour.reporting.report import function_of
 from armour.reporting.show import in_html, plot, report
 from armour.scenario.scenario import save_scenario
 from armour.statistics.calibration import CalibrationResult, Residual
@@ -33,6 +36,14 @@ THREE = ["armour.ceramic_thickness_mm", "armour.backing_thickness_mm", "ceramic.
 
 
 OFFERED = {f"{layer}_thickness_mm": {"min": 5.0, "max": 9.0, "step": 1.0} for layer in ("ceramic", "backing")}
+
+
+def test_the_docstring_of_plot_names_every_result_that_is_drawn():
+    public = [getattr(armour, name) for name in dir(armour)]
+    classes = [thing for thing in public if isinstance(thing, type) and issubclass(thing, Result)]
+    drawn = [cls.__name__ for cls in classes if function_of(object.__new__(cls), "pictures", "draw") is not None]
+    assert "ImpactResult" in drawn
+    assert [name for name in drawn if not re.search(rf"\b{name}\b", str(plot.__doc__))] == []
 
 
 @pytest.fixture(scope="module")

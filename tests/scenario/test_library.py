@@ -172,6 +172,16 @@ def test_a_value_beside_it_takes_precedence_and_is_named():
     assert found.notes == (f"scenario: impact.velocity_m_s: 900.0 takes precedence over 854.0 of {LEVEL_3}",)
 
 
+@pytest.mark.parametrize("values", [{"velocity_m_s": 900.0}, {"projectile": "7.62 mm AP"}])
+def test_a_threat_with_values_beside_its_name_is_called_changed(values: dict[str, Any]):
+    """Or a table would say that an armour passes against a standard."""
+    [given] = parse_scenario(impact(threat=LEVEL_3, **values)).threats()
+    [listed] = parse_scenario({**data(), "threat": [{"threat": LEVEL_3, **values}]}).threats()
+    assert given.title == listed.title == f"{LEVEL_3}, changed"
+    [named] = parse_scenario({**data(), "threat": [{"threat": LEVEL_3, "name": "door", **values}]}).threats()
+    assert named.title == "door"
+
+
 def test_a_threat_that_is_set_replaces_the_values_of_the_file():
     found = load_scenario("wilkins", {"impact.threat": LEVEL_3})
     assert (found.impact.projectile, found.impact.velocity_m_s) == ("7.62 mm B32", 854.0)

@@ -32,7 +32,7 @@ from armour.cli.scenario_commands import (
     uncertainty,
 )
 from armour.cli.suites import figures, validate
-from armour.errors import MAX_PROBLEMS, ArmourError, InputError, NoAnswerError, Problem
+from armour.errors import MAX_PROBLEMS, ArmourError, InputError, NoAnswerError, Problem, mistake
 from armour.files import read_text
 from armour.scenario.keys import line_of, lines_of
 
@@ -73,10 +73,12 @@ class Command(_Helpful, TyperCommand):
 class Reporting(_Helpful, TyperGroup):
     """Commands whose errors end in a message and an exit code."""
 
-    def make_context(self, *args: Any, **settings: Any) -> Any:
-        """Parse the command line."""
+    def make_context(self, info_name: Any, args: list[str], *others: Any, **settings: Any) -> Any:
+        """Parse the command line; an empty word, of a variable that is not set, would be read as the current folder."""
         with _reported():
-            return super().make_context(*args, **settings)
+            if "" in args:
+                raise mistake("command line", "", "must not contain an empty word, such as a variable that is not set")
+            return super().make_context(info_name, args, *others, **settings)
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command."""

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import armour
 from armour.cli import completion
+from armour.cli.console import say
 from armour.cli.question import Answer, Force, PlotFile, argument, number, option, question
 from armour.cli.runner import CHECK_FAILED, check_outputs, read_scenario, wrong_option
 from armour.cli.scenario_commands import LIMIT_READS, grid_of
@@ -207,6 +208,8 @@ def _with_result(
         content = with_shot(table, velocity, result)
         fired = added(fired, velocity, perforated)
         plan = armour.plan_shots(scenario, fired, on_progress=on_progress, **options)
+        if velocity_m_s is None:
+            say(f"note: {table}: records the planned {velocity:g} m/s")
 
         def content_with_shot() -> bytes:
             if content_of(table) != earlier_content:

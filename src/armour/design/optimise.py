@@ -429,21 +429,20 @@ def _first(search: Search, tested: Bools) -> int | None:
 def _nearest(requirement: Requirement) -> Search:
     """Return a search of the designs within the constraints, or nearest to them, in order of their shortfall.
 
-    The shortfall of a design is the greatest of those against each threat.  If there are very many designs, only the
-    thickest ceramics within the constraints on each back plate are compared.
+    The shortfall of a design is the greatest of those against each threat; ceramics of one source come last.  If there
+    are very many designs, only the thickest ceramics within the constraints on each back plate are compared.
     """
     catalogue = requirement.catalogue
     designs = joined([_sampled_designs(catalogue, pair) for pair in range(len(catalogue.offers))])
-    if not catalogue.one_source.all():
-        designs = designs.at(~catalogue.one_source[designs.pair])
-    violations = catalogue.violations(designs)
-    designs = designs.at(violations <= max(float(violations.min()), 0.0))
+    violations, one_source = catalogue.violations(designs), catalogue.one_source[designs.pair]
+    designs = designs.at(violations <= max(float(violations[one_source == one_source.min()].min()), 0.0))
     if len(designs.pair) > MOST_COMPARED:
         designs = designs.at(np.lexsort((-designs.ceramic_mm, designs.backing_mm, designs.pair)))
         columns = np.column_stack([designs.pair, designs.backing_mm])
         designs = designs.at(np.unique(columns, axis=0, return_index=True)[1])
     short = catalogue.short_m_s(designs, requirement.limits(designs)).max(axis=1)
-    return Search(requirement, designs.at(np.lexsort((catalogue.objective(designs), short))))
+    order = np.lexsort((catalogue.objective(designs), short, catalogue.one_source[designs.pair]))
+    return Search(requirement, designs.at(order))
 
 
 def _sampled_designs(catalogue: Catalogue, pair: int) -> CandidateDesigns:
@@ -462,7 +461,9 @@ def _short_pairs(search: Search) -> tuple[Pair, ...]:
         ceramic = f"{design.ceramic_thickness_mm:.4g} on " if design.ceramic else ""
         layers = f"{ceramic}{design.backing_thickness_mm:.4g} mm"
         reason = f"{layers}: {short[threat]:.0f} m/s short against {search.catalogue.titles[threat]}"
-        pairs.append(Pair(design.ceramic, design.backing, None, None, reason, untested=design.untested))
+        if one_source := bool(search.catalogue.one_source[search.candidates.pair[place]]):
+            reason = f"{ONE_SOURCE}: {reason}" if short[threat] > 0.0 else ONE_SOURCE
+        pairs.append(Pair(design.ceramic, design.backing, None, None, reason, not one_source, design.untested))
     return tuple(pairs)
 
 

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 
 from armour.core.state import Parameters
+from armour.engine.cache import replaced_function
 from armour.errors import InputError, Problem
 from armour.evidence.mixture import Floats, Mixture
 from armour.evidence.tests import Armours, Evidence, is_outside, is_untested, outside
@@ -144,10 +145,11 @@ def given_error(scenario: Scenario) -> ModelError | None:
 
 
 def other_settings(scenario: Scenario) -> str:
-    """Return in words the settings that differ from those used to compute the tests; "" for none."""
+    """Return in words the settings and the equation that differ from those used to compute the tests; "" for none."""
     sections = (("model", scenario.model, Model()), ("solver", scenario.solver, Solver()))
     values = ((name, key, value, getattr(usual, key)) for name, section, usual in sections for key, value in section)
-    return ", ".join(f"{name}.{key} = {value}" for name, key, value, usual in values if value != usual)
+    others = [f"{name}.{key} = {value}" for name, key, value, usual in values if value != usual]
+    return ", ".join([*others, *(f"{name} replaced" for name in [replaced_function()] if name)])
 
 
 def errors_of(scenario: Scenario, armours: Armours) -> Errors:
@@ -225,7 +227,7 @@ def error_of(scenario: Scenario, ratio: Mixture, armour: Armours) -> ModelError 
 def why_unknown(scenario: Scenario, armour: Armours) -> str:
     """Return why the model error is not known for an armour, n = 1, and what can provide it."""
     if settings := other_settings(scenario):
-        return f"the tests were computed with other settings than {settings}; [uncertainty.model] can give it"
+        return f"the tests were not computed with {settings}; [uncertainty.model] can give it"
     [(evidence, _)] = armour.by_evidence()
     if evidence.lot and not evidence.fits:
         return f"of {evidence.lot}, {evidence.source}"

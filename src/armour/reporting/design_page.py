@@ -111,7 +111,7 @@ def _threat(catalogue: Catalogue, i: int) -> dict[str, Any]:
     rows, *_ = catalogue.against_each(catalogue.candidates(0, np.ones(1), np.ones(1)), [i])
     core = Parameters(*rows.parameters[0].tolist())
     return {
-        "name": threat.name or threat.threat or threat.projectile,
+        "name": threat.name or threat.standard or threat.projectile,
         "projectile": threat.projectile,
         "velocity": threat.velocity_m_s,
         "obliquity": threat.obliquity_deg,

@@ -313,7 +313,7 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Re
 
 def _threats(contents: Contents) -> Table:
     """Return every threat with its requirement, the probability and the ballistic limit."""
-    names = {threat.title: threat.name or threat.threat for threat in contents.scenario.threats()}
+    names = {threat.title: threat.name or threat.standard for threat in contents.scenario.threats()}
     is_mixed = 0 < len(contents.sampled) < len(contents.threats)
     kinds = {name: "distributions" if name in contents.sampled else "exact" for name in names}
     requires = _has_requirements(contents)

@@ -36,7 +36,7 @@ def plot(
 
     Parameters
     ----------
-    result : ImpactResult, LimitResult, Comparison, DesignResult, SensitivityResult, UncertaintyResult, \
+    result : ImpactResult, LimitResult, Comparison, DesignResult, CheckResult, SensitivityResult, UncertaintyResult, \
 CalibrationResult, FiringResult, PlannedTests, ShotPlan, SuiteResult or SweepResult
         An impact must have its history, and a sweep one or two keys.
     scenario : Scenario, optional

@@ -115,6 +115,11 @@ class Impact(Section):
             if getattr(self, key) != value:
                 yield f"{key}: {getattr(self, key)} takes precedence over {value} of {self.threat}"
 
+    @property
+    def standard(self) -> str:
+        """Name of the threat of a standard, "changed" if it has other values here; "" if none is named."""
+        return f"{self.threat or ''}{', changed' if any(self.replaced_values()) else ''}"
+
 
 class ArmourSection(Section):
     """The armour: a metal back plate, with or without a ceramic tile on it."""
@@ -268,7 +273,7 @@ class Threat(Impact):
     @property
     def title(self) -> str:
         """Name of the threat, by default that of the standard, or projectile and velocity."""
-        return self.name or (shot(self) if self.threat is None else f"{self.threat}{at_angle(self)}")
+        return self.name or (f"{self.standard}{at_angle(self)}" if self.standard else shot(self))
 
 
 def shot(impact: Impact) -> str:
