@@ -224,3 +224,8 @@ def test_json_names_shipped_files_wherever_they_lie(cli, words: str):
 )
 def test_threats_that_tests_do_not_use_are_warned_of(cli, words: str):
     assert "threat: is not used: the results are against" in cli(*words.split(), "--verbose").stderr
+
+
+def test_tests_that_name_their_projectile_are_not_against_another(cli, folder: Path):
+    (folder / "t.csv").write_text("impact.projectile,ballistic_limit_m_s\n7.62 mm APM2,700\n7.62 mm APM2,720\n")
+    assert "threat: is not used" not in cli("calibrate", "t.csv", str(CATALOGUE), "--verbose").stderr

@@ -197,20 +197,6 @@ def test_what_was_not_tested_is_ranked_apart():
     assert single.reported == single.pairs[0].best is not None
 
 
-@pytest.mark.parametrize(("sources_GPa", "named"), [([], False), ([9.0], False), ([9.0, 14.0], True)])
-def test_a_ceramic_without_tests_and_sources_is_one_of_a_single_source(sources_GPa: list[float], named: bool):
-    """Leaving the sources out must not make a design the best."""
-    own = {"density_kg_m3": 3163.0, "youngs_modulus_GPa": 428.0, "flow_stress_GPa": 9.0}
-    offered = {
-        "ceramic": [{"material": "own", "thickness_mm": [6.0, 9.0]}],
-        "backing": [{"material": "6061-T6", "thickness_mm": [6.0]}],
-    }
-    library = {"ceramic": {"own": {**own, "flow_stress_sources_GPa": sources_GPa}}}
-    found = optimise(scenario(velocity=700.0, design=offered, library=library))
-    assert (found.best is not None) == named
-    assert named or found.explanation.startswith("the flow stress of own comes from a single source")
-
-
 @pytest.mark.parametrize(
     ("velocity_m_s", "reason"),
     [(1000.0, "one source of its flow stress"), (1200.0, "one source of its flow stress: 6 on 8 mm: ")],

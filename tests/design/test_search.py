@@ -73,7 +73,6 @@ def test_a_big_catalogue_is_exact():
     library = {
         "ceramic": {
             f"C{i}": {"based_on": "AD85", "density_kg_m3": 3300.0 + 97.0 * i, "flow_stress_GPa": 4.5 + 0.3 * i}
-            | {"flow_stress_sources_GPa": [4.0, 6.0]}
             for i in range(4)
         },
         "metal": {

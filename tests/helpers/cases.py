@@ -89,12 +89,7 @@ def library(
     keys = ("penetrator_diameter_mm", "penetrator_mass_g", "density_kg_m3", "flow_stress_GPa")
     return {
         "projectile": {"x": dict(zip(keys, projectile, strict=True))},
-        "ceramic": {
-            "c": {
-                **dict(zip(("density_kg_m3", "youngs_modulus_GPa", "flow_stress_GPa"), ceramic, strict=True)),
-                "flow_stress_sources_GPa": 2 * [ceramic[2]],
-            }
-        },
+        "ceramic": {"c": dict(zip(("density_kg_m3", "youngs_modulus_GPa", "flow_stress_GPa"), ceramic, strict=True))},
         "metal": {
             "b": {
                 **dict(zip(("density_kg_m3", "flow_stress_GPa", "shear_strength_MPa"), metal, strict=True)),

@@ -133,12 +133,9 @@ class Catalogue:
 
     @cached_property
     def one_source(self) -> Bools:
-        """Whether a single source gives the flow stress of the ceramic of each pair; such a pair is never the best.
-
-        That of a ceramic without tests has at least the source of its value.
-        """
+        """Whether a single source gives the flow stress of the ceramic of each pair; such a pair is never the best."""
         ceramics = (materials.ceramic for materials in self.materials)
-        return np.array([c is not None and max(len(c.flow_stress_sources_GPa), is_untested(c)) == 1 for c in ceramics])
+        return np.array([ceramic is not None and len(ceramic.flow_stress_sources_GPa) == 1 for ceramic in ceramics])
 
     @cached_property
     def untested(self) -> list[bool]:

@@ -411,6 +411,7 @@ def fit_by_law(
             *([ASSUMED] if too_few else []),
             *([ONE_SIDED] if len({m.side for m in tests.measurements}) == 1 and tests.measurements[0].side else []),
             *_outside_limits(tests),
+            *(() if "impact.projectile" in tests.cells[0] else tests.scenario.unused_threats()),
         ),
     )
 
