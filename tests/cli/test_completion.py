@@ -30,6 +30,7 @@ def offered(line: str) -> list[str]:
     ("line", "words"),
     [
         ("simulate wil", ["wilkins"]),
+        ('check "" wil', ["wilkins"]),
         ("optimise paper/opt", ["paper/optimum_25mm_APDS", "paper/optimum_7.62mm_AP"]),
         ("report bare", ["bare_plate"]),
         ("simulate other/", []),

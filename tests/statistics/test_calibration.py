@@ -313,8 +313,11 @@ def test_linearised_fits_without_a_test_agree_with_searches(wilkins: Scenario, m
 def test_a_mistyped_limit_is_out_of_line(wilkins: Scenario, tmp_path: Path):
     lines = TESTS.read_text().split()
     lines[3] += "0"
-    warning, of_error = calibrate(read_tests(csv_file(tmp_path / "t.csv", *lines), wilkins), wilkins).warnings
-    assert "a limit that no lot of such armour can have" in of_error
+    implausible, warning, of_error = calibrate(
+        read_tests(csv_file(tmp_path / "t.csv", *lines), wilkins), wilkins
+    ).warnings
+    assert implausible == "line 4: an own test has a limit that no lot of such armour can have"
+    assert "one is implausible for any lot" in of_error
     assert warning.startswith("line 4: ballistic_limit_m_s is out of line with the other tests: measured 7010, but")
 
 

@@ -74,9 +74,12 @@ class Reporting(_Helpful, TyperGroup):
     """Commands whose errors end in a message and an exit code."""
 
     def make_context(self, info_name: Any, args: list[str], *others: Any, **settings: Any) -> Any:
-        """Parse the command line; an empty word, of a variable that is not set, would be read as the current folder."""
+        """Parse the command line; an empty word, of a variable that is not set, would be read as the current folder.
+
+        In completion it is the word that has not begun.
+        """
         with _reported():
-            if "" in args:
+            if "" in args and not settings.get("resilient_parsing"):
                 raise mistake("command line", "", "must not contain an empty word, such as a variable that is not set")
             return super().make_context(info_name, args, *others, **settings)
 

@@ -263,7 +263,7 @@ def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
     doubtful = np.flatnonzero(farther * len(rows) < FALSE_ALARMS) if len(rows) > 1 else ()
     words = f"{counted(len(velocities), 'own test')} of this lot"
     if len(doubtful):
-        words += f" ({len(doubtful)} out of line with the others)"
+        words += f" ({len(doubtful)} out of line)"
     title = f"{shipped.title} and {words}"
     columns = {name: np.append(column, own_tests.calibrated.get(name, [])) for name, column in tested.items()}
     kind, measured = (

@@ -302,7 +302,7 @@ def calibrate(
 
 def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str]) -> CalibrationResult:
     """Return a result with the evidence of the tests under its law, or with a warning that they give none."""
-    scenario, doubtful, notes = tests.groups[0].scenario, set[int](), list[str]()
+    scenario, notes = tests.groups[0].scenario, list[str]()
     values = {c.name: c.estimate for c in result.coefficients if c.estimate is not None}
     # A single value that the tests do not identify keeps its present value; the tests still inform about the limits.
     if not values and len(result.coefficients) == 1:
@@ -310,18 +310,20 @@ def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str
         notes = [f"{name} stays at {value:g}: the tests do not identify it" for name, value in values.items()]
     entry = scenario.entry_of(inputs[0].partition(".")[0])
     kept = own_tests(tests, values) if len(values) == len(result.coefficients) else None
+    implausible, doubtful = list[str](), set[int]()
     if kept is not None and entry is not None:
         evidence = own_evidence(entry, kept)
         shots = [place for place, m in enumerate(tests.measurements) if m.quantity == LIMIT]
         doubtful = {shots[place] for place in evidence.doubtful}
-        if evidence.fits:
-            notes += repeated(tests)
-            result = replace(result, evidence=kept.model_dump(exclude_none=True))
-        else:
-            notes = [f"of the entry, {evidence.source}"]
+        if not evidence.fits:
+            kept, implausible = None, [f"{_line(tests, place)}: {evidence.source}" for place in sorted(doubtful)]
+            doubtful = set()
+    if kept is not None:
+        notes += repeated(tests)
+        result = replace(result, evidence=kept.model_dump(exclude_none=True))
     elif {name.partition(".")[0] for name in inputs} != {"projectile"}:
         notes = [f"of the entry, {NOTHING_OF_ERROR}"]
-    return replace(result, warnings=(*_out_of_line(tests, result, doubtful), *result.warnings, *notes))
+    return replace(result, warnings=(*implausible, *_out_of_line(tests, result, doubtful), *result.warnings, *notes))
 
 
 def under_law(tests: Tests, inputs: Sequence[str], law: Law | None) -> tuple[Tests, list[str]]:
@@ -445,18 +447,28 @@ def _out_of_line(tests: Tests, result: CalibrationResult, doubtful: Collection[i
     scales = np.where(np.isnan(scales), measured, scales)
     outliers = out_of_line((computed - measured) / scales, (left_out - measured) / scales, len(result.coefficients))
     farthest = ndtri(1.0 - FALSE_ALARMS / count)
-    missed = {place for place, r in enumerate(residuals) if r.uncertainty and r.missed_by > farthest * r.uncertainty}
+    missed = {
+        place
+        for place, r in enumerate(residuals)
+        if r.missed_by > farthest * max((r.uncertainty or 0.0) * result.widened_by, LEAST_REST * r.measured)
+    }
     for place in sorted({*values[outliers].tolist(), *doubtful, *missed}):
-        r, line = residuals[place], tests.places[tests.measurements[place].test]
-        name = "" if r.test == line else f" ({r.test})"
+        r = residuals[place]
         expected = f"the fit gives {r.computed:.4g}"
         if r.left_out is not None:
             expected = f"a fit to the others gives {r.left_out:.4g}"
         yield (
-            f"{line}{name}: {r.quantity} is out of line with the other tests: measured {r.bound}{' ' * bool(r.bound)}"
-            f"{r.measured:g}, but {expected}; chance alone makes one such test in about "
+            f"{_line(tests, place)}: {r.quantity} is out of line with the other tests: measured "
+            f"{r.bound}{' ' * bool(r.bound)}{r.measured:g}, but {expected}; chance alone makes one such test in about "
             f"{100.0 * FALSE_ALARMS:g} % of tables"
         )
+
+
+def _line(tests: Tests, place: int) -> str:
+    """Return the line, and the name, of the test of a measurement."""
+    test = tests.measurements[place].test
+    line, name = tests.places[test], tests.names[test]
+    return line if name == line else f"{line} ({name})"
 
 
 def _outside_limits(tests: Tests) -> Iterator[str]:

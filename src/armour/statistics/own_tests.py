@@ -25,8 +25,8 @@ UNTESTED = 0.40
 FACTOR, STEPS, CHANGE, LEAST_SLOPE = 8.0, 6, 0.05, 0.3
 # Reason why calibrated entries without usable tests have no model error.
 NOTHING_OF_ERROR = (
-    "the tests that it was calibrated to do not determine the model error: none measured a limit, or their settings, "
-    "armours or angles are not those of the shipped tests"
+    "the tests that it was calibrated to do not determine the model error: none measured a limit, one is implausible "
+    "for any lot, or their settings, armours or angles are not those of the shipped tests"
 )
 # What identifies a test: layers, angle, penetrator and measured limit.
 PENETRATOR = ("projectile.penetrator_diameter_mm", "projectile.penetrator_mass_g")
