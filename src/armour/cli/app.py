@@ -160,7 +160,7 @@ def _armour(
     its armour.
 
     Exit codes: 0 success; 1 the question has no answer in the given range; 2 invalid input; 3 `check`, `validate` or
-    the requirement of `v50` failed; 130 interrupted.
+    the requirement of `v50` failed, or is not decided; 130 interrupted.
     """
 
 

@@ -82,7 +82,7 @@ def calibrate(
         ),
     ] = None,
     lot: Annotated[
-        str | None, option("Name of the lot that the tests are of, which the fitted entries get.", metavar="NAME")
+        str | None, option("Lot tested, after which written entries are named; required with them.", metavar="NAME")
     ] = None,
     **options: Any,
 ) -> Answer:
@@ -148,8 +148,8 @@ def plan_shots(
 ) -> Answer:
     """Plan the next shot of a V50 firing, given the shots so far.
 
-    The scenario's ballistic limit by the model is the prior of V50. Without a scenario, V50 is expected within the
-    limits given or, without these, within 30 % of the middle of the shots.
+    The scenario's ballistic limit, with the model error, is the prior of V50. Without a scenario, V50 is expected
+    within the limits given or, without these, within 30 % of the middle of the shots.
     """
     if (lower_m_s is None) != (upper_m_s is None):
         raise wrong_option("--upper-m-s" if upper_m_s is None else "--lower-m-s", "must be given with the other limit")
