@@ -68,7 +68,7 @@ under Design.
 
 def _waits(command: Commands) -> str:
     rows = (f"| `{re.sub(' -.*', '', name)}` | {seconds:.1f} |" for name, seconds in command.waits.items())
-    return f"| armour | s |\n|---|---:|\n{_lines(rows)}"
+    return f"| command | s |\n|---|---:|\n{_lines(rows)}"
 
 
 def _growth(command: Commands) -> str:
