@@ -244,26 +244,20 @@ def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
     # Beyond the angles of the shipped tests, own tests hold for their own angle only.
     paths = DataRange("path_ratio", np.inf, -np.inf).containing(tested["path_ratio"])
     at_angle = (paths,) * (cosine_of(shipped.obliquity_max_deg) * paths.high > 1.0 + 2.0 * ROUNDING)
-    velocities, sides = tested["velocity_m_s"], tested["side"]
-    rows = np.column_stack([tested[name] for name in (*VARIED, *IN_COMMON)])
-    # Shots at equal armours count as shots at one armour; each measured limit belongs to an armour of its own.
-    armours = np.where(sides == 0.0, -1.0 - np.arange(len(rows)), np.unique(rows, axis=0, return_inverse=True)[1])
-    updated, farther, distances = [], np.zeros(len(rows)), np.full(len(rows), np.inf)
-    for law in own_tests.law:
-        fit = fits()[law.fit]._replace(law=law_parameters("ceramic" if shipped.ceramic else "backing", law.values))
-        errors = np.log(velocities / np.array(law.computed_m_s))
-        tests = LotTests(tested, errors, sides, tested["uncertainty_m_s"] / velocities, armours)
-        updated.append(fit.updated(tests, between_lots, law.level))
-        farther = np.maximum(farther, fit.probabilities_of_farther(tests, between_lots, law.level))
-        distances = np.minimum(distances, _distances(fit, tests, law.level))
+    by_law = list(_by_law(own_tests, tested, "ceramic" if shipped.ceramic else "backing"))
+    distances = np.min([_distances(fit, tests, level) for fit, tests, level in by_law], axis=0)
     if len(implausible := np.flatnonzero(distances > IMPLAUSIBLE)):
-        return Evidence("", OF_NO_LOT, (), (), (), (), (0.0, np.inf), (), lot=entry.name, doubtful=tuple(implausible))
+        return Evidence(
+            "", OF_NO_LOT, (), (), (), (), (0.0, np.inf), (), lot=entry.name, doubtful=tuple(implausible.tolist())
+        )
+    updated = [fit.updated(tests, between_lots, level) for fit, tests, level in by_law]
     weights = softmax([fit.weight for fit in updated])
-    # Of a single test, another lot may be the cause.
-    doubtful = np.flatnonzero(farther * len(rows) < FALSE_ALARMS) if len(rows) > 1 else ()
+    velocities, doubtful = tested["velocity_m_s"], np.zeros(0, dtype=np.int64)
     words = f"{counted(len(velocities), 'own test')} of this lot"
-    if len(doubtful):
-        words += f" ({len(doubtful)} out of line)"
+    if len(velocities) > 1:  # of a single test, another lot may be the cause
+        farther = [fit.probabilities_of_farther(tests, between_lots, level) for fit, tests, level in by_law]
+        doubtful = np.flatnonzero(np.max(farther, axis=0) * len(velocities) < FALSE_ALARMS)
+        words += f" ({len(doubtful)} out of line)" * bool(len(doubtful))
     title = f"{shipped.title} and {words}"
     columns = {name: np.append(column, own_tests.calibrated.get(name, [])) for name, column in tested.items()}
     kind, measured = (
@@ -285,8 +279,22 @@ def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
         fits=tuple(fit._replace(weight=w) for fit, w in zip(updated, weights, strict=True)),
         obliquity_max_deg=max(shipped.obliquity_max_deg, *np.degrees(np.arccos(1.0 / tested["path_ratio"]))),
         lot=own_tests.lot or entry.name,
-        doubtful=tuple(doubtful),
+        doubtful=tuple(doubtful.tolist()),
     )
+
+
+def _by_law(
+    own_tests: OwnTests, tested: Mapping[str, Any], role: str
+) -> Iterator[tuple[Fit, LotTests, Sequence[float] | None]]:
+    """Yield the shipped fit of each law, and own tests of a lot with its limits and the level of the lot."""
+    velocities, sides = tested["velocity_m_s"], tested["side"]
+    rows = np.column_stack([tested[name] for name in (*VARIED, *IN_COMMON)])
+    # Shots at equal armours count as shots at one armour; each measured limit belongs to an armour of its own.
+    armours = np.where(sides == 0.0, -1.0 - np.arange(len(rows)), np.unique(rows, axis=0, return_inverse=True)[1])
+    for law in own_tests.law:
+        fit = fits()[law.fit]._replace(law=law_parameters(role, law.values))
+        errors = np.log(velocities / np.array(law.computed_m_s))
+        yield fit, LotTests(tested, errors, sides, tested["uncertainty_m_s"] / velocities, armours), law.level
 
 
 def _distances(fit: Fit, tests: LotTests, level: Sequence[float] | None) -> Any:
