@@ -8,7 +8,7 @@ from pathlib import Path
 from shutil import which
 from statistics import median
 from tempfile import TemporaryDirectory
-from time import perf_counter, thread_time
+from time import perf_counter, process_time
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -44,7 +44,7 @@ class Methods(NamedTuple):
     cores: float  # ballistic limits on all cores over those on one in the same elapsed time, the shortest
 
 
-def times_of(call: Callable[[], Any], turns: int, clock: Callable[[], float] = thread_time) -> list[float]:
+def times_of(call: Callable[[], Any], turns: int, clock: Callable[[], float] = process_time) -> list[float]:
     """Return the times of a call, s, after one that warms."""
     call()
     times = []
