@@ -71,11 +71,10 @@ def folder() -> tuple[Path | None, str]:
 
 def replaced_function() -> str:
     """Return the name of a function of the core that another program has replaced, or ""."""
-    expected_packages = ("armour.core", "builtins", "collections", "enum", "math", "typing")
+    expected_packages = ("armour.core.", "builtins.", "collections.", "enum.", "math.", "typing.")
     for module in CORE:
         for attribute, value in vars(module).items():
-            package = f"{getattr(value, '__module__', '')}."
-            if callable(value) and not package.startswith(tuple(f"{name}." for name in expected_packages)):
+            if callable(value) and not f"{getattr(value, '__module__', '')}.".startswith(expected_packages):
                 return f"{module.__name__}.{attribute}"
     return ""
 

@@ -149,7 +149,9 @@ def other_settings(scenario: Scenario) -> str:
     sections = (("model", scenario.model, Model()), ("solver", scenario.solver, Solver()))
     values = ((name, key, value, getattr(usual, key)) for name, section, usual in sections for key, value in section)
     others = [f"{name}.{key} = {value}" for name, key, value, usual in values if value != usual]
-    return ", ".join([*others, *(f"{name} replaced" for name in [replaced_function()] if name)])
+    if function := replaced_function():
+        others.append(f"{function} replaced")
+    return ", ".join(others)
 
 
 def errors_of(scenario: Scenario, armours: Armours) -> Errors:

@@ -90,7 +90,7 @@ class Evidence(NamedTuple):
     at_least_deg: float = 0.0  # greatest angle at which plates are known to have at least the limit at normal incidence
     at_least: str = ""  # the tests that show it
     lot: str = ""  # of own tests
-    doubtful: tuple[int, ...] = ()  # own tests that are out of line with the others
+    doubtful: tuple[int, ...] = ()  # own tests that are out of line or, without fits, implausible
 
     def differences(self, q: Quantities) -> Any:
         """Return the number of respects in which n armours differ from the tests; a ceramic or none outweighs all."""
