@@ -19,6 +19,8 @@ UNCERTAIN = {
     "samples": 1024,
     "ceramic": {"flow_stress_GPa": {"distribution": "normal", "standard_deviation_percent": 4.0}},
 }
+# The same with the model taken as exact.
+ALONE = {**UNCERTAIN, "model": {"included": False}}
 
 
 def test_constraints_are_met_and_what_is_added_counts():
@@ -175,11 +177,11 @@ def test_costs_that_are_asked_for_must_be_given(asked: dict[str, Any]):
             "design.ceramic[0].thickness_mm: must have a step if a probability is bounded and [uncertainty] has",
         ),
         (
-            lambda: catalogue([{**THREATS[0], "probability_of_perforation": 0.001}], UNCERTAIN),
+            lambda: catalogue([{**THREATS[0], "probability_of_perforation": 0.001}], ALONE),
             "uncertainty.samples: must be at least 3688 to show a probability of perforation of 0.001, found 1024",
         ),
         (
-            lambda: catalogue([{**THREATS[0], "probability_of_perforation": 1e-9}], UNCERTAIN),
+            lambda: catalogue([{**THREATS[0], "probability_of_perforation": 1e-9}], ALONE),
             "(at most 4194304 are allowed: raise the bound)",
         ),
         (lambda: catalogue(ceramic=[{"material": "AD86", "thickness_mm": [5.0]}]), 'did you mean "AD85"?'),
@@ -212,11 +214,9 @@ def test_the_rows_of_pairs_and_threats_are_those_of_their_scenarios(ceramic: str
             one = found.candidates(pair, np.array([9.0 if ceramic else 0.0]), np.array([6.0]))
             thick = {"armour.ceramic_thickness_mm": float(one.ceramic_mm[0]), "armour.backing_thickness_mm": 6.0}
             armour = found.against(pair, threat).replaced(thick).core_armour()
-            variants, required, bounds = found.against_each(one, [threat])
+            variants = found.against_each(one).at(np.array([threat]))
             assert variants.parameters.tolist() == batch.packed([armour]).tolist()
             assert variants.velocities.tolist() == [found.threats[threat].velocity_m_s]
-            assert required.tolist() == [found.threats[threat].required_m_s]
-            assert bounds.tolist() == [1.0]
 
 
 @pytest.mark.parametrize(

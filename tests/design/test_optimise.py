@@ -236,7 +236,7 @@ def test_back_plates_at_which_a_thicker_ceramic_does_not_pass(monkeypatch: pytes
         return perforated(variants) | weak
 
     assert optimise(case()).not_monotonic_mm == ()
-    monkeypatch.setattr("armour.design.search.perforated", weak_at_one)
+    monkeypatch.setattr("armour.design.designs.perforated", weak_at_one)
     result = optimise(case())
     assert result.not_monotonic_mm == (6.0,)
     assert THICKER.format("AD85 on 5083-H3", "ceramic") + ", with a back plate of 6 mm" in result.warnings

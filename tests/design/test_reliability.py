@@ -6,12 +6,10 @@ import numpy as np
 import pytest
 
 from armour.analysis.ballistic_limit import confidence
-from armour.analysis.samples import own_errors
 from armour.design.catalogue import catalogue_of
 from armour.design.optimise import optimise
 from armour.design.reliability import Reliability
 from armour.errors import InputError
-from armour.scenario.inputs import BACKING, CERAMIC
 from tests.helpers.cases import CERAMICS, METALS, THREATS, catalogue, scenario
 from tests.helpers.plain_designs import designs, stops
 from tests.helpers.results import best_of
@@ -42,14 +40,13 @@ def test_a_bound_on_the_probability_of_perforation():
     lighter = 0
     for (ceramic, backing, hc, hb), values in designs(case, stops):
         if values["areal_density_kg_m2"] < best.areal_density_kg_m2 - 1e-9:
-            [scenario] = [
-                offered.against(pair, 0)
+            [pair] = [
+                pair
                 for pair, offer in enumerate(offered.offers)
                 if (offer.ceramic.material, offer.backing.material) == (ceramic, backing)
             ]
-            layers = {CERAMIC: hc, BACKING: hb}
-            found = reliability.within(1.0, scenario, layers, own_errors(scenario, layers))
-            assert found is not None
+            design = offered.candidates(pair, np.array([hc]), np.array([hb]))
+            [found] = reliability.probabilities(design, 0, quick=False).values()
             assert found.high > 0.02
             lighter += 1
     assert lighter > 0
@@ -238,13 +235,13 @@ def test_the_frontier_keeps_to_the_bound():
     assert min(design.areal_density_kg_m2 for design in result.frontier) == best_of(result).areal_density_kg_m2
     plain = optimise(catalogue([threat], **layers)).frontier
     offered = catalogue_of(case)
-    reliability, against = Reliability(offered), offered.against(0, 0)
+    reliability = Reliability(offered)
     for design, least in zip(result.frontier, plain, strict=True):
         thickness = design.ceramic_thickness_mm
         for ceramic in np.arange(least.ceramic_thickness_mm, thickness + 0.5, 0.5):
-            thicknesses = {CERAMIC: ceramic, BACKING: design.backing_thickness_mm}
-            found = reliability.within(0.02, against, thicknesses, own_errors(against, thicknesses))
-            assert (found is not None) == (ceramic == thickness)
+            column = offered.candidates(0, np.array([ceramic]), np.array([design.backing_thickness_mm]))
+            [found] = reliability.probabilities(column, 0, quick=True).values()
+            assert (found.high <= 0.02) == (ceramic == thickness)
     assert min(d.areal_density_kg_m2 for d in plain) < best_of(result).areal_density_kg_m2
 
 
@@ -264,7 +261,12 @@ def test_the_probability_is_at_the_threats_own_velocity():
         best_of(optimise(catalogue([{**threat, "margin_m_s": margin}], UNCERTAIN))) for margin in (0.0, 20.0)
     )
     assert plain.margins_m_s["7.62 mm AP at 800 m/s"] > 20.0
-    assert plain == with_margin
+    assert plain.probabilities == with_margin.probabilities
+    assert [(row.quantity, row.verdict) for row in plain.requirements] == [("probability_of_stopping", "passes")]
+    assert [(row.quantity, row.verdict) for row in with_margin.requirements] == [
+        ("margin_m_s", "passes"),
+        ("probability_of_stopping", "passes"),
+    ]
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.impact import simulate
 from armour.core.state import Outcome
 from armour.design import catalogue as module
-from armour.design import search
+from armour.design import designs, search
 from armour.design.catalogue import Catalogue
 from armour.design.optimise import Design, optimise
 from armour.design.search import MARGIN_PARTS, distinct, undominated
@@ -186,13 +186,13 @@ def test_a_search_in_portions(monkeypatch: pytest.MonkeyPatch):
     case = catalogue(pareto=["areal_density_kg_m2", "margin_m_s"])
     whole = optimise(case)
     rows = Mock(wraps=ROWS)
-    monkeypatch.setattr(search, "IMPACTS_AT_A_TIME", 20)
-    monkeypatch.setattr(search, "LIMITS_AT_A_TIME", 3)
+    monkeypatch.setattr(designs, "IMPACTS_AT_A_TIME", 20)
+    monkeypatch.setattr(designs, "LIMITS_AT_A_TIME", 3)
     monkeypatch.setattr(Catalogue, "against_each", lambda *args: rows(*args))
     counted: list[int] = []
     found = optimise(case, on_progress=lambda count, _: counted.append(count))
     assert dataclasses.replace(found, runs=whole.runs) == whole
-    assert max(len(call.args[1].pair) for call in rows.call_args_list) == 20
+    assert max(len(call.args[1].pair) for call in rows.call_args_list) == 20 // len(case.threat)
     assert sum(counted) >= found.runs
 
 

@@ -16,9 +16,9 @@ import numpy as np
 import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit, confidence
+from armour.analysis.variants import distributions, limits_anywhere
 from armour.design.catalogue import catalogue_of
 from armour.design.optimise import optimise
-from armour.design.search import Requirement
 from armour.errors import InputError
 from armour.reporting import design_page as module
 from armour.reporting.design_page import design_page
@@ -349,9 +349,10 @@ def test_probabilities_between_the_nodes_are_right(told):
     found = np.array(told["chances"])
     catalogue = catalogue_of(thin())
     candidates = catalogue.candidates(0, found[:, 0], found[:, 1])
-    distributions = catalogue.distributions(candidates, Requirement(catalogue).limits(candidates, lowest=False))
+    rows = catalogue.against_each(candidates)
+    of_limits = distributions(rows, limits_anywhere(rows))
     for n, chances in enumerate(found[:, 2:]):
-        sure = distributions.one(n).probability_above(VELOCITIES)
+        sure = of_limits.one(n).probability_above(VELOCITIES)
         within = (sure >= 0.01) & (sure <= 0.99)
         assert within.sum() > 5
         assert chances[within] == pytest.approx(sure[within], abs=0.002)
@@ -363,9 +364,10 @@ def test_numbers_are_rounded_as_everywhere_else(told):
     catalogue = catalogue_of(offered())
     for ceramic_mm, backing_mm, text in told["shown"]:
         candidates = catalogue.candidates(0, np.array([ceramic_mm]), np.array([backing_mm]))
-        limits = Requirement(catalogue).limits(candidates, lowest=False)
-        sure = catalogue.distributions(candidates, limits).probability_above(catalogue.velocities_m_s)
-        for limit, probability, velocity in zip(limits[0], sure, catalogue.velocities_m_s, strict=True):
+        rows = catalogue.against_each(candidates)
+        limits = limits_anywhere(rows)
+        sure = distributions(rows, limits).probability_above(catalogue.velocities_m_s)
+        for limit, probability, velocity in zip(limits, sure, catalogue.velocities_m_s, strict=True):
             assert f"Computed limit {limit:.0f} m/s, margin {limit - velocity:+.0f} m/s" in text
             if abs(100.0 * probability - round(100.0 * probability)) > 0.2:
                 assert f"{chance(probability)} stopped" in text

@@ -8,8 +8,9 @@ import pytest
 from armour import __version__
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.impact import energy_balance
-from armour.design.check import CheckedThreat, check, verdict_of
+from armour.design.check import CheckedThreat, check
 from armour.design.optimise import DesignResult, optimise
+from armour.design.requirements import Requirement, Verdict
 from armour.errors import Note
 from armour.evidence.model_error import NO_TEST
 from armour.reporting.formats import markdown_report
@@ -149,10 +150,14 @@ def asked(*given: tuple[float | None, float | None]) -> Contents:
     [own] = wilkins().threats
     threats: list[CheckedThreat] = []
     for name, (found, required) in zip((THREAT, OTHER), given, strict=False):
-        verdict = verdict_of(required, found, stops=True)
-        of = replace(own, threat=name, probability_of_stopping=found)
-        threats.append(replace(of, required_probability=required, verdict=verdict))
-    result = replace(wilkins().check, threats=tuple(threats))
+        verdict: Verdict = "passes"
+        if required is not None:
+            verdict = "not known" if found is None else "passes" if found >= required else "fails"
+        rows = (Requirement("probability_of_stopping", name, required or 0.0, found, verdict),)
+        of = replace(own, threat=name, probability_of_stopping=found, required_probability=required)
+        threats.append(replace(of, verdict=verdict, requirements=rows if required is not None else ()))
+    worst = min((threat.verdict for threat in threats), key=["fails", "not known", "passes"].index)
+    result = replace(wilkins().check, threats=tuple(threats), verdict=worst)
     faced = [{"projectile": "7.62 mm AP", "velocity_m_s": 800.0}, {**OTHER_THREAT}][: len(threats)]
     facing = wilkins().scenario.replaced({"threat": faced})
     return replace(wilkins(), scenario=facing, check=result, threats=tuple(threats))

@@ -5,14 +5,21 @@ tests, of which that is not known, there is the flow stress with which it stops 
 """
 
 from dataclasses import dataclass, replace
-from math import isfinite
 from typing import Literal
 
 import numpy as np
 
 from armour.analysis.impact import ImpactResult, impact_at, unresolved_error
 from armour.analysis.results import OnProgress, Result, ignore_progress
-from armour.analysis.variants import Floats, ballistic_limits, limit_brackets, limits_by_law, outcomes_at, variants_of
+from armour.analysis.variants import (
+    Floats,
+    ballistic_limits,
+    limit_brackets,
+    limits_anywhere,
+    limits_by_law,
+    outcomes_at,
+    variants_of,
+)
 from armour.core import search
 from armour.core.state import Outcome
 from armour.errors import InputError, NoLimitError
@@ -332,9 +339,9 @@ class ConfidenceResult(Result):
     ----------
     probability_of_stopping : float or None
         Probability that the ballistic limit of the armour exceeds the impact velocity; None if it is not known.
-        Where no velocity of the search perforates, it is a lower bound, given if it exceeds 0.995.
+        Where no velocity perforates, it is a lower bound, given if it exceeds 0.995.
     ballistic_limit_m_s : float or None
-        By the model, m/s; None if there is none in the range of the search.
+        By the model, m/s; None if there is none from 20 to 10,000 m/s.
     model_error : ModelError or None
         Relative error of the ballistic limit by the model.
     reason : str
@@ -412,27 +419,27 @@ def confidence_alone(scenario: Scenario, on_progress: OnProgress = ignore_progre
 def limit_and_error(scenario: Scenario, on_progress: OnProgress) -> tuple[float | None, ModelError | None, str]:
     """Return the ballistic limit of an armour, m/s, the model error, and why there is no limit; None for no limit."""
     try:
-        [limit] = ballistic_limits(variants_of(scenario, {}, 1), on_progress=on_progress).tolist()
-        if not isfinite(limit):  # the other search says why
-            limit = ballistic_limit(scenario, on_progress=on_progress).ballistic_limit_m_s
-    except (NoLimitError, InputError) as error:
-        above = isinstance(error, NoLimitError) and error.above
-        highest = scenario.ballistic_limit.velocity_max_m_s
-        return None, model_error(scenario, highest) if above else None, str(error)
+        [limit] = limits_anywhere(variants_of(scenario, {}, 1), on_progress).tolist()
+    except InputError as error:
+        return None, None, str(error)
+    if limit >= FASTEST_M_S:
+        return None, model_error(scenario, FASTEST_M_S), f"no velocity up to {FASTEST_M_S:,.0f} m/s perforates"
+    if limit <= min(scenario.ballistic_limit.velocity_min_m_s, SLOWEST_M_S):
+        return None, None, f"every velocity from {limit:g} m/s perforates"
     return limit, model_error(scenario, limit), ""
 
 
 def probability_of_stopping(scenario: Scenario, limit_m_s: float | None, error: ModelError | None) -> float | None:
     """Return the probability that an armour stops the projectile at its impact velocity; None if it is not known.
 
-    Without a limit in the range searched, a model error says that the limit is above it: a lower bound is known then.
+    Without a limit, a model error says that no velocity perforates: a lower bound is known then.
     """
     velocity = scenario.impact.velocity_m_s
     if error is None:
         return None
     if limit_m_s is not None:
         return float(error.probability_of_stopping(limit_m_s, velocity))
-    lower_bound = float(error.probability_of_stopping(scenario.ballistic_limit.velocity_max_m_s, velocity))
+    lower_bound = float(error.probability_of_stopping(FASTEST_M_S, velocity))
     return lower_bound if lower_bound > SURE else None
 
 

@@ -93,9 +93,10 @@ class Variants(NamedTuple):
 
     @property
     def areal_densities_kg_m2(self) -> Floats:
-        """Areal densities, kg/m², (n,)."""
-        p = batch.fields(self.parameters)
-        return (p.rho_c * p.Hc0 + p.rho_B * p.Hb) * self.cosines
+        """Areal densities, kg/m², with what the section ``design`` adds, (n,)."""
+        p, section = batch.fields(self.parameters), self.scenario.design
+        added = section.added_areal_density_kg_m2 if section else 0.0
+        return (p.rho_c * p.Hc0 + p.rho_B * p.Hb) * self.cosines + added
 
 
 def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -> Variants:
@@ -259,6 +260,15 @@ def limits_anywhere(variants: Variants, on_progress: OnProgress = ignore_progres
     if len(outside):
         limits[outside] = ballistic_limits(variants.at(outside), (slowest, FASTEST_M_S), on_progress=on_progress)
     return limits.clip(slowest, FASTEST_M_S)
+
+
+def lowest_limits(variants: Variants, limits: Floats, on_progress: OnProgress = ignore_progress) -> Floats:
+    """Return the ballistic limits of rows, m/s, or lower ones that a denser scan finds."""
+    section = variants.scenario.ballistic_limit
+    range_m_s = min(section.velocity_min_m_s, SLOWEST_M_S), FASTEST_M_S
+    dense = ballistic_limits(variants, range_m_s, points=DENSE_SCAN_POINTS, on_progress=on_progress)
+    # Two limits of one change are within the tolerance of each other.
+    return np.where(dense < limits - section.tolerance_m_s, dense.clip(range_m_s[0]), limits)
 
 
 def limits_by_law(variants: Variants, errors: Errors, own_limits: Floats) -> Floats:

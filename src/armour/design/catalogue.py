@@ -13,16 +13,13 @@ from armour.analysis.variants import (
     Floats,
     Ints,
     Variants,
-    distributions,
     grid_of,
-    limits_by_law,
     with_thicknesses,
 )
 from armour.core.state import Parameters
+from armour.design.requirements import ROUNDING
 from armour.engine import batch
 from armour.errors import Problem, refuse
-from armour.evidence.mixture import Mixture
-from armour.evidence.model_error import Errors
 from armour.evidence.tests import Materials, is_untested
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, OBLIQUITY, VELOCITY, cosine_of, fields_of
 from armour.scenario.library import LibraryEntry, inputs_of_entry
@@ -40,11 +37,9 @@ from armour.scenario.schema import (
 )
 from armour.units import MM
 
-# Largest relative constraint violation that is rounding.
-ROUNDING = 1e-12
 COST = "cost_per_m2"
 # Probability of perforation that stands for no bound.
-NO_BOUND = 0.5
+NO_BOUND = 1.0
 # Words of the layers by their names in keys.
 LAYER_WORDS = {"ceramic": "ceramic", "backing": "back plate"}
 # Criterion that is not a column of the candidates.
@@ -101,6 +96,7 @@ class Catalogue:
     section: DesignSection
     threats: tuple[Threat, ...]
     titles: tuple[str, ...]  # of the threats
+    margins_m_s: Floats  # required of the limits by the model, 0 if none is given, (threats,)
     bounds: Floats  # of the probabilities of perforation, 0.5 if none is given, (threats,)
     sampled: bool  # whether the bounds hold for uncertain inputs too, which are sampled
     offers: tuple[Offer, ...]
@@ -108,8 +104,6 @@ class Catalogue:
     materials: tuple[Materials, ...]  # by pair
     projectiles: Floats  # parameters that a threat sets, 0 elsewhere, (threats, fields)
     varying: frozenset[str]  # inputs that differ from design to design or from threat to threat
-    more_margin_m_s: float = 0.0  # required of every threat
-    lenient: bool = False  # whether a bound on a probability that is not known is left out
 
     def against(self, pair: int, threat: int) -> Scenario:
         """Return the scenario of a pair against a threat."""
@@ -132,10 +126,22 @@ class Catalogue:
         return bool((self.bounds < NO_BOUND).any())
 
     @cached_property
+    def exact_bounds(self) -> Floats:
+        """Bounds on the probabilities of perforation with exact inputs, (threats,).
+
+        If inputs are sampled, these are twice the bounds: of inputs centred on the design's values half of the samples
+        are at least as unfavourable as these, so that the mean of all is at least half as great.
+        """
+        if not self.sampled:
+            return self.bounds
+        placed = any(distribution.placed for distribution in self.scenario.distributions().values())
+        return np.full_like(self.bounds, 0.5) if placed else (2.0 * self.bounds).clip(max=0.5)
+
+    @cached_property
     def one_source(self) -> Bools:
         """Whether a single source gives the flow stress of the ceramic of each pair; such a pair is never the best."""
         ceramics = (materials.ceramic for materials in self.materials)
-        return np.array([ceramic is not None and len(ceramic.flow_stress_sources_GPa) == 1 for ceramic in ceramics])
+        return np.array([ceramic is not None and ceramic.has_one_source for ceramic in ceramics])
 
     @cached_property
     def untested(self) -> list[bool]:
@@ -153,20 +159,9 @@ class Catalogue:
         """Cosines of the obliquities of the threats, (threats,)."""
         return np.array([cosine_of(threat.obliquity_deg) for threat in self.threats])
 
-    def against_each(
-        self, candidates: CandidateDesigns, threats: Sequence[int] | None = None
-    ) -> tuple[Variants, Floats, Floats]:
-        """Return designs against each of some threats, the rows of a design together, at the velocities of the threats.
-
-        By default they are against all.  Besides the rows, (designs times threats), return the ballistic limits that
-        their margins require, m/s, and the bounds on the probabilities of perforation that the model error decides on;
-        1 for none.
-        """
-        threats = range(len(self.threats)) if threats is None else threats
-        design_of_row, place = np.divmod(np.arange(len(candidates.pair) * len(threats)), len(threats))
-        threat_of_row = np.array(threats, dtype=np.int64)[place]
-        required = np.array([threat.required_m_s for threat in self.threats]) + self.more_margin_m_s
-        bounds = np.where((self.bounds < NO_BOUND) & (not self.sampled), self.bounds, 1.0)
+    def against_each(self, candidates: CandidateDesigns) -> Variants:
+        """Return designs against each threat at its velocity, (designs times threats); the rows of one are together."""
+        design_of_row, threat_of_row = np.divmod(np.arange(len(candidates.pair) * len(self.threats)), len(self.threats))
         designs = candidates.at(design_of_row)
         # The evidence is looked up for each of the materials of the rows.
         pairs, place_of_row = np.unique(designs.pair, return_inverse=True)
@@ -178,50 +173,7 @@ class Catalogue:
             self.scenario,
             tuple(self.materials[pair] for pair in pairs),
         )
-        rows = with_thicknesses(rows, ceramic_mm=designs.ceramic_mm, backing_mm=designs.backing_mm)
-        bounds = bounds[threat_of_row]
-        if self.lenient:
-            bounds[~rows.errors.known] = 1.0
-        return rows, required[threat_of_row], bounds
-
-    def required_m_s(self, candidates: CandidateDesigns) -> Floats:
-        """Return the least ballistic limits required of designs, m/s, (designs, threats).
-
-        These are infinite if a probability is bounded and the model error is not known.  With a ceramic, the
-        limits by other laws of its flow stress are computed for a bound.
-        """
-        rows, required, bounds = self.against_each(candidates)
-        bounded = np.flatnonzero(bounds < 1.0)
-        if len(bounded):
-            required[bounded] = np.maximum(required[bounded], self.bounded_m_s(rows.at(bounded), bounds[bounded]))
-        return required.reshape(-1, len(self.threats))
-
-    def bounded_m_s(self, rows: Variants, bounds: Floats) -> Floats:
-        """Return the ballistic limits, m/s, (n,), at which the probabilities of perforation equal bounds."""
-        errors = rows.errors
-        limits = limits_by_law(rows, errors, np.ones(len(bounds)))
-        required = required_by_law(rows, errors, bounds, limits)
-        return np.where(errors.known, required, np.inf) + self.more_margin_m_s
-
-    def distributions(self, candidates: CandidateDesigns, limits: Floats) -> Mixture:
-        """Return the distributions of ballistic limits, m/s, given those of the model, (designs, threats)."""
-        rows, *_ = self.against_each(candidates)
-        return distributions(rows, limits.ravel())
-
-    def short_m_s(self, candidates: CandidateDesigns, limits: Floats) -> Floats:
-        """Return the shortfall of designs against each threat, m/s, (designs, threats), given their ballistic limits.
-
-        It is that of the limit from the one required or, if it is greater and a probability is bounded and known, that
-        of the velocity stopped with this probability from the velocity of the threat; at most 0 for no shortfall.
-        """
-        rows, required, bounds = self.against_each(candidates)
-        short = required - limits.ravel()
-        bounded = np.flatnonzero((bounds < 1.0) & rows.errors.known)
-        if len(bounded):
-            of_limits = self.distributions(candidates, limits).mapped(lambda array: array[:, bounded])
-            stopped = of_limits.quantile(bounds[bounded])
-            short[bounded] = np.maximum(short[bounded], rows.velocities[bounded] - stopped)
-        return short.reshape(limits.shape)
+        return with_thicknesses(rows, ceramic_mm=designs.ceramic_mm, backing_mm=designs.backing_mm)
 
     def combinations(
         self, pair: int, ceramic_mm: Sequence[float] | Floats, backing_mm: Sequence[float] | Floats
@@ -235,8 +187,8 @@ class Catalogue:
         offer, section = self.offers[pair], self.section
         ceramic_mass = offer.ceramic_density_kg_m3 * ceramic_mm * MM
         backing_mass = offer.backing_density_kg_m3 * backing_mm * MM
-        ceramic_cost = offer.ceramic.cost_per_kg * ceramic_mass + offer.ceramic.cost_per_m2 * (ceramic_mm > 0.0)
-        backing_cost = offer.backing.cost_per_kg * backing_mass + offer.backing.cost_per_m2
+        ceramic_cost = offer.ceramic.cost(offer.ceramic_density_kg_m3, ceramic_mm)
+        backing_cost = offer.backing.cost(offer.backing_density_kg_m3, backing_mm)
         return CandidateDesigns(
             np.full(len(ceramic_mm), pair),
             ceramic_mm,
@@ -291,26 +243,10 @@ class Catalogue:
                 if isinstance(thickness, Range) and (omission := thickness.omission()):
                     yield f"{self._key(role, place)}: {omission}"
 
-    def has_costs(self) -> bool:
-        """Return whether a cost is given."""
-        layers = [*self.section.ceramic, *self.section.backing]
-        return "added_cost_per_m2" in self.section.model_fields_set or any(map(_has_cost, layers))
-
-
-def required_by_law(rows: Variants, errors: Errors, bounds: Floats, limits: Floats) -> Floats:
-    """Return the ballistic limits by the first law, m/s, (n,), at which the probabilities of perforation equal bounds.
-
-    The limits by the other laws of the flow stress are given, (laws, n); their first row is not used.
-    """
-    remaining = bounds.copy()
-    for law in range(1, len(limits)):
-        used = np.flatnonzero(errors.ratio.weights[law] > 0.0)
-        used_errors = errors.at(used)
-        stopping = used_errors.of_law(law).times(limits[law, used]).probability_above(rows.velocities[used])
-        remaining[used] -= used_errors.ratio.weights[law] * (1.0 - stopping)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        quantiles = errors.of_law(0).quantile((remaining / errors.ratio.weights[0]).clip(0.0, 1.0))
-        return rows.velocities / quantiles.clip(min=0.0)
+    @cached_property
+    def costed(self) -> list[bool]:
+        """Whether the cost of each pair is complete: given for each of its materials."""
+        return [all(layer.has_cost() for layer in offer[:2] if layer.material) for offer in self.offers]
 
 
 def catalogue_of(scenario: Scenario) -> Catalogue:
@@ -318,7 +254,7 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
     section = _section_of(scenario)
     threats = scenario.threats()
     titles = tuple(threat.title for threat in threats)
-    bounds = [_bound_of(threat, section) for threat in threats]
+    bounds = [NO_BOUND if bound is None else bound for bound in map(section.bound, threats)]
     bounded = min(bounds) < NO_BOUND
     sampled = bool(bounded and scenario.distributions())
     problems = [
@@ -356,6 +292,7 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
         section=section,
         threats=threats,
         titles=titles,
+        margins_m_s=np.array([threat.margin_m_s for threat in threats]),
         bounds=np.array(bounds),
         sampled=sampled,
         offers=offers,
@@ -379,20 +316,9 @@ def _wrong_layers(file: str, section: DesignSection, *, sampled: bool) -> Iterat
             if sampled and layer.free_range():
                 message = "must have a step if a probability is bounded and [uncertainty] has distributions to sample"
                 yield Problem(file, f"{key}.thickness_mm", message)
-            if costs and layer.material and not _has_cost(layer):
+            if costs and layer.material and not layer.has_cost():
                 message = f'must have a cost if [design] asks for costs, found none for "{layer.material}"'
                 yield Problem(file, key, message)
-
-
-def _has_cost(layer: Layer) -> bool:
-    return bool(layer.model_fields_set & {"cost_per_kg", COST})
-
-
-def _bound_of(threat: Threat, section: DesignSection) -> float:
-    """Return the bound on the probability that a threat perforates; `NO_BOUND` if there is none."""
-    if threat.probability_of_perforation is not None:
-        return threat.probability_of_perforation
-    return NO_BOUND if section.confidence is None else 1.0 - section.confidence
 
 
 def _too_many(file: str, section: DesignSection, threats: int) -> Iterator[Problem]:

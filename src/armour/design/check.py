@@ -2,7 +2,8 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Literal
+
+import numpy as np
 
 from armour.analysis.ballistic_limit import (
     NeededFlowStress,
@@ -11,18 +12,21 @@ from armour.analysis.ballistic_limit import (
     needed_flow_stress,
     probability_of_stopping,
 )
+from armour.analysis.estimates import Estimate
 from armour.analysis.impact import simulate
+from armour.analysis.perforation import is_sampled, misplaced, probability_of_perforation
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
+from armour.analysis.variants import limits_anywhere, lowest_limits, variants_of
+from armour.design.requirements import Requirement, Verdict, against_threat, of_armour, verdict_of
 from armour.evidence.model_error import ModelError
 from armour.evidence.tests import armours_of, threat_warnings
 from armour.scenario.checked import checked
 from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, VELOCITY
 from armour.scenario.scenario import Scenario
-from armour.scenario.schema import DesignSection, Threat
+from armour.scenario.schema import OBJECTIVES, DesignSection, Threat
 
 # Changes to check every armour against: factor of the impact velocity, and angles.
 FASTER, ANGLES_DEG = 1.05, (0.0, 30.0)
-Verdict = Literal["passes", "fails", "not known"]
 
 
 @dataclass(frozen=True)
@@ -76,10 +80,13 @@ class CheckedThreat:
     model_error : ModelError or None
         Model error from which the probability is computed; None if it is not known.
     verdict : {"passes", "fails", "not known"}
-        Whether the armour stops the threat with the required probability or, if none is, with the required margin.  If
-        the probability is not known, it fails where the ballistic limit by the model is too low, and is not known
-        otherwise.
+        Whether all that is required against the threat is met.
     what_ifs : tuple of WhatIf
+        With exact inputs.
+    requirements : tuple of Requirement
+        What is required against the threat, and what the armour has.
+    sampled : Estimate or None
+        Probability of perforation from the distributions of the inputs, if a probability is required.
     """
 
     threat: str
@@ -98,12 +105,17 @@ class CheckedThreat:
     model_error: ModelError | None
     verdict: Verdict
     what_ifs: tuple[WhatIf, ...]
+    requirements: tuple[Requirement, ...] = ()
+    sampled: Estimate | None = None
 
     def as_given(self) -> WhatIf:
-        """Return the armour without a change."""
-        return WhatIf(
-            "as given", self.velocity_m_s, self.ballistic_limit_m_s, self.interval_m_s, self.probability_of_stopping
-        )
+        """Return the armour without a change, with exact inputs."""
+        limit, error, probability = self.ballistic_limit_m_s, self.model_error, self.probability_of_stopping
+        if self.sampled is not None:
+            probability = None
+            if error is not None and limit is not None:
+                probability = float(error.probability_of_stopping(limit, self.velocity_m_s))
+        return WhatIf("as given", self.velocity_m_s, limit, self.interval_m_s, probability)
 
 
 @dataclass(frozen=True, repr=False)
@@ -114,14 +126,24 @@ class CheckResult(TableResult):
     ----------
     threats : tuple of CheckedThreat
     verdict : {"passes", "fails", "not known"}
-        Whether it passes against every threat; it fails if it fails against one.
+        Whether all that is required is met.
     warnings : tuple of str
         Ways in which armour and threats are unlike what the model was compared with.
+    requirements : tuple of Requirement
+        What is required whatever the threat, and what the armour has.
+    areal_density_kg_m2, thickness_mm : float
+        Including what the section ``design`` adds.
+    cost_per_m2 : float or None
+        The same; None unless the section gives the cost of each material.
     """
 
     threats: tuple[CheckedThreat, ...]
     verdict: Verdict
     warnings: tuple[str, ...] = ()
+    requirements: tuple[Requirement, ...] = ()
+    areal_density_kg_m2: float = 0.0
+    thickness_mm: float = 0.0
+    cost_per_m2: float | None = None
 
     def _columns(self) -> dict[str, list[object]]:
         rows = [
@@ -160,43 +182,61 @@ def check(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> C
     'fails'
     """
     section = scenario.design or DesignSection()
-    threats = scenario.threats()
+    threats, distributions = scenario.threats(), scenario.distributions()
     impacts = [scenario.against(threat) for threat in threats]
+    notes = [misplaced(distributions, scenario, impact) for impact in impacts]
     checked_threats = tuple(
-        _checked(against, threat, section, on_progress) for against, threat in zip(impacts, threats, strict=True)
+        _checked(impact, threat, section, on_progress, sample=bool(distributions) and not misplacements)
+        for impact, threat, misplacements in zip(impacts, threats, notes, strict=True)
     )
+    areal_density, thickness, cost = scenario.areal_density_kg_m2(), scenario.thickness_mm(), scenario.cost_per_m2()
+    rows = tuple(of_armour(section, dict(zip(OBJECTIVES, (areal_density, thickness, cost), strict=True))))
+    verdicts = [*(threat.verdict for threat in checked_threats), *(row.verdict for row in rows)]
+    requires = any(threat.required_probability is not None for threat in checked_threats)
     metals = [scenario.entry("metal", scenario.armour.backing)]
     warnings = (
         *scenario.unused_impact(),
         *threat_warnings(scenario, armours_of(*impacts), metals),
-        *scenario.unused_distributions(),
+        *(dict.fromkeys(note for each in notes for note in each) if requires else scenario.unused_distributions()),
     )
-    verdicts = [threat.verdict for threat in checked_threats]
-    worst: Verdict = "fails" if "fails" in verdicts else "not known" if "not known" in verdicts else "passes"
     title = scenario.subject(threats=scenario.threat)
-    return CheckResult(checked_threats, worst, warnings).of(title, scenario=scenario)
+    return CheckResult(
+        checked_threats,
+        verdict_of(verdicts),
+        warnings,
+        requirements=rows,
+        areal_density_kg_m2=areal_density,
+        thickness_mm=thickness,
+        cost_per_m2=cost,
+    ).of(title, scenario=scenario)
 
 
-def verdict_of(required: float | None, probability: float | None, *, stops: bool) -> Verdict:
-    """Return the verdict on an armour; `stops` says whether its ballistic limit by the model is high enough."""
-    if required is None:
-        return "passes" if stops else "fails"
-    if probability is None:
-        return "not known" if stops else "fails"
-    return "passes" if probability >= required else "fails"
-
-
-def _checked(against: Scenario, threat: Threat, section: DesignSection, on_progress: OnProgress) -> CheckedThreat:
-    """Return the armour of a scenario against a threat, which is its impact."""
+def _checked(
+    against: Scenario, threat: Threat, section: DesignSection, on_progress: OnProgress, *, sample: bool
+) -> CheckedThreat:
+    """Return the armour of a scenario against a threat, which is its impact; `sample` its distributions, if asked."""
     result = confidence_alone(against, on_progress)
-    limit, error = result.ballistic_limit_m_s, result.model_error
-    bound = threat.probability_of_perforation
-    required = section.confidence if bound is None else 1.0 - bound
-    probability = result.probability_of_stopping
-    if limit is not None:
-        stops = limit >= threat.required_m_s
-    else:  # the whole range of the search is stopped, or perforates
-        stops = simulate(against.replaced({VELOCITY: threat.required_m_s})).outcome == "stopped"
+    limit, error, bound = result.ballistic_limit_m_s, result.model_error, section.bound(threat)
+    probability, sampled = result.probability_of_stopping, None
+    if bound is not None and sample and is_sampled(against):
+        sampled = probability_of_perforation(against, bound, on_progress=lambda count, _: on_progress(count, None))
+        probability = 1.0 - sampled.value
+    row = variants_of(against, {}, 1)
+    reached = limits_anywhere(row) if limit is None else np.array([limit])
+    if reached >= threat.required_m_s:
+        reached = lowest_limits(row, reached)
+    requirements = tuple(
+        against_threat(
+            threat,
+            section,
+            float(reached[0]),
+            probability,
+            sampled,
+            against.entry_of("ceramic") if against.armour.ceramic_thickness_mm else None,
+            stops=simulate(against.replaced({VELOCITY: threat.required_m_s})).outcome == "stopped",
+            tolerance_m_s=against.ballistic_limit.tolerance_m_s,
+        )
+    )
     what_ifs = []
     for change, values in _changes(against, section.thickness_tolerance_mm):
         changed, changed_limit, changed_error = against.replaced(values), limit, error
@@ -205,6 +245,7 @@ def _checked(against: Scenario, threat: Threat, section: DesignSection, on_progr
         interval = None if changed_limit is None or changed_error is None else changed_error.interval(changed_limit)
         chance = probability_of_stopping(changed, changed_limit, changed_error)
         what_ifs.append(WhatIf(change, changed.impact.velocity_m_s, changed_limit, interval, chance))
+    required = None if bound is None else 1.0 - bound
     return CheckedThreat(
         threat=threat.title,
         projectile=threat.projectile,
@@ -220,8 +261,10 @@ def _checked(against: Scenario, threat: Threat, section: DesignSection, on_progr
         probability_at_normal_incidence=result.probability_at_normal_incidence,
         flow_stress=None if probability is not None else needed_flow_stress(against, threat.required_m_s, required),
         model_error=error,
-        verdict=verdict_of(required, probability, stops=stops),
+        verdict=verdict_of(row.verdict for row in requirements),
         what_ifs=tuple(what_ifs),
+        requirements=requirements,
+        sampled=sampled,
     )
 
 

@@ -6,19 +6,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from armour.analysis.results import OnProgress, ignore_progress, portions
-from armour.analysis.variants import Floats
+from armour.analysis.results import OnProgress, ignore_progress
+from armour.analysis.variants import Floats, distributions, limits_anywhere
 from armour.design.catalogue import CandidateDesigns, Catalogue
-from armour.design.optimise import Design
-from armour.design.search import Requirement
+from armour.design.designs import Designs, Runs
+from armour.design.optimise import Design, as_results
 from armour.engine import batch
 from armour.evidence.model_error import given_error
 from armour.units import GPA
 
 # Number of thicknesses along an axis between which to look for an edge of the known model error, and its width, mm.
 EDGE_POINTS, EDGE_MM = 101, 1e-6
-# Number of designs to try at a time until one stops the threats.
-DESIGNS_AT_A_TIME = 1000
 
 
 class DesignMap(NamedTuple):
@@ -51,13 +49,14 @@ def design_map(
     ceramics, backings = np.array(ceramic_mm, dtype=np.float64), np.array(backing_mm, dtype=np.float64)
     shape = len(ceramics), len(backings), len(catalogue.threats)
     candidates = catalogue.combinations(pair, ceramics, backings)
-    limits = Requirement(catalogue, on_progress).limits(candidates, lowest=False)
+    rows = catalogue.against_each(candidates)
+    limits = limits_anywhere(rows, on_progress)
     # A velocity that is stopped with a probability is the quantile of the limit at its complement.
     tails = 1.0 - np.array(probabilities)
-    distributions = catalogue.distributions(candidates, limits)
-    with_error = np.flatnonzero(~np.isnan(distributions.weights).any(axis=0))
+    of_limits = distributions(rows, limits)
+    with_error = np.flatnonzero(~np.isnan(of_limits.weights).any(axis=0))
     stopped = np.full((limits.size, len(tails)), np.nan)
-    stopped[with_error] = distributions.mapped(lambda array: array[:, with_error]).quantile(tails[None])
+    stopped[with_error] = of_limits.mapped(lambda array: array[:, with_error]).quantile(tails[None])
     by_probability = stopped.reshape(*shape, len(tails))
     return DesignMap(pair, ceramics, backings, candidates, limits.reshape(shape), probabilities, by_probability)
 
@@ -74,7 +73,7 @@ def limits_over_sources(catalogue: Catalogue, designs: DesignMap) -> Floats | No
     for flow_stress in ceramic.flow_stress_sources_GPa:
         layers = catalogue.layers.copy()
         batch.fields(layers).Yc0[designs.pair] = flow_stress * GPA
-        limits.append(Requirement(replace(catalogue, layers=layers)).limits(designs.candidates, lowest=False))
+        limits.append(limits_anywhere(replace(catalogue, layers=layers).against_each(designs.candidates)))
     return np.array(limits).reshape(-1, *designs.limits_m_s.shape)
 
 
@@ -84,12 +83,11 @@ def with_known_edges(catalogue: Catalogue, pair: int, ceramic_mm: Floats, backin
         np.linspace(values[0], values[-1], EDGE_POINTS) if len(values) > 1 else values
         for values in (ceramic_mm, backing_mm)
     ]
-    requirement = Requirement(catalogue)
 
     def is_known(*thicknesses: Any) -> Any:
         ceramics, backings = np.broadcast_arrays(*map(np.atleast_1d, thicknesses))
-        tested = requirement.tested(catalogue.candidates(pair, ceramics.ravel(), backings.ravel()))
-        return tested.reshape(ceramics.shape)
+        known = catalogue.against_each(catalogue.candidates(pair, ceramics.ravel(), backings.ravel())).errors.known
+        return known.reshape(*ceramics.shape, -1).all(axis=-1) | catalogue.scenario.excludes_error()
 
     tested, grids = is_known(scans[0][:, None], scans[1][None]), [ceramic_mm, backing_mm]
     for axis, values in enumerate(scans):
@@ -114,17 +112,11 @@ def lightest(catalogue: Catalogue, pair: int, probability: float) -> Design | No
     layers = catalogue.offers[pair][:2]
     if any(layer.free_range() for layer in layers):
         return None
-    offered = catalogue.in_order(catalogue.combinations(pair, *(layer.thicknesses() for layer in layers)))
-    for part in portions(len(offered.pair), DESIGNS_AT_A_TIME):
-        designs = offered.at(part)
-        rows, *_ = catalogue.against_each(designs)
-        within = Requirement(catalogue).within_bounds(rows, np.full(len(rows.velocities), 1.0 - probability))
-        stopping = np.flatnonzero(within.reshape(len(designs.pair), -1).all(axis=1))
-        if len(stopping):
-            numbers: list[Any] = [float(column[stopping[0]]) for column in designs[1:]]
-            numbers += [None, catalogue.untested[pair]]
-            return Design(layers[0].material, layers[1].material, *numbers)
-    return None
+    bounds = np.full(len(catalogue.threats), 1.0 - probability)
+    asked = replace(catalogue, bounds=bounds, margins_m_s=np.zeros_like(bounds), sampled=False)
+    designs = Designs(asked, asked.combinations(pair, *(layer.thicknesses() for layer in layers)), Runs())
+    first = designs.first(designs.offered)
+    return None if first is None else as_results(designs, np.array([first]))[0]
 
 
 def thicknesses_tested(catalogue: Catalogue, pair: int, threat: int) -> dict[str, tuple[float, float]]:
@@ -133,7 +125,7 @@ def thicknesses_tested(catalogue: Catalogue, pair: int, threat: int) -> dict[str
     The keys are "ceramic" and "backing".
     """
     middle = [np.array([np.mean(layer.thicknesses())]) for layer in catalogue.offers[pair][:2]]
-    rows, *_ = catalogue.against_each(catalogue.candidates(pair, *middle), [threat])
+    rows = catalogue.against_each(catalogue.candidates(pair, *middle)).at(np.array([threat]))
     [(evidence, _)] = rows.armours.by_evidence()
     if given_error(catalogue.scenario) or not rows.errors.known.all():
         return {}

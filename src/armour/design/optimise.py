@@ -3,25 +3,27 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
 from math import inf, isnan
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 import numpy as np
 
 from armour.analysis.ballistic_limit import NeededFlowStress, needed_flow_stress
 from armour.analysis.estimates import Estimate
 from armour.analysis.results import OnProgress, TableResult, data_frame, ignore_progress
-from armour.analysis.variants import Bools, Floats, Ints, Variants
-from armour.design.catalogue import FIRST_VALUES, MARGIN, NO_BOUND, ROUNDING, CandidateDesigns, Catalogue, catalogue_of
+from armour.analysis.variants import Ints, distributions
+from armour.design.catalogue import FIRST_VALUES, MARGIN, NO_BOUND, CandidateDesigns, Catalogue, catalogue_of
+from armour.design.designs import NOT_KNOWN, PASSES, Designs, Runs, asked_of, stopped
 from armour.design.reliability import Reliability
-from armour.design.search import Requirement, Search, candidates_of, joined
+from armour.design.requirements import ROUNDING, Requirement, against_threat, of_armour
+from armour.design.search import FreeThicknesses, candidates_of, joined, pareto
 from armour.errors import Problem, listed, refuse
 from armour.evidence.mixture import Mixture
 from armour.evidence.model_error import REMEDY, ModelError, error_of, why_unknown
-from armour.evidence.tests import Armours, threat_warnings
+from armour.evidence.tests import threat_warnings
 from armour.scenario.checked import checked
 from armour.scenario.inputs import BACKING, CERAMIC, NAMES
 from armour.scenario.scenario import Scenario, Varied
-from armour.scenario.schema import DesignSection
+from armour.scenario.schema import OBJECTIVES, DesignSection
 
 # Words that begin the reason of a pair of materials: without tests, if others have them; with a single source of the
 # ceramic's flow stress; and nearly as good as the best.
@@ -31,23 +33,6 @@ MOST_SHOWN, MOST_COMPARED = 25, 20_000
 Reason = Literal["", "none passes", "not known"]
 # Most thicknesses that a warning lists.
 MOST_LISTED = 5
-
-
-class ObjectiveWords(NamedTuple):
-    """A quantity to minimise: words for less and more of it, its unit, and the key of [design] that bounds it."""
-
-    least: str
-    less: str
-    more: str
-    unit: str
-    bound: str
-
-
-OBJECTIVES = {
-    "areal_density_kg_m2": ObjectiveWords("lightest", "lighter", "heavier", " kg/m²", "areal_density_max_kg_m2"),
-    "thickness_mm": ObjectiveWords("thinnest", "thinner", "thicker", " mm", "thickness_max_mm"),
-    "cost_per_m2": ObjectiveWords("cheapest", "cheaper", "dearer", " per m²", "cost_max_per_m2"),
-}
 
 
 @dataclass(frozen=True)
@@ -62,7 +47,7 @@ class Design:
     areal_density_kg_m2, thickness_mm : float
         Including what the section ``design`` adds.
     cost_per_m2 : float or None
-        The same, in the unit of the costs given; None if none is given.
+        The same, in the unit of the costs given; None unless that of each material is.
     margin_m_s : float or None
         Smallest difference between ballistic limit and velocity over the threats; None if not computed.
     untested : bool
@@ -105,6 +90,8 @@ class BestDesign(Design):
         Excess over each limit of the section ``design`` that is exceeded, by its key.
     flow_stress : dict of str to NeededFlowStress
         By threat: flow stress with which a ceramic without tests stops it, of the design that a result names first.
+    requirements : tuple of Requirement
+        All that is required of it, with what it has.
     """
 
     ballistic_limit_m_s: float | None
@@ -118,6 +105,7 @@ class BestDesign(Design):
     short_m_s: dict[str, float]
     exceeds: dict[str, float]
     flow_stress: dict[str, NeededFlowStress] = field(default_factory=dict)
+    requirements: tuple[Requirement, ...] = ()
 
     def changes_to(self, scenario: Scenario) -> dict[str, str | float]:
         """Return the changes, by key, that make the design the armour of a scenario."""
@@ -308,41 +296,43 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
     catalogue = catalogue_of(scenario)
     if refine:
         refuse(_not_refinable(catalogue))
-    search, tested, place, reason = _best_place(catalogue, on_progress)
+    search = FreeThicknesses(catalogue, Runs(on_progress))
+    designs, place, reason = _best_place(search)
+    least = NOT_KNOWN if reason else PASSES
     explanation, without_limits = "", None
     if reason == "none passes":
-        explanation, without_limits = _failure(search)
-        search = _nearest(search.requirement)
-        place, pairs = 0, _short_pairs(search)
+        explanation, without_limits = _failure(designs, search)
+        designs, order = _nearest(designs)
+        place, pairs = int(order[0]), _short_pairs(designs, order)
     else:
-        pairs = _pairs(search, place, tested)
-    shown = None if place is None else _best(search, place, named=True)
+        order, pairs = designs.offered, _pairs(designs, search, place, least)
+    shown = None if place is None else _best(designs, place, named=True)
     if reason == "not known":
-        explanation = _why_not_known(search, place)
+        explanation = _why_not_known(designs, place)
 
     warnings = [*scenario.unused_impact(), *catalogue.omissions()]
     if place is not None:
         metals = (scenario.entry("metal", layer.material) for layer in catalogue.section.backing)
-        warnings += threat_warnings(scenario, _rows(search, place).armours, metals)
+        warnings += threat_warnings(scenario, designs.rows(np.array([place])).armours, metals)
     warnings += [] if catalogue.sampled else scenario.unused_distributions()
     criteria = tuple(catalogue.section.pareto or ())
     frontier, ends = np.empty(0, dtype=np.int64), dict[str, Any]()
     if place is not None and shown is not None and reason != "none passes":
-        frontier = search.frontier(place)
-        ends = _ends(search, place, frontier) | {
-            "refined": _refined(search, place) if refine else None,
-            "pareto": _pareto(search, criteria) if criteria else (),
+        frontier = designs.frontier(place, least)
+        ends = _ends(designs, place, frontier) | {
+            "refined": _refined(designs, search, place) if refine else None,
+            "pareto": _pareto(designs, search, criteria, least) if criteria else (),
         }
-        pair = int(search.candidates.pair[place])
-        changing = (*search.changing(), *((pair, "ceramic", other) for other in ends["not_monotonic_mm"]))
+        pair = int(designs.columns.pair[place])
+        changing = (*designs.changing(), *((pair, "ceramic", other) for other in ends["not_monotonic_mm"]))
         warnings += [
             *_untested(pairs),
             *_at_the_ends(catalogue, pair, shown),
-            *_least_of_the_range(catalogue, pair, _designs(search, frontier), ends["ceramic_min_mm"]),
+            *_least_of_the_range(catalogue, pair, as_results(designs, frontier), ends["ceramic_min_mm"]),
             *_changing(search, changing),
         ]
-    every = np.arange(len(search.values) if len(search.values) <= MOST_SHOWN else 0)
-    margins = search.margins(search.limits(every)).tolist()
+    every = order if len(order) <= MOST_SHOWN else order[:0]
+    margins = designs.margins_m_s(every).tolist()
     return DesignResult(
         minimised=catalogue.section.minimise,
         threats=catalogue.titles,
@@ -351,14 +341,14 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
         explanation=explanation,
         nearest=shown if reason else None,
         without_limits=without_limits,
-        frontier=_designs(search, frontier, with_margins=True),
-        frontier_governed_by=tuple(catalogue.titles[threat] for threat in _governing(search, frontier)),
+        frontier=as_results(designs, frontier, with_margins=True),
+        frontier_governed_by=tuple(catalogue.titles[threat] for threat in _governing(designs, frontier)),
         pairs=pairs,
         criteria=criteria,
-        designs=len(search.values),
-        runs=search.requirement.runs,
+        designs=len(order),
+        runs=search.runs.count,
         warnings=tuple(warnings),
-        every=_designs(search, every, with_margins=True),
+        every=as_results(designs, every, with_margins=True),
         margins_of_every_m_s=tuple(dict(zip(catalogue.titles, row, strict=True)) for row in margins),
         **ends,
     ).of(_subject(catalogue), scenario=scenario)
@@ -375,117 +365,132 @@ def _not_refinable(catalogue: Catalogue) -> Iterator[Problem]:
         yield Problem(file, "--refine", "needs a thickness given as a range")
 
 
-def _failure(search: Search) -> tuple[str, BestDesign | None]:
+def _table(search: FreeThicknesses, *, refine: bool = False, criteria: Sequence[str] = ()) -> Designs:
+    """Return the designs of a catalogue, of free thicknesses the least."""
+    catalogue = search.catalogue
+    reliability = Reliability(catalogue, search.runs.on_progress) if catalogue.sampled else None
+    return Designs(catalogue, candidates_of(search, criteria, refine=refine), search.runs, reliability)
+
+
+def _has_free_layer(catalogue: Catalogue) -> bool:
+    """Return whether a thickness is free."""
+    return any(layer.free_range() for offer in catalogue.offers for layer in offer[:2])
+
+
+def _best_place(search: FreeThicknesses) -> tuple[Designs, int | None, Reason]:
+    """Return the designs, the best one, and why this does not pass, if it does not.
+
+    A design with a ceramic whose flow stress has one source is never the best.
+    """
+    designs = _table(search)
+    if (place := _first(designs, designs.offered, PASSES)) is not None:
+        return designs, place, ""
+    if search.catalogue.bounded and _has_free_layer(search.catalogue):
+        search.least = NOT_KNOWN
+        designs = _table(search)
+    if (place := _first(designs, designs.offered, NOT_KNOWN)) is not None:
+        return designs, place, "not known"
+    passes = search.catalogue.one_source.all() and designs.first(designs.offered, NOT_KNOWN) is not None
+    return designs, None, "not known" if passes else "none passes"
+
+
+def _first(designs: Designs, where: Ints, least: int) -> int | None:
+    """Return the best of some designs, one whose model error is known if any is; none with a ceramic of one source."""
+    several_sources = where[~designs.catalogue.one_source[designs.columns.pair[where]]]
+    return designs.first(designs.ranked(several_sources), least)
+
+
+def _unlimited(designs: Designs, search: FreeThicknesses) -> Designs:
+    """Return the designs without the limits of the section, of which free thicknesses are others."""
+    if not _has_free_layer(designs.catalogue):
+        return designs
+    unbounded = dict.fromkeys(objective.bound for objective in OBJECTIVES.values())
+    section = designs.catalogue.section.model_copy(update=unbounded)
+    return _table(replace(search, catalogue=replace(designs.catalogue, section=section)))
+
+
+def _failure(designs: Designs, search: FreeThicknesses) -> tuple[str, BestDesign | None]:
     """Return why no design passes, and the best one that would without the limits, if there is one."""
-    catalogue, unconstrained = search.catalogue, _unconstrained(search)
-    explanation = _why_none(search, unconstrained, range(len(catalogue.offers)))
-    of_one_source = np.flatnonzero(catalogue.one_source[search.candidates.pair])
-    if (first := search.first(of_one_source)) is not None:
-        ceramic = catalogue.offers[search.candidates.pair[first]].ceramic.material
+    catalogue, unlimited = designs.catalogue, _unlimited(designs, search)
+    explanation = _why_none(designs, unlimited, range(len(catalogue.offers)), NOT_KNOWN)
+    of_one_source = designs.offered[catalogue.one_source[designs.columns.pair[designs.offered]]]
+    if (first := designs.first(of_one_source, NOT_KNOWN)) is not None:
+        ceramic = catalogue.offers[designs.columns.pair[first]].ceramic.material
         explanation = f"only {ceramic} would, whose flow stress comes from a single source"
-    place = _first(unconstrained, unconstrained.requirement.tested(unconstrained.candidates))
-    if place is None:
-        return explanation, None
-    best = _best(unconstrained, place)
-    return explanation, replace(best, exceeds=_exceeds(catalogue.section, best))
+    place = _first(unlimited, np.arange(len(unlimited.values)), NOT_KNOWN)
+    return explanation, None if place is None else _best(unlimited, place)
 
 
-def _ends(search: Search, place: int, frontier: Ints) -> dict[str, Any]:
+def _ends(designs: Designs, place: int, frontier: Ints) -> dict[str, Any]:
     """Return where the frontier of the best design ends, and back plates on which a thicker ceramic fails."""
-    ranges = search.catalogue.ranges(int(search.candidates.pair[place]))
+    ranges = designs.catalogue.ranges(int(designs.columns.pair[place]))
     return {
         "ceramic_min_mm": min((low for _, name, low, _ in ranges if name == "ceramic"), default=0.0) or None,
-        "without_mm": _failing_backings(search, place, frontier),
-        "not_monotonic_mm": search.not_monotonic_mm(frontier),
+        "without_mm": _failing_backings(designs, place, frontier),
+        "not_monotonic_mm": designs.not_monotonic_mm(frontier),
     }
 
 
-def _best_place(catalogue: Catalogue, on_progress: OnProgress) -> tuple[Search, Bools, int | None, Reason]:
-    """Return a search, which of its designs are tested, the best design, and why this does not pass, if it does not.
-
-    If no design passes, bounds on probabilities that are not known are left out, so that the model's limits decide.
-    """
-    requirement = Requirement(catalogue, on_progress)
-    while True:
-        reliability = Reliability(requirement.catalogue, on_progress) if catalogue.sampled else None
-        search = Search(requirement, candidates_of(requirement), reliability)
-        tested = requirement.tested(search.candidates)
-        lenient = requirement.catalogue.lenient
-        if (place := _first(search, tested)) is not None:
-            return search, tested, place, "not known" if lenient else ""
-        if lenient or not catalogue.bounded:
-            passes = bool(catalogue.one_source.all()) and search.first(np.arange(len(search.values))) is not None
-            return search, tested, None, "not known" if passes else "none passes"
-        requirement = replace(requirement, catalogue=replace(catalogue, lenient=True))
-
-
-def _first(search: Search, tested: Bools) -> int | None:
-    """Return the best design that passes, a tested one if any; none with a ceramic whose flow stress has one source."""
-    several_sources = ~search.catalogue.one_source[search.candidates.pair]
-    first = search.first(np.flatnonzero(tested & several_sources))
-    return search.first(np.flatnonzero(~tested & several_sources)) if first is None else first
-
-
-def _nearest(requirement: Requirement) -> Search:
-    """Return a search of the designs within the constraints, or nearest to them, in order of their shortfall.
+def _nearest(designs: Designs) -> tuple[Designs, Ints]:
+    """Return the designs, and the places of those within the constraints, or nearest to them, by their shortfall.
 
     The shortfall of a design is the greatest of those against each threat; ceramics of one source come last.  If there
     are very many designs, only the thickest ceramics within the constraints on each back plate are compared.
     """
-    catalogue = requirement.catalogue
-    designs = joined([_sampled_designs(catalogue, pair) for pair in range(len(catalogue.offers))])
-    violations, one_source = catalogue.violations(designs), catalogue.one_source[designs.pair]
-    designs = designs.at(violations <= max(float(violations[one_source == one_source.min()].min()), 0.0))
-    if len(designs.pair) > MOST_COMPARED:
-        designs = designs.at(np.lexsort((-designs.ceramic_mm, designs.backing_mm, designs.pair)))
-        columns = np.column_stack([designs.pair, designs.backing_mm])
-        designs = designs.at(np.unique(columns, axis=0, return_index=True)[1])
-    short = catalogue.short_m_s(designs, requirement.limits(designs)).max(axis=1)
-    order = np.lexsort((catalogue.objective(designs), short, catalogue.one_source[designs.pair]))
-    return Search(requirement, designs.at(order))
+    catalogue = designs.catalogue
+    if _has_free_layer(catalogue):
+        columns = joined([_some_of_range(catalogue, pair) for pair in range(len(catalogue.offers))])
+        designs = Designs(catalogue, columns, designs.runs, designs.reliability)
+    columns, one_source = designs.columns, catalogue.one_source[designs.columns.pair]
+    violations = catalogue.violations(columns)
+    where = np.flatnonzero(violations <= max(float(violations[one_source == one_source.min()].min()), 0.0))
+    if len(where) > MOST_COMPARED:
+        where = where[np.lexsort((-columns.ceramic_mm[where], columns.backing_mm[where], columns.pair[where]))]
+        layers = np.column_stack([columns.pair[where], columns.backing_mm[where]])
+        where = where[np.unique(layers, axis=0, return_index=True)[1]]
+    short = -designs.slack_m_s(where).min(axis=1)
+    return designs, where[np.lexsort((designs.values[where], short, one_source[where]))]
 
 
-def _sampled_designs(catalogue: Catalogue, pair: int) -> CandidateDesigns:
+def _some_of_range(catalogue: Catalogue, pair: int) -> CandidateDesigns:
     """Return the designs of a pair, with some thicknesses of a free range."""
     layers = [(layer.thicknesses(), layer.free_range()) for layer in catalogue.offers[pair][:2]]
     thicknesses = (np.linspace(mm[0], mm[-1], FIRST_VALUES) if free_range else mm for mm, free_range in layers)
     return catalogue.combinations(pair, *thicknesses)
 
 
-def _short_pairs(search: Search) -> tuple[Pair, ...]:
-    """Return each pair of materials with the least shortfall of its designs, in the order of the search."""
+def _short_pairs(designs: Designs, order: Ints) -> tuple[Pair, ...]:
+    """Return each pair of materials with the least shortfall of its designs, in an order of designs."""
     pairs = []
-    for place in np.sort(np.unique(search.candidates.pair, return_index=True)[1]):
-        [design], [short] = _designs(search, np.array([place])), _short(search, np.array([place]))
-        threat = int(short.argmax())
-        ceramic = f"{design.ceramic_thickness_mm:.4g} on " if design.ceramic else ""
-        layers = f"{ceramic}{design.backing_thickness_mm:.4g} mm"
-        reason = f"{layers}: {short[threat]:.0f} m/s short against {search.catalogue.titles[threat]}"
-        if one_source := bool(search.catalogue.one_source[search.candidates.pair[place]]):
-            reason = f"{ONE_SOURCE}: {reason}" if short[threat] > 0.0 else ONE_SOURCE
-        pairs.append(Pair(design.ceramic, design.backing, None, None, reason, not one_source, design.untested))
+    for place in order[np.sort(np.unique(designs.columns.pair[order], return_index=True)[1])].tolist():
+        best = _best(designs, place)
+        threat = max(best.short_m_s, key=best.short_m_s.__getitem__)
+        ceramic = f"{best.ceramic_thickness_mm:.4g} on " if best.ceramic else ""
+        layers = f"{ceramic}{best.backing_thickness_mm:.4g} mm"
+        reason = f"{layers}: {best.short_m_s[threat]:.0f} m/s short against {threat}"
+        if one_source := bool(designs.catalogue.one_source[designs.columns.pair[place]]):
+            reason = f"{ONE_SOURCE}: {reason}" if best.short_m_s[threat] > 0.0 else ONE_SOURCE
+        pairs.append(Pair(best.ceramic, best.backing, None, None, reason, not one_source, best.untested))
     return tuple(pairs)
 
 
-def _short(search: Search, where: Ints) -> Floats:
-    """Return the shortfall of designs against each threat, m/s, (designs, threats)."""
-    return search.catalogue.short_m_s(search.candidates.at(where), search.limits(where))
-
-
-def _why_not_known(search: Search, place: int | None) -> str:
+def _why_not_known(designs: Designs, place: int | None) -> str:
     """Return why it is not known whether a design passes that passes by the model."""
-    catalogue = search.catalogue
+    catalogue = designs.catalogue
     if place is None:
-        pairs = search.candidates.pair[search.stopping]
+        pairs = designs.columns.pair[designs.offered[designs.verdicts(designs.offered) >= NOT_KNOWN]]
         names = dict.fromkeys(catalogue.offers[pair].ceramic.material for pair in pairs[catalogue.one_source[pairs]])
         return (
             f"the flow stress of {listed(list(names))} comes from a single source, so no design with it is named best; "
             "add a second source to its entry, flow_stress_sources_GPa, or own tests (armour calibrate)"
         )
-    unknown = np.flatnonzero(~_rows(search, place).errors.known).tolist()
+    rows = designs.rows(np.array([place]))
+    unknown = np.flatnonzero(asked_of(catalogue, rows).unknown).tolist()
+    if not unknown:
+        return "the interval of a sampled probability contains the one required; raise uncertainty.samples"
     # The reason is that of the governing threat, if its probability is unknown.
-    threat = min(unknown, key=search.excess_m_s(np.array([place]))[0].__getitem__)
-    why = why_unknown(catalogue.scenario, _armour(search, place, threat))
+    threat = min(unknown, key=designs.slack_m_s(np.array([place]))[0].__getitem__)
+    why = why_unknown(catalogue.scenario, rows.armours.at(np.array([threat])))
     titles = [catalogue.titles[place] for place in unknown]
     threats = "every threat" if len(titles) == len(catalogue.titles) > 1 else listed(titles)
     return f"probability of stopping {threats}: unknown, {why}"
@@ -502,16 +507,16 @@ def _untested(pairs: Sequence[Pair]) -> Iterator[str]:
         yield f"the model error is not known for {listed(names)}, ranked after the others; {REMEDY}"
 
 
-def _failing_backings(search: Search, best: int, frontier: Ints) -> tuple[float, ...]:
+def _failing_backings(designs: Designs, best: int, frontier: Ints) -> tuple[float, ...]:
     """Return the back plate thicknesses offered on which no ceramic passes, mm."""
-    if search.catalogue.offers[search.candidates.pair[best]].backing.free_range() is not None:
+    if designs.catalogue.offers[designs.columns.pair[best]].backing.free_range() is not None:
         return ()
-    return tuple(np.setdiff1d(search.frontier_backings(best), search.candidates.backing_mm[frontier]).tolist())
+    return tuple(np.setdiff1d(designs.frontier_backings(best), designs.columns.backing_mm[frontier]).tolist())
 
 
-def _changing(search: Search, columns: Sequence[tuple[int, str, float]]) -> Iterator[str]:
+def _changing(search: FreeThicknesses, columns: Sequence[tuple[int, str, float]]) -> Iterator[str]:
     """Warn of each layer of a pair that may fail if it is thicker, with the thicknesses of the other layer, mm."""
-    changing = search.requirement.changing
+    changing = search.changing
     for pair, layer, other_mm in columns:
         changing[pair, layer].add(other_mm)
     for (pair, layer), thicknesses in sorted(changing.items()):
@@ -552,65 +557,87 @@ def _least_of_the_range(
         )
 
 
-def _pareto(search: Search, criteria: Sequence[str]) -> tuple[Design, ...]:
+def _pareto(designs: Designs, search: FreeThicknesses, criteria: Sequence[str], least: int) -> tuple[Design, ...]:
     """Return the Pareto front, with free thicknesses refined for every criterion."""
-    if any(layer.free_range() for offer in search.catalogue.offers for layer in offer[:2]):
-        search = Search(search.requirement, candidates_of(search.requirement, criteria))
-    return _designs(search, search.pareto(criteria), with_margins=MARGIN in criteria)
+    if _has_free_layer(designs.catalogue):
+        designs = _table(search, criteria=criteria)
+    return as_results(designs, pareto(designs, criteria, least), with_margins=MARGIN in criteria)
 
 
-def _refined(search: Search, first: int) -> BestDesign:
-    """Return the best design with both layers free, or that of the search if none is better."""
-    refined = Search(search.requirement, candidates_of(search.requirement, refine=True))
-    place = refined.first(np.flatnonzero(refined.values < search.values[first]))
-    return _best(search, first) if place is None else _best(refined, place)
+def _refined(designs: Designs, search: FreeThicknesses, first: int) -> BestDesign:
+    """Return the best design with both layers free, or that of the table if none is better."""
+    refined = _table(search, refine=True)
+    place = refined.first(refined.offered[refined.values[refined.offered] < designs.values[first]], search.least)
+    return _best(designs, first) if place is None else _best(refined, place)
 
 
-def _governing(search: Search, where: Ints) -> list[int]:
-    """Return for each design the threat whose required velocity its ballistic limit exceeds by the least."""
-    return search.excess_m_s(where).argmin(axis=1).tolist()
+def _governing(designs: Designs, where: Ints) -> list[int]:
+    """Return for each design the threat against which it exceeds what is required by the least."""
+    return designs.slack_m_s(where).argmin(axis=1).tolist()
 
 
-def _designs(search: Search, where: Ints, *, with_margins: bool = False) -> tuple[Design, ...]:
-    """Return designs of a search as results."""
-    offers, candidates = search.catalogue.offers, search.candidates.at(where)
-    absent = [None] * len(where)
-    margins = search.margins(search.limits(where)).min(axis=1).tolist() if with_margins else absent
-    *columns, costs = (column.tolist() for column in candidates)
-    costs = costs if search.catalogue.has_costs() else absent
-    untested = [search.catalogue.untested[pair] for pair in candidates.pair]
-    return tuple(
-        Design(offers[pair].ceramic.material, offers[pair].backing.material, *numbers)
-        for pair, *numbers in zip(*columns, costs, margins, untested, strict=True)
-    )
+def as_results(designs: Designs, where: Ints, *, with_margins: bool = False) -> tuple[Design, ...]:
+    """Return designs of a table as results."""
+    catalogue, columns = designs.catalogue, designs.columns.at(where)
+    margins = designs.margins_m_s(where).min(axis=1).tolist() if with_margins else [None] * len(where)
+    named = ([layer.material for layer in catalogue.offers[pair][:2]] for pair in columns.pair)
+    numbers = zip(*(column.tolist() for column in columns[1:5]), strict=True)
+    costs = [
+        cost if catalogue.costed[pair] else None for pair, cost in zip(columns.pair, columns[5].tolist(), strict=True)
+    ]
+    untested = [catalogue.untested[pair] for pair in columns.pair]
+    rows = zip(named, numbers, costs, margins, untested, strict=True)
+    return tuple(Design(*names, *values, *others) for names, values, *others in rows)
 
 
-def _best(search: Search, place: int, *, named: bool = False) -> BestDesign:
+def _best(designs: Designs, place: int, *, named: bool = False) -> BestDesign:
     """Return a design with its ballistic limits and, if the result names it first, with the flow stress needed."""
-    where, catalogue = np.array([place]), search.catalogue
-    [design] = _designs(search, where, with_margins=True)
-    [limits], [governing] = search.limits(where), _governing(search, where)
-    offer = catalogue.offers[search.candidates.pair[place]]
-    searched = catalogue.scenario.ballistic_limit
+    where, catalogue = np.array([place]), designs.catalogue
+    [design] = as_results(designs, where, with_margins=True)
+    [limits], [slack], [governing] = designs.limits_m_s(where), designs.slack_m_s(where), _governing(designs, where)
+    pair = int(designs.columns.pair[place])
+    offer, searched = catalogue.offers[pair], catalogue.scenario.ballistic_limit
     limit = float(limits[governing])
-    sampled = search.probabilities(place) or {}
-    distributions = catalogue.distributions(search.candidates.at(where), limits)
-    ratio = distributions.one(governing).times(1.0 / limit)
-    stopping = _of_stopping(catalogue, distributions, sampled)
-    [short] = _short(search, where).clip(min=0.0)
+    sampled = designs.reliability.probabilities(designs.columns, place, quick=False) if designs.reliability else {}
+    rows = designs.rows(where)
+    of_limits = distributions(rows, limits)
+    ratio = of_limits.one(governing).times(1.0 / limit)
+    stopping = _of_stopping(catalogue, of_limits, sampled)
+    required = rows.velocities + catalogue.margins_m_s
+    stops = stopped(rows._replace(velocities=required), Runs()).tolist()
+    amounts = {key: getattr(design, key) for key in OBJECTIVES}
+    requirements = [
+        row
+        for i, threat in enumerate(catalogue.threats)
+        for row in against_threat(
+            threat,
+            catalogue.section,
+            float(limits[i]),
+            stopping[threat.title],
+            sampled.get(threat.title),
+            catalogue.materials[pair].ceramic,
+            stops=stops[i],
+            tolerance_m_s=searched.tolerance_m_s,
+        )
+    ]
+    short = {threat: max(-float(spare), 0.0) for threat, spare in zip(catalogue.titles, slack, strict=True)}
+    for row in requirements:
+        if row.quantity == "margin_m_s" and row.found is not None:
+            short[row.threat] = max(short[row.threat], row.required - row.found)
     return BestDesign(
         **asdict(design),
         ballistic_limit_m_s=limit if searched.velocity_min_m_s < limit <= searched.velocity_max_m_s else None,
         ceramic_density_kg_m3=offer.ceramic_density_kg_m3,
         backing_density_kg_m3=offer.backing_density_kg_m3,
-        margins_m_s=dict(zip(catalogue.titles, search.margins(limits).tolist(), strict=True)),
+        margins_m_s=dict(zip(catalogue.titles, (limits - catalogue.velocities_m_s).tolist(), strict=True)),
         governing=catalogue.titles[governing],
         probabilities=sampled,
         probabilities_of_stopping=stopping,
-        model_error=error_of(catalogue.scenario, ratio, _armour(search, place, governing)),
-        short_m_s=dict(zip(catalogue.titles, short.tolist(), strict=True)),
+        model_error=error_of(catalogue.scenario, ratio, rows.armours.at(np.array([governing]))),
+        short_m_s=short,
         exceeds=_exceeds(catalogue.section, design),
-        flow_stress=dict(_flow_stress(search, place, stopping)) if named else {},
+        requirements=(*requirements, *of_armour(catalogue.section, amounts)),
+        flow_stress=dict(_flow_stress(designs, place, stopping)) if named else {},
     )
 
 
@@ -625,10 +652,10 @@ def _exceeds(section: DesignSection, design: Design) -> dict[str, float]:
 
 
 def _flow_stress(
-    search: Search, place: int, stopping: dict[str, float | None]
+    designs: Designs, place: int, stopping: dict[str, float | None]
 ) -> Iterator[tuple[str, NeededFlowStress]]:
     """Yield the flow stress with which the ceramic of a design stops each threat whose probability is unknown."""
-    catalogue, (pair, ceramic, backing) = search.catalogue, (column[place].item() for column in search.candidates[:3])
+    catalogue, (pair, ceramic, backing) = designs.catalogue, (column[place].item() for column in designs.columns[:3])
     for i, (title, threat) in enumerate(zip(catalogue.titles, catalogue.threats, strict=True)):
         if stopping[title] is None and catalogue.untested[pair]:
             scenario = catalogue.against(pair, i).replaced({CERAMIC: ceramic, BACKING: backing})
@@ -647,41 +674,32 @@ def _of_stopping(catalogue: Catalogue, distributions: Mixture, sampled: dict[str
     return by_error | {title: 1.0 - estimate.value for title, estimate in sampled.items()}
 
 
-def _rows(search: Search, place: int) -> Variants:
-    """Return a design against each threat."""
-    return search.catalogue.against_each(search.candidates.at(np.array([place])))[0]
-
-
-def _armour(search: Search, place: int, threat: int) -> Armours:
-    """Return a design against a threat."""
-    return _rows(search, place).armours.at(np.array([threat]))
-
-
-def _pairs(search: Search, best: int | None, tested: Bools) -> tuple[Pair, ...]:
+def _pairs(designs: Designs, search: FreeThicknesses, best: int | None, least: int) -> tuple[Pair, ...]:
     """Compare the best designs of all pairs, best first, those that are not ranked after the others."""
-    least = inf if best is None else float(search.values[best])
-    greatest = least * (1.0 + search.catalogue.section.runners_up_percent / 100.0)
-    offers = search.catalogue.offers
-    possible = [designs[search.stopping[designs]] for designs in map(search.of_pairs, range(len(offers)))]
-    if search.catalogue.sampled:
+    catalogue = designs.catalogue
+    least_value = inf if best is None else float(designs.values[best])
+    greatest = least_value * (1.0 + catalogue.section.runners_up_percent / 100.0)
+    possible = [designs.of_pair(pair) for pair in range(len(catalogue.offers))]
+    if catalogue.sampled:
         # Only possible runners-up are sampled, as each design takes thousands of impacts.
-        possible = [designs[search.values[designs] <= greatest] for designs in possible]
-    places = [search.first(designs[np.argsort(~tested[designs], kind="stable")]) for designs in possible]
-    unconstrained = _unconstrained(search) if None in places else search
+        possible = [where[designs.values[where] <= greatest] for where in possible]
+    places = [designs.first(designs.ranked(where), least) for where in possible]
+    unlimited = _unlimited(designs, search) if None in places else designs
+    best_is_known = best is not None and bool(designs.known(np.array([best]))[0])
     pairs = []
-    for index, (offer, place) in enumerate(zip(offers, places, strict=True)):
+    for index, (offer, place) in enumerate(zip(catalogue.offers, places, strict=True)):
         design, excess, ranked = None, None, True
         if place is None:
-            reason = _why_none(search, unconstrained, [index])
+            reason = _why_none(designs, unlimited, [index], least)
         else:
-            one_source = search.catalogue.one_source[index]
-            untested = best is not None and tested[best] and not tested[place]
+            one_source = catalogue.one_source[index]
+            untested = best_is_known and not designs.known(np.array([place]))[0]
             ranked = not (one_source or untested)
-            design = _best(search, place, named=one_source)
-            excess, words = _excess(search, place, least, ranked=ranked)
+            design = _best(designs, place, named=one_source)
+            excess, words = _excess(catalogue.section, float(designs.values[place]), least_value, ranked=ranked)
             reason = ": ".join(filter(None, (ONE_SOURCE if one_source else UNTESTED if untested else "", words)))
         names = offer.ceramic.material, offer.backing.material
-        pairs.append(Pair(*names, design, excess, reason, ranked, search.catalogue.untested[index]))
+        pairs.append(Pair(*names, design, excess, reason, ranked, catalogue.untested[index]))
     return tuple(sorted(pairs, key=_rank))
 
 
@@ -690,9 +708,8 @@ def _rank(pair: Pair) -> tuple[bool, bool, float]:
     return pair.best is None, not pair.ranked, inf if excess is None else excess
 
 
-def _excess(search: Search, place: int, least: float, *, ranked: bool) -> tuple[float | None, str]:
+def _excess(section: DesignSection, value: float, least: float, *, ranked: bool) -> tuple[float | None, str]:
     """Return the excess of the objective of a design over the least, per cent, and the same in words."""
-    section, value = search.catalogue.section, float(search.values[place])
     objective = OBJECTIVES[section.minimise]
     if value == least:
         return 0.0, ""
@@ -707,33 +724,27 @@ def _excess(search: Search, place: int, least: float, *, ranked: bool) -> tuple[
     return excess, f"{runner_up}{excess:.1f} % {objective.more}"
 
 
-def _unconstrained(search: Search) -> Search:
-    """Return a search of the catalogue without constraints and without bounds on sampled probabilities."""
-    unbounded = dict.fromkeys(objective.bound for objective in OBJECTIVES.values())
-    section = search.catalogue.section.model_copy(update=unbounded)
-    requirement = Requirement(replace(search.catalogue, section=section))
-    return Search(requirement, candidates_of(requirement))
-
-
-def _why_none(search: Search, unconstrained: Search, pairs: Sequence[int]) -> str:
+def _why_none(designs: Designs, unlimited: Designs, pairs: Sequence[int], least: int) -> str:
     """Return why no design of some pairs passes: the constraints that it exceeds, or what it would have to stop."""
-    catalogue, section = search.catalogue, search.catalogue.section
-    bounded = catalogue.bounded
+    catalogue, section = designs.catalogue, designs.catalogue.section
+    bounded, not_known = catalogue.bounded, least == NOT_KNOWN
     threats = catalogue.titles[0] if len(catalogue.titles) == 1 else "every threat"
-    where = ", where it is known" if catalogue.lenient else ""
+    where = ", where it is known" if bounded and not_known else ""
     required = f" with the probability required{where}" if bounded else ""
-    first = unconstrained.first(unconstrained.of_pairs(pairs))
-    if first is not None and (exceeded := _exceeded(section, unconstrained, first, threats + required)):
+    first = unlimited.first(np.flatnonzero(np.isin(unlimited.columns.pair, pairs)), least, by_samples=False)
+    if first is not None and (exceeded := _exceeded(section, unlimited, first, threats + required)):
         return exceeded
-    designs = search.candidates.at(search.of_pairs(pairs))
-    if not len(designs.pair):
+    offered = designs.offered[np.isin(designs.columns.pair[designs.offered], pairs)]
+    columns = designs.columns.at(offered)
+    if not len(offered):
         thickest = [np.array([layer.thicknesses()[-1]]) for layer in catalogue.offers[pairs[0]][:2]]
-        designs = catalogue.candidates(pairs[0], *thickest)
-    unknown = ~search.requirement.tested(designs)
-    unknown &= bounded and not catalogue.lenient
+        columns = catalogue.candidates(pairs[0], *thickest)
+    table = designs if len(offered) else Designs(catalogue, columns, designs.runs)
+    unknown = ~table.known(offered if len(offered) else np.arange(len(columns.pair)))
+    unknown &= bounded and not not_known
     all_pairs = len(pairs) == len(catalogue.offers)
     if unknown.all():
-        against, why = _why_error_unknown(catalogue, designs)
+        against, why = _why_error_unknown(catalogue, columns)
         # The table of pairs need not say in each row what can give the error.
         return f"the model error is not known{against}: {why if all_pairs else why.removesuffix(f'; {REMEDY}')}"
     hint = f"; if the model error is not known, {REMEDY}" if unknown.any() else ""
@@ -751,7 +762,7 @@ def _why_error_unknown(catalogue: Catalogue, designs: CandidateDesigns) -> tuple
     The reason is that for the pair whose error is known against the most threats.
     """
     one_of_each = designs.at(np.unique(designs.pair, return_index=True)[1])
-    rows, *_ = catalogue.against_each(one_of_each)
+    rows = catalogue.against_each(one_of_each)
     is_known = rows.errors.known.reshape(-1, len(catalogue.threats))
     design = int(is_known.sum(axis=1).argmax())
     threat = int(is_known[design].argmin())
@@ -759,10 +770,10 @@ def _why_error_unknown(catalogue: Catalogue, designs: CandidateDesigns) -> tuple
     return against, why_unknown(catalogue.scenario, rows.armours.at([design * len(catalogue.threats) + threat]))
 
 
-def _exceeded(section: DesignSection, unconstrained: Search, place: int, threats: str) -> str:
+def _exceeded(section: DesignSection, unlimited: Designs, place: int, threats: str) -> str:
     """Return in words the constraints that the best design without them exceeds; "" for none."""
     least = OBJECTIVES[section.minimise].least
-    [design] = _designs(unconstrained, np.array([place]))
+    [design] = as_results(unlimited, np.array([place]))
     exceeded = []
     for name, objective in OBJECTIVES.items():
         if objective.bound in _exceeds(section, design):

@@ -108,8 +108,8 @@ def _subject(catalogue: Catalogue) -> str:
 def _threat(catalogue: Catalogue, i: int) -> dict[str, Any]:
     threat, bound = catalogue.threats[i], float(catalogue.bounds[i])
     most = threat.probability_of_perforation
-    rows, *_ = catalogue.against_each(catalogue.candidates(0, np.ones(1), np.ones(1)), [i])
-    core = Parameters(*rows.parameters[0].tolist())
+    rows = catalogue.against_each(catalogue.candidates(0, np.ones(1), np.ones(1)))
+    core = Parameters(*rows.parameters[i].tolist())
     return {
         "name": threat.name or threat.standard or threat.projectile,
         "projectile": threat.projectile,
@@ -226,7 +226,7 @@ def _source(catalogue: Catalogue, designs: DesignMap) -> str:
         return ""
     if (error := given_error(catalogue.scenario)) is not None:
         return error.source
-    rows, *_ = catalogue.against_each(designs.candidates.at(places[:1]), [0])
+    rows = catalogue.against_each(designs.candidates.at(places[:1])).at(np.array([0]))
     return next(evidence.title for evidence, _ in rows.armours.by_evidence())
 
 

@@ -1,16 +1,17 @@
 """Report on a scenario: its answer, and the results that explain it and say how reliable it is."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 from armour import __version__
 from armour.analysis.ballistic_limit import ballistic_limit, not_monotonic
 from armour.analysis.impact import ImpactResult, energy_balance, simulate
+from armour.analysis.perforation import is_sampled, misplaced, probability_of_perforation
 from armour.analysis.results import OnProgress, ignore_progress
-from armour.analysis.samples import own_errors
-from armour.design.check import CheckedThreat, CheckResult, check, verdict_of
-from armour.design.optimise import OBJECTIVES, DesignResult, optimise
-from armour.errors import NoLimitError, Note
+from armour.design.check import CheckedThreat, CheckResult, check
+from armour.design.optimise import DesignResult, optimise
+from armour.errors import NoAnswerError, NoLimitError, Note
 from armour.evidence.model_error import given_error
 from armour.evidence.tests import armours_of
 from armour.reporting.report import Card, Report, ReportSection, drawing_of, origin_section, reference_notes
@@ -20,13 +21,23 @@ from armour.reporting.views import analysis as analysis_view
 from armour.reporting.views import design as design_view
 from armour.reporting.views import statistics as statistics_view
 from armour.reporting.views.library import entry_table
-from armour.reporting.words import SAMPLED_ALONE, STOPPING, chance, extrapolation, flow_stress_notes, from_tests
+from armour.reporting.words import (
+    SAMPLED_ALONE,
+    STOPPING,
+    chance,
+    extrapolation,
+    flow_stress_notes,
+    from_tests,
+    requirement_parts,
+    requirement_words,
+)
 from armour.scenario.inputs import INPUTS, NAMES, ROLES
 from armour.scenario.scenario import Scenario
-from armour.scenario.schema import DesignSection, Distribution
+from armour.scenario.schema import OBJECTIVES, DesignSection
 from armour.statistics.sensitivity import SensitivityResult, sensitivity
-from armour.statistics.uncertainty import UncertaintyResult, probability_of_perforation, uncertainty
+from armour.statistics.uncertainty import UncertaintyResult, uncertainty
 
+Answer = TypeVar("Answer")
 # Keys of [design] that apply to any armour and do not ask for a design.
 KEYS_OF_ANY_ARMOUR = {"confidence", "thickness_tolerance_mm", "angles_as_at_normal_incidence"}
 # What the model leaves out, see docs/limits.md.
@@ -53,8 +64,8 @@ class Contents:
     sampled: tuple[str, ...]  # threats that they apply to
     answer: Scenario  # the armour against the threat most likely to perforate it
     impact: ImpactResult  # with its history
-    sensitivity: SensitivityResult
-    uncertainty: UncertaintyResult | None  # None without distributions that apply to the answer
+    sensitivity: SensitivityResult | None  # None without a ballistic limit in the range of the search
+    uncertainty: UncertaintyResult | None  # None too without distributions that apply to the answer
     warnings: tuple[str, ...]
 
     @property
@@ -84,12 +95,12 @@ def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *
     checked = check(armour, on_progress=on_part)
     impacts = [armour.against(threat) for threat in armour.threats()]
     distributions = scenario.distributions()
-    misplaced = [_misplaced(distributions, scenario, impact) for impact in impacts]
-    threats, sampled = list(checked.threats), []
-    for place, (impact, notes) in enumerate(zip(impacts, misplaced, strict=True)):
-        if distributions and not notes and (impact.excludes_error() or own_errors(impact).known.all()):
-            threats[place] = _sampled(threats[place], impact, on_part)
-            sampled.append(threats[place].threat)
+    notes = [misplaced(distributions, scenario, impact) for impact in impacts]
+    threats = list(checked.threats)
+    for place, impact in enumerate(impacts):
+        if threats[place].sampled is None and distributions and not notes[place] and is_sampled(impact):
+            estimate = probability_of_perforation(impact, on_progress=on_part)
+            threats[place] = replace(threats[place], sampled=estimate, probability_of_stopping=1.0 - estimate.value)
     worst = min(range(len(threats)), key=lambda place: design_view.standing(threats[place]))
     answer = impacts[worst]
     if design is not None and design.shown is not None:
@@ -103,17 +114,25 @@ def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *
         design=design,
         check=checked,
         threats=tuple(threats),
-        sampled=tuple(sampled),
+        sampled=tuple(threat.threat for threat in threats if threat.sampled is not None),
         answer=answer,
         impact=simulate(answer, history=True),
-        sensitivity=sensitivity(answer, on_progress=on_part),
-        uncertainty=uncertainty(answer, on_progress=on_part) if distributions and not misplaced[worst] else None,
+        sensitivity=_or_none(sensitivity, answer, on_part),
+        uncertainty=_or_none(uncertainty, answer, on_part) if distributions and not notes[worst] else None,
         warnings=(
             *(warning for warning in (checked if design is None else design).warnings if warning not in unused),
             *_not_monotonic(answer),
-            *dict.fromkeys(note for notes in misplaced for note in notes),
+            *dict.fromkeys(note for each in notes for note in each),
         ),
     )
+
+
+def _or_none(question: Callable[..., Answer], answer: Scenario, on_progress: OnProgress) -> Answer | None:
+    """Return the answer to a question; None if it has none, as of an armour that no velocity perforates."""
+    try:
+        return question(answer, on_progress=on_progress)
+    except NoAnswerError:
+        return None
 
 
 def _not_monotonic(scenario: Scenario) -> tuple[str, ...]:
@@ -122,26 +141,6 @@ def _not_monotonic(scenario: Scenario) -> tuple[str, ...]:
         return not_monotonic(ballistic_limit(scenario))
     except NoLimitError:
         return ()
-
-
-def _sampled(threat: CheckedThreat, scenario: Scenario, on_part: OnProgress) -> CheckedThreat:
-    """Return a checked threat with the probability from the scenario's distributions."""
-    probability = 1.0 - probability_of_perforation(scenario, on_progress=on_part).value
-    required = threat.required_probability
-    verdict = threat.verdict if required is None else verdict_of(required, probability, stops=True)
-    return replace(threat, probability_of_stopping=probability, verdict=verdict)
-
-
-def _misplaced(distributions: Mapping[str, Distribution], scenario: Scenario, answer: Scenario) -> tuple[Note, ...]:
-    """Return a warning for each distribution that is about a value other than the answer's."""
-    scenario_values, values = scenario.inputs(), answer.inputs()
-    notes = []
-    for name in filter(values.__contains__, distributions):
-        distribution, value = distributions[name], values[name]
-        if (distribution.placed and scenario_values.get(name) != value) or not distribution.contains(value):
-            words = f"is given for a value other than {value:g}, which the armour and threat reported have"
-            notes.append(Note(f"{words}; the report has no sampled probability of perforation", f"uncertainty.{name}"))
-    return tuple(notes)
 
 
 def scenario_report(contents: Contents, command: str, map_command: str = "") -> Report:
@@ -166,8 +165,9 @@ def _byline(scenario: Scenario) -> tuple[tuple[str, str], ...]:
 
 
 def _has_requirements(contents: Contents) -> bool:
-    """Return whether a probability or a margin is required."""
-    return any(threat.required_probability is not None or threat.required_margin_m_s for threat in contents.threats)
+    """Return whether more is required than that the ballistic limit by the model reaches the velocity."""
+    rows = design_view.requirements_of(contents.check)
+    return any(row.required for row in rows if row.quantity != design_view.SOURCES)
 
 
 def _verdict(contents: Contents) -> tuple[bool | None, str]:
@@ -176,10 +176,12 @@ def _verdict(contents: Contents) -> tuple[bool | None, str]:
         return False, f"{design_view.design_title(contents.design)}."
     if not _has_requirements(contents):
         return None, ""
-    for verdict, words in (("fails", "Does not meet"), ("not known", "Not known to meet")):
-        if names := [threat.threat for threat in contents.threats if threat.verdict == verdict]:
-            return False, f"{words} the requirements against {' and '.join(names)}."
-    return True, f"Meets the requirements{' against every threat' if len(contents.threats) > 1 else ''}."
+    if contents.check.verdict == "passes":
+        return True, f"Meets the requirements{' against every threat' if len(contents.threats) > 1 else ''}."
+    words = "Does not meet" if contents.check.verdict == "fails" else "Not known to meet"
+    rows = [row for row in design_view.requirements_of(contents.check) if row.verdict == contents.check.verdict]
+    unmet = [f"{requirement_words(row)}{f', against {row.threat}' if row.threat else ''}" for row in rows]
+    return False, f"{words} the requirements: {'; '.join(unmet)}."
 
 
 def _probability(contents: Contents) -> Card:
@@ -211,17 +213,14 @@ def _basis(contents: Contents) -> str:
 
 def _armour(contents: Contents) -> Card:
     """Return the armour with thickness, areal density and cost, with the digits of their tables."""
-    armour, design = contents.answer.armour, contents.design
-    subject, cost = "Armour", ""
-    areal_density = contents.impact.areal_density_kg_m2
-    thickness = armour.ceramic_thickness_mm + armour.backing_thickness_mm
-    if design is not None and (shown := design.shown) is not None:
+    design, check, subject = contents.design, contents.check, "Armour"
+    if design is not None and design.shown is not None:
         subject = f"{OBJECTIVES[design.minimised].least.capitalize()} design"
         if design.reason:
             subject = "Nearest design" if design.reason == "none passes" else f"{subject} by the computed limit"
-        areal_density, thickness = shown.areal_density_kg_m2, shown.thickness_mm
-        cost = f", cost {design_view.COST.text(shown.cost_per_m2)} per m²" if shown.cost_per_m2 else ""
-    detail = f"{design_view.AREAL_DENSITY.text(areal_density)} kg/m², {round(thickness, 3):g} mm thick{cost}"
+    cost = f", cost {design_view.COST.text(check.cost_per_m2)} per m²" if check.cost_per_m2 else ""
+    areal_density = design_view.AREAL_DENSITY.text(check.areal_density_kg_m2)
+    detail = f"{areal_density} kg/m², {round(check.thickness_mm, 3):g} mm thick{cost}"
     return Card(subject, contents.answer.armour_words(), detail)
 
 
@@ -233,14 +232,13 @@ def _requirements(contents: Contents) -> Card:
     requirements = [f"at least {' or '.join(map(percent, probabilities))}"] if probabilities else []
     requirements += [f"margin of {' or '.join(f'{margin:g}' for margin in margins)} m/s"] if margins else []
     details = [] if probabilities else ["--confidence 0.95 asks for a probability of 95 %"]
-    if contents.design is not None:
-        section = contents.scenario.design or DesignSection()
-        for objective, name in zip(OBJECTIVES.values(), ("areal density", "thickness", "cost"), strict=True):
-            bound = getattr(section, objective.bound)
-            details += [f"{name} of at most {bound:g}{objective.unit}"] if bound is not None else []
-        additions = ((section.added_thickness_mm, "mm"), (section.added_areal_density_kg_m2, "kg/m²"))
-        if words := [f"{value:g} {unit}" for value, unit in additions if value]:
-            details.append(f"{' and '.join(words)} added for adhesive or cover")
+    for row in contents.check.requirements:
+        name, asked, _ = requirement_parts(row)
+        details.append(f"{name} of {asked}")
+    section = contents.scenario.design or DesignSection()
+    additions = ((section.added_thickness_mm, "mm"), (section.added_areal_density_kg_m2, "kg/m²"))
+    if words := [f"{value:g} {unit}" for value, unit in additions if value]:
+        details.append(f"{' and '.join(words)} added for adhesive or cover")
     return Card("Asked for", ", ".join(requirements) or "no probability", "; ".join(details))
 
 
@@ -273,7 +271,10 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Re
     exact = ("With exact inputs.",) if contents.sampled else ()
     notes = flow_stress_notes(threat.flow_stress, threat.threat)
     notes[:1] = [f"{answer.armour_words()} {note}" for note in notes[:1]]
-    yield ReportSection("Threats", tuple(notes), tables=(_threats(contents),))
+    tables = [_threats(contents)]
+    if len(design_view.requirements_of(contents.check)) > len(contents.threats):
+        tables.append(replace(design_view.requirement_table(contents.check), title="requirements"))
+    yield ReportSection("Threats", tuple(notes), tables=tuple(tables))
     yield ReportSection("What if", exact, tables=tuple(what_ifs))
     if design is not None:
         hint = ("This command makes an interactive page of all designs:",) if map_command else ()
@@ -294,19 +295,20 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Re
             "Results under uncertain inputs", pictures=(drawing_of(sampled),), tables=(table,), folded=True
         )
     yield _impact(contents)
-    elasticities = statistics_view.elasticity_table(contents.sensitivity)
-    drawing = drawing_of(contents.sensitivity, title="")
-    yield ReportSection(
-        "Sensitivity to the inputs", pictures=(drawing,), tables=(elasticities,), folded=True, drawn=True
-    )
-    tables = (
+    if contents.sensitivity is not None:
+        elasticities = statistics_view.elasticity_table(contents.sensitivity)
+        drawing = drawing_of(contents.sensitivity, title="")
+        yield ReportSection(
+            "Sensitivity to the inputs", pictures=(drawing,), tables=(elasticities,), folded=True, drawn=True
+        )
+    entry_tables = (
         replace(
             entry_table(entry, Column("quantity", prose=True), in_words),
             title=f"{entry.kind.capitalize()}: {entry.name}",
         )
         for entry in entries
     )
-    yield ReportSection("Values and their sources", tables=tuple(tables), folded=True)
+    yield ReportSection("Values and their sources", tables=tuple(entry_tables), folded=True)
     yield ReportSection("Scenario", code=scenario.to_toml(), language="toml", folded=True)
     yield origin_section(command, _which_armour(contents), contents.scenario)
 

@@ -4,10 +4,12 @@ from math import ceil, floor
 
 from armour.analysis.ballistic_limit import ConfidenceResult, NeededFlowStress, no_error
 from armour.design.check import CheckedThreat
+from armour.design.requirements import Requirement
 from armour.evidence.model_error import ModelError
 from armour.reporting.table import Column, Source, column_of
 from armour.reporting.text import interval, number, percent
 from armour.scenario.scenario import Scenario
+from armour.scenario.schema import OBJECTIVES
 
 BALLISTIC_LIMIT = column_of("ballistic_limit_m_s")
 STOPPING = Column("probability of stopping the projectile", prose=True)
@@ -36,6 +38,27 @@ def risk(probability: float) -> str:
 def rounded_down(number: float, decimals: int = 0) -> float:
     """Return a positive number rounded down, but for the error of the arithmetic."""
     return floor(round(number * 10**decimals, 9)) / 10**decimals
+
+
+def requirement_parts(row: Requirement) -> tuple[str, str, str]:
+    """Return what is required, how much of it, and what the armour has, in words."""
+    least, found = f"at least {row.required:g}", "unknown" if row.found is None else f"{row.found:.4g}"
+    if row.quantity == "margin_m_s":
+        return "margin by the model", f"at least {row.required:+g} m/s", f"{row.found or 0.0:+.0f} m/s"
+    if row.quantity == "probability_of_stopping":
+        low, high = row.interval or (0.0, 0.0)
+        sampled = f" ({100.0 * low:.1f} to {100.0 * high:.1f} %, sampled)" if row.interval else ""
+        return STOPPING.label, f"at least {percent(row.required)}", f"{chance(row.found)}{sampled}"
+    if row.quantity == "flow_stress_sources":
+        return "sources of the flow stress", least, found
+    column, unit = column_of(row.quantity), OBJECTIVES[row.quantity].unit
+    return column.label, f"at most {row.required:g}{unit}", found if row.found is None else f"{found}{unit}"
+
+
+def requirement_words(row: Requirement) -> str:
+    """Return what an armour has of what is required, such as "areal density 41.5 kg/m², at most 20 kg/m² allowed"."""
+    name, asked, found = requirement_parts(row)
+    return f"{name} {found}, {asked} {'allowed' if row.quantity in OBJECTIVES else 'required'}"
 
 
 def error_note(error: ModelError | None, scenario: Scenario | None) -> str:

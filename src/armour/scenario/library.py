@@ -342,6 +342,11 @@ class LibraryEntry:
         """Whether a static yield strength is taken for the dynamic one of a metal."""
         return DYNAMIC in self.derived
 
+    @property
+    def has_one_source(self) -> bool:
+        """Whether a single source gives the flow stress of a ceramic of which there are no own tests."""
+        return self.evidence is None and len(self.flow_stress_sources_GPa) == 1
+
     def content(self) -> dict[str, Any]:
         """Return the content that results depend on, as plain data: numbers, the evidence, and the other names."""
         return {

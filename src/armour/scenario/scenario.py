@@ -224,11 +224,33 @@ class Scenario(Section):
         fields["shear_law"] = SHEAR_LAWS[self.model.shear_perimeter]
         return Parameters(**fields)
 
-    def areal_density_kg_m2(self) -> float:
-        """Compute the areal density of the armour, kg/m²."""
+    def areal_density_kg_m2(self, *, added: bool = True) -> float:
+        """Compute the areal density of the armour, kg/m², by default with what the section ``design`` adds."""
         parameters = self.core_armour()
         ceramic, backing = self.armour.ceramic_thickness_mm * MM, self.armour.backing_thickness_mm * MM
-        return parameters.rho_c * ceramic + parameters.rho_B * backing
+        more = self.design.added_areal_density_kg_m2 if added and self.design else 0.0
+        return parameters.rho_c * ceramic + parameters.rho_B * backing + more
+
+    def thickness_mm(self) -> float:
+        """Return the thickness of the armour, mm, with what the section ``design`` adds."""
+        added = self.design.added_thickness_mm if self.design else 0.0
+        return self.armour.ceramic_thickness_mm + self.armour.backing_thickness_mm + added
+
+    def cost_per_m2(self) -> float | None:
+        """Return the cost of the armour, with what is added; None unless that of each layer is given."""
+        if self.design is None:
+            return None
+        total, armour, parameters = self.design.added_cost_per_m2, self.armour, self.core_armour()
+        for options, name, density, thickness in (
+            (self.design.ceramic, armour.ceramic, parameters.rho_c, armour.ceramic_thickness_mm),
+            (self.design.backing, armour.backing, parameters.rho_B, armour.backing_thickness_mm),
+        ):
+            layer = next((option for option in options if option.material == name and option.has_cost()), None)
+            if layer is not None:
+                total += layer.cost(density, thickness)
+            elif thickness > 0.0:
+                return None
+        return total
 
     def cosine(self) -> float:
         """Return the cosine of the obliquity."""

@@ -3,7 +3,7 @@
 import json
 from collections.abc import Iterator, Sequence
 from math import floor, inf
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import (
     AfterValidator,
@@ -24,7 +24,7 @@ from armour.errors import choices
 from armour.scenario.inputs import ERROR, INPUTS, THREAT, Kind
 from armour.scenario.library import THREAT_KEYS, LibraryTables, hint, named_threats
 from armour.scenario.sections import FREE_TAG, LIST_TAG, NOT_TINY, RANGE_TAG, Items, Section, above
-from armour.units import US
+from armour.units import MM, US
 
 # Greatest numbers of values on an axis and of designs on a grid; more are most likely a mistake.
 MAX_VALUES = 100_000
@@ -331,6 +331,14 @@ class Layer(Section):
     density_kg_m3: Annotated[float, Field(ge=100.0, le=30000.0)] | None = None
     """Density, in place of the library's."""
 
+    def has_cost(self) -> bool:
+        """Return whether a cost is given."""
+        return bool(self.model_fields_set & {"cost_per_kg", "cost_per_m2"})
+
+    def cost(self, density_kg_m3: float, thickness_mm: Any) -> Any:
+        """Return the cost per m² of the layer; nothing of one that is absent."""
+        return self.cost_per_kg * density_kg_m3 * thickness_mm * MM + self.cost_per_m2 * (thickness_mm > 0.0)
+
     def free_range(self, *, refine: bool = False) -> Range | FreeRange | None:
         """Return the continuous range of thicknesses, with `refine` also one with a step; None if there is none."""
         thickness = self.thickness_mm
@@ -363,6 +371,23 @@ class BackingLayer(Layer):
 
 
 Objective = Literal["areal_density_kg_m2", "thickness_mm", "cost_per_m2"]
+
+
+class ObjectiveWords(NamedTuple):
+    """A quantity to minimise: words for less and more of it, its unit, and the key of [design] that bounds it."""
+
+    least: str
+    less: str
+    more: str
+    unit: str
+    bound: str
+
+
+OBJECTIVES = {
+    "areal_density_kg_m2": ObjectiveWords("lightest", "lighter", "heavier", " kg/m²", "areal_density_max_kg_m2"),
+    "thickness_mm": ObjectiveWords("thinnest", "thinner", "thicker", " mm", "thickness_max_mm"),
+    "cost_per_m2": ObjectiveWords("cheapest", "cheaper", "dearer", " per m²", "cost_max_per_m2"),
+}
 Criterion = Literal[Objective, "margin_m_s"]
 
 
@@ -404,6 +429,12 @@ class DesignSection(Section):
     """Ceramics to choose from."""
     backing: Items[BackingLayer] = ()
     """Metals to choose from for the back plate."""
+
+    def bound(self, threat: "Threat") -> float | None:
+        """Return the greatest probability that a threat perforates; None if no probability is required."""
+        if threat.probability_of_perforation is not None or self.confidence is None:
+            return threat.probability_of_perforation
+        return 1.0 - self.confidence
 
 
 # Wide bounds that keep the arithmetic from overflowing.

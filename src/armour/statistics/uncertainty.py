@@ -12,6 +12,7 @@ from scipy.special import ndtri
 
 from armour.analysis.ballistic_limit import model_error
 from armour.analysis.estimates import CONFIDENCE, Estimate, jackknife, mean_of_replicates, proportion_of_replicates
+from armour.analysis.perforation import probability_of_perforation
 from armour.analysis.results import OnProgress, TableResult, ignore_progress, portions
 from armour.analysis.samples import (
     REPLICATES,
@@ -28,7 +29,7 @@ from armour.analysis.samples import (
     sampled,
     section_of,
 )
-from armour.analysis.variants import Bools, Floats, ballistic_limits, perforated
+from armour.analysis.variants import Bools, Floats, ballistic_limits
 from armour.errors import NoLimitError, Note
 from armour.evidence.model_error import Errors, ModelError
 from armour.evidence.tests import scenario_warnings
@@ -250,8 +251,7 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
     def on_samples(count: int) -> None:
         on_progress(count, total)
 
-    computed = [(perforated(s.variants), sample_limits(s)) for s in _in_portions(scenario, points, on_samples)]
-    hits, limits = map(np.concatenate, zip(*computed, strict=True))
+    limits = np.concatenate([sample_limits(samples) for samples in _in_portions(scenario, points, on_samples)])
     deterministic = float(sample_limits(sampled(scenario, {}, 1))[0])
     error = model_error(scenario, deterministic)
     mean = mean_of_replicates(np.array([part.mean() for part in np.array_split(limits, REPLICATES)]))
@@ -260,7 +260,7 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         seed=section.seed,
         method=section.method,
         confidence=CONFIDENCE,
-        probability_of_perforation=_share(hits),
+        probability_of_perforation=probability_of_perforation(scenario),
         ballistic_limit_m_s={name: quantile(limits, probability) for name, probability in QUANTILES.items()},
         mean_m_s=mean.value,
         mean_interval_m_s=(mean.low, mean.high),
@@ -276,13 +276,6 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         ),
         model_error=error,
     ).of(scenario.subject(), scenario=scenario)
-
-
-def probability_of_perforation(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> Estimate:
-    """Estimate the probability of perforation alone, as `uncertainty` does."""
-    section = section_of(scenario)
-    parts = _in_portions(scenario, points_of(section), lambda count: on_progress(count, section.samples))
-    return _share(np.concatenate([perforated(samples.variants) for samples in parts]))
 
 
 def _misplaced(section: Uncertainty, values: Mapping[str, float]) -> Iterator[Note]:

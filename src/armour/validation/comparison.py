@@ -193,4 +193,6 @@ def _tests_in_words(cases: Sequence[Case]) -> str:
 def _rule(cases: Sequence[Case], p: float | None, scenario: Scenario) -> RuleResult:
     """Return the limit of a scenario's armour by the rule that is fitted to tests, with p or with a fitted exponent."""
     rule = fit_areal_density_rule(areal_densities(cases), measured_limits(cases), p)
-    return RuleResult(rule.k, rule.p, p is None, rule.limit(scenario.areal_density_kg_m2() / scenario.cosine()))
+    return RuleResult(
+        rule.k, rule.p, p is None, rule.limit(scenario.areal_density_kg_m2(added=False) / scenario.cosine())
+    )

@@ -259,7 +259,7 @@ def florence_result(scenario: Scenario, body: Body, on_progress: OnProgress) -> 
     mass_g, diameter_mm = mass_and_diameter(scenario, body)
     m, r, plates = _in_symbols(scenario, body)
     cosine = scenario.cosine()
-    h1, h2 = florence_split(m, r, plates.rho1, plates.rho2, scenario.areal_density_kg_m2() / cosine)
+    h1, h2 = florence_split(m, r, plates.rho1, plates.rho2, scenario.areal_density_kg_m2(added=False) / cosine)
     best_mm = h1 * cosine / MM, h2 * cosine / MM
     best = scenario.replaced(dict(zip(LAYERS, best_mm, strict=True)))
     try:

@@ -126,7 +126,7 @@ def _rules(cases: Sequence[Case]) -> Iterator[Error]:
 
 def areal_densities(cases: Sequence[Case]) -> Floats:
     """Return the areal densities of cases along the line of fire, kg/m²."""
-    return np.array([case.scenario.areal_density_kg_m2() / case.scenario.cosine() for case in cases])
+    return np.array([case.scenario.areal_density_kg_m2(added=False) / case.scenario.cosine() for case in cases])
 
 
 def measured_limits(cases: Sequence[Case]) -> Floats:

@@ -19,12 +19,13 @@ from armour.design.map import (
     thicknesses_tested,
     with_known_edges,
 )
-from armour.design.optimise import OBJECTIVES, Design, DesignResult
+from armour.design.optimise import Design, DesignResult
 from armour.reporting.pictures import drawing
 from armour.reporting.table import grouped, in_words
 from armour.reporting.text import percent
 from armour.reporting.views import design as view
 from armour.reporting.words import chance
+from armour.scenario.schema import OBJECTIVES
 
 # Largest numbers of pairs of materials that are shown as points and as lines; nodes of the grid along an axis; largest
 # number of designs on offer that are shown as dots.
@@ -157,12 +158,13 @@ class _Map:
         largest = max((level for level in self.confidences if level is not None), default=USUAL)
         even = self.surely_m_s([0.5] * len(self.confidences))
         required = self.surely_m_s([largest if level is None else level for level in self.confidences])
-        required_m_s = np.array([threat.required_m_s for threat in self.catalogue.threats])
-        above_m_s = (self.grid.limits_m_s - required_m_s).min(axis=-1)
+        margins_m_s = self.catalogue.margins_m_s
+        above_m_s = self.grid.limits_m_s - self.catalogue.velocities_m_s - margins_m_s
         label = f"stopped in {percent(largest)} of cases or more"
         margin = view.required_margins(self.catalogue.scenario)
         if any(self.confidences):
-            required = np.minimum(required, above_m_s)
+            limited = (margins_m_s > 0.0) | [level is None for level in self.confidences]
+            required = np.minimum(required, np.where(limited, above_m_s, np.inf).min(axis=-1))
             if len(set(self.confidences)) > 1 or margin:
                 label = "meets the requirements"
         often = "perforated more often than not"
@@ -172,7 +174,7 @@ class _Map:
         ]
         if not any(self.confidences):
             label = f"ballistic limit by the model = velocity{' + margin' if margin else ''}"
-            frontiers.append(_Frontier(above_m_s, {"color": drawing.INK, "linestyle": "-"}, None, label))
+            frontiers.append(_Frontier(above_m_s.min(axis=-1), {"color": drawing.INK, "linestyle": "-"}, None, label))
         return [frontier for frontier in frontiers if not np.isnan(frontier.values).all()]
 
     def draw(self, axes: Axes) -> None:
@@ -237,10 +239,12 @@ class _Map:
             return
         offered = np.searchsorted(x, offer.thicknesses())
         least = limits if ends is None else ends[0]
-        stops = least >= self.catalogue.threats[threat].required_m_s
+        of_threat = self.catalogue.threats[threat]
+        stops = least >= of_threat.required_m_s
         if (confidence := self.confidences[threat]) is not None:
             sure = self.grid.stopped_with(confidence)[..., threat].ravel()
-            stops &= np.isnan(sure) | (sure >= self.catalogue.threats[threat].velocity_m_s)
+            decided = ~np.isnan(sure) & (of_threat.margin_m_s == 0.0)
+            stops = (stops | decided) & (np.isnan(sure) | (sure >= of_threat.velocity_m_s))
         for filled in (True, False):
             places = [place for place in offered.tolist() if stops[place] == filled]
             words = [f"{x[place]:g} mm: limit by the model {limits[place]:.0f} m/s" for place in places]

@@ -114,7 +114,9 @@ const isKnown = (pair, k) => !pair.unknown[k];
 const light = (pair, k) => pair.areal[k] <= state.most + 1e-9;
 // A float of 32 bits is right to 1e-4 m/s.
 const stops = (pair, k, t, z) =>
-  pair.limits[k * T + t] >= required(t) - 1e-4 && (z === null || scored(pair, k, t) >= z - 1e-6);
+  (!limited(t, z) || pair.limits[k * T + t] >= required(t) - 1e-4) && (z === null || scored(pair, k, t) >= z - 1e-6);
+// Whether the computed limit decides: where a margin or no probability is asked for.
+const limited = (t, z) => z === null || threats[t].margin > 0;
 
 // Lightest design on offer that does what is asked: one of which the probability is known if there is one.
 function lightest(pair, asked = wanted()) {
@@ -152,8 +154,8 @@ function answer(pair) {
 }
 // What the limit lacks to the one that is asked for, m/s.
 function lack(pair, k, t) {
-  const z = wanted()[t], d = k * T + t, sure = z === null || isNaN(scored(pair, k, t)) ? Infinity : stopped(pair, d, z);
-  return max(required(t) - pair.limits[d], state.velocities[t] - sure);
+  const d = k * T + t, z = isNaN(scored(pair, k, t)) ? null : wanted()[t], sure = z === null ? Infinity : stopped(pair, d, z);
+  return max(limited(t, z) ? required(t) - pair.limits[d] : -Infinity, state.velocities[t] - sure);
 }
 const even = pair => pair.designs.find(k => light(pair, k) && threats.every((_, t) => scored(pair, k, t) >= 0)) ?? null;
 
@@ -172,13 +174,13 @@ function curve(pair, xs, reach) {
 function overConfidence(pair, xs) {
   const asked = wanted().map((z, t) => (threats[t].own === null ? null : z)), none = lightest(pair, asked);
   const ys = curve(pair, xs.map(x => scoreOf(x / 100)), k =>
-    asked.every((z, t) => stops(pair, k, t, z)) ? threats.reduce((least, { own }, t) => (own === null ? min(least, scored(pair, k, t)) : least), Infinity) + 1e-6 : NaN);
+    asked.every((z, t) => (z === null && !limited(t, 0)) || stops(pair, k, t, z)) ? threats.reduce((least, { own }, t) => (own === null ? min(least, scored(pair, k, t)) : least), Infinity) + 1e-6 : NaN);
   return [none === null ? Infinity : pair.areal[none], ...ys.slice(1)];
 }
 function overVelocity(pair, t, xs) {
   const asked = wanted(), fast = asked[t] !== null && sure(pair, t, asked[t]);
   return curve(pair, xs, k =>
-    asked.every((z, i) => i === t || stops(pair, k, i, z)) ? min(pair.limits[k * T + t] - threats[t].margin, fast ? fast[k] : Infinity) + 1e-4 : NaN);
+    asked.every((z, i) => i === t || stops(pair, k, i, z)) ? min(limited(t, asked[t]) ? pair.limits[k * T + t] - threats[t].margin : Infinity, fast ? fast[k] : Infinity) + 1e-4 : NaN);
 }
 
 // Velocities stopped, as asked for or with an even chance, less those of one threat or all, m/s.
@@ -189,7 +191,7 @@ function reserve(pair, asked, only) {
     const v = state.velocities[t], z = asked ? asked[t] : 0, values = z === null ? null : sure(pair, t, z);
     for (let k = 0; k < least.length; k++) {
       if (values) least[k] = min(least[k], values[k] - v);
-      if (asked) least[k] = min(least[k], pair.limits[k * T + t] - v - threats[t].margin);
+      if (asked && limited(t, z)) least[k] = min(least[k], pair.limits[k * T + t] - v - threats[t].margin);
     }
   }
   return least;
@@ -244,7 +246,7 @@ function headline(pair, { k, reason }) {
   if (k === null) return `No ${pair.name} is on offer within the limits of the scenario.`;
   const named = `${armour(pair, k)}, ${areal(pair.areal[k])} kg/m²,`, lead = `${named} is the lightest`;
   if (reason === "none passes") {
-    const lacks = threats.map((_, t) => [lack(pair, k, t), t]).filter(([by]) => by > 0).map(([by, t]) => `${Math.ceil(by)} m/s against ${threats[t].name}`);
+    const lacks = threats.map((_, t) => [lack(pair, k, t), t]).filter(([by]) => by > 0).map(([by, t]) => `${round(by) || "less than 1"} m/s against ${threats[t].name}`);
     const over = light(pair, k) ? [] : [`${areal(pair.areal[k] - state.most)} kg/m² too much`];
     return `None passes: the nearest, ${named} lacks ${listed([...lacks, ...over])}.`;
   }

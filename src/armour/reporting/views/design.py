@@ -6,7 +6,8 @@ from math import inf
 from xml.etree.ElementTree import Element
 
 from armour.design.check import CheckedThreat, CheckResult, WhatIf
-from armour.design.optimise import OBJECTIVES, BestDesign, Design, DesignResult, Pair, armour_in_words
+from armour.design.optimise import BestDesign, Design, DesignResult, Pair, armour_in_words
+from armour.design.requirements import Requirement
 from armour.errors import counted, joined
 from armour.reporting.junit import TestCase, junit_suite
 from armour.reporting.table import Column, Source, Table, column_of, csv_text, listing, record
@@ -18,10 +19,13 @@ from armour.reporting.words import (
     chance,
     error_note,
     flow_stress_notes,
+    requirement_parts,
+    requirement_words,
     risk,
     with_error,
 )
 from armour.scenario.scenario import Scenario
+from armour.scenario.schema import OBJECTIVES
 
 # Probability of stopping the projectile below which the notes say how to ask for more, and how.
 LOW, ASK = 0.75, "--confidence 0.95 designs for 95 %"
@@ -38,6 +42,7 @@ GOVERNED_BY = Column("governed by", prose=True)
 MARGIN_BY_MODEL = column_of("margin_m_s", "+.0f", "margin by the model")
 REQUIRED = Column("required margin", "m/s", "+.0f")
 TESTS = Column("tests", key="untested")
+SOURCES = "flow_stress_sources"
 
 
 def required_margins(scenario: Scenario | None) -> dict[str, float]:
@@ -82,12 +87,18 @@ def design_verdict(result: DesignResult) -> list[Table | str]:
         least = OBJECTIVES[result.minimised].least
         words = f"not known: {armour} is the {least} that stops {threats} by the computed limit"
         return [VerdictLine(words, good=False), *notes, result.explanation]
-    short = ", ".join(f"{short:.0f} m/s against {threat}" for threat, short in nearest.short_m_s.items() if short)
-    lacking = "; ".join(filter(None, (short, *_excesses(nearest))))
+    short = ", ".join(f"{_short(short)} m/s against {threat}" for threat, short in nearest.short_m_s.items() if short)
+    unmet = [row for row in nearest.requirements if row.interval and row.verdict != "passes"]
+    lacking = "; ".join(filter(None, (short, *map(requirement_words, unmet), *_excesses(nearest))))
     explanation = result.explanation
     if unlimited is not None and unlimited.exceeds:
         explanation = f"{armour_in_words(unlimited)} would stop {threats}, but has {'; '.join(_excesses(unlimited))}"
     return [VerdictLine(f"none passes: the nearest, {armour}, lacks {lacking}", good=False), explanation, *notes]
+
+
+def _short(short_m_s: float) -> str:
+    """Format a shortfall, such as "44"; never 0."""
+    return f"{short_m_s:.0f}" if short_m_s >= 0.5 else "less than 1"
 
 
 def _excesses(design: BestDesign) -> list[str]:
@@ -309,7 +320,7 @@ INTERVAL = Column("95 % interval", "m/s", prose=True)
 LIMIT = column_of("ballistic_limit_m_s", label="limit")
 MARGIN = column_of("margin_m_s", "+.0f")
 # Words of the verdicts, of which one that is overlooked does harm.
-VERDICTS = {"passes": "passes", "fails": "FAILS", "not known": "not known"}
+VERDICTS = {"passes": "passes", "not known": "not known", "fails": "FAILS"}
 
 
 def verdict(threat: CheckedThreat) -> str:
@@ -319,22 +330,45 @@ def verdict(threat: CheckedThreat) -> str:
 
 def required(threat: CheckedThreat) -> str:
     """Return what is required of an armour against a threat."""
-    if threat.required_probability is not None:
-        return f"at least {percent(threat.required_probability)}"
     margin = f" and a margin of {threat.required_margin_m_s:g} m/s" if threat.required_margin_m_s else ""
+    if threat.required_probability is not None:
+        return f"at least {percent(threat.required_probability)}{margin}"
     return f"{threat.velocity_m_s:g} m/s{margin}"
 
 
 def finding(threat: CheckedThreat) -> str:
-    """Return the probability or the ballistic limit of an armour against a threat, and the required one."""
-    limit = threat.ballistic_limit_m_s
+    """Return the probability or the ballistic limit of an armour against a threat, and what is required of it."""
+    limit, needed = threat.ballistic_limit_m_s, threat.velocity_m_s + threat.required_margin_m_s
     by_model = "no ballistic limit found" if limit is None else f"ballistic limit by the model {limit:.0f} m/s"
-    probability = chance(threat.probability_of_stopping, threat.model_error)
+    rows = sorted(threat.requirements, key=lambda row: list(VERDICTS).index(row.verdict), reverse=True)
+    words = [requirement_words(row) for row in rows]
     if threat.required_probability is None:
-        return f"{by_model}, {required(threat)} required; probability {probability}"
-    words = f"{STOPPING.label} {probability}, {required(threat)} required"
-    needed = threat.velocity_m_s + threat.required_margin_m_s
-    return words if threat.probability_of_stopping is not None else f"{words}; {by_model}, {needed:g} m/s required"
+        probability = chance(threat.probability_of_stopping, threat.model_error)
+        words = [requirement_words(row) for row in rows if row.quantity == SOURCES]
+        words.insert(0, f"{by_model}, {required(threat)} required; probability {probability}")
+    elif threat.probability_of_stopping is None:
+        words.append(f"{by_model}, {needed:g} m/s required")
+    failing = [row.quantity for row in rows if row.verdict == "fails"]
+    if limit is not None and limit >= needed and "margin_m_s" in failing:
+        words.append(f"perforated at {needed:g} m/s, within the tolerance of the limit")
+    return "; ".join(words)
+
+
+def requirement_table(result: CheckResult) -> Table:
+    """Return all that is required of an armour, and what it has."""
+    return listing(
+        requirements_of(result),
+        (Column("required", prose=True), lambda row: requirement_parts(row)[0]),
+        (Column("against", prose=True), lambda row: row.threat if len(result.threats) > 1 else ""),
+        (Column("asked for"), lambda row: requirement_parts(row)[1]),
+        (Column("found"), lambda row: requirement_parts(row)[2]),
+        (Column("verdict"), lambda row: VERDICTS[row.verdict]),
+    )
+
+
+def requirements_of(result: CheckResult) -> list[Requirement]:
+    """Return all that is required of an armour."""
+    return [row for threat in result.threats for row in threat.requirements] + list(result.requirements)
 
 
 def threat_table(result: CheckResult) -> Table:
@@ -373,17 +407,18 @@ def _margin(what_if: WhatIf) -> float | None:
 
 
 def outcome(result: CheckResult) -> str:
-    """Return whether an armour passes against all threats, or against which it does not."""
+    """Return whether an armour meets all that is required of it, or what it does not meet."""
+    unmet = [row for row in result.requirements if row.verdict != "passes"]
+    words = [*map(requirement_words, sorted(unmet, key=lambda row: row.verdict != "fails"))]
     if len(result.threats) == 1:
-        return f"{verdict(result.threats[0])}: {finding(result.threats[0])}"
+        return f"{VERDICTS[result.verdict]}: {'; '.join([*words, finding(result.threats[0])])}"
     if result.verdict == "passes":
         by_model = all(threat.required_probability is None for threat in result.threats)
         return f"passes against every threat{' by the computed limit' if by_model else ''}"
-    words = []
-    for missed in ("fails", "not known"):
+    for missed in ("not known", "fails"):
         if names := [threat.threat for threat in result.threats if threat.verdict == missed]:
-            words.append(f"{VERDICTS[missed]} against {joined(names)}")
-    return "; ".join(words)
+            words.insert(0, f"{VERDICTS[missed]} against {joined(names)}")
+    return "; ".join([f"{VERDICTS[result.verdict]}: {words[0]}", *words[1:]] if len(words) == len(unmet) else words)
 
 
 def standing(threat: CheckedThreat) -> tuple[int, float]:
@@ -402,11 +437,14 @@ def tables_of_check(result: CheckResult) -> list[Table | str]:
     """Return the verdict, the threats, and what changes do against the one most likely to perforate, or each."""
     several = len(result.threats) > 1
     shown: list[Table | str] = [VerdictLine(outcome(result), good=result.verdict == "passes"), threat_table(result)]
+    if len(requirements_of(result)) > len(result.threats):
+        shown.append(requirement_table(result))
     explained = result.threats if result.question.get("every_row") else (min(result.threats, key=standing),)
     for threat in explained:
         against = f"against {threat.threat}"
         shown += [f"{against}: {note}" if several else note for note in basis_notes(threat)]
-        shown += what_if_tables(threat, f"with a change, {against}" if several else "with a change")
+        exact = ", with exact inputs" if threat.sampled else ""
+        shown += what_if_tables(threat, f"with a change{exact}{f', {against}' if several else ''}")
     if len(explained) < len(result.threats):
         shown.append("changes against the other threats with -v")
     return shown
@@ -422,13 +460,15 @@ def check_summary(results: Mapping[str, CheckResult]) -> VerdictLine:
 
 
 def check_junit(result: CheckResult, file: str, seconds: float, origin: Mapping[str, str]) -> Element:
-    """Return the check of a file's scenario as a test suite: a test case for every threat.
+    """Return the check of a file's scenario as a test suite: a test case for every threat and limit of [design].
 
     The first one has the time, in seconds, of all of them.
     """
+    parts = [(threat.threat, threat.verdict, finding(threat)) for threat in result.threats]
+    parts += [(column_of(row.quantity).label, row.verdict, requirement_words(row)) for row in result.requirements]
     cases: list[TestCase] = []
-    for threat in result.threats:
-        kind = "" if threat.verdict == "passes" else "failure"
+    for title, found, words in parts:
+        kind = "" if found == "passes" else "failure"
         took = None if cases else seconds
-        cases.append(TestCase(file, threat.threat, kind, f"{verdict(threat)}: {finding(threat)}", took))
+        cases.append(TestCase(file, title, kind, f"{VERDICTS[found]}: {words}", took))
     return junit_suite(" ".join(result.heading()[:1]), cases, seconds, origin)

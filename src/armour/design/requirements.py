@@ -1,0 +1,118 @@
+"""What is required of an armour, and whether it is met: the list that every command and page goes by."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from armour.analysis.estimates import Estimate
+from armour.scenario.library import LibraryEntry
+from armour.scenario.schema import OBJECTIVES, DesignSection, Threat
+
+Verdict = Literal["passes", "fails", "not known"]
+# Largest relative excess that is rounding.
+ROUNDING = 1e-12
+# Least number of sources of a flow stress on which a verdict is based.
+SOURCES = 2
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """What is required of an armour, and what it has.
+
+    Attributes
+    ----------
+    quantity : str
+        "margin_m_s", "probability_of_stopping", "flow_stress_sources", or a key of a design such as "thickness_mm".
+    threat : str
+        The threat that it is about; empty if it is about none.
+    required : float
+        The least margin, probability or number of sources, or the greatest areal density, thickness or cost.
+    found : float or None
+        What the armour has; None if that is not known.
+    verdict : {"passes", "fails", "not known"}
+    interval : tuple of float or None
+        95 % interval of a probability that is sampled.
+    """
+
+    quantity: str
+    threat: str
+    required: float
+    found: float | None
+    verdict: Verdict
+    interval: tuple[float, float] | None = None
+
+
+def verdict_of(verdicts: Iterable[Verdict]) -> Verdict:
+    """Return the verdict on an armour, given those on all that is required of it."""
+    found = set(verdicts)
+    return "fails" if "fails" in found else "not known" if "not known" in found else "passes"
+
+
+def against_threat(
+    threat: Threat,
+    section: DesignSection,
+    limit_m_s: float,
+    probability: float | None,
+    sampled: Estimate | None,
+    ceramic: LibraryEntry | None,
+    *,
+    stops: bool,
+    tolerance_m_s: float,
+) -> Iterator[Requirement]:
+    """Yield what is required of an armour against a threat.
+
+    A margin is required where the scenario gives one, and of at least 0 where it requires no probability.  A
+    probability that is not known fails where the ballistic limit by the model is too low.
+
+    Parameters
+    ----------
+    threat : Threat
+    section : DesignSection
+        Gives the probability that is required of all threats.
+    limit_m_s : float
+        Ballistic limit by the model, m/s.
+    probability : float or None
+        Probability that the armour stops the projectile; None if it is not known.
+    sampled : Estimate or None
+        Probability of perforation where uncertain inputs are sampled.
+    ceramic : LibraryEntry or None
+        If a single source gives its flow stress, it is not known whether the armour stops the threat.
+    stops : bool
+        Whether the armour stops the projectile, by the model, at the velocity plus the margin.
+    tolerance_m_s : float
+        Tolerance of the limit: the projectile may perforate within it.
+    """
+    bound, margin_m_s = section.bound(threat), limit_m_s - threat.velocity_m_s
+    if margin_m_s >= threat.margin_m_s and not stops:
+        margin_m_s -= tolerance_m_s
+    reaches = margin_m_s >= threat.margin_m_s
+    if threat.margin_m_s > 0.0 or bound is None:
+        verdict: Verdict = "passes" if reaches else "fails"
+        yield Requirement("margin_m_s", threat.title, threat.margin_m_s, margin_m_s, verdict)
+    if ceramic is not None and ceramic.has_one_source:
+        yield Requirement("flow_stress_sources", threat.title, SOURCES, 1.0, "not known")
+    if bound is None:
+        return
+    interval = None
+    if sampled is not None:
+        verdict = "passes" if sampled.high <= bound else "fails" if sampled.low > bound else "not known"
+        interval = (1.0 - sampled.high, 1.0 - sampled.low)
+    elif probability is not None:
+        verdict = "passes" if probability >= 1.0 - bound else "fails"
+    else:
+        verdict = "not known" if reaches else "fails"
+    yield Requirement("probability_of_stopping", threat.title, 1.0 - bound, probability, verdict, interval)
+
+
+def of_armour(section: DesignSection, amounts: Mapping[str, float | None]) -> Iterator[Requirement]:
+    """Yield what is required of an armour whatever the threat: the limits of the section ``design``.
+
+    The amounts are areal density, kg/m², thickness, mm, and cost per m², by key; None if one is not known.
+    """
+    for key, words in OBJECTIVES.items():
+        most, found = getattr(section, words.bound), amounts[key]
+        if most is not None:
+            verdict: Verdict = "not known"
+            if found is not None:
+                verdict = "passes" if found <= most * (1.0 + ROUNDING) else "fails"
+            yield Requirement(key, "", most, found, verdict)
