@@ -20,6 +20,7 @@ from .design.optimise import Design as Design
 from .design.optimise import DesignResult as DesignResult
 from .design.optimise import Pair as Pair
 from .design.optimise import optimise as optimise
+from .design.requirements import Requirement as Requirement
 from .errors import ArmourError as ArmourError
 from .errors import InputError as InputError
 from .errors import NoAnswerError as NoAnswerError

@@ -81,7 +81,7 @@ def test_a_confidence_and_the_command_of_the_map(cli, folder: Path):
     assert f"\n{command}\n" in page
     assert cli(*command.split()[1:]).exit_code == 0
     assert cli("report", "wilkins", "-o", "w.md", "--as-is", "--confidence", "0.9").exit_code == 0
-    assert "\nDoes not meet the requirements against 7.62 mm AP at 800 m/s.\n" in (folder / "w.md").read_text()
+    assert "\nDoes not meet the requirements against 7.62 mm AP at 800 m/s: " in (folder / "w.md").read_text()
 
 
 def test_changes_and_standard_input(cli, folder: Path):

@@ -16,7 +16,7 @@ from armour.evidence.model_error import NO_TEST
 from armour.reporting.formats import markdown_report
 from armour.reporting.report import Report, ReportSection
 from armour.reporting.scenario_report import Contents, contents_of, scenario_report
-from armour.reporting.views.design import AREAL_DENSITY, COST, frontier_table
+from armour.reporting.views.design import AREAL_DENSITY, COST
 from armour.reporting.words import SAMPLED_ALONE, chance, from_tests
 from armour.scenario.scenario import load_scenario
 from armour.statistics.uncertainty import uncertainty
@@ -91,8 +91,8 @@ def test_a_density_on_offer_is_the_answers():
     )
     found = contents_of(case)
     assert found.design is not None
-    added = case.design.added_areal_density_kg_m2 if case.design is not None else 0.0
-    assert found.impact.areal_density_kg_m2 + added == pytest.approx(best_of(found.design).areal_density_kg_m2)
+    assert found.impact.areal_density_kg_m2 == pytest.approx(best_of(found.design).areal_density_kg_m2)
+    assert found.check.cost_per_m2 == pytest.approx(best_of(found.design).cost_per_m2)
 
 
 def test_a_distribution_about_another_value_than_the_designs_is_left_out():
@@ -129,7 +129,7 @@ def test_a_threat_that_a_distribution_does_not_fit_keeps_exact_inputs():
     found = uncertain(max=700.0)
     assert found.sampled == ()
     assert found.threats == found.check.threats
-    assert sum("no sampled probability of perforation" in warning for warning in found.warnings) == 2
+    assert sum("inputs are taken as exact" in warning for warning in found.warnings) == 2
     mixed = section(replace(found, sampled=(found.threats[0].threat,)), "Threats").tables[0]
     assert [row[headings(mixed).index("inputs")] for row in mixed.texts()] == ["distributions", "exact"]
 
@@ -138,6 +138,9 @@ SAMPLED = {
     "samples": 128,
     "impact": {"velocity_m_s": {"distribution": "normal", "standard_deviation": 10.0}},
 }
+
+
+STOPPING = "probability of stopping the projectile"
 
 
 @cache
@@ -197,8 +200,16 @@ def test_the_title_is_the_armour_reported_with_the_scenarios_beside_it():
         ([(0.07, None)], None, ""),
         ([(0.96, 0.95)], True, "Meets the requirements."),
         ([(0.96, 0.95), (0.97, 0.95)], True, "Meets the requirements against every threat."),
-        ([(0.5, 0.95), (0.97, 0.95)], False, f"Does not meet the requirements against {THREAT}."),
-        ([(None, 0.95), (0.97, 0.95)], False, f"Not known to meet the requirements against {THREAT}."),
+        (
+            [(0.5, 0.95), (0.97, 0.95)],
+            False,
+            f"Does not meet the requirements against {THREAT}: {STOPPING} 50 %, at least 95 % required.",
+        ),
+        (
+            [(None, 0.95), (0.97, 0.95)],
+            False,
+            f"Not known to meet the requirements against {THREAT}: {STOPPING} unknown, at least 95 % required.",
+        ),
         ([(None, None)], None, ""),
     ],
 )
@@ -262,14 +273,15 @@ def test_a_threat_of_an_unknown_probability():
 
 
 def test_the_answer_with_a_design():
-    one = statements(designed(design_result()))
-    # The table's digits.
-    _, best, _ = frontier_table(design_result()).texts()
-    assert one["Lightest design"][1].startswith(f"{best[2]} kg/m², ")
-    assert one["Lightest design"][1].endswith(f", cost {COST.text(100.0)} per m²")
-    detail = one["Probability of stopping the projectile"][1]
+    found = contents("catalogue")
+    assert found.design is not None
+    best = best_of(found.design)
+    areal_density, cost = AREAL_DENSITY.text(best.areal_density_kg_m2), COST.text(best.cost_per_m2)
+    words = f"{areal_density} kg/m², 16.5 mm thick, cost {cost} per m²"
+    assert statements(found)["Lightest design"][1] == words
+    detail = statements(designed(design_result()))["Probability of stopping the projectile"][1]
     assert detail.startswith(f"against {THREAT}, the most likely of 2 threats to perforate; ")
-    asks = statements(contents("catalogue"))["Asked for"]
+    asks = statements(found)["Asked for"]
     assert asks[0] == "margin of 20 m/s"
     assert asks[1].startswith("--confidence 0.95 asks for a probability of 95 %; thickness of at most 20 mm; ")
 

@@ -180,8 +180,9 @@ def _verdict(contents: Contents) -> tuple[bool | None, str]:
         return True, f"Meets the requirements{' against every threat' if len(contents.threats) > 1 else ''}."
     words = "Does not meet" if contents.check.verdict == "fails" else "Not known to meet"
     rows = [row for row in design_view.requirements_of(contents.check) if row.verdict == contents.check.verdict]
-    unmet = [f"{requirement_words(row)}{f', against {row.threat}' if row.threat else ''}" for row in rows]
-    return False, f"{words} the requirements: {'; '.join(unmet)}."
+    names = list(dict.fromkeys(row.threat for row in rows if row.threat))
+    against = f" against {' and '.join(names)}" if names else ""
+    return False, f"{words} the requirements{against}: {'; '.join(map(requirement_words, rows))}."
 
 
 def _probability(contents: Contents) -> Card:
