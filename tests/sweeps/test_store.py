@@ -302,5 +302,5 @@ def test_parquet_without_pyarrow_says_what_to_install(monkeypatch: pytest.Monkey
     for name in ("pyarrow", "pyarrow.parquet"):
         monkeypatch.setitem(sys.modules, name, None)
     assert is_csv(Path("a.CSV"))
-    with pytest.raises(InputError, match=r"a\.parquet: needs pyarrow; pip install 'armour\[parquet\]', or write \.csv"):
+    with pytest.raises(InputError, match=r'a\.parquet: needs pyarrow; pip install "pyarrow>=17", or write \.csv'):
         is_csv(Path("a.parquet"))

@@ -267,7 +267,7 @@ def is_csv(path: Path) -> bool:
     try:
         import pyarrow.parquet  # noqa: F401
     except ImportError:
-        raise mistake("sweep", str(path), "needs pyarrow; pip install 'armour[parquet]', or write .csv") from None
+        raise mistake("sweep", str(path), 'needs pyarrow; pip install "pyarrow>=17", or write .csv') from None
     return False
 
 
