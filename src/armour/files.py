@@ -264,3 +264,10 @@ def make_private(folder: Path) -> bool:
     status = folder.lstat()
     is_own = not hasattr(os, "geteuid") or (status.st_uid == os.geteuid() and not status.st_mode & 0o022)
     return stat.S_ISDIR(status.st_mode) and is_own
+
+
+def is_trusted(path: Path) -> bool:
+    """Return whether only this user and root can have written a folder or a file, which is no link."""
+    status = path.lstat()
+    is_own = not hasattr(os, "geteuid") or (status.st_uid in (os.geteuid(), 0) and not status.st_mode & 0o022)
+    return is_own and not stat.S_ISLNK(status.st_mode)
