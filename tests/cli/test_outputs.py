@@ -77,6 +77,9 @@ def test_a_file_that_cannot_be_written_is_told_after_the_answer(cli, own: Path, 
         ("v50 {shots} own.toml --plot link.svg", "link.svg"),
         ("v50 hard.svg own.toml --plot hard.svg", "hard.svg"),
         ("sweep own.toml --cases link.csv -o link.csv", "link.csv"),
+        ("sweep own.toml --over impact.velocity_m_s=800 -o link.csv", "link.csv"),
+        ("report own.toml -o lib.toml", "lib.toml"),
+        ("report suite.toml -o lib.toml", "lib.toml"),
         ("plan tests own.toml --candidates link.csv --csv link.csv", "link.csv"),
     ],
 )
@@ -87,6 +90,14 @@ def test_nothing_that_is_read_is_written_over(cli, own: Path, command: str, read
     before = contents(own)
     words = shlex.split(f"{command} --force".format(tests=SCENARIOS / "tests" / "wilkins.csv", shots=SHOTS))
     assert cli.fails(2, *words) == [f"{read}: must not be the file that is read; choose another name"]
+    assert contents(own) == before
+
+
+def test_a_file_with_a_mistake_is_not_written_over(cli, own: Path):
+    (own / "lib.toml").write_text(LIBRARY.replace("based_on", "basis"))
+    before = contents(own)
+    told = cli.fails(2, "check", ".", "--junit", "lib.toml", "--force")
+    assert any('lib.toml: ceramic."AD85, own".basis: unknown key' in line for line in told)
     assert contents(own) == before
 
 

@@ -24,7 +24,7 @@ from armour.scenario.checked import checked
 from armour.scenario.effect import check_columns, check_effect
 from armour.scenario.inputs import ROUND_AND_ARMOUR
 from armour.scenario.keys import KeyPath, canonical, describe, key_name, parts_of, values_by_key
-from armour.scenario.scenario import Scenario, parse_changed
+from armour.scenario.scenario import Scenario, files_of, parse_changed
 from armour.scenario.sections import LIST_TAG, RANGE_TAG, NumberOrText, Section, validated
 from armour.statistics.measured import MEASURED, read_tests
 
@@ -563,9 +563,15 @@ def _reads_of(case: Case) -> set[str]:
     return {*ROUND_AND_ARMOUR, *QUESTIONS[case.quantity]}
 
 
+def suite_files(suite: Suite) -> list[Path]:
+    """Return the files that a suite is read from: its own, those of its scenarios, and its tables."""
+    scenarios = [file for case in suite.cases for file in files_of(case.scenario)]
+    return [suite.file, *dict.fromkeys(scenarios), *(suite.file.parent / table.file for table in suite.tables)]
+
+
 def _scenario(file: Path, *changes: Mapping[str, object]) -> Scenario:
     """Return the scenario of a file with changes, one after the other."""
-    return parse_changed(read_toml(file), *changes, file=named(file), folder=file.parent)
+    return parse_changed(read_toml(file, quoted=False), *changes, file=named(file), folder=file.parent)
 
 
 def _file(folder: Path, name: str) -> Path:
