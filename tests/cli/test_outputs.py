@@ -104,8 +104,9 @@ def test_a_file_with_a_mistake_is_not_written_over(cli, own: Path):
 def test_a_file_on_standard_input_is_not_written_over(own: Path):
     (own / "own.csv").symlink_to("own.toml")
     before = contents(own)
-    code, messages = shell("simulate - --history own.csv --force < own.toml", own)
-    assert (code, messages) == (2, "own.csv: must not be the file that is read; choose another name\n")
+    for command in ("simulate - --history own.csv", "sweep - --over impact.velocity_m_s=800 -o own.csv"):
+        code, messages = shell(f"{command} --force < own.toml", own)
+        assert (code, messages) == (2, "own.csv: must not be the file that is read; choose another name\n")
     assert contents(own) == before
 
 

@@ -314,7 +314,8 @@ def sweep(
     names = [name.strip() for name in quantities.split(",")]
     reads = reads_of(name for name in names if name in QUANTITIES)
     loaded = runner.read_scenario(scenario, changes, (*ROUND_AND_ARMOUR, *reads), computed="the sweep")
-    runner.check_outputs(output, inputs=[*files_of(loaded), *([cases] if cases else [])], plot=plot, force=force)
+    inputs = [scenario, *files_of(loaded), *([cases] if cases else [])]
+    runner.check_outputs(output, inputs=inputs, plot=plot, force=force)
     if (cases is None) == (not over):
         raise runner.wrong_option("--over", "must be given, or --cases, but not both")
     if threads is not None and not (type(threads) is int and threads > 0):

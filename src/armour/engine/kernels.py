@@ -27,7 +27,7 @@ def _without_warning() -> Iterator[None]:
 
 # Numba ignores that file, which may be somebody else's, if it finds no parser of YAML.
 _modules: dict[str, Any] = sys.modules
-_yaml = [_modules["yaml"]] if "yaml" in _modules else []
+_yaml = _modules.get("yaml")
 _modules["yaml"] = None
 try:
     with _without_warning():
@@ -36,8 +36,8 @@ try:
         from numba.extending import overload, register_jitable
 finally:
     del _modules["yaml"]
-    for _module in _yaml:
-        _modules["yaml"] = _module
+    if _yaml:
+        _modules["yaml"] = _yaml
 
 # Functions that only compiled code calls need no wrappers, and nothing here needs reference counts.
 OPTIONS: Any = {"no_cfunc_wrapper": True, "_nrt": False}

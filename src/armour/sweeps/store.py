@@ -31,8 +31,7 @@ import numpy as np
 from pydantic import Field, TypeAdapter
 
 from armour.errors import InputError, mistake, refuse
-from armour.files import csv_cell, csv_value, exchangeable, make_private, reason, unwritable, wrong_ending
-from armour.scenario.schema import Line
+from armour.files import csv_cell, csv_value, exchangeable, make_private, printable, reason, unwritable, wrong_ending
 
 RESUME = "repeat the same sweep to resume"
 # Number of rows in a row group of Parquet, independent of the size of a chunk.
@@ -67,7 +66,7 @@ class About(NamedTuple):
     """What precedes the values of a chunk."""
 
     columns: dict[str, Annotated[str, Field(pattern=r"^[<>](f8|U[1-9]\d{0,2})$")]]  # with their type in numpy
-    warnings: dict[Line, Annotated[int, Field(ge=1, strict=True)]]
+    warnings: dict[str, Annotated[int, Field(ge=1, strict=True)]]
 
 
 ABOUT, JOB = TypeAdapter(About), TypeAdapter(dict[str, str])
@@ -324,8 +323,8 @@ def unpacked(content: bytes) -> Chunk:
     for name, kind in types.items():
         columns[name] = np.frombuffer(values, kind, rows, place)
         place += rows * kind.itemsize
-    if max(about.warnings.values(), default=0) > rows:
-        raise ValueError("more warnings than rows")
+    if any(count > rows or printable(words) != words for words, count in about.warnings.items()):
+        raise ValueError("warnings of more rows, or not of one line")
     return Chunk(columns, about.warnings)
 
 
