@@ -1,5 +1,6 @@
 """The version, the changelog and CITATION.cff agree; `make release` checks the rest."""
 
+import re
 import runpy
 import zipfile
 from pathlib import Path
@@ -33,6 +34,18 @@ def test_another_version_is_told(monkeypatch: pytest.MonkeyPatch, tmp_path: Path
     assert RELEASE["disagreements"]() == [
         f"CHANGELOG.md: the first version must be 0.0.1, with its date, found {armour.__version__} (2001-02-03)"
     ]
+
+
+def test_no_text_tells_to_install_the_program_by_name():
+    """On a package index the name may be another program's."""
+    by_name = re.compile(
+        r"""(install|pipx run|uvx)( -\S+)* ["']?armour(-ballistics)?(?![\w/-])|["']armour(-ballistics)?\["""
+    )
+    places = ("*.*", "Makefile", ".github/**/*", "docs/**/*", "src/**/*", "tools/**/*")
+    paths = [path for place in places for path in ROOT.glob(place) if path.is_file()]
+    texts = {path: path.read_bytes().decode(errors="replace") for path in paths}
+    assert len(texts) > 200
+    assert [f"{path}: {found[0]}" for path, text in texts.items() if (found := by_name.search(text))] == []
 
 
 def test_the_wheel_ships_what_the_program_reads(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

@@ -71,7 +71,7 @@ def check(sdist: Path, wheel: Path, folder: Path) -> None:
     run(*pip, wheel, cwd=folder, env=environment)
     with tarfile.open(sdist) as archive:
         archive.extractall(folder, filter="data")
-    [source] = folder.glob("armour-*")
+    [source] = folder.glob("armour_ballistics-*")
     # The tests must find the installed package.
     shutil.rmtree(source / "src")
 

@@ -127,13 +127,16 @@ def decoded(stream: BinaryIO, file: str) -> str:
     raise mistake(file, "", message)
 
 
-def read_toml(path: str | PathLike[str]) -> dict[str, Any]:
-    """Read a TOML file; raise an InputError if it cannot be read or is not valid TOML."""
-    return parse_toml(read_text(path), str(path))
+def read_toml(path: str | PathLike[str], *, quoted: bool = True) -> dict[str, Any]:
+    """Read a TOML file; raise an InputError if it cannot be read or is not valid TOML.
+
+    The message quotes a line unless another file has named this one, which may then be any file of the user.
+    """
+    return parse_toml(read_text(path), str(path), quoted=quoted)
 
 
-def parse_toml(text: str, file: str) -> dict[str, Any]:
-    """Parse a text in TOML; `file` is its name in messages."""
+def parse_toml(text: str, file: str, *, quoted: bool = True) -> dict[str, Any]:
+    """Parse a text in TOML; `file` is its name in messages, which quote lines or not."""
     try:
         data = tomllib.loads(text)
         if _depth(data) > MAX_DEPTH:
@@ -144,7 +147,7 @@ def parse_toml(text: str, file: str) -> dict[str, Any]:
     except ValueError as error:
         # Most errors are texts without quotes, and decimal commas; the line shows them.
         place = re.search(r"at line (\d+)", str(error))
-        line = ": " + printable(text.split("\n")[int(place[1]) - 1].strip()[:MAX_SHOWN]) if place else ""
+        line = ": " + printable(text.split("\n")[int(place[1]) - 1].strip()[:MAX_SHOWN]) if place and quoted else ""
         message = f"must be valid TOML, found an error: {error}{line}"
     raise mistake(file, "", message)
 
@@ -264,3 +267,10 @@ def make_private(folder: Path) -> bool:
     status = folder.lstat()
     is_own = not hasattr(os, "geteuid") or (status.st_uid == os.geteuid() and not status.st_mode & 0o022)
     return stat.S_ISDIR(status.st_mode) and is_own
+
+
+def is_trusted(path: Path) -> bool:
+    """Return whether only this user and root can have written a folder or a file, which is no link."""
+    status = path.lstat()
+    is_own = not hasattr(os, "geteuid") or (status.st_uid in (os.geteuid(), 0) and not status.st_mode & 0o022)
+    return is_own and not stat.S_ISLNK(status.st_mode)

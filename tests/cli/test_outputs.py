@@ -77,6 +77,9 @@ def test_a_file_that_cannot_be_written_is_told_after_the_answer(cli, own: Path, 
         ("v50 {shots} own.toml --plot link.svg", "link.svg"),
         ("v50 hard.svg own.toml --plot hard.svg", "hard.svg"),
         ("sweep own.toml --cases link.csv -o link.csv", "link.csv"),
+        ("sweep own.toml --over impact.velocity_m_s=800 -o link.csv", "link.csv"),
+        ("report own.toml -o lib.toml", "lib.toml"),
+        ("report suite.toml -o lib.toml", "lib.toml"),
         ("plan tests own.toml --candidates link.csv --csv link.csv", "link.csv"),
     ],
 )
@@ -90,11 +93,20 @@ def test_nothing_that_is_read_is_written_over(cli, own: Path, command: str, read
     assert contents(own) == before
 
 
+def test_a_file_with_a_mistake_is_not_written_over(cli, own: Path):
+    (own / "lib.toml").write_text(LIBRARY.replace("based_on", "basis"))
+    before = contents(own)
+    told = cli.fails(2, "check", ".", "--junit", "lib.toml", "--force")
+    assert any('lib.toml: ceramic."AD85, own".basis: unknown key' in line for line in told)
+    assert contents(own) == before
+
+
 def test_a_file_on_standard_input_is_not_written_over(own: Path):
     (own / "own.csv").symlink_to("own.toml")
     before = contents(own)
-    code, messages = shell("simulate - --history own.csv --force < own.toml", own)
-    assert (code, messages) == (2, "own.csv: must not be the file that is read; choose another name\n")
+    for command in ("simulate - --history own.csv", "sweep - --over impact.velocity_m_s=800 -o own.csv"):
+        code, messages = shell(f"{command} --force < own.toml", own)
+        assert (code, messages) == (2, "own.csv: must not be the file that is read; choose another name\n")
     assert contents(own) == before
 
 

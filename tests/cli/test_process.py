@@ -202,10 +202,13 @@ def test_an_encoding_without_the_units(tmp_path: Path, monkeypatch: pytest.Monke
     assert "39 \\xb5s" in done.stdout
 
 
+@pytest.mark.usefixtures("folder")
 @pytest.mark.parametrize("kept", [False, True])
-def test_only_a_use_that_compiles_says_so(cli, folder: Path, monkeypatch: pytest.MonkeyPatch, kept: bool):
+def test_only_a_use_that_compiles_says_so(
+    cli, tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch, kept: bool
+):
     loops = {name: cache.kernel(name) for name in NAMES}
-    monkeypatch.setenv("XDG_CACHE_HOME", str(folder / "cache"))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
     monkeypatch.setattr("armour.engine.kernels.compiled", lambda name, _folder: loops[name])
     monkeypatch.setattr(cache, "is_compiled", lambda _name: kept)
     monkeypatch.setattr(cache, "_kernels", {})

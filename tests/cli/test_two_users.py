@@ -69,12 +69,14 @@ class Payload:
 def test_compiled_code_in_a_folder_that_he_can_exchange(shared: Path, tmp_path: Path):
     own, theirs, aside, run_there = (shared / name for name in ("own", "theirs", "aside", "run"))
     own.mkdir(mode=0o755)
+    here = tmp_path / "here"
+    here.mkdir()
     over = "armour.ceramic_thickness_mm=4,5"
     sweep = ("sweep", "wilkins", "--over", over, "--quantities", "outcome", "--force", "-o", "a.csv")
     # What a program that trusted the folder would read.
     from armour.engine import cache
 
-    place = theirs / "armour" / f"kernels-{cache.digest()}" / "engine" / "kernels.impacts-1.py311.nbi"
+    place = theirs / "armour" / f"kernels-{cache.digest()}" / "loops.impacts-.py311.nbi"
     place.parent.mkdir(parents=True)
     place.write_bytes(pickle.dumps(Payload(run_there)))
     for path in (theirs, *theirs.rglob("*")):
@@ -86,7 +88,7 @@ def test_compiled_code_in_a_folder_that_he_can_exchange(shared: Path, tmp_path: 
             time.sleep(0.002)
 
     with other_user(exchange):
-        assert run(*sweep, folder=tmp_path, XDG_CACHE_HOME=str(own)).returncode == 0
+        assert run(*sweep, folder=here, XDG_CACHE_HOME=str(own)).returncode == 0
     assert not run_there.exists()
 
 

@@ -2,6 +2,7 @@
 
 import logging
 import os
+import platform
 import shutil
 import subprocess
 import sys
@@ -28,11 +29,10 @@ class FakeCompiler:
         self.compiled = 0
 
     def __call__(self, name: str, folder: Path | None = None) -> str:
-        file = None if folder is None else folder / "engine" / f"{name}.nbi"
+        file = None if folder is None else folder / f"loops.{name}-.nbi"
         if file is None or not file.exists():
             self.compiled += 1
         if file is not None:
-            file.parent.mkdir(exist_ok=True)
             if file.exists() and file.read_text() != name:
                 raise EOFError("such as unpickling raises")
             file.write_text(name)
@@ -64,17 +64,39 @@ def kept(home: Path, compiler: FakeCompiler) -> Path:
     """The file that a process has left."""
     in_a_new_process()
     assert compiler.compiled == 1
-    [path] = home.glob("*/engine/*")
+    [path] = home.glob("*/*.nbi")
     return path
 
 
-def test_only_the_first_process_compiles_and_only_what_is_asked_for(home: Path, compiler: FakeCompiler):
+@pytest.mark.usefixtures("home")
+def test_only_the_first_process_compiles_and_only_what_is_asked_for(compiler: FakeCompiler):
     assert not cache.is_compiled("impacts")
     for name, compiled in (("impacts", 1), ("impacts", 1), ("ballistic_limits", 2)):
         in_a_new_process(name)
         assert compiler.compiled == compiled
         assert cache.is_compiled("impacts")
-    assert [path.stat().st_mode & 0o777 for path in (home, *home.iterdir())] == [0o700] * 2
+
+
+def test_others_may_read_compiled_code_and_not_change_it(home: Path, compiler: FakeCompiler):
+    before = os.umask(0o002)
+    in_a_new_process()
+    os.umask(before)
+    modes = {path.name: path.stat().st_mode & 0o777 for path in (home, *home.rglob("*"))}
+    assert set(modes.values()) == {0o755, 0o644}
+    next(home.glob("*/*.nbi")).chmod(0o664)
+    assert not cache.is_compiled("impacts")
+    in_a_new_process()
+    assert (cache.is_compiled("impacts"), compiler.compiled) == (True, 2)
+
+
+def test_what_cannot_be_written_is_used(kept: Path, compiler: FakeCompiler, monkeypatch: pytest.MonkeyPatch):
+    """Such as that of a container image."""
+    monkeypatch.setattr(os, "access", lambda *_: False)
+    in_a_new_process()
+    assert compiler.compiled == 1
+    kept.write_text("damaged")
+    assert_not_used(compiler, "which cannot be written")
+    assert kept.exists()
 
 
 @pytest.mark.parametrize("content", ["", "impac", "foreign"])
@@ -98,25 +120,61 @@ def assert_not_used(compiler: FakeCompiler, reason: str) -> None:
 
 
 @pytest.mark.parametrize("mode", [0o770, 0o707, 0o777, 0o1777])
-@pytest.mark.parametrize("upwards", [1, 2])
+@pytest.mark.parametrize("upwards", [0, 1])
 def test_a_folder_that_others_can_write(kept: Path, compiler: FakeCompiler, mode: int, upwards: int):
     kept.parents[upwards].chmod(mode)
-    assert_not_used(compiler, f"in {kept.parents[2]}, which other users can change")
+    assert_not_used(compiler, f"in {kept.parents[1]}, which other users can change")
 
 
-@pytest.mark.usefixtures("kept")
-def test_a_folder_of_another_user(compiler: FakeCompiler, monkeypatch: pytest.MonkeyPatch):
-    user = os.geteuid() + 1
-    monkeypatch.setattr(os, "geteuid", lambda: user)
+def test_what_root_has_compiled_is_used(kept: Path, compiler: FakeCompiler, monkeypatch: pytest.MonkeyPatch):
+    if kept.stat().st_uid:
+        pytest.skip("needs root")
+    monkeypatch.setattr(os, "geteuid", lambda: 12_345)
+    in_a_new_process()
+    assert compiler.compiled == 1
+
+
+@pytest.mark.parametrize("mark", [".git", ".hg", ".svn"])
+def test_a_work_tree(home: Path, compiler: FakeCompiler, monkeypatch: pytest.MonkeyPatch, mark: str):
+    """Its files may be somebody else's, unless it is the home."""
+    (home.parents[1] / mark).mkdir()
+    assert_not_used(compiler, f"in {home}, which is in the work tree {home.parents[1]}")
+    assert not home.exists()
+    monkeypatch.setenv("HOME", str(home.parents[1]))
+    in_a_new_process()
+    assert cache.is_compiled("impacts")
+
+
+@pytest.mark.parametrize("upwards", [0, 1])
+def test_the_current_folder(home: Path, compiler: FakeCompiler, monkeypatch: pytest.MonkeyPatch, upwards: int):
+    """Its files may be somebody else's, unless it is the home or above it; also through a link."""
+    home.parent.mkdir()
+    monkeypatch.chdir(home.parents[upwards + 1] if upwards else home.parent)
+    assert_not_used(compiler, f"in {home}, which is in the current folder")
+    link = home.parents[1] / "link"
+    link.symlink_to(home.parent)
+    monkeypatch.setattr(cache, "user_cache_dir", lambda *_args, **_kwargs: str(link / "armour"))
+    assert_not_used(compiler, "which is in the current folder")
+    monkeypatch.setenv("HOME", str(home.parent))
+    in_a_new_process()
+    assert cache.is_compiled("impacts")
+
+
+def test_a_folder_of_another_user(kept: Path, compiler: FakeCompiler, monkeypatch: pytest.MonkeyPatch):
+    user = os.geteuid()
+    if user:
+        monkeypatch.setattr(os, "geteuid", lambda: user + 1)
+    else:
+        os.chown(kept.parent, 12_345, -1)
     assert_not_used(compiler, "which other users can change")
 
 
 def test_a_link_to_a_folder(kept: Path, compiler: FakeCompiler, tmp_path: Path, caplog: pytest.LogCaptureFixture):
     caplog.set_level(logging.INFO)
-    kept.parents[1].rename(tmp_path / "elsewhere")
-    kept.parents[1].symlink_to(tmp_path / "elsewhere")
+    kept.parent.rename(tmp_path / "elsewhere")
+    kept.parent.symlink_to(tmp_path / "elsewhere")
     assert_not_used(compiler, "which other users can change")
-    said = f"cannot be kept in {kept.parents[2]}, which other users can change; XDG_CACHE_HOME names another folder"
+    said = f"cannot be kept in {kept.parents[1]}, which other users can change; XDG_CACHE_HOME names another folder"
     assert said in caplog.text
 
 
@@ -227,6 +285,14 @@ def test_the_oldest_folders_are_deleted(home: Path):
     assert names == {"notes.txt", f"kernels-{cache.digest()}", *(f"kernels-{age}" for age in range(4))}
 
 
+def test_another_processor_is_another_folder(monkeypatch: pytest.MonkeyPatch):
+    assert len(cache.processor()) > 3 or not Path("/proc/cpuinfo").exists()
+    before = cache.digest()
+    monkeypatch.setenv("NUMBA_CPU_NAME", "generic")
+    assert cache.processor() == [platform.machine(), "generic", ""]
+    assert cache.digest() != before
+
+
 def test_a_change_of_any_file_of_the_core_and_another_installation_are_another_folder(tmp_path: Path):
     package = tmp_path / "armour"
     for name in ("core", "engine"):
@@ -244,9 +310,9 @@ def test_a_change_of_any_file_of_the_core_and_another_installation_are_another_f
 
 
 PROGRAM = """
-import numba
 import numpy as np
 from armour.engine import cache, kernels, loops
+import numba
 
 def doubled(values):
     values[0] *= 2.0
@@ -260,16 +326,22 @@ print(values[0], sum(kernel.stats.cache_hits.values()))
 
 
 def test_processes_with_numba(tmp_path: Path):
-    """The first compiles, the second loads, and the third finds a damaged file; by a kernel that is soon compiled."""
-    program = tmp_path / "program.py"
+    """The first compiles, the second loads, and the third finds a damaged file; by a kernel that is soon compiled.
+
+    Settings of numba in the current folder are ignored.
+    """
+    program, here = tmp_path / "program.py", tmp_path / "here"
     program.write_text(PROGRAM)
+    here.mkdir()
+    (here / ".numba_config.yaml").write_text("opt: unknown\n")
     settings = {"XDG_CACHE_HOME": str(tmp_path), "PYTHONPATH": os.pathsep.join(sys.path)}
     found = []
     for damaged in (False, False, True):
-        for path in tmp_path.glob("armour/*/*/*.nb?") if damaged else ():
+        for path in tmp_path.glob("armour/*/*.nb?") if damaged else ():
             path.write_bytes(path.read_bytes()[:100])
         command = [sys.executable, str(program)]
-        done = subprocess.run(command, env={**os.environ, **settings}, capture_output=True, text=True, check=True)
+        environment = {**os.environ, **settings}
+        done = subprocess.run(command, env=environment, cwd=here, capture_output=True, text=True, check=False)
         assert not done.stderr
         found.append(done.stdout.split())
     assert found == [["42.0", "0"], ["42.0", "1"], ["42.0", "0"]]

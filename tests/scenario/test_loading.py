@@ -97,6 +97,16 @@ def test_a_missing_library_file_is_the_only_mistake_of_what_may_be_in_it():
     assert line.startswith('library.files[0]: must name a library file, found "nothing.toml", which cannot be read')
 
 
+@pytest.mark.parametrize("text", ["user:x:0:secret\n", "[projectile]\nTOKEN=secret\n"])
+def test_a_file_that_is_no_library_is_not_quoted(tmp_path: Path, text: str):
+    """A scenario of a stranger may name any file of the user."""
+    (tmp_path / "keys").write_text(text)
+    [line] = messages({**data(), "library": {"files": [str(tmp_path / "keys")]}})
+    assert "must name a library file" in line
+    assert "must be valid TOML" in line
+    assert "secret" not in line
+
+
 def test_mistakes_in_a_library_file_name_that_file(tmp_path: Path):
     (tmp_path / "mine.toml").write_text("[ceramic.mine]\nbased_on = 'AD86'\n")
     with pytest.raises(InputError) as caught:

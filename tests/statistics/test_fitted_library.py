@@ -168,6 +168,17 @@ def test_a_fit_is_saved_as_the_command_writes_it(tmp_path: Path):
 OUTCOMES = "impact.velocity_m_s,outcome,ballistic_limit_uncertainty_m_s"
 
 
+def test_a_file_of_toml_is_written_or_none():
+    """A name in another encoding is no text."""
+    wilkins = shipped_scenario("wilkins")
+    fit = (wilkins_fit(), read_tests(TESTS, wilkins), wilkins)
+    assert "AD85, é\u00a07" in tomllib.loads(library_text(*fit, "é\u00a07"))["ceramic"]
+    with pytest.raises(InputError, match=r"must be given names in UTF-8, found .*\\udce9"):
+        library_text(*fit, "\udce9")
+    with pytest.raises(InputError, match=r"must be given names in UTF-8, found .*\\udce9"):
+        scenario_text(*fit, "\udce9", Path("a.toml"))
+
+
 def test_a_library_of_outcomes_has_their_velocities_and_no_interval_that_is_open():
     wilkins = shipped_scenario("wilkins")
     tests = table_of(wilkins, OUTCOMES, "700,stopped,10", "750,perforated,10")

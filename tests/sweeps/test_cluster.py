@@ -140,7 +140,7 @@ def test_a_cluster_is_started_on_this_machine(monkeypatch: pytest.MonkeyPatch):
 def test_without_dask_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     with (
-        pytest.raises(InputError, match=r"needs dask.distributed; pip install 'armour\[cluster\]'"),
+        pytest.raises(InputError, match=r'needs dask\.distributed; pip install "distributed>=2024\.12"'),
         connected("local"),
     ):
         pass

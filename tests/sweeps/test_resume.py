@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from pydantic import BaseModel
 
@@ -15,7 +16,8 @@ from armour.scenario.scenario import Scenario, load_scenario, parse_scenario
 from armour.scenario.schema import ModelSection
 from armour.scenario.sections import Section
 from armour.sweeps.cases import Cases, Grid
-from armour.sweeps.sweep import sweep, write_sweep
+from armour.sweeps.store import Chunk, Store, packed
+from armour.sweeps.sweep import job_of, sweep, write_sweep
 from tests.helpers.cases import CERAMICS, METALS, THREATS, csv_file, data, sweep_grid
 
 RANGE = {"min": 4.0, "max": 12.0, "step": 4.0}
@@ -247,6 +249,42 @@ def interrupted_after_a_chunk(output: Path) -> None:
     with pytest.raises(KeyboardInterrupt):
         write_sweep(load_scenario("wilkins"), GRID, QUANTITIES[:1], output, size=1, on_chunk=interrupt)
     assert output.with_name(f"{output.name}.parts").exists()
+
+
+LIMITS, KEY = QUANTITIES[0], "armour.ceramic_thickness_mm"
+ONE = {KEY: np.array([5.0]), LIMITS: np.array([500.0])}
+
+
+@pytest.mark.parametrize(
+    "chunk",
+    [
+        Chunk({**ONE, LIMITS: np.array([10_001.0])}, {}),
+        Chunk({**ONE, LIMITS: np.array([np.inf])}, {}),
+        Chunk({**ONE, LIMITS: np.array([-1.0])}, {}),
+        Chunk({**ONE, LIMITS: np.array(["500"])}, {}),
+        Chunk({**ONE, KEY: np.array([5.5])}, {}),
+        Chunk({KEY: np.array([5.0, 6.0, 7.0, 8.0]), LIMITS: np.full(4, 500.0)}, {}),
+        Chunk({"=cmd|calc": np.array([5.0]), LIMITS: np.array([500.0])}, {}),
+        Chunk(dict(reversed(ONE.items())), {}),
+        Chunk(ONE, {"far": 2}),
+        Chunk(ONE, {"far\x1b[2J": 1}),
+        Chunk({**ONE, LIMITS: np.array([500.0], np.float32)}, {}),
+        b"{}",
+        b'[{"x":"<f8"},{}]\n' + bytes(7),
+        b'[{"x":"<U999999"},{}]\n',
+        b"[" * 100_000,
+    ],
+)
+def test_rows_that_the_sweep_cannot_have_are_refused(tmp_path: Path, chunk: Chunk | bytes):
+    """Their checksums are right: anybody can compute them."""
+    output, wilkins = tmp_path / "t.csv", load_scenario("wilkins")
+    with Store(output, job_of(wilkins, GRID, [LIMITS]), print) as store:
+        store.append(Chunk(ONE, {}))
+        content = chunk if isinstance(chunk, bytes) else packed(chunk)
+        store._database.execute("update chunk set content = ?, checksum = ?", [content, store._checksum(0, content)])
+    with pytest.raises(InputError, match=r"t\.csv\.parts: must have rows of this sweep, found rows that"):
+        write_sweep(wilkins, GRID, [LIMITS], output, size=1)
+    assert not output.exists()
 
 
 @pytest.mark.parametrize("replaced_first", [True, False])

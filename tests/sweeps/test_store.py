@@ -2,9 +2,12 @@
 
 import os
 import sqlite3
+import struct
 import sys
 from collections.abc import Callable
+from contextlib import closing
 from errno import ENOSPC
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -249,6 +252,80 @@ def test_what_another_user_may_have_planted_is_not_used(
     assert {path.name for path in folder.iterdir()} == planted
 
 
+@pytest.fixture
+def strange(output: Path) -> sqlite3.Connection:
+    """A database that came with the files of somebody else."""
+    rows_of(output).parent.mkdir(mode=0o700)
+    return sqlite3.connect(rows_of(output))
+
+
+TABLES = "create table job (checksum, content); create table chunk (start integer primary key, checksum, content);"
+ENDLESS = "with recursive n(i) as (select 1 union all select i + 1 from n) select i, i, i from n"
+
+
+@pytest.mark.parametrize(
+    "schema",
+    [
+        f"create table job (checksum, content); create view chunk as {ENDLESS}",
+        f"{TABLES} create trigger t after insert on job begin delete from job; end",
+        f"{TABLES} create table other (x)",
+        f"{TABLES} create index i on chunk (hex(content))",
+        "create table job (checksum, content); create table chunk (start, checksum, content)",
+    ],
+)
+def test_other_tables_are_refused(strange: sqlite3.Connection, output: Path, schema: str):
+    strange.executescript(schema)
+    with (
+        closing(strange),
+        pytest.raises(InputError, match=r"parts: must .* this sweep, found tables that no"),
+    ):
+        finished(output)
+    assert [path.name for path in output.parent.iterdir()] == [f"{output.name}.parts"]
+
+
+def test_a_job_that_is_none_is_refused(strange: sqlite3.Connection, output: Path):
+    for job in ("[" * 100_000, "[]", "1", b"{}"):
+        with strange:
+            strange.executescript(f"drop table if exists job; drop table if exists chunk; {TABLES}")
+            strange.execute("insert into job values (?, ?)", [sha256(f"{job!s}".encode()).hexdigest(), job])
+            strange.execute("insert into chunk values (0, 0, 0)")
+        with pytest.raises(InputError, match=r"must have rows of this sweep, found no sweep|rows of another"):
+            finished(output)
+    strange.close()
+
+
+def test_the_database_is_no_link(strange: sqlite3.Connection, output: Path):
+    strange.close()
+    victim = output.with_name("victim")
+    with closing(sqlite3.connect(victim)) as database, database:
+        database.execute("create table bookmarks (name)")
+    before = victim.read_bytes()
+    rows_of(output).unlink()
+    rows_of(output).symlink_to(victim)
+    with pytest.raises(InputError, match="contains other files, such as rows"):
+        finished(output)
+    assert victim.read_bytes() == before
+
+
+def test_a_journal_does_not_remove_a_file(strange: sqlite3.Connection, output: Path):
+    """SQLite removes the file that a journal names as one of several databases."""
+    strange.executescript(TABLES)
+    strange.close()
+    victim, magic = output.with_name("victim"), bytes.fromhex("d9d505f920a163d7")
+    victim.write_text("mine")
+    name, pages = bytes(victim), rows_of(output).stat().st_size // 4096
+    header = magic + struct.pack(">5I", 0, 1, pages, 512, 4096)
+    ending = struct.pack(">I", 0) + name + struct.pack(">2I", len(name), sum(name)) + magic
+    journal = output.with_name(f"{output.name}.parts") / "rows-journal"
+    journal.write_bytes(header.ljust(512, b"\0") + ending)
+    with pytest.raises(InputError, match="contains other files, such as rows-journal"):
+        finished(output)
+    assert victim.read_text() == "mine"
+    # What it is that is refused.
+    sqlite3.connect(rows_of(output)).execute("select * from job").close()
+    assert not victim.exists()
+
+
 def test_only_a_file_is_replaced_where_that_is_asked_for(output: Path):
     output.write_text("old")
     with Store(output, JOB, print, replace=True) as store:
@@ -302,5 +379,5 @@ def test_parquet_without_pyarrow_says_what_to_install(monkeypatch: pytest.Monkey
     for name in ("pyarrow", "pyarrow.parquet"):
         monkeypatch.setitem(sys.modules, name, None)
     assert is_csv(Path("a.CSV"))
-    with pytest.raises(InputError, match=r"a\.parquet: needs pyarrow; pip install 'armour\[parquet\]', or write \.csv"):
+    with pytest.raises(InputError, match=r'a\.parquet: needs pyarrow; pip install "pyarrow>=17", or write \.csv'):
         is_csv(Path("a.parquet"))

@@ -93,7 +93,7 @@ def damages(folder: Path) -> Iterator[str]:
         home = folder / str(number)
         home.mkdir()
         exit_code(forked(computed, home))
-        file = next(home.glob(f"*/*/*/*.{random.choice(('nbi', 'nbc'))}"))
+        file = next(home.glob(f"*/*/*.{random.choice(('nbi', 'nbc'))}"))
         content = bytearray(file.read_bytes())
         place = random.randrange(len(content))
         content[place] ^= random.randrange(1, 256)
@@ -105,7 +105,7 @@ def races(folder: Path) -> Iterator[str]:
     """Start processes at once, half of the times where a file is damaged."""
     for number, home in enumerate(homes(folder, RACES)):
         if number % 2:
-            next(home.glob("*/*/*/*.nbc")).write_bytes(b"")
+            next(home.glob("*/*/*.nbc")).write_bytes(b"")
         children = [forked(computed, home) for _ in range(TOGETHER)]
         codes = [exit_code(child) for child in children]
         wrong = {*codes} - {COMPILED, LOADED}

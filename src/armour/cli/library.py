@@ -138,10 +138,12 @@ def compile_() -> None:
     if reason := cache.obstacle():
         raise mistake("compile", "", reason)
     path, hindrance = cache.folder()
-    if path is None:
+    if path is None or (hindrance and not all(map(cache.is_compiled, NAMES))):
         raise mistake("compile", "", f"compiled code cannot be kept {hindrance}; XDG_CACHE_HOME names another folder")
     for name in NAMES:
         cache.kernel(name)
+    if not all(map(cache.is_compiled, NAMES)):
+        raise mistake("compile", "", f"compiled code has not been kept in {path.parent}")
     emit(f"{path.parent}\n")
 
 

@@ -33,6 +33,8 @@ def _run() -> None:
             sys.stdout.reconfigure(errors="backslashreplace")
         # Pydantic looks for plugins among all installed packages, which takes a while.
         os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
+        # A process started for --scheduler local would import modules of the current folder.
+        os.environ["PYTHONSAFEPATH"] = "1"
         # The matrices are small: threads for linear algebra would only make every start slower.
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
         # Nearly all that a start creates stays to the end: looking for garbage in it would take a quarter of the time.

@@ -80,7 +80,7 @@ def mistakes_in(junit: Path | None, inputs: Sequence[Path], *, force: bool) -> I
         if junit is not None:
             cases = [TestCase(problem.file, problem.key or "file", "error", str(problem)) for problem in error.problems]
             with suppress(InputError):
-                check_outputs(junit=junit, inputs=inputs, force=force)
+                check_outputs(junit=junit, inputs=[*inputs, *(problem.file for problem in error.problems)], force=force)
                 write({junit: junit_xml([junit_suite("invalid input", cases, 0.0, origin_of())])})
         raise
 

@@ -3,7 +3,6 @@
 import shlex
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
-from os.path import exists
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Annotated, Any
@@ -37,7 +36,6 @@ if TYPE_CHECKING:
     from armour.analysis.results import OnProgress
     from armour.design.check import CheckResult
     from armour.design.optimise import BestDesign
-    from armour.reporting.report import Report
     from armour.scenario.scenario import Scenario
     from armour.sweeps.cases import Grid
     from armour.sweeps.sweep import Effort
@@ -308,22 +306,16 @@ def sweep(
 ) -> None:
     """Compute quantities over a grid or a table of cases; resume if interrupted."""
     from armour.reporting.views.sweeps import SWEEP_ROWS, first_rows
-    from armour.scenario.scenario import heading
+    from armour.scenario.scenario import files_of, heading
     from armour.sweeps.cases import Cases
-    from armour.sweeps.store import parts_of, read_table
+    from armour.sweeps.store import read_table
     from armour.sweeps.sweep import subject_of, write_sweep
 
-    begun = exists(parts_of(output))
-    runner.check_outputs(
-        None if begun else output,
-        inputs=[scenario, *([cases] if cases else [])],
-        plot=plot,
-        updated=output if begun else None,
-        force=force,
-    )
     names = [name.strip() for name in quantities.split(",")]
     reads = reads_of(name for name in names if name in QUANTITIES)
     loaded = runner.read_scenario(scenario, changes, (*ROUND_AND_ARMOUR, *reads), computed="the sweep")
+    inputs = [scenario, *files_of(loaded), *([cases] if cases else [])]
+    runner.check_outputs(output, inputs=inputs, plot=plot, force=force)
     if (cases is None) == (not over):
         raise runner.wrong_option("--over", "must be given, or --cases, but not both")
     if threads is not None and not (type(threads) is int and threads > 0):
@@ -444,10 +436,12 @@ def report(
     """
     from armour.reporting.formats import REPORT_ENDINGS, report_text
     from armour.reporting.scenario_report import contents_of, scenario_report
-    from armour.scenario.scenario import scenario_file
+    from armour.reporting.views.validation import suite_report
+    from armour.scenario.keys import changes_of
+    from armour.scenario.scenario import files_of, scenario_file
+    from armour.validation.suite import load_suite, suite_files
+    from armour.validation.validate import validate
 
-    runner.check_outputs(output, inputs=[source], force=force)
-    refuse(wrong_ending(output, REPORT_ENDINGS))
     confidence_option = [] if confidence is None else ["--confidence", str(confidence)]
     changes = changes or []
     command = runner.command_line()
@@ -460,23 +454,20 @@ def report(
         if is_suite and is_given:
             raise runner.wrong_option(name, "must be given with a scenario, found a suite")
     if is_suite:
-        content = _suite_report(source, changes, command)
+        suite = load_suite(source, changes_of(changes))
+        inputs = suite_files(suite)
     else:
         reads = (*BYLINE, "armour", *(AS_IS if as_is else DESIGNS))
         required = {"--confidence": (CONFIDENCE_OPTION[0], confidence)}
         scenario = runner.read_scenario(source, changes, reads, required, computed="the report")
+        inputs = [source, *files_of(scenario)]
+    runner.check_outputs(output, inputs=inputs, force=force)
+    refuse(wrong_ending(output, REPORT_ENDINGS))
+    if is_suite:
+        with progress("cases", len(suite.cases)) as count:
+            content = suite_report(validate(suite, on_check=lambda _check, _total: count(1)), command)
+    else:
         with progress("armours") as count:
             contents = contents_of(scenario, count, as_is=as_is)
         content = scenario_report(contents, command, map_command)
     runner.write({output: report_text(content, output)})
-
-
-def _suite_report(source: Path, changes: list[str], command: str) -> "Report":
-    from armour.reporting.views.validation import suite_report
-    from armour.scenario.keys import changes_of
-    from armour.validation.suite import load_suite
-    from armour.validation.validate import validate
-
-    suite = load_suite(source, changes_of(changes))
-    with progress("cases", len(suite.cases)) as count:
-        return suite_report(validate(suite, on_check=lambda _check, _total: count(1)), command)

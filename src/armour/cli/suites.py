@@ -53,8 +53,7 @@ def validate(
     from armour.reporting.formats import markdown_report
     from armour.reporting.views import validation as view
     from armour.scenario.keys import changes_of
-    from armour.scenario.scenario import files_of
-    from armour.validation.suite import load_suite
+    from armour.validation.suite import load_suite, suite_files
     from armour.validation.validate import kept_by_update
 
     path = suite_file("paper" if suite is None else suite)
@@ -64,9 +63,7 @@ def validate(
     updated = suite if update else None
     with mistakes_in(junit, [path], force=force):
         loaded = load_suite(path, changes_of(changes or ()))
-    scenarios = [file for case in loaded.cases for file in files_of(case.scenario)]
-    inputs = [path, *dict.fromkeys(scenarios), *(path.parent / table.file for table in loaded.tables)]
-    check_outputs(markdown, junit=junit, inputs=inputs, updated=updated, force=force)
+    check_outputs(markdown, junit=junit, inputs=suite_files(loaded), updated=updated, force=force)
     chosen = loaded.only(only)
     if update and not any(case.regression for case in chosen.cases):
         message = "must be true for the suite, or a case or table without source, to be updated; other values stay"

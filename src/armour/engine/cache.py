@@ -1,26 +1,29 @@
 """Compiled kernels, kept by numba in the user's cache folder from one process to the next.
 
-Numba itself notices only changes to the file of the loops, so the folder is named after a digest of all code that is
-compiled.  The folder is used only if no other user can write to it or replace it; otherwise every process compiles.
-Without numba, with ``ARMOUR_COMPILED=0`` in the environment, or if a function of the core has been replaced, Python
-runs the loops.
+Numba would load whatever is in the folder, which is therefore named after a digest of all code that is compiled, and of
+the processor.  It is used only if it belongs to this user or to root, if no other user can write to it or replace it,
+and if it is in no work tree and not in the current folder, which may be somebody else's.  Without numba, with
+``ARMOUR_COMPILED=0`` in the environment, or if a function of the core has been replaced, Python runs the loops.
 """
 
 import logging
 import os
+import platform
+import re
 import shutil
 import sys
 from collections.abc import Callable
 from contextlib import suppress
 from hashlib import sha256
 from importlib.util import find_spec
+from itertools import takewhile
 from pathlib import Path
 from threading import Lock
 
 from platformdirs import user_cache_dir
 
 from armour.engine import loops
-from armour.files import exchangeable, make_private
+from armour.files import exchangeable, is_trusted, reason
 
 Kernel = Callable[..., None]
 
@@ -28,6 +31,10 @@ PACKAGE = Path(__file__).resolve().parent.parent
 # The loops have imported all of them.
 CORE = [module for name, module in list(sys.modules.items()) if name.startswith("armour.core.")]
 COMPILING = "compiling the numerical code, which takes about ten seconds"
+# Lines of /proc/cpuinfo on the type of a processor, on several architectures.
+TYPE = re.compile(r"(vendor_id|cpu family|model|flags|CPU [a-z]+|Features|cpu|isa|uarch)\s*:")
+# One of these is in the root of a work tree.
+VERSIONED = (".git", ".hg", ".jj", ".svn")
 # Number of folders of other versions of the program that are kept.
 OTHERS_KEPT = 4
 
@@ -38,35 +45,66 @@ _logged: set[str] = set()
 
 
 def digest(package: Path = PACKAGE) -> str:
-    """Return a hash of the location and source of the core and the loops, and of the compiler's versions."""
+    """Return a hash of the core and the loops, their location, the versions of the compiler, and the processor."""
     from importlib.metadata import version  # slow to import
 
     versions = [version(name) for name in ("numba", "llvmlite", "numpy")]
     # numba compiles again for each location: two installations would remove each other's compiled code.
-    content = sha256(f"{package} {versions} {sys.version}".encode())
+    content = sha256(f"{package} {versions} {sys.version} {processor()}".encode())
     engine = package / "engine"
     for path in [*sorted((package / "core").glob("*.py")), engine / "kernels.py", engine / "loops.py"]:
         content.update(sha256(path.name.encode() + path.read_bytes()).digest())
     return content.hexdigest()
 
 
+def processor() -> list[str]:
+    """Return the processor that numba compiles for, as far as can be told without it: the one it is told, or this."""
+    told = [os.environ.get(f"NUMBA_CPU_{name}", "") for name in ("NAME", "FEATURES")]
+    if told[0].lower() != "generic":
+        with suppress(OSError), open("/proc/cpuinfo", encoding="utf-8") as file:
+            told += [line for line in takewhile(str.strip, file) if TYPE.match(line)]
+    return [platform.machine(), *told]
+
+
 def folder() -> tuple[Path | None, str]:
-    """Make the folder of the compiled code and return it, or return None and why compiled code cannot be kept."""
+    """Return the folder of the compiled code, which is made if it can be, and why nothing can be kept there, or "".
+
+    The folder is None if there is none that can be trusted.
+    """
     try:
-        path = Path(user_cache_dir("armour", appauthor=False), f"kernels-{digest()}")
+        place = Path(user_cache_dir("armour", appauthor=False))
+        project = project_around(place)
     except (OSError, RuntimeError):  # RuntimeError: no home; older versions of platformdirs return a relative path
-        path = Path()
+        place, project = Path(), ""
+    path = place / f"kernels-{digest()}"
     if not path.is_absolute():
         return None, "without a user cache directory"
+    if project:
+        return None, f"in {place}, which is in {project}"
     with suppress(OSError):
-        path.parent.parent.mkdir(parents=True, exist_ok=True)
-        if exchangeable(path.parent.parent, 0o022, by_owners=True) or not (
-            make_private(path.parent) and make_private(path)
-        ):
-            return None, f"in {path.parent}, which other users can change"
-        if os.access(path, os.W_OK):
-            return path, ""
-    return None, f"in {path.parent}, which cannot be written"
+        place.parent.mkdir(mode=0o755, parents=True, exist_ok=True)
+        place.mkdir(mode=0o755, exist_ok=True)
+        path.mkdir(mode=0o700, exist_ok=True)
+    with suppress(OSError):
+        if exchangeable(place.parent, 0o022, by_owners=True) or not (is_trusted(place) and is_trusted(path)):
+            return None, f"in {place}, which other users can change"
+        return path, "" if os.access(path, os.W_OK) else f"in {place}, which cannot be written"
+    return None, f"in {place}, which cannot be written"
+
+
+def project_around(place: Path) -> str:
+    """Return what a folder is in that may be somebody else's, or "": nobody else made the home and those above it."""
+    own: set[Path] = set()
+    with suppress(OSError, RuntimeError):  # RuntimeError: no home
+        home = Path.home().resolve()
+        own = {home, *home.parents}
+    real = Path(os.path.realpath(place))
+    for folder in (place, *place.parents, real, *real.parents):
+        if folder not in own and folder == Path.cwd():
+            return "the current folder"
+        if folder not in own and any(os.path.exists(folder / name) for name in VERSIONED):
+            return f"the work tree {folder}"
+    return ""
 
 
 def replaced_function() -> str:
@@ -92,7 +130,11 @@ def is_compiled(name: str) -> bool:
     """Return whether the compiled code of a loop is there, unchanged since it was written, without importing numba."""
     path = None if obstacle() else folder()[0]
     with suppress(OSError):
-        return path is not None and seal(path, name).read_text(encoding="utf-8") == content_of(path, name)
+        return (
+            path is not None
+            and all(map(is_trusted, [seal(path, name), *files_of(path, name)]))
+            and seal(path, name).read_text(encoding="utf-8") == content_of(path, name)
+        )
     return False
 
 
@@ -101,9 +143,14 @@ def seal(path: Path, name: str) -> Path:
     return path / f"{name}.sha256"
 
 
+def files_of(path: Path, name: str) -> list[Path]:
+    """Return the files of the compiled code of a loop."""
+    return sorted(path.glob(f"loops.{name}-*"))
+
+
 def content_of(path: Path, name: str) -> str:
     """Return a hash of the files of the compiled code of a loop."""
-    return sha256(b"".join(file.read_bytes() for file in sorted(path.glob(f"*/*{name}*")))).hexdigest()
+    return sha256(b"".join(file.read_bytes() for file in files_of(path, name))).hexdigest()
 
 
 def is_loaded(name: str) -> bool:
@@ -144,19 +191,26 @@ def load(name: str) -> Kernel:
     if not whole:
         kept = f" at every start: compiled code cannot be kept {hindrance}; XDG_CACHE_HOME names another folder"
         log_once(logging.INFO, COMPILING + kept * bool(hindrance))
-    if path is None:
+    if path is None or (hindrance and not whole):
         return compiled(name)
-    if not whole:
-        for file in path.glob(f"*/*{name}*"):
-            file.unlink(missing_ok=True)
     try:
+        if whole:
+            return compiled(name, path)
+        path.chmod(0o700)
+        for file in files_of(path, name):
+            file.unlink(missing_ok=True)
         loop: Kernel = compiled(name, path)
-    except Exception:  # a damaged file, or a full disk
+        # Others may read what they cannot change: root compiles for the users of a container image.
+        seal(path, name).write_text(content_of(path, name), encoding="utf-8")
+        for file in [seal(path, name), *files_of(path, name)]:
+            file.chmod(0o644)
+        path.chmod(0o755)
+    except Exception as error:  # a damaged file, or a full disk
+        if isinstance(error, OSError):
+            log_once(logging.WARNING, f"{path.parent}: compiled code cannot be kept: {reason(error)}")
         shutil.rmtree(path, ignore_errors=True)
         return compiled(name)
     with suppress(OSError):
-        if not whole:
-            seal(path, name).write_text(content_of(path, name), encoding="utf-8")
         other_versions = [version for version in path.parent.glob("kernels-*") if version != path]
         for version in sorted(other_versions, key=os.path.getmtime)[:-OTHERS_KEPT]:
             shutil.rmtree(version)

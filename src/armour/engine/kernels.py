@@ -3,18 +3,41 @@
 `armour.engine.cache` imports this module, and with it numba, when the engine is first used.
 """
 
+import sys
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from types import FunctionType
 from typing import Any
-
-import numba
-from numba import config, types
-from numba.extending import overload, register_jitable
 
 from armour.core import equations, events, rk4, roots, search, stages, state
 from armour.core import run as core_run
 from armour.core.state import Parameters
 from armour.engine import loops
+
+
+@contextmanager
+def _without_warning() -> Iterator[None]:
+    """Let numba not warn that it ignores a file of settings in the current folder."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="A Numba config file is found")
+        yield
+
+
+# Numba ignores that file, which may be somebody else's, if it finds no parser of YAML.
+_modules: dict[str, Any] = sys.modules
+_yaml = _modules.get("yaml")
+_modules["yaml"] = None
+try:
+    with _without_warning():
+        import numba
+        from numba import config, types
+        from numba.extending import overload, register_jitable
+finally:
+    del _modules["yaml"]
+    if _yaml:
+        _modules["yaml"] = _yaml
 
 # Functions that only compiled code calls need no wrappers, and nothing here needs reference counts.
 OPTIONS: Any = {"no_cfunc_wrapper": True, "_nrt": False}
@@ -50,6 +73,33 @@ SIGNATURES: dict[str, tuple[Any, ...]] = {
 }
 
 
+class Locator:
+    """Tells numba where the compiled code of a loop is; numba's own locators need to write there."""
+
+    def __init__(self, path: str) -> None:
+        self.path = path
+
+    @classmethod
+    def from_function(cls, _function: object, _file: str) -> "Locator":
+        """Return the locator of a function."""
+        return cls(config.CACHE_DIR)  # type: ignore[attr-defined]
+
+    def get_cache_path(self) -> str:
+        """Return the folder."""
+        return self.path
+
+    def ensure_cache_path(self) -> None:
+        """Leave the folder as it is."""
+
+    def get_source_stamp(self) -> str:
+        """Return nothing: the folder is named after the source."""
+        return ""
+
+    def get_disambiguator(self) -> str:
+        """Return nothing: the names of loops differ."""
+        return ""
+
+
 def compiled(name: str, folder: Path | None = None) -> Any:
     """Compile a loop; with a folder, load its compiled code from there, or keep it there."""
     njit: Any = numba.njit  # its stubs lack both options
@@ -58,9 +108,10 @@ def compiled(name: str, folder: Path | None = None) -> Any:
         # These settings belong to the whole process and are restored as soon as the kernel has its folder.
         settings: Any = config
         before = settings.CACHE_DIR, settings.CACHE_LOCATOR_CLASSES
-        settings.CACHE_DIR, settings.CACHE_LOCATOR_CLASSES = str(folder), "UserProvidedCacheLocator"
+        settings.CACHE_DIR, settings.CACHE_LOCATOR_CLASSES = str(folder), f"{__name__}.{Locator.__name__}"
         kernel.enable_caching()
         settings.CACHE_DIR, settings.CACHE_LOCATOR_CLASSES = before
-    kernel.compile(types.void(*SIGNATURES[name]))
+    with _without_warning():
+        kernel.compile(types.void(*SIGNATURES[name]))
     kernel.disable_compile()
     return kernel

@@ -633,7 +633,7 @@ def read_library(path: str | PathLike[str], onto: Library) -> Library:
     InputError
         With every mistake in the file, or if it cannot be read.
     """
-    return onto.extended(read_toml(path), str(path))
+    return onto.extended(read_toml(path, quoted=False), str(path))
 
 
 @cache

@@ -10,7 +10,7 @@ import tomli_w
 from pydantic import Field
 
 from armour.errors import InputError, NoAnswerError, counted, mistake
-from armour.files import parse_toml, write_file
+from armour.files import parse_toml, printable, write_file
 from armour.scenario.checked import checked
 from armour.scenario.inputs import BACKING, CERAMIC, FLOW_STRESS, INPUTS, NAMES, VELOCITY
 from armour.scenario.library import FLOW_STRESS_LAW, LibraryEntry, shipped_library
@@ -132,7 +132,9 @@ def _rename(data: dict[str, Any], scenario: Scenario, names: Mapping[str, tuple[
 
 
 def _compact(text: str) -> str:
-    """Return a TOML file with each list of numbers on one line."""
+    """Return a TOML file with each list of numbers on one line; names of files and lots may be no text."""
+    if wrong := next((line for line in text.split("\n") if printable(line) != line), ""):
+        raise mistake("calibrate", "", f"must be given names in UTF-8, found {printable(wrong)}")
     return NUMBERS.sub(lambda numbers: f"[{', '.join(numbers[1].replace(',', ' ').split())}]", text)
 
 

@@ -27,7 +27,7 @@ def connected(scheduler: str) -> Iterator["Client"]:
     try:
         from distributed import Client, LocalCluster
     except ImportError:
-        raise _error("needs dask.distributed; pip install 'armour[cluster]'") from None
+        raise _error('needs dask.distributed; pip install "distributed>=2024.12"') from None
     # Failures are reported once, by an error.
     for name in ("distributed", "distributed.client"):
         logging.getLogger(name).setLevel(logging.CRITICAL)

@@ -4,6 +4,9 @@ A folder beside the output, named after it with the suffix ``.parts`` and open o
 database of the job and its rows so far, in chunks.  SQLite keeps the database intact if the process is killed, and open
 to one process at a time; checksums detect damage on the disk.  On a file system without locks, as on some networks, the
 database is in the folder for temporary files.  Both folders are removed when the table is written.
+
+The folder may come with the files of somebody else.  It is read like any input: nothing but plain files, two plain
+tables, and rows that the sweep can have.
 """
 
 import csv
@@ -18,26 +21,31 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import closing, contextmanager, suppress
 from functools import partial
 from hashlib import sha256
-from io import BytesIO, StringIO
+from io import StringIO
 from itertools import chain
 from pathlib import Path
 from tempfile import gettempdir
-from typing import Any, BinaryIO, NamedTuple
+from typing import Annotated, Any, BinaryIO, NamedTuple
 
 import numpy as np
+from pydantic import Field, TypeAdapter
 
-from armour.errors import mistake, refuse
-from armour.files import csv_cell, csv_value, exchangeable, make_private, reason, unwritable, wrong_ending
+from armour.errors import InputError, mistake, refuse
+from armour.files import csv_cell, csv_value, exchangeable, make_private, printable, reason, unwritable, wrong_ending
 
 RESUME = "repeat the same sweep to resume"
 # Number of rows in a row group of Parquet, independent of the size of a chunk.
 ROW_GROUP = 100_000
 # The database or one to try locks, its journal, and a table that is being written.
 FILE_NAME = re.compile(r"(rows|\.armour-[0-9a-f]{16})(-journal)?")
-TABLES = """
-create table if not exists job (checksum, content);
-create table if not exists chunk (start integer primary key, checksum, content);
-"""
+# As SQLite itself spells them.
+TABLES = (
+    "CREATE TABLE job (checksum, content)",
+    "CREATE TABLE chunk (start integer primary key, checksum, content)",
+)
+# The end of a journal that names another file, which SQLite would delete; that of a single database names none.
+NAMES_A_FILE = bytes.fromhex("d9d505f920a163d7")
+START_AGAIN = "remove the folder to start again"
 
 Tell = Callable[[str], None]
 
@@ -54,6 +62,16 @@ class Chunk(NamedTuple):
         return len(next(iter(self.columns.values())))
 
 
+class About(NamedTuple):
+    """What precedes the values of a chunk."""
+
+    columns: dict[str, Annotated[str, Field(pattern=r"^[<>](f8|U[1-9]\d{0,2})$")]]  # with their type in numpy
+    warnings: dict[str, Annotated[int, Field(ge=1, strict=True)]]
+
+
+ABOUT, JOB = TypeAdapter(About), TypeAdapter(dict[str, str])
+
+
 def parts_of(output: Path) -> Path:
     """Return the folder with the rows of an output, which exists while its sweep is unfinished."""
     return Path(f"{output}.parts")
@@ -63,11 +81,20 @@ class Store:
     """The first ``done`` rows of a table, and the number of rows of each warning; open to one process at a time.
 
     With ``replace``, the table replaces an older file.  ``tell`` gets a line if rows are damaged or not beside the
-    output.
+    output.  ``fits`` tells, of the number of the first row of a chunk and the chunk, whether the sweep can have it.
     """
 
-    def __init__(self, output: Path, job: Mapping[str, str], tell: Tell, *, replace: bool = False) -> None:
+    def __init__(
+        self,
+        output: Path,
+        job: Mapping[str, str],
+        tell: Tell,
+        *,
+        replace: bool = False,
+        fits: Callable[[int, Chunk], bool] = lambda _start, _chunk: True,
+    ) -> None:
         refuse(wrong_ending(output, (".csv", ".parquet")))
+        self.fits = fits
         self.output, self.folder, self.tell, self.replace = output, parts_of(output), tell, replace
         self.is_csv = is_csv(output)
         self.job = {**job, "format": "CSV" if self.is_csv else "Parquet"}
@@ -137,17 +164,28 @@ class Store:
             # Damaged text does not raise an error, but its checksum differs.
             self._database.text_factory = partial(str, encoding="utf-8", errors="replace")
             self._database.execute("pragma locking_mode = exclusive")
-            self._database.executescript(f"begin exclusive; {TABLES} commit")
+            self._database.execute("begin exclusive")
+            made = self._database.execute("select sql from sqlite_master limit 3").fetchall()
+            for table in () if made else TABLES:
+                self._database.execute(table)
+            self._database.execute("commit")
+            if made and made != [(table,) for table in TABLES]:
+                raise self._strange("tables that no sweep makes")
             if self._database.execute("select start from chunk").fetchone():
                 self._check_job()
             else:
                 job = json.dumps(self.job)
                 self._database.execute("delete from job")
                 self._database.execute("insert into job values (?, ?)", [checksum_of(job), job])
+            intact = 0
             with suppress(sqlite3.DataError):
                 for chunk in self._chunks():
                     self._count(chunk)
-            if self._database.execute("delete from chunk where start >= ?", [self.done]).rowcount:
+                    intact += 1
+            removed = self._database.execute("delete from chunk where start >= ?", [self.done]).rowcount
+            if self._database.execute("select count(*) from chunk").fetchone() != (intact,):
+                raise sqlite3.DatabaseError("damaged table")
+            if removed:
                 self.tell(f"{self.path}: damaged, all but the first {self.done:,} rows are computed again")
         except BaseException:
             self._database.close()
@@ -158,12 +196,15 @@ class Store:
         checksum, content = self._database.execute("select * from job").fetchone() or ("", "")
         if checksum != checksum_of(content):
             raise sqlite3.DatabaseError("damaged job")
-        stored_job = json.loads(content)
+        try:
+            stored_job = JOB.validate_json(content)
+        except ValueError:
+            raise self._strange("no sweep") from None
         differing = [name for name, value in self.job.items() if stored_job.get(name) != value]
         if differing:
             message = (
                 f"contains rows of another sweep, which differs in {' and '.join(differing)}; "
-                "finish that with its own command and program, or remove the folder to start again"
+                f"finish that with its own command and program, or {START_AGAIN}"
             )
             raise mistake(self.path.parent, "", message)
 
@@ -177,11 +218,19 @@ class Store:
         for start, checksum, content in self._database.execute("select * from chunk order by start"):
             if start != done or type(content) is not bytes or checksum != self._checksum(start, content):
                 raise sqlite3.DataError("damaged rows")
-            chunk = unpacked(content)
+            try:
+                chunk = unpacked(content)
+            except ValueError:
+                raise self._strange("rows that no sweep has") from None
+            if not self.fits(done, chunk):
+                raise self._strange("rows that this sweep cannot have")
             yield chunk
             done += chunk.rows
         if done < self.done:
             raise sqlite3.DataError("missing rows")
+
+    def _strange(self, found: str) -> InputError:
+        return mistake(self.path.parent, "", f"must have rows of this sweep, found {found}; {START_AGAIN}")
 
     def _checksum(self, start: int, content: bytes) -> str:
         """Return a checksum of a chunk, its first row and its job."""
@@ -215,11 +264,20 @@ def make_folder(folder: Path) -> None:
     if not make_private(folder):
         message = "must belong to you and be writable by no other user; choose another output, or move it"
         raise mistake(folder, "", message)
-    other_names = [path.name for path in folder.iterdir() if not FILE_NAME.fullmatch(path.name)]
+    other_names = [path.name for path in folder.iterdir() if not is_part(path)]
     if other_names:
         raise mistake(
             folder, "", f"contains other files, such as {other_names[0]}; choose another output, or move them"
         )
+
+
+def is_part(path: Path) -> bool:
+    """Return whether a file is one that sweeps make; the database may not be a link, nor its journal name a file."""
+    if not FILE_NAME.fullmatch(path.name) or not stat.S_ISREG(path.lstat().st_mode):
+        return False
+    with path.open("rb") as file:
+        file.seek(-min(len(NAMES_A_FILE), path.stat().st_size), os.SEEK_END)
+        return not path.name.endswith("-journal") or file.read() != NAMES_A_FILE
 
 
 def has_locks(folder: Path) -> bool:
@@ -247,17 +305,27 @@ def checksum_of(job: object) -> str:
 
 
 def packed(chunk: Chunk) -> bytes:
-    """Return a chunk as bytes."""
-    content = BytesIO()
-    np.savez(content, *chunk.columns.values(), about=json.dumps([list(chunk.columns), chunk.warnings]))
-    return content.getvalue()
+    """Return a chunk as bytes: a line about it, and its columns one after the other."""
+    arrays = {name: np.asarray(values) for name, values in chunk.columns.items()}
+    about = About({name: array.dtype.str for name, array in arrays.items()}, dict(chunk.warnings))
+    return b"".join([ABOUT.dump_json(about), b"\n", *(array.tobytes() for array in arrays.values())])
 
 
 def unpacked(content: bytes) -> Chunk:
-    """Return a chunk from bytes made by `packed`."""
-    with np.load(BytesIO(content)) as arrays:
-        names, warnings = json.loads(str(arrays["about"]))
-        return Chunk({name: arrays[f"arr_{number}"] for number, name in enumerate(names)}, warnings)
+    """Return a chunk from bytes made by `packed`; raise a ValueError if they are none."""
+    line, _, values = content.partition(b"\n")
+    about = ABOUT.validate_json(line)
+    types = {name: np.dtype(kind) for name, kind in about.columns.items()}
+    row_bytes = sum(kind.itemsize for kind in types.values())
+    if not row_bytes or not values or len(values) % row_bytes:
+        raise ValueError("incomplete rows")
+    rows, place, columns = len(values) // row_bytes, 0, {}
+    for name, kind in types.items():
+        columns[name] = np.frombuffer(values, kind, rows, place)
+        place += rows * kind.itemsize
+    if any(count > rows or printable(words) != words for words, count in about.warnings.items()):
+        raise ValueError("warnings of more rows, or not of one line")
+    return Chunk(columns, about.warnings)
 
 
 def is_csv(path: Path) -> bool:
@@ -267,7 +335,7 @@ def is_csv(path: Path) -> bool:
     try:
         import pyarrow.parquet  # noqa: F401
     except ImportError:
-        raise mistake("sweep", str(path), "needs pyarrow; pip install 'armour[parquet]', or write .csv") from None
+        raise mistake("sweep", str(path), 'needs pyarrow; pip install "pyarrow>=17", or write .csv') from None
     return False
 
 

@@ -30,6 +30,7 @@ from armour.files import reason, shipped
 from armour.scenario.checked import Names, checked
 from armour.scenario.keys import describe
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
+from armour.scenario.schema import FASTEST_M_S
 from armour.sweeps.cases import BLOCK, Cases, Grid, source_of
 from armour.sweeps.store import RESUME, Chunk, Store, csv_of, read_table
 
@@ -44,6 +45,11 @@ SAMPLES = (4, 4, 32, 256, 2048)
 # A sweep that takes longer or has more rows needs approval.
 LONG_S = 3600.0
 MANY_ROWS = 10**8
+
+# What rows from a file may have: the greatest values by unit, but for rounding, and the outcomes in words.
+GREATEST = {"m/s": FASTEST_M_S, "%": 100.0, "": 1.0}
+ROUNDING = 1e-9
+OUTCOMES = ("perforated", "stopped")
 
 PACKAGE = Path(__file__).resolve().parent.parent
 LIBRARIES = ("numba", "numpy")
@@ -243,7 +249,8 @@ def write_sweep(
         tell(f"warning: {line}")
     threads = threads if workers is None else 1
     compute = partial(chunk_of, scenario, quantities=quantities, threads=threads)
-    with Store(output, job_of(scenario, source, quantities), tell, replace=replace) as store:
+    fits = partial(is_part_of, source, quantities)
+    with Store(output, job_of(scenario, source, quantities), tell, replace=replace, fits=fits) as store:
         if size is None:
             try:
                 effort = effort_of(scenario, source, quantities, output, threads, workers)
@@ -284,6 +291,29 @@ def chunk_of(scenario: Scenario, rows: Rows, quantities: Sequence[str], threads:
     """Compute quantities for rows of values by key."""
     results, warnings = evaluate_groups(groups_of(scenario, rows), quantities, threads)
     return Chunk({**rows, **results}, warnings)
+
+
+def is_part_of(source: Grid | Cases, quantities: Sequence[str], start: int, chunk: Chunk) -> bool:
+    """Return whether a chunk from a file has rows of a source, from one on, and possible values of its quantities."""
+    names = list(dict.fromkeys([*source.keys, *quantities]))
+    if [*chunk.columns] != names or start + chunk.rows > source.count:
+        return False
+    rows = source.rows(np.arange(start, start + chunk.rows))
+    return all(
+        np.array_equal(rows[name], values) if name in rows else is_possible(name, values)
+        for name, values in chunk.columns.items()
+    )
+
+
+def is_possible(quantity: str, values: NDArray[Any]) -> bool:
+    """Return whether a column has values that a quantity can have."""
+    if quantity == "outcome":
+        return bool(np.isin(values, OUTCOMES).all())
+    if values.dtype.kind != "f":
+        return False
+    known = values[~np.isnan(values)]
+    greatest = GREATEST.get(QUANTITIES[quantity].unit, np.finfo(np.float64).max)
+    return bool(((known >= -ROUNDING) & (known <= greatest + ROUNDING)).all())
 
 
 def computed(blocks: Iterator[Rows], compute: Callable[[Rows], Chunk], workers: Workers) -> Generator[Chunk]:

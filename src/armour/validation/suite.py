@@ -16,7 +16,7 @@ from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.evaluate import Answers, groups_of
 from armour.analysis.quantities import DESIGNS, OF_GRID, QUANTITIES, label_and_unit
 from armour.analysis.variants import Floats, Variants, grid_of
-from armour.csv_files import MUST_SAY, PERFORATED, number
+from armour.csv_files import MUST_SAY, PERFORATED, lines_of, number
 from armour.design.optimise import BestDesign, optimise
 from armour.errors import InputError, NoAnswerError, Problem, choices, counted, mistake, refuse
 from armour.files import named, read_toml, shipped, shipped_files, suite_file
@@ -24,7 +24,7 @@ from armour.scenario.checked import checked
 from armour.scenario.effect import check_columns, check_effect
 from armour.scenario.inputs import ROUND_AND_ARMOUR
 from armour.scenario.keys import KeyPath, canonical, describe, key_name, parts_of, values_by_key
-from armour.scenario.scenario import Scenario, parse_changed
+from armour.scenario.scenario import Scenario, files_of, parse_changed
 from armour.scenario.sections import LIST_TAG, RANGE_TAG, NumberOrText, Section, validated
 from armour.statistics.measured import MEASURED, read_tests
 
@@ -534,7 +534,12 @@ def _cases(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, o
 
 def _cases_of_file(common: Case, table: TableSection, folder: Path) -> list[Case]:
     """Return the cases of a table's file of tests, given what they have in common."""
-    tests = read_tests(_file(folder, table.file), common.scenario, common.suite.notes)
+    path = _file(folder, table.file)
+    file, lines = lines_of(path)
+    if table.quantity not in next(lines, ("", []))[1]:
+        # Its columns are not quoted: it may be any file of the user.
+        raise mistake(file, "", f"must be a table of tests with the column {table.quantity}")
+    tests = read_tests(path, common.scenario, common.suite.notes)
     scenarios = {int(place): group.scenario for group in tests.groups for place in group.where}
     cases = [
         replace(common, name=name, scenario=scenarios[place], expected=float(cells[table.quantity]), cells=cells)
@@ -563,9 +568,15 @@ def _reads_of(case: Case) -> set[str]:
     return {*ROUND_AND_ARMOUR, *QUESTIONS[case.quantity]}
 
 
+def suite_files(suite: Suite) -> list[Path]:
+    """Return the files that a suite is read from: its own, those of its scenarios, and its tables."""
+    scenarios = [file for case in suite.cases for file in files_of(case.scenario)]
+    return [suite.file, *dict.fromkeys(scenarios), *(suite.file.parent / table.file for table in suite.tables)]
+
+
 def _scenario(file: Path, *changes: Mapping[str, object]) -> Scenario:
     """Return the scenario of a file with changes, one after the other."""
-    return parse_changed(read_toml(file), *changes, file=named(file), folder=file.parent)
+    return parse_changed(read_toml(file, quoted=False), *changes, file=named(file), folder=file.parent)
 
 
 def _file(folder: Path, name: str) -> Path:

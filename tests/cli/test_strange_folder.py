@@ -1,0 +1,221 @@
+"""A folder of a stranger: whatever lies in it, no command runs, obeys or overwrites anything."""
+
+import os
+import pickle
+import re
+import shlex
+import sqlite3
+import struct
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from hashlib import sha256
+from pathlib import Path
+
+import pytest
+from platformdirs import user_cache_dir
+
+from armour.engine import cache
+from tests.helpers.cases import SCENARIOS
+
+ROOT = SCENARIOS.parent
+COMMANDS = Path(sys.executable).parent
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(not (COMMANDS / "armour").exists(), reason="needs the installed command, and links"),
+]
+
+MODULES = (
+    *("armour", "dask", "matplotlib", "multiprocessing", "numba", "numpy", "pip", "platformdirs", "sitecustomize"),
+    *("typing_extensions", "usercustomize", "yaml"),
+)
+SECRET = "user:secret"
+# A bare plate, which fails.
+SCENARIO = (SCENARIOS / "bare_plate.toml").read_text()
+OPTION = "--set=armour.backing_thickness_mm=300 #.toml"
+
+RUNS = (
+    "simulate wilkins --history history.csv --plot run.svg",
+    "simulate leak.toml",
+    "ballistic-limit wilkins --plot link.svg",
+    "sweep wilkins --over armour.ceramic_thickness_mm=4:8:1 -o journal.csv",
+    "sweep wilkins --over armour.ceramic_thickness_mm=4:8:1 -o link.csv",
+    "sweep wilkins --over armour.ceramic_thickness_mm=4:8:1 -o cluster.csv --scheduler local",
+    "optimise wilkins --csv front.csv",
+    "report wilkins -o report.html",
+    "uncertainty uncertain --samples 256",
+    "sensitivity wilkins",
+    "compare wilkins",
+    "validate suite.toml",
+    "validate tests.toml",
+    "figures figures --only fig09",
+    "v50 shots.csv wilkins",
+    "calibrate wilkins.csv wilkins --write mine.toml --lot 7",
+    "plan shots wilkins firing.csv --result complete",
+    "plan tests wilkins --candidates armour.ceramic_thickness_mm=6:10:2 --scatter-percent 3",
+    "init new.toml",
+    "schema",
+    "compile",
+    "library show AD85",
+)
+# In the commands that refuse something.
+REFUSED = {"leak.toml", "journal.csv", "link.csv", "link.svg", "suite.toml", "tests.toml", "firing.csv"}
+
+
+class Payload:
+    """An object that leaves a file where it is unpickled."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+    def __reduce__(self) -> tuple[Callable[..., object], tuple[object, ...]]:
+        return open, (str(self.path), "w")
+
+
+@pytest.fixture
+def home(tmp_path: Path) -> Path:
+    """The user's home, with a file of hers."""
+    home = tmp_path / "home"
+    home.mkdir()
+    (home / "keys").write_text(SECRET)
+    with closing(sqlite3.connect(home / "database")) as database, database:
+        database.execute("create table bookmarks (name)")
+    return home
+
+
+@pytest.fixture
+def ran(tmp_path: Path) -> Path:
+    """A folder that gets a file from whatever is run."""
+    ran = tmp_path / "ran"
+    ran.mkdir()
+    return ran
+
+
+@pytest.fixture
+def here(tmp_path: Path, home: Path, ran: Path) -> Path:
+    """The stranger's folder, in which she works."""
+    here = tmp_path / "here"
+    here.mkdir()
+    for name in MODULES:
+        (here / f"{name}.py").write_text(f"open({str(ran / name)!r}, 'w')\n")
+    keys = home / "keys"
+    case = '[[case]]\nname = "a"\nscenario = "{}"\nquantity = "outcome"\nexpected = "perforated"\n'
+    table = '[[table]]\nname = "a"\nscenario = "plate.toml"\nquantity = "ballistic_limit_m_s"\nfile = "{}"\n'
+    texts = {
+        ".env": "PYTHONPATH=.\n",
+        ".coveragerc": "[run]\nplugins = pip\n",
+        ".numba_config.yaml": f"chrome_trace: {keys}\nopt: unknown\n",
+        "matplotlibrc": "backend: module://pip\n",
+        "pyproject.toml": '[tool.coverage.run]\nplugins = ["pip"]\n[build-system]\nrequires = ["pip"]\n',
+        "pytest.ini": "[pytest]\naddopts = -p pip\n",
+        "setup.cfg": "[tool:pytest]\naddopts = -p pip\n",
+        "plate.toml": SCENARIO,
+        OPTION: SCENARIO,
+        "--help": SCENARIO,
+        "leak.toml": f'{SCENARIO}\n[library]\nfiles = ["{keys}"]\n',
+        "suite.toml": case.format(keys),
+        "own.toml": f"regression = true\n{case.format('plate.toml')}",
+        "tests.toml": table.format(keys),
+        "firing.csv": "velocity_m_s,result\n700,stopped\n",
+    }
+    for name, text in texts.items():
+        (here / name).write_text(text)
+    (here / "link.svg").symlink_to(keys)
+    (here / ".firing.csv.lock").symlink_to(keys)
+    put_stores(here, home)
+    put_compiled(here / ".cache" / "armour", ran)
+    return here
+
+
+def put_stores(here: Path, home: Path) -> None:
+    """Make stores of unfinished sweeps: one is a link to her database, one has a journal that names her file."""
+    for name in ("link", "journal"):
+        (here / f"{name}.csv.parts").mkdir(mode=0o700)
+    (here / "link.csv.parts" / "rows").symlink_to(home / "database")
+    store = here / "journal.csv.parts"
+    with closing(sqlite3.connect(store / "rows")) as database, database:
+        database.execute("create table job (checksum, content)")
+    keys, magic = bytes(home / "keys"), bytes.fromhex("d9d505f920a163d7")
+    header = magic + struct.pack(">5I", 0, 1, 2, 512, 4096)
+    ending = struct.pack(">I", 0) + keys + struct.pack(">2I", len(keys), sum(keys)) + magic
+    (store / "rows-journal").write_bytes(header.ljust(512, b"\0") + ending)
+
+
+def put_compiled(place: Path, ran: Path) -> None:
+    """Make compiled code that is whole by its seal."""
+    path = place / f"kernels-{cache.digest()}"
+    path.mkdir(parents=True, mode=0o755)
+    for name in ("impacts", "ballistic_limits"):
+        file = path / f"loops.{name}-.py{sys.version_info[0]}{sys.version_info[1]}.nbi"
+        file.write_bytes(pickle.dumps(Payload(ran / "compiled")))
+        cache.seal(path, name).write_text(sha256(file.read_bytes()).hexdigest())
+
+
+@pytest.fixture
+def environment(home: Path) -> dict[str, str]:
+    """Her environment; compiled code is that of the other tests."""
+    kept = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "MPL"))}
+    path = f"{COMMANDS}{os.pathsep}{os.environ['PATH']}"
+    return {**kept, "HOME": str(home), "XDG_CACHE_HOME": str(Path(user_cache_dir())), "PATH": path}
+
+
+@pytest.fixture(autouse=True)
+def untouched(here: Path, home: Path, ran: Path) -> Iterator[None]:
+    """Nothing has been run, and no file that was there has changed."""
+    before = contents(home) | contents(here)
+    yield
+    assert [path.name for path in ran.iterdir()] == []
+    after = contents(home) | contents(here)
+    assert {path: after.get(path) for path in before} == before
+
+
+def contents(folder: Path) -> dict[Path, object]:
+    """Contents of the files below a folder, and targets of links."""
+    return {
+        path: os.readlink(path) if path.is_symlink() else path.read_bytes()
+        for path in folder.rglob("*")
+        if path.is_symlink() or path.is_file()
+    }
+
+
+def run(line: str, here: Path, environment: dict[str, str]) -> subprocess.CompletedProcess[str]:
+    """Run a line of shell."""
+    command = ["bash", "-c", line]
+    return subprocess.run(command, cwd=here, env=environment, capture_output=True, text=True, check=False)
+
+
+@pytest.mark.parametrize("line", RUNS)
+def test_no_command_runs_or_obeys_what_lies_there(line: str, here: Path, environment: dict[str, str]):
+    done = run(f"armour {line}", here, environment)
+    refused = REFUSED & {*shlex.split(line)}
+    assert done.returncode == (2 if refused else 0), done.stderr
+    assert "Traceback" not in done.stderr
+    assert "secret" not in done.stdout + done.stderr
+
+
+def test_compiled_code_that_lies_there_is_not_loaded(here: Path, environment: dict[str, str]):
+    done = run('XDG_CACHE_HOME="$PWD/.cache" armour compile', here, environment)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert f"in {here / '.cache' / 'armour'}, which is in the current folder" in done.stderr
+
+
+def test_the_action(here: Path, environment: dict[str, str], tmp_path: Path):
+    """All lines that it runs, but for the installation."""
+    text = (ROOT / "action.yml").read_text().replace('install "$SOURCE"', "--version")
+    lines = [block or line for block, line in re.findall(r" run: (?:\|\n((?: {8}.+\n)+)|(.+))", text)]
+    values = {"SOURCE": ROOT, "SCENARIOS": "-* plate.toml", "JUNIT": "results", "SUITE": "own.toml"}
+    environment |= {name: str(value) for name, value in values.items()} | {"GITHUB_OUTPUT": str(tmp_path / "output")}
+    codes = [run(line, here, environment).returncode for line in lines]
+    assert codes == [0, 0, 0, 0, 0, 3, 0]
+    assert (tmp_path / "output").read_text().count("folder=/") == 2
+    report = (here / "results" / "check.xml").read_text()
+    assert report.count('<failure message="FAILS') == 3
+
+
+def test_the_hook(here: Path, environment: dict[str, str]):
+    text = (ROOT / ".pre-commit-hooks.yaml").read_text()
+    [entry], [words] = re.findall(r"entry: (.+)", text), re.findall(r"args: \[(.+)\]", text)
+    done = run(shlex.join([*entry.split(), *words.split(", "), OPTION, "plate.toml"]), here, environment)
+    assert done.returncode == 3
+    assert done.stdout.count("\nFAILS") == 2
