@@ -19,14 +19,13 @@ from threading import Lock
 
 from platformdirs import user_cache_dir
 
+from armour.core.replaced import replaced_function
 from armour.engine import loops
 from armour.files import exchangeable, make_private
 
 Kernel = Callable[..., None]
 
 PACKAGE = Path(__file__).resolve().parent.parent
-# The loops have imported all of them.
-CORE = [module for name, module in list(sys.modules.items()) if name.startswith("armour.core.")]
 COMPILING = "compiling the numerical code, which takes about ten seconds"
 # Number of folders of other versions of the program that are kept.
 OTHERS_KEPT = 4
@@ -67,16 +66,6 @@ def folder() -> tuple[Path | None, str]:
         if os.access(path, os.W_OK):
             return path, ""
     return None, f"in {path.parent}, which cannot be written"
-
-
-def replaced_function() -> str:
-    """Return the name of a function of the core that another program has replaced, or ""."""
-    expected_packages = ("armour.core.", "builtins.", "collections.", "enum.", "math.", "typing.")
-    for module in CORE:
-        for attribute, value in vars(module).items():
-            if callable(value) and not f"{getattr(value, '__module__', '')}.".startswith(expected_packages):
-                return f"{module.__name__}.{attribute}"
-    return ""
 
 
 def obstacle() -> str:

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 
+from armour.core.replaced import replaced_function
 from armour.core.state import Parameters
-from armour.engine.cache import replaced_function
 from armour.errors import InputError, Problem
 from armour.evidence.mixture import Floats, Mixture
 from armour.evidence.tests import Armours, Evidence, is_outside, is_untested, outside
