@@ -11,8 +11,8 @@ def replaced_function() -> str:
     for name, module in list(sys.modules.items()):
         if name.startswith("armour.core."):
             for attribute, value in vars(module).items():
-                if callable(value) and not f"{getattr(value, '__module__', '')}.".startswith(PACKAGES):
-                    return f"{name}.{attribute}"
+                if callable(value) and not (str(getattr(value, "__module__", "")) + ".").startswith(PACKAGES):
+                    return name + "." + attribute
     return ""
 
 

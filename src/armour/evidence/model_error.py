@@ -10,6 +10,8 @@ import numpy as np
 from armour.core.replaced import replaced_function
 from armour.core.state import Parameters
 from armour.errors import InputError, Problem
+from armour.evidence.core_digest import core_digest
+from armour.evidence.fit import shipped_data
 from armour.evidence.mixture import Floats, Mixture
 from armour.evidence.tests import Armours, Evidence, is_outside, is_untested, outside
 from armour.scenario.inputs import cosine_of
@@ -151,6 +153,8 @@ def other_settings(scenario: Scenario) -> str:
     others = [f"{name}.{key} = {value}" for name, key, value, usual in values if value != usual]
     if function := replaced_function():
         others.append(f"{function} replaced")
+    elif core_digest() != shipped_data()["core"]["sha256"]:
+        others.append("the equations as they are in armour/core")
     return ", ".join(others)
 
 
