@@ -397,7 +397,7 @@ def job_of(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) 
     return {
         "version": armour.__version__,
         "program": program(),
-        "scenario": scenario.digest(),
+        "scenario": scenario.digest(whole_library=True),  # rows may name other entries
         "quantities": ",".join(quantities),
         "rows": source.digest,
     }
