@@ -12,13 +12,21 @@ import numpy as np
 
 from armour.analysis.impact import ImpactResult, impact_at, unresolved_error
 from armour.analysis.results import OnProgress, Result, ignore_progress
-from armour.analysis.variants import Floats, ballistic_limits, limit_brackets, limits_by_law, outcomes_at, variants_of
+from armour.analysis.variants import (
+    Floats,
+    ballistic_limits,
+    limit_brackets,
+    limits_by_law,
+    outcomes_at,
+    variants_of,
+    why_error_unknown,
+)
 from armour.core import search
 from armour.core.state import Outcome
 from armour.errors import InputError, NoLimitError
 from armour.evidence.fit import fits
 from armour.evidence.mixture import Mixture
-from armour.evidence.model_error import ModelError, error_of, why_unknown
+from armour.evidence.model_error import ModelError, error_of
 from armour.evidence.tests import armours_of, is_untested, is_unusual, scenario_warnings
 from armour.scenario.checked import checked
 from armour.scenario.inputs import FLOW_STRESS, OBLIQUITY
@@ -440,4 +448,4 @@ def no_error(scenario: Scenario) -> str:
     """Return why the model error is not known, or not included, for a scenario that has none."""
     if scenario.excludes_error():
         return EXCLUDED
-    return why_unknown(scenario, armours_of(scenario))
+    return why_error_unknown(variants_of(scenario, {}, 1))
