@@ -499,11 +499,12 @@ def _parsed(source: _Source) -> Scenario:
         scenario = Scenario.model_validate(source.data, context={"names": names, "library": library})
     except ValidationError as error:
         raise InputError([*problems, *problems_of(error, Scenario, source.file)]) from None
-    titles = [threat.title for threat in scenario.threat]
-    for i, title in enumerate(titles):
-        if title in titles[:i]:
-            message = f'must be different for each threat, found "{title}" twice'
+    titles: set[str] = set()
+    for i, threat in enumerate(scenario.threat):
+        if threat.title in titles:
+            message = f'must be different for each threat, found "{threat.title}" twice'
             problems.append(Problem(source.file, f"threat[{i}].name", message))
+        titles.add(threat.title)
     refuse(problems)
     scenario._entries = library
     scenario._source = source
