@@ -299,9 +299,9 @@ def moved_m_s(variants: Variants) -> Floats:
 
 def why_error_unknown(variants: Variants) -> str:
     """Return why the model error is not known for a single row, and what can provide it."""
-    if not errors_of(variants.scenario, variants.armours).known.all():
-        return why_unknown(variants.scenario, variants.armours)
     [moved] = moved_m_s(variants)
+    if abs(moved) <= MOST_MOVED_M_S or not errors_of(variants.scenario, variants.armours).known.all():
+        return why_unknown(variants.scenario, variants.armours)
     step_us, tolerance = variants.scenario.solver.time_step_us, variants.scenario.ballistic_limit.tolerance_m_s
     settings = [] if step_us is None else [f"solver.time_step_us = {step_us}"]
     settings += [f"ballistic_limit.tolerance_m_s = {tolerance}"] * (tolerance > MOST_MOVED_M_S)
