@@ -1,4 +1,4 @@
-"""Fit the model error to the shipped tests, and write the fits to configs/evidence.toml.
+"""Fit the model error to the shipped tests, and write the fits and the digest of the core to configs/evidence.toml.
 
     python -m tools.evidence
 
@@ -25,6 +25,7 @@ from scipy.stats import t
 
 from armour.analysis.evaluate import evaluate
 from armour.analysis.variants import Floats, Ints
+from armour.evidence.core_digest import core_digest
 from armour.evidence.fit import CONSTRAINT, RODS, Fit, Quantities, matrix_of
 from armour.scenario.inputs import BACKING, OBLIQUITY
 from armour.scenario.library import shipped_library
@@ -351,9 +352,9 @@ def _rounded(values: ArrayLike) -> object:
 
 
 def main() -> None:
-    """Write the fits to configs/evidence.toml."""
+    """Write the fits to configs/evidence.toml, with the digest of the code that computed the limits."""
     head, mark, _ = EVIDENCE.read_text(encoding="utf-8").partition(MARK)
-    lines = []
+    lines = ["", "[core]", f'sha256 = "{core_digest()}"']
     for name, table in tables().items():
         # A table of TOML by JSON, a key a line, is shorter than by tomli_w, which breaks lists.
         stress = table.pop("flow_stress", None)

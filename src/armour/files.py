@@ -4,6 +4,7 @@ import os
 import re
 import shutil
 import stat
+import sys
 import tomllib
 import unicodedata
 from collections.abc import Mapping, Sequence
@@ -144,11 +145,13 @@ def parse_toml(text: str, file: str, *, quoted: bool = True) -> dict[str, Any]:
         return data
     except RecursionError:
         message = "must be valid TOML, found values nested too deeply"
-    except ValueError as error:
+    except tomllib.TOMLDecodeError as error:
         # Most errors are texts without quotes, and decimal commas; the line shows them.
         place = re.search(r"at line (\d+)", str(error))
         line = ": " + printable(text.split("\n")[int(place[1]) - 1].strip()[:MAX_SHOWN]) if place and quoted else ""
         message = f"must be valid TOML, found an error: {error}{line}"
+    except ValueError:  # Python converts no more digits
+        message = f"must be valid TOML of numbers of at most {sys.get_int_max_str_digits()} digits, found a longer one"
     raise mistake(file, "", message)
 
 

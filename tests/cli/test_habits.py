@@ -83,6 +83,14 @@ def test_a_value_nested_too_deeply(cli):
     assert cli.fails(2, "simulate", WILKINS, "--set", "a=" + "[" * 3000 + "]" * 3000)
 
 
+@pytest.mark.parametrize("time", ["abc", "9" * 5000, "99999999999999"])
+def test_a_wrong_time_in_the_environment(cli, monkeypatch: pytest.MonkeyPatch, time: str):
+    """On which libraries that draw fail."""
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", time)
+    [told] = cli.fails(2, "simulate", WILKINS, "--plot", "a.pdf")
+    assert told.startswith("environment: SOURCE_DATE_EPOCH: must be a number of seconds since 1970, found ")
+
+
 def test_mistakes_are_told_with_their_lines(cli, folder: Path):
     text = WILKINS.read_text().replace("velocity_m_s = 800.0", "velocity_m_s = -800.0")
     (folder / "a.toml").write_text(text)

@@ -9,7 +9,7 @@ from PIL import Image
 from pyarrow import parquet
 
 from armour.scenario.scenario import load_scenario
-from tests.helpers.cases import SCENARIOS
+from tests.helpers.cases import SCENARIOS, scenario
 from tests.helpers.commands import invoke
 
 pytestmark = pytest.mark.slow
@@ -48,3 +48,14 @@ def test_another_value_of_the_library_is_another_scenario():
         for words in ([], ["--set", "ceramic.flow_stress_GPa=4"])
     )
     assert plain != changed
+
+
+def test_an_entry_that_a_scenario_does_not_use_is_no_part_of_it():
+    offered = {"thickness_mm": [6.0]}
+    designs = {"ceramic": [{"material": "tile", **offered}], "backing": [{"material": "6061-T6", **offered}]}
+    plain = scenario(library={"ceramic": {"tile": {"based_on": "AD99.5"}}})
+    stronger = {"library.ceramic.tile.flow_stress_GPa": 6.5}
+    assert plain.digest() == scenario().digest() == plain.replaced(stronger).digest()
+    assert plain != plain.replaced(stronger)
+    for using in (plain.replaced({"armour.ceramic": "tile"}), plain.replaced({"design": designs})):
+        assert using.digest() != using.replaced(stronger).digest()

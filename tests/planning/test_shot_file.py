@@ -24,6 +24,7 @@ from armour.statistics.v50 import read_shots
         ("result,velocity_m_s\r\nP,7e2", "\r\nC,750\r\n"),
         ("velocity_m_s , result, shot\n700, p ,7\n\n", "750,c,8\n"),
         ("shot,velocity_m_s,result\na,700,partial\n", "2,750,complete\n"),
+        (f"shot,velocity_m_s,result\n{'9' * 4301},700,partial\n", "2,750,complete\n"),
         ("shot,velocity_m_s,result,remark\nA1,700,partial,clean\n", "2,750,complete,\n"),
     ],
 )

@@ -1,3 +1,5 @@
+import sys
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -207,3 +209,22 @@ def test_rounds_are_found_under_the_names_of_their_users():
 def test_an_angle_is_told_what_it_leaves_out():
     [note] = load_scenario("wilkins", {"impact.obliquity_deg": 30.0}).notes
     assert "ricochet, yaw and bending of the core are not in the model" in note
+
+
+@pytest.mark.parametrize(("first", "others"), [("AD85", "C"), ("AD85", "missing ")])
+def test_the_work_grows_with_the_number_of_entries_not_with_its_square(first: str, others: str):
+    """Each is based on the one before; the work is the number of lines that Python runs."""
+    work = [0, 0]
+    for place, count in enumerate((1500, 3000)):
+
+        def traced(*_: Any, place: int = place) -> Any:
+            work[place] += 1
+            return traced
+
+        entries = {f"C{i}": {"based_on": f"{others}{i - 1}" if i else first} for i in range(count)}
+        before = sys.gettrace()
+        sys.settrace(traced)
+        with suppress(InputError):
+            extended({"ceramic": entries})
+        sys.settrace(before)
+    assert work[1] < 2.5 * work[0]

@@ -57,6 +57,13 @@ def test_a_grid_of_many_axes_is_not_held_in_memory():
     assert source.rows(np.arange(3))["d"].tolist() == [0.0, 1.0, 2.0]
 
 
+def test_a_grid_of_more_rows_than_can_be_numbered():
+    wide = "=" + ",".join(map(str, range(1000)))
+    assert sweep_grid(*(key + wide for key in "abcdef")).count == 10**18
+    with pytest.raises(InputError, match="over: must have at most 10"):
+        sweep_grid(*(key + wide for key in "abcdef"), "g=1,2")
+
+
 def test_rows_of_cases(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     rows = np.random.default_rng(3).uniform(0.0, 1.0, (57, 2))
     source = Cases(csv_file(tmp_path / "cases.csv", "a,b", *(f"{a!r},{b!r}" for a, b in rows.tolist())))

@@ -19,13 +19,14 @@ from armour.analysis.variants import (
     limits_by_law,
     outcomes_at,
     variants_of,
+    why_error_unknown,
 )
 from armour.core import search
 from armour.core.state import Outcome
 from armour.errors import InputError, NoLimitError
 from armour.evidence.fit import fits
 from armour.evidence.mixture import Mixture
-from armour.evidence.model_error import ModelError, error_of, why_unknown
+from armour.evidence.model_error import ModelError, error_of
 from armour.evidence.tests import armours_of, is_untested, is_unusual, scenario_warnings
 from armour.scenario.checked import checked
 from armour.scenario.inputs import FLOW_STRESS, OBLIQUITY
@@ -447,4 +448,4 @@ def no_error(scenario: Scenario) -> str:
     """Return why the model error is not known, or not included, for a scenario that has none."""
     if scenario.excludes_error():
         return EXCLUDED
-    return why_unknown(scenario, armours_of(scenario))
+    return why_error_unknown(variants_of(scenario, {}, 1))

@@ -14,12 +14,12 @@ from armour.core.state import Outcome, Parameters
 from armour.engine import batch, cache
 from armour.errors import mistake
 from armour.evidence.mixture import Mixture
-from armour.evidence.model_error import LAW_FIELDS, Errors, errors_of
+from armour.evidence.model_error import LAW_FIELDS, Errors, errors_of, given_error, why_unknown
 from armour.evidence.tests import Armours, Materials, armours_of, is_unusual, limits_outside
 from armour.scenario.inputs import OBLIQUITY, VELOCITY, YIELD, cosine_of, fields_of
 from armour.scenario.library import DEFAULTS, strength_notes
 from armour.scenario.scenario import Scenario
-from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S, Optimise, Range
+from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S, BallisticLimitSection, Optimise, Range
 from armour.units import MM
 
 Floats = NDArray[np.float64]
@@ -27,6 +27,8 @@ Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 # Width, mm, to which a least thickness is bisected.
 THICKNESS_TOLERANCE_MM = 1e-6
+# By how much the numerical settings may move a limit, a small part of its error, m/s.
+MOST_MOVED_M_S = 1.0
 # Number of rows to compute at all points of a scan at a time, which bounds the memory.
 SCANS_AT_A_TIME = 250
 # Whether a condition holds at values of some rows: (values, rows) -> holds.
@@ -62,8 +64,13 @@ class Variants(NamedTuple):
 
     @property
     def errors(self) -> Errors:
-        """Errors of the model."""
-        return errors_of(self.scenario, self.armours)
+        """Errors of the model; not known where the numerical settings move the limit too far."""
+        errors = errors_of(self.scenario, self.armours)
+        if given_error(self.scenario) is None:
+            known = np.flatnonzero(errors.known)
+            far = np.abs(moved_m_s(self.at(known))) > MOST_MOVED_M_S
+            errors.ratio.weights[:, known[far]] = np.nan
+        return errors
 
     @property
     def armours(self) -> Armours:
@@ -282,6 +289,36 @@ def limits_by_law(variants: Variants, errors: Errors, own_limits: Floats) -> Flo
         if len(rows):
             limits[law, rows] = limits_anywhere(variants.by_law(law, errors).at(rows))
     return limits
+
+
+def moved_m_s(variants: Variants) -> Floats:
+    """Return the ballistic limits of rows less those with the default time step and tolerance, m/s, (n,).
+
+    It is 0 where only the tolerance differs and allows no more than `MOST_MOVED_M_S`.
+    """
+    scenario, usual = variants.scenario, BallisticLimitSection().tolerance_m_s
+    if not len(variants.velocities) or (
+        scenario.solver.time_step_us is None and scenario.ballistic_limit.tolerance_m_s <= MOST_MOVED_M_S
+    ):
+        return np.zeros(len(variants.velocities))
+    solver = scenario.solver.model_copy(update={"time_step_us": None})
+    section = scenario.ballistic_limit.model_copy(update={"tolerance_m_s": usual})
+    default = scenario.model_copy(update={"solver": solver, "ballistic_limit": section})
+    return limits_anywhere(variants) - limits_anywhere(variants._replace(scenario=default))
+
+
+def why_error_unknown(variants: Variants) -> str:
+    """Return why the model error is not known for a single row, and what can provide it."""
+    [moved] = moved_m_s(variants)
+    if abs(moved) <= MOST_MOVED_M_S or not errors_of(variants.scenario, variants.armours).known.all():
+        return why_unknown(variants.scenario, variants.armours)
+    step_us, tolerance = variants.scenario.solver.time_step_us, variants.scenario.ballistic_limit.tolerance_m_s
+    settings = [] if step_us is None else [f"solver.time_step_us = {step_us}"]
+    settings += [f"ballistic_limit.tolerance_m_s = {tolerance}"] * (tolerance > MOST_MOVED_M_S)
+    return (
+        f"{' and '.join(settings)} moves the ballistic limit by {moved:+.3g} m/s, more than {MOST_MOVED_M_S:g} m/s; "
+        "[uncertainty.model] can give it"
+    )
 
 
 def distributions(variants: Variants, limits: Floats) -> Mixture:

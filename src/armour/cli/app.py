@@ -2,8 +2,10 @@
 
 import inspect
 import logging
+import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from datetime import UTC, datetime
 from functools import cache
 from os.path import isfile
 from typing import Annotated, Any
@@ -34,7 +36,7 @@ from armour.cli.scenario_commands import (
 from armour.cli.suites import figures, validate
 from armour.errors import MAX_PROBLEMS, ArmourError, InputError, NoAnswerError, Problem, mistake
 from armour.files import read_text
-from armour.scenario.keys import line_of, lines_of
+from armour.scenario.keys import describe, line_of, lines_of
 
 WRONG_INPUT, INTERRUPTED = 2, 130
 
@@ -79,6 +81,7 @@ class Reporting(_Helpful, TyperGroup):
         In completion it is the word that has not begun.
         """
         with _reported():
+            _check_time()
             if "" in args and not settings.get("resilient_parsing"):
                 raise mistake("command line", "", "must not contain an empty word, such as a variable that is not set")
             return super().make_context(info_name, args, *others, **settings)
@@ -87,6 +90,16 @@ class Reporting(_Helpful, TyperGroup):
         """Run the command."""
         with _reported():
             return super().invoke(ctx)
+
+
+def _check_time() -> None:
+    """Check the time in the environment, on which libraries that draw fail, though no output contains it."""
+    time = os.environ.get("SOURCE_DATE_EPOCH")
+    try:
+        datetime.fromtimestamp(int(time or 0), UTC)
+    except (ValueError, OverflowError, OSError):
+        message = f"must be a number of seconds since 1970, found {describe(time)}"
+        raise mistake("environment", "SOURCE_DATE_EPOCH", message) from None
 
 
 @contextmanager

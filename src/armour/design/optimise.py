@@ -10,7 +10,7 @@ import numpy as np
 from armour.analysis.ballistic_limit import NeededFlowStress, needed_flow_stress
 from armour.analysis.estimates import Estimate
 from armour.analysis.results import OnProgress, TableResult, data_frame, ignore_progress
-from armour.analysis.variants import Ints, distributions
+from armour.analysis.variants import Ints, distributions, why_error_unknown
 from armour.design.catalogue import FIRST_VALUES, MARGIN, NO_BOUND, CandidateDesigns, Catalogue, catalogue_of
 from armour.design.designs import NOT_KNOWN, PASSES, Designs, Runs, asked_of, stopped
 from armour.design.reliability import Reliability
@@ -18,7 +18,7 @@ from armour.design.requirements import ROUNDING, Requirement, against_threat, of
 from armour.design.search import FreeThicknesses, candidates_of, joined, pareto
 from armour.errors import Problem, listed, refuse
 from armour.evidence.mixture import Mixture
-from armour.evidence.model_error import REMEDY, ModelError, error_of, why_unknown
+from armour.evidence.model_error import REMEDY, ModelError, error_of
 from armour.evidence.tests import threat_warnings
 from armour.scenario.checked import checked
 from armour.scenario.inputs import BACKING, CERAMIC, NAMES
@@ -490,7 +490,7 @@ def _why_not_known(designs: Designs, place: int | None) -> str:
         return "the interval of a sampled probability contains the one required; raise uncertainty.samples"
     # The reason is that of the governing threat, if its probability is unknown.
     threat = min(unknown, key=designs.slack_m_s(np.array([place]))[0].__getitem__)
-    why = why_unknown(catalogue.scenario, rows.armours.at(np.array([threat])))
+    why = why_error_unknown(rows.at(np.array([threat])))
     titles = [catalogue.titles[place] for place in unknown]
     threats = "every threat" if len(titles) == len(catalogue.titles) > 1 else listed(titles)
     return f"probability of stopping {threats}: unknown, {why}"
@@ -767,7 +767,7 @@ def _why_error_unknown(catalogue: Catalogue, designs: CandidateDesigns) -> tuple
     design = int(is_known.sum(axis=1).argmax())
     threat = int(is_known[design].argmin())
     against = f" against {catalogue.titles[threat]}" if is_known[design].any() else ""
-    return against, why_unknown(catalogue.scenario, rows.armours.at([design * len(catalogue.threats) + threat]))
+    return against, why_error_unknown(rows.at(np.array([design * len(catalogue.threats) + threat])))
 
 
 def _exceeded(section: DesignSection, unlimited: Designs, place: int, threats: str) -> str:

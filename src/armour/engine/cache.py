@@ -22,14 +22,13 @@ from threading import Lock
 
 from platformdirs import user_cache_dir
 
+from armour.core.replaced import replaced_function
 from armour.engine import loops
 from armour.files import exchangeable, is_trusted, reason
 
 Kernel = Callable[..., None]
 
 PACKAGE = Path(__file__).resolve().parent.parent
-# The loops have imported all of them.
-CORE = [module for name, module in list(sys.modules.items()) if name.startswith("armour.core.")]
 COMPILING = "compiling the numerical code, which takes about ten seconds"
 # Lines of /proc/cpuinfo on the type of a processor, on several architectures.
 TYPE = re.compile(r"(vendor_id|cpu family|model|flags|CPU [a-z]+|Features|cpu|isa|uarch)\s*:")
@@ -104,16 +103,6 @@ def project_around(place: Path) -> str:
             return "the current folder"
         if folder not in own and any(os.path.exists(folder / name) for name in VERSIONED):
             return f"the work tree {folder}"
-    return ""
-
-
-def replaced_function() -> str:
-    """Return the name of a function of the core that another program has replaced, or ""."""
-    expected_packages = ("armour.core.", "builtins.", "collections.", "enum.", "math.", "typing.")
-    for module in CORE:
-        for attribute, value in vars(module).items():
-            if callable(value) and not f"{getattr(value, '__module__', '')}.".startswith(expected_packages):
-                return f"{module.__name__}.{attribute}"
     return ""
 
 

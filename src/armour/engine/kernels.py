@@ -11,7 +11,7 @@ from pathlib import Path
 from types import FunctionType
 from typing import Any
 
-from armour.core import equations, events, rk4, roots, search, stages, state
+from armour.core import equations, events, replaced, rk4, roots, search, stages, state
 from armour.core import run as core_run
 from armour.core.state import Parameters
 from armour.engine import loops
@@ -58,6 +58,12 @@ def compiled_parameters_at(rows: Any, i: Any) -> Any:  # noqa: ARG001 (numba giv
         rows[i, 0], rows[i, 1], rows[i, 2], rows[i, 3], rows[i, 4], rows[i, 5], rows[i, 6], rows[i, 7], rows[i, 8],
         rows[i, 9], rows[i, 10], rows[i, 11], rows[i, 12], rows[i, 13], rows[i, 14], rows[i, 15], int(rows[i, 16]),
     )  # fmt: skip
+
+
+@overload(replaced.is_unchanged, jit_options=OPTIONS)
+def compiled_is_unchanged() -> Any:
+    """Compile `replaced.is_unchanged`: Python runs the loops where a function is replaced."""
+    return lambda: True
 
 
 _float, _int = types.float64, types.int64

@@ -219,7 +219,7 @@ def _log_density(deviations: Floats, scale: Floats, freedom: float) -> float:
 def as_measurements(
     mean: Floats, covariance: Floats, places: Floats, sides: Floats, variances: Floats
 ) -> tuple[Floats, Floats, float]:
-    """Return the normal measurements equivalent to the outcomes of n shots: means and variances, (n,).
+    """Return the normal measurements that stand for the outcomes of n shots: means and variances, (n,).
 
     The limits have a normal distribution with a mean and a covariance.  Each lies above the place of its shot, side 1,
     or below it, -1, apart from an error with a given variance.  The method is expectation propagation.  The third

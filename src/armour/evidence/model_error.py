@@ -7,9 +7,11 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 
+from armour.core.replaced import replaced_function
 from armour.core.state import Parameters
-from armour.engine.cache import replaced_function
 from armour.errors import InputError, Problem
+from armour.evidence.core_digest import core_digest
+from armour.evidence.fit import shipped_data
 from armour.evidence.mixture import Floats, Mixture
 from armour.evidence.tests import Armours, Evidence, is_outside, is_untested, outside
 from armour.scenario.inputs import cosine_of
@@ -24,6 +26,8 @@ QUANTILES = (0.025, 0.05, 0.5, 0.95, 0.975)
 LAW_FIELDS = ("Yc0", "n_B", "n_cB", "a_c", "a_B", "YB", "tau", "Hc0", "Hb")
 # Quantities of bare plates whose trend is uncertain beyond the tests.
 DOUBTED = ("backing_thickness_ratio", "backing_strength_GPa", "rod_mass_ratio")
+# The key of the solver that changes how exactly is computed, not what.
+NUMERICAL = "time_step_us"
 NO_TEST = "no test of such an armour is known"
 REMEDY = "own tests (armour calibrate) or [uncertainty.model] can give it"
 
@@ -145,12 +149,14 @@ def given_error(scenario: Scenario) -> ModelError | None:
 
 
 def other_settings(scenario: Scenario) -> str:
-    """Return in words the settings and the equation that differ from those used to compute the tests; "" for none."""
+    """Return in words the model's settings and equations that differ from those used to compute the tests, or ""."""
     sections = (("model", scenario.model, Model()), ("solver", scenario.solver, Solver()))
     values = ((name, key, value, getattr(usual, key)) for name, section, usual in sections for key, value in section)
-    others = [f"{name}.{key} = {value}" for name, key, value, usual in values if value != usual]
+    others = [f"{name}.{key} = {value}" for name, key, value, usual in values if value != usual and key != NUMERICAL]
     if function := replaced_function():
         others.append(f"{function} replaced")
+    elif core_digest() != shipped_data()["core"]["sha256"]:
+        others.append("the equations as they are in armour/core")
     return ", ".join(others)
 
 

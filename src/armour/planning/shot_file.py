@@ -16,6 +16,8 @@ from armour.statistics.v50 import Shots
 HEADER = ("shot", "velocity_m_s", "result")
 # Time to wait for other commands that are adding a shot to the same file; each takes a second or two.
 WAIT_S = 120.0
+# Most digits of the number of a shot; a longer name is a name.
+MOST_DIGITS = 15
 
 
 @contextmanager
@@ -81,7 +83,8 @@ def _spelt(word: str, example: str) -> str:
 
 def next_name(names: Sequence[str], count: int) -> str:
     """Return the name of the next shot: the greatest name that is a number or, without one, the count, plus 1."""
-    return str(max((int(name) for name in names if name.isdecimal()), default=count) + 1)
+    numbers = (int(name) for name in names if name.isdecimal() and len(name) <= MOST_DIGITS)
+    return str(max(numbers, default=count) + 1)
 
 
 def added(shots: Shots, velocity_m_s: float, complete: bool) -> Shots:

@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterable, Sequence
 from contextlib import suppress
 
 from armour.errors import InputError, Problem, choices, refuse
-from armour.scenario.inputs import CERAMIC, NAMES, ROLES
+from armour.scenario.inputs import CERAMIC, NAMES
 from armour.scenario.keys import Parts, key_name, parts_of, upwards
 from armour.scenario.scenario import Scenario
 
@@ -94,15 +94,10 @@ def _read_of(scenario: Scenario, reads: Collection[str]) -> set[str]:
 
 def _entries_of(scenario: Scenario) -> set[tuple[str, str]]:
     """Return kind and name of the entries that a scenario names, and of those that its own entries are based on."""
-    named: list[tuple[str, str | None]] = [(kind, scenario.name_of(role)) for role, kind in ROLES.items()]
-    named += [("projectile", threat.projectile) for threat in scenario.threat]
-    if scenario.design is not None:
-        named += [("ceramic", layer.material) for layer in scenario.design.ceramic]
-        named += [("metal", layer.material) for layer in scenario.design.backing]
     entries: set[tuple[str, str]] = set()
-    for kind, name in named:
-        own_entries = getattr(scenario.library, kind)
-        while name is not None and (kind, name) not in entries:
+    for kind, named in scenario.named_entries():
+        own_entries, name = getattr(scenario.library, kind), named
+        while name and (kind, name) not in entries:
             entries.add((kind, name))
-            name = own_entries[name].based_on if name in own_entries else None
+            name = own_entries[name].based_on if name in own_entries else ""
     return entries

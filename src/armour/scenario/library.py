@@ -4,9 +4,11 @@ Every value has a status (measured, nominal, fitted or assumed) and a source.
 """
 
 import re
+from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache
+from itertools import chain, islice
 from math import inf, nan
 from os import PathLike
 from typing import Annotated, Any, Generic, Literal, TypeVar
@@ -20,7 +22,7 @@ from pydantic import (
     model_validator,
 )
 
-from armour.errors import CHOOSE, Note, Problem, listed, mistake, refuse, suggestion
+from armour.errors import CHOOSE, MAX_WORDS, Note, Problem, listed, mistake, refuse, suggestion
 from armour.files import read_toml, shipped
 from armour.scenario.checked import checked
 from armour.scenario.inputs import INPUTS, ROD, YIELD, Kind, length_mm
@@ -385,7 +387,7 @@ def hint(name: str, entries: Iterable[LibraryEntry], names: Iterable[str]) -> st
     for alike in (_named(name, entries), _named(first_part, entries), _described(name, entries)):
         if 0 < len(alike) <= MOST_ALIKE:
             return CHOOSE + ", ".join(map(_in_short, alike))
-    return suggestion(name, list(names)) or "; armour library lists them"
+    return suggestion(name, [*islice(names, MAX_WORDS + 1)]) or "; armour library lists them"
 
 
 def _named(text: str, entries: Iterable[LibraryEntry]) -> list[LibraryEntry]:
@@ -551,25 +553,28 @@ def _resolved(
     """Return the entries that a table of a file adds, with the values that they inherit, and the mistakes in others."""
     resolved: dict[str, LibraryEntry] = {}
     problems: list[Problem] = []
-    waiting = dict(added)
-    # A base precedes the entries based on it.  An entry based on its own name refers to the earlier one.
-    while ready := [name for name, entry in waiting.items() if entry.based_on == name or entry.based_on not in waiting]:
-        for name in ready:
-            entry, base = waiting.pop(name), added[name].based_on
-            is_added = base in added and base != name
-            inherited = None if base is None else (resolved if is_added else earlier).get(base)
-            if base is None or inherited:
-                complete = _completed(kind, name, entry, inherited, file)
-                mistakes = _mistakes(complete)
-                problems += (Problem(file, key_name((*table, name, key)), mistakes[key]) for key in mistakes)
-                if not mistakes:
-                    resolved[name] = complete
-            elif not is_added:  # an added base reports its own mistake
-                names = [*earlier, *(other for other in added if other != name)]
-                message = f'must name a {kind} of the library, found "{base}"{hint(base, earlier.values(), names)}'
-                problems.append(Problem(file, key_name((*table, name, "based_on")), message))
-    for name, entry in waiting.items():
-        message = f'must not lead back to the entry itself, found "{entry.based_on}"'
+    # Entries by the added one that they are based on.  An entry based on its own name refers to the earlier one.
+    following: defaultdict[str | None, list[str]] = defaultdict(list)
+    for name, entry in added.items():
+        following[entry.based_on if entry.based_on in added and entry.based_on != name else None].append(name)
+    ready = following.pop(None, [])
+    for name in ready:
+        ready += following.pop(name, [])  # a base precedes the entries based on it
+        entry, base = added[name], added[name].based_on
+        is_added = base in added and base != name
+        inherited = None if base is None else (resolved if is_added else earlier).get(base)
+        if base is None or inherited:
+            complete = _completed(kind, name, entry, inherited, file)
+            mistakes = _mistakes(complete)
+            problems += (Problem(file, key_name((*table, name, key)), mistakes[key]) for key in mistakes)
+            if not mistakes:
+                resolved[name] = complete
+        elif not is_added:  # an added base reports its own mistake
+            names = (other for other in chain(earlier, added) if other != name)
+            message = f'must name a {kind} of the library, found "{base}"{hint(base, earlier.values(), names)}'
+            problems.append(Problem(file, key_name((*table, name, "based_on")), message))
+    for name in chain.from_iterable(following.values()):
+        message = f'must not lead back to the entry itself, found "{added[name].based_on}"'
         problems.append(Problem(file, key_name((*table, name, "based_on")), message))
     return resolved, problems
 

@@ -6,7 +6,7 @@ from copy import deepcopy
 from functools import cached_property
 from hashlib import sha256
 from importlib import import_module
-from itertools import pairwise
+from itertools import chain, pairwise
 from operator import ge, gt, itemgetter, le, lt
 from os import PathLike
 from os.path import relpath
@@ -272,14 +272,31 @@ class Scenario(Section):
 
     __str__ = __repr__
 
-    def digest(self) -> str:
-        """Return a hash of the validated content: every section, and every entry of the library that names refer to."""
-        entries = self._entries.entries
-        library = {kind: {name: entry.content() for name, entry in entries[kind].items()} for kind in entries}
-        return sha256(json.dumps({**self.model_dump(mode="json"), "library": library}).encode()).hexdigest()
+    def named_entries(self) -> list[tuple[Kind, str]]:
+        """Return kind and name of each entry of the library that armour, impact, threats and designs name."""
+        named = [(kind, self.name_of(role)) for role, kind in ROLES.items()]
+        named += [("projectile", threat.projectile) for threat in self.threat]
+        if self.design is not None:
+            named += [("ceramic", layer.material) for layer in self.design.ceramic]
+            named += [("metal", layer.material) for layer in self.design.backing]
+        return [(kind, name) for kind, name in named if name is not None]
+
+    def digest(self, *, whole_library: bool = False) -> str:
+        """Return a hash of the validated content: every section, and the entries of the library that these name.
+
+        With ``whole_library``, every entry counts.
+        """
+        entries: Iterable[LibraryEntry] = (self.entry(*named) for named in self.named_entries())
+        if whole_library:
+            entries = chain.from_iterable(by_name.values() for by_name in self._entries.entries.values())
+        library: dict[str, dict[str, Any]] = {}
+        for entry in entries:
+            library.setdefault(entry.kind, {})[entry.name] = entry.content()
+        content = {**self.model_dump(mode="json"), "library": library}
+        return sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Scenario) and self.digest() == other.digest()
+        return isinstance(other, Scenario) and self.digest(whole_library=True) == other.digest(whole_library=True)
 
     def __hash__(self) -> int:
         return hash(self.digest())
@@ -504,11 +521,12 @@ def _parsed(source: _Source) -> Scenario:
         scenario = Scenario.model_validate(source.data, context={"names": names, "library": library})
     except ValidationError as error:
         raise InputError([*problems, *problems_of(error, Scenario, source.file)]) from None
-    titles = [threat.title for threat in scenario.threat]
-    for i, title in enumerate(titles):
-        if title in titles[:i]:
-            message = f'must be different for each threat, found "{title}" twice'
+    titles: set[str] = set()
+    for i, threat in enumerate(scenario.threat):
+        if threat.title in titles:
+            message = f'must be different for each threat, found "{threat.title}" twice'
             problems.append(Problem(source.file, f"threat[{i}].name", message))
+        titles.add(threat.title)
     refuse(problems)
     scenario._entries = library
     scenario._source = source

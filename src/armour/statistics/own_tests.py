@@ -5,7 +5,14 @@ from pathlib import Path
 
 import numpy as np
 
-from armour.analysis.variants import Floats, Variants, ballistic_limits, concatenated
+from armour.analysis.variants import (
+    MOST_MOVED_M_S,
+    Floats,
+    Variants,
+    ballistic_limits,
+    concatenated,
+    moved_m_s,
+)
 from armour.csv_files import shipped_rows
 from armour.errors import counted
 from armour.evidence.fit import law_parameters, shipped_data
@@ -81,6 +88,8 @@ def own_tests(tests: Tests, fitted: Mapping[str, float]) -> OwnTests | None:
     q, sides = rows.armours.quantities(), np.array([float(shot.side) for shot in shots])
     velocities = np.array([shot.value for shot in shots])
     if entry is None or not ((q["ceramic_thickness_ratio"] == 0.0) == (role == "backing")).all():
+        return None
+    if (abs(moved_m_s(rows)) > MOST_MOVED_M_S).any():
         return None
     measured = np.where(sides == 0.0, velocities, np.nan)
     laws = _laws_of_plates(rows, entry) if role == "backing" else _laws_of_ceramic(rows, entry, measured)

@@ -24,6 +24,8 @@ from armour.scenario.sections import validated
 
 # Cases are kept in memory, at 8 bytes per number.
 MAX_CASES = 10_000_000
+# Rows of a grid are numbered by integers of 64 bits.
+MAX_COMBINATIONS = 10**18
 # Greatest length of the name of a projectile or material.
 MAX_NAME = 200
 # Number of characters of an invalid value that a message shows.
@@ -46,6 +48,10 @@ class Grid:
     """Every combination of the values of several axes; the last axis changes fastest."""
 
     axes: tuple[Axis, ...]
+
+    def __post_init__(self) -> None:
+        if self.count > MAX_COMBINATIONS:
+            raise mistake("sweep", "over", "must have at most 10^18 combinations of values, found more")
 
     @property
     def keys(self) -> tuple[str, ...]:

@@ -24,7 +24,7 @@ import armour
 from armour.analysis.evaluate import check_keys, check_quantities, evaluate_groups, groups_of, scenarios_of
 from armour.analysis.quantities import QUANTITIES, reads_of
 from armour.analysis.results import OnProgress, TableResult, ignore_progress, installed, made_by, same_columns
-from armour.engine.cache import replaced_function
+from armour.core.replaced import replaced_function
 from armour.errors import InputError, choices, counted, mistake
 from armour.files import reason, shipped
 from armour.scenario.checked import Names, checked
@@ -427,7 +427,7 @@ def job_of(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) 
     return {
         "version": armour.__version__,
         "program": program(),
-        "scenario": scenario.digest(),
+        "scenario": scenario.digest(whole_library=True),  # rows may name other entries
         "quantities": ",".join(quantities),
         "rows": source.digest,
     }

@@ -160,7 +160,7 @@ SOURCES = {
 }
 
 
-PLANNED = re.compile(r"planned (\d+)")
+PLANNED = re.compile(r"planned (\d{1,15})")
 
 
 NOTE = (

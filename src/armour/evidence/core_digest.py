@@ -1,0 +1,35 @@
+"""Digest of the code of the core, by which the tests that the model was compared with know their equations."""
+
+from functools import cache
+from hashlib import sha256
+from pathlib import Path
+
+from armour.core import state
+
+CORE = Path(state.__file__).parent
+
+
+@cache
+def core_digest(core: Path = CORE) -> str:
+    """Return a hash of the code of the core; comments, docstrings and the layout of the lines do not count.
+
+    Without the sources it is that of no code, which the tests were not computed with.
+    """
+    import tokenize  # slow to import
+
+    layout = (tokenize.COMMENT, tokenize.NL, tokenize.ENDMARKER)
+    content = sha256()
+    for path in sorted(core.glob("*.py")):
+        words, statement = [path.name], []
+        with path.open(encoding="utf-8") as file:
+            for token in tokenize.generate_tokens(file.readline):
+                if token.type in (tokenize.INDENT, tokenize.DEDENT):
+                    words.append(tokenize.tok_name[token.type])
+                elif token.type != tokenize.NEWLINE:
+                    statement += [token] * (token.type not in layout)
+                else:
+                    if any(part.type != tokenize.STRING for part in statement):
+                        words += [*(part.string for part in statement), "NEWLINE"]
+                    statement = []
+        content.update(sha256("\n".join(words).encode()).digest())
+    return content.hexdigest()
