@@ -133,17 +133,6 @@ def accepted(changes: Iterable[str], reads: Collection[str]) -> list[str]:
     return [change for change in changes if all(is_read(key, reads) for key in values_by_key(changes_of([change])))]
 
 
-def scenario_paths(sources: Iterable[Path]) -> list[Path]:
-    """Return paths and names of scenarios, each folder replaced by the TOML files in it."""
-    paths = []
-    for source in sources:
-        files = sorted(source.glob("*.toml")) if os.path.isdir(source) else [source]
-        if not files:
-            raise mistake(source, "", "must be a folder of scenarios, found no .toml file in it")
-        paths += files
-    return list(dict.fromkeys(paths))
-
-
 def set_options(changes: Iterable[str]) -> list[str]:
     """Return changes as words of a command line."""
     return [word for change in changes for word in ("--set", change)]

@@ -14,6 +14,7 @@ import armour
 from armour.analysis.quantities import DESIGNS, QUANTITIES, REQUIRED, reads_of
 from armour.cli import completion, runner
 from armour.cli.console import emit, progress, say, show
+from armour.cli.folders import MOST_FILES, scenario_paths
 from armour.cli.question import (
     Answer,
     AsJson,
@@ -103,7 +104,8 @@ def check(
         list[Path],
         argument(
             "SCENARIO",
-            "Scenario files (TOML), folders of them, or names of shipped scenarios; - reads standard input.",
+            "Scenario files (TOML), folders with scenarios in them or below, or names of shipped scenarios; - reads "
+            "standard input.",
             autocompletion=completion.scenarios,
         ),
     ],
@@ -112,6 +114,9 @@ def check(
     ] = None,
     confidence: Annotated[Any, option(CONFIDENCE_OPTION[1], metavar="NUMBER", parser=share)] = None,
     plot: PlotFile = None,
+    yes: Annotated[
+        bool, option(f"Read folders even if they have more than {MOST_FILES:,} .toml files.", "--yes")
+    ] = False,
     force: Force = False,
     changes: Changes = None,
     verbose: Verbose = False,
@@ -128,13 +133,13 @@ def check(
     from armour.reporting.views import design as view
     from armour.scenario.scenario import files_of
 
-    paths = runner.scenario_paths(scenario)
+    paths = scenario_paths(scenario, yes=yes)
     is_one = paths == scenario[:1]  # and no folder, however many scenarios are in it
     if plot is not None and not is_one:
         raise runner.wrong_option("--plot", "must be given with one scenario, not with several or a folder")
-    with runner.mistakes_in(junit, scenario, force=force):
+    with runner.mistakes_in(junit, paths, force=force):
         scenarios = _read_each(paths, changes, confidence)
-    inputs = [*scenario, *(file for loaded in scenarios for file in files_of(loaded))]
+    inputs = [*paths, *(file for loaded in scenarios for file in files_of(loaded))]
     runner.check_outputs(junit=junit, inputs=inputs, plot=plot, force=force)
     results: list[CheckResult] = []
     suites, warnings = [], []
