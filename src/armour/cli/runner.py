@@ -5,7 +5,7 @@ import os
 import shlex
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager, suppress
+from contextlib import AbstractContextManager, chdir, contextmanager, suppress
 from os.path import exists, isfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -167,11 +167,9 @@ def respond(
     """
 
     def drawn() -> bytes | None:
-        from armour.reporting.pictures import drawing
-
         if plot is None or draw is None:
             return None
-        return drawing.saved(draw(), plot.suffix.lower(), json.dumps(origin_of(scenario)))
+        return drawing().saved(draw(), plot.suffix.lower(), json.dumps(origin_of(scenario)))
 
     if as_json:
         show_json({**data, "made_by": origin_of(scenario)} if isinstance(data, Mapping) else data)
@@ -183,6 +181,14 @@ def respond(
         write({path: content for path, content in contents.items() if content is not None})
     finally:
         say(*warnings)
+
+
+def drawing() -> Any:
+    """Import what draws, elsewhere: matplotlib would read settings in the current folder, and stop at a wrong one."""
+    os.environ |= {"MPLBACKEND": "agg", "MATPLOTLIBRC": os.devnull}
+    with chdir(Path(__file__).parent):
+        from armour.reporting.pictures import drawing
+    return drawing
 
 
 def origin_of(scenario: "Scenario | None" = None) -> dict[str, str]:

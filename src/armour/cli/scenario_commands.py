@@ -473,6 +473,8 @@ def report(
         with progress("armours") as count:
             contents = contents_of(scenario, count, as_is=as_is)
         content = scenario_report(contents, command, map_command)
+    if output.suffix.lower() == ".html":
+        runner.drawing()
     runner.write({output: report_text(content, output)})
 
 
