@@ -186,8 +186,14 @@ def respond(
 def drawing() -> Any:
     """Import what draws, elsewhere: matplotlib would read settings in the current folder, and stop at a wrong one."""
     os.environ |= {"MPLBACKEND": "agg", "MATPLOTLIBRC": os.devnull}
-    with chdir(Path(__file__).parent):
-        from armour.reporting.pictures import drawing
+    if folder := os.environ.get("MPLCONFIGDIR"):
+        os.environ["MPLCONFIGDIR"] = os.path.abspath(folder)
+    try:
+        with chdir(Path(__file__).parent):
+            from armour.reporting.pictures import drawing
+    except OSError:
+        message = "must be a folder that can be written to, where there is neither a home nor a temporary folder"
+        raise mistake("environment", "MPLCONFIGDIR", message) from None
     return drawing
 
 
