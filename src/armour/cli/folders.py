@@ -2,7 +2,7 @@
 
 import os
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Sequence
 from pathlib import Path
 
 from armour.cli.console import say
@@ -15,13 +15,13 @@ MOST_FILES = 1000
 OF_SCENARIO = ("impact", "threat", "armour")
 
 
-def scenario_paths(sources: Iterable[Path], *, yes: bool) -> list[Path]:
+def scenario_paths(sources: Sequence[Path], *, yes: bool) -> list[Path]:
     """Return paths and names of scenarios, each folder replaced by the scenarios in it and in those below.
 
     More than MOST_FILES in folders are read only with ``yes``.  What is skipped is counted on standard error.
     """
     skipped = Counter[tuple[str, str]]()
-    files = {source: _toml_files(source, skipped) for source in sources if os.path.isdir(source)}
+    files = {source: _toml_files(source, skipped) for source in dict.fromkeys(sources) if os.path.isdir(source)}
     number = sum(map(len, files.values()))
     if number > MOST_FILES and not yes:
         raise mistake("check", "", f"{number:,} .toml files in folders; --yes to go on")
@@ -41,20 +41,13 @@ def _toml_files(top: Path, skipped: Counter[tuple[str, str]]) -> list[Path]:
     def fail(error: OSError) -> None:
         raise mistake(error.filename, "", f"cannot be read: {reason(error)}")
 
-    paths = []
+    paths: list[Path] = []
     for folder, folders, files in os.walk(top, onerror=fail):
-        entered = []
-        for name in folders:
-            if noun := _foreign(Path(folder, name)):
-                skipped[noun, ""] += 1
-            else:
-                entered.append(name)
-        folders[:] = entered
-        for path in (Path(folder, name) for name in files if name.lower().endswith(".toml")):
-            if noun := _foreign(path):
-                skipped[noun, ""] += 1
-            else:
-                paths.append(path)
+        names = [*folders, *(name for name in files if name.lower().endswith(".toml"))]
+        nouns = {name: _foreign(Path(folder, name)) for name in names}
+        skipped.update((noun, "") for noun in nouns.values() if noun)
+        folders[:] = [name for name in folders if not nouns[name]]
+        paths += [Path(folder, name) for name in files if nouns.get(name) == ""]
     return sorted(paths)
 
 
