@@ -2,6 +2,7 @@
 
 import json
 import os
+import shlex
 import socket
 from collections.abc import Callable
 from pathlib import Path
@@ -112,6 +113,11 @@ def test_a_name_may_begin_with_a_hyphen(cli, folder: Path):
     (folder / "--yes.toml").write_text(PASSES)
     assert cli("check", "--", "--yes.toml").exit_code == 0
     assert cli("check", ".").exit_code == 0
+    (folder / "--yes.toml").write_text((SCENARIOS / "paper/optimum_7.62mm_AP.toml").read_text())
+    _, then = cli("optimise", "--", "--yes.toml").stderr.rstrip().rsplit("next: ", 1)
+    words = shlex.split(then)
+    assert words[:3] == ["armour", "check", "./--yes.toml"]
+    assert cli(*words[1:]).exit_code in (0, 3)
 
 
 def test_a_scenario_in_a_folder_is_not_replaced_by_its_results(cli, doors: Path):

@@ -133,6 +133,11 @@ def accepted(changes: Iterable[str], reads: Collection[str]) -> list[str]:
     return [change for change in changes if all(is_read(key, reads) for key in values_by_key(changes_of([change])))]
 
 
+def source_word(file: str | Path) -> str:
+    """Return a file as a word of a command line, in which a name that begins with a hyphen would be an option."""
+    return f"./{file}" if str(file).startswith("-") and str(file) != "-" else str(file)
+
+
 def set_options(changes: Iterable[str]) -> list[str]:
     """Return changes as words of a command line."""
     return [word for change in changes for word in ("--set", change)]

@@ -217,7 +217,7 @@ def optimise(
     if page is not None:
         refuse(wrong_ending(page, (".html",)))
     result = armour.optimise(scenario, on_progress=on_progress, **options)
-    source = "-" if scenario.file == runner.STANDARD_INPUT else scenario.file
+    source = "-" if scenario.file == runner.STANDARD_INPUT else runner.source_word(scenario.file)
     map_page = ""
     if page is not None:
         from armour.reporting.design_page import design_page
@@ -457,7 +457,8 @@ def report(
     changes = changes or []
     command = runner.command_line()
     set_words = runner.set_options(runner.accepted(changes, DESIGNS))
-    map_command = shlex.join(["armour", "optimise", str(source), *confidence_option, *set_words, "--map", "map.html"])
+    optimise_words = ["armour", "optimise", runner.source_word(source), *confidence_option, *set_words]
+    map_command = shlex.join([*optimise_words, "--map", "map.html"])
     if str(source) != "-":
         source = scenario_file(source, shipped_suites())
     is_suite = str(source) != "-" and {"case", "table"} & read_toml(source).keys()
