@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from armour.csv_files import read_csv
 from armour.errors import InputError
 from armour.files import read_toml, shipped, unwritable, write_file, wrong_ending
 
@@ -47,6 +48,20 @@ def test_what_is_no_file_cannot_be_read(tmp_path: Path):
             read_toml(path)
     with pytest.raises(InputError, match="must be at most"):
         read_toml(Path("/dev/zero"))
+
+
+@pytest.mark.skipif(os.name != "posix", reason="has no pipes with names in folders")
+def test_only_a_pipe_of_the_shell_is_read(tmp_path: Path):
+    os.mkfifo(tmp_path / "pipe")
+    for read in (read_toml, lambda path: [*read_csv(path)]):
+        with pytest.raises(InputError, match="pipe: cannot be read: is a named pipe"):
+            read(tmp_path / "pipe")
+    for read, content in ((read_toml, {"a": 1}), (lambda path: [*read_csv(path)], [(1, ["a = 1"])])):
+        reader, writer = os.pipe()
+        os.write(writer, b"a = 1")
+        os.close(writer)
+        assert read(Path(f"/dev/fd/{reader}")) == content
+        os.close(reader)
 
 
 @pytest.mark.parametrize("call", ["fsync", "replace"])

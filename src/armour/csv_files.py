@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
 from armour.errors import CHOOSE, InputError, Problem, mistake, refuse, suggestion
-from armour.files import csv_value, located, named, reason, shipped_tests
+from armour.files import csv_value, located, named, reason, refuse_pipe, shipped_tests
 from armour.units import key_hint
 
 # Greatest number of rows, more than anyone has tests or shots; a fit to so many takes about a minute.
@@ -130,6 +130,7 @@ def read_csv(path: Path) -> Iterator[tuple[int, list[str]]]:
 
     last_line = 0
     try:
+        refuse_pipe(path)
         with open(path, encoding="utf-8-sig", errors="surrogateescape", newline="") as file:
             reader = csv.reader(texts(), strict=True)
             for cells in reader:

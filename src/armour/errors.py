@@ -8,12 +8,14 @@
         └── NoLimitError      no ballistic limit in the range of velocities
 """
 
+import unicodedata
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from difflib import get_close_matches
 from os import PathLike
 from typing import NamedTuple, Self
 
+ASCII = "".join(map(chr, range(128)))
 # Greatest number of names to suggest one from, as a wrong name is compared with each of them.
 MAX_WORDS = 1000
 # Precedes a list of names in a message.
@@ -171,12 +173,26 @@ def suggestion(word: str, names: Sequence[str]) -> str:
     """Return a hint at the name closest to a wrong one, such as '; did you mean "AD85"?'; "" if none is close."""
     if len(names) > MAX_WORDS:
         return ""
-    by_lower = {name.lower(): name for name in names}
+    folded, by_folded = _folded(word), {_folded(name): name for name in names}
     # A name that contains every part of the word is closer than any other.
-    parts = {*word.lower().split()}
-    whole = [name for name in by_lower if parts and parts <= {*name.replace(",", " ").split()}]
-    closest = get_close_matches(word.lower(), whole or list(by_lower), n=1, cutoff=0.0 if whole else 0.6)
-    return f'; did you mean "{by_lower[closest[0]]}"?' if closest else ""
+    parts = {*folded.split()}
+    whole = [name for name in by_folded if parts and parts <= {*name.replace(",", " ").split()}]
+    closest = get_close_matches(folded, whole or list(by_folded), n=1, cutoff=0.0 if whole else 0.6)
+    return f'; did you mean "{by_folded[closest[0]]}"{_unlike(word, by_folded[closest[0]])}?' if closest else ""
+
+
+def _folded(name: str) -> str:
+    return unicodedata.normalize("NFKC", name).casefold()
+
+
+def _unlike(word: str, name: str) -> str:
+    """Return, as code points, the characters beyond ASCII that only one of two texts has, as they may look alike."""
+    differences = (("with", name, word), ("without", word, name))
+    parts = []
+    for preposition, text, other in differences:
+        codes = [f"U+{ord(character):04X}" for character in dict.fromkeys(text) if character not in ASCII + other]
+        parts += [f", {preposition} {' '.join(codes)}"] if codes else []
+    return "".join(parts)
 
 
 def choices(word: str, names: Sequence[str]) -> str:

@@ -110,10 +110,17 @@ def reason(error: OSError | ValueError) -> str:
 def read_text(path: str | PathLike[str]) -> str:
     """Read a text file; raise an InputError if it is missing, unreadable, too long or not UTF-8 text."""
     try:
+        refuse_pipe(path)
         with open(path, "rb") as file:
             return decoded(file, str(path))
     except (OSError, ValueError) as error:
         raise mistake(path, "", f"cannot be read: {reason(error)}") from None
+
+
+def refuse_pipe(path: str | PathLike[str]) -> None:
+    """Raise an OSError for a named pipe, which nobody may write to; those that a shell opens are read."""
+    if stat.S_ISFIFO(os.stat(path).st_mode) and not os.path.realpath(path).startswith(("/dev/", "/proc/")):
+        raise OSError("is a named pipe")
 
 
 def decoded(stream: BinaryIO, file: str) -> str:

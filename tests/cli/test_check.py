@@ -1,6 +1,10 @@
 """`armour check` of several scenarios, and its JUnit XML."""
 
 import json
+import os
+import shlex
+import socket
+from collections.abc import Callable
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -47,14 +51,79 @@ def test_json_is_an_object_or_an_array(cli, doors: Path):
 
 
 def test_mistakes_of_all_scenarios_are_told_together(cli, doors: Path):
-    (doors / "c.toml").write_text("[tool]\n")
+    (doors / "c.toml").write_text("[impact]\n")
     (doors / "d.toml").write_text(FAILS.replace("800.0", "-800.0"))
+    (doors / "e.toml").write_text("[impact\n")
     (doors / "none").mkdir()
     told = cli.fails(2, "check", "doors")
-    assert {line.partition(": ")[0] for line in told} == {"doors/c.toml", "doors/d.toml"}
+    assert {line.partition(": ")[0] for line in told} == {"doors/c.toml", "doors/d.toml", "doors/e.toml"}
     assert cli.fails(2, "check", "doors/a.toml", "doors/none") == [
-        "doors/none: must be a folder of scenarios, found no .toml file in it"
+        "doors/none: must be a folder of scenarios, found none in it"
     ]
+
+
+def test_scenarios_in_folders_below_are_checked(cli, doors: Path):
+    (doors / "hull/floor").mkdir(parents=True)
+    (doors / "hull/floor/C.TOML").write_text(FAILS)
+    result = cli("check", "doors")
+    assert result.stdout.endswith("\n\npasses: 1 of 3; FAILS: doors/b.toml, doors/hull/floor/C.TOML\n")
+    assert "skipped" not in result.stderr
+    (doors / "hull/floor/C.TOML").write_text("x = 1\n" + FAILS)
+    assert cli.fails(2, "check", "doors")[0].endswith("(line 1)")
+
+
+def unix_socket(path: Path) -> None:
+    with socket.socket(socket.AF_UNIX) as opened:
+        opened.bind(str(path))
+
+
+@pytest.mark.skipif(os.name != "posix", reason="has no pipes with names in folders")
+@pytest.mark.parametrize(
+    ("make", "counted"),
+    [
+        (lambda path: path.write_text("[tool]\n"), "1 file without [impact], [[threat]] or [armour]"),
+        (lambda path: path.with_name(".x.toml").write_text(FAILS), "1 hidden file"),
+        (lambda path: path.with_name(".x").mkdir(), "1 hidden folder"),
+        (lambda path: path.symlink_to("b.toml"), "1 link"),
+        (lambda path: path.with_name("above").symlink_to(".."), "1 link"),
+        (lambda path: os.mkfifo(path), "1 pipe or socket"),
+        (unix_socket, "1 pipe or socket"),
+        (lambda path: (path.mkdir(), (path / "pyvenv.cfg").touch()), "1 virtual environment"),
+    ],
+)
+@pytest.mark.usefixtures("doors")
+def test_what_is_no_scenario_of_a_folder_is_skipped_and_counted(
+    cli, monkeypatch: pytest.MonkeyPatch, make: Callable[[Path], None], counted: str
+):
+    monkeypatch.chdir("doors")  # as the name of a socket must be short
+    make(Path("x.toml"))
+    result = cli("check", ".")
+    assert result.stdout.endswith("\n\npasses: 1 of 2; FAILS: b.toml\n")
+    assert result.stderr.splitlines()[0] == f"note: skipped {counted}"
+
+
+def test_many_files_are_read_on_request(cli, doors: Path):
+    for number in range(999):
+        (doors / f"{number}.toml").touch()
+    assert cli.fails(2, "check", "doors") == ["check: 1,001 .toml files in folders; --yes to go on"]
+    assert cli("check", "doors", "--yes").stdout.endswith("passes: 1 of 2; FAILS: doors/b.toml\n")
+
+
+def test_a_name_may_begin_with_a_hyphen(cli, folder: Path):
+    (folder / "--yes.toml").write_text(PASSES)
+    assert cli("check", "--", "--yes.toml").exit_code == 0
+    assert cli("check", ".").exit_code == 0
+    (folder / "--yes.toml").write_text((SCENARIOS / "paper/optimum_7.62mm_AP.toml").read_text())
+    _, then = cli("optimise", "--", "--yes.toml").stderr.rstrip().rsplit("next: ", 1)
+    words = shlex.split(then)
+    assert words[:3] == ["armour", "check", "./--yes.toml"]
+    assert cli(*words[1:]).exit_code in (0, 3)
+
+
+def test_a_scenario_in_a_folder_is_not_replaced_by_its_results(cli, doors: Path):
+    for words in ([], ["--set", "armour.ceramic_thickness_mm=-1"]):
+        cli.fails(2, "check", "doors", "--junit", "doors/a.toml", "--force", *words)
+        assert (doors / "a.toml").read_text() == PASSES
 
 
 @pytest.mark.parametrize("change", ["impact.obliquity_deg=30", "impact.velocity_m_s=900"])
@@ -93,7 +162,7 @@ def test_a_suite_of_tests_for_every_scenario(cli, folder: Path, doors: Path):
 
 @pytest.mark.parametrize("command", ["check doors", "validate doors/c.toml"])
 def test_mistakes_are_errors_in_junit_xml(cli, folder: Path, doors: Path, command: str):
-    (doors / "c.toml").write_text("[tool]\n")
+    (doors / "c.toml").write_text("[impact]\n")
     wrote, *told = cli.fails(2, *command.split(), "--junit", "j.xml")
     [suite] = ElementTree.parse(folder / "j.xml").getroot()
     errors = [error.text for error in suite.iter("error")]

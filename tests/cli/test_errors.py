@@ -1,6 +1,5 @@
 """Bad input ends in messages and exit code 2, whatever the command."""
 
-import os
 import subprocess
 import sys
 from pathlib import Path
@@ -95,9 +94,14 @@ def test_a_scenario_without_its_ending(cli, folder: Path):
 @pytest.mark.usefixtures("folder")
 def test_a_pipe_with_a_mistake_is_not_opened_again():
     """The message has no line, for which the program would wait for ever."""
-    os.mkfifo("a.toml")
+    Path("a.toml").symlink_to("/dev/stdin")
     command = [sys.executable, "-m", "armour", "simulate", "a.toml"]
-    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
-        Path("a.toml").write_text((SCENARIOS / "wilkins.toml").read_text().replace("800.0", "-800.0"))
-        _, said = process.communicate(timeout=60)
-    assert (process.returncode, said) == (2, "a.toml: impact.velocity_m_s: must be at least 10, found -800.0\n")
+    text = (SCENARIOS / "wilkins.toml").read_text().replace("800.0", "-800.0")
+    done = subprocess.run(command, input=text, capture_output=True, text=True, timeout=60, check=False)
+    assert (done.returncode, done.stderr) == (2, "a.toml: impact.velocity_m_s: must be at least 10, found -800.0\n")
+
+
+def test_an_input_given_twice_names_both_options(cli):
+    words = ("ceramic.flow_stress_GPa=7", "library.ceramic.AD85.flow_stress_GPa=4")
+    [told] = cli.fails(2, "check", "wilkins", "--set", words[0], "--set", words[1])
+    assert told.startswith("command line: --set ceramic.flow_stress_GPa: must not be given with library.ceramic.AD85.")

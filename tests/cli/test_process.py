@@ -1,5 +1,6 @@
 """The installed command as a process of its own."""
 
+import codecs
 import os
 import shlex
 import subprocess
@@ -12,6 +13,7 @@ import pytest
 
 from armour import MODEL_VERSION, __version__
 from armour.cli.app import app
+from armour.cli.main import _plain
 from armour.engine import cache
 from armour.engine.loops import NAMES
 from tests.helpers.cases import SCENARIOS
@@ -195,11 +197,42 @@ def test_one_line_of_a_pipe(tmp_path: Path):
     assert (code, output, messages) == (0, "6.35 mm AD85 on 6.35 mm 6061-T6 against 7.62 mm AP at 800 m/s\n", "")
 
 
-def test_an_encoding_without_the_units(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setenv("PYTHONIOENCODING", "ascii")
-    done = process("-m", "armour", "simulate", SCENARIOS / "wilkins.toml", cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert "39 \\xb5s" in done.stdout
+@pytest.mark.parametrize("encoding", ["ascii", "cp1252", "cp437"])
+def test_an_encoding_without_rules_or_units(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, encoding: str):
+    monkeypatch.setenv("PYTHONIOENCODING", encoding)
+    shown = {}
+    for word in ("wilkins", "é°─Ω"):
+        command = [sys.executable, "-m", "armour", "check", word]
+        done = subprocess.run(command, capture_output=True, cwd=tmp_path, check=False)
+        shown[word] = (done.stdout + done.stderr).decode(encoding)
+    named = {"ascii": "? deg-?", "cp1252": "é°-?", "cp437": "é°─Ω"}[encoding]
+    assert shown["é°─Ω"].startswith(f"{named}: cannot be read")
+    rule, angle = ("─" if encoding == "cp437" else "-"), (" deg" if encoding == "ascii" else "°")
+    assert any(line and set(line) == {rule} for line in shown["wilkins"].splitlines())
+    assert f"\nat 30{angle} " in shown["wilkins"]
+
+
+CODE_PAGES = (37, 437, 850, 852, 866, 874, 932, 936, 949, 950, *range(1250, 1259))
+ENCODINGS = [
+    *(f"cp{number:03}" for number in CODE_PAGES),
+    "ascii",
+    "latin-1",
+    "koi8-r",
+    "mac-roman",
+    "gb18030",
+    "shift_jis",
+    "euc-jp",
+    "utf-16",
+]
+
+
+def test_every_encoding_has_characters_for_what_is_printed():
+    codecs.register_error("plain", _plain)
+    sessions = "".join(path.read_text(encoding="utf-8") for path in (REPOSITORY / "tests/cli/golden").iterdir())
+    # rich draws boxes by other characters itself.
+    special = "".join(character for character in {*sessions} - {*"╭╮╰╯│"} if not character.isascii())
+    for encoding in ENCODINGS:
+        assert not {*"?\\"} & {*special.encode(encoding, "plain").decode(encoding)}, encoding
 
 
 @pytest.mark.usefixtures("folder")

@@ -125,7 +125,7 @@ def _located(problems: Sequence[Problem]) -> list[str]:
     def lines(file: str) -> dict[str, int]:
         try:
             # A pipe has been read already, and would block forever.
-            return lines_of(read_text(file)) if file.endswith(".toml") and isfile(file) else {}
+            return lines_of(read_text(file)) if file.lower().endswith(".toml") and isfile(file) else {}
         except ArmourError:
             return {}
 

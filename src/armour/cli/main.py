@@ -1,12 +1,16 @@
 """Start of the command line."""
 
 import atexit
+import codecs
 import gc
 import os
 import signal
 import sys
 from io import TextIOWrapper
 from typing import Any
+
+# What is printed in place of the characters of rules and units, where an encoding lacks them.
+PLAIN = {"─": "-", "²": "2", "³": "3", "µ": "u", "±": "+-", "°": " deg"}
 
 
 def main() -> None:
@@ -28,9 +32,10 @@ def _run() -> None:
     """Run the command line; an interruption may come anywhere."""
     try:
         _open_streams()
-        # Characters that an encoding such as ASCII lacks, for example µ, are escaped.
-        if isinstance(sys.stdout, TextIOWrapper):
-            sys.stdout.reconfigure(errors="backslashreplace")
+        codecs.register_error("plain", _plain)
+        for stream in (sys.stdout, sys.stderr):
+            if isinstance(stream, TextIOWrapper):
+                stream.reconfigure(errors="plain")
         # Pydantic looks for plugins among all installed packages, which takes a while.
         os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
         # A process started for --scheduler local would import modules of the current folder.
@@ -48,6 +53,13 @@ def _run() -> None:
         _give_up(error)
     finally:
         _when_interrupted(_end)
+
+
+def _plain(error: UnicodeError) -> tuple[str, int]:
+    """Return plain characters for those that the encoding of an output lacks."""
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    return "".join(PLAIN.get(character, "?") for character in error.object[error.start : error.end]), error.end
 
 
 def _when_interrupted(act: Any) -> None:

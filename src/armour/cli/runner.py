@@ -5,7 +5,7 @@ import os
 import shlex
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager, suppress
+from contextlib import AbstractContextManager, chdir, contextmanager, suppress
 from os.path import exists, isfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -133,15 +133,9 @@ def accepted(changes: Iterable[str], reads: Collection[str]) -> list[str]:
     return [change for change in changes if all(is_read(key, reads) for key in values_by_key(changes_of([change])))]
 
 
-def scenario_paths(sources: Iterable[Path]) -> list[Path]:
-    """Return paths and names of scenarios, each folder replaced by the TOML files in it."""
-    paths = []
-    for source in sources:
-        files = sorted(source.glob("*.toml")) if os.path.isdir(source) else [source]
-        if not files:
-            raise mistake(source, "", "must be a folder of scenarios, found no .toml file in it")
-        paths += files
-    return list(dict.fromkeys(paths))
+def source_word(file: str | Path) -> str:
+    """Return a file as a word of a command line, in which a name that begins with a hyphen would be an option."""
+    return f"./{file}" if str(file).startswith("-") and str(file) != "-" else str(file)
 
 
 def set_options(changes: Iterable[str]) -> list[str]:
@@ -178,11 +172,9 @@ def respond(
     """
 
     def drawn() -> bytes | None:
-        from armour.reporting.pictures import drawing
-
         if plot is None or draw is None:
             return None
-        return drawing.saved(draw(), plot.suffix.lower(), json.dumps(origin_of(scenario)))
+        return drawing().saved(draw(), plot.suffix.lower(), json.dumps(origin_of(scenario)))
 
     if as_json:
         show_json({**data, "made_by": origin_of(scenario)} if isinstance(data, Mapping) else data)
@@ -194,6 +186,20 @@ def respond(
         write({path: content for path, content in contents.items() if content is not None})
     finally:
         say(*warnings)
+
+
+def drawing() -> Any:
+    """Import what draws, elsewhere: matplotlib would read settings in the current folder, and stop at a wrong one."""
+    os.environ |= {"MPLBACKEND": "agg", "MATPLOTLIBRC": os.devnull}
+    if folder := os.environ.get("MPLCONFIGDIR"):
+        os.environ["MPLCONFIGDIR"] = os.path.abspath(folder)
+    try:
+        with chdir(Path(__file__).parent):
+            from armour.reporting.pictures import drawing
+    except OSError:
+        message = "must be a folder that can be written to, where there is neither a home nor a temporary folder"
+        raise mistake("environment", "MPLCONFIGDIR", message) from None
+    return drawing
 
 
 def origin_of(scenario: "Scenario | None" = None) -> dict[str, str]:

@@ -13,6 +13,7 @@ import armour
 from armour.analysis.quantities import DESIGNS, QUANTITIES, REQUIRED, reads_of
 from armour.cli import completion, runner
 from armour.cli.console import emit, progress, say, show
+from armour.cli.folders import MOST_FILES, scenario_paths
 from armour.cli.question import (
     Answer,
     AsJson,
@@ -101,7 +102,8 @@ def check(
         list[Path],
         argument(
             "SCENARIO",
-            "Scenario files (TOML), folders of them, or names of shipped scenarios; - reads standard input.",
+            "Scenario files (TOML), folders with scenarios in them or below, or names of shipped scenarios; - reads "
+            "standard input.",
             autocompletion=completion.scenarios,
         ),
     ],
@@ -110,6 +112,9 @@ def check(
     ] = None,
     confidence: Annotated[Any, option(CONFIDENCE_OPTION[1], metavar="NUMBER", parser=share)] = None,
     plot: PlotFile = None,
+    yes: Annotated[
+        bool, option(f"Read folders even if they have more than {MOST_FILES:,} .toml files.", "--yes")
+    ] = False,
     force: Force = False,
     changes: Changes = None,
     verbose: Verbose = False,
@@ -126,13 +131,13 @@ def check(
     from armour.reporting.views import design as view
     from armour.scenario.scenario import files_of
 
-    paths = runner.scenario_paths(scenario)
+    paths = scenario_paths(scenario, yes=yes)
     is_one = paths == scenario[:1]  # and no folder, however many scenarios are in it
     if plot is not None and not is_one:
         raise runner.wrong_option("--plot", "must be given with one scenario, not with several or a folder")
-    with runner.mistakes_in(junit, scenario, force=force):
+    with runner.mistakes_in(junit, paths, force=force):
         scenarios = _read_each(paths, changes, confidence)
-    inputs = [*scenario, *(file for loaded in scenarios for file in files_of(loaded))]
+    inputs = [*paths, *(file for loaded in scenarios for file in files_of(loaded))]
     runner.check_outputs(junit=junit, inputs=inputs, plot=plot, force=force)
     results: list[CheckResult] = []
     suites, warnings = [], []
@@ -210,7 +215,7 @@ def optimise(
     if page is not None:
         refuse(wrong_ending(page, (".html",)))
     result = armour.optimise(scenario, on_progress=on_progress, **options)
-    source = "-" if scenario.file == runner.STANDARD_INPUT else scenario.file
+    source = "-" if scenario.file == runner.STANDARD_INPUT else runner.source_word(scenario.file)
     map_page = ""
     if page is not None:
         from armour.reporting.design_page import design_page
@@ -446,7 +451,8 @@ def report(
     changes = changes or []
     command = runner.command_line()
     set_words = runner.set_options(runner.accepted(changes, DESIGNS))
-    map_command = shlex.join(["armour", "optimise", str(source), *confidence_option, *set_words, "--map", "map.html"])
+    optimise_words = ["armour", "optimise", runner.source_word(source), *confidence_option, *set_words]
+    map_command = shlex.join([*optimise_words, "--map", "map.html"])
     if str(source) != "-":
         source = scenario_file(source, shipped_suites())
     is_suite = str(source) != "-" and {"case", "table"} & read_toml(source).keys()
@@ -470,4 +476,6 @@ def report(
         with progress("armours") as count:
             contents = contents_of(scenario, count, as_is=as_is)
         content = scenario_report(contents, command, map_command)
+    if output.suffix.lower() == ".html":
+        runner.drawing()
     runner.write({output: report_text(content, output)})

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from armour.cli import completion
+from armour.cli import completion, runner
 from armour.cli.console import progress, say, show
 from armour.cli.question import AsJson, Changes, Force, argument, option
 from armour.cli.runner import CHECK_FAILED, check_outputs, mistakes_in, origin_of, respond, write
@@ -132,7 +132,7 @@ def figures(
 
     These are figs. 3 to 14, and parity plots of table 3 and of bare plates. The values of each are also written as CSV.
     """
-    from armour.reporting.pictures import drawing
+    drawing = runner.drawing()
     from armour.reporting.pictures import validation as pictures
     from armour.reporting.table import csv_text
     from armour.reporting.views import validation as view

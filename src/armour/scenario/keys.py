@@ -3,10 +3,11 @@
 import json
 import re
 import tomllib
+import unicodedata
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-from armour.errors import InputError, Problem, refuse, suggestion
+from armour.errors import InputError, Problem, mistake, refuse, suggestion
 from armour.files import parse_toml
 from armour.scenario.inputs import INPUTS, NAMING
 
@@ -20,6 +21,29 @@ KeyPath = tuple[str | int, ...]
 _TOKEN = re.compile(
     r'''"""(?:\\.|[^\\])*?"{3,5}|\'{3}.*?\'{3,5}|"(?:\\.|[^"\\\n])*"|\'[^\'\n]*\'|\#[^\n]*|[][{}\n]''', re.DOTALL
 )
+
+
+def nfc(name: str) -> str:
+    """Return a name in the Unicode form in which names are compared; "é" may be typed as one character or as two."""
+    return unicodedata.normalize("NFC", name)
+
+
+def look_of(name: str) -> str:
+    """Return what two names have in common that look the same, such as "AD85" and "AD85 "."""
+    return " ".join(unicodedata.normalize("NFKC", name).split())
+
+
+def in_nfc(value: Any, file: str, parts: Parts = ()) -> Any:
+    """Return a value with the keys of its tables in the form in which names are compared."""
+    if not isinstance(value, Mapping):
+        return value
+    table: dict[Any, Any] = {}
+    for key, inner in value.items():
+        name = nfc(key) if isinstance(key, str) else key
+        if name in table:
+            raise mistake(file, key_name((*parts, name)), "must be given once, found it in two Unicode forms")
+        table[name] = in_nfc(inner, file, (*parts, name))
+    return table
 
 
 def key_name(parts: Sequence[str | int]) -> str:
@@ -39,6 +63,7 @@ def parts_of(key: str) -> Parts:
     parts: Parts = ()
     if not isinstance(key, str):
         raise ValueError(key)
+    key = nfc(key)
     if re.fullmatch(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*", key):
         parts = tuple(key.split("."))
     else:
@@ -230,7 +255,7 @@ def changes_of(assignments: Iterable[str]) -> dict[str, Any]:
             message = f"must be KEY=VALUE, such as impact.velocity_m_s=900, found {json.dumps(assignment)}{listed}"
             problems.append(Problem("command line", "--set", message))
             continue
-        key, value = key_and_value
+        key, value = key_and_value[0], in_nfc(key_and_value[1], "command line", (f"--set {key_and_value[0]}",))
         if key in changes and changes[key] != value:
             message = f"must be given once, found {describe(changes[key])} and {describe(value)}"
             problems.append(Problem("command line", f"--set {key}", message))

@@ -14,6 +14,7 @@ from os import PathLike
 from typing import Annotated, Any, Generic, Literal, TypeVar
 
 from pydantic import (
+    AfterValidator,
     BeforeValidator,
     Field,
     SerializerFunctionWrapHandler,
@@ -26,7 +27,7 @@ from armour.errors import CHOOSE, MAX_WORDS, Note, Problem, listed, mistake, ref
 from armour.files import read_toml, shipped
 from armour.scenario.checked import checked
 from armour.scenario.inputs import INPUTS, ROD, YIELD, Kind, length_mm
-from armour.scenario.keys import describe, key_name
+from armour.scenario.keys import describe, in_nfc, key_name, look_of, nfc
 from armour.scenario.sections import NOT_TINY, NUMBER, TINY, Items, NumberOrText, Section, validated
 from armour.units import GPA, MPA, words_and_unit
 
@@ -174,14 +175,17 @@ class OwnTests(Section):
         return self
 
 
+Name = Annotated[str, AfterValidator(nfc)]
+
+
 class Entry(Section):
     """An entry of a library file; it inherits missing values from the entry that it is based on."""
 
     description: str = ""
     """Description of the entry."""
-    based_on: str | None = None
+    based_on: Name | None = None
     """Name of the entry that supplies every value not given."""
-    aliases: Items[str] = ()
+    aliases: Items[Name] = ()
     """Other names of the entry."""
     evidence: OwnTests | None = None
     """Own tests to which the entry was calibrated; written by `armour calibrate`."""
@@ -379,10 +383,12 @@ def inputs_of_entry(role: str, entry: LibraryEntry) -> dict[str, float]:
 def hint(name: str, entries: Iterable[LibraryEntry], names: Iterable[str]) -> str:
     """Return a hint at the entries whose names contain a name that is not in the library, or at the closest name.
 
-    If no name contains it, as with "5083-H32", the hint is at names that contain its first part or, if there are none
-    either, at descriptions, as with "alumina".
+    A name that looks the same comes first.  If no name contains it, as with "5083-H32", the hint is at names that
+    contain its first part or, if there are none either, at descriptions, as with "alumina".
     """
-    entries = list(entries)
+    entries, names = list(entries), list(names)
+    if same := [known for known in names if look_of(known) == look_of(name)]:
+        return suggestion(name, same)
     first_part = re.split("[ -]", name)[0]
     for alike in (_named(name, entries), _named(first_part, entries), _described(name, entries)):
         if 0 < len(alike) <= MOST_ALIKE:
@@ -475,6 +481,7 @@ class Library:
     def entry(self, kind: Kind, name: str) -> LibraryEntry:
         """Return an entry; if there is none, an InputError suggests the closest name."""
         names = self.known(kind)
+        name = nfc(name) if isinstance(name, str) else name
         if name not in names:
             words = f"must name a {kind} of the library, found {describe(name)}"
             raise mistake("library", "name", words + hint(str(name), self.entries[kind].values(), names))
@@ -491,6 +498,7 @@ class Library:
 
         If there is none, an InputError suggests the closest name.
         """
+        name = nfc(name)
         if namesakes := [self.entry(kind, name) for kind in KINDS if name in self.known(kind)]:
             return namesakes
         names = [known_name for kind in KINDS for known_name in self.known(kind)]
@@ -506,7 +514,8 @@ class Library:
         They are given by kind and name, ``{"ceramic": {"Mine": {"based_on": "AD85", "flow_stress_GPa": 4.5}}}``.
         `file` holds the entries and is the source of values without one; `prefix` is the key of the tables in it.
         """
-        tables = tables if isinstance(tables, LibraryTables) else validated(LibraryTables, tables, file)
+        if not isinstance(tables, LibraryTables):
+            tables = validated(LibraryTables, in_nfc(tables, file), file)
         if not any(getattr(tables, kind) for kind in KINDS):
             return self
         entries: dict[Kind, dict[str, LibraryEntry]] = {kind: dict(self.entries[kind]) for kind in KINDS}
@@ -518,6 +527,7 @@ class Library:
             resolved, mistakes = _resolved(kind, added, self.entries[kind], file, table)
             entries[kind] |= {name: resolved[name] for name in added if name in resolved}
             problems += [*mistakes, *_ambiguous(added, entries[kind], file, table)]
+            problems += _alike(added, self.known(kind), file, table)
             for name, earlier, entry in Library(entries).renamed(kind, self):
                 if not (earlier.name == entry.name and added[entry.name].based_on == entry.name):
                     replaced = f"the {name} of {earlier.file or 'the shipped library'}"
@@ -545,6 +555,19 @@ def _ambiguous(
             if other != name:
                 message = f'must be names of this entry alone, found "{alias}", a name of "{other}" too'
                 yield Problem(file, key_name((*table, name, "aliases")), message)
+
+
+def _alike(added: Mapping[str, Entry], known: Iterable[str], file: str, table: tuple[str, ...]) -> Iterator[Problem]:
+    """Yield a problem for each name in a table of a file that is blank, or that looks like another one of its kind."""
+    names = {look_of(name): name for name in known}
+    for owner, entry in added.items():
+        for name in (owner, *entry.aliases):
+            key = key_name((*table, owner) if name == owner else (*table, owner, "aliases"))
+            other = names.setdefault(look_of(name), name)
+            if not look_of(name):
+                yield Problem(file, key, "must not be blank")
+            elif other != name:
+                yield Problem(file, key, f'must not look like another name, found "{name}" and "{other}"')
 
 
 def _resolved(

@@ -33,7 +33,7 @@ from armour.scenario.inputs import (
     cosine_of,
     fields_of,
 )
-from armour.scenario.keys import Parts, changed, key_name, leaves, parts_of, values_by_key
+from armour.scenario.keys import Parts, changed, describe, in_nfc, key_name, leaves, look_of, parts_of, values_by_key
 from armour.scenario.library import (
     KINDS,
     THREAT_KEYS,
@@ -521,12 +521,12 @@ def _parsed(source: _Source) -> Scenario:
         scenario = Scenario.model_validate(source.data, context={"names": names, "library": library})
     except ValidationError as error:
         raise InputError([*problems, *problems_of(error, Scenario, source.file)]) from None
-    titles: set[str] = set()
+    looks: set[str] = set()
     for i, threat in enumerate(scenario.threat):
-        if threat.title in titles:
+        if (look := look_of(threat.title)) in looks:
             message = f'must be different for each threat, found "{threat.title}" twice'
             problems.append(Problem(source.file, f"threat[{i}].name", message))
-        titles.add(threat.title)
+        looks.add(look)
     refuse(problems)
     scenario._entries = library
     scenario._source = source
@@ -538,18 +538,33 @@ def parse_changed(data: Mapping[str, Any], *changes: Mapping[str, object], file:
 
     Inputs are set last.  Numbers of the section ``library`` that are changed get a source that names the file changed.
     """
-    inputs: dict[str, Any] = {}
-    for group in filter(None, changes):
+    groups: list[tuple[Mapping[str, Any], Mapping[Parts, object]]] = []
+    data = in_nfc(data, file)
+    for group in (in_nfc(group, file) for group in changes if group):
         by_role = {key: value for key, value in group.items() if _names_a_role(key)}
-        inputs |= {key_name(leaf): value for leaf, value in leaves(changed({}, by_role, file))}
         by_key = {key: value for key, value in group.items() if key not in by_role}
         source, data = _Source(dict(data), file, folder), changed(data, by_key, file)
         values = values_by_key(by_key)
+        groups.append(({key_name(leaf): value for leaf, value in leaves(changed({}, by_role, file))}, values))
         data = _with_new_threat(data, values)
         data = changed(data, _bases(data, source, by_key) | _sources(values, file), file)
     scenario = _parsed(_Source(deepcopy(dict(data)), file, folder))
+    refuse(problem for group in groups for problem in _contradictions(scenario, *group))
+    inputs = {name: value for given, _ in groups for name, value in given.items()}
     with restated(lambda problem: problem._replace(file=file)):
         return scenario.with_inputs(inputs) if inputs else scenario
+
+
+def _contradictions(scenario: Scenario, inputs: Mapping[str, Any], values: Mapping[Parts, object]) -> Iterator[Problem]:
+    """Yield a problem for each input by role to which a value by the name of its entry gives another number."""
+    for name, value in inputs.items():
+        entry = scenario.entry_of(INPUTS[name].section) if name in INPUTS and INPUTS[name].kind else None
+        if entry is not None:
+            key = ("library", entry.kind, entry.name, INPUTS[name].key)
+            other = values.get(key, values.get((*key, NUMBER), value))
+            if other != value:
+                message = f"must not be given with {key_name(key)}, which sets the same input, to {describe(other)}"
+                yield Problem(scenario.file, name, message)
 
 
 def _with_new_threat(data: dict[str, Any], values: Mapping[Parts, object]) -> dict[str, Any]:

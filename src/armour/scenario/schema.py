@@ -22,6 +22,7 @@ from pydantic import (
 from armour.core import equations
 from armour.errors import choices
 from armour.scenario.inputs import ERROR, INPUTS, THREAT, Kind
+from armour.scenario.keys import nfc
 from armour.scenario.library import THREAT_KEYS, LibraryTables, hint, named_threats
 from armour.scenario.sections import FREE_TAG, LIST_TAG, NOT_TINY, RANGE_TAG, Items, Section, above
 from armour.units import MM, US
@@ -51,6 +52,7 @@ def _in_library(kind: Kind) -> AfterValidator:
 
     def check(name: str, info: ValidationInfo) -> str:
         context: dict[str, Any] = info.context or {"names": {}}
+        name = nfc(name)
         names: dict[str, str] = context["names"].get(kind, {name: name})
         if name not in names:
             entries = context["library"].entries[kind].values()

@@ -99,6 +99,15 @@ def test_the_same_picture_is_the_same_file(suffix: str):
     assert content == saved(drawn(named_rows, Sheet(), ["it"]).figure, suffix)
 
 
+def test_settings_of_a_user_are_for_axes_of_the_user():
+    content = saved(drawn(named_rows, Sheet(), ["it"]).figure, ".svg")
+    with mpl.rc_context({"xtick.labelsize": 30, "text.usetex": True, "savefig.format": "eps", "savefig.bbox": "tight"}):
+        assert saved(drawn(named_rows, Sheet(), ["it"]).figure, ".svg") == content
+        axes = Figure().subplots()
+        drawn(named_rows, Sheet(ax=axes))
+    assert axes.get_xticklabels()[0].get_fontsize() == 30
+
+
 class InexactLayout(ConstrainedLayoutEngine):
     """A layout whose last digits are others, as those of another process are."""
 

@@ -52,6 +52,8 @@ STYLE: Any = {
     "xtick.color": INK,
     "ytick.color": INK,
 }
+# A new figure starts from matplotlib's defaults, not from the settings of a user or a folder.
+SETTINGS: Any = {key: value for key, value in mpl.rcParamsDefault.items() if key != "backend"} | STYLE
 # Formats of files, with the metadata that make the files of a picture reproducible.
 METADATA: dict[str, Any] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
 # Width of a picture and height of a panel, inches.
@@ -120,7 +122,7 @@ def drawn(
     A title that is given replaces title and subject.  One that is empty leaves legends alone; a picture in a user's
     axes has no note.
     """
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(SETTINGS if sheet.ax is None else STYLE):
         picture = draw(sheet)
         lines = [picture.title, *heading[:1]] if title is None else [title]
         for text in (text for axes in picture.axes for text in axes.findobj(Text)):
@@ -203,7 +205,7 @@ def saved(figure: Figure, suffix: str, made_by: str = "", **options: Any) -> byt
     """Return the content of a figure's file, in the format of a suffix, a key of `METADATA`, with what made it."""
     content = BytesIO()
     metadata = METADATA[suffix] | {"Subject" if suffix == ".pdf" else "Description": made_by}
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(SETTINGS):
         figure.draw_without_rendering()
         engine = figure.get_layout_engine()
         figure.set_layout_engine("none")

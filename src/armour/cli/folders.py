@@ -1,0 +1,70 @@
+"""The scenarios in a folder and in those below it."""
+
+import os
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+
+from armour.cli.console import say
+from armour.errors import InputError, Problem, counted, mistake, refuse
+from armour.files import read_toml, reason
+
+# More files are read only on request: the folder may be a whole disk.
+MOST_FILES = 1000
+# A file with none of these sections is a suite, a library or of another program.
+OF_SCENARIO = ("impact", "threat", "armour")
+
+
+def scenario_paths(sources: Sequence[Path], *, yes: bool) -> list[Path]:
+    """Return paths and names of scenarios, each folder replaced by the scenarios in it and in those below.
+
+    More than MOST_FILES in folders are read only with ``yes``.  What is skipped is counted on standard error.
+    """
+    skipped = Counter[tuple[str, str]]()
+    files = {source: _toml_files(source, skipped) for source in dict.fromkeys(sources) if os.path.isdir(source)}
+    number = sum(map(len, files.values()))
+    if number > MOST_FILES and not yes:
+        raise mistake("check", "", f"{number:,} .toml files in folders; --yes to go on")
+    scenarios = {source: [path for path in paths if _is_scenario(path)] for source, paths in files.items()}
+    skipped["file", " without [impact], [[threat]] or [armour]"] = number - sum(map(len, scenarios.values()))
+    parts = [counted(count, noun) + rest for (noun, rest), count in sorted(skipped.items()) if count]
+    if parts:
+        say(f"note: skipped {', '.join(parts)}")
+    message = "must be a folder of scenarios, found none in it"
+    refuse(Problem(str(source), "", message) for source, paths in scenarios.items() if not paths)
+    return list(dict.fromkeys(path for source in sources for path in scenarios.get(source, [source])))
+
+
+def _toml_files(top: Path, skipped: Counter[tuple[str, str]]) -> list[Path]:
+    """Return the TOML files in a folder and in those below; count what else could have been one."""
+
+    def fail(error: OSError) -> None:
+        raise mistake(error.filename, "", f"cannot be read: {reason(error)}")
+
+    paths: list[Path] = []
+    for folder, folders, files in os.walk(top, onerror=fail):
+        names = [*folders, *(name for name in files if name.lower().endswith(".toml"))]
+        nouns = {name: _foreign(Path(folder, name)) for name in names}
+        skipped.update((noun, "") for noun in nouns.values() if noun)
+        folders[:] = [name for name in folders if not nouns[name]]
+        paths += [Path(folder, name) for name in files if nouns.get(name) == ""]
+    return sorted(paths)
+
+
+def _foreign(path: Path) -> str:
+    """Return what a file or folder is that is none of a project's own; "" for others."""
+    if path.name.startswith("."):
+        return "hidden folder" if path.is_dir() else "hidden file"
+    if path.is_symlink():
+        return "link"
+    if path.is_dir():
+        return "virtual environment" if (path / "pyvenv.cfg").exists() else ""
+    return "" if path.is_file() else "pipe or socket"
+
+
+def _is_scenario(path: Path) -> bool:
+    """Return whether a file is to be read as a scenario; the mistakes in one that is no TOML are told later."""
+    try:
+        return not read_toml(path).keys().isdisjoint(OF_SCENARIO)
+    except InputError:
+        return True
