@@ -195,7 +195,7 @@ QUESTIONS = [
 def test_a_wrong_argument_is_refused_by_name(name: str, given: object):
     second: dict[str, object] = {"calibrate": given, "sweep": {}, "save_scenario": "x"}
     more = [second[name]] if name in second else []
-    arguments = ["wilkins.csv", given] if name == "read_tests" else [given, *more]
+    arguments = ["tests/wilkins", given] if name == "read_tests" else [given, *more]
     with pytest.raises(armour.InputError, match=rf"{name}: \w+: must be a \w+, found "):
         getattr(armour, name)(*arguments)
 

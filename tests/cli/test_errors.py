@@ -70,7 +70,7 @@ def test_a_variable_that_is_not_set_is_no_path(cli, words: tuple[str, ...], fold
     "words",
     [
         "simulate wilkins --velocity",
-        "v50 shots.csv --confidence",
+        "v50 tests/shots --confidence",
         "plan shots wilkins a.csv --result P --velocity-m-s",
         "plan shots wilkins --upper-m-s 900 --lower-m-s",
         "sweep wilkins --over armour.ceramic_thickness_mm=4,5 -o a.csv --threads",

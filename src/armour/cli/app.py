@@ -195,10 +195,10 @@ COMMANDS: dict[str, dict[Callable[..., None], tuple[str, ...]]] = {
         figures: ("figures . --only fig09",),
     },
     "Use test data": {
-        v50: (f"v50 shots.csv {W} --plot v50.svg",),
+        v50: (f"v50 tests/shots {W} --plot v50.svg",),
         calibrate: (
-            f"calibrate wilkins.csv {W} --write mine.toml --lot 'lot 7' --plot fit.svg",
-            f"calibrate wilkins.csv {W} --law all --write-scenario fitted.toml --lot 'lot 7'",
+            f"calibrate tests/wilkins {W} --write mine.toml --lot 'lot 7' --plot fit.svg",
+            f"calibrate tests/wilkins {W} --law all --write-scenario fitted.toml --lot 'lot 7'",
         ),
         plan_shots: (
             f"plan shots {W}",
@@ -207,7 +207,7 @@ COMMANDS: dict[str, dict[Callable[..., None], tuple[str, ...]]] = {
         ),
         plan_tests: (
             f"plan tests {W} --candidates {CERAMICS} --candidates {PLATES} --scatter-percent 3",
-            f"plan tests {W} --candidates {CERAMICS} --tests wilkins.csv --law ceramic --csv next.csv --plot next.svg",
+            f"plan tests {W} --candidates {CERAMICS} --tests tests/wilkins --law ceramic --csv next.csv",
         ),
     },
     "Prepare the input": {

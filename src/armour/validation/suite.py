@@ -19,7 +19,7 @@ from armour.analysis.variants import Floats, Variants, grid_of
 from armour.csv_files import MUST_SAY, PERFORATED, number
 from armour.design.optimise import BestDesign, optimise
 from armour.errors import InputError, NoAnswerError, Problem, choices, counted, mistake, refuse
-from armour.files import named, read_toml, shipped, shipped_files, suite_file
+from armour.files import located, named, read_toml, shipped_files, shipped_tests, suite_file
 from armour.scenario.checked import checked
 from armour.scenario.effect import check_columns, check_effect
 from armour.scenario.inputs import ROUND_AND_ARMOUR
@@ -441,7 +441,7 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
     ----------
     path : path-like
         A TOML file or, if there is no such file, the name of a shipped suite, "paper" or "plates".  The files that it
-        names are relative to its folder or, if there are no such files, shipped ones.
+        names are relative to its folder or shipped ones, by their names.
     changes : mapping of str to object, optional
         Values that replace those of every scenario, by dotted key; tables are merged.
 
@@ -569,10 +569,9 @@ def _scenario(file: Path, *changes: Mapping[str, object]) -> Scenario:
 
 
 def _file(folder: Path, name: str) -> Path:
-    """Return the file that a suite in a folder names: a path there or in the shipped folder, or a shipped scenario."""
-    file = folder / name
-    shipped_file = shipped_files("scenarios", ".toml").get(name, shipped("suites") / name)
-    return shipped_file if not exists(file) and exists(shipped_file) else file
+    """Return the file that a suite in a folder names: a path there or, if there is none, a shipped name."""
+    files = {**shipped_files("scenarios", ".toml"), **shipped_tests()}
+    return files[name] if name in files and not exists(folder / name) else located(folder / name, {})
 
 
 def _in_words(key: str, value: float) -> str:
