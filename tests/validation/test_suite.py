@@ -124,6 +124,12 @@ name = "b"
 name = "c"
 {HEAD}columns = ["x"]
 rows = []
+[[case]]
+name = "d"
+scenario = "none.toml"
+quantity = "ballistic_limit_m_s"
+band = 1.0
+expected = 1.0
 """
     assert mistakes(folder, text) == [
         'suite.toml: case[0].name: must not be empty, found the text ""',
@@ -134,6 +140,8 @@ rows = []
         "reason, source, regression, not_scored, expected, replaced_by, measured",
         "suite.toml: case[1]: must have a band or band_percent: how far the computed value may be from the expected",
         "suite.toml: table[0].rows: must not be empty, found a list",
+        "suite.toml: case[2].scenario: must be a valid scenario: none.toml: cannot be read: no such file or directory; "
+        "`armour init --list` lists what is shipped",
     ]
 
 

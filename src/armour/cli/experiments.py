@@ -161,11 +161,10 @@ def plan_shots(
     if result is None:
         if velocity_m_s is not None:
             raise wrong_option("--velocity-m-s", "must be given with --result")
-        if table is not None and table.suffix == ".csv" and not exists(table):
+        is_new = table is not None and table.suffix == ".csv" and not exists(table)
+        if is_new:
             say(f"note: {table}: no such file, so no shot has been fired; --result makes the file")
-            fired = armour.Shots((), (), str(table))
-        else:
-            fired = None if table is None else armour.read_shots(table, one_kind=True)
+        fired = None if table is None or is_new else armour.read_shots(table, one_kind=True)
         return Answer(armour.plan_shots(scenario, fired, on_progress=on_progress, **options))
     if table is None:
         raise wrong_option("--result", "must be given with SHOTS, to which it adds a shot")

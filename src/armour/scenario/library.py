@@ -15,17 +15,18 @@ from pydantic import (
     BeforeValidator,
     Field,
     SerializerFunctionWrapHandler,
+    ValidationError,
     field_validator,
     model_serializer,
     model_validator,
 )
 
-from armour.errors import CHOOSE, Note, Problem, listed, mistake, refuse, suggestion
+from armour.errors import CHOOSE, InputError, Note, Problem, listed, mistake, refuse, suggestion
 from armour.files import read_toml, shipped
 from armour.scenario.checked import checked
 from armour.scenario.inputs import INPUTS, ROD, YIELD, Kind, length_mm
 from armour.scenario.keys import describe, key_name
-from armour.scenario.sections import NOT_TINY, NUMBER, TINY, Items, NumberOrText, Section, validated
+from armour.scenario.sections import NOT_TINY, NUMBER, TINY, Items, NumberOrText, Section, every_problem, validated
 from armour.units import GPA, MPA, words_and_unit
 
 Status = Literal["measured", "nominal", "fitted", "assumed"]
@@ -499,7 +500,15 @@ class Library:
         They are given by kind and name, ``{"ceramic": {"Mine": {"based_on": "AD85", "flow_stress_GPa": 4.5}}}``.
         `file` holds the entries and is the source of values without one; `prefix` is the key of the tables in it.
         """
-        tables = tables if isinstance(tables, LibraryTables) else validated(LibraryTables, tables, file)
+        if not isinstance(tables, LibraryTables):
+
+            def read(rest: Mapping[str, Any]) -> Library:
+                return self.extended(LibraryTables.model_validate(rest), file, prefix)
+
+            try:
+                return read(tables)
+            except ValidationError as error:
+                raise InputError(every_problem(error, LibraryTables, tables, file, read)) from None
         if not any(getattr(tables, kind) for kind in KINDS):
             return self
         entries: dict[Kind, dict[str, LibraryEntry]] = {kind: dict(self.entries[kind]) for kind in KINDS}
