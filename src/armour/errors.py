@@ -8,6 +8,7 @@
         └── NoLimitError      no ballistic limit in the range of velocities
 """
 
+import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from difflib import get_close_matches
@@ -16,6 +17,13 @@ from typing import NamedTuple, Self
 
 # Greatest number of names to suggest one from, as a wrong name is compared with each of them.
 MAX_WORDS = 1000
+# Least likeness of two names, and of the words within them, for one to be a misspelling of the other: "stres" is like
+# "stress", but "length" is not like "diameter".
+LIKENESS = 0.6
+# Separators of the words of a name; a point in a number is none.
+_BETWEEN = re.compile(r"[\s_,]+|\.(?=[a-z])")
+# Numbers in a name, of which another one names another thing, as 5083 and 5086 do.
+_NUMBER = re.compile(r"\d+(?:\.\d+)?")
 # Precedes a list of names in a message.
 CHOOSE = "; choose from "
 # Greatest number of names in a sentence.
@@ -175,8 +183,20 @@ def suggestion(word: str, names: Sequence[str]) -> str:
     # A name that contains every part of the word is closer than any other.
     parts = {*word.lower().split()}
     whole = [name for name in by_lower if parts and parts <= {*name.replace(",", " ").split()}]
-    closest = get_close_matches(word.lower(), whole or list(by_lower), n=1, cutoff=0.0 if whole else 0.6)
+    like = whole or [name for name in by_lower if _is_like(word.lower(), name)]
+    closest = get_close_matches(word.lower(), like, n=1, cutoff=0.0 if whole else LIKENESS)
     return f'; did you mean "{by_lower[closest[0]]}"?' if closest else ""
+
+
+def _is_like(word: str, name: str) -> bool:
+    """Return whether a name has each number of a word, and all words within one are like some of the other's."""
+    if not {*_NUMBER.findall(word)} <= {*_NUMBER.findall(name)}:
+        return False
+    parts, others = _BETWEEN.split(word), _BETWEEN.split(name)
+    return any(
+        all(get_close_matches(part, whole, n=1, cutoff=LIKENESS) for part in some)
+        for some, whole in ((parts, others), (others, parts))
+    )
 
 
 def choices(word: str, names: Sequence[str]) -> str:

@@ -103,12 +103,12 @@ def test_every_mistake_in_the_tables_is_reported():
         "static_yield_strength_MPa, dynamic_yield_strength_MPa, flow_stress_GPa, shear_strength_MPa, "
         "ultimate_tensile_strength_MPa, strain_to_fracture",
         'f.toml: metall: unknown key; did you mean "metal"?',
-        'f.toml: metal.N.based_on: must name a metal of the library, found "Qq"; armour library lists them',
         # Not what X and Y lack, which have a wrong value.
         *(
             f"f.toml: metal.Z.{key}: is missing and must be given, or based_on an entry that has it"
             for key in ("density_kg_m3", "dynamic_yield_strength_MPa", "shear_strength_MPa")
         ),
+        'f.toml: metal.N.based_on: must name a metal of the library, found "Qq"; armour library lists them',
     ]
 
 
@@ -153,7 +153,7 @@ def test_a_name_that_is_not_there_is_an_error_with_all_that_are_alike(name: str)
 
 def test_a_name_that_is_like_none_is_an_error_with_the_nearest():
     with pytest.raises(InputError, match='did you mean "AD85"'):
-        shipped_library().find("AD86")
+        shipped_library().find("AD85x")
 
 
 def test_an_alias_names_one_entry_and_what_it_replaces_is_noted(tmp_path: Path):

@@ -98,7 +98,7 @@ def test_a_missing_library_file_is_the_only_mistake_of_what_may_be_in_it():
 
 
 def test_mistakes_in_a_library_file_name_that_file(tmp_path: Path):
-    (tmp_path / "mine.toml").write_text("[ceramic.mine]\nbased_on = 'AD86'\n")
+    (tmp_path / "mine.toml").write_text("[ceramic.mine]\nbased_on = 'AD85x'\n")
     with pytest.raises(InputError) as caught:
         parse_scenario(data(library={"files": ["mine.toml"]}), folder=tmp_path)
     [problem] = caught.value.problems
