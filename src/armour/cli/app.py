@@ -4,8 +4,6 @@ import inspect
 import logging
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from functools import cache
-from os.path import isfile
 from typing import Annotated, Any
 
 import typer
@@ -19,7 +17,7 @@ from armour.cli.console import emit, say
 from armour.cli.experiments import calibrate, plan_shots, plan_tests, v50
 from armour.cli.library import KINDS, compile_, init, list_library, schema, section, show_entry
 from armour.cli.question import option
-from armour.cli.runner import NO_ANSWER
+from armour.cli.runner import NO_ANSWER, with_lines
 from armour.cli.scenario_commands import (
     ballistic_limit,
     check,
@@ -33,8 +31,6 @@ from armour.cli.scenario_commands import (
 )
 from armour.cli.suites import figures, validate
 from armour.errors import MAX_PROBLEMS, ArmourError, InputError, NoAnswerError, Problem, mistake
-from armour.files import read_text
-from armour.scenario.keys import line_of, lines_of
 
 WRONG_INPUT, INTERRUPTED = 2, 130
 
@@ -107,19 +103,8 @@ def _reported() -> Iterator[None]:
 
 def _located(problems: Sequence[Problem]) -> list[str]:
     """Return the messages of the first problems, with the lines of TOML files where their keys are."""
-
-    @cache
-    def lines(file: str) -> dict[str, int]:
-        try:
-            # A pipe has been read already, and would block forever.
-            return lines_of(read_text(file)) if file.endswith(".toml") and isfile(file) else {}
-        except ArmourError:
-            return {}
-
-    messages = []
-    for problem in problems[:MAX_PROBLEMS]:
-        line = line_of(problem.key, lines(problem.file)) if problem.key else None
-        messages.append(str(problem) if line is None else f"{problem} (line {line})")
+    shown = with_lines(problems[:MAX_PROBLEMS])
+    messages = [str(problem) if line is None else f"{problem} (line {line})" for problem, line in shown]
     omitted = len(problems) - MAX_PROBLEMS
     return [*messages, f"and {omitted} more problems"] if omitted > 0 else messages
 

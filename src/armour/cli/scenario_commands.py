@@ -148,7 +148,7 @@ def check(
             first, *other_lines = result.heading()
             show(*other_lines, *view.tables_of_check(result), title=first if is_one else f"{loaded.file}: {first}")
         results.append(result)
-        suites.append(view.check_junit(result, loaded.file, perf_counter() - start, runner.origin_of(loaded)))
+        suites.append(view.check_junit(result, loaded, perf_counter() - start, runner.origin_of(loaded)))
         warnings += runner.warnings_of(loaded, result.warnings, verbose=verbose)
     if not (as_json or is_one):
         emit("\n")

@@ -421,14 +421,15 @@ def check_summary(results: Mapping[str, CheckResult]) -> VerdictLine:
     return VerdictLine("; ".join(words), good=len(words) == 1)
 
 
-def check_junit(result: CheckResult, file: str, seconds: float, origin: Mapping[str, str]) -> Element:
-    """Return the check of a file's scenario as a test suite: a test case for every threat.
+def check_junit(result: CheckResult, scenario: Scenario, seconds: float, origin: Mapping[str, str]) -> Element:
+    """Return the check of a scenario as a test suite: a test case for every threat.
 
-    The first one has the time, in seconds, of all of them.
+    Its names stay if thicknesses, velocities or angles change.  The first case has the time, in seconds, of all.
     """
+    file = scenario.file
     cases: list[TestCase] = []
-    for threat in result.threats:
+    for threat, given in zip(result.threats, scenario.threats(), strict=True):
         kind = "" if threat.verdict == "passes" else "failure"
         took = None if cases else seconds
-        cases.append(TestCase(file, threat.threat, kind, f"{verdict(threat)}: {finding(threat)}", took))
-    return junit_suite(" ".join(result.heading()[:1]), cases, seconds, origin)
+        cases.append(TestCase(file, given.round_name, kind, f"{verdict(threat)}: {finding(threat)}", took, file))
+    return junit_suite(file, cases, seconds, origin)
