@@ -32,7 +32,7 @@ LIMITS = {
 }
 
 
-@question(LIMIT_READS, computed="the ballistic limit", first="fitting")
+@question(LIMIT_READS, computed="the ballistic limit", first="fitting", tables=["csv"])
 def v50(
     on_progress: "OnProgress",
     table: Annotated[
@@ -45,6 +45,7 @@ def v50(
         ),
     ],
     scenario: "Scenario | None" = None,
+    csv: Annotated[Path | None, option("Write the fitted curves as CSV.", metavar="FILE")] = None,
     **options: Any,
 ) -> Answer:
     """Estimate V50 from firing results.
@@ -52,13 +53,16 @@ def v50(
     If a scenario with the same armour is given, its ballistic limit by the model is shown too. With a requirement, the
     exit code is 3 if it is not met or the shots do not decide it.
     """
+    from armour.reporting.table import rows_csv
+
     fired = armour.read_shots(table, one_kind=options["prior"])
     result = armour.v50(fired, scenario, on_progress=on_progress, **options)
     exit_code = CHECK_FAILED if result.decision in ("not met", "not decided") else 0
-    return Answer(result, file="" if scenario else fired.file, exit_code=exit_code)
+    contents = {csv: lambda: rows_csv(result)}
+    return Answer(result, contents=contents, file="" if scenario else fired.file, exit_code=exit_code)
 
 
-@question(FIT, unit="tests", prior_reads=["uncertainty"], outputs=["library", "fitted"])
+@question(FIT, unit="tests", prior_reads=["uncertainty"], outputs=["library", "fitted"], tables=["csv"])
 def calibrate(
     on_progress: "OnProgress",
     table: Annotated[
@@ -84,9 +88,11 @@ def calibrate(
     lot: Annotated[
         str | None, option("Lot tested, after which written entries are named; required with them.", metavar="NAME")
     ] = None,
+    csv: Annotated[Path | None, option("Write measured and computed values as CSV.", metavar="FILE")] = None,
     **options: Any,
 ) -> Answer:
     """Fit model inputs to tests."""
+    from armour.reporting.table import rows_csv
     from armour.statistics.fitted_library import library_text, scenario_text
 
     lot = (lot or "").strip()
@@ -96,6 +102,7 @@ def calibrate(
     tests = armour.read_tests(table, scenario)
     result = armour.calibrate(tests, scenario, on_progress=on_progress, **options)
     contents = {
+        csv: lambda: rows_csv(result),
         library: lambda: library_text(result, tests, scenario, lot),
         fitted: lambda: None if fitted is None else scenario_text(result, tests, scenario, lot, fitted),
     }

@@ -110,6 +110,9 @@ def check(
     junit: Annotated[
         Path | None, option("Write the results as JUnit XML; such a file is replaced.", metavar="FILE")
     ] = None,
+    csv: Annotated[
+        Path | None, option("Write the limits as CSV, as given and with each change.", metavar="FILE")
+    ] = None,
     confidence: Annotated[Any, option(CONFIDENCE_OPTION[1], metavar="NUMBER", parser=share)] = None,
     plot: PlotFile = None,
     force: Force = False,
@@ -125,6 +128,7 @@ def check(
     """
     from armour.reporting.junit import junit_xml
     from armour.reporting.show import plot as plot_of
+    from armour.reporting.table import rows_csv
     from armour.reporting.views import design as view
     from armour.scenario.scenario import files_of
 
@@ -135,7 +139,7 @@ def check(
     with runner.mistakes_in(junit, scenario, force=force):
         scenarios = _read_each(paths, changes, confidence)
     inputs = [*scenario, *(file for loaded in scenarios for file in files_of(loaded))]
-    runner.check_outputs(junit=junit, inputs=inputs, plot=plot, force=force)
+    runner.check_outputs(csv, tables=[csv], junit=junit, inputs=inputs, plot=plot, force=force)
     results: list[CheckResult] = []
     suites, warnings = [], []
     for loaded in scenarios:
@@ -150,6 +154,7 @@ def check(
         results.append(result)
         suites.append(view.check_junit(result, loaded, perf_counter() - start, runner.origin_of(loaded)))
         warnings += runner.warnings_of(loaded, result.warnings, verbose=verbose)
+    rows = ({"scenario": loaded.file, **row} for loaded, found in zip(scenarios, results, strict=True) for row in found)
     if not (as_json or is_one):
         emit("\n")
         show(view.check_summary({loaded.file: result for loaded, result in zip(scenarios, results, strict=True)}))
@@ -162,7 +167,7 @@ def check(
         ],
         (),
         as_json=as_json,
-        files=[(junit, lambda: junit_xml(suites))],
+        files=[(junit, lambda: junit_xml(suites)), (csv, lambda: rows_csv(rows))],
         plot=plot,
         draw=lambda: plot_of(results[0]),
         warnings=warnings,
