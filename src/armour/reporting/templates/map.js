@@ -422,7 +422,7 @@ function drawLines(pair, lines, words) {
   threats.forEach((_, t) => {
     if (!pair.over || (T > 3 && t !== governing(pair, answer(pair).k))) return;
     const [least, greatest] = pair.over.map(limits => values.map((_, n) => at(n, t, limits[n * T + t])));
-    lines.append(svg("path", { class: "band", d: `M${[...least, ...greatest.reverse()].map(p => p.map(c => c.toFixed(1)).join(" ")).join("L")}Z` }));
+    lines.append(svg("path", { class: `band ${colours[t % 4]}`, d: `M${[...least, ...greatest.reverse()].map(p => p.map(c => c.toFixed(1)).join(" ")).join("L")}Z` }));
   });
   threats.forEach((_, t) => {
     const line = values.map((_, n) => at(n, t, pair.limits[n * T + t]));
