@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from armour.scenario.schema import SHEAR_LAWS
 from tests.helpers.commands import invoke
 
 pytestmark = pytest.mark.slow
@@ -49,7 +50,7 @@ def offered(line: str) -> list[str]:
         ("simulate wilkins --set armour.ceramic=B4", ["armour.ceramic=B4C"]),
         (
             "simulate wilkins --set model.shear_perimeter=",
-            ["model.shear_perimeter=conoid", "model.shear_perimeter=projectile"],
+            [f"model.shear_perimeter={law}" for law in SHEAR_LAWS],
         ),
         ("simulate wilkins --set ceramic.flow_stress_GPa=", []),
         ("sweep wilkins --over armour.ceramic=B4", []),
