@@ -123,6 +123,16 @@ def test_what_an_entry_of_a_scenario_lacks_is_reported_beside_unknown_keys():
     ]
 
 
+def test_several_mistakes_within_a_value():
+    value = {"value": "a", "status": "good", "colour": "red"}
+    with pytest.raises(InputError) as error:
+        parse_scenario(data(colour=1, library={"ceramic": {"X": {"density_kg_m3": value}}}))
+    density = "library.ceramic.X.density_kg_m3"
+    assert {problem.key for problem in error.value.problems} == {
+        *(density, f"{density}.status", f"{density}.colour", "colour")
+    }
+
+
 def test_a_law_of_the_flow_stress():
     """Coefficients may be 0, and are inherited; a ceramic need not have them."""
     law = {"flow_stress_backing_exponent": -3, "flow_stress_ceramic_slope": {"value": 0.1, "status": "fitted"}}

@@ -2,8 +2,11 @@
 
 import re
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from copy import deepcopy
+from functools import reduce
 from math import inf
+from operator import getitem
 from typing import Annotated, Any, TypeVar, get_origin
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError, ValidationInfo
@@ -124,17 +127,17 @@ def every_problem(
 ) -> list[Problem]:
     """Return the problems of an error, and those that `read` finds in the data without the keys at fault."""
     problems = problems_of(error, model, file)
-    rest, tables = deepcopy(data), set[str]()
+    rest, tables, removed = deepcopy(data), set[str](), False
     for detail in error.errors():
         *above, last = _parts(detail) or [""]
-        table: Any = rest
-        for part in above:
-            table = table[part]
-        if isinstance(table, dict):
-            table.pop(last, None)
         if detail["type"] != UNKNOWN:
             tables |= {*upwards(key_name(above))}
-    if rest == data:
+        with suppress(KeyError, TypeError):  # of a table that has gone with another mistake
+            table: Any = reduce(getitem, above, rest)
+            if isinstance(table, dict) and last in table:
+                del table[last]
+                removed = True
+    if not removed:
         return problems
     try:
         read(rest)
@@ -166,7 +169,7 @@ def validated(model: type[SectionT], data: object, file: str) -> SectionT:
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        raise InputError(every_problem(error, model, data, file, model.model_validate)) from None
+        raise InputError(problems_of(error, model, file)) from None
 
 
 def _paths(model: type[Section]) -> list[str]:
