@@ -192,7 +192,7 @@ COMMANDS: dict[str, dict[Callable[..., None], tuple[str, ...]]] = {
         ),
         plan_tests: (
             f"plan tests {W} --candidates {CERAMICS} --candidates {PLATES} --scatter-percent 3",
-            f"plan tests {W} --candidates {CERAMICS} --tests tests/wilkins --law ceramic --csv next.csv",
+            f"plan tests {W} --candidates {CERAMICS} --tests tests/wilkins --law ceramic --csv t.csv --plot t.svg",
         ),
     },
     "Prepare the input": {

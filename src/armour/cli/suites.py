@@ -146,7 +146,7 @@ def figures(
     path = paper_figures()
     panels = {name: list(group) for name, group in groupby(read_figures(path), attrgetter("name"))}
     names = [*panels, *PARITIES]
-    number = f"fig{only:>02}" if only.isdecimal() else ""
+    number = f"fig{only.zfill(2)}" if only.isdecimal() else ""
     chosen = [name for name in names if (name == number if number else only in name)]
     if not chosen:
         message = f'must be a number or part of a name, found "{only}"; there are {", ".join(names)}'
