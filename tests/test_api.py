@@ -18,6 +18,7 @@ from typing import get_args, get_type_hints
 import pytest
 
 import armour
+from armour.analysis.results import Result
 from tests.helpers.cases import SCENARIOS
 
 STUB = Path(armour.__file__).with_suffix(".pyi")
@@ -112,6 +113,26 @@ def _cases(folder: Path) -> Path:
     return path
 
 
+def test_a_suite_is_validated_by_its_path_its_name_or_as_it_is_read():
+    path = Path(__file__).parent / "validation" / "regression.toml"
+    by_path = armour.validate(path)
+    assert by_path.checks
+    assert by_path == armour.validate(armour.load_suite(path))
+    with pytest.raises(armour.InputError, match="none: cannot be read"):
+        armour.validate("none")
+    with pytest.raises(armour.InputError, match="validate: suite: must be a Suite or a path, found 5"):
+        armour.validate(5)  # type: ignore[arg-type]
+
+
+def test_every_result_has_warnings():
+    results = [thing for thing in map(armour.__dict__.get, dir(armour)) if isinstance(thing, type)]
+    found = {thing for thing in results if issubclass(thing, Result)}
+    assert {armour.ImpactResult, armour.Comparison, armour.SuiteResult, armour.History} <= found
+    for thing in found:
+        hint = get_type_hints(thing).get("warnings") or get_type_hints(vars(thing)["warnings"].fget)["return"]
+        assert hint == tuple[str, ...], thing
+
+
 def test_a_suite_and_a_library_are_shown_in_a_line():
     assert repr(armour.load_suite(armour.paper_suite())).endswith("cases of paper.toml>")
     assert re.fullmatch(r"<Library: \d+ projectiles, \d+ ceramics, \d+ metals>", repr(armour.shipped_library()))
@@ -124,7 +145,7 @@ def test_a_scenario_a_value_and_tests_are_shown_in_a_line():
     assert repr(scenario.replaced({"title": "Mine"})).endswith(" at 800 m/s; scenario: Mine>")
     assert repr(scenario.entry("metal", "6061-T6").values["density_kg_m3"]).startswith("<Value: 2750, nominal, ")
     tests = armour.read_tests(SCENARIOS / "tests" / "wilkins.csv", scenario)
-    assert re.fullmatch(r"<Tests: \d+ tests of .*wilkins.csv, \d+ measurements>", repr(tests))
+    assert re.fullmatch(r"<Tests: \d+ tests of tests/wilkins \(shipped\), \d+ measurements>", repr(tests))
 
 
 def test_a_scenario_as_plain_data_is_the_same_scenario():
@@ -186,7 +207,7 @@ def test_the_examples_of_the_docstrings(tmp_path: Path, monkeypatch: pytest.Monk
 
 QUESTIONS = [
     *("simulate", "ballistic_limit", "confidence", "compare", "sensitivity", "uncertainty", "optimise"),
-    *("v50", "validate", "calibrate", "sweep", "save_scenario", "read_tests"),
+    *("v50", "calibrate", "sweep", "save_scenario", "read_tests"),
 ]
 
 
@@ -195,7 +216,7 @@ QUESTIONS = [
 def test_a_wrong_argument_is_refused_by_name(name: str, given: object):
     second: dict[str, object] = {"calibrate": given, "sweep": {}, "save_scenario": "x"}
     more = [second[name]] if name in second else []
-    arguments = ["wilkins.csv", given] if name == "read_tests" else [given, *more]
+    arguments = ["tests/wilkins", given] if name == "read_tests" else [given, *more]
     with pytest.raises(armour.InputError, match=rf"{name}: \w+: must be a \w+, found "):
         getattr(armour, name)(*arguments)
 

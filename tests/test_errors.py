@@ -2,6 +2,8 @@ import json
 import pickle
 from copy import deepcopy
 
+import pytest
+
 from armour.errors import InputError, NoLimitError, Note, Problem, choices, listed, suggestion
 
 
@@ -23,7 +25,7 @@ def test_no_answer_is_not_wrong_input():
 
 
 def test_a_suggestion_is_the_closest_name():
-    assert suggestion("AD86", ["AD85", "Al-N"]) == '; did you mean "AD85"?'
+    assert suggestion("AD85x", ["AD85", "Al-N"]) == '; did you mean "AD85"?'
     assert suggestion("ad85", ["AD85"]) == '; did you mean "AD85"?'
     assert suggestion("nothing", ["uncertain", "dwell"]) == ""
     assert suggestion("", ["uncertain"]) == ""
@@ -31,12 +33,43 @@ def test_a_suggestion_is_the_closest_name():
     assert suggestion("stanag level 3", levels) == f'; did you mean "{levels[0]}"?'
 
 
+@pytest.mark.parametrize(
+    ("word", "other"),
+    [
+        ("penetrator_length_mm", "penetrator_diameter_mm"),
+        ("core_mass_g", "projectile_mass_g"),
+        ("flow_stress_backing_slope", "flow_stress_GPa"),
+        ("ceramic.shear_strength_MPa", "backing.shear_strength_MPa"),
+        ("AD90", "AD99.5"),
+        ("7.62x51", "7.62x54R B32"),
+        ("STANAG 4569 level 5", "STANAG 4569 level 4, B32"),
+    ],
+)
+def test_another_quantity_or_another_number_is_no_misspelling(word: str, other: str):
+    assert suggestion(word, [other]) == ""
+
+
+@pytest.mark.parametrize(
+    ("word", "meant"),
+    [
+        ("penetrator_diametre_mm", "penetrator_diameter_mm"),
+        ("densty_kg_m3", "density_kg_m3"),
+        ("cermic.flow_stres_GPa", "ceramic.flow_stress_GPa"),
+        ("backingthickness_mm", "backing_thickness_mm"),
+        ("thickness_mm", "ceramic_thickness_mm"),
+        ("7075-T6 plate", "7075-T6"),
+    ],
+)
+def test_a_misspelling_is_recognised(word: str, meant: str):
+    assert suggestion(word, [meant]) == f'; did you mean "{meant}"?'
+
+
 def test_a_list_of_choices_stands_once():
     known = ["AD85", "Al-N"]
-    error = InputError([Problem("a", name, f"unknown{choices(name, known)}") for name in ("x", "AD86", "y")])
+    error = InputError([Problem("a", name, f"unknown{choices(name, known)}") for name in ("x", "AD85x", "y")])
     assert str(error).splitlines() == [
         "a: x: unknown; choose from AD85, Al-N",
-        'a: AD86: unknown; did you mean "AD85"?',
+        'a: AD85x: unknown; did you mean "AD85"?',
         "a: y: unknown",
     ]
     assert choices("x", ["AD85", "level 3, B32"]) == "; choose from AD85; level 3, B32"
@@ -44,7 +77,7 @@ def test_a_list_of_choices_stands_once():
 
 def test_no_suggestion_among_very_many_names():
     """Ten thousand wrong names are not compared with as many others."""
-    assert suggestion("AD86", ["AD85", *map(str, range(1000))]) == ""
+    assert suggestion("AD85x", ["AD85", *map(str, range(1000))]) == ""
 
 
 def test_a_sentence_lists_seven_names():

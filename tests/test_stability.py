@@ -20,7 +20,7 @@ from armour.scenario.scenario import scenario_schema
 
 LIST = Path(__file__).with_name("interface.json")
 # Commands whose JSON the list holds, with what they ask.
-QUESTIONS = ("simulate wilkins", "ballistic-limit wilkins", "optimise paper/fig11_7.62mm_ceramics", "v50 shots.csv")
+QUESTIONS = ("simulate wilkins", "ballistic-limit wilkins", "optimise paper/fig11_7.62mm_ceramics", "v50 tests/shots")
 
 
 def python() -> dict[str, list[str]]:

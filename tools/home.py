@@ -123,13 +123,13 @@ def impact() -> str:
 
 def v50() -> str:
     """Return shots and the probability of perforation that is fitted to them."""
-    fit: Any = armour.v50(armour.read_shots("shots.csv")).recommended
+    fit: Any = armour.v50(armour.read_shots("tests/shots")).recommended
     x, y = scale(660, 44, 1.6), scale(0, 126, -0.9)
     parts = [*card("v50", "probability of perforation"), *panel(x, y, range(660, 781, 40), (0, 50, 100), "%")]
     law = NormalDist(fit.v50_m_s, fit.scale_m_s)
     speeds = np.arange(660.0, 781.0, 3.0)
     parts.append(curve([x(speed) for speed in speeds], [y(100 * law.cdf(speed)) for speed in speeds], BLUE))
-    for shot in rows("shots.csv"):
+    for shot in rows("tests/shots"):
         perforated = shot["result"] == "complete"
         parts.append(dot(x(float(shot["velocity_m_s"])), y(100 * perforated), RED if perforated else BLUE))
     return ended([*parts, text(140, 157, "impact velocity, m/s", WORDS)])
@@ -159,7 +159,7 @@ def judge() -> str:
     ticks = range(600, 1001, 200)
     parts = [*card("judge", "computed limit, m/s"), *panel(x, y, ticks, ticks)]
     parts.append(line(x(600), y(600), x(1000), y(1000), 'stroke-dasharray="4 3"'))
-    for test in rows("wilkins.csv"):
+    for test in rows("tests/wilkins"):
         measured = float(test.pop("ballistic_limit_m_s"))
         computed = armour.ballistic_limit(WILKINS.replaced({key: float(value) for key, value in test.items()}))
         parts.append(dot(x(measured), y(computed.ballistic_limit_m_s), BLUE))

@@ -188,7 +188,7 @@ def limits() -> str:
     limit: Any = armour.ballistic_limit(SCENARIO)
     velocities = np.arange(580.0, 881.0, 10.0)
     stopped = limit.model_error.probability_of_stopping(limit.ballistic_limit_m_s, velocities)
-    fit: Any = armour.v50(armour.read_shots("shots.csv")).recommended
+    fit: Any = armour.v50(armour.read_shots("tests/shots")).recommended
     scatter = NormalDist(fit.v50_m_s, fit.scale_m_s)
     titles = ("1. The model: one limit", "2. Its error: where the limit may lie", "3. One armour: shots scatter")
     parts = [head("limits", 530), text(8, 16, "probability of perforation", f"{LEFT} {SMALL}")]

@@ -157,7 +157,9 @@ def lines_of(table: str | PathLike[str] | Rows) -> tuple[str, Iterator[Line]]:
     """Return the name of a table, for messages, and its lines, from rows or a CSV file, perhaps a shipped one."""
     if isinstance(table, str | PathLike):
         path = located(Path(table), shipped_tests())
-        return named(path), ((f"line {number}", cells) for number, cells in read_csv(path))
+        name = named(path)
+        shown = name if name == str(path) else f"{name} (shipped)"
+        return shown, ((f"line {number}", cells) for number, cells in read_csv(path))
     columns: Any = getattr(table, "columns", None)
     frame: Any = table
     try:

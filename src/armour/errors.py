@@ -8,6 +8,7 @@
         └── NoLimitError      no ballistic limit in the range of velocities
 """
 
+import re
 import unicodedata
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -18,6 +19,13 @@ from typing import NamedTuple, Self
 ASCII = "".join(map(chr, range(128)))
 # Greatest number of names to suggest one from, as a wrong name is compared with each of them.
 MAX_WORDS = 1000
+# Least likeness of two names, and of the words within them, for one to be a misspelling of the other: "stres" is like
+# "stress", but "length" is not like "diameter".
+LIKENESS = 0.6
+# Separators of the words of a name; a point in a number is none.
+_BETWEEN = re.compile(r"[\s_,]+|\.(?=[a-z])")
+# Numbers in a name, of which another one names another thing, as 5083 and 5086 do.
+_NUMBER = re.compile(r"\d+(?:\.\d+)?")
 # Precedes a list of names in a message.
 CHOOSE = "; choose from "
 # Greatest number of names in a sentence.
@@ -177,7 +185,8 @@ def suggestion(word: str, names: Sequence[str]) -> str:
     # A name that contains every part of the word is closer than any other.
     parts = {*folded.split()}
     whole = [name for name in by_folded if parts and parts <= {*name.replace(",", " ").split()}]
-    closest = get_close_matches(folded, whole or list(by_folded), n=1, cutoff=0.0 if whole else 0.6)
+    like = whole or [name for name in by_folded if _is_like(folded, name)]
+    closest = get_close_matches(folded, like, n=1, cutoff=0.0 if whole else LIKENESS)
     return f'; did you mean "{by_folded[closest[0]]}"{_unlike(word, by_folded[closest[0]])}?' if closest else ""
 
 
@@ -193,6 +202,17 @@ def _unlike(word: str, name: str) -> str:
         codes = [f"U+{ord(character):04X}" for character in dict.fromkeys(text) if character not in ASCII + other]
         parts += [f", {preposition} {' '.join(codes)}"] if codes else []
     return "".join(parts)
+
+
+def _is_like(word: str, name: str) -> bool:
+    """Return whether a name has each number of a word, and all words within one are like some of the other's."""
+    if not {*_NUMBER.findall(word)} <= {*_NUMBER.findall(name)}:
+        return False
+    parts, others = _BETWEEN.split(word), _BETWEEN.split(name)
+    return any(
+        all(get_close_matches(part, whole, n=1, cutoff=LIKENESS) for part in some)
+        for some, whole in ((parts, others), (others, parts))
+    )
 
 
 def choices(word: str, names: Sequence[str]) -> str:

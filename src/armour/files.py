@@ -52,8 +52,8 @@ def shipped_suites() -> dict[str, Path]:
 
 
 def shipped_tests() -> dict[str, Path]:
-    """Return the shipped tables of tests and shots by name, with its ending."""
-    return {path.name: path for path in shipped_files("scenarios/tests", ".csv").values()}
+    """Return the shipped tables of tests and shots by name, such as "tests/wilkins"."""
+    return shipped_files("scenarios", ".csv")
 
 
 def shipped_notebooks() -> dict[str, Path]:
@@ -71,9 +71,9 @@ def _kinds() -> dict[str, dict[str, Path]]:
 
 
 def located(path: Path, files: Mapping[str, Path]) -> Path:
-    """Return the file at a path or, if there is none, the shipped file of that name.
+    """Return the file at a path or, if there is none, the shipped file of that name, which has no ending.
 
-    If there is neither, raise an InputError that says what else is shipped under the name, or the closest name.
+    If there is neither, raise an InputError that says what is shipped under the name, or the closest name.
     """
     name = path.as_posix()
     try:
@@ -84,9 +84,15 @@ def located(path: Path, files: Mapping[str, Path]) -> Path:
             with_ending = path.with_suffix(".toml")
             if os.path.isfile(with_ending):
                 raise mistake(path, "", f'cannot be read: {reason(error)}; did you mean "{with_ending}"?') from None
+            stem = path.name.removesuffix(".toml").removesuffix(".csv")
+            alike = "".join(
+                f"; {other} is a shipped {kind}"
+                for kind, names in _kinds().items()
+                for other in names
+                if other.rpartition("/")[2] == stem
+            )
             closest = suggestion(path.with_suffix("").as_posix(), [*files]) or suggestion(path.stem, [*files])
-            others = "".join(f"; {name} is a shipped {kind}" for kind, names in _kinds().items() if name in names)
-            hint = others or closest or "; `armour init --list` lists what is shipped"
+            hint = alike or closest or "; `armour init --list` lists what is shipped"
             raise mistake(path, "", f"cannot be read: {reason(error)}{hint}") from None
     return files[name]
 

@@ -171,7 +171,7 @@ QUESTIONS = {
     ("sensitivity", "wilkins"): f"{ARMOUR} at 800 m/s",
     ("uncertainty", "uncertain", "--samples", "128"): f"{ARMOUR} at 700 m/s",
     ("calibrate", "few.csv", "wilkins"): "Tests of SiC on 6061-T6 against 7.62 mm AP",
-    ("v50", "shots.csv", "wilkins"): f"V50 of the shots in shots.csv: {ARMOUR}",
+    ("v50", "tests/shots", "wilkins"): f"V50 of the shots in shots (shipped): {ARMOUR}",
     ("plan", "shots", "wilkins", "--procedure", "up-and-down"): ARMOUR,
     ("plan", "tests", "wilkins", "--scatter-percent", "3", "--candidates", *THICKNESSES): (
         "Tests of SiC on 6.35 mm 6061-T6 against 7.62 mm AP"
@@ -210,7 +210,7 @@ def test_a_report_names_what_was_computed(cli, folder: Path):
     assert lines[1].startswith(f"scenario: {OTHER}")
 
 
-@pytest.mark.parametrize("words", ["calibrate wilkins.csv wilkins", "validate regression", "v50 shots.csv"])
+@pytest.mark.parametrize("words", ["calibrate tests/wilkins wilkins", "validate regression", "v50 tests/shots"])
 def test_json_names_shipped_files_wherever_they_lie(cli, words: str):
     assert str(SCENARIOS.parent) not in cli(*words.split(), "--json").stdout
 
@@ -218,7 +218,7 @@ def test_json_names_shipped_files_wherever_they_lie(cli, words: str):
 @pytest.mark.parametrize(
     "words",
     [
-        "calibrate wilkins.csv catalogue",
+        "calibrate tests/wilkins catalogue",
         "plan tests catalogue --candidates armour.ceramic_thickness_mm=6,8 --scatter-percent 3",
     ],
 )

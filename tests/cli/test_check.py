@@ -160,6 +160,24 @@ def test_a_suite_of_tests_for_every_scenario(cli, folder: Path, doors: Path):
     assert "failure " not in (folder / "j.xml").read_text()
 
 
+@pytest.mark.usefixtures("doors")
+def test_names_in_junit_xml_stay_if_a_value_changes(cli, folder: Path):
+    def names() -> list[tuple[str, ...]]:
+        suites = ElementTree.parse(folder / "j.xml").getroot()
+        keys = ("classname", "name", "file")
+        return [
+            (suite.attrib["name"], *(case.attrib[key] for key in keys))
+            for suite in suites
+            for case in suite.iter("testcase")
+        ]
+
+    assert cli("check", "doors", "--junit", "j.xml").exit_code == 3
+    before = names()
+    changes = ("--set", "armour.backing_thickness_mm=9", "--set", "impact.velocity_m_s=700")
+    cli("check", "doors", *changes, "--set", "impact.obliquity_deg=10", "--junit", "j.xml")
+    assert before == names() == [(file, file, "7.62 mm AP", file) for file in ("doors/a.toml", "doors/b.toml")]
+
+
 @pytest.mark.parametrize("command", ["check doors", "validate doors/c.toml"])
 def test_mistakes_are_errors_in_junit_xml(cli, folder: Path, doors: Path, command: str):
     (doors / "c.toml").write_text("[impact]\n")
@@ -168,6 +186,8 @@ def test_mistakes_are_errors_in_junit_xml(cli, folder: Path, doors: Path, comman
     errors = [error.text for error in suite.iter("error")]
     assert wrote == "wrote j.xml"
     assert [line.partition(" (line")[0] for line in told] == errors
+    of_key = [case.attrib for case in suite.iter("testcase") if case.get("name") == "tool"]
+    assert [(case["file"], case["line"]) for case in of_key] == [("doors/c.toml", "1")]
     assert suite.get("errors") == suite.get("tests") == str(len(errors))
     # One that cannot be written hides no mistake.
     assert cli.fails(2, *command.split(), "--junit", "none/j.xml") == told

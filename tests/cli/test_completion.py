@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from armour.scenario.schema import SHEAR_LAWS
 from tests.helpers.commands import invoke
 
 pytestmark = pytest.mark.slow
@@ -35,11 +36,11 @@ def offered(line: str) -> list[str]:
         ("report bare", ["bare_plate"]),
         ("simulate other/", []),
         ("library show B4", ["B4C"]),
-        ("init --from wi", ["wilkins", "wilkins.csv"]),
-        ("calibrate w", ["wilkins.csv"]),
-        ("calibrate wilkins.csv wilkins --fit ceramic.y", ["ceramic.youngs_modulus_GPa"]),
-        ("calibrate wilkins.csv wilkins --law ba", ["backing"]),
-        ("v50 shots.csv wil", ["wilkins"]),
+        ("init --from wi", ["wilkins"]),
+        ("calibrate tests/w", ["tests/wilkins"]),
+        ("calibrate tests/wilkins wilkins --fit ceramic.y", ["ceramic.youngs_modulus_GPa"]),
+        ("calibrate tests/wilkins wilkins --law ba", ["backing"]),
+        ("v50 tests/shots wil", ["wilkins"]),
         ("sweep wilkins --quantities outcome,dur", ["outcome,duration_us"]),
         ("sweep wilkins --quantities '$(x),dur", []),
         ("sweep wilkins --over impact.", ["impact.velocity_m_s=", "impact.obliquity_deg="]),
@@ -49,7 +50,7 @@ def offered(line: str) -> list[str]:
         ("simulate wilkins --set armour.ceramic=B4", ["armour.ceramic=B4C"]),
         (
             "simulate wilkins --set model.shear_perimeter=",
-            ["model.shear_perimeter=conoid", "model.shear_perimeter=projectile"],
+            [f"model.shear_perimeter={law}" for law in SHEAR_LAWS],
         ),
         ("simulate wilkins --set ceramic.flow_stress_GPa=", []),
         ("sweep wilkins --over armour.ceramic=B4", []),

@@ -27,7 +27,7 @@ def test_a_file_that_is_no_scenario(cli, command: str, content: bytes, folder: P
 @pytest.mark.parametrize("command", COMMANDS)
 def test_all_mistakes_at_once(cli, command: str, folder: Path):
     text = (SCENARIOS / "wilkins.toml").read_text()
-    text = text.replace("AD85", "AD86").replace("800.0", "-800.0").replace("step = 0.1", "step = 0")
+    text = text.replace("AD85", "AD85x").replace("800.0", "-800.0").replace("step = 0.1", "step = 0")
     (folder / "a.toml").write_text(text + "\n[modle]\nx = 1\n")
     lines = cli.fails(2, command, "a.toml")
     assert [line.split(": ")[1] for line in lines] == [
@@ -69,7 +69,7 @@ def test_a_variable_that_is_not_set_is_no_path(cli, words: tuple[str, ...], fold
     "words",
     [
         "simulate wilkins --velocity",
-        "v50 shots.csv --confidence",
+        "v50 tests/shots --confidence",
         "plan shots wilkins a.csv --result P --velocity-m-s",
         "plan shots wilkins --upper-m-s 900 --lower-m-s",
         "sweep wilkins --over armour.ceramic_thickness_mm=4,5 -o a.csv --threads",

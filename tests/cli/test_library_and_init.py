@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from armour import load_scenario
-from armour.files import shipped, shipped_suites
+from armour.files import shipped, shipped_suites, shipped_tests
 from tests.helpers.cases import SCENARIOS
 
 
@@ -86,11 +86,11 @@ def test_init_copies_a_shipped_scenario(cli, folder: Path):
 def test_init_copies_a_suite_and_a_table(cli, folder: Path):
     assert cli("init", "s.toml", "--from", "paper").stderr.splitlines()[-1] == "next: armour validate s.toml"
     assert cli("validate", "s.toml", "--only", "lightest against the 7.62 mm AP: areal density").exit_code == 0
-    assert cli("init", "t.csv", "--from", "wilkins.csv").exit_code == 0
+    assert cli("init", "t.csv", "--from", "tests/wilkins").exit_code == 0
     assert (folder / "t.csv").read_bytes() == (SCENARIOS / "tests" / "wilkins.csv").read_bytes()
     assert cli("init", "s.ipynb", "--from", "study.ipynb").stderr.splitlines()[-1] == "next: jupyter lab s.ipynb"
     assert (folder / "s.ipynb").read_bytes() == (SCENARIOS.parent / "docs" / "study.ipynb").read_bytes()
-    wrong = ("t.toml", "shots.csv", "csv"), ("u.csv", "plates", "toml"), ("u.toml", "study.ipynb", "ipynb")
+    wrong = ("t.toml", "tests/shots", "csv"), ("u.csv", "plates", "toml"), ("u.toml", "study.ipynb", "ipynb")
     assert cli.fails(2, "init", "wilkins") == [
         "wilkins: must end in .toml, found no ending; to copy the shipped one: --from wilkins"
     ]
@@ -103,7 +103,7 @@ def test_init_names_what_there_is(cli, folder: Path):
     names = cli("init", "--list").stdout.split()
     assert "wilkins" in names
     assert "paper/optimum_25mm_APDS" in names
-    shipped = [*shipped_suites(), *(path.name for path in (SCENARIOS / "tests").glob("*.csv")), "study.ipynb"]
+    shipped = [*shipped_suites(), *shipped_tests(), "study.ipynb"]
     assert [name for name in shipped if name not in names] == []
     [line] = cli.fails(2, "init", "--from", "wilkin")
     assert 'did you mean "wilkins"?' in line
@@ -123,6 +123,35 @@ def test_a_folder_of_the_name_of_a_suite_is_none(cli, folder: Path):
     assert cli.fails(2, "report", "paper", "--as-is") == [
         "command line: --as-is: must be given with a scenario, found a suite"
     ]
+
+
+@pytest.mark.parametrize(
+    ("command", "hint"),
+    [
+        ("v50 shots.csv", "tests/shots is a shipped table"),
+        ("calibrate wilkins.csv wilkins", "tests/wilkins is a shipped table"),
+        ("plan tests wilkins --candidates armour.ceramic_thickness_mm=6:8:1 --tests wilkins.csv", "tests/wilkins is"),
+        ("simulate wilkins.toml", "wilkins is a shipped scenario"),
+        ("validate paper.toml", "paper is a shipped suite"),
+        ("report plates.toml", "plates is a shipped suite"),
+    ],
+)
+@pytest.mark.usefixtures("folder")
+def test_a_name_with_an_ending_is_never_a_shipped_file(cli, command: str, hint: str):
+    [line] = cli.fails(2, *command.split())
+    assert "cannot be read: no such file" in line
+    assert hint in line
+
+
+@pytest.mark.usefixtures("folder")
+def test_a_suite_that_names_a_file_is_not_given_a_shipped_one(cli, folder: Path):
+    case = '[[case]]\nname = "a"\nquantity = "ballistic_limit_m_s"\nexpected = 724.0\nband = 1.0\nscenario = "{}"\n'
+    (folder / "s.toml").write_text('title = "t"\n' + case.format("../scenarios/wilkins.toml"))
+    [line] = cli.fails(2, "validate", "s.toml")
+    assert "scenarios/wilkins.toml: cannot be read" in line
+    assert "wilkins is a shipped scenario" in line
+    (folder / "s.toml").write_text('title = "t"\n' + case.format("wilkins"))
+    assert cli("validate", "s.toml").exit_code == 0
 
 
 def test_a_file_of_the_same_name_wins(cli, folder: Path):

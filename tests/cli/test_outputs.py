@@ -1,5 +1,6 @@
 """Outputs: each whole or not at all, never over what is read; streams that are closed or full."""
 
+import csv
 import json
 import os
 import shlex
@@ -120,7 +121,8 @@ def test_a_file_on_standard_input_is_not_written_over(own: Path):
         "sensitivity own.toml --plot {1}",
         "uncertainty own.toml --plot {1}",
         "calibrate {tests} own.toml --lot 7 --write {0} --write-scenario {1}",
-        "v50 {shots} own.toml --plot {1}",
+        "v50 {shots} own.toml --csv {0} --plot {1}",
+        "check own.toml --csv {0} --plot {1}",
         "report own.toml -o {0}",
         "validate suite.toml --markdown {0} --junit {1}",
         "sweep own.toml --over impact.velocity_m_s=800 -o {0} --plot {1}",
@@ -157,10 +159,29 @@ def test_a_file_is_replaced_where_that_is_asked_for(cli, own: Path):
 
 
 @pytest.mark.parametrize(
+    ("words", "columns", "rows"),
+    [
+        ("v50 {shots}", "curve,v50_m_s,v50_interval_low_m_s,v50_interval_high_m_s,scale_m_s", 4),
+        ("calibrate {tests} own.toml", "test,quantity,measured,computed,left_out,bound,uncertainty", 13),
+        ("check own.toml", "scenario,threat,verdict,change,velocity_m_s,ballistic_limit_m_s,interval_low_m_s", 5),
+        ("check own.toml wilkins", "scenario,threat,verdict,change,velocity_m_s", 10),
+    ],
+)
+def test_the_rows_of_a_result_are_written(cli, own: Path, words: str, columns: str, rows: int):
+    tests = SCENARIOS / "tests" / "wilkins.csv"
+    cli(*words.format(tests=tests, shots=SHOTS).split(), "--csv", "rows.csv")
+    header, *lines = (own / "rows.csv").read_text().splitlines()
+    assert header.startswith(columns)
+    assert len(lines) == rows
+    assert all(len(line) == len(header.split(",")) for line in csv.reader(lines))
+
+
+@pytest.mark.parametrize(
     "words",
     [
         "simulate own.toml --history h.xlsx",
         "optimise own.toml --csv h.md",
+        "check own.toml --csv h.txt",
         "plan tests own.toml --candidates armour.ceramic_thickness_mm=6,8 --csv h.txt",
     ],
 )

@@ -27,6 +27,15 @@ def test_after_the_end_a_shot_needs_its_velocity(cli, folder: Path):
     assert cli(*options, "--velocity-m-s", "740").exit_code == 0
 
 
+def test_a_file_that_does_not_exist_yet_is_a_firing_without_shots(cli, folder: Path):
+    first, without = cli(*PLAIN), cli("plan", "shots", "wilkins", *PLAIN[4:])
+    assert "note: f.csv: no such file, so no shot has been fired; --result makes the file\n" in first.stderr
+    assert first.stdout == without.stdout
+    assert not (folder / "f.csv").exists()
+    assert cli(*PLAIN, "--result", "P").exit_code == 0
+    assert len(rows(folder / "f.csv")) == 2
+
+
 def test_a_shot_without_its_velocity_has_the_planned_one_which_is_said(cli, folder: Path):
     said = cli(*PLAIN, "--result", "P").stderr
     [_header, shot] = rows(folder / "f.csv")

@@ -37,7 +37,7 @@ def asked(
     """
 
 
-@pytest.mark.parametrize("words", ["v50 shots.csv wilkins", "calibrate wilkins.csv wilkins"])
+@pytest.mark.parametrize("words", ["v50 tests/shots wilkins", "calibrate tests/wilkins wilkins"])
 def test_a_table_and_a_scenario_are_given_in_either_order(cli, words: str):
     command, table, scenario = words.split()
     assert cli(command, scenario, table).stdout == cli(command, table, scenario).stdout

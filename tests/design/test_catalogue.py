@@ -184,7 +184,7 @@ def test_costs_that_are_asked_for_must_be_given(asked: dict[str, Any]):
             lambda: catalogue([{**THREATS[0], "probability_of_perforation": 1e-9}], ALONE),
             "(at most 4194304 are allowed: raise the bound)",
         ),
-        (lambda: catalogue(ceramic=[{"material": "AD86", "thickness_mm": [5.0]}]), 'did you mean "AD85"?'),
+        (lambda: catalogue(ceramic=[{"material": "AD85x", "thickness_mm": [5.0]}]), 'did you mean "AD85"?'),
         (
             lambda: catalogue(backing=[{"material": "6061-T6", "thickness_mm": "5"}]),
             'thickness_mm: must be a list, found the text "5"; a range is a table such as { min = 4.0, max = 12.0 }',

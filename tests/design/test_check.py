@@ -75,12 +75,13 @@ def test_an_armour_that_nothing_perforates_passes():
 
 
 def test_a_test_case_for_every_threat():
-    found = check_junit(check(scenario(threat=THREATS)), "a.toml", 1.25, {"version": "2"})
+    case = scenario(threat=THREATS)
+    found = check_junit(check(case), case, 1.25, {"version": "2"})
     assert (found.attrib["tests"], found.attrib["time"]) == ("2", "1.250")
     [version] = found.iter("property")
     assert version.attrib == {"name": "version", "value": "2"}
     cases = found.findall("testcase")
-    assert {case.attrib["classname"] for case in cases} == {"a.toml"}
+    assert {case.attrib["classname"] for case in cases} == {case.file}
     assert [len(case) for case in cases] == [0, 1]
     assert [case.get("time") for case in cases] == ["1.250", None]
     assert "ballistic limit by the model 724 m/s" in cases[1][0].attrib["message"]

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from armour.scenario.scenario import Scenario
+from armour.scenario.schema import SHEAR_LAWS
 from tests.helpers.cases import library, scenario
 
 WIDE = {"velocity_min_m_s": 1.0, "velocity_max_m_s": 10000.0}
@@ -94,7 +95,7 @@ def random_wide_designs(count: int, seed: int) -> list[Scenario]:
                 (wide(1000.0, 20000.0), wide(50.0, 600.0), wide(0.1, 40.0)),
                 (wide(1000.0, 20000.0), wide(0.03, 10.0), wide(20.0, 3000.0)),
                 (diameter * wide(0.05, 4.0), diameter * wide(0.05, 4.0)),
-                str(rng.choice(["conoid", "projectile"])),
+                str(rng.choice([*SHEAR_LAWS])),
             )
         )
     return found

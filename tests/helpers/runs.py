@@ -8,6 +8,7 @@ import numpy as np
 
 from armour.core.run import Instant, Run, run
 from armour.core.state import Outcome, Parameters
+from armour.scenario.schema import SHEAR_LAWS
 from tests.helpers.cases import armour
 
 
@@ -100,7 +101,7 @@ def random_designs(count: int) -> tuple[Parameters, ...]:
                 str(rng.choice(["6061-T6", "7075-T6", "5083-H3"])),
                 diameter * float(rng.uniform(0.2, 3.0)) * float(rng.random() > 0.1),
                 diameter * float(rng.uniform(0.3, 2.5)),
-                perimeter=str(rng.choice(["conoid", "projectile"])),
+                perimeter=str(rng.choice([*SHEAR_LAWS])),
             )
         )
     return tuple(designs)

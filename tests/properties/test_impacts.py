@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 
 from armour.analysis.impact import simulate
 from armour.analysis.variants import ballistic_limits, variants_of
-from armour.core.equations import CONOID, PROJECTILE
 from armour.core.run import run
 from armour.core.state import Outcome, Parameters
 from armour.scenario.scenario import parse_scenario
+from armour.scenario.schema import SHEAR_LAWS
 from tests.helpers.cases import perforates
 from tests.helpers.examples import examples
 
@@ -36,7 +36,7 @@ def scenarios(draw: st.DrawFn) -> dict[str, Any]:
             "backing": draw(st.sampled_from(["6061-T6", "7075-T6", "5083-H3", "hard", "soft"])),
             "backing_thickness_mm": diameter * draw(thickness),
         },
-        "model": {"shear_perimeter": draw(st.sampled_from(["conoid", "projectile"]))},
+        "model": {"shear_perimeter": draw(st.sampled_from([*SHEAR_LAWS]))},
         "library": {
             "metal": {
                 "hard": {"density_kg_m3": 17000.0, "dynamic_yield_strength_MPa": 2500.0},
@@ -99,7 +99,7 @@ positive = st.floats(0.05, 20.0)
     densities=st.tuples(*[st.floats(1000.0, 20000.0)] * 3),
     thicknesses=st.tuples(st.floats(0.0, 20.0), positive),
     law=st.tuples(*[st.sampled_from([0.0, -3.0, 3.0]) | st.floats(-3.0, 3.0)] * 4),
-    shear_law=st.sampled_from([PROJECTILE, CONOID]),
+    shear_law=st.sampled_from(sorted(SHEAR_LAWS.values())),
 )
 @examples(max_examples=60)
 def test_impacts_of_any_materials_end_with_an_outcome(

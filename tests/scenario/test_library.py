@@ -89,7 +89,11 @@ def test_every_mistake_in_the_tables_is_reported():
     found = messages(
         {
             "ceramic": {"X": {"densty_kg_m3": 3, "flow_stress_GPa": "x"}},
-            "metal": {"Y": {"density_kg_m3": 7.85}},
+            "metal": {
+                "Y": {"density_kg_m3": 7.85},
+                "Z": {"colour_mm": 3, "flow_stress_GPa": 1},
+                "N": {"based_on": "Qq"},
+            },
             "metall": {},
         }
     )
@@ -97,8 +101,38 @@ def test_every_mistake_in_the_tables_is_reported():
         'f.toml: ceramic.X.flow_stress_GPa: must be a number, found the text "x"',
         'f.toml: ceramic.X.densty_kg_m3: unknown key; did you mean "density_kg_m3"?',
         "f.toml: metal.Y.density_kg_m3: must be at least 100, found 7.85",
+        "f.toml: metal.Z.colour_mm: unknown key; choose from description, based_on, aliases, evidence, density_kg_m3, "
+        "static_yield_strength_MPa, dynamic_yield_strength_MPa, flow_stress_GPa, shear_strength_MPa, "
+        "ultimate_tensile_strength_MPa, strain_to_fracture",
         'f.toml: metall: unknown key; did you mean "metal"?',
+        # Not what X and Y lack, which have a wrong value.
+        *(
+            f"f.toml: metal.Z.{key}: is missing and must be given, or based_on an entry that has it"
+            for key in ("density_kg_m3", "dynamic_yield_strength_MPa", "shear_strength_MPa")
+        ),
+        'f.toml: metal.N.based_on: must name a metal of the library, found "Qq"; armour library lists them',
     ]
+
+
+def test_what_an_entry_of_a_scenario_lacks_is_reported_beside_unknown_keys():
+    with pytest.raises(InputError) as error:
+        parse_scenario(data(colour=1, library={"ceramic": {"X": {"density_kg_m3": 3000, "flow_stress_MPa": 4000}}}))
+    assert [problem.key for problem in error.value.problems] == [
+        "library.ceramic.X.flow_stress_MPa",
+        "colour",
+        "library.ceramic.X.youngs_modulus_GPa",
+        "library.ceramic.X.flow_stress_GPa",
+    ]
+
+
+def test_several_mistakes_within_a_value():
+    value = {"value": "a", "status": "good", "colour": "red"}
+    with pytest.raises(InputError) as error:
+        parse_scenario(data(colour=1, library={"ceramic": {"X": {"density_kg_m3": value}}}))
+    density = "library.ceramic.X.density_kg_m3"
+    assert {problem.key for problem in error.value.problems} == {
+        *(density, f"{density}.status", f"{density}.colour", "colour")
+    }
 
 
 def test_a_law_of_the_flow_stress():
@@ -131,7 +165,7 @@ def test_a_name_that_is_not_there_is_an_error_with_all_that_are_alike(name: str)
 
 def test_a_name_that_is_like_none_is_an_error_with_the_nearest():
     with pytest.raises(InputError, match='did you mean "AD85"'):
-        shipped_library().find("AD86")
+        shipped_library().find("AD85x")
 
 
 def test_an_alias_names_one_entry_and_what_it_replaces_is_noted(tmp_path: Path):

@@ -108,7 +108,7 @@ def test_a_file_that_is_no_library_is_not_quoted(tmp_path: Path, text: str):
 
 
 def test_mistakes_in_a_library_file_name_that_file(tmp_path: Path):
-    (tmp_path / "mine.toml").write_text("[ceramic.mine]\nbased_on = 'AD86'\n")
+    (tmp_path / "mine.toml").write_text("[ceramic.mine]\nbased_on = 'AD85x'\n")
     with pytest.raises(InputError) as caught:
         parse_scenario(data(library={"files": ["mine.toml"]}), folder=tmp_path)
     [problem] = caught.value.problems

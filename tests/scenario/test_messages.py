@@ -58,8 +58,8 @@ impact = 3
     impact: must be a table, found 3
 impact.projectile = "7.62 mm"
     impact.projectile: must name a projectile of the library, found "7.62 mm"; choose from 7.62 mm AP (penetrator
-armour.ceramic = "AD86"
-    armour.ceramic: must name a ceramic of the library, found "AD86"; did you mean "AD85"?
+armour.ceramic = "AD85x"
+    armour.ceramic: must name a ceramic of the library, found "AD85x"; did you mean "AD85"?
 armour.ceramic = "carbide"
     armour.ceramic: must name a ceramic of the library, found "carbide"; choose from SiC (flow stress 9 GPa), B4C
 armour.ceramic = "stone"
@@ -152,7 +152,7 @@ library.ceramic.a = { based_on = "AD85", densty_kg_m3 = 3 }
 library.ceramic.a = { based_on = "AD85", flow_stress_product_exponent = 3.1 }
     library.ceramic.a.flow_stress_product_exponent: must be at most 3, found 3.1
 library.metal.m = { based_on = "6061-T6", flow_stress_backing_slope = -0.5 }
-    library.metal.m.flow_stress_backing_slope: unknown key; did you mean "flow_stress_GPa"?
+    library.metal.m.flow_stress_backing_slope: unknown key; choose from description, based_on
 library.metal.m.density_kg_m3 = { value = 1e4, tests = [{ a = [] }] }
     library.metal.m.density_kg_m3.tests[0].a: must be a number, found a list
 library.ceramic."<b>" = { based_on = "AD85", density_kg_m3 = { value = 1 } }
@@ -161,8 +161,8 @@ library.ceramic.value = { based_on = "AD85", density_kg_m3 = { value = 1 } }
     library.ceramic.value.density_kg_m3: must be at least 100, found 1
 library.ceramic."<list>x" = { based_on = "AD85", density_kg_m3 = { value = 1 } }
     library.ceramic."<list>x".density_kg_m3: must be at least 100, found 1
-library.ceramic.a.based_on = "AD86"
-    library.ceramic.a.based_on: must name a ceramic of the library, found "AD86"; did you mean "AD85"?
+library.ceramic.a.based_on = "AD85x"
+    library.ceramic.a.based_on: must name a ceramic of the library, found "AD85x"; did you mean "AD85"?
 library.ceramic = { a = { density_kg_m3 = 3000, youngs_modulus_GPa = 300 }, b = { based_on = "a" } }
     library.ceramic.a.flow_stress_GPa: is missing and must be given, or based_on an entry that has it
 library.projectile.p = { based_on = "7.62 mm AP", penetrator_mass_g = 5460 }

@@ -32,7 +32,7 @@ def test_a_library_holds_the_tests(tmp_path: Path):
     assert value.value == pytest.approx(5.20935, abs=2e-5)
     assert value.status == "fitted"
     assert value.source.startswith(
-        "armour calibrate, 13 tests of wilkins.csv, constant law, 95 % interval 4.868 to 5.5"
+        "armour calibrate, 13 tests of wilkins (shipped), constant law, 95 % interval 4.868 to 5.5"
     )
     assert len(value.tests) == 13
     assert value.tests[0] == {

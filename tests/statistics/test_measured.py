@@ -124,7 +124,7 @@ def test_rows_are_read_as_a_file_is(tmp_path: Path):
     assert read[0].cells == read[1].cells == read[2].cells
     assert read[0].scenario == case
     assert repr(read[0]) == "<Tests: 2 tests of rows, 2 measurements>"
-    assert len(read_tests("wilkins.csv", case).names) == 13
+    assert len(read_tests("tests/wilkins", case).names) == 13
 
 
 @pytest.mark.parametrize(

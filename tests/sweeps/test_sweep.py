@@ -102,6 +102,14 @@ def test_lengths_of_time_in_words(seconds: float, words: str):
     assert duration(seconds) == words
 
 
+@pytest.mark.parametrize(
+    ("number", "words"),
+    [(40, "0.0 kB"), (384_000, "384.0 kB"), (5e6, "5.0 MB"), (1.25e9, "1.2 GB"), (3e15, "3,000.0 TB")],
+)
+def test_a_size_in_words(number: float, words: str):
+    assert sweeps.size(number) == words
+
+
 def test_another_scenario_or_question_is_another_job():
     source = sweep_grid("impact.velocity_m_s=700,800")
     jobs = [

@@ -63,8 +63,8 @@ def test_changes_come_last_and_go_into_every_scenario(folder: Path):
     for each in load_suite(folder / "suite.toml", changes).cases:
         assert each.scenario.armour.ceramic_thickness_mm == 9.0
         assert each.scenario.model.shear_perimeter == "projectile"
-    with pytest.raises(InputError, match=r"--set library\.ceramic\.AD86: must be an entry of the library"):
-        load_suite(folder / "suite.toml", {"library": {"ceramic": {"AD86": {"based_on": "AD85"}}}})
+    with pytest.raises(InputError, match=r"--set library\.ceramic\.AD85x: must be an entry of the library"):
+        load_suite(folder / "suite.toml", {"library": {"ceramic": {"AD85x": {"based_on": "AD85"}}}})
 
 
 def test_a_replacement(folder: Path):
@@ -124,6 +124,12 @@ name = "b"
 name = "c"
 {HEAD}columns = ["x"]
 rows = []
+[[case]]
+name = "d"
+scenario = "none.toml"
+quantity = "ballistic_limit_m_s"
+band = 1.0
+expected = 1.0
 """
     assert mistakes(folder, text) == [
         'suite.toml: case[0].name: must not be empty, found the text ""',
@@ -134,6 +140,8 @@ rows = []
         "reason, source, regression, not_scored, expected, replaced_by, measured",
         "suite.toml: case[1]: must have a band or band_percent: how far the computed value may be from the expected",
         "suite.toml: table[0].rows: must not be empty, found a list",
+        "suite.toml: case[2].scenario: must be a valid scenario: none.toml: cannot be read: no such file or directory; "
+        "`armour init --list` lists what is shipped",
     ]
 
 
@@ -172,7 +180,7 @@ IN_ROW = "table[0].rows[0]: must be a valid scenario: wilkins.toml: "
         ),
         (OUTCOME, '"stopped"', '"stopped"\nmeasured = 1.0', "case[0]: an outcome has no difference from a measured"),
         (CASE, "wilkins", "no", "case[0].scenario: must be a valid scenario: no.toml: cannot be read: no such file"),
-        (CASE, "band = 1.0", 'band = 1.0\nset.armour.ceramic = "AD86"', f"{IN_SCENARIO}armour.ceramic: must name a"),
+        (CASE, "band = 1.0", 'band = 1.0\nset.armour.ceramic = "AD85x"', f"{IN_SCENARIO}armour.ceramic: must name a"),
         (CASE, "ballistic_limit_m_s", "optimum_areal_density_kg_m2", f"{IN_SCENARIO}optimise: is missing"),
         (
             TABLE,
@@ -218,7 +226,7 @@ IN_ROW = "table[0].rows[0]: must be a valid scenario: wilkins.toml: "
         ),
         (TABLE, "rivals", "set.title.x = 5.0\nrivals", f"{IN_TABLE}title: must be"),
         (TABLE, "rivals", "set.uncertainty.seed = 5\nrivals", "uncertainty.seed: must have"),
-        (TABLE, "rivals", 'set.library.ceramic.AD86.based_on = "AD85"\nrivals', 'scenario uses; did you mean "AD85"?'),
+        (TABLE, "rivals", 'set.library.ceramic.AD85x.based_on = "AD85"\nrivals', 'scenario uses; did you mean "AD85"?'),
         (FILE, 'file = "t.csv"', "band = 1.0", "table[0]: must not have where without a file"),
         (FILE, "where = { kept = 1 }", 'rivals = ["x"]', "table[0]: must not have rivals with a file"),
         (FILE, "ballistic_limit_m_s", "penetration_depth_mm", "table[0]: quantity must be one of"),

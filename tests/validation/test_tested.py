@@ -27,7 +27,8 @@ def test_rounds_and_materials_are_listed_with_each_other():
 
 
 def test_files_of_these_names_in_the_working_folder_are_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    for name in ("plates.csv", "wilkins.csv", "wilkins"):
+    (tmp_path / "tests").mkdir()
+    for name in ("tests/plates", "tests/wilkins", "wilkins"):
         (tmp_path / name).write_text("a,b\n1,2\n")
     monkeypatch.chdir(tmp_path)
     assert tested.tested_with.__wrapped__() == tested.tested_with()

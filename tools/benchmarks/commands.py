@@ -11,8 +11,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tests.helpers.cases import SCENARIOS
-
 OPTIMUM = "paper/optimum_7.62mm_AP"
 CERAMIC, BACKING = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm"
 # Commands that users wait for.
@@ -25,7 +23,7 @@ WAITED_FOR = (
     f"report {OPTIMUM} -o report.html --force",
     "uncertainty uncertain",
     "sensitivity wilkins",
-    "calibrate wilkins.csv wilkins",
+    "calibrate tests/wilkins wilkins",
     "plan shots wilkins",
     f"plan tests wilkins --candidates {CERAMIC}=4:12:1 --scatter-percent 3",
     "validate",
@@ -82,7 +80,6 @@ def measured() -> Commands:
     """Measure the commands."""
     with TemporaryDirectory() as name:
         folder = Path(name)
-        (folder / "wilkins.csv").write_bytes((SCENARIOS / "tests" / "wilkins.csv").read_bytes())
         first = used(["optimise", OPTIMUM], folder, XDG_CACHE_HOME=name)
         waits: dict[str, list[float]] = {command: [] for command in WAITED_FOR}
         for _ in range(TURNS):

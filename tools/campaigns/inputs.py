@@ -365,7 +365,7 @@ VALUES: dict[str, Callable[[Maker], str]] = {
     "--samples": of(128, 256, 1024, "512"),
     "--only": of("fig09", "fig10", "x", "7.62"),
     "--format": of("png", "svg"),
-    "--from": of("wilkins", "paper", "shots.csv", "study.ipynb", "template", "threats/nij_iv", "x", "../x"),
+    "--from": of("wilkins", "paper", "tests/shots", "study.ipynb", "template", "threats/nij_iv", "x", "../x"),
     "--fit": of("ceramic.flow_stress_GPa", "backing.flow_stress_GPa", "projectile.density_kg_m3"),
     "--law": of("constant", "ceramic", "backing", "product", "linear", "all"),
     "--pairs": of(1, 2, 3, 5),

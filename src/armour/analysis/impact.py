@@ -90,6 +90,11 @@ class History(TableResult):
     shear_force_kN: NDArray[np.float64]
     stage: NDArray[np.str_]
 
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Warnings, which the result of the impact gives."""
+        return ()
+
     def __eq__(self, other: object) -> bool:
         return isinstance(other, History) and same_columns(self._columns(), other._columns())
 

@@ -6,8 +6,6 @@ import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
-from functools import cache
-from os.path import isfile
 from typing import Annotated, Any
 
 import typer
@@ -21,7 +19,7 @@ from armour.cli.console import emit, say
 from armour.cli.experiments import calibrate, plan_shots, plan_tests, v50
 from armour.cli.library import KINDS, compile_, init, list_library, schema, section, show_entry
 from armour.cli.question import option
-from armour.cli.runner import NO_ANSWER
+from armour.cli.runner import NO_ANSWER, with_lines
 from armour.cli.scenario_commands import (
     ballistic_limit,
     check,
@@ -35,8 +33,7 @@ from armour.cli.scenario_commands import (
 )
 from armour.cli.suites import figures, validate
 from armour.errors import MAX_PROBLEMS, ArmourError, InputError, NoAnswerError, Problem, mistake
-from armour.files import read_text
-from armour.scenario.keys import describe, line_of, lines_of
+from armour.scenario.keys import describe
 
 WRONG_INPUT, INTERRUPTED = 2, 130
 
@@ -120,19 +117,8 @@ def _reported() -> Iterator[None]:
 
 def _located(problems: Sequence[Problem]) -> list[str]:
     """Return the messages of the first problems, with the lines of TOML files where their keys are."""
-
-    @cache
-    def lines(file: str) -> dict[str, int]:
-        try:
-            # A pipe has been read already, and would block forever.
-            return lines_of(read_text(file)) if file.lower().endswith(".toml") and isfile(file) else {}
-        except ArmourError:
-            return {}
-
-    messages = []
-    for problem in problems[:MAX_PROBLEMS]:
-        line = line_of(problem.key, lines(problem.file)) if problem.key else None
-        messages.append(str(problem) if line is None else f"{problem} (line {line})")
+    shown = with_lines(problems[:MAX_PROBLEMS])
+    messages = [str(problem) if line is None else f"{problem} (line {line})" for problem, line in shown]
     omitted = len(problems) - MAX_PROBLEMS
     return [*messages, f"and {omitted} more problems"] if omitted > 0 else messages
 
@@ -208,10 +194,10 @@ COMMANDS: dict[str, dict[Callable[..., None], tuple[str, ...]]] = {
         figures: ("figures . --only fig09",),
     },
     "Use test data": {
-        v50: (f"v50 shots.csv {W} --plot v50.svg",),
+        v50: (f"v50 tests/shots {W} --plot v50.svg",),
         calibrate: (
-            f"calibrate wilkins.csv {W} --write mine.toml --lot 'lot 7' --plot fit.svg",
-            f"calibrate wilkins.csv {W} --law all --write-scenario fitted.toml --lot 'lot 7'",
+            f"calibrate tests/wilkins {W} --write mine.toml --lot 'lot 7' --plot fit.svg",
+            f"calibrate tests/wilkins {W} --law all --write-scenario fitted.toml --lot 'lot 7'",
         ),
         plan_shots: (
             f"plan shots {W}",
@@ -220,7 +206,7 @@ COMMANDS: dict[str, dict[Callable[..., None], tuple[str, ...]]] = {
         ),
         plan_tests: (
             f"plan tests {W} --candidates {CERAMICS} --candidates {PLATES} --scatter-percent 3",
-            f"plan tests {W} --candidates {CERAMICS} --tests wilkins.csv --law ceramic --csv next.csv --plot next.svg",
+            f"plan tests {W} --candidates {CERAMICS} --tests tests/wilkins --law ceramic --csv t.csv --plot t.svg",
         ),
     },
     "Prepare the input": {

@@ -32,7 +32,7 @@ LIMITS = {
 }
 
 
-@question(LIMIT_READS, computed="the ballistic limit", first="fitting")
+@question(LIMIT_READS, computed="the ballistic limit", first="fitting", tables=["csv"])
 def v50(
     on_progress: "OnProgress",
     table: Annotated[
@@ -40,11 +40,12 @@ def v50(
         argument(
             "SHOTS",
             'CSV file with the columns velocity_m_s and result ("stopped" or "perforated", or partial and complete). '
-            "`armour init FILE.csv --from shots.csv` writes an example.",
+            "`armour init FILE.csv --from tests/shots` writes an example.",
             autocompletion=completion.tables,
         ),
     ],
     scenario: "Scenario | None" = None,
+    csv: Annotated[Path | None, option("Write the fitted curves as CSV.", metavar="FILE")] = None,
     **options: Any,
 ) -> Answer:
     """Estimate V50 from firing results.
@@ -52,13 +53,16 @@ def v50(
     If a scenario with the same armour is given, its ballistic limit by the model is shown too. With a requirement, the
     exit code is 3 if it is not met or the shots do not decide it.
     """
+    from armour.reporting.table import rows_csv
+
     fired = armour.read_shots(table, one_kind=options["prior"])
     result = armour.v50(fired, scenario, on_progress=on_progress, **options)
     exit_code = CHECK_FAILED if result.decision in ("not met", "not decided") else 0
-    return Answer(result, file="" if scenario else str(table), exit_code=exit_code)
+    contents = {csv: lambda: rows_csv(result)}
+    return Answer(result, contents=contents, file="" if scenario else fired.file, exit_code=exit_code)
 
 
-@question(FIT, unit="tests", prior_reads=["uncertainty"], outputs=["library", "fitted"])
+@question(FIT, unit="tests", prior_reads=["uncertainty"], outputs=["library", "fitted"], tables=["csv"])
 def calibrate(
     on_progress: "OnProgress",
     table: Annotated[
@@ -67,7 +71,7 @@ def calibrate(
             "TESTS",
             "CSV file of tests. Its columns are test (a name); keys and inputs that differ, such as armour.ceramic; "
             "and measurements: ballistic_limit_m_s, residual_velocity_m_s, residual_mass_g or outcome. "
-            "`armour init FILE.csv --from wilkins.csv` writes an example.",
+            "`armour init FILE.csv --from tests/wilkins` writes an example.",
             autocompletion=completion.tables,
         ),
     ],
@@ -84,9 +88,11 @@ def calibrate(
     lot: Annotated[
         str | None, option("Lot tested, after which written entries are named; required with them.", metavar="NAME")
     ] = None,
+    csv: Annotated[Path | None, option("Write measured and computed values as CSV.", metavar="FILE")] = None,
     **options: Any,
 ) -> Answer:
     """Fit model inputs to tests."""
+    from armour.reporting.table import rows_csv
     from armour.statistics.fitted_library import library_text, scenario_text
 
     lot = (lot or "").strip()
@@ -96,10 +102,11 @@ def calibrate(
     tests = armour.read_tests(table, scenario)
     result = armour.calibrate(tests, scenario, on_progress=on_progress, **options)
     contents = {
+        csv: lambda: rows_csv(result),
         library: lambda: library_text(result, tests, scenario, lot),
         fitted: lambda: None if fitted is None else scenario_text(result, tests, scenario, lot, fitted),
     }
-    return Answer(result, contents=contents, file=str(table))
+    return Answer(result, contents=contents, file=tests.file)
 
 
 def limit_option(end: str) -> Any:
@@ -161,10 +168,10 @@ def plan_shots(
     if result is None:
         if velocity_m_s is not None:
             raise wrong_option("--velocity-m-s", "must be given with --result")
-        if table is not None and not exists(table):
-            # A shipped table of this name is of another firing.
-            raise mistake(table, "", "cannot be read: no such file; --result makes it")
-        fired = None if table is None else armour.read_shots(table, one_kind=True)
+        is_new = table is not None and table.suffix == ".csv" and not exists(table)
+        if is_new:
+            say(f"note: {table}: no such file, so no shot has been fired; --result makes the file")
+        fired = None if table is None or is_new else armour.read_shots(table, one_kind=True)
         return Answer(armour.plan_shots(scenario, fired, on_progress=on_progress, **options))
     if table is None:
         raise wrong_option("--result", "must be given with SHOTS, to which it adds a shot")
@@ -185,7 +192,6 @@ def _with_result(
     """Plan the next shot after one that is added to the table, which stays locked until it is written."""
     from armour.planning.firing import far_from
     from armour.planning.shot_file import added, content_of, locked, with_shot
-    from armour.statistics.v50 import Shots
 
     perforated = PERFORATED.get(result.lower())
     if perforated is None:
@@ -194,7 +200,7 @@ def _with_result(
     with ExitStack() as stack:
         stack.enter_context(locked(table))
         earlier_content = content_of(table)
-        fired = armour.read_shots(table, one_kind=True) if exists(table) else Shots((), (), str(table))
+        fired = armour.read_shots(table, one_kind=True) if exists(table) else armour.Shots((), (), str(table))
         before = armour.plan_shots(scenario, fired, on_progress=on_progress, **options)
         planned, limit = before.next_velocity_m_s, before.prior.v50_m_s
         velocity = planned if velocity_m_s is None else velocity_m_s

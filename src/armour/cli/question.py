@@ -21,6 +21,7 @@ from armour.cli import completion
 from armour.cli.console import emit, progress
 from armour.cli.runner import as_options, check_outputs, read_scenario, respond, warnings_of, wrong_option
 from armour.csv_files import number as read_number
+from armour.files import shipped_tests
 
 if TYPE_CHECKING:
     from armour.scenario.scenario import Scenario
@@ -159,7 +160,7 @@ def question(
 
         @wraps(function)
         def command(**values: Any) -> None:
-            if "table" in values and values["scenario"] is not None and values["scenario"].suffix.lower() == ".csv":
+            if "table" in values and values["scenario"] is not None and _is_table(values["scenario"]):
                 values["scenario"], values["table"] = values["table"], values["scenario"]
             scenario = None
             if values["scenario"] is not None:
@@ -183,6 +184,10 @@ def question(
         return command
 
     return command_of
+
+
+def _is_table(path: Path) -> bool:
+    return path.suffix.lower() == ".csv" or path.as_posix() in shipped_tests()
 
 
 def _parameters(function: Callable[..., Answer], keys: Mapping[str, tuple[str, str]]) -> dict[str, inspect.Parameter]:

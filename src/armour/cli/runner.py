@@ -6,15 +6,16 @@ import shlex
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, chdir, contextmanager, suppress
+from functools import cache
 from os.path import exists, isfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from armour.cli.console import say, show, show_json
-from armour.errors import InputError, Problem, in_two_lines, mistake, refuse, restated
+from armour.errors import ArmourError, InputError, Problem, in_two_lines, mistake, refuse, restated
 from armour.files import decoded, parse_toml, read_text, unwritable, write_file, wrong_ending
 from armour.scenario.inputs import VELOCITY
-from armour.scenario.keys import upwards, values_by_key
+from armour.scenario.keys import line_of, lines_of, upwards, values_by_key
 
 if TYPE_CHECKING:
     from armour.reporting.table import Table
@@ -69,6 +70,21 @@ def check_outputs(
     refuse(problems)
 
 
+def with_lines(problems: Iterable[Problem]) -> Iterator[tuple[Problem, int | None]]:
+    """Yield problems with the lines of TOML files where their keys are."""
+
+    @cache
+    def lines(file: str) -> dict[str, int]:
+        try:
+            # A pipe has been read already, and would block forever.
+            return lines_of(read_text(file)) if file.lower().endswith(".toml") and isfile(file) else {}
+        except ArmourError:
+            return {}
+
+    for problem in problems:
+        yield problem, line_of(problem.key, lines(problem.file)) if problem.key else None
+
+
 @contextmanager
 def mistakes_in(junit: Path | None, inputs: Sequence[Path], *, force: bool) -> Iterator[None]:
     """Write the mistakes found in the inputs to the JUnit XML as well, where one is asked for and can be written."""
@@ -78,7 +94,10 @@ def mistakes_in(junit: Path | None, inputs: Sequence[Path], *, force: bool) -> I
         from armour.reporting.junit import TestCase, junit_suite, junit_xml
 
         if junit is not None:
-            cases = [TestCase(problem.file, problem.key or "file", "error", str(problem)) for problem in error.problems]
+            cases = [
+                TestCase(problem.file, problem.key or "file", "error", str(problem), None, problem.file, line)
+                for problem, line in with_lines(error.problems)
+            ]
             with suppress(InputError):
                 check_outputs(junit=junit, inputs=[*inputs, *(problem.file for problem in error.problems)], force=force)
                 write({junit: junit_xml([junit_suite("invalid input", cases, 0.0, origin_of())])})

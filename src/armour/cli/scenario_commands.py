@@ -110,6 +110,9 @@ def check(
     junit: Annotated[
         Path | None, option("Write the results as JUnit XML; such a file is replaced.", metavar="FILE")
     ] = None,
+    csv: Annotated[
+        Path | None, option("Write the limits as CSV, as given and with each change.", metavar="FILE")
+    ] = None,
     confidence: Annotated[Any, option(CONFIDENCE_OPTION[1], metavar="NUMBER", parser=share)] = None,
     plot: PlotFile = None,
     yes: Annotated[
@@ -128,6 +131,7 @@ def check(
     """
     from armour.reporting.junit import junit_xml
     from armour.reporting.show import plot as plot_of
+    from armour.reporting.table import rows_csv
     from armour.reporting.views import design as view
     from armour.scenario.scenario import files_of
 
@@ -138,7 +142,7 @@ def check(
     with runner.mistakes_in(junit, paths, force=force):
         scenarios = _read_each(paths, changes, confidence)
     inputs = [*paths, *(file for loaded in scenarios for file in files_of(loaded))]
-    runner.check_outputs(junit=junit, inputs=inputs, plot=plot, force=force)
+    runner.check_outputs(csv, tables=[csv], junit=junit, inputs=inputs, plot=plot, force=force)
     results: list[CheckResult] = []
     suites, warnings = [], []
     for loaded in scenarios:
@@ -151,8 +155,9 @@ def check(
             first, *other_lines = result.heading()
             show(*other_lines, *view.tables_of_check(result), title=first if is_one else f"{loaded.file}: {first}")
         results.append(result)
-        suites.append(view.check_junit(result, loaded.file, perf_counter() - start, runner.origin_of(loaded)))
+        suites.append(view.check_junit(result, loaded, perf_counter() - start, runner.origin_of(loaded)))
         warnings += runner.warnings_of(loaded, result.warnings, verbose=verbose)
+    rows = ({"scenario": loaded.file, **row} for loaded, found in zip(scenarios, results, strict=True) for row in found)
     if not (as_json or is_one):
         emit("\n")
         show(view.check_summary({loaded.file: result for loaded, result in zip(scenarios, results, strict=True)}))
@@ -165,7 +170,7 @@ def check(
         ],
         (),
         as_json=as_json,
-        files=[(junit, lambda: junit_xml(suites))],
+        files=[(junit, lambda: junit_xml(suites)), (csv, lambda: rows_csv(rows))],
         plot=plot,
         draw=lambda: plot_of(results[0]),
         warnings=warnings,

@@ -124,7 +124,9 @@ def _updated(suite: Path, result: "SuiteResult") -> bytes | None:
 
 def figures(
     folder: Annotated[Path, argument("DIR", "Folder to write to.")],
-    only: Annotated[str, option("Draw only figures whose name contains the text.", metavar="TEXT")] = "",
+    only: Annotated[
+        str, option("Draw only the figure of this number, or those whose name contains the text.", metavar="TEXT")
+    ] = "",
     image: Annotated[Literal["png", "svg"], typer.Option("--format", help="Format of the figures.")] = "png",
     force: Force = False,
 ) -> None:
@@ -141,9 +143,10 @@ def figures(
     path = paper_figures()
     panels = {name: list(group) for name, group in groupby(read_figures(path), attrgetter("name"))}
     names = [*panels, *PARITIES]
-    chosen = [name for name in names if only in name]
+    number = f"fig{only.zfill(2)}" if only.isdecimal() else ""
+    chosen = [name for name in names if (name == number if number else only in name)]
     if not chosen:
-        message = f'must be part of a name, found "{only}"; there are {", ".join(names)}'
+        message = f'must be a number or part of a name, found "{only}"; there are {", ".join(names)}'
         raise mistake("figures", "--only", message)
     try:
         os.listdir(folder)

@@ -14,13 +14,18 @@ BEGINNING = b"<?xml version='1.0' encoding='utf-8'?>\n<testsuites name=\"armour\
 
 
 class TestCase(NamedTuple):
-    """A test case: class, name, "failure", "error", "skipped" or "" if it passed, a message, and the time it took."""
+    """A test case: class, name, "failure", "error", "skipped" or "" if it passed, a message, and the time it took.
+
+    Its file, and the line of a mistake there, are those of the input.
+    """
 
     group: str
     title: str
     result: str
     message: str
     seconds: float | None = None
+    file: str = ""
+    line: int | None = None
 
 
 def junit_suite(name: str, cases: Iterable[TestCase], seconds: float, origin: Mapping[str, str]) -> ElementTree.Element:
@@ -36,6 +41,10 @@ def junit_suite(name: str, cases: Iterable[TestCase], seconds: float, origin: Ma
         number = f" ({count})" if count > 1 else ""  # readers take equal names for one case
         title = printable(case.title) + number
         element = ElementTree.SubElement(suite, "testcase", classname=printable(case.group), name=title)
+        if case.file:
+            element.set("file", printable(case.file))
+        if case.line is not None:
+            element.set("line", str(case.line))
         if case.seconds is not None:
             element.set("time", f"{case.seconds:.3f}")
         if case.result:

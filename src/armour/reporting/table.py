@@ -1,7 +1,7 @@
 """Tables: columns described once, rows of raw values, and their text for people and for CSV files."""
 
 import csv
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from io import StringIO
 from math import isfinite
@@ -117,6 +117,23 @@ def csv_text(table: Table) -> str:
     writer.writerow([_csv_cell(table.columns[index].key) for index in keyed])
     writer.writerows([_csv_cell(row[index]) for index in keyed] for row in table.rows)
     return text.getvalue()
+
+
+def rows_csv(rows: Iterable[Mapping[str, Any]]) -> str:
+    """Format rows of a result as a CSV file; an interval, such as "v50_interval_m_s", has two columns, low and high."""
+    cells = [dict(_with_ends(row)) for row in rows]
+    keys = list(cells[0])
+    return csv_text(Table(tuple(Column(key, key=key) for key in keys), tuple(tuple(row.values()) for row in cells)))
+
+
+def _with_ends(row: Mapping[str, Any]) -> Iterator[tuple[str, Cell]]:
+    for key, value in row.items():
+        if "interval" in key:
+            low, high = value or (None, None)
+            yield key.replace("interval", "interval_low"), low
+            yield key.replace("interval", "interval_high"), high
+        else:
+            yield key, value
 
 
 def _csv_cell(cell: Cell) -> Cell:

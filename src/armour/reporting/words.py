@@ -100,9 +100,12 @@ def flow_stress_notes(needed: NeededFlowStress | None, against: str = "the threa
     source_words = ("", "; one source gives {:g}", "; sources give {:g} to {:g}")[len(sources)].format(*sources)
     if least is None:
         return [f"does not stop {against} with any flow stress of {needed.ceramic} up to 100 GPa{source_words}"]
-    for_probability = f"{rounded_up(likely)} GPa" if likely else "more than 100 GPa"
+    chance_words = percent(needed.probability)
+    likely_words = (
+        f"{rounded_up(likely)} GPa for {chance_words}" if likely else f"no value up to 100 GPa gives {chance_words}"
+    )
     words = f"stops {against} if the flow stress of {needed.ceramic} is {rounded_up(least)} GPa or more"
-    words += f" ({for_probability} for {percent(needed.probability)}, with the error seen on AD85){source_words}"
+    words += f" ({likely_words}, with the error seen on AD85){source_words}"
     if not sources:
         return [words]
     over = "these sources" if len(sources) > 1 else "this source"

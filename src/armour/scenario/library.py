@@ -18,17 +18,18 @@ from pydantic import (
     BeforeValidator,
     Field,
     SerializerFunctionWrapHandler,
+    ValidationError,
     field_validator,
     model_serializer,
     model_validator,
 )
 
-from armour.errors import CHOOSE, MAX_WORDS, Note, Problem, listed, mistake, refuse, suggestion
+from armour.errors import CHOOSE, MAX_WORDS, InputError, Note, Problem, listed, mistake, refuse, suggestion
 from armour.files import read_toml, shipped
 from armour.scenario.checked import checked
 from armour.scenario.inputs import INPUTS, ROD, YIELD, Kind, length_mm
 from armour.scenario.keys import describe, in_nfc, key_name, look_of, nfc
-from armour.scenario.sections import NOT_TINY, NUMBER, TINY, Items, NumberOrText, Section, validated
+from armour.scenario.sections import NOT_TINY, NUMBER, TINY, Items, NumberOrText, Section, every_problem, validated
 from armour.units import GPA, MPA, words_and_unit
 
 Status = Literal["measured", "nominal", "fitted", "assumed"]
@@ -515,7 +516,15 @@ class Library:
         `file` holds the entries and is the source of values without one; `prefix` is the key of the tables in it.
         """
         if not isinstance(tables, LibraryTables):
-            tables = validated(LibraryTables, in_nfc(tables, file), file)
+            data = in_nfc(tables, file)
+
+            def read(rest: Mapping[str, Any]) -> Library:
+                return self.extended(LibraryTables.model_validate(rest), file, prefix)
+
+            try:
+                return read(data)
+            except ValidationError as error:
+                raise InputError(every_problem(error, LibraryTables, data, file, read)) from None
         if not any(getattr(tables, kind) for kind in KINDS):
             return self
         entries: dict[Kind, dict[str, LibraryEntry]] = {kind: dict(self.entries[kind]) for kind in KINDS}

@@ -62,7 +62,7 @@ from armour.scenario.schema import (
     at_angle,
     shot,
 )
-from armour.scenario.sections import NOT_TINY, NUMBER, TINY, Items, Section, model_in, problems_of
+from armour.scenario.sections import NOT_TINY, NUMBER, TINY, Items, Section, every_problem, model_in
 from armour.units import MM, key_hint
 
 if TYPE_CHECKING:
@@ -520,7 +520,8 @@ def _parsed(source: _Source) -> Scenario:
     try:
         scenario = Scenario.model_validate(source.data, context={"names": names, "library": library})
     except ValidationError as error:
-        raise InputError([*problems, *problems_of(error, Scenario, source.file)]) from None
+        own = every_problem(error, Scenario, source.data, source.file, lambda rest: _parsed(source._replace(data=rest)))
+        raise InputError(list(dict.fromkeys((*problems, *own)))) from None
     looks: set[str] = set()
     for i, threat in enumerate(scenario.threat):
         if (look := look_of(threat.title)) in looks:

@@ -277,6 +277,11 @@ class Threat(Impact):
         """Name of the threat, by default that of the standard, or projectile and velocity."""
         return self.name or (f"{self.standard}{at_angle(self)}" if self.standard else shot(self))
 
+    @property
+    def round_name(self) -> str:
+        """Name of the threat without its numbers, by default that of the standard, or the projectile."""
+        return self.name or self.standard or self.projectile
+
 
 def shot(impact: Impact) -> str:
     """Return round, velocity and angle, such as "7.62 mm AP at 800 m/s, 30° obliquity"."""

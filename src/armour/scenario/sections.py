@@ -1,14 +1,18 @@
 """Base class and types of the sections of a file, and error messages for what pydantic finds wrong in them."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from copy import deepcopy
+from functools import reduce
 from math import inf
+from operator import getitem
 from typing import Annotated, Any, TypeVar, get_origin
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError, ValidationInfo
 
 from armour.errors import InputError, Problem, choices, suggestion
-from armour.scenario.keys import describe, key_name
+from armour.scenario.keys import describe, key_name, upwards
 from armour.units import key_hint
 
 # Key of the number where a file may give a number or a table.
@@ -57,6 +61,8 @@ def _not_tiny(value: float) -> float:
 NOT_TINY = AfterValidator(_not_tiny)
 
 
+# Type of pydantic's error for an unknown key.
+UNKNOWN = "extra_forbidden"
 # Requirements by type of pydantic's error.
 _REQUIREMENTS = {
     "greater_than": "must be greater than {gt:g}",
@@ -87,14 +93,11 @@ def problems_of(error: ValidationError, model: type[Section], file: str) -> list
     """Convert pydantic's errors in a file, validated against a model, to problems."""
     problems = []
     for detail in error.errors():
-        # pydantic adds the tag of a union's member.
-        parts = [part for part in detail["loc"] if part not in TAGS]
-        if parts[-1:] == [NUMBER] and detail["type"] != "extra_forbidden":
-            parts.pop()
+        parts = _parts(detail)
         context = detail.get("ctx", {})
         if "expected" in context:
             context["expected"] = context["expected"].replace("'", '"')
-        if detail["type"] == "extra_forbidden":
+        if detail["type"] == UNKNOWN:
             keys = _known_keys(model, parts[:-1])
             word, paths = str(parts[-1]), [*keys, *(_paths(model) if len(parts) == 1 else ())]
             hint = key_hint(word, paths) or suggestion(word, paths) or choices(word, keys)
@@ -111,6 +114,41 @@ def problems_of(error: ValidationError, model: type[Section], file: str) -> list
             message = f"{must}, found {value if empty else context.get('actual_length', value)}{_hint(detail)}"
         problems.append(Problem(file, key_name(parts), message))
     return problems
+
+
+def _parts(detail: Any) -> list[str | int]:
+    """Return the parts of the key of an error; pydantic adds the tag of a union's member."""
+    parts = [part for part in detail["loc"] if part not in TAGS]
+    return parts[:-1] if parts[-1:] == [NUMBER] and detail["type"] != UNKNOWN else parts
+
+
+def every_problem(
+    error: ValidationError, model: type[Section], data: Any, file: str, read: Callable[[Any], object]
+) -> list[Problem]:
+    """Return the problems of an error, and those that `read` finds in the data without the keys at fault."""
+    problems = problems_of(error, model, file)
+    rest, tables, removed = deepcopy(data), set[str](), False
+    for detail in error.errors():
+        *above, last = _parts(detail) or [""]
+        if detail["type"] != UNKNOWN:
+            tables |= {*upwards(key_name(above))}
+        with suppress(KeyError, TypeError):  # of a table that has gone with another mistake
+            table: Any = reduce(getitem, above, rest)
+            if isinstance(table, dict) and last in table:
+                del table[last]
+                removed = True
+    if not removed:
+        return problems
+    try:
+        read(rest)
+        return problems
+    except ValidationError as later:
+        further: Sequence[Problem] = problems_of(later, model, file)
+    except InputError as later:
+        further = later.problems
+    # In a table that lacks a wrong value, others may be the result.
+    reported = {problem.key for problem in problems} | tables
+    return problems + [problem for problem in further if not {*upwards(problem.key)[:2]} & reported]
 
 
 def _hint(detail: Any) -> str:

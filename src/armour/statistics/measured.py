@@ -114,8 +114,8 @@ def read_tests(path: Table, scenario: Scenario, notes: Names = ()) -> Tests:
     Parameters
     ----------
     path : path-like, sequence of mappings or data frame
-        CSV file or, if there is no such file, a shipped table of this name, such as ``"wilkins.csv"``; or the rows
-        themselves, each a mapping by column, or a data frame of pandas or polars, where None and NaN are empty cells.
+        CSV file or the name of a shipped table, such as ``"tests/wilkins"``; or the rows themselves, each a
+        mapping by column, or a data frame of pandas or polars, where None and NaN are empty cells.
         Its columns are inputs of the scenario, names of projectiles and materials, measured quantities and their
         uncertainties, ``outcome``, and ``test``, the name of the test.
     scenario : Scenario

@@ -51,7 +51,7 @@ def repeated(tests: Tests) -> Iterator[str]:
     usual = tests.scenario.inputs()
     shipped_values = {**usual, CERAMIC: 0.0, OBLIQUITY: 0.0}  # where a shipped table has no such column
     shipped = set()
-    for name in ("wilkins.csv", "plates.csv"):
+    for name in ("tests/wilkins", "tests/plates"):
         shipped |= {_identity(row, shipped_values) for row in shipped_rows(name)}
     count = sum(_identity(cells, usual) in shipped for cells in tests.cells)
     # One alone may be a coincidence.

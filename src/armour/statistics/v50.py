@@ -185,8 +185,8 @@ def read_shots(path: Table, *, one_kind: bool = False) -> Shots:
     Parameters
     ----------
     path : path-like, sequence of mappings or data frame
-        CSV file or, if there is no such file, the shipped one of this name, ``"shots.csv"``; or the rows themselves,
-        each a mapping by column, or a data frame of pandas or polars.
+        CSV file or the name of a shipped one, ``"tests/shots"``; or the rows themselves, each a mapping by column, or a
+        data frame of pandas or polars.
         Its columns are ``velocity_m_s``, ``result`` ("partial" or "complete", "stopped" or "perforated", P or C,
         PP or CP, no or yes, in letters of any case) and, optionally, ``shot``.
         Other columns are ignored, but one that looks like a misspelling of these is an error.

@@ -394,9 +394,17 @@ def effort_of(
     needed_bytes, free_bytes = 2.0 * row_bytes * source.count, shutil.disk_usage(output.parent).free
     words = f"{counted(source.count, 'row')}; about {duration(seconds)}"
     if needed_bytes > free_bytes:
-        words += f"; {needed_bytes / 1e9:.3g} GB to write and join, but {free_bytes / 1e9:.3g} GB are free"
+        words += f"; {size(needed_bytes)} to write and join, but {size(free_bytes)} free"
     is_large = seconds > LONG_S or source.count > MANY_ROWS or needed_bytes > free_bytes
     return Effort(slowest_row_s, seconds, words, is_large)
+
+
+def size(number: float) -> str:
+    """Return a number of bytes in words, such as "384.0 kB"."""
+    for limit, unit in ((1e6, "kB"), (1e9, "MB"), (1e12, "GB")):
+        if number < limit:
+            return f"{1e3 * number / limit:.1f} {unit}"
+    return f"{number / 1e12:,.1f} TB"
 
 
 def duration(seconds: float) -> str:

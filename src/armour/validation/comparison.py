@@ -104,8 +104,13 @@ class Comparison(TableResult):
             "areal_density_rules": [asdict(rule) for rule in self.rules],
             "errors": [asdict(error) for error in self.errors],
             "florence_missing": self.florence_missing,
-            "warnings": self.limit.warnings,
+            "warnings": self.warnings,
         }
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Warnings on the ballistic limit by the model."""
+        return self.limit.warnings
 
     def _words(self) -> str:
         return f"ballistic limit {self.limit.ballistic_limit_m_s:.1f} m/s"

@@ -10,7 +10,16 @@ from os.path import exists
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, NamedTuple
 
-from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, field_validator, model_validator
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Discriminator,
+    Field,
+    Tag,
+    ValidationError,
+    field_validator,
+    model_validator,
+)
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.evaluate import Answers, groups_of
@@ -19,13 +28,13 @@ from armour.analysis.variants import Floats, Variants, grid_of
 from armour.csv_files import MUST_SAY, PERFORATED, lines_of, number
 from armour.design.optimise import BestDesign, optimise
 from armour.errors import InputError, NoAnswerError, Problem, choices, counted, mistake, refuse
-from armour.files import named, read_toml, shipped, shipped_files, suite_file
+from armour.files import located, named, read_toml, shipped_files, shipped_tests, suite_file
 from armour.scenario.checked import checked
 from armour.scenario.effect import check_columns, check_effect
 from armour.scenario.inputs import ROUND_AND_ARMOUR
 from armour.scenario.keys import KeyPath, canonical, describe, key_name, parts_of, values_by_key
 from armour.scenario.scenario import Scenario, files_of, parse_changed
-from armour.scenario.sections import LIST_TAG, RANGE_TAG, NumberOrText, Section, validated
+from armour.scenario.sections import LIST_TAG, RANGE_TAG, NumberOrText, Section, every_problem
 from armour.statistics.measured import MEASURED, read_tests
 
 
@@ -441,7 +450,7 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
     ----------
     path : path-like
         A TOML file or, if there is no such file, the name of a shipped suite, "paper" or "plates".  The files that it
-        names are relative to its folder or, if there are no such files, shipped ones.
+        names are relative to its folder or shipped ones, by their names.
     changes : mapping of str to object, optional
         Values that replace those of every scenario, by dotted key; tables are merged.
 
@@ -456,14 +465,43 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
     """
     changes = changes or {}
     path = suite_file(path)
-    suite = validated(SuiteSection, read_toml(path), str(path))
+    data = read_toml(path)
+    try:
+        suite = SuiteSection.model_validate(data)
+    except ValidationError as error:
+        problems = every_problem(error, SuiteSection, data, str(path), SuiteSection.model_validate)
+        raise InputError([*problems, *_in_valid_parts(data, path, changes)]) from None
+    cases = _cases_of_suite(suite, path, changes)
+    if changes:
+        scenarios = [(scenario, _reads_of(case)) for case in cases for scenario in case.scenarios]
+        check_effect(values_by_key(changes), scenarios, "command line", option="--set ")
+    return Suite(suite.title, path, tuple(cases), tuple(suite.table), suite.description)
+
+
+def _in_valid_parts(data: Mapping[str, Any], path: Path, changes: Mapping[str, object]) -> Iterator[Problem]:
+    """Yield the problems in the scenarios of those cases and tables of a suite that are valid."""
+    common = {key: value for key, value in data.items() if key in SuiteSection.model_fields.keys() - {"case", "table"}}
+    for kind in ("case", "table"):
+        parts = data.get(kind)
+        for index, part in enumerate(parts if isinstance(parts, list) else []):
+            try:
+                _cases_of_suite(SuiteSection.model_validate({**common, kind: [part]}), path, changes)
+            except ValidationError:
+                continue  # reported already
+            except InputError as error:
+                for problem in error.problems:
+                    yield problem._replace(key=problem.key.replace(f"{kind}[0]", f"{kind}[{index}]", 1))
+
+
+def _cases_of_suite(suite: SuiteSection, path: Path, changes: Mapping[str, object]) -> list[Case]:
+    """Return the cases of the sections of a suite."""
     if not suite.case and not suite.table:
         raise mistake(path, "case", "is missing: a suite must have at least one case or table")
-    refuse(
+    unexpected = [
         Problem(str(path), key_name(["case", index, EXPECTED]), MISSING)
         for index, case in enumerate(suite.case)
         if case.expected is None and not is_regression(case, suite)
-    )
+    ]
     cases: list[Case] = []
     # A mistake in many rows of a table is reported for the first of them.
     wrong: dict[tuple[KeyPath, Problem], Problem] = {}
@@ -473,11 +511,8 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
         except InputError as error:
             for problem in error.problems:
                 wrong.setdefault((row.place[:2], problem), _placed(problem, row, path))
-    refuse(wrong.values())
-    if changes:
-        scenarios = [(scenario, _reads_of(case)) for case in cases for scenario in case.scenarios]
-        check_effect(values_by_key(changes), scenarios, "command line", option="--set ")
-    return Suite(suite.title, path, tuple(cases), tuple(suite.table), suite.description)
+    refuse([*unexpected, *wrong.values()])
+    return cases
 
 
 def _placed(problem: Problem, row: "_Row", path: Path) -> Problem:
@@ -580,10 +615,9 @@ def _scenario(file: Path, *changes: Mapping[str, object]) -> Scenario:
 
 
 def _file(folder: Path, name: str) -> Path:
-    """Return the file that a suite in a folder names: a path there or in the shipped folder, or a shipped scenario."""
-    file = folder / name
-    shipped_file = shipped_files("scenarios", ".toml").get(name, shipped("suites") / name)
-    return shipped_file if not exists(file) and exists(shipped_file) else file
+    """Return the file that a suite in a folder names: a path there or, if there is none, a shipped name."""
+    files = {**shipped_files("scenarios", ".toml"), **shipped_tests()}
+    return files[name] if name in files and not exists(folder / name) else located(folder / name, {})
 
 
 def _in_words(key: str, value: float) -> str:

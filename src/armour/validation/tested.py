@@ -18,7 +18,7 @@ def tested_with() -> dict[tuple[Kind, str], tuple[str, ...]]:
     # Files of the same name in the working folder must not replace the shipped ones.
     library, case = shipped_library(), load_scenario(shipped_files("scenarios", ".toml")["wilkins"])
     rounds = library.known("projectile")
-    plates = [row for row in shipped_rows("plates.csv") if row["round"] in rounds]
+    plates = [row for row in shipped_rows("tests/plates") if row["round"] in rounds]
     tested: dict[tuple[Kind, str], dict[str, None]] = {}
 
     def add(kind: Kind, name: str, words: str) -> None:
@@ -34,7 +34,7 @@ def tested_with() -> dict[tuple[Kind, str], tuple[str, ...]]:
             metal, projectile = (str(bare[NAMES[role]][group.where[0]]) for role in ("backing", "projectile"))
             add("metal", metal, projectile)
             add("projectile", projectile, metal)
-    layers = {key: np.array([float(row[key]) for row in shipped_rows("wilkins.csv")]) for key in (CERAMIC, BACKING)}
+    layers = {key: np.array([float(row[key]) for row in shipped_rows("tests/wilkins")]) for key in (CERAMIC, BACKING)}
     metal, projectile = case.armour.backing, case.impact.projectile
     for ceramic in library.names("ceramic"):
         [group] = groups_of(case.replaced({NAMES["ceramic"]: ceramic}), layers)

@@ -4,6 +4,7 @@ import codecs
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import isnan, sqrt
+from os import PathLike
 from pathlib import Path
 from typing import Any, Literal
 
@@ -17,7 +18,7 @@ from armour.scenario.checked import checked
 from armour.scenario.inputs import INPUTS, NAMES
 from armour.scenario.sections import TINY
 from armour.validation.rivals import Error, errors_of
-from armour.validation.suite import Case, GroupSection, Subject, Suite, TableSection, answer, meets
+from armour.validation.suite import Case, GroupSection, Subject, Suite, TableSection, answer, load_suite, meets
 
 CheckStatus = Literal["within", "outside", "no answer", "no expected value", "not scored"]
 FAILED: tuple[CheckStatus, ...] = ("outside", "no answer", "no expected value")
@@ -151,6 +152,11 @@ class SuiteResult(TableResult):
     description: str = ""
 
     @property
+    def warnings(self) -> tuple[str, ...]:
+        """Warnings, which a suite does not give."""
+        return ()
+
+    @property
     def passed(self) -> bool:
         """Whether every case and table is within its band, and every case has an expected value."""
         return self.count(*FAILED) == 0
@@ -186,12 +192,13 @@ def paper_suite() -> Path:
 
 
 @checked
-def validate(suite: Suite, *, on_check: OnCheck | None = None) -> SuiteResult:
+def validate(suite: Suite | str | PathLike[str], *, on_check: OnCheck | None = None) -> SuiteResult:
     """Compute every case of a suite.
 
     Parameters
     ----------
-    suite : Suite
+    suite : Suite or path-like
+        A suite, or what `load_suite` reads: a TOML file, or the name of a shipped suite, "paper" or "plates".
     on_check : callable, optional
         Called after each case with its check and the number of cases.
 
@@ -202,8 +209,10 @@ def validate(suite: Suite, *, on_check: OnCheck | None = None) -> SuiteResult:
     Raises
     ------
     InputError
-        If a run of a scenario does not end.
+        If a run of a scenario does not end, or with every mistake in the file of a suite.
     """
+    if not isinstance(suite, Suite):
+        suite = load_suite(suite)
     subjects: dict[tuple[str, ...], Subject] = {}
     values_of_tests = _values_of_tests(suite.cases)
     checks = []

@@ -424,7 +424,7 @@ function drawLines(pair, lines, words) {
   threats.forEach((_, t) => {
     if (!pair.over || (T > 3 && t !== governing(pair, answer(pair).k))) return;
     const [least, greatest] = pair.over.map(limits => values.map((_, n) => at(n, t, limits[n * T + t])));
-    lines.append(svg("path", { class: "band", d: `M${[...least, ...greatest.reverse()].map(p => p.map(c => c.toFixed(1)).join(" ")).join("L")}Z` }));
+    lines.append(svg("path", { class: `band ${colours[t % 4]}`, d: `M${[...least, ...greatest.reverse()].map(p => p.map(c => c.toFixed(1)).join(" ")).join("L")}Z` }));
   });
   threats.forEach((_, t) => {
     const line = values.map((_, n) => at(n, t, pair.limits[n * T + t]));
@@ -548,7 +548,7 @@ function drawMap(pair, best, ring) {
     else drawn(pair.known ? fields.asked : reserve(pair, asked.map(() => null)), "ink", `computed limit = velocity${margins ? " + margin" : ""}`, "strong");
     if (pair.known) caption(fields.even, view.narrow ? "perforated" : "perforated more often than not", "t-red");
     if (known) {
-      caption(fields.asked, percent() ? `${percent()} or more stopped` : "stopped as asked for", "t-blue");
+      caption(fields.asked, percent() ? `${percent()} or more stopped` : "meets the requirements", "t-blue");
       label(contour(view, fields.asked.map((each, k) => each - fields.even[k]), 0), "stopped, but less surely", "t-soft");
     }
     if (known && T > 1 && T < 5)
@@ -731,7 +731,7 @@ function drawDesign(pair, best) {
   const [c, b] = thicknesses(pair, k), governs = governing(pair, k), pinned = state.pins.some(p => p.pair === pair && p.k === k);
   box.append(html("h2", {}, armour(pair, k)));
   const difference = best === null || k === best ? "" : ` (${signed(pair.areal[k] - pair.areal[best])})`;
-  box.append(html("p", {}, `${areal(pair.areal[k])} kg/m²${difference}, ${trimmed(c * !!pair.ceramic + b + DATA.added.thickness)} mm thick`, k === best ? html("span", { class: "t-blue" }, { "": ` lightest${anyAsked() ? " as asked for" : ""}`, "not known": " lightest by the computed limit", "none passes": " nearest", single: "" }[answer(pair).reason]) : null));
+  box.append(html("p", {}, `${areal(pair.areal[k])} kg/m²${difference}, ${trimmed(c * !!pair.ceramic + b + DATA.added.thickness)} mm thick`, k === best ? html("span", { class: "t-blue" }, { "": anyAsked() ? " lightest that meets the requirements" : " lightest", "not known": " lightest by the computed limit", "none passes": " nearest", single: "" }[answer(pair).reason]) : null));
   if (pair.excluded.includes(k)) box.append(html("p", { class: "t-red" }, "Beyond the limits of the scenario."));
   box.append(crossSection(pair, k));
   threats.forEach((threat, t) => {

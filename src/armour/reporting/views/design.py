@@ -459,16 +459,17 @@ def check_summary(results: Mapping[str, CheckResult]) -> VerdictLine:
     return VerdictLine("; ".join(words), good=len(words) == 1)
 
 
-def check_junit(result: CheckResult, file: str, seconds: float, origin: Mapping[str, str]) -> Element:
-    """Return the check of a file's scenario as a test suite: a test case for every threat and limit of [design].
+def check_junit(result: CheckResult, scenario: Scenario, seconds: float, origin: Mapping[str, str]) -> Element:
+    """Return the check of a scenario as a test suite: a test case for every threat and limit of [design].
 
-    The first one has the time, in seconds, of all of them.
+    Its names stay if thicknesses, velocities or angles change.  The first case has the time, in seconds, of all.
     """
-    parts = [(threat.threat, threat.verdict, finding(threat)) for threat in result.threats]
+    file, threats = scenario.file, zip(result.threats, scenario.threats(), strict=True)
+    parts = [(given.round_name, threat.verdict, finding(threat)) for threat, given in threats]
     parts += [(column_of(row.quantity).label, row.verdict, requirement_words(row)) for row in result.requirements]
     cases: list[TestCase] = []
     for title, found, words in parts:
         kind = "" if found == "passes" else "failure"
         took = None if cases else seconds
-        cases.append(TestCase(file, title, kind, f"{VERDICTS[found]}: {words}", took))
-    return junit_suite(" ".join(result.heading()[:1]), cases, seconds, origin)
+        cases.append(TestCase(file, title, kind, f"{VERDICTS[found]}: {words}", took, file))
+    return junit_suite(file, cases, seconds, origin)

@@ -14,10 +14,10 @@ Tested = Mapping[tuple[Kind, str], Sequence[str]]
 VALUES = ("velocity_m_s", "tolerance_m_s", "obliquity_deg")
 # Shipped tables of tests, which have no title, and what they are for.
 TESTS = {
-    "plates.csv": "ballistic limits of 1,084 bare plates, for armour validate plates",
-    "shots.csv": "firing results on one armour, for armour v50",
-    "unknown_ceramic.csv": "simulated ballistic limits of 4 armours, for armour calibrate --prior",
-    "wilkins.csv": "ballistic limits of 13 armours, for armour calibrate",
+    "tests/plates": "ballistic limits of 1,084 bare plates, for armour validate plates",
+    "tests/shots": "firing results on one armour, for armour v50",
+    "tests/unknown_ceramic": "simulated ballistic limits of 4 armours, for armour calibrate --prior",
+    "tests/wilkins": "ballistic limits of 13 armours, for armour calibrate",
 }
 
 

@@ -339,11 +339,11 @@ def suite_junit(result: SuiteResult, seconds: Sequence[float], origin: Mapping[s
         message = failure(check) if check.status == "outside" else check.message or check.case.not_scored
         if not check.in_group:
             group, kind = check.case.group or CASES, kinds.get(check.status, "")
-            cases.append(TestCase(group, check.case.name, kind, message, took))
+            cases.append(TestCase(group, check.case.name, kind, message, took, result.file))
     for summary in result.summaries:
         if summary.status != "not scored":
             kind = kinds.get(summary.status, "")
-            cases.append(TestCase(summary.name, summary.group or "RMS", kind, held_to(summary)))
+            cases.append(TestCase(summary.name, summary.group or "RMS", kind, held_to(summary), None, result.file))
     return junit_xml([junit_suite(result.title or result.file, cases, sum(seconds), origin)])
 
 
