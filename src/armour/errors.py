@@ -159,6 +159,15 @@ def counted(number: int, noun: str) -> str:
     return f"{digits} {noun}{'' if number == 1 else 's'}"
 
 
+def duration(seconds: float) -> str:
+    """Return a length of time in words, such as "90 hours"."""
+    for limit, unit, name in ((120, 1, "seconds"), (7200, 60, "minutes"), (360000, 3600, "hours")):
+        if seconds < limit:
+            number = max(round(seconds / unit), 1)
+            return f"{number} {name if number > 1 else name[:-1]}"
+    return f"{seconds / 86400:,.0f} days"
+
+
 def in_two_lines(warnings: Sequence[str], where: str) -> list[str]:
     """Return warnings in at most two lines: what lies outside the tests of the model, and the first other warning.
 

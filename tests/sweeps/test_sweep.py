@@ -11,11 +11,11 @@ from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.evaluate import Group, evaluate, evaluate_groups
 from armour.analysis.impact import simulate
 from armour.analysis.quantities import QUANTITIES
-from armour.errors import InputError
+from armour.errors import InputError, duration
 from armour.sweeps import sweep as sweeps
 from armour.sweeps.cases import Cases
 from armour.sweeps.store import read_table
-from armour.sweeps.sweep import duration, job_of, write_sweep
+from armour.sweeps.sweep import job_of, write_sweep
 from armour.sweeps.sweep import sweep as sweep_in_python
 from tests.helpers.cases import csv_file, sweep_grid, sweep_scenario
 from tests.helpers.exotic import narrow_ranges

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from textwrap import fill
 
-from armour.sweeps.sweep import duration
+from armour.errors import duration
 from tools.benchmarks import commands, methods
 from tools.benchmarks.commands import Commands
 from tools.benchmarks.methods import COUNT, Methods

@@ -28,7 +28,7 @@ from armour.cli.question import (
     question,
     share,
 )
-from armour.errors import InputError, Problem, counted, mistake, refuse
+from armour.errors import InputError, Problem, counted, duration, mistake, refuse
 from armour.files import read_toml, shipped_suites, wrong_ending
 from armour.scenario.inputs import OF_ERROR, ROUND_AND_ARMOUR
 from armour.scenario.keys import describe
@@ -45,6 +45,8 @@ if TYPE_CHECKING:
 CONFIDENCE_OPTION = ("design.confidence", "Required probability of stopping each threat, such as 0.95.")
 # Keys of a design that a check reads.
 CHECK = ("design.confidence", "design.thickness_tolerance_mm")
+# Computations that take longer are announced.
+ANNOUNCED_S = 10.0
 # Sections and keys that a ballistic limit depends on, see `armour.scenario.effect`.
 LIMIT_READS = (*ROUND_AND_ARMOUR, "ballistic_limit", *OF_ERROR)
 IMPACT_READS = ("impact", "armour", "ballistic_limit", *OF_ERROR)
@@ -215,10 +217,15 @@ def optimise(
     The scenario may define several threats, a catalogue of materials, and a quantity other than weight to minimise.
     Where no design is known to pass, the answer is the nearest one, with what it lacks, and the exit code 1.
     """
+    from armour.design.optimise import effort
     from armour.reporting.views import design as view
 
     if page is not None:
         refuse(wrong_ending(page, (".html",)))
+    designs, seconds = effort(scenario)
+    if seconds > ANNOUNCED_S:
+        threats = counted(len(scenario.threats()), "threat")
+        say(f"{counted(designs, 'design')} against {threats}; about {duration(seconds)}")
     result = armour.optimise(scenario, on_progress=on_progress, **options)
     source = "-" if scenario.file == runner.STANDARD_INPUT else runner.source_word(scenario.file)
     map_page = ""
@@ -266,10 +273,6 @@ def sensitivity(scenario: "Scenario", on_progress: "OnProgress") -> Answer:
 def uncertainty(scenario: "Scenario", on_progress: "OnProgress") -> Answer:
     """Propagate input uncertainty to the outcome and the ballistic limit."""
     return Answer(armour.uncertainty(scenario, on_progress=on_progress))
-
-
-# Sweeps that take longer are announced.
-ANNOUNCED_S = 10.0
 
 
 def sweep(

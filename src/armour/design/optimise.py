@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
 from math import inf, isnan
+from time import perf_counter
 from typing import Any, Literal
 
 import numpy as np
@@ -12,7 +13,7 @@ from armour.analysis.estimates import Estimate
 from armour.analysis.results import OnProgress, TableResult, data_frame, ignore_progress
 from armour.analysis.variants import Ints, distributions, why_error_unknown
 from armour.design.catalogue import FIRST_VALUES, MARGIN, NO_BOUND, CandidateDesigns, Catalogue, catalogue_of
-from armour.design.designs import NOT_KNOWN, PASSES, Designs, Runs, asked_of, stopped
+from armour.design.designs import NOT_KNOWN, PASSES, Designs, Runs, asked_of, stopped, verdicts_of
 from armour.design.reliability import Reliability
 from armour.design.requirements import ROUNDING, Requirement, against_threat, of_armour
 from armour.design.search import FreeThicknesses, candidates_of, joined, pareto
@@ -31,6 +32,8 @@ UNTESTED, ONE_SOURCE, RUNNER_UP = "no test", "one source of its flow stress", "r
 # Most designs that a result lists, and most to compare in the search for the one nearest to passing.
 MOST_SHOWN, MOST_COMPARED = 25, 20_000
 Reason = Literal["", "none passes", "not known"]
+# Impacts from which on the time of a search is estimated, and the thicknesses of a layer that it is estimated from.
+MANY_IMPACTS, SOME_THICKNESSES = 500_000, 50
 # Most thicknesses that a warning lists.
 MOST_LISTED = 5
 
@@ -352,6 +355,25 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
         margins_of_every_m_s=tuple(dict(zip(catalogue.titles, row, strict=True)) for row in margins),
         **ends,
     ).of(_subject(catalogue), scenario=scenario)
+
+
+def effort(scenario: Scenario) -> tuple[int, float]:
+    """Return the number of designs on offer, and about how many seconds it takes to try each against every threat.
+
+    The time is estimated if there are many.
+    """
+    catalogue = catalogue_of(scenario)
+    layers = [[np.array(layer.thicknesses()) for layer in offer[:2]] for offer in catalogue.offers]
+    count = sum(len(ceramics) * len(backings) for ceramics, backings in layers)
+    if count * len(catalogue.threats) < MANY_IMPACTS:
+        return count, 0.0
+    pair = max(range(len(layers)), key=lambda pair: len(layers[pair][0]) * len(layers[pair][1]))
+    some = [values[:: max(len(values) // SOME_THICKNESSES, 1)] for values in layers[pair]]
+    rows = catalogue.against_each(catalogue.combinations(pair, *some))
+    verdicts_of(catalogue, rows.at(np.arange(len(catalogue.threats))), Runs())  # loads the compiled code
+    begun = perf_counter()
+    verdicts_of(catalogue, rows, Runs())
+    return count, (perf_counter() - begun) / (len(some[0]) * len(some[1])) * count
 
 
 def _not_refinable(catalogue: Catalogue) -> Iterator[Problem]:

@@ -25,7 +25,7 @@ from armour.analysis.evaluate import check_keys, check_quantities, evaluate_grou
 from armour.analysis.quantities import QUANTITIES, reads_of
 from armour.analysis.results import OnProgress, TableResult, ignore_progress, installed, made_by, same_columns
 from armour.core.replaced import replaced_function
-from armour.errors import InputError, choices, counted, mistake
+from armour.errors import InputError, choices, counted, duration, mistake
 from armour.files import reason, shipped
 from armour.scenario.checked import Names, checked
 from armour.scenario.keys import describe
@@ -405,15 +405,6 @@ def size(number: float) -> str:
         if number < limit:
             return f"{1e3 * number / limit:.1f} {unit}"
     return f"{number / 1e12:,.1f} TB"
-
-
-def duration(seconds: float) -> str:
-    """Return a length of time in words, such as "90 hours"."""
-    for limit, unit, name in ((120, 1, "seconds"), (7200, 60, "minutes"), (360000, 3600, "hours")):
-        if seconds < limit:
-            number = max(round(seconds / unit), 1)
-            return f"{number} {name if number > 1 else name[:-1]}"
-    return f"{seconds / 86400:,.0f} days"
 
 
 def program() -> str:
