@@ -7,6 +7,7 @@ import pytest
 
 from armour import __version__
 from armour.analysis.ballistic_limit import ballistic_limit
+from armour.analysis.estimates import Estimate
 from armour.analysis.impact import energy_balance
 from armour.design.check import CheckedThreat, check
 from armour.design.optimise import DesignResult, optimise
@@ -130,7 +131,10 @@ def test_a_threat_that_a_distribution_does_not_fit_keeps_exact_inputs():
     assert found.sampled == ()
     assert found.threats == found.check.threats
     assert sum("inputs are taken as exact" in warning for warning in found.warnings) == 2
-    mixed = section(replace(found, sampled=(found.threats[0].threat,)), "Threats").tables[0]
+    first, second = found.threats
+    mixed = section(
+        replace(found, threats=(replace(first, sampled=Estimate(0.1, 0.1, 0.1)), second)), "Threats"
+    ).tables[0]
     assert [row[headings(mixed).index("inputs")] for row in mixed.texts()] == ["distributions", "exact"]
 
 
@@ -314,7 +318,8 @@ def test_the_answer_with_distributions():
     sampled = uncertainty_result().of(scenario=scenario())
     error = wilkins().threat.model_error
     with_error = replace(sampled, model_error=error).of(scenario=scenario())
-    given = replace(wilkins(), uncertainty=with_error, sampled=(wilkins().threat.threat,))
+    odds = Estimate(0.21, 0.2, 0.22)
+    given = replace(wilkins(), uncertainty=with_error, threats=(replace(wilkins().threat, sampled=odds),))
     detail = statements(given)["Probability of stopping the projectile"][1]
     found = "95 % interval 78.0 to 80.0 % by sampling, from the given distributions and the model error: "
     assert error is not None
@@ -323,7 +328,7 @@ def test_the_answer_with_distributions():
     untested = replace(wilkins().threat, probability_of_stopping=None, model_error=None, reason=NO_TEST)
     unknown = replace(wilkins(), uncertainty=sampled, threats=(untested,))
     assert statements(unknown)["Probability of stopping the projectile"][1].endswith(SAMPLED_ALONE)
-    left_out = replace(unknown, sampled=(unknown.threat.threat,))
+    left_out = replace(unknown, threats=(replace(untested, sampled=odds),))
     without = "95 % interval 78.0 to 80.0 % by sampling, from the given distributions, without the model error"
     assert statements(left_out)["Probability of stopping the projectile"][1] == without
 

@@ -233,9 +233,10 @@ def optimise(
         from armour.reporting.design_page import design_page
 
         command, needed = ["armour", "simulate", source], runner.accepted(changes or (), IMPACT_READS)
-        map_page = design_page(
-            scenario, command, needed, on_progress, [str(line) for line in view.design_verdict(result)]
-        )
+        answer = [str(line) for line in view.design_verdict(result)]
+        if result.best is not None and result.best.probabilities:  # which the page does not sample
+            answer = [view.design_title(result)]
+        map_page = design_page(scenario, command, needed, on_progress, answer)
     design = None if source == "-" else result.shown
     then = "" if design is None else _check_of(scenario, design, source, changes or ())
     contents = {csv: lambda: view.design_csv(result), page: lambda: map_page}

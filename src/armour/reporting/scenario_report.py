@@ -61,12 +61,16 @@ class Contents:
     design: DesignResult | None  # None for the scenario's own armour
     check: CheckResult  # of the armour, with exact inputs
     threats: tuple[CheckedThreat, ...]  # the same, with the scenario's distributions where they apply
-    sampled: tuple[str, ...]  # threats that they apply to
     answer: Scenario  # the armour against the threat most likely to perforate it
     impact: ImpactResult  # with its history
     sensitivity: SensitivityResult | None  # None without a ballistic limit in the range of the search
     uncertainty: UncertaintyResult | None  # None too without distributions that apply to the answer
     warnings: tuple[str, ...]
+
+    @property
+    def sampled(self) -> tuple[str, ...]:
+        """The threats that the distributions apply to."""
+        return tuple(threat.threat for threat in self.threats if threat.sampled is not None)
 
     @property
     def threat(self) -> CheckedThreat:
@@ -114,7 +118,6 @@ def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *
         design=design,
         check=checked,
         threats=tuple(threats),
-        sampled=tuple(threat.threat for threat in threats if threat.sampled is not None),
         answer=answer,
         impact=simulate(answer, history=True),
         sensitivity=_or_none(sensitivity, answer, on_part),
@@ -201,28 +204,24 @@ def _probability(contents: Contents) -> Card:
 
 def _basis(contents: Contents) -> str:
     """Return what the probability rests on, or why it is unknown."""
-    threat, sampled = contents.threat, contents.uncertainty
+    threat = contents.threat
     error = from_tests(threat.model_error) if threat.model_error else ""
-    if sampled is None or threat.threat not in contents.sampled:
-        alone = f"; {SAMPLED_ALONE}" if sampled is not None and threat.probability_of_stopping is None else ""
+    if threat.sampled is None:
+        alone = f"; {SAMPLED_ALONE}" if contents.uncertainty and threat.probability_of_stopping is None else ""
         return f"{threat.reason or error}{alone}"
-    perforation = sampled.probability_of_perforation
-    low, high = (100.0 * (1.0 - end) for end in (perforation.high, perforation.low))
-    with_error = f" and the {error}" if sampled.model_error is not None else ", without the model error"
+    low, high = (100.0 * (1.0 - end) for end in (threat.sampled.high, threat.sampled.low))
+    with_error = f" and the {error}" if error else ", without the model error"
     return f"95 % interval {low:.1f} to {high:.1f} % by sampling, from the given distributions{with_error}"
 
 
 def _armour(contents: Contents) -> Card:
     """Return the armour with thickness, areal density and cost, with the digits of their tables."""
-    design, check, subject = contents.design, contents.check, "Armour"
+    design, subject = contents.design, "Armour"
     if design is not None and design.shown is not None:
         subject = f"{OBJECTIVES[design.minimised].least.capitalize()} design"
         if design.reason:
             subject = "Nearest design" if design.reason == "none passes" else f"{subject} by the computed limit"
-    cost = f", cost {design_view.COST.text(check.cost_per_m2)} per m²" if check.cost_per_m2 else ""
-    areal_density = design_view.AREAL_DENSITY.text(check.areal_density_kg_m2)
-    detail = f"{areal_density} kg/m², {round(check.thickness_mm, 3):g} mm thick{cost}"
-    return Card(subject, contents.answer.armour_words(), detail)
+    return Card(subject, contents.answer.armour_words(), design_view.amounts(contents.check))
 
 
 def _requirements(contents: Contents) -> Card:

@@ -433,10 +433,20 @@ def standing(threat: CheckedThreat) -> tuple[int, float]:
     return (0 if margin < 0.0 else 2), margin
 
 
+def amounts(result: CheckResult) -> str:
+    """Return areal density, thickness and cost of an armour, with what is added."""
+    cost = f", cost {COST.text(result.cost_per_m2)} per m²" if result.cost_per_m2 else ""
+    return f"{AREAL_DENSITY.text(result.areal_density_kg_m2)} kg/m², {round(result.thickness_mm, 3):g} mm thick{cost}"
+
+
 def tables_of_check(result: CheckResult) -> list[Table | str]:
     """Return the verdict, the threats, and what changes do against the one most likely to perforate, or each."""
     several = len(result.threats) > 1
-    shown: list[Table | str] = [VerdictLine(outcome(result), good=result.verdict == "passes"), threat_table(result)]
+    shown: list[Table | str] = [
+        VerdictLine(outcome(result), good=result.verdict == "passes"),
+        amounts(result),
+        threat_table(result),
+    ]
     if len(requirements_of(result)) > len(result.threats):
         shown.append(requirement_table(result))
     explained = result.threats if result.question.get("every_row") else (min(result.threats, key=standing),)
