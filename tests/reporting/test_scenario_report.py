@@ -1,5 +1,6 @@
 """What a report on a scenario says, and that it agrees with the functions that its results come from."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
 
@@ -389,3 +390,21 @@ def test_author_project_and_date_are_shown_where_given():
     named = report(replace(wilkins(), scenario=wilkins().scenario.replaced(keys)))
     assert named.byline[1:4] == (("project", "Door"), ("author", "A. Smith"), ("date", "2026-01-31"))
     assert "project: Door, author: A. Smith, date: 2026-01-31, program version: armour " in markdown_report(named)
+
+
+@pytest.mark.parametrize(
+    ("changes", "passed"),
+    [
+        ({"armour.backing": "HHA Class 1", "armour.backing_thickness_mm": 45.0}, None),
+        ({"ballistic_limit.velocity_max_m_s": 400.0, "design.confidence": 0.8}, True),
+        ({"ballistic_limit.velocity_max_m_s": 400.0, "design.confidence": 0.8, "uncertainty": SAMPLED}, True),
+    ],
+)
+def test_an_armour_without_a_limit_in_the_range_has_a_report(changes: Mapping[str, object], passed: bool | None):
+    """Without a sensitivity, of which there is none."""
+    own = {"armour.backing_thickness_mm": 40.0, "impact.velocity_m_s": 600.0}
+    found = contents_of(load_scenario("bare_plate", {**own, **changes}))
+    assert found.check.verdict == "passes"
+    assert found.sensitivity is None
+    assert found.uncertainty is None
+    assert report(found).passed is passed

@@ -176,10 +176,17 @@ class Designs:
         self._verdicts, self._known = np.full(count, UNJUDGED), np.zeros(count, dtype=bool)
         self._limits, self._slack = np.full((2, count, len(catalogue.threats)), np.nan)
         self._sampled: dict[int, int] = {}
+        self._shown: dict[int, Variants] = {}
 
     def rows(self, where: Ints) -> Variants:
         """Return designs against each threat, (designs times threats)."""
         return self.catalogue.against_each(self.columns.at(where))
+
+    def rows_of(self, place: int) -> Variants:
+        """Return a design that is shown against each threat, (threats,)."""
+        if place not in self._shown:
+            self._shown[place] = self.rows(np.array([place]))
+        return self._shown[place]
 
     def verdicts(self, where: Ints) -> Ints:
         """Return the verdicts on designs by impacts alone: lower limits and samples may be worse."""

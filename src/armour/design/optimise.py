@@ -316,7 +316,7 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
     warnings = [*scenario.unused_impact(), *catalogue.omissions()]
     if place is not None:
         metals = (scenario.entry("metal", layer.material) for layer in catalogue.section.backing)
-        warnings += threat_warnings(scenario, designs.rows(np.array([place])).armours, metals)
+        warnings += threat_warnings(scenario, designs.rows_of(place).armours, metals)
     warnings += [] if catalogue.sampled else scenario.unused_distributions()
     criteria = tuple(catalogue.section.pareto or ())
     frontier, ends = np.empty(0, dtype=np.int64), dict[str, Any]()
@@ -506,7 +506,7 @@ def _why_not_known(designs: Designs, place: int | None) -> str:
             f"the flow stress of {listed(list(names))} comes from a single source, so no design with it is named best; "
             "add a second source to its entry, flow_stress_sources_GPa, or own tests (armour calibrate)"
         )
-    rows = designs.rows(np.array([place]))
+    rows = designs.rows_of(place)
     unknown = np.flatnonzero(asked_of(catalogue, rows).unknown).tolist()
     if not unknown:
         return "the interval of a sampled probability contains the one required; raise uncertainty.samples"
@@ -621,7 +621,7 @@ def _best(designs: Designs, place: int, *, named: bool = False) -> BestDesign:
     offer, searched = catalogue.offers[pair], catalogue.scenario.ballistic_limit
     limit = float(limits[governing])
     sampled = designs.reliability.probabilities(designs.columns, place, quick=False) if designs.reliability else {}
-    rows = designs.rows(where)
+    rows = designs.rows_of(place)
     of_limits = distributions(rows, limits)
     ratio = of_limits.one(governing).times(1.0 / limit)
     stopping = _of_stopping(catalogue, of_limits, sampled)
