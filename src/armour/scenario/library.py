@@ -387,14 +387,14 @@ def hint(name: str, entries: Iterable[LibraryEntry], names: Iterable[str]) -> st
     A name that looks the same comes first.  If no name contains it, as with "5083-H32", the hint is at names that
     contain its first part or, if there are none either, at descriptions, as with "alumina".
     """
-    entries, names = list(entries), list(names)
+    entries, names = list(entries), [*islice(names, MAX_WORDS + 1)]
     if same := [known for known in names if look_of(known) == look_of(name)]:
         return suggestion(name, same)
     first_part = re.split("[ -]", name)[0]
     for alike in (_named(name, entries), _named(first_part, entries), _described(name, entries)):
         if 0 < len(alike) <= MOST_ALIKE:
             return CHOOSE + ", ".join(map(_in_short, alike))
-    return suggestion(name, [*islice(names, MAX_WORDS + 1)]) or "; armour library lists them"
+    return suggestion(name, names) or "; armour library lists them"
 
 
 def _named(text: str, entries: Iterable[LibraryEntry]) -> list[LibraryEntry]:
