@@ -127,9 +127,9 @@ def check(
 ) -> None:
     """Check armours against their threats, and with thinner layers, a faster round or at an angle.
 
-    The verdict is passes, FAILS or not known, and the exit code 3 for the last two. An armour passes if it stops every
-    threat with the required probability or, if none is required, if the ballistic limit by the model is at least the
-    velocity plus the margin. With several scenarios or a folder, --json prints an array of objects.
+    The verdict is passes, FAILS or not known, and the exit code 3 for the last two. An armour passes if it has all that
+    the scenario requires: margins, probabilities of stopping and limits of [design]; if no probability is required, the
+    ballistic limit by the model must reach the velocity. With several scenarios or a folder, --json prints an array.
     """
     from armour.reporting.junit import junit_xml
     from armour.reporting.show import plot as plot_of

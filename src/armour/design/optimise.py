@@ -271,10 +271,10 @@ def armour_in_words(design: Design) -> str:
 def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgress = ignore_progress) -> DesignResult:
     """Find the best design of a scenario that stops its threats.
 
-    A design passes if it stops every threat at the threat's velocity plus margin and has no ballistic limit below
-    that.  The impacts of all designs of given thicknesses are computed: no monotonic dependence is assumed.  For a free
-    thickness, the least value that passes is found by bisection.  Under a bound on the probability of perforation,
-    designs that pass are sampled in the order of the objective.
+    A design passes if it has all that is required, as `check` finds it, by its lowest ballistic limits.  The impacts of
+    all designs of given thicknesses are computed: no monotonic dependence is assumed.  For a free thickness, the least
+    value that passes is found by bisection.  If inputs have distributions and a probability is required, designs are
+    sampled in the order of the objective.
 
     Parameters
     ----------
