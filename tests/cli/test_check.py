@@ -138,7 +138,7 @@ def test_what_threats_replace_cannot_be_changed(cli, change: str):
     [
         ("design.areal_density_max_kg_m2=20", "FAILS: areal density 50.8 kg/m², at most 20 kg/m² allowed"),
         ("design.thickness_max_mm=5", "FAILS: thickness 16 mm, at most 5 mm allowed"),
-        ("design.cost_max_per_m2=3", "not known: cost unknown, at most 3 per m² allowed"),
+        ("design.cost_max_per_m2=3", "cost unknown, at most 3 per m² allowed"),
         ("design.added_thickness_mm=4", "50.8 kg/m², 20 mm thick"),
         ("design.added_areal_density_kg_m2=4", "54.8 kg/m², 16 mm thick"),
         ("uncertainty.impact.velocity_m_s.standard_deviation=100", "stopping the projectile 45.1 %"),
