@@ -133,6 +133,30 @@ def test_what_threats_replace_cannot_be_changed(cli, change: str):
     assert told.endswith("must have an effect: the check does not depend on it")
 
 
+@pytest.mark.parametrize(
+    ("change", "found"),
+    [
+        ("design.areal_density_max_kg_m2=20", "FAILS: areal density 50.8 kg/m², at most 20 kg/m² allowed"),
+        ("design.thickness_max_mm=5", "FAILS: thickness 16 mm, at most 5 mm allowed"),
+        ("design.cost_max_per_m2=3", "cost unknown, at most 3 per m² allowed"),
+        ("design.added_thickness_mm=4", "50.8 kg/m², 20 mm thick"),
+        ("design.added_areal_density_kg_m2=4", "54.8 kg/m², 16 mm thick"),
+        ("uncertainty.impact.velocity_m_s.standard_deviation=100", "stopping the projectile 45.1 %"),
+    ],
+)
+def test_what_is_required_of_an_armour_can_be_changed(cli, change: str, found: str):
+    assert found in cli("check", "reliable", "--set", change).stdout.replace("\n", " ")
+
+
+def test_the_check_of_a_design_requires_the_same(cli):
+    changes = ["design.thickness_max_mm=4", "design.areal_density_max_kg_m2=70"]
+    options = [word for change in changes for word in ("--set", change)]
+    _, then = cli("optimise", "paper/optimum_7.62mm_AP", *options).stderr.rstrip().rsplit("next: ", 1)
+    checked = cli(*shlex.split(then)[1:])
+    assert checked.exit_code == 3
+    assert "at most 4 mm allowed" in checked.stdout
+
+
 def test_no_changes_where_no_velocity_perforates(cli):
     shown = cli("check", "wilkins", "--set", "armour.ceramic_thickness_mm=900").stdout
     assert "passes: no ballistic limit found" in shown

@@ -46,13 +46,16 @@ def requirement_parts(row: Requirement) -> tuple[str, str, str]:
     if row.quantity == "margin_m_s":
         return "margin by the model", f"at least {row.required:+g} m/s", f"{row.found or 0.0:+.0f} m/s"
     if row.quantity == "probability_of_stopping":
-        low, high = row.interval or (0.0, 0.0)
-        sampled = f" ({100.0 * low:.1f} to {100.0 * high:.1f} %, sampled)" if row.interval else ""
-        return STOPPING.label, f"at least {percent(row.required)}", f"{chance(row.found)}{sampled}"
+        found = chance(row.found)
+        if row.found is not None and row.interval is not None:
+            value, low, high = (rounded_down(100.0 * part, 1) for part in (row.found, *row.interval))
+            found = f"{value:.1f} % ({low:.1f} to {high:.1f} %, sampled)"
+        return STOPPING.label, f"at least {percent(row.required)}", found
     if row.quantity == "flow_stress_sources":
         return "sources of the flow stress", least, found
-    column, unit = column_of(row.quantity), OBJECTIVES[row.quantity].unit
-    return column.label, f"at most {row.required:g}{unit}", found if row.found is None else f"{found}{unit}"
+    unit = OBJECTIVES[row.quantity].unit
+    label = column_of(row.quantity).label.removesuffix(unit)
+    return label, f"at most {row.required:g}{unit}", found if row.found is None else f"{found}{unit}"
 
 
 def requirement_words(row: Requirement) -> str:

@@ -11,7 +11,7 @@ from armour.design.requirements import Requirement
 from armour.errors import counted, joined
 from armour.reporting.junit import TestCase, junit_suite
 from armour.reporting.table import Column, Source, Table, column_of, csv_text, listing, record
-from armour.reporting.text import VerdictLine, interval, number, percent, with_interval
+from armour.reporting.text import VerdictLine, interval, percent, with_interval
 from armour.reporting.words import (
     BALLISTIC_LIMIT,
     STOPPING,
@@ -270,7 +270,7 @@ def tables_of_design(result: DesignResult) -> list[Table | str]:
             shown.append(left_out(result))
     if result.pareto:
         shown.append(design_table(result.pareto, "Pareto front"))
-    return [*shown, f"{number(result.designs, 'd')} designs computed"]
+    return [*shown, f"{counted(result.designs, 'design')} computed"]
 
 
 def _answer(scenario: Scenario, best: BestDesign) -> Scenario:
