@@ -257,14 +257,7 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
     bounds = [NO_BOUND if bound is None else bound for bound in map(section.bound, threats)]
     bounded = min(bounds) < NO_BOUND
     sampled = bool(bounded and scenario.distributions())
-    problems = [
-        *_too_many(scenario.file, section, len(threats)),
-        *_wrong_layers(scenario.file, section, sampled=sampled),
-    ]
-    if bounded and not sampled and scenario.excludes_error():
-        message = "must be true if a probability is bounded and no input has a distribution, found false"
-        problems.append(Problem(scenario.file, "uncertainty.model.included", message))
-    refuse(problems)
+    refuse([*_too_many(scenario.file, section, len(threats)), *_wrong_layers(scenario.file, section, sampled=sampled)])
 
     # A bare plate has no ceramic.
     ceramics = [scenario.entry("ceramic", layer.material) if layer.material else None for layer in section.ceramic]

@@ -67,7 +67,8 @@ def asked_of(catalogue: Catalogue, rows: Variants) -> Asked:
     if catalogue.bounded:
         known &= rows.errors.known
     limits = np.where(known & (margins == 0.0), 0.0, rows.velocities + margins)
-    unknown = np.zeros_like(known) if catalogue.scenario.excludes_error() else bounded & ~known
+    by_samples = catalogue.sampled and catalogue.scenario.excludes_error()
+    unknown = np.zeros_like(known) if by_samples else bounded & ~known
     return Asked(limits, np.where(known, bounds, 1.0), unknown)
 
 

@@ -18,6 +18,7 @@ from armour.design.reliability import Reliability
 from armour.design.requirements import ROUNDING, Requirement, against_threat, of_armour
 from armour.design.search import FreeThicknesses, candidates_of, joined, pareto
 from armour.errors import Problem, listed, refuse
+from armour.errors import joined as joined_words
 from armour.evidence.mixture import Mixture
 from armour.evidence.model_error import REMEDY, ModelError, error_of
 from armour.evidence.tests import threat_warnings
@@ -752,7 +753,9 @@ def _why_none(designs: Designs, unlimited: Designs, pairs: Sequence[int], least:
     bounded, not_known = catalogue.bounded, least == NOT_KNOWN
     threats = catalogue.titles[0] if len(catalogue.titles) == 1 else "every threat"
     where = ", where it is known" if bounded and not_known else ""
-    required = f" with the probability required{where}" if bounded else ""
+    asked = ["the margin"] if catalogue.margins_m_s.any() else []
+    asked += [f"the probability required{where}"] if bounded else []
+    required = f" with {joined_words(asked)}" if bounded else ""
     first = unlimited.first(np.flatnonzero(np.isin(unlimited.columns.pair, pairs)), least, by_samples=False)
     if first is not None and (exceeded := _exceeded(section, unlimited, first, threats + required)):
         return exceeded
@@ -770,7 +773,7 @@ def _why_none(designs: Designs, unlimited: Designs, pairs: Sequence[int], least:
         # The table of pairs need not say in each row what can give the error.
         return f"the model error is not known{against}: {why if all_pairs else why.removesuffix(f'; {REMEDY}')}"
     hint = f"; if the model error is not known, {REMEDY}" if unknown.any() else ""
-    if catalogue.sampled:
+    if catalogue.sampled and not catalogue.margins_m_s.any():
         runners_up = "" if all_pairs else f" within {section.runners_up_percent:g} % of the best"
         return f"no design{runners_up} keeps the probability of perforation within the bound of every threat{hint}"
     constrained = any(getattr(section, objective.bound) is not None for objective in OBJECTIVES.values())
