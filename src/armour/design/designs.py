@@ -162,6 +162,8 @@ class Designs:
     columns : CandidateDesigns
     offered : array of int
         Places of the designs within the limits of the section ``design``.
+    one_source : array of bool
+        Whether a single source gives the flow stress of the ceramic of each design; such a design is never the best.
     """
 
     def __init__(
@@ -172,6 +174,7 @@ class Designs:
         self.catalogue, self.runs, self.reliability = catalogue, runs, reliability
         self.values = catalogue.objective(self.columns)
         self.offered = np.flatnonzero(catalogue.violations(self.columns) <= 0.0)
+        self.one_source = catalogue.one_source[self.columns.pair] & (self.columns.ceramic_mm > 0.0)
         count = len(self.values)
         self._verdicts, self._known = np.full(count, UNJUDGED), np.zeros(count, dtype=bool)
         self._limits, self._slack = np.full((2, count, len(catalogue.threats)), np.nan)
