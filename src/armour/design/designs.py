@@ -22,6 +22,7 @@ from armour.analysis.variants import (
 )
 from armour.design.catalogue import NO_BOUND, CandidateDesigns, Catalogue, first_backings
 from armour.design.reliability import Reliability
+from armour.design.requirements import verdict_of, verdict_of_samples
 from armour.scenario.schema import FASTEST_M_S
 
 # Verdicts on designs, from the worst; UNJUDGED is none yet.
@@ -247,11 +248,8 @@ class Designs:
         if place not in self._sampled:
             estimates = self.reliability.probabilities(self.columns, place, quick=True)
             bounds = dict(zip(self.catalogue.titles, self.catalogue.bounds.tolist(), strict=True))
-            verdicts = (
-                PASSES if found.high <= bounds[threat] else FAILS if found.low > bounds[threat] else NOT_KNOWN
-                for threat, found in estimates.items()
-            )
-            self._sampled[place] = min(verdicts, default=PASSES)
+            verdict = verdict_of(verdict_of_samples(found, bounds[threat]) for threat, found in estimates.items())
+            self._sampled[place] = {"fails": FAILS, "not known": NOT_KNOWN, "passes": PASSES}[verdict]
         return self._sampled[place]
 
     def first(self, where: Ints, least: int = PASSES, *, by_samples: bool = True) -> int | None:

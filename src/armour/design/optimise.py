@@ -15,7 +15,7 @@ from armour.analysis.variants import Ints, distributions, why_error_unknown
 from armour.design.catalogue import FIRST_VALUES, MARGIN, NO_BOUND, CandidateDesigns, Catalogue, catalogue_of
 from armour.design.designs import NOT_KNOWN, PASSES, Designs, Runs, asked_of, stopped, verdicts_of
 from armour.design.reliability import Reliability
-from armour.design.requirements import ROUNDING, Requirement, against_threat, of_armour
+from armour.design.requirements import Requirement, against_threat, of_armour
 from armour.design.search import FreeThicknesses, candidates_of, joined, pareto
 from armour.errors import Problem, listed, refuse
 from armour.evidence.mixture import Mixture
@@ -626,7 +626,6 @@ def _best(designs: Designs, place: int, *, named: bool = False) -> BestDesign:
     stopping = _of_stopping(catalogue, of_limits, sampled)
     required = rows.velocities + catalogue.margins_m_s
     stops = stopped(rows._replace(velocities=required), Runs()).tolist()
-    amounts = {key: getattr(design, key) for key in OBJECTIVES}
     requirements = [
         row
         for i, threat in enumerate(catalogue.threats)
@@ -657,19 +656,18 @@ def _best(designs: Designs, place: int, *, named: bool = False) -> BestDesign:
         model_error=error_of(catalogue.scenario, ratio, rows.armours.at(np.array([governing]))),
         short_m_s=short,
         exceeds=_exceeds(catalogue.section, design),
-        requirements=(*requirements, *of_armour(catalogue.section, amounts)),
+        requirements=(*requirements, *of_armour(catalogue.section, vars(design))),
         flow_stress=dict(_flow_stress(designs, place, stopping)) if named else {},
     )
 
 
 def _exceeds(section: DesignSection, design: Design) -> dict[str, float]:
     """Return the excess of a design over each limit of a section, by key."""
-    exceeds = {}
-    for name, objective in OBJECTIVES.items():
-        value, bound = getattr(design, name), getattr(section, objective.bound)
-        if bound is not None and value > bound * (1 + ROUNDING):
-            exceeds[objective.bound] = value - bound
-    return exceeds
+    return {
+        OBJECTIVES[row.quantity].bound: row.found - row.required
+        for row in of_armour(section, vars(design))
+        if row.found is not None and row.verdict == "fails"
+    }
 
 
 def _flow_stress(
@@ -795,15 +793,12 @@ def _exceeded(section: DesignSection, unlimited: Designs, place: int, threats: s
     """Return in words the constraints that the best design without them exceeds; "" for none."""
     least = OBJECTIVES[section.minimise].least
     [design] = as_results(unlimited, np.array([place]))
-    exceeded = []
-    for name, objective in OBJECTIVES.items():
-        if objective.bound in _exceeds(section, design):
-            value, bound, unit = getattr(design, name), getattr(section, objective.bound), objective.unit
-            exceeded.append(
-                f"design.{objective.bound}: the {least} design that stops {threats} has {value:.4g}{unit}, "
-                f"at most {bound:g}{unit} is allowed"
-            )
-    return "; ".join(exceeded)
+    rows = ((row, OBJECTIVES[row.quantity]) for row in of_armour(section, vars(design)) if row.verdict == "fails")
+    return "; ".join(
+        f"design.{words.bound}: the {least} design that stops {threats} has {row.found:.4g}{words.unit}, "
+        f"at most {row.required:g}{words.unit} is allowed"
+        for row, words in rows
+    )
 
 
 def _subject(catalogue: Catalogue) -> str:
