@@ -139,7 +139,7 @@ class Catalogue:
 
     @cached_property
     def one_source(self) -> Bools:
-        """Whether a single source gives the flow stress of the ceramic of each pair; such a pair is never the best."""
+        """Whether a single source gives the flow stress of the ceramic of each pair."""
         ceramics = (materials.ceramic for materials in self.materials)
         return np.array([ceramic is not None and ceramic.has_one_source for ceramic in ceramics])
 

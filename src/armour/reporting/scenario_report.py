@@ -38,8 +38,8 @@ from armour.statistics.sensitivity import SensitivityResult, sensitivity
 from armour.statistics.uncertainty import UncertaintyResult, uncertainty
 
 Answer = TypeVar("Answer")
-# Keys of [design] that apply to any armour and do not ask for a design.
-KEYS_OF_ANY_ARMOUR = {"confidence", "thickness_tolerance_mm", "angles_as_at_normal_incidence"}
+# Keys of [design] that ask for a design; the others apply to any armour.
+ASKING = {"minimise", "pareto", "runners_up_percent", "ceramic", "backing"}
 # What the model leaves out, see docs/limits.md.
 ASSUMPTIONS = (
     ("Penetrator", "a flat-ended cylinder of one material; jacket, tip, sabot and fracture of the core are left out"),
@@ -81,7 +81,7 @@ class Contents:
 def asks_for_design(scenario: Scenario) -> bool:
     """Return whether a scenario asks for the best design."""
     section = scenario.design
-    return scenario.optimise is not None or (section is not None and not section.model_fields_set <= KEYS_OF_ANY_ARMOUR)
+    return scenario.optimise is not None or (section is not None and not section.model_fields_set.isdisjoint(ASKING))
 
 
 def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *, as_is: bool = False) -> Contents:

@@ -122,8 +122,9 @@ def rounded_up(number: float) -> str:
 
 def basis_notes(answer: ConfidenceResult | CheckedThreat) -> list[str]:
     """Return what the probability rests on, or why it is unknown and what the flow stress must be."""
-    if answer.model_error is not None and answer.probability_of_stopping is not None:
-        return [model_error_words(answer.model_error)]
+    if answer.probability_of_stopping is not None:
+        error = answer.model_error
+        return [SAMPLED_ALONE if error is None else model_error_words(error)]
     unknown = f"{STOPPING.label}: unknown, {answer.reason}"
     if (at_normal := answer.probability_at_normal_incidence) is not None:
         unknown += f"; at 0°: {chance(at_normal)}, and bare plates stop cores at least as well"

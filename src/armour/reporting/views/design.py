@@ -389,9 +389,10 @@ def what_if_tables(threat: CheckedThreat, title: str) -> list[Table]:
 
     There is no table if no velocity perforates the armour, changed or not.
     """
-    is_known = threat.probability_of_stopping is not None
+    as_given = threat.as_given()
+    is_known = as_given.probability_of_stopping is not None
     table = listing(
-        (threat.as_given(), *threat.what_ifs),
+        (as_given, *threat.what_ifs),
         (Column("if", prose=True), lambda what_if: what_if.change),
         LIMIT,
         (INTERVAL, lambda what_if: interval(what_if.interval_m_s, ".0f")),
