@@ -320,7 +320,7 @@ INTERVAL = Column("95 % interval", "m/s", prose=True)
 LIMIT = column_of("ballistic_limit_m_s", label="limit")
 MARGIN = column_of("margin_m_s", "+.0f")
 # Words of the verdicts, of which one that is overlooked does harm.
-VERDICTS = {"passes": "passes", "not known": "not known", "fails": "FAILS"}
+VERDICTS = {"passes": "passes", "fails": "FAILS", "not known": "not known"}
 
 
 def verdict(threat: CheckedThreat) -> str:
@@ -340,8 +340,8 @@ def finding(threat: CheckedThreat) -> str:
     """Return the probability or the ballistic limit of an armour against a threat, and what is required of it."""
     limit, needed = threat.ballistic_limit_m_s, threat.velocity_m_s + threat.required_margin_m_s
     by_model = "no ballistic limit found" if limit is None else f"ballistic limit by the model {limit:.0f} m/s"
-    rows = sorted(threat.requirements, key=lambda row: list(VERDICTS).index(row.verdict), reverse=True)
-    words = [requirement_words(row) for row in rows]
+    rows = threat.requirements
+    words = [requirement_words(row) for row in rows if row.verdict == threat.verdict]
     if threat.required_probability is None:
         probability = chance(threat.probability_of_stopping, threat.model_error)
         words = [requirement_words(row) for row in rows if row.quantity == SOURCES]
