@@ -55,6 +55,62 @@ def probability(result: ConfidenceResult) -> float:
     return result.probability_of_stopping
 
 
+VERY = parse_scenario(
+    {
+        "impact": {"projectile": "7.62 mm B32", "velocity_m_s": 905.0},
+        "armour": {
+            "ceramic": "Alumina 98",
+            "ceramic_thickness_mm": 8.0,
+            "backing": "ARMOX500",
+            "backing_thickness_mm": 6.5,
+        },
+        "library": {
+            "ceramic": {
+                "Alumina 98": {"density_kg_m3": 3820.0, "youngs_modulus_GPa": 350.0, "flow_stress_GPa": 5.7},
+            },
+            "projectile": {
+                "dense": {
+                    "penetrator_diameter_mm": 5.6,
+                    "penetrator_mass_g": 5.9,
+                    "density_kg_m3": 14900.0,
+                    "flow_stress_GPa": 4.5,
+                },
+                "large": {"based_on": "12.7 mm APM2", "penetrator_mass_g": 30.0},
+            },
+        },
+    }
+)
+VERY_TESTS = ("8,7.62 mm B32,905,12", "8,dense,745,15", "12,large,790,10")
+
+
+@cache
+def very(*rows: str) -> Scenario:
+    """The armour with own tests, the first of which is of this very armour."""
+    columns = f"{CERAMIC},impact.projectile,ballistic_limit_m_s,ballistic_limit_uncertainty_m_s"
+    return scenario_of(table_of(VERY, columns, *rows), VERY, FLOW_STRESS)
+
+
+@pytest.mark.parametrize(("count", "most"), [(1, 0.32), (3, 0.45)])
+def test_the_limit_of_the_very_armour_is_what_was_measured(count: int, most: float):
+    """905 ± 12 m/s were measured; two tests of other rounds say more (A1)."""
+    case = very(*VERY_TESTS[:count])
+    assert 0.4 <= probability(confidence(case)) <= 0.7
+    assert probability(confidence(case.replaced({VELOCITY: 1.03 * 905.0}))) <= most
+
+
+def test_against_a_round_that_was_not_fired_the_interval_is_wider():
+    case = very(VERY_TESTS[0])
+    larger = {"impact.projectile": "14.5 mm B32", CERAMIC: 16.3, BACKING: 13.2}
+    widths = [high / low for low, high in (interval_of(case), interval_of(case.replaced(larger)))]
+    assert widths[1] > 1.1 * widths[0]
+
+
+def interval_of(case: Scenario) -> tuple[float, float]:
+    result = confidence(case)
+    assert result.interval_m_s is not None, result.reason
+    return result.interval_m_s
+
+
 FRAGMENT = plate("20 mm FSP", 402.0, 30.0)
 THICK = table_of(FRAGMENT, f"{BACKING},ballistic_limit_m_s", "36.6,865", "37,848", "37,881")
 

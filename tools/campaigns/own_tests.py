@@ -81,10 +81,10 @@ def mixture_of(found: Sequence[Fit], q: Any, shifts: Sequence[Floats], ranges: A
     """Return distributions of the ratio of limits, given those by each law over that they are relative to."""
     weights = np.exp([fit.weight - max(one.weight for one in found) for fit in found])
     parts = [fit.predicted(q, ranges) for fit in found]
-    locations = np.array([location + shift for (location, _), shift in zip(parts, shifts, strict=True)])
-    scales, freedom = np.array([scale for _, scale in parts]), np.array([fit.degrees_of_freedom for fit in found])
-    like = np.ones_like(locations)
-    return Mixture(like * (weights / weights.sum())[:, None], locations, scales, like * freedom[:, None])
+    locations, scales, narrowed = (np.array(columns) for columns in zip(*parts, strict=True))
+    freedom, like = np.array([[fit.degrees_of_freedom] for fit in found]), np.ones_like(locations)
+    weights = like * (weights / weights.sum())[:, None]
+    return Mixture(weights, locations + shifts, scales, like * freedom, narrowed=narrowed)
 
 
 def updated(fit: Fit, tests: Plates | Tiles, extra_deviation: float = 0.0) -> Fit:

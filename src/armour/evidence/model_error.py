@@ -121,7 +121,8 @@ class Errors(NamedTuple):
     def unknown(cls, count: int, laws: int = 1) -> "Errors":
         """Return n errors that are not known."""
         shape = (laws, count)
-        ratio = Mixture(np.full(shape, np.nan), np.zeros(shape), np.ones(shape), np.ones(shape))
+        nothing, ones = np.zeros(shape), np.ones(shape)
+        ratio = Mixture(np.full(shape, np.nan), nothing, ones, ones.copy(), narrowed=ones.copy())
         return cls(ratio, np.zeros((laws, len(LAW_FIELDS), count)))
 
     def at(self, where: Any) -> "Errors":
@@ -208,8 +209,9 @@ def _set_errors(errors: Errors, first: int, evidence: Evidence, where: Any, armo
             if fit is first_fit and not evidence.lot:
                 by_law = {}
             with_law = members._replace(parameters=members.parameters._replace(**by_law))
-            values = (fit.weight, *fit.predicted(with_law.quantities(), doubted), fit.degrees_of_freedom)
-            for array, numbers in zip(errors.ratio[:4], values, strict=True):
+            *of_limit, narrowed = fit.predicted(with_law.quantities(), doubted)
+            values = (fit.weight, *of_limit, fit.degrees_of_freedom, narrowed)
+            for array, numbers in zip((*errors.ratio[:4], np.asarray(errors.ratio.narrowed)), values, strict=True):
                 array[place][where[rows]] = numbers
             errors.parameters[place][:, where[rows]] = law_of(with_law.parameters)
 

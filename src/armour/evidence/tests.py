@@ -302,7 +302,7 @@ def _distances(fit: Fit, tests: LotTests, level: Sequence[float] | None) -> Any:
 
     A stopped shot deviates upwards alone, a perforating one downwards.
     """
-    location, scale = fit.predicted(tests.quantities, {})
+    location, scale, _ = fit.predicted(tests.quantities, {})
     mean, deviation = level or (0.0, 0.0)
     errors = tests.errors - location - mean
     return np.where(tests.sides == 0.0, abs(errors), tests.sides * errors) / np.hypot(scale, deviation)
