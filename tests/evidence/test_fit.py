@@ -12,6 +12,7 @@ from armour.evidence.fit import (
     LEAST_REST,
     LENGTH,
     REPEAT,
+    SAFE,
     LotTests,
     as_measurements,
     confirmed,
@@ -205,10 +206,11 @@ def test_a_level_replaces_that_of_the_fit():
 
 
 def test_the_lower_of_two_distributions_has_no_greater_probability():
+    """At the median, above it, and on its safe side, as far as `SAFE` scales."""
     given = [(np.array([0.02, -0.1, 0.0]), np.array([0.05, 0.05, 0.08]) ** 2)]
     given.append((np.array([0.05, 0.0, -0.02]), np.array([0.09, 0.05, 0.05]) ** 2))
     location, variance, narrowed = lower_of(given)
-    for score in np.linspace(-4.0, 4.0, 13):
+    for score in np.linspace(-SAFE, 4.0, 13):
         factor = np.where(score > 0.0, narrowed, 1.0)
         places = location + score * factor * np.sqrt(variance)
         for mean, square in given:

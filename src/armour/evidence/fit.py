@@ -29,6 +29,8 @@ LEAST_REST = 0.04
 REPEAT, LENGTH = 0.03, 0.15
 # Chance of a gross error of an own test of a plate, such as a mistyped number, and its standard deviation.
 CHANCE, GROSS_ERROR = 0.05, 0.25
+# Number of scales below the median as far as which the lower of two distributions is the lower one: beyond 99 %.
+SAFE = 3.0
 # Greatest distance of armours that are called the same.
 SAME_ARMOUR = 0.02
 # Quantities that make an armour, and the least number whose logarithm is taken.
@@ -294,8 +296,9 @@ def lower_of(given: Sequence[tuple[Floats, Floats]]) -> tuple[Floats, Floats, Fl
     A limit is above any velocity with at most the probability that each of the distributions gives.
     """
     means, variances = (np.array(columns) for columns in zip(*given, strict=True))
-    widest = variances.max(axis=0)
-    return means.min(axis=0), widest, np.sqrt(variances.min(axis=0) / widest)
+    location, scales = means.min(axis=0), np.sqrt(variances)
+    scale = (scales - (means - location) / SAFE).max(axis=0)
+    return location, scale**2, scales.min(axis=0) / scale
 
 
 def confirmed(tests: LotTests, deviations: Floats, variances: Floats) -> Any:
