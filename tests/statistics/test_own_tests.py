@@ -10,9 +10,11 @@ import pytest
 
 from armour.analysis.ballistic_limit import ConfidenceResult, confidence
 from armour.analysis.evaluate import evaluate
+from armour.design.check import check
 from armour.design.optimise import optimise
 from armour.errors import InputError, NoAnswerError
 from armour.evidence.tests import armours_of, scenario_warnings
+from armour.reporting.words import model_error_words
 from armour.scenario.inputs import BACKING, CERAMIC, FLOW_STRESS, OBLIQUITY, VELOCITY
 from armour.scenario.scenario import Scenario, parse_scenario
 from armour.statistics.calibration import Law, calibrate
@@ -103,6 +105,39 @@ def test_against_a_round_that_was_not_fired_the_interval_is_wider():
     larger = {"impact.projectile": "14.5 mm B32", CERAMIC: 16.3, BACKING: 13.2}
     widths = [high / low for low, high in (interval_of(case), interval_of(case.replaced(larger)))]
     assert widths[1] > 1.1 * widths[0]
+
+
+def test_answers_show_what_was_measured_here_and_what_the_other_tests_say():
+    case = very(*VERY_TESTS)
+    answers = [confidence(case).model_error, check(case).threats[0].model_error]
+    only = {"ceramic_thickness_mm": {"min": 8.0, "max": 8.0, "step": 1.0}}
+    only |= {"backing_thickness_mm": {"min": 6.5, "max": 6.5, "step": 1.0}}
+    answers.append(best_of(optimise(case.replaced({"optimise": only, VELOCITY: 800.0}))).model_error)
+    for error in answers:
+        assert error is not None
+        here = error.tests_here
+        assert here is not None
+        assert (here.limits_m_s, here.uncertainties_m_s, here.others) == ((905.0,), (12.0,), 2)
+        # As the two others alone are calibrated to, but for their own fitted flow stress.
+        alone = confidence(very(*VERY_TESTS[1:]))
+        assert here.median_m_s == pytest.approx(alone.median_m_s, rel=0.02)
+        words = model_error_words(error)
+        assert "measured 905 ± 12 m/s here (1 own test); the 2 other own tests alone: about 10" in words
+        assert words.endswith("rests on one test of this armour: a second V50 would settle it")
+    elsewhere = confidence(case.replaced({CERAMIC: 8.5})).model_error
+    assert elsewhere is not None
+    assert elsewhere.tests_here is None
+
+
+def test_a_second_test_of_the_armour_settles_it():
+    once, twice = (very(VERY_TESTS[0], *VERY_TESTS[1:], *more) for more in ((), ("8,7.62 mm B32,915,12",)))
+    errors = [confidence(case).model_error for case in (once, twice)]
+    assert errors[1] is not None
+    assert "settle" not in model_error_words(errors[1])
+    assert interval_of(twice)[0] > interval_of(once)[0] + 15.0
+    torn = confidence(very(*VERY_TESTS, "8,7.62 mm B32,1105,12")).model_error
+    assert torn is not None
+    assert "these tests do not agree" in model_error_words(torn)
 
 
 def interval_of(case: Scenario) -> tuple[float, float]:

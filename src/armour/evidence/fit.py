@@ -105,6 +105,11 @@ class LotTests(NamedTuple):
     uncertainties: Floats  # relative standard deviations of the measurements
     armours: Any  # numbers of the armours: shots at the same armour have the same limit
 
+    def at(self, where: Any) -> "LotTests":
+        """Return some of the tests."""
+        some = {name: column[where] for name, column in self.quantities.items()}
+        return LotTests(some, *(column[where] for column in self[1:]))
+
 
 class Fit(NamedTuple):
     """A fit of the logarithm of the armour's ballistic limit over the model's."""
@@ -148,8 +153,11 @@ class Fit(NamedTuple):
         level : sequence of float, optional
             Mean and standard deviation of the first coefficient, for a lot that the fit does not cover.
         """
-        lot = self._of_lot(extra_deviation, level)
-        K, deviations = lot.of_tests(tests)
+        return self._of_lot(extra_deviation, level).given(tests)
+
+    def given(self, tests: LotTests) -> "Fit":
+        """Return the fit for a lot, which this is of, given its tests; see `updated`."""
+        K, deviations = self.of_tests(tests)
         variances = tests.uncertainties**2
         limits, shots = np.flatnonzero(tests.sides == 0.0), np.flatnonzero(tests.sides)
         S = K[np.ix_(limits, limits)] + np.diag(variances[limits])
@@ -164,9 +172,13 @@ class Fit(NamedTuple):
         # With a ceramic, lots differ so much that a gross error looks like an armour that deviates: the deviations of
         # those that no other test confirms are shared and not shared.
         cases = [(0.0, 1.0), (0.0, confirmed(tests, deviations, variances))] if has_ceramic else [(CHANCE, 1.0)]
-        own = tuple(Posterior.of(lot, tests, deviations, variances, *case) for case in cases)
+        own = tuple(Posterior.of(self, tests, deviations, variances, *case) for case in cases)
         freedom = self.degrees_of_freedom + len(deviations)
-        return lot._replace(degrees_of_freedom=freedom, weight=log_density + own[0].log_factor, own=own)
+        return self._replace(degrees_of_freedom=freedom, weight=log_density + own[0].log_factor, own=own)
+
+    def without(self, where: Any) -> "Fit":
+        """Return the fit for a lot given its tests but for some, (n,) whether to leave it out."""
+        return self.own[0].lot.given(self.own[0].tests.at(~where))
 
     def probabilities_of_farther(
         self, tests: LotTests, extra_deviation: float = 0.0, level: Sequence[float] | None = None
@@ -284,6 +296,11 @@ class Posterior(NamedTuple):
         return matrix @ lot.coefficients + gain @ (self.deviations - self.shifts), variance
 
     @property
+    def confirmed(self) -> Any:
+        """Which tests another one of the same armour confirms, 0 or 1."""
+        return confirmed(self.tests, self.tests.errors, self.tests.uncertainties**2)
+
+    @property
     def coefficients(self) -> Floats:
         """Coefficients of the lot given its tests."""
         lot, Z = self.lot, matrix_of(self.lot.terms, self.lot.reference, self.tests.quantities)
@@ -303,10 +320,14 @@ def lower_of(given: Sequence[tuple[Floats, Floats]]) -> tuple[Floats, Floats, Fl
 
 def confirmed(tests: LotTests, deviations: Floats, variances: Floats) -> Any:
     """Return which of n tests another test of the same armour confirms, (n,), 0 or 1."""
-    q = tests.quantities
-    same = same_rods(q, q) & (distances(q, q) < SAME_ARMOUR) & ~np.eye(len(deviations), dtype=bool)
+    same = is_same_armour(tests.quantities, tests.quantities) & ~np.eye(len(deviations), dtype=bool)
     apart = abs(deviations[:, None] - deviations) < 2.0 * np.sqrt(2.0 * REPEAT**2 + variances[:, None] + variances)
     return (same & apart).any(axis=1).astype(float)
+
+
+def is_same_armour(q: Quantities, tested: Quantities) -> Any:
+    """Return whether n armours are those of m tests, against the same rounds, (n, m)."""
+    return same_rods(q, tested) & (distances(q, tested) < SAME_ARMOUR)
 
 
 def distances(q: Quantities, tested: Quantities) -> Floats:

@@ -190,6 +190,11 @@ class Armours(NamedTuple):
         parameters = parameters._replace(Hc0=parameters.Hc0 * cosines, Hb=parameters.Hb * cosines)
         return self._replace(parameters=parameters, cosines=np.ones_like(cosines))
 
+    def with_law(self, values: Mapping[str, Any]) -> "Armours":
+        """Return the armours with other parameters, such as those of a law, by name."""
+        columns: dict[str, Any] = {name: np.full(len(self.cosines), value) for name, value in values.items()}
+        return self._replace(parameters=self.parameters._replace(**columns))
+
     def quantities(self) -> dict[str, Any]:
         """Return what the evidence depends on."""
         tensile = np.array([tensile_strength(materials.backing) for materials in self.materials])
