@@ -243,3 +243,15 @@ def test_own_tests_of_a_ceramic_carry_the_answer_once_another_confirms_them():
 def zeros(count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Sides of limits, exact measurements, and numbers of armours."""
     return np.zeros(count), np.zeros(count), np.arange(count)
+
+
+def test_tests_of_two_laboratories_tell_less_of_a_third():
+    q = PLATES.at([0, 0, 0]).quantities
+    errors = [-0.2, -0.21, -0.19]
+    scales = []
+    for series in ([0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 2.0]):
+        tests = lot(errors)._replace(quantities={**q, "series": np.array(series)})
+        scales.append(FIT.updated(tests).predicted(PLATES.at([0]).quantities, {})[1][0])
+    without = FIT.updated(lot(errors)._replace(quantities=q)).predicted(PLATES.at([0]).quantities, {})[1][0]
+    assert scales[0] == without
+    assert scales[0] < scales[2] < scales[1]

@@ -364,7 +364,8 @@ def test_tests_of_a_series_of_wilkins_predict_the_others_of_it(own: int):
 def test_tests_of_a_real_lot_predict_the_others_of_it():
     """As on docs/own-tests.md, of fewer draws."""
     before, after = (
-        {lot.name: lot.means for lot in campaign.lots_of("fragments_aluminium", own, draws=20)} for own in (0, 1)
+        {lot.name: lot.by_kind["all"] for lot in campaign.lots_of("fragments_aluminium", own, draws=20)}
+        for own in (0, 1)
     )
     shares = [100.0 * sum(lots[name][2] for name in after) / len(after) for lots in (before, after)]
     assert min(shares) >= 95.0
@@ -433,3 +434,43 @@ def test_evidence_that_cannot_be_is_refused():
         changed = {**good, "tests": {**good["tests"], key: [value]}}
         with pytest.raises(InputError, match=f"{key} has an impossible number"):
             parse_scenario({**data, "library": {"ceramic": {"AD85, lot 7": {**entry, "evidence": changed}}}})
+
+
+LABORATORIES = [(6, 734, 801), (7, 878, 963), (8, 925, 1018), (9, 926, 1010), (10, 1033, 1137)]
+
+
+@pytest.mark.parametrize(("column", "apart"), [("laboratory", True), ("date", True), ("laboratory", False)])
+def test_residuals_that_split_by_a_column_that_is_no_input_are_warned_of(column: str, apart: bool):
+    """Two laboratories that differ by 10 % (A6), or of the same limits."""
+    rows = [f"{name},{c},{b if name == 'B' and apart else a}" for name in "AB" for c, a, b in LABORATORIES]
+    rows = [f"{i},{row}" for i, row in enumerate(rows)]
+    case = shipped_scenario("wilkins")
+    tests = table_of(case, f"test,{column},{CERAMIC},ballistic_limit_m_s", *rows)
+    result = calibrate(tests, case)
+    named = [warning for warning in result.warnings if f"the deviations differ by {column}: A -4." in warning]
+    assert len(named) == apart
+    assert result.evidence is not None
+    assert ("series" in result.evidence["tests"]) == (column == "laboratory")
+
+
+def test_an_answer_is_for_a_laboratory_that_did_not_test():
+    case = shipped_scenario("wilkins")
+    rows = [
+        f"{i},{name},{c},{limit}" for i, (name, c, limit) in enumerate([("A", 6, 690), ("A", 7, 740), ("B", 8, 800)])
+    ]
+    header = f"test,laboratory,{CERAMIC},ballistic_limit_m_s"
+    one = [row.replace("B", "A") for row in rows]
+    (low, high), (lowest, highest) = (
+        interval_of(scenario_of(table_of(case, header, *table), case, FLOW_STRESS)) for table in (one, rows)
+    )
+    assert highest / lowest > high / low
+
+
+def test_a_limit_that_is_only_known_to_be_above_or_below_is_an_outcome():
+    case = shipped_scenario("wilkins")
+    bounds = table_of(case, f"{CERAMIC},ballistic_limit_m_s", "6,700", "8,above 900", "5,<= 800", "7,> 650")
+    columns = f"{CERAMIC},ballistic_limit_m_s,{VELOCITY},outcome"
+    outcomes = table_of(case, columns, "6,700,,", "8,,900,stopped", "5,,800,perforated", "7,,650,stopped")
+    assert bounds.measurements == outcomes.measurements
+    with pytest.raises(InputError, match="must be a number"):
+        table_of(case, "ballistic_limit_m_s", "above all")

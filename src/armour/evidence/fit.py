@@ -31,6 +31,8 @@ REPEAT, LENGTH = 0.03, 0.15
 CHANCE, GROSS_ERROR = 0.05, 0.25
 # Number of scales below the median as far as which the lower of two distributions is the lower one: beyond 99 %.
 SAFE = 3.0
+# Standard deviation between laboratories or series of tests of one lot, where they are named.
+BETWEEN_SERIES = 0.04
 # Greatest distance of armours that are called the same.
 SAME_ARMOUR = 0.02
 # Quantities that make an armour, and the least number whose logarithm is taken.
@@ -219,6 +221,8 @@ class Fit(NamedTuple):
         matrix, rest, repeat = matrix_of(self.terms, self.reference, q), *self.variances_of_test()
         K = self.covariance_of(q, q, shared * np.reshape(shared, (-1, 1)))
         K += same_armour * (repeat + (rest - repeat) * (1.0 - shared))
+        if "series" in q:
+            K += series_variance(q) * (q["series"][:, None] == q["series"])
         return K, tests.errors - matrix @ self.coefficients
 
     def variances_of_test(self) -> tuple[float, float]:
@@ -290,7 +294,7 @@ class Posterior(NamedTuple):
         covariance = lot.covariance_of(q, self.tests.quantities, self.shared)
         gain = covariance @ self.precision
         before = np.einsum("ni,ij,nj->n", matrix, lot.covariance, matrix)
-        before += lot.standard_deviations[1] ** 2 + lot.variances_of_test()[0]
+        before += lot.standard_deviations[1] ** 2 + lot.variances_of_test()[0] + series_variance(self.tests.quantities)
         variance = self.widened_by * (before - (gain * covariance).sum(axis=1))
         variance += gain**2 @ self.variances - (gain @ self.shifts) ** 2
         return matrix @ lot.coefficients + gain @ (self.deviations - self.shifts), variance
@@ -305,6 +309,11 @@ class Posterior(NamedTuple):
         """Coefficients of the lot given its tests."""
         lot, Z = self.lot, matrix_of(self.lot.terms, self.lot.reference, self.tests.quantities)
         return lot.coefficients + lot.covariance @ Z.T @ self.precision @ (self.deviations - self.shifts)
+
+
+def series_variance(tested: Quantities) -> float:
+    """Return the variance of the effects of the series of tests: 0 unless there are several, which are named."""
+    return BETWEEN_SERIES**2 * (len({*tested.get("series", ())}) > 1)
 
 
 def lower_of(given: Sequence[tuple[Floats, Floats]]) -> tuple[Floats, Floats, Floats]:

@@ -19,9 +19,18 @@ from armour.evidence.fit import law_parameters, shipped_data
 from armour.evidence.model_error import other_settings
 from armour.evidence.tests import armours_of, is_outside, shipped_evidence, shipped_evidence_of
 from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, cosine_of
-from armour.scenario.library import FLOW_STRESS_LAW, IN_COMMON, RESULTS, VARIED, LawTests, LibraryEntry, OwnTests
+from armour.scenario.library import (
+    FLOW_STRESS_LAW,
+    IN_COMMON,
+    RESULTS,
+    SERIES,
+    VARIED,
+    LawTests,
+    LibraryEntry,
+    OwnTests,
+)
 from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S
-from armour.statistics.measured import LIMIT, Tests
+from armour.statistics.measured import LIMIT, Tests, series_of
 
 # Relative standard deviation of the velocity at which shots perforate an armour, if none is given.
 SHOT_SCATTER = 0.02
@@ -102,10 +111,13 @@ def own_tests(tests: Tests, fitted: Mapping[str, float]) -> OwnTests | None:
     values = armours_of(calibrated).quantities()
     scatter = [abs(m.side) * SHOT_SCATTER * m.value if m.uncertainty is None else m.uncertainty for m in shots]
     q |= {"velocity_m_s": velocities, "uncertainty_m_s": np.array(scatter), "side": sides}
+    names = [series_of(tests, shot.test) for shot in shots]
+    kept = (*VARIED, *IN_COMMON, *RESULTS, *[SERIES] * (len({*names}) > 1))
+    q[SERIES] = np.array([float(sorted({*names}).index(name)) for name in names])
     return OwnTests(
         source=f"{counted(len(tests.names), 'test')} of {Path(tests.file).name}",
         calibrated={name: float(values[name][0]) for name in QUANTITIES_OF_ROLE[role]},
-        tests={name: _rounded(q[name]) for name in (*VARIED, *IN_COMMON, *RESULTS)},
+        tests={name: _rounded(q[name]) for name in kept},
         law=laws,
     )
 
