@@ -28,7 +28,7 @@ from armour.scenario.inputs import BACKING, CERAMIC, FLOW_STRESS
 from armour.scenario.scenario import load_scenario
 from armour.statistics.calibration import with_ceramic
 from armour.statistics.measured import LIMIT, read_tests
-from armour.statistics.own_tests import SHOT_SCATTER, UNTESTED, own_tests
+from armour.statistics.own_tests import SHOT_SCATTER, UNTESTED, mixture_of, own_tests
 from tools.campaigns.evidence import NAMES, ranges_of, table, write_tables
 from tools.campaigns.verdict import verdict
 from tools.evidence import GROUPS, LAWS, ROOT, SERIES, Plates, Tiles, fitted, fitted_law, plates_of, tiles_of
@@ -87,16 +87,6 @@ def numbers(means: Floats) -> list[str]:
     return [f"{100.0 * square**0.5:.1f}", *(f"{100.0 * share:.0f}" for share in shares[:2]), f"{100.0 * shares[2]:.1f}"]
 
 
-def mixture_of(found: Sequence[Fit], q: Any, shifts: Sequence[Floats], ranges: Any) -> Mixture:
-    """Return distributions of the ratio of limits, given those by each law over that they are relative to."""
-    weights = np.exp([fit.weight - max(one.weight for one in found) for fit in found])
-    parts = [fit.predicted(q, ranges) for fit in found]
-    locations, scales, narrowed = (np.array(columns) for columns in zip(*parts, strict=True))
-    freedom, like = np.array([[fit.degrees_of_freedom] for fit in found]), np.ones_like(locations)
-    weights = like * (weights / weights.sum())[:, None]
-    return Mixture(weights, locations + shifts, scales, like * freedom, narrowed=narrowed)
-
-
 def updated(fit: Fit, tests: Plates | Tiles, extra_deviation: float = 0.0) -> Fit:
     """Return the fit for the lot of own tests, whose limits were measured exactly."""
     nothing = np.zeros(len(tests.error))
@@ -138,7 +128,7 @@ def lots_of(group_name: str, own: int, draws: int = DRAWS) -> Iterator[Lot]:
                     of_kind := rest[apart[np.ix_(rest, some)].min(axis=1, initial=np.inf if own else 0) <= farthest]
                 ):
                     q, error = lot.at(of_kind).quantities, lot.error[of_kind]
-                    mixture = mixture_of([by_own], q, [np.zeros(len(error))], ranges)
+                    mixture = mixture_of([by_own], q, ranges)
                     found[kind].append(Outcome.of(error, mixture))
         by_kind = {kind: np.mean([one.means() for one in parts], axis=0) for kind, parts in found.items() if parts}
         if by_kind:
@@ -165,7 +155,7 @@ def mistyped(group_name: str, own: int, factor: float, *, here: bool) -> float:
             *some, other = dice.choice(len(lot.error), own + 1, replace=False)
             tests, predicted = lot.at(np.array(some)), lot.at(np.array([some[0] if here else other]))
             tests = tests._replace(error=tests.error + np.log(factor) * (np.arange(own) == 0))
-            mixture = mixture_of([updated(fit, tests)], predicted.quantities, [np.zeros(1)], ranges)
+            mixture = mixture_of([updated(fit, tests)], predicted.quantities, ranges)
             found.append(mixture.probability_above(ABOVE * np.exp(predicted.error)))
         shares += [np.mean(found)] if found else []
     return 100.0 * float(np.mean(shares))
@@ -210,7 +200,9 @@ def wilkins(own: int) -> Outcome:
             if own:
                 fits_of = [updated(fit, of.at(some), STRANGE) for fit, of in zip(left, tiles.values(), strict=True)]
             shifts = [first.error[rest] - of.error[rest] for of in tiles.values()]
-            found.append(Outcome.of(first.error[rest], mixture_of(fits_of, first.at(rest).quantities, shifts, {})))
+            found.append(
+                Outcome.of(first.error[rest], mixture_of(fits_of, first.at(rest).quantities).times(np.exp(shifts)))
+            )
     return joined(found)
 
 
@@ -280,7 +272,7 @@ def simulated(case: Case, own: int, scatter: float, dice: Any, samples: int = SA
             by_own.append(fits()[law].updated(tests, case.more))
         for place, design in enumerate(DESIGNS, start=count):
             of_design, first = {key: values[[place]] for key, values in q.items()}, by_law["constant"][[place]]
-            found = mixture_of(by_own, of_design, [by_law[law][[place]] - first for law in LAWS], {})
+            found = mixture_of(by_own, of_design).times(np.exp([by_law[law][[place]] - first for law in LAWS]))
             parts[design].append(Outcome.of(true[[place]] + effect - first, found))
     return {design: joined(found) for design, found in parts.items()}
 

@@ -31,7 +31,7 @@ from armour.statistics.likelihood import (
     without,
 )
 from armour.statistics.measured import LIMIT, ORIGINS, SERIES, Tests, common_of, subject_of, with_scatter
-from armour.statistics.own_tests import NOTHING_OF_ERROR, own_tests, repeated
+from armour.statistics.own_tests import NOTHING_OF_ERROR, OwnTest, own_tests, predicted_tests, repeated
 
 Law = Literal["constant", "ceramic", "backing", "product", "linear"]
 # Keys of the ceramic that each law fits.
@@ -182,6 +182,8 @@ class CalibrationResult(TableResult):
     warnings : tuple of str
         A bad fit, tests that do not follow the others, and ways in which tests are unlike what the model was
         compared with before.
+    own_tests : tuple of OwnTest
+        The limits and shots that the evidence holds, each as the others predict it.
     """
 
     tests: str
@@ -203,6 +205,7 @@ class CalibrationResult(TableResult):
     laws: tuple[LawFit, ...] = ()
     evidence: Mapping[str, Any] | None = None
     warnings: tuple[str, ...] = ()
+    own_tests: tuple[OwnTest, ...] = ()
 
     def _words(self) -> str:
         fitted = (
@@ -322,7 +325,8 @@ def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str
             doubtful = set()
     if kept is not None:
         notes += repeated(tests)
-        result = replace(result, evidence=kept.model_dump(exclude_none=True))
+        own = predicted_tests(entry, kept) if entry is not None else ()
+        result = replace(result, evidence=kept.model_dump(exclude_none=True), own_tests=own)
     elif {name.partition(".")[0] for name in inputs} != {"projectile"}:
         notes = [f"of the entry, {NOTHING_OF_ERROR}"]
     apart = (*_out_of_line(tests, result, doubtful), *_split(tests, result.residuals))
