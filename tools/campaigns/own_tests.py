@@ -21,21 +21,21 @@ from unittest.mock import patch
 import numpy as np
 
 from armour.analysis.variants import Floats, ballistic_limits, distributions, variants_of
-from armour.evidence.fit import Fit, LotTests, distances, fits, shipped_data
+from armour.evidence.fit import Fit, LotTests, distances, fits, mixture_of, shipped_data
 from armour.evidence.mixture import Mixture
 from armour.evidence.tests import FALSE_ALARMS, STRANGE, STRANGE_METAL, Materials
 from armour.scenario.inputs import BACKING, CERAMIC, FLOW_STRESS
 from armour.scenario.scenario import load_scenario
 from armour.statistics.calibration import with_ceramic
 from armour.statistics.measured import LIMIT, read_tests
-from armour.statistics.own_tests import SHOT_SCATTER, UNTESTED, mixture_of, own_tests
+from armour.statistics.own_tests import SHOT_SCATTER, UNTESTED, own_tests
 from tools.campaigns.evidence import NAMES, ranges_of, table, write_tables
 from tools.campaigns.verdict import verdict
 from tools.evidence import GROUPS, LAWS, ROOT, SERIES, Plates, Tiles, fitted, fitted_law, plates_of, tiles_of
 
 PAGE = ROOT / "docs" / "own-tests.md"
 PLATES = ("cores_steel", "cores_aluminium_tensile", "cores_aluminium", "fragments_aluminium")
-DRAWS, DRAWS_MISTYPED, SAMPLES = 100, 25, 400
+DRAWS, DRAWS_MISTYPED, SAMPLES = 40, 10, 200
 # The seed of draws; the constants of the update were chosen with others.
 SEED = 2
 # Armours that are predicted, by their greatest distance from an own test.

@@ -7,12 +7,13 @@ an alloy, or a series of tests), of the round and of the test.  docs/methods.md 
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from math import lgamma
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from armour.core.state import Parameters
-from armour.evidence.mixture import Floats
+from armour.evidence.mixture import Floats, Mixture
 from armour.files import read_toml, shipped
 from armour.scenario.inputs import INPUTS
 from armour.scenario.library import DEFAULTS
@@ -277,11 +278,7 @@ class Posterior(NamedTuple):
         widened_by = np.maximum(1.0, (nu + squares) / (nu + expected))
         by_change = probable[1:] * changes
         return cls(
-            lot,
-            tests,
-            shared,
-            precision,
-            deviations,
+            *(lot, tests, shared, precision, deviations),
             shifts=by_change * residuals,
             variances=by_change * (widened_by[1:] + changes * residuals**2),
             widened_by=float(probable @ widened_by),
@@ -314,6 +311,17 @@ class Posterior(NamedTuple):
 def series_variance(tested: Quantities) -> float:
     """Return the variance of the effects of the series of tests: 0 unless there are several, which are named."""
     return BETWEEN_SERIES**2 * (len({*tested.get("series", ())}) > 1)
+
+
+def mixture_of(
+    fits_by_law: Sequence[Fit], q: Quantities, ranges: Mapping[str, tuple[float, float]] = MappingProxyType({})
+) -> Mixture:
+    """Return distributions of the limits of n armours over those by each law, given own tests, (laws, n)."""
+    parts = zip(*(fit.predicted(q, ranges) for fit in fits_by_law), strict=True)
+    locations, scales, narrowed = (np.array(columns) for columns in parts)
+    freedom = np.array([[fit.degrees_of_freedom] for fit in fits_by_law]) * np.ones_like(scales)
+    weights = np.exp([[fit.weight - max(each.weight for each in fits_by_law)] for fit in fits_by_law])
+    return Mixture(weights / weights.sum() * np.ones_like(scales), locations, scales, freedom, narrowed=narrowed)
 
 
 def lower_of(given: Sequence[tuple[Floats, Floats]]) -> tuple[Floats, Floats, Floats]:

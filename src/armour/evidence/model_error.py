@@ -11,7 +11,7 @@ from armour.core.replaced import replaced_function
 from armour.core.state import Parameters
 from armour.errors import InputError, Problem
 from armour.evidence.core_digest import core_digest
-from armour.evidence.fit import is_same_armour, shipped_data
+from armour.evidence.fit import is_same_armour, mixture_of, shipped_data
 from armour.evidence.mixture import Floats, Mixture
 from armour.evidence.tests import Armours, Evidence, is_outside, is_untested, outside
 from armour.scenario.inputs import cosine_of
@@ -279,14 +279,11 @@ def _tests_here(evidence: Evidence, ratio: Mixture, armour: Armours, limit_m_s: 
     here = is_same_armour(q, place)[0]
     if not here.any():
         return None
-    # What the laws of the tests give follows that of the armour itself.
-    laws = [armour.with_law(fit.law).quantities() for fit in evidence.fits]
-    others = [fit.without(here) for fit in evidence.fits]
-    parts = [[*f.predicted(q, {}), *o.predicted(q, {})] for f, o, q in zip(evidence.fits, others, laws, strict=True)]
-    before, _, _, after, scales, narrowed = np.array(parts)[:, :, 0].T
-    weights = np.exp([fit.weight - max(other.weight for other in others) for fit in others])
-    locations, freedom = ratio.locations[1:] + after - before, np.array([fit.degrees_of_freedom for fit in others])
-    found = Mixture(weights / weights.sum(), locations, scales, freedom, narrowed=narrowed).times(limit_m_s)
+    # The limits by the laws follow from the distribution of the armour, given all tests.
+    given, others = (
+        mixture_of(each, q).one() for each in (evidence.fits, [fit.without(here) for fit in evidence.fits])
+    )
+    found = others._replace(locations=ratio.locations[1:] + others.locations - given.locations).times(limit_m_s)
     low, median, high = found.quantile((0.025, 0.5, 0.975)).tolist()
     limits = here & (tests.sides == 0.0)
     velocities = place["velocity_m_s"][limits]

@@ -1,9 +1,8 @@
 """Own tests of a lot as stored in a calibrated entry: their armours, and their ballistic limits by each law."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from types import MappingProxyType
 
 import numpy as np
 
@@ -17,8 +16,7 @@ from armour.analysis.variants import (
 )
 from armour.csv_files import shipped_rows
 from armour.errors import counted
-from armour.evidence.fit import Fit, Quantities, law_parameters, shipped_data
-from armour.evidence.mixture import Mixture
+from armour.evidence.fit import law_parameters, mixture_of, shipped_data
 from armour.evidence.model_error import other_settings
 from armour.evidence.tests import armours_of, is_outside, own_evidence, shipped_evidence, shipped_evidence_of
 from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, cosine_of
@@ -188,17 +186,6 @@ def predicted_tests(entry: LibraryEntry, kept: OwnTests) -> tuple[OwnTest, ...]:
             )
         )
     return tuple(found)
-
-
-def mixture_of(
-    found: Sequence[Fit], q: Quantities, ranges: Mapping[str, tuple[float, float]] = MappingProxyType({})
-) -> Mixture:
-    """Return distributions of the ratios of the limits of n armours to those by each law, given own tests."""
-    parts = zip(*(fit.predicted(q, ranges) for fit in found), strict=True)
-    locations, scales, narrowed = (np.array(columns) for columns in parts)
-    weights = np.exp([fit.weight - max(one.weight for one in found) for fit in found])
-    like, freedom = np.ones_like(locations), np.array([[fit.degrees_of_freedom] for fit in found])
-    return Mixture(like * (weights / weights.sum())[:, None], locations, scales, like * freedom, narrowed=narrowed)
 
 
 def _rounded(values: Floats) -> tuple[float, ...]:
