@@ -21,7 +21,7 @@ from armour.statistics.calibration import Law, calibrate
 from armour.statistics.fitted_library import scenario_text
 from armour.statistics.measured import Tests as Measured
 from armour.statistics.measured import read_tests
-from armour.statistics.own_tests import repeated
+from armour.statistics.own_tests import predicted_tests, repeated
 from tests.helpers.cases import TESTS, shipped_scenario
 from tests.helpers.fits import table_of, wilkins_fit
 from tests.helpers.results import best_of
@@ -127,6 +127,22 @@ def test_answers_show_what_was_measured_here_and_what_the_other_tests_say():
     elsewhere = confidence(case.replaced({CERAMIC: 8.5})).model_error
     assert elsewhere is not None
     assert elsewhere.tests_here is None
+
+
+def test_each_own_test_is_predicted_from_the_others():
+    """As `confidence` predicts its armour, with the two others alone calibrated."""
+    entry = very(*VERY_TESTS).entry_of("ceramic")
+    assert entry is not None
+    assert entry.evidence is not None
+    first, *others = predicted_tests(entry, entry.evidence)
+    assert (first.measured_m_s, first.uncertainty_m_s, first.bound) == (905.0, 12.0, "")
+    assert (first.ceramic_thickness_mm, first.backing_thickness_mm) == pytest.approx((8.0, 6.5))
+    here = confidence(very(*VERY_TESTS)).model_error
+    assert here is not None
+    assert here.tests_here is not None
+    assert first.predicted_m_s == pytest.approx(here.tests_here.median_m_s, rel=1e-3)
+    assert first.interval_m_s == pytest.approx(here.tests_here.interval_m_s, rel=1e-3)
+    assert len(others) == 2
 
 
 def test_a_second_test_of_the_armour_settles_it():

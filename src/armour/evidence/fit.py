@@ -29,7 +29,7 @@ LEAST_REST = 0.04
 # deviation falls by the factor e.
 REPEAT, LENGTH = 0.03, 0.15
 # Chance of a gross error of an own test of a plate, such as a mistyped number, and its standard deviation.
-CHANCE, GROSS_ERROR = 0.05, 0.25
+CHANCE, GROSS_ERROR = 0.07, 0.25
 # Number of scales below the median as far as which the lower of two distributions is the lower one: beyond 99 %.
 SAFE = 3.0
 # Standard deviation between laboratories or series of tests of one lot, where they are named.
