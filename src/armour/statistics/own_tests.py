@@ -40,6 +40,8 @@ UNTESTED = 0.40
 # Greatest factor between the fitted flow stress of such a ceramic and its entry's value, number of steps to it, and the
 # change of its logarithm for a derivative, which is 0.35 to 0.62 for most armours, and its least value.
 FACTOR, STEPS, CHANGE, LEAST_SLOPE = 8.0, 6, 0.05, 0.3
+# Greatest number of own tests of which each is predicted from the others.
+MOST_PREDICTED = 60
 # Reason why calibrated entries without usable tests have no model error.
 NOTHING_OF_ERROR = (
     "the tests that it was calibrated to do not determine the model error: none measured a limit, one is implausible "
@@ -158,9 +160,12 @@ class OwnTest:
 
 
 def predicted_tests(entry: LibraryEntry, kept: OwnTests) -> tuple[OwnTest, ...]:
-    """Return the own tests of an entry, each as predicted from the others; none if they say nothing of the error."""
+    """Return the own tests of an entry, each as predicted from the others.
+
+    There are none if they say nothing of the error, or are more than can be predicted within seconds.
+    """
     evidence = own_evidence(entry, kept)
-    if not evidence.fits:
+    if not evidence.fits or len(kept.tests["side"]) > MOST_PREDICTED:
         return ()
     q, found = evidence.fits[0].own[0].tests.quantities, list[OwnTest]()
     computed = np.array([law.computed_m_s for law in kept.law])
