@@ -254,7 +254,7 @@ def model_error(scenario: Scenario, limit_m_s: float) -> ModelError | None:
     errors = variants.errors
     # The ratio by its own law is exactly 1.
     ratio = errors.ratio.times(limits_by_law(variants, errors, np.array([limit_m_s])) / limit_m_s).one()
-    return error_of(scenario, ratio, variants.armours)
+    return error_of(scenario, ratio, variants.armours, limit_m_s)
 
 
 def not_monotonic(limit: LimitResult) -> tuple[str, ...]:

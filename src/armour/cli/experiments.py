@@ -1,5 +1,6 @@
 """Commands on tests of armours: estimates from them, and plans of further tests."""
 
+import shlex
 from contextlib import ExitStack
 from os.path import exists
 from pathlib import Path
@@ -9,7 +10,7 @@ import armour
 from armour.cli import completion
 from armour.cli.console import say
 from armour.cli.question import Answer, Force, PlotFile, argument, number, option, question
-from armour.cli.runner import CHECK_FAILED, check_outputs, read_scenario, wrong_option
+from armour.cli.runner import CHECK_FAILED, check_outputs, command_line, read_scenario, wrong_option
 from armour.cli.scenario_commands import LIMIT_READS, grid_of
 from armour.csv_files import MUST_SAY, PERFORATED
 from armour.errors import mistake, restated
@@ -106,7 +107,10 @@ def calibrate(
         library: lambda: library_text(result, tests, scenario, lot),
         fitted: lambda: None if fitted is None else scenario_text(result, tests, scenario, lot, fitted),
     }
-    return Answer(result, contents=contents, file=tests.file)
+    then = shlex.join(["armour", "check", str(fitted)]) if fitted else ""
+    if result.evidence is not None and library is None and fitted is None:
+        then = f"{command_line()} --write-scenario fitted.toml --lot 'lot 1'"
+    return Answer(result, contents=contents, file=tests.file, then=then)
 
 
 def limit_option(end: str) -> Any:

@@ -5,6 +5,7 @@ from math import ceil, floor
 from armour.analysis.ballistic_limit import ConfidenceResult, NeededFlowStress, no_error
 from armour.design.check import CheckedThreat
 from armour.design.requirements import Requirement
+from armour.errors import counted, joined
 from armour.evidence.model_error import ModelError
 from armour.reporting.table import Column, Source, column_of
 from armour.reporting.text import interval, number, percent
@@ -77,7 +78,7 @@ def error_note(error: ModelError | None, scenario: Scenario | None) -> str:
 
 def model_error_words(error: ModelError) -> str:
     """Return what the model error is, what it is estimated from, and what it is extrapolated from."""
-    return "; ".join([from_tests(error), *extrapolation(error)])
+    return "; ".join([from_tests(error), *extrapolation(error), *tested_here(error)])
 
 
 def from_tests(error: ModelError) -> str:
@@ -93,6 +94,33 @@ def from_tests(error: ModelError) -> str:
 def extrapolation(error: ModelError) -> list[str]:
     """Return what the model error is extrapolated from, if it is."""
     return [f"extrapolated from {', '.join(error.extrapolated)}"] if error.extrapolated else []
+
+
+def tested_here(error: ModelError) -> list[str]:
+    """Return what own tests of this very armour measured, and what the others say, if there are such tests."""
+    if (here := error.tests_here) is None:
+        return []
+    count = len(here.limits_m_s)
+    own = [counted(count, "own test")] * bool(count) + [counted(here.shots, "shot")] * bool(here.shots)
+    limits = [
+        f"{limit:.0f}{f' ± {deviation:.0f}' * bool(deviation)}"
+        for limit, deviation in zip(here.limits_m_s, here.uncertainties_m_s, strict=True)
+    ]
+    measured = f"measured {joined(limits)} m/s" if count else "tested"
+    others = {0: "without it", 1: "the other own test alone"}.get(
+        here.others, f"the {here.others} other own tests alone"
+    )
+    words = [
+        f"{measured} here ({' and '.join(own)})",
+        f"{others}: about {here.median_m_s:.0f} ({interval(here.interval_m_s, '.0f')}) m/s",
+    ]
+    if here.out_of_line:
+        words += ["out of line with the others: check it" if count == 1 else f"{here.out_of_line} out of line: check"]
+    if count == 1 and not here.shots:
+        words += ["rests on one test of this armour: a second V50 would settle it"]
+    elif count > 1 and not here.confirmed:
+        words += ["these tests do not agree"]
+    return words
 
 
 def flow_stress_notes(needed: NeededFlowStress | None, against: str = "the threat") -> list[str]:

@@ -1,14 +1,15 @@
 """Measured data: tables of inputs and measurements, read from CSV."""
 
+import re
 from collections import Counter
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from itertools import chain, islice
 from typing import NamedTuple
 
 import numpy as np
 
 from armour.analysis.variants import Floats, Ints, Variants, variants_of
-from armour.csv_files import MUST_SAY, PERFORATED, CsvRow, in_line_order, lines_of, read_rows
+from armour.csv_files import MAX_ROWS, MUST_SAY, PERFORATED, CsvRow, Line, in_line_order, lines_of, read_rows
 from armour.errors import InputError, Problem, counted, mistake, refuse
 from armour.scenario.checked import Names, Table, checked
 from armour.scenario.inputs import INPUTS, NAMES, ROLES, VELOCITY
@@ -21,6 +22,11 @@ MEASURED = {
     RESIDUAL: "residual_velocity_uncertainty_m_s",
     MASS: "residual_mass_uncertainty_g",
 }
+# Columns that say where and when a test was made: those of its laboratory or series, and others.
+SERIES = ("laboratory", "series")
+ORIGINS = (*SERIES, "date")
+# A limit that is only known to lie on one side of a velocity.
+BOUND = re.compile(r"(?:(>=?|≥|above|at least)|(<=?|≤|below|at most)) *(.+)")
 # Columns of most tables, in words.
 USUAL = f"{', '.join((*MEASURED, OUTCOME))}, test, armour.ceramic_thickness_mm and other keys of a scenario"
 # Range of measurements and of uncertainties, in any unit.
@@ -117,7 +123,8 @@ def read_tests(path: Table, scenario: Scenario, notes: Names = ()) -> Tests:
         CSV file or the name of a shipped table, such as ``"tests/wilkins"``; or the rows themselves, each a
         mapping by column, or a data frame of pandas or polars, where None and NaN are empty cells.
         Its columns are inputs of the scenario, names of projectiles and materials, measured quantities and their
-        uncertainties, ``outcome``, and ``test``, the name of the test.
+        uncertainties, ``outcome``, ``test``, the name of the test, and ``laboratory``, ``series`` and ``date``.  A
+        limit that is "above 950" or "below 900" is the outcome of a shot at this velocity.
     scenario : Scenario
         Inputs that the tests have in common.
     notes : str or sequence of str, optional
@@ -147,8 +154,9 @@ def read_tests(path: Table, scenario: Scenario, notes: Names = ()) -> Tests:
     if first and {"velocity_m_s", "result"} <= {*first[0][1]}:
         message = "must be a table of tests, found shots (velocity_m_s and result); armour v50 estimates V50 from them"
         raise mistake(file, "", message)
-    texts = ("test", OUTCOME, *NAMES.values(), *notes)
-    rows, problems = read_rows(file, chain(first, lines), numbers=numbers, texts=texts, needed=(), usual=USUAL)
+    texts = ("test", OUTCOME, *NAMES.values(), *ORIGINS, *notes)
+    table = with_bounds(chain(first, islice(lines, MAX_ROWS + 1)))
+    rows, problems = read_rows(file, table, numbers=numbers, texts=texts, needed=(), usual=USUAL)
     names = tuple(row.texts.get("test", row.place) for row in rows)
     repeated_names = {name for name, count in Counter(names).items() if count > 1}
     for row in rows:
@@ -164,6 +172,35 @@ def read_tests(path: Table, scenario: Scenario, notes: Names = ()) -> Tests:
     cells: list[dict[str, float | str]] = [{**row.texts, **row.numbers} for row in rows]
     places = tuple(row.place for row in rows)
     return Tests(file, names, tuple(groups), tuple(measurements), weighted == {True}, tuple(cells), scenario, places)
+
+
+def with_bounds(lines: Iterable[Line]) -> list[Line]:
+    """Return the lines of a table with each limit that is only known to be above or below a velocity as an outcome."""
+    table = list(lines)
+    header = table[0][1] if table else []
+    bounds = {
+        place: bound
+        for place, cells in table[1:]
+        if len(cells) == len(header)
+        for name, cell in zip(header, cells, strict=True)
+        if name == LIMIT and (bound := BOUND.fullmatch(cell.lower()))
+    }
+    if not bounds:
+        return table
+    columns = [*header, *(name for name in (VELOCITY, OUTCOME) if name not in header)]
+    found = [("header", columns)]
+    for place, cells in table[1:]:
+        row = dict(zip(header, cells, strict=False))
+        if place in bounds and not row.get(VELOCITY) and not row.get(OUTCOME):
+            above, _, velocity = bounds[place].groups()
+            row |= {LIMIT: "", VELOCITY: velocity, OUTCOME: "stopped" if above else "perforated"}
+        found.append((place, [row.get(name, "") for name in columns] if len(cells) == len(header) else cells))
+    return found
+
+
+def series_of(tests: Tests, test: int) -> tuple[str, ...]:
+    """Return the laboratory and the series of a test, in the order of their columns; empty texts where not named."""
+    return tuple(str(tests.cells[test].get(name, "")) for name in SERIES)
 
 
 def _mistakes(row: CsvRow, repeated_names: Container[str]) -> list[tuple[str, str]]:
