@@ -113,6 +113,15 @@ def test_a_design_ends_with_the_command_that_checks_it(cli):
     assert checked["verdict"] == "passes"
 
 
+def test_a_page_tells_of_own_tests_of_the_design(cli, folder: Path):
+    cli("calibrate", TESTS, WILKINS, "--write-scenario", "own.toml", "--lot", "7")
+    ceramic = 'design.ceramic=[{material="AD85, 7",thickness_mm=[6.35]}]'
+    changes = (ceramic, 'design.backing=[{material="6061-T6",thickness_mm=[6.35]}]', "impact.velocity_m_s=600")
+    options = [word for change in changes for word in ("--set", change)]
+    assert cli("optimise", "own.toml", *options, "--map", "map.html").exit_code == 0
+    assert "measured 703 m/s here (1 own test)" in (folder / "map.html").read_text()
+
+
 def test_calibrated_tests_are_shown_and_not_scored(cli, folder: Path):
     """A suite of the tests that an entry was calibrated to, and one that it was not."""
     data = json.loads(cli("calibrate", TESTS, WILKINS, "--write", "lib.toml", "--lot", "7", "--json").stdout)

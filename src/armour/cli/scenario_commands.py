@@ -224,6 +224,7 @@ def optimise(
     """
     from armour.design.optimise import effort
     from armour.reporting.views import design as view
+    from armour.reporting.words import tested_here
 
     if page is not None:
         refuse(wrong_ending(page, (".html",)))
@@ -239,8 +240,9 @@ def optimise(
 
         command, needed = ["armour", "simulate", source], runner.accepted(changes or (), IMPACT_READS)
         answer = [str(line) for line in view.design_verdict(result)]
-        if result.best is not None and result.best.probabilities:  # which the page does not sample
-            answer = [view.design_title(result)]
+        if (best := result.best) is not None:  # what the page does not tell: sampled probabilities, and own tests
+            own_tests = tested_here(best.model_error) if best.model_error else []
+            answer = [view.design_title(result), *own_tests] if best.probabilities or own_tests else []
         map_page = design_page(scenario, command, needed, on_progress, answer)
     design = None if source == "-" else result.shown
     then = "" if design is None else _check_of(scenario, design, source, changes or ())
