@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import inf
+from statistics import median
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -44,6 +45,7 @@ from armour.statistics.posterior import (
     posterior_of,
 )
 from armour.statistics.v50 import MAX_VELOCITY_M_S, MIN_VELOCITY_M_S, MeanV50, Shots, Velocity, check_shots
+from armour.units import feet_note
 
 Procedure = Literal["bayesian", "neyer", "langlie", "up-and-down"]
 # Procedures that start from limits of V50 and have no requirement.
@@ -379,7 +381,7 @@ def plan_shots(
         scatter_percent=scatter_percent,
         scatter_factor=scatter_factor,
         warnings=(
-            *_far_shots(shots, expectation),
+            *_far_shots(shots, expectation, limit),
             *contradictions,
             *(langlie_doubts(fired, settings) if procedure == "langlie" and aim else ()),
             *([NOT_ENDED] if simulate and aim else ()),
@@ -469,11 +471,14 @@ def _curve(prior: Posterior, posterior: Posterior, fired: Shots) -> PlanCurve:
     return PlanCurve(*(tuple(column.tolist()) for column in columns))
 
 
-def _far_shots(shots: Shots, prior: FiringPrior) -> Iterator[str]:
+def _far_shots(shots: Shots, prior: FiringPrior, limit: LimitResult | None) -> Iterator[str]:
     """Yield a warning of shots whose velocities are far from any V50 that the prior expects."""
     low, high = limits_of(prior, FAR_PROBABILITY)
     margin = FAR_PART * prior.limit_m_s
-    if far := [f"{v:g}" for v in shots.velocities_m_s if not low - margin <= v <= high + margin]:
+    note = feet_note(median(shots.velocities_m_s), limit.ballistic_limit_m_s) if limit and shots.velocities_m_s else ""
+    if note:
+        yield note
+    elif far := [f"{v:g}" for v in shots.velocities_m_s if not low - margin <= v <= high + margin]:
         yield (
             f"shots at {', '.join(far[:5])} m/s are far from the {100.0 * FAR_PROBABILITY:g} % interval of V50 by the "
             f"model, {low:.0f} to {high:.0f} m/s; check their velocities and unit"

@@ -2,14 +2,14 @@
 
 from collections import Counter
 from collections.abc import Container, Mapping, Sequence
-from itertools import chain, islice
 from typing import NamedTuple
 
 import numpy as np
 
 from armour.analysis.variants import Floats, Ints, Variants, variants_of
-from armour.csv_files import MUST_SAY, PERFORATED, CsvRow, in_line_order, lines_of, read_rows
-from armour.errors import InputError, Problem, counted, mistake, refuse
+from armour.columns import column_of, perforates
+from armour.csv_files import MUST_SAY, CsvRow, TableRead, check_one_target, in_line_order, open_table, read_rows
+from armour.errors import InputError, Problem, counted, refuse
 from armour.scenario.checked import Names, Table, checked
 from armour.scenario.inputs import INPUTS, NAMES, ROLES, VELOCITY
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
@@ -21,6 +21,8 @@ MEASURED = {
     RESIDUAL: "residual_velocity_uncertainty_m_s",
     MASS: "residual_mass_uncertainty_g",
 }
+# Columns of numbers.
+NUMBERS = (*INPUTS, *MEASURED, *MEASURED.values())
 # Columns of most tables, in words.
 USUAL = f"{', '.join((*MEASURED, OUTCOME))}, test, armour.ceramic_thickness_mm and other keys of a scenario"
 # Range of measurements and of uncertainties, in any unit.
@@ -68,6 +70,8 @@ class Tests(NamedTuple):
         Inputs that the tests have in common.
     places : tuple of str
         Lines of the tests in the file.
+    read : TableRead or None
+        How the file was read.
     """
 
     file: str
@@ -78,6 +82,7 @@ class Tests(NamedTuple):
     cells: tuple[Mapping[str, float | str], ...]
     scenario: Scenario
     places: tuple[str, ...]
+    read: TableRead | None = None
 
     def __repr__(self) -> str:
         tests, measurements = counted(len(self.names), "test"), counted(len(self.measurements), "measurement")
@@ -108,7 +113,14 @@ def common_of(scenario: Scenario) -> dict[str, object]:
 
 
 @checked
-def read_tests(path: Table, scenario: Scenario, notes: Names = ()) -> Tests:
+def read_tests(
+    path: Table,
+    scenario: Scenario,
+    notes: Names = (),
+    *,
+    where: Mapping[str, str] | None = None,
+    sheet: str | None = None,
+) -> Tests:
     """Read a table of tests: inputs that differ from test to test, and measurements.
 
     Parameters
@@ -117,11 +129,16 @@ def read_tests(path: Table, scenario: Scenario, notes: Names = ()) -> Tests:
         CSV file or the name of a shipped table, such as ``"tests/wilkins"``; or the rows themselves, each a
         mapping by column, or a data frame of pandas or polars, where None and NaN are empty cells.
         Its columns are inputs of the scenario, names of projectiles and materials, measured quantities and their
-        uncertainties, ``outcome``, and ``test``, the name of the test.
+        uncertainties, ``outcome``, and ``test``, the name of the test; the page "Tables" has other names for them.
+        A table of shots, as `read_shots` reads it, has outcomes of the scenario's armour.
     scenario : Scenario
         Inputs that the tests have in common.
     notes : str or sequence of str, optional
         Further columns to keep as text.
+    where : mapping of str to str, optional
+        Columns, such as ``panel``, and the values of the rows to read; others are left out.
+    sheet : str, optional
+        Sheet of a workbook, by default the first.
 
     Returns
     -------
@@ -141,14 +158,10 @@ def read_tests(path: Table, scenario: Scenario, notes: Names = ()) -> Tests:
     <Tests: 1 test of rows, 1 measurement>
     """
     notes = tuple(notes)
-    numbers = (*INPUTS, *MEASURED, *MEASURED.values())
-    file, lines = lines_of(path)
-    first = list(islice(lines, 1))
-    if first and {"velocity_m_s", "result"} <= {*first[0][1]}:
-        message = "must be a table of tests, found shots (velocity_m_s and result); armour v50 estimates V50 from them"
-        raise mistake(file, "", message)
     texts = ("test", OUTCOME, *NAMES.values(), *notes)
-    rows, problems = read_rows(file, chain(first, lines), numbers=numbers, texts=texts, needed=(), usual=USUAL)
+    source = open_table(path, lambda name: column_of(name, (*NUMBERS, *texts)).known, sheet)
+    table = read_rows(source, numbers=NUMBERS, texts=texts, needed=(), noun="test", usual=USUAL, where=where)
+    file, rows, problems = table.file, table.rows, table.problems
     names = tuple(row.texts.get("test", row.place) for row in rows)
     repeated_names = {name for name, count in Counter(names).items() if count > 1}
     for row in rows:
@@ -161,26 +174,29 @@ def read_tests(path: Table, scenario: Scenario, notes: Names = ()) -> Tests:
         problems.append(Problem(file, "", message))
     groups, group_problems = _groups(rows, scenario, file)
     refuse(in_line_order([*problems, *group_problems]))
+    if all(LIMIT not in row.texts and OUTCOME in row.texts for row in rows):
+        check_one_target(table, [perforates(row.texts[OUTCOME]) for row in rows])
     cells: list[dict[str, float | str]] = [{**row.texts, **row.numbers} for row in rows]
     places = tuple(row.place for row in rows)
-    return Tests(file, names, tuple(groups), tuple(measurements), weighted == {True}, tuple(cells), scenario, places)
+    is_weighted = weighted == {True}
+    return Tests(file, names, (*groups,), (*measurements,), is_weighted, (*cells,), scenario, places, table.read)
 
 
 def _mistakes(row: CsvRow, repeated_names: Container[str]) -> list[tuple[str, str]]:
     """Return the mistakes in a row as columns and messages, given the names that several tests have."""
     mistakes = []
     name, outcome = row.texts.get("test"), row.texts.get(OUTCOME)
-    perforated = None if outcome is None else PERFORATED.get(outcome.lower())
+    is_perforated = None if outcome is None else perforates(outcome)
     if name is not None and name in repeated_names:
         mistakes.append(("test", f'must name one test, found "{name}" on several lines'))
     if outcome is None and not any(column in row.texts for column in MEASURED):
         mistakes.append(("", f"must have one of {', '.join((*MEASURED, OUTCOME))}; leave out a test that was not made"))
-    if outcome is not None and perforated is None:
+    if outcome is not None and is_perforated is None:
         mistakes.append((OUTCOME, f'{MUST_SAY}, found "{outcome}"'))
-    if perforated is False and RESIDUAL in row.texts:
+    if is_perforated is False and RESIDUAL in row.texts:
         mistakes.append((OUTCOME, f"must not be {outcome} if there is a residual velocity"))
     limit, velocity = row.numbers.get(LIMIT), row.numbers.get(VELOCITY)
-    if perforated is not None and limit is not None and velocity is not None and (velocity > limit) != perforated:
+    if is_perforated is not None and limit and velocity is not None and (velocity > limit) != is_perforated:
         message = f"must agree with the ballistic limit in its row, found {outcome} at {velocity:g} m/s"
         mistakes.append((OUTCOME, message))
     if outcome is not None and VELOCITY not in row.texts:
@@ -201,10 +217,10 @@ def _measurements(test: int, row: CsvRow) -> list[Measurement]:
         for name, uncertainty in MEASURED.items()
         if name in row.numbers
     ]
-    perforated = PERFORATED.get(row.texts.get(OUTCOME, "").lower())
-    if perforated is not None and VELOCITY in row.numbers and not measurements:
+    is_perforated = perforates(row.texts.get(OUTCOME, ""))
+    if is_perforated is not None and VELOCITY in row.numbers and not measurements:
         uncertainty = row.numbers.get(MEASURED[LIMIT])
-        measurements.append(Measurement(test, LIMIT, row.numbers[VELOCITY], uncertainty, -1 if perforated else 1))
+        measurements.append(Measurement(test, LIMIT, row.numbers[VELOCITY], uncertainty, -1 if is_perforated else 1))
     return measurements
 
 

@@ -1,8 +1,7 @@
 """V50 from firing results: the mean of MIL-STD-662F [DoD1997], maximum likelihood and penalised likelihood."""
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from itertools import chain, islice
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from math import inf
 from numbers import Real
 from pathlib import Path
@@ -14,13 +13,23 @@ from pydantic import Field
 from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
 from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
-from armour.csv_files import MUST_SAY, PERFORATED, in_line_order, lines_of, read_rows
-from armour.errors import Problem, counted, mistake, refuse, suggestion
+from armour.columns import GROUPS, column_of, perforates
+from armour.csv_files import (
+    MUST_SAY,
+    Source,
+    TableRead,
+    check_one_target,
+    in_line_order,
+    open_table,
+    read_rows,
+    targets_of,
+)
+from armour.errors import Problem, counted, mistake, refuse
 from armour.scenario.checked import Table, checked
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.statistics.curves import CDFS, FittedCurve, ShotLikelihood, fit_curve, has_curve
 from armour.statistics.posterior import FiringEstimate, FiringPrior, learned, no_prior, posterior_of
-from armour.units import key_hint
+from armour.units import feet_note
 
 # Number of shots of each kind in the mean, and the span of their velocities that is usual with it, m/s: 125, 90 and
 # 60 ft/s.  MIL-STD-662F leaves the span to the specification.
@@ -32,6 +41,9 @@ Decision = Literal["met", "not met", "not decided", ""]
 # Range of velocities, m/s; it catches values in a wrong unit.
 MIN_VELOCITY_M_S, MAX_VELOCITY_M_S = 10.0, 1e4
 Velocity = Annotated[float, Field(ge=MIN_VELOCITY_M_S, le=MAX_VELOCITY_M_S)]
+# Columns of a table of shots, by any of which it is recognised.
+KEYS = ("velocity_m_s", "result")
+SHOT_COLUMNS = ("shot", "velocity_m_s", "result", "perforated", "stopped", "counts", *GROUPS)
 # Rounding error of a risk.
 ROUNDING = 1e-12
 # Factor between a velocity and the median of the shots from which on it is probably a mistake.
@@ -52,12 +64,16 @@ class Shots:
         Name of their file, for messages and titles.
     names : sequence of str
         Their names, if they have any.
+    read : TableRead or None
+        How they were read from a table: in ``words``, and whether it was ``plain``, with nothing converted or left out;
+        the places of rows ``left_out``, columns ``ignored``, and the ``sha256`` of the file, or of the rows given.
     """
 
     velocities_m_s: Sequence[float]
     complete: Sequence[bool]
     file: str = "shots"
     names: Sequence[str] = ()
+    read: TableRead | None = field(default=None, compare=False)
 
     def of(self, *, complete: bool) -> list[float]:
         """Return the velocities of the complete or of the partial penetrations, m/s, in ascending order."""
@@ -142,6 +158,8 @@ class FiringResult(TableResult):
         Risk of accepting armour that does not meet the requirement, and of rejecting armour that does, by these shots:
         1 minus the confidence of the one-sided bounds that lie at it.  It is decided once one is at most 1 minus the
         confidence asked for.  None if no curve is recommended.
+    fired : Shots
+        The shots, and how they were read.
     """
 
     shots: int
@@ -167,6 +185,7 @@ class FiringResult(TableResult):
     decision: Decision = ""
     consumers_risk: float | None = None
     producers_risk: float | None = None
+    fired: Shots | None = None
 
     def _words(self) -> str:
         if self.posterior is not None:
@@ -179,19 +198,30 @@ class FiringResult(TableResult):
 
 
 @checked
-def read_shots(path: Table, *, one_kind: bool = False) -> Shots:
+def read_shots(
+    path: Table,
+    *,
+    one_kind: bool = False,
+    where: Mapping[str, str] | None = None,
+    sheet: str | None = None,
+) -> Shots:
     """Read firing results.
 
     Parameters
     ----------
-    path : path-like, sequence of mappings or data frame
-        CSV file or the name of a shipped one, ``"tests/shots"``; or the rows themselves, each a mapping by column, or a
-        data frame of pandas or polars.
+    path : path-like, sequence of mappings, mapping of columns or data frame
+        CSV file, workbook (.xlsx) or the name of a shipped table, ``"tests/shots"``; or the rows themselves, each a
+        mapping by column, columns by name, or a data frame of pandas or polars.
         Its columns are ``velocity_m_s``, ``result`` ("partial" or "complete", "stopped" or "perforated", P or C,
-        PP or CP, no or yes, in letters of any case) and, optionally, ``shot``.
-        Other columns are ignored, but one that looks like a misspelling of these is an error.
+        PP or CP, no or yes, in letters of any case), optionally ``shot`` and ``counts`` (yes or no); the page "Tables"
+        has other names and units.  Other columns are ignored, but one like a misspelling of these is an error.
     one_kind : bool
         Whether all penetrations may be partial, or all complete, which is enough for a plan and for a posterior.
+    where : mapping of str to str, optional
+        Columns, such as ``panel``, and the values of the rows to read; others are left out.  It must be given if a
+        column of panels, targets, plates, laboratories or lots divides the shots into several firings.
+    sheet : str, optional
+        Sheet of a workbook, by default the first.
 
     Returns
     -------
@@ -202,24 +232,27 @@ def read_shots(path: Table, *, one_kind: bool = False) -> Shots:
     InputError
         With every mistake in the file.
     """
-    names = ("velocity_m_s", "result")
-    file, lines = lines_of(path)
-    first = list(islice(lines, 1))
-    header = first[0][1] if first else []
-    if {"ballistic_limit_m_s", "impact.velocity_m_s"} & {*header}:
+    return shots_of(open_table(path, is_of_shots, sheet), one_kind=one_kind, where=where)
+
+
+def is_of_shots(name: str) -> bool:
+    """Return whether a column is one of shots."""
+    return column_of(name, SHOT_COLUMNS).known
+
+
+def shots_of(source: Source, *, one_kind: bool = False, where: Mapping[str, str] | None = None) -> Shots:
+    """Return the shots of a table; see `read_shots`."""
+    found = {column_of(name, (*SHOT_COLUMNS, "ballistic_limit_m_s")).key for name in source.header}
+    if "impact.velocity_m_s" in source.header or ("ballistic_limit_m_s" in found and not {*KEYS} <= found):
         message = (
             "must be a table of shots (velocity_m_s and result), found tests; armour calibrate fits inputs to them"
         )
-        raise mistake(file, "", message)
-    usual = (*names, "shot")
-    ignored = [name for name in header if name and not (key_hint(name, usual) or suggestion(name, usual))]
-    if len(header) == 1 or not {*names} & {*header}:
-        ignored = []  # not a table of shots
-    texts = ("shot", "result", *ignored)
-    rows, problems = read_rows(file, chain(first, lines), numbers=names[:1], texts=texts, needed=names)
+        raise mistake(source.file, "", message)
+    table = read_rows(source, numbers=KEYS[:1], texts=("shot", "result"), needed=KEYS, noun="shot", where=where)
+    file, rows, problems = table.file, table.rows, table.problems
     velocities = [row.numbers.get("velocity_m_s", MIN_VELOCITY_M_S) for row in rows]
     words = [row.texts.get("result", "") for row in rows]
-    results = [PERFORATED.get(text.lower()) for text in words]
+    results = [perforates(text) for text in words]
     for row, velocity, result, text in zip(rows, velocities, results, words, strict=True):
         written = row.texts.get("velocity_m_s", "")
         if not written:
@@ -230,10 +263,27 @@ def read_shots(path: Table, *, one_kind: bool = False) -> Shots:
         if result is None:
             problems.append(Problem(file, f"{row.place}: result", f'{MUST_SAY}, found "{text}"'))
     refuse(in_line_order(problems))
-    shot_names = tuple(row.texts.get("shot", "") for row in rows)
-    shots = Shots(tuple(velocities), tuple(map(bool, results)), file, shot_names if any(shot_names) else ())
+    check_one_target(table, results, ", or --each for one answer each")
+    names = tuple(row.texts.get("shot", "") for row in rows)
+    shots = Shots((*velocities,), (*map(bool, results),), file, names if any(names) else (), table.read)
     check_shots(shots, kinds=1 if one_kind else 2)
     return shots
+
+
+def firings_of(path: Table, where: Mapping[str, str], sheet: str | None) -> list[tuple[str, str, int]]:
+    """Return the targets of shots, each by its column and value, with the number of kinds of its results.
+
+    Serial numbers, of one or two shots of one kind, are none.
+    """
+    source = open_table(path, is_of_shots, sheet)
+    table = read_rows(source, numbers=KEYS[:1], texts=("shot", "result"), needed=KEYS, noun="shot", where=where)
+    results = [perforates(row.texts.get("result", "")) for row in table.rows]
+    for name, values in table.groups.items():
+        if found := targets_of(values, results):
+            pairs = {*zip(values, results, strict=True)}
+            return [(name, value, sum(value == other for other, _ in pairs)) for value in found]
+    message = "must have a column panel, target, plate, lab or lot, with several shots for each of its values"
+    raise mistake(source.file, "--each", message)
 
 
 @checked
@@ -337,6 +387,7 @@ def v50(
         decision=decision,
         consumers_risk=accepting,
         producers_risk=rejecting,
+        fired=shots,
     ).of(computed, scenario=scenario, shots=shots)
 
 
@@ -396,7 +447,9 @@ def _far_away(shots: Shots, model: LimitResult) -> Iterator[str]:
     """Yield a warning if all shots lie on the same side of the interval of the model's limit."""
     low, high = model.interval_m_s or (-inf, inf)
     slowest, fastest = min(shots.velocities_m_s), max(shots.velocities_m_s)
-    if slowest > high or fastest < low:
+    if note := feet_note(median(shots.velocities_m_s), model.ballistic_limit_m_s):
+        yield note
+    elif slowest > high or fastest < low:
         yield (
             f"all shots, at {slowest:g} to {fastest:g} m/s, lie outside the model's 95 % interval of the limit, "
             f"{low:.0f} to {high:.0f} m/s; check that they were fired at this armour with this projectile"
