@@ -14,7 +14,7 @@ VELOCITIES = (
 )
 RESULTS = ("result", "outcome", "penetration", "Ergebnis", "Resultat", "Befund", "résultat", "résultat du tir")
 SHOT_NAMES = (
-    *("shot", "shot no", "shot no.", "shot number", "shot id", "no", "nr", "#", "number", "round", "round no"),
+    *("shot", "shot #", "shot no", "shot number", "shot id", "no", "nr", "#", "number", "round", "round no"),
     *("Schuss", "Schuss-Nr.", "Schussnummer", "Nummer", "lfd. Nr.", "tir", "tir n°", "n° de tir", "n°", "numéro"),
 )
 # Usual names of columns by key, without the unit, whose letters, spaces and punctuation do not matter.
@@ -169,6 +169,8 @@ def column_of(header: str, columns: Sequence[str]) -> Column:
     """
     if header in columns:
         return Column(header)
+    if by_yes := _of_yes(header, columns):
+        return by_yes
     keys = _keys(tuple(columns))
     name = _BRACKETS.sub(lambda bracket: bracket[0] if is_unit(bracket[1]) else " ", header)
     for text in map(folded, (header, name)):
@@ -182,14 +184,14 @@ def column_of(header: str, columns: Sequence[str]) -> Column:
             return Column(key) if text in keys else Column(header, known=False)
         unit = _UNIT_NAMES.get(ending, "")
         return Column(key, units.get(unit, 0.0), unit)
-    return _of_yes(header, name, columns) or Column(header, known=False)
+    return Column(header, known=False)
 
 
-def _of_yes(header: str, name: str, columns: Sequence[str]) -> Column | None:
+def _of_yes(header: str, columns: Sequence[str]) -> Column | None:
     """Return the column of a header such as "Result (1 = perforated)", if it is one."""
     meaning = re.search(r"\b([01])\s*[=:]\s*([^\W\d]+(?: [^\W\d]+)*)", header)
     result = None if meaning is None else perforates(meaning[2])
-    if meaning is None or result is None or folded(name) not in map(folded, RESULTS):
+    if meaning is None or result is None or folded(_BRACKETS.sub("", header)) not in map(folded, RESULTS):
         return None
     key = "perforated" if result == (meaning[1] == "1") else "stopped"
     return Column(key) if key in columns else None

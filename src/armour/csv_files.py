@@ -120,14 +120,16 @@ def open_table(
     known: Callable[[str], bool],
     sheet: str | None = None,
     content: bytes | None = None,
+    *,
+    own: bool = False,
 ) -> Source:
-    """Open a file, perhaps a shipped one, or rows; the header has the most known names among the first lines.
+    """Open a file, which may be a shipped one unless it must be the user's ``own``, or rows.
 
-    The ``content`` replaces that of a CSV file.
+    The header has the most known names among the first lines.  The ``content`` replaces that of a CSV file.
     """
     if not isinstance(table, str | PathLike):
         return _of_rows(table)
-    path = located(Path(table), shipped_tests())
+    path = Path(table) if own or content is not None else located(Path(table), shipped_tests())
     name = named(path)
     source = Source(name if name == str(path) else f"{name} (shipped)")
     if path.suffix.lower() in WORKBOOKS:
@@ -488,10 +490,11 @@ def decimal_mark(cells: Iterable[str], column: Column, form: Collection[str]) ->
     low, high = BOUNDS.get(column.key) or BOUNDS.get(words_and_unit(column.key)[1], (-inf, inf))
     whole = [mark for mark in ".," if None not in read[mark]]
     fitting = [mark for mark in whole if all(low <= (value or 0.0) * column.factor <= high for value in read[mark])]
-    has_points = not {"semicolons", "tabs"} & {*form} and not any("," in cell for cell in cells)
+    has_commas = any("," in cell for cell in cells)
+    has_points = not {"semicolons", "tabs"} & {*form} and not has_commas
     if len(fitting) == 2 and read["."] != read[","] and not has_points:
         return None
-    return [*fitting, *whole, min(".,", key=lambda mark: read[mark].count(None))][0]
+    return [*fitting, *whole, min(",." if has_commas else ".,", key=lambda mark: read[mark].count(None))][0]
 
 
 def two_meanings(cell: str) -> str:

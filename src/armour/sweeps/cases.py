@@ -106,7 +106,7 @@ class Cases:
     axes: tuple[Axis, ...] = ()  # those of a grid
 
     def __init__(self, table: str | PathLike[str] | Rows, sheet: str | None = None) -> None:
-        source = open_table(table, _is_key, sheet)
+        source = open_table(table, _is_key, sheet, own=True)
         self.file = source.file
         columns = [column_of(name, CASE_KEYS) for name in source.header]
         columns = [
