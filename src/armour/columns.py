@@ -14,7 +14,7 @@ VELOCITIES = (
 )
 RESULTS = ("result", "outcome", "penetration", "Ergebnis", "Resultat", "Befund", "résultat", "résultat du tir")
 SHOT_NAMES = (
-    *("shot", "shot #", "shot no", "shot number", "shot id", "no", "nr", "#", "number", "round", "round no"),
+    *("shot", "shot #", "shot no", "shot number", "shot id", "no", "nr", "#", "number", "round no"),
     *("Schuss", "Schuss-Nr.", "Schussnummer", "Nummer", "lfd. Nr.", "tir", "tir n°", "n° de tir", "n°", "numéro"),
 )
 # Usual names of columns by key, without the unit, whose letters, spaces and punctuation do not matter.
@@ -28,14 +28,14 @@ NAMES: dict[str, tuple[str, ...]] = {
     ),
     "stopped": ("stopped", "partial", "partial penetration", "gestoppt", "gehalten", "arrêté", "non perforé"),
     "counts": (
-        *("counts", "count", "counted", "fair", "fair hit", "valid", "valid hit", "valid shot"),
-        *("gültig", "gewertet", "zählt", "valable", "valide", "compte", "coup valable"),
+        *("counts", "fair", "fair hit", "valid", "valid hit", "valid shot"),
+        *("gültig", "gewertet", "zählt", "valable", "valide", "coup valable"),
     ),
-    "panel": ("panel", "panel no", "Panel", "panneau"),
+    "panel": ("panel", "panel no", "panneau"),
     "target": ("target", "target no", "Ziel", "cible"),
     "plate": ("plate", "plate no", "Platte", "Platten-Nr.", "plaque"),
     "lab": ("lab", "laboratory", "Labor", "laboratoire"),
-    "lot": ("lot", "lot no", "batch", "Los", "Charge"),
+    "lot": ("lot", "lot no", "Los"),
     "test": ("test", "test no", "Versuch", "Versuch-Nr.", "essai", *SHOT_NAMES),
     "impact.velocity_m_s": VELOCITIES,
     "outcome": RESULTS,
@@ -46,7 +46,7 @@ NAMES: dict[str, tuple[str, ...]] = {
         *("ceramic thickness", "thickness of ceramic", "Dicke Keramik", "Keramikdicke"),
         *("épaisseur céramique", "épaisseur de la céramique"),
     ),
-    "armour.backing": ("backing", "back plate", "Rücken", "Rückplatte", "Backing", "support"),
+    "armour.backing": ("backing", "back plate", "Rücken", "Rückplatte", "support"),
     "armour.backing_thickness_mm": (
         *("backing thickness", "thickness of backing", "back plate thickness", "Dicke Rücken", "Rückendicke"),
         *("Dicke Stahl", "Dicke Backing", "épaisseur support", "épaisseur du support"),

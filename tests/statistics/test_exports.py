@@ -194,7 +194,7 @@ def test_own_tests_as_a_laboratory_exports_them(tmp_path: Path):
 
 
 def test_columns_by_name_and_frames_are_tables_too():
-    columns = {"velocity_m_s": [700.0, 720.0], "result": ["P", "C"]}
+    columns: dict[str, list[object]] = {"velocity_m_s": [700.0, 720.0], "result": ["P", "C"]}
     assert armour.read_shots(columns).velocities_m_s == (700.0, 720.0)
     rows = {"armour.ceramic_thickness_mm": [4.0, 6.0], "armour.backing_thickness_mm": [5.0, 7.0]}
     by_columns = armour.sweep(scenario(), cases=rows, quantities="areal_density_kg_m2")
