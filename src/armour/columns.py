@@ -3,7 +3,7 @@
 import re
 import unicodedata
 from collections.abc import Sequence
-from functools import cache
+from functools import cache, lru_cache
 from typing import NamedTuple
 
 from armour.units import words_and_unit
@@ -137,6 +137,7 @@ PERFORATED = {folded(word): place == 1 for pair in OUTCOMES for place, word in e
 _YES = {word: place == 1 for pair in YES_OR_NO for place, word in enumerate(pair)}
 
 
+@lru_cache
 def perforates(word: str) -> bool | None:
     """Return whether a word says that an armour was perforated; None if it says neither."""
     return PERFORATED.get(folded(word))

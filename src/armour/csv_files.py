@@ -166,7 +166,8 @@ def _csv_source(path: Path, source: Source, known: Callable[[str], bool], conten
 
 def _most_known(rows: Sequence[Sequence[str]], known: Callable[[str], bool]) -> tuple[int, int]:
     """Return the number of names in the header, and its place: the first row unless another one has more names."""
-    counts = [sum(known(cell.strip()) for cell in row) for row in rows]
+    # Words such as "no" are names too, but not twice.
+    counts = [sum(known(cell.strip()) for cell in {*row}) for row in rows]
     most = max(counts, default=0)
     return most, counts.index(most) if most >= LEAST_NAMES else 0
 
@@ -183,7 +184,7 @@ def _with_header(source: Source, lines: Iterator[Line], known: Callable[[str], b
     while header and not header[-1]:
         header.pop()
     units = head[0][1] if head else []
-    if any(units) and all(is_unit(unit) or unit in ("", "-", "[-]") for unit in units):
+    if any(map(is_unit, units)) and all(is_unit(unit) or unit in ("", "-", "[-]") for unit in units):
         head = head[1:]
         pairs = zip(header, units, strict=False)
         header = [f"{name} [{unit.strip('()[] ')}]" if is_unit(unit) else name for name, unit in pairs]
@@ -208,7 +209,7 @@ def _texts(path: Path, source: Source, content: bytes | None) -> Iterator[str]:
             start = file.peek(2)[:2]
             encoding = {b"\xff\xfe": "utf-16-le", b"\xfe\xff": "utf-16-be"}.get(start, "utf-8")
             errors = "surrogateescape" if encoding == "utf-8" else "strict"
-            notes = ["UTF-16"] if encoding != "utf-8" else []
+            source.form += ["UTF-16"] if encoding != "utf-8" else []
             with TextIOWrapper(file, encoding, errors, newline="") as text:
                 for place, line in enumerate(iter(lambda: text.readline(MAX_LINE), ""), 1):
                     if len(line) == MAX_LINE:
@@ -217,8 +218,8 @@ def _texts(path: Path, source: Source, content: bytes | None) -> Iterator[str]:
                         raise mistake(path, f"line {place}", "must be text, found a binary file")
                     source.digest.update(line.encode(encoding, errors))
                     if not line.isascii() and _UNDECODED.search(line):
-                        line, notes = _windows(path, place, line), ["Windows-1252"]
-                    source.form += [note for note in notes if note not in source.form]
+                        line = _windows(path, place, line)
+                        source.form += ["Windows-1252"] * ("Windows-1252" not in source.form)
                     yield line.removeprefix("\ufeff") if place == 1 else line
     except (OSError, ValueError) as error:
         raise mistake(path, "", f"cannot be read: {reason(error)}") from None
@@ -337,38 +338,51 @@ def read_rows(
     lines = _chosen(source, columns, [line for line in lines if len(line[1]) == len(header)], where or {})
     lines, left_out = _that_count(source, columns, lines, problems)
     rows = [CsvRow(place, {}, {}) for place, _ in lines]
-    words = [*source.form]
+    words, groups = [*source.form], dict[str, list[str]]()
     for index, (name, column) in enumerate(zip(header, columns, strict=True)):
-        if column.key not in keys or not column.known:
-            continue
         cells = [cells[index] for _, cells in lines]
-        for row, cell in zip(rows, cells, strict=True):
-            if cell:
-                row.texts[column.key] = csv_value(cell) if column.key in texts else cell
-                if column.yes is not None and (yes := is_yes(cell)) is not None:
-                    row.texts[column.key] = OUTCOMES[0][yes == column.yes]
-        if column.key in numbers:
-            if _read_numbers(source, name, column, rows, problems) == "," and any("," in cell for cell in cells):
-                words.append("decimal commas")
-            words += [f"{words_and_unit(column.key)[0]} in {column.unit}"] if column.unit else []
-    words, equal = [*dict.fromkeys(words)], _equal(file, texts[0], rows, lines, problems)
+        if column.known and column.key in keys:
+            words += _fill(source, name, column, cells, rows, problems if column.key in numbers else None)
+        elif column.known and column.key in GROUPS:
+            groups[name] = cells
+    equal = _equal(file, texts[0], rows, lines, problems)
     if not rows:
         raise InputError(problems or [Problem(file, "", "must have rows that count")])
     ignored = tuple(name for name, column in zip(header, columns, strict=True) if name and not column.known)
-    notes = [f"without the columns {', '.join(ignored)}"] if ignored and "test" in texts else []
-    notes += (
-        [f"without {listed(left_out)}, which {'does' if len(left_out) == 1 else 'do'} not count"] if left_out else []
-    )
-    notes += [f"{listed(equal)} equal to an earlier row, counted"] if equal else []
+    notes = [f"{name} {value}" for name, value in (where or {}).items()]
+    if ignored and "test" in texts:
+        notes.append(f"without the columns {', '.join(ignored)}")
+    if left_out:
+        notes.append(f"without {listed(left_out)}, which {'does' if len(left_out) == 1 else 'do'} not count")
+    if equal:
+        notes.append(f"{listed(equal)} equal to an earlier row, counted")
+    words = [*dict.fromkeys(words)]
+    told = ", ".join([*words, counted(len(rows), noun), *notes])
     plain = words in ([], ["commas"]) and not notes
-    words += [counted(len(rows), noun), *notes]
-    digest = source.digest.hexdigest()
-    groups = {
-        name: [cells[index] for _, cells in lines]
-        for index, (name, column) in enumerate(zip(header, columns, strict=True))
-        if column.key in GROUPS and column.known
-    }
-    return CsvTable(file, rows, problems, TableRead(", ".join(words), plain, left_out, ignored, digest), groups)
+    return CsvTable(file, rows, problems, TableRead(told, plain, left_out, ignored, source.digest.hexdigest()), groups)
+
+
+def _fill(
+    source: Source,
+    name: str,
+    column: Column,
+    cells: Sequence[str],
+    rows: Sequence[CsvRow],
+    problems: list[Problem] | None,
+) -> list[str]:
+    """Fill the rows with the cells of a column, of numbers if there is a list for problems; return how."""
+    is_text = problems is None
+    for row, cell in zip(rows, cells, strict=True):
+        yes = None if column.yes is None else is_yes(cell)
+        if yes is not None:
+            row.texts[column.key] = OUTCOMES[0][yes == column.yes]
+        elif cell:
+            row.texts[column.key] = csv_value(cell) if is_text else cell
+    if problems is None:
+        return []
+    mark = _read_numbers(source, name, column, rows, problems)
+    commas = ["decimal commas"] if mark == "," and any("," in cell for cell in cells) else []
+    return [*commas, *([f"{words_and_unit(column.key)[0]} in {column.unit}"] if column.unit else [])]
 
 
 def columns_of(source: Source, keys: Sequence[str]) -> list[Column]:
@@ -486,15 +500,22 @@ def decimal_mark(cells: Iterable[str], column: Column, form: Collection[str]) ->
     A table that separates its columns by commas has points, unless a cell has a comma.
     """
     cells = [cell for cell in cells if cell]
-    read = {mark: [number_as(cell, mark) for cell in cells] for mark in ".,"}
-    low, high = BOUNDS.get(column.key) or BOUNDS.get(words_and_unit(column.key)[1], (-inf, inf))
-    whole = [mark for mark in ".," if None not in read[mark]]
-    fitting = [mark for mark in whole if all(low <= (value or 0.0) * column.factor <= high for value in read[mark])]
     has_commas = any("," in cell for cell in cells)
-    has_points = not {"semicolons", "tabs"} & {*form} and not has_commas
-    if len(fitting) == 2 and read["."] != read[","] and not has_points:
+    has_points = not has_commas and not {"semicolons", "tabs"} & {*form}
+    low, high = BOUNDS.get(column.key) or BOUNDS.get(words_and_unit(column.key)[1], (-inf, inf))
+    read: dict[str, list[float | None]] = {}
+    fitting, whole = [], []
+    for mark in ",." if has_commas else ".,":
+        read[mark] = values = [number_as(cell, mark) for cell in cells]
+        numbers = [value * column.factor for value in values if value is not None]
+        if len(numbers) == len(values):
+            whole.append(mark)
+            fitting += [mark] if not numbers or low <= min(numbers) <= max(numbers) <= high else []
+        if fitting == ["."] and has_points:
+            return "."
+    if len(fitting) == 2 and read["."] != read[","]:
         return None
-    return [*fitting, *whole, min(",." if has_commas else ".,", key=lambda mark: read[mark].count(None))][0]
+    return [*fitting, *whole, min(read, key=lambda mark: read[mark].count(None))][0]
 
 
 def two_meanings(cell: str) -> str:
@@ -505,11 +526,10 @@ def two_meanings(cell: str) -> str:
 
 def number_as(cell: str, mark: str) -> float | None:
     """Return the number in a cell, given the mark of its decimals; None if there is none."""
-    if grouped := _GROUPED[mark].fullmatch(cell):
-        cell = cell.replace(grouped[1], "")
-    if mark == ",":
-        cell = "" if "." in cell else cell.replace(",", ".")
-    return number(cell)
+    value = number(cell if mark == "." else "" if "." in cell else cell.replace(",", "."))
+    if value is None and (grouped := _GROUPED[mark].fullmatch(cell)):
+        return number_as(cell.replace(grouped[1], ""), mark)
+    return value
 
 
 def check_one_target(table: CsvTable, perforated: Sequence[bool | None], or_each: str = "") -> None:
