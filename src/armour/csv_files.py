@@ -4,6 +4,7 @@ import csv
 import json
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass, field
 from hashlib import sha256
 from io import BufferedReader, BytesIO, TextIOWrapper
@@ -27,7 +28,7 @@ MAX_LINE = 100_000
 HEAD, LEAST_NAMES = 40, 2
 SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
 # Endings of workbooks; the greatest size of all their parts, unpacked, and number of columns.
-WORKBOOKS, MAX_UNPACKED, MAX_COLUMNS = (".xlsx", ".xlsm"), 200_000_000, 1000
+WORKBOOKS, MAX_UNPACKED, MAX_COLUMNS = (".xlsx", ".xlsm"), 100_000_000, 1000
 # Columns that tell which rows count, and those of results: their keys, and what yes means in the others.
 COUNTS, RESULT_KEYS, RESULT_COLUMNS = "counts", ("result", "outcome"), ("perforated", "stopped")
 # Units that messages suggest.
@@ -260,22 +261,22 @@ def _sheet_lines(path: Path, source: Source, sheet: str | None) -> Iterator[Line
         message = 'cannot be read without openpyxl: pip install "openpyxl>=3.1", or save the sheet as CSV'
         raise mistake(path, "", message) from None
     try:
-        source.digest.update(path.read_bytes())
+        refuse_pipe(path)
         with ZipFile(path) as parts:
             # Nothing is unpacked before.
             if sum(part.file_size for part in parts.infolist()) > MAX_UNPACKED:
                 raise mistake(path, "", f"must be at most {MAX_UNPACKED:,} bytes long when it is unpacked")
-        workbook = load_workbook(path, read_only=True, data_only=True)
-        names = [worksheet.title for worksheet in workbook.worksheets]
-        if sheet is not None and sheet not in names:
-            raise mistake(path, "", f"must have the sheet {sheet}, found {', '.join(names)}")
-        worksheet = workbook[names[0] if sheet is None else sheet]
-        source.form.append(f"sheet {worksheet.title}")
-        rows = worksheet.iter_rows(max_col=MAX_COLUMNS, values_only=True)
-        for number, row in enumerate(rows, 1):
-            cells = [_cell(value) for value in row]
-            if any(cells):
-                yield f"row {number}", cells
+        source.digest.update(path.read_bytes())
+        with closing(load_workbook(path, read_only=True, data_only=True)) as workbook:
+            names = [worksheet.title for worksheet in workbook.worksheets]
+            if sheet is not None and sheet not in names:
+                raise mistake(path, "", f"must have the sheet {sheet}, found {', '.join(names)}")
+            name = names[0] if sheet is None else sheet
+            source.form.append(f"sheet {name}")
+            for number, row in enumerate(workbook[name].iter_rows(max_col=MAX_COLUMNS, values_only=True), 1):
+                cells = [_cell(value) for value in row]
+                if any(cells):
+                    yield f"row {number}", cells
     except InputError:
         raise
     except OSError as error:
@@ -497,11 +498,12 @@ def _read_numbers(
 def decimal_mark(cells: Iterable[str], column: Column, form: Collection[str]) -> str | None:
     """Return the mark of the decimals in a column, by its cells and the bounds of the quantity; None if it may be both.
 
-    A table that separates its columns by commas has points, unless a cell has a comma.
+    A table with commas between its columns has points, unless a cell has a comma.
     """
     cells = [cell for cell in cells if cell]
     has_commas = any("," in cell for cell in cells)
-    has_points = not has_commas and not {"semicolons", "tabs"} & {*form}
+    if not has_commas and not {"semicolons", "tabs"} & {*form}:
+        return "."
     low, high = BOUNDS.get(column.key) or BOUNDS.get(words_and_unit(column.key)[1], (-inf, inf))
     read: dict[str, list[float | None]] = {}
     fitting, whole = [], []
@@ -511,8 +513,6 @@ def decimal_mark(cells: Iterable[str], column: Column, form: Collection[str]) ->
         if len(numbers) == len(values):
             whole.append(mark)
             fitting += [mark] if not numbers or low <= min(numbers) <= max(numbers) <= high else []
-        if fitting == ["."] and has_points:
-            return "."
     if len(fitting) == 2 and read["."] != read[","]:
         return None
     return [*fitting, *whole, min(read, key=lambda mark: read[mark].count(None))][0]

@@ -100,3 +100,15 @@ def test_cases_of_an_export(cli, folder: Path):
     )
     header, *_ = (folder / "made.csv").read_text().splitlines()
     assert header == "armour.ceramic_thickness_mm,armour.backing_thickness_mm,areal_density_kg_m2"
+
+
+def test_options_of_tables_need_one(cli, folder: Path):
+    (folder / "t.csv").write_text("velocity_m_s,result,panel\n700,P,A\n710,P,A\n720,P,A\n")
+    assert "shots of both results" in cli.fails(2, "v50", "t.csv", "--each")[-1]
+    for option in (["--where", "panel=A"], ["--each"], ["--sheet", "x"]):
+        assert cli.fails(2, "plan", "shots", "wilkins", *option) == [
+            f"command line: {option[0]}: must be given with SHOTS"
+        ]
+    assert cli.fails(2, "v50", "t.csv", "--sheet", "x") == [
+        "t.csv: must be a workbook (.xlsx) for a sheet to be chosen"
+    ]

@@ -134,6 +134,7 @@ def shots_of(folder: Path, text: str, **settings: object) -> armour.Shots:
         ),
         ("v (m/s);result\n735,3;P\n741.2;C\n", 'line 3: .* must be a number, found "741.2"'),
         ("Velocity;result\n2415;P\n2498;C\n", r'must have its unit, as "Velocity \(m/s\)" or "Velocity \(ft/s\)"'),
+        ("velocity_m_s,result\n9.500,P\n9.600,C\n", "line 2: velocity_m_s: must be at least 10 .*, found 9.500"),
         ("velocity_m_s,result\n700,0\n720,1\n", 'line 2: result: must be "stopped" or "perforated"'),
         ("velocity_m_s,result,valid\n700,P,yes\n720,C,perhaps\n", 'line 3: valid: must be yes or no, found "perhaps"'),
         ("velocity_m_s,result,valid\n700,P,no\n720,C,no\n", "must have rows that count"),

@@ -140,7 +140,7 @@ def chosen(where: list[str] | None) -> dict[str, str]:
     return {key.strip(): value.strip() for key, _, value in (text.partition("=") for text in where or ())}
 
 
-def tell(table: Path, read: TableRead | None) -> None:
+def tell(table: object, read: TableRead | None) -> None:
     """Say how a table was read, unless it is as plain as can be."""
     if read is not None and not read.plain:
         say(f"read {table}: {read.words}")
@@ -157,13 +157,17 @@ def _each(table: Path, where: list[str] | None, sheet: str | None, kinds: int) -
     """Yield the shots for each value of the column that tells targets apart, by column and value."""
     from armour.statistics.v50 import firings_of
 
+    is_any = False
     for name, value, found in firings_of(table, chosen(where), sheet):
         if found < kinds:
             say(f"note: {table}: {name} {value}: left out, as its shots have only one result")
             continue
         fired = armour.read_shots(table, one_kind=kinds == 1, where={**chosen(where), name: value}, sheet=sheet)
-        tell(Path(f"{table}, {name} {value}"), fired.read)
+        tell(table, fired.read)
+        is_any = True
         yield f"{name} {value}", fired
+    if not is_any:
+        raise wrong_option("--each", "must be given with shots of both results for one value at least")
 
 
 def limit_option(end: str) -> Any:
@@ -222,7 +226,11 @@ def plan_shots(
         raise wrong_option("--upper-m-s" if upper_m_s is None else "--lower-m-s", "must be given with the other limit")
     if isinstance(velocity_m_s, str):
         raise wrong_option("--velocity-m-s", f"must be a number, found {describe(velocity_m_s)}")
+    if table is None and (where or each or sheet is not None):
+        raise wrong_option("--where" if where else "--each" if each else "--sheet", "must be given with SHOTS")
     options["earlier"] = [armour.read_shots(path) for path in earlier or []]
+    for path, firing in zip(earlier or [], options["earlier"], strict=True):
+        tell(path, firing.read)
     if lower_m_s is not None:
         options["limits_m_s"] = (lower_m_s, upper_m_s)
     if result is None:
@@ -231,9 +239,9 @@ def plan_shots(
         is_new = table is not None and table.suffix == ".csv" and not exists(table)
         if is_new:
             say(f"note: {table}: no such file, so no shot has been fired; --result makes the file")
-        if each and table is not None:
+        if each:
             _refuse_with_each({"--plot": plot})
-            firings = _each(table, where, sheet, kinds=1)
+            firings = _each(table, where, sheet, kinds=1) if table else ()
             plans = {
                 name: armour.plan_shots(scenario, fired, on_progress=on_progress, **options) for name, fired in firings
             }
@@ -339,6 +347,8 @@ def plan_tests(
 
     source = _source(candidates)
     earlier_tests = None if tests is None else armour.read_tests(tests, scenario)
+    if earlier_tests is not None:
+        tell(tests, earlier_tests.read)
     designs = [read_scenario(path, None, FIT) for path in design or []]
     result = armour.plan_tests(
         scenario, source, tests=earlier_tests, designs=designs, on_progress=on_progress, **options
@@ -359,4 +369,7 @@ def _source(candidates: list[str]) -> "Grid | Cases":
     [file] = candidates
     if not file.endswith(".csv") and not exists(file):
         raise wrong_option("--candidates", f'must be KEY=VALUES or a CSV file, found "{file}"')
-    return Cases(file)
+    cases = Cases(file)
+    if cases.read:
+        say(f"read {file}: {cases.read}")
+    return cases

@@ -479,12 +479,10 @@ def _line(tests: Tests, place: int) -> str:
 def _in_feet(tests: Tests) -> Iterator[str]:
     """Yield a warning if the limits and velocities measured are unlike those of the model by the factor of ft/s."""
     measured = [m.value for m in tests.measurements if m.quantity == LIMIT]
-    computed = np.concatenate([ballistic_limits(group.variants()) for group in tests.groups])
-    if (
-        measured
-        and np.isfinite(np.median(computed))
-        and (note := feet_note(median(measured), float(np.median(computed))))
-    ):
+    if not measured:
+        return
+    computed = float(np.median(np.concatenate([ballistic_limits(group.variants()) for group in tests.groups])))
+    if np.isfinite(computed) and (note := feet_note(median(measured), computed)):
         yield note
 
 
