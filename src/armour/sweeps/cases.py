@@ -162,8 +162,10 @@ class Cases:
         for column, cells in zip(columns, zip(*(cells for _, cells in block), strict=True), strict=True):
             mark = "." if column.key in NAMING else decimal_mark(cells, column, form)
             if mark is None:
-                key = f"{block[0][0]}: {column.key}"
-                raise mistake(self.file, key, two_meanings(next(cell for cell in cells if re.search("[.,]", cell))))
+                places = (place for place, _ in block)
+                pairs = zip(places, cells, strict=True)
+                place, cell = next(pair for pair in pairs if number_as(pair[1], ".") != number_as(pair[1], ","))
+                raise mistake(self.file, f"{place}: {column.key}", two_meanings(cell))
             yield mark if any("," in cell for cell in cells) else "."
 
     def _read(self, block: Sequence[Line], columns: Sequence[Column], marks: Sequence[str]) -> list[Any]:
