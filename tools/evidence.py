@@ -152,7 +152,8 @@ def plates_of(kind: str, metal: str) -> Plates:
     measured = column("ballistic_limit_m_s")
     alloy, rounds = (np.array([row[name] for row in used]) for name in ("plate", "round"))
     quantities = {
-        **dict.fromkeys(RODS, np.zeros(len(used))),
+        **dict.fromkeys(("ceramic_thickness_ratio", *RODS), np.zeros(len(used))),
+        "backing_density_kg_m3": columns["backing.density_kg_m3"],
         "backing_thickness_ratio": columns[BACKING] / diameter,
         "backing_strength_GPa": strength * CONSTRAINT * MPA / GPA,
         "tensile_MPa": column("ultimate_tensile_strength_MPa"),
@@ -233,6 +234,8 @@ BETWEEN_SERIES, FREEDOM = 0.04, 3.0
 BETWEEN, REST = np.geomspace(0.001, 0.25, 41), np.geomspace(0.008, 0.08, 31)
 # Standard deviation of the exponent of a law between lots, times the change of the limit with the flow stress.
 TREND = 0.62 * 0.10
+# Standard deviation between rounds, as that of plates: all tests were fired with one round.
+BETWEEN_ROUNDS = 0.04
 # Probabilities at which Student's t distribution has the quantiles of what is integrated.
 MATCHED = np.array([0.8, 0.975])
 
@@ -276,6 +279,7 @@ def tiles_of(law: FlowStressLaw) -> Tiles:
     ratios = (table[:, :2] / scenario.inputs()["projectile.penetrator_diameter_mm"]).T
     quantities = {
         **dict.fromkeys(RODS, np.zeros(len(table))),
+        **dict.fromkeys(("backing_density_kg_m3", "backing_strength_GPa"), np.ones(len(table))),
         "ceramic_thickness_ratio": ratios[0],
         "backing_thickness_ratio": ratios[1],
         "path_ratio": np.ones(len(table)),
@@ -315,7 +319,7 @@ def fitted_law(law: FlowStressLaw, tiles: Tiles) -> tuple[Fit, float]:
     factor = float(wanted[1] / t.ppf(MATCHED[1], freedom)) ** 2
     scaled = factor * covariance, factor * variance
     between, rest = np.sqrt(factor * (weights @ variances))
-    deviations = float(between), 0.0, float(rest), TREND * (len(law.terms) > 1)
+    deviations = float(between), BETWEEN_ROUNDS, float(rest), TREND * (len(law.terms) > 1)
     return Fit("", law.terms, (1.0, 1.0), coefficients, *scaled, freedom, deviations), evidence
 
 

@@ -27,6 +27,7 @@ from .errors import NoAnswerError as NoAnswerError
 from .errors import NoLimitError as NoLimitError
 from .errors import Problem as Problem
 from .evidence.model_error import ModelError as ModelError
+from .evidence.model_error import TestsHere as TestsHere
 from .planning.firing import ShotPlan as ShotPlan
 from .planning.firing import plan_shots as plan_shots
 from .planning.plan_tests import PlannedTest as PlannedTest
@@ -53,6 +54,7 @@ from .statistics.fitted_library import save_fit as save_fit
 from .statistics.likelihood import Coefficient as Coefficient
 from .statistics.measured import Tests as Tests
 from .statistics.measured import read_tests as read_tests
+from .statistics.own_tests import OwnTest as OwnTest
 from .statistics.posterior import FiringEstimate as FiringEstimate
 from .statistics.sensitivity import Elasticity as Elasticity
 from .statistics.sensitivity import SensitivityResult as SensitivityResult

@@ -133,6 +133,48 @@ def test_what_threats_replace_cannot_be_changed(cli, change: str):
     assert told.endswith("must have an effect: the check does not depend on it")
 
 
+@pytest.mark.parametrize(
+    ("change", "found"),
+    [
+        ("design.areal_density_max_kg_m2=20", "FAILS: areal density 50.8 kg/m², at most 20 kg/m² allowed"),
+        ("design.thickness_max_mm=5", "FAILS: thickness 16 mm, at most 5 mm allowed"),
+        ("design.cost_max_per_m2=3", "cost unknown, at most 3 per m² allowed"),
+        ("design.added_thickness_mm=4", "50.8 kg/m², 20 mm thick"),
+        ("design.added_areal_density_kg_m2=4", "54.8 kg/m², 16 mm thick"),
+        ("uncertainty.impact.velocity_m_s.standard_deviation=100", "stopping the projectile 45.1 %"),
+    ],
+)
+def test_what_is_required_of_an_armour_can_be_changed(cli, change: str, found: str):
+    assert found in cli("check", "reliable", "--set", change).stdout.replace("\n", " ")
+
+
+def test_the_check_of_a_design_requires_the_same(cli):
+    changes = ["design.thickness_max_mm=4", "design.areal_density_max_kg_m2=70"]
+    options = [word for change in changes for word in ("--set", change)]
+    _, then = cli("optimise", "paper/optimum_7.62mm_AP", *options).stderr.rstrip().rsplit("next: ", 1)
+    assert all(change in shlex.split(then) for change in changes)
+    assert cli(*shlex.split(then)[1:]).exit_code == 3
+
+
+def test_a_bare_plate_needs_no_flow_stress(cli, folder: Path):
+    """A thickness of 0 makes an armour bare, whatever the ceramic."""
+    catalogue = FAILS.replace('"AD85"', '"B4C"').replace("thickness_mm = 6.35", "thickness_mm = 20.0")
+    catalogue = catalogue.replace("ceramic_thickness_mm = 20.0", "ceramic_thickness_mm = 0.0").replace("800.0", "300.0")
+    catalogue += '[[design.ceramic]]\nmaterial = "B4C"\nthickness_mm = [0.0, 2.0]\n'
+    (folder / "bare.toml").write_text(catalogue + '[[design.backing]]\nmaterial = "6061-T6"\nthickness_mm = [20.0]\n')
+    assert cli("check", "bare.toml").exit_code == 0
+    result = cli("optimise", "bare.toml")
+    assert result.exit_code == 0
+    assert "20 mm 6061-T6" in result.stdout
+    assert "0 mm B4C" not in result.stdout
+
+
+def test_a_probability_without_the_model_error_is_no_unknown_one(cli):
+    without = "uncertainty.model.included=false"
+    shown = cli("check", "reliable", "--set", without, "--set", "uncertainty.samples=128").stdout
+    assert "unknown" not in shown
+
+
 def test_no_changes_where_no_velocity_perforates(cli):
     shown = cli("check", "wilkins", "--set", "armour.ceramic_thickness_mm=900").stdout
     assert "passes: no ballistic limit found" in shown

@@ -66,8 +66,8 @@ def test_the_armour_as_it_is(cli, folder: Path):
     assert line == "command line: --as-is: must be given with a scenario, found a suite"
     [line] = cli.fails(2, "report", "paper", "--confidence", "0.9")
     assert line == "command line: --confidence: must be given with a scenario, found a suite"
-    [line] = cli.fails(2, "report", OPTIMUM, "--as-is", "--set", "design.thickness_max_mm=20")
-    assert "--set design.thickness_max_mm: " in line
+    [line] = cli.fails(2, "report", OPTIMUM, "--as-is", "--set", "design.minimise=thickness_mm")
+    assert "--set design.minimise: " in line
 
 
 def test_a_confidence_and_the_command_of_the_map(cli, folder: Path):

@@ -165,10 +165,6 @@ def test_costs_that_are_asked_for_must_be_given(asked: dict[str, Any]):
             'threat[1].name: must be different for each threat, found "M2" twice',
         ),
         (
-            lambda: catalogue([{**THREATS[0], "probability_of_perforation": 0.05}], {"model": {"included": False}}),
-            "uncertainty.model.included: must be true if a probability is bounded and no input has a distribution",
-        ),
-        (
             lambda: catalogue(
                 [{**THREATS[0], "probability_of_perforation": 0.05}],
                 UNCERTAIN,

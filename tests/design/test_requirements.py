@@ -79,6 +79,18 @@ def test_a_ceramic_of_one_source_is_not_known_unless_the_limit_is_too_low(veloci
     assert check(known).verdict == check(of).verdict
 
 
+def test_without_the_model_error_no_probability_is_known():
+    of = scenario(velocity=600.0, design={**OWN, "confidence": 0.9}, uncertainty={"model": {"included": False}})
+    assert (check(of).verdict, optimise(of).reason) == ("not known", "not known")
+    assert "uncertainty.model excludes the model error" in optimise(of).explanation
+
+
+def test_why_none_passes_names_the_margin():
+    threat = [{"projectile": "7.62 mm AP", "velocity_m_s": 600.0, "margin_m_s": 300.0}]
+    found = optimise(scenario(threat=threat, design={**OWN, "confidence": 0.6}))
+    assert "with the margin and the probability required" in found.explanation
+
+
 SAMPLED: dict[str, Any] = {
     "ceramic": {"flow_stress_GPa": {"distribution": "normal", "standard_deviation_percent": 4.0}}
 }

@@ -9,6 +9,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import numba
 import pytest
@@ -143,6 +144,13 @@ def test_a_work_tree(home: Path, compiler: FakeCompiler, monkeypatch: pytest.Mon
     monkeypatch.setenv("HOME", str(home.parents[1]))
     in_a_new_process()
     assert cache.is_compiled("impacts")
+
+
+def test_the_root_folder_is_nobody_elses(monkeypatch: pytest.MonkeyPatch):
+    """As in a container that starts there, for a user without a home."""
+    monkeypatch.chdir("/")
+    monkeypatch.setattr(Path, "home", Mock(side_effect=RuntimeError))
+    assert cache.project_around(Path("/opt/cache/armour")) == ""
 
 
 @pytest.mark.parametrize("upwards", [0, 1])

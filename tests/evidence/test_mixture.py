@@ -8,6 +8,7 @@ WEIGHTS, LOCATIONS = np.array([0.5, 0.2, 0.3]), np.array([6.4, 6.6, 6.7])
 SCALES, FREEDOM = np.array([0.05, 0.1, 0.03]), np.array([5.0, 1e6, 12.0])
 ONE = Mixture(np.array([1.0]), np.array([6.5]), np.array([0.05]), np.array([7.0]))
 THREE = Mixture(WEIGHTS, LOCATIONS, SCALES, FREEDOM)
+NARROWED = THREE._replace(narrowed=np.array([1.0, 0.5, 0.8]))
 PROBABILITIES = np.array([0.001, 0.025, 0.5, 0.8, 0.975, 0.999])
 
 
@@ -21,7 +22,7 @@ APART = Mixture(WEIGHTS, np.array([6.0, 6.5, 9.0]), np.array([0.01, 1e-4, 0.3]),
 
 
 def test_quantiles_invert_the_probability():
-    for mixture in (THREE, ONE, APART):
+    for mixture in (THREE, ONE, APART, NARROWED):
         above = mixture.probability_above(mixture.quantile(PROBABILITIES))
         assert 1.0 - above == pytest.approx(PROBABILITIES, abs=1e-9)
     assert THREE.quantile([0.0, 1.0]) == pytest.approx([0.0, np.inf])
@@ -29,8 +30,9 @@ def test_quantiles_invert_the_probability():
 
 def test_the_density_is_the_derivative_of_the_probability():
     velocities = np.array([450.0, 600.0, 750.0, 900.0])
-    slopes = THREE.probability_above(velocities - 0.01) - THREE.probability_above(velocities + 0.01)
-    assert np.exp(THREE.log_density(velocities)) == pytest.approx(slopes / 0.02, rel=1e-5)
+    for mixture in (THREE, NARROWED):
+        slopes = mixture.probability_above(velocities - 0.01) - mixture.probability_above(velocities + 0.01)
+        assert np.exp(mixture.log_density(velocities)) == pytest.approx(slopes / 0.02, rel=1e-5)
 
 
 def test_draws_have_the_distribution():

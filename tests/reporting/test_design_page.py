@@ -259,6 +259,13 @@ SENTENCES: list[tuple[dict[str, Any], str]] = [
     ),
     ({"optimise.backing_thickness_mm": {"min": 6.0, "max": 6.0, "step": 1.0}}, "6 mm 5083-H3"),
     (
+        {
+            "design.confidence": 0.6,
+            "uncertainty.impact.velocity_m_s": {"distribution": "normal", "standard_deviation": 5.0},
+        },
+        "with 60 % confidence, with exact inputs.",
+    ),
+    (
         {"design.ceramic": [{"material": "AD85", "thickness_mm": {"min": 8.0, "max": 14.0}}]},
         "Any thickness is on offer",
     ),

@@ -10,16 +10,18 @@ import pytest
 
 from armour.analysis.ballistic_limit import ConfidenceResult, confidence
 from armour.analysis.evaluate import evaluate
+from armour.design.check import check
 from armour.design.optimise import optimise
 from armour.errors import InputError, NoAnswerError
 from armour.evidence.tests import armours_of, scenario_warnings
+from armour.reporting.words import model_error_words
 from armour.scenario.inputs import BACKING, CERAMIC, FLOW_STRESS, OBLIQUITY, VELOCITY
 from armour.scenario.scenario import Scenario, parse_scenario
 from armour.statistics.calibration import Law, calibrate
 from armour.statistics.fitted_library import scenario_text
 from armour.statistics.measured import Tests as Measured
 from armour.statistics.measured import read_tests
-from armour.statistics.own_tests import repeated
+from armour.statistics.own_tests import predicted_tests, repeated
 from tests.helpers.cases import TESTS, shipped_scenario
 from tests.helpers.fits import table_of, wilkins_fit
 from tests.helpers.results import best_of
@@ -53,6 +55,111 @@ def plate(projectile: str, strength_MPa: float, thickness: float) -> Scenario:
 def probability(result: ConfidenceResult) -> float:
     assert result.probability_of_stopping is not None, result.reason
     return result.probability_of_stopping
+
+
+VERY = parse_scenario(
+    {
+        "impact": {"projectile": "7.62 mm B32", "velocity_m_s": 905.0},
+        "armour": {
+            "ceramic": "Alumina 98",
+            "ceramic_thickness_mm": 8.0,
+            "backing": "ARMOX500",
+            "backing_thickness_mm": 6.5,
+        },
+        "library": {
+            "ceramic": {
+                "Alumina 98": {"density_kg_m3": 3820.0, "youngs_modulus_GPa": 350.0, "flow_stress_GPa": 5.7},
+            },
+            "projectile": {
+                "dense": {
+                    "penetrator_diameter_mm": 5.6,
+                    "penetrator_mass_g": 5.9,
+                    "density_kg_m3": 14900.0,
+                    "flow_stress_GPa": 4.5,
+                },
+                "large": {"based_on": "12.7 mm APM2", "penetrator_mass_g": 30.0},
+            },
+        },
+    }
+)
+VERY_TESTS = ("8,7.62 mm B32,905,12", "8,dense,745,15", "12,large,790,10")
+
+
+@cache
+def very(*rows: str) -> Scenario:
+    """The armour with own tests, the first of which is of this very armour."""
+    columns = f"{CERAMIC},impact.projectile,ballistic_limit_m_s,ballistic_limit_uncertainty_m_s"
+    return scenario_of(table_of(VERY, columns, *rows), VERY, FLOW_STRESS)
+
+
+@pytest.mark.parametrize(("count", "most"), [(1, 0.32), (3, 0.45)])
+def test_the_limit_of_the_very_armour_is_what_was_measured(count: int, most: float):
+    """905 ± 12 m/s were measured; two tests of other rounds say more (A1)."""
+    case = very(*VERY_TESTS[:count])
+    assert 0.4 <= probability(confidence(case)) <= 0.7
+    assert probability(confidence(case.replaced({VELOCITY: 1.03 * 905.0}))) <= most
+
+
+def test_against_a_round_that_was_not_fired_the_interval_is_wider():
+    case = very(VERY_TESTS[0])
+    larger = {"impact.projectile": "14.5 mm B32", CERAMIC: 16.3, BACKING: 13.2}
+    widths = [high / low for low, high in (interval_of(case), interval_of(case.replaced(larger)))]
+    assert widths[1] > 1.1 * widths[0]
+
+
+def test_answers_show_what_was_measured_here_and_what_the_other_tests_say():
+    case = very(*VERY_TESTS)
+    answers = [confidence(case).model_error, check(case).threats[0].model_error]
+    only = {"ceramic_thickness_mm": {"min": 8.0, "max": 8.0, "step": 1.0}}
+    only |= {"backing_thickness_mm": {"min": 6.5, "max": 6.5, "step": 1.0}}
+    answers.append(best_of(optimise(case.replaced({"optimise": only, VELOCITY: 800.0}))).model_error)
+    for error in answers:
+        assert error is not None
+        here = error.tests_here
+        assert here is not None
+        assert (here.limits_m_s, here.uncertainties_m_s, here.others) == ((905.0,), (12.0,), 2)
+        # As the two others alone are calibrated to, but for their own fitted flow stress.
+        alone = confidence(very(*VERY_TESTS[1:]))
+        assert here.median_m_s == pytest.approx(alone.median_m_s, rel=0.02)
+        words = model_error_words(error)
+        assert "measured 905 ± 12 m/s here (1 own test); the 2 other own tests alone: about 10" in words
+        assert words.endswith("rests on one test of this armour: a second V50 would settle it")
+    elsewhere = confidence(case.replaced({CERAMIC: 8.5})).model_error
+    assert elsewhere is not None
+    assert elsewhere.tests_here is None
+
+
+def test_each_own_test_is_predicted_from_the_others():
+    """As `confidence` predicts its armour, with the two others alone calibrated."""
+    entry = very(*VERY_TESTS).entry_of("ceramic")
+    assert entry is not None
+    assert entry.evidence is not None
+    first, *others = predicted_tests(entry, entry.evidence)
+    assert (first.measured_m_s, first.uncertainty_m_s, first.bound) == (905.0, 12.0, "")
+    assert (first.ceramic_thickness_mm, first.backing_thickness_mm) == pytest.approx((8.0, 6.5))
+    here = confidence(very(*VERY_TESTS)).model_error
+    assert here is not None
+    assert here.tests_here is not None
+    assert first.predicted_m_s == pytest.approx(here.tests_here.median_m_s, rel=1e-3)
+    assert first.interval_m_s == pytest.approx(here.tests_here.interval_m_s, rel=1e-3)
+    assert len(others) == 2
+
+
+def test_a_second_test_of_the_armour_settles_it():
+    once, twice = (very(VERY_TESTS[0], *VERY_TESTS[1:], *more) for more in ((), ("8,7.62 mm B32,915,12",)))
+    errors = [confidence(case).model_error for case in (once, twice)]
+    assert errors[1] is not None
+    assert "settle" not in model_error_words(errors[1])
+    assert interval_of(twice)[0] > interval_of(once)[0] + 15.0
+    torn = confidence(very(*VERY_TESTS, "8,7.62 mm B32,1105,12")).model_error
+    assert torn is not None
+    assert "these tests do not agree" in model_error_words(torn)
+
+
+def interval_of(case: Scenario) -> tuple[float, float]:
+    result = confidence(case)
+    assert result.interval_m_s is not None, result.reason
+    return result.interval_m_s
 
 
 FRAGMENT = plate("20 mm FSP", 402.0, 30.0)
@@ -273,7 +380,8 @@ def test_tests_of_a_series_of_wilkins_predict_the_others_of_it(own: int):
 def test_tests_of_a_real_lot_predict_the_others_of_it():
     """As on docs/own-tests.md, of fewer draws."""
     before, after = (
-        {lot.name: lot.means for lot in campaign.lots_of("fragments_aluminium", own, draws=20)} for own in (0, 1)
+        {lot.name: lot.by_kind["all"] for lot in campaign.lots_of("fragments_aluminium", own, draws=20)}
+        for own in (0, 1)
     )
     shares = [100.0 * sum(lots[name][2] for name in after) / len(after) for lots in (before, after)]
     assert min(shares) >= 95.0
@@ -342,3 +450,43 @@ def test_evidence_that_cannot_be_is_refused():
         changed = {**good, "tests": {**good["tests"], key: [value]}}
         with pytest.raises(InputError, match=f"{key} has an impossible number"):
             parse_scenario({**data, "library": {"ceramic": {"AD85, lot 7": {**entry, "evidence": changed}}}})
+
+
+LABORATORIES = [(6, 734, 801), (7, 878, 963), (8, 925, 1018), (9, 926, 1010), (10, 1033, 1137)]
+
+
+@pytest.mark.parametrize(("column", "apart"), [("laboratory", True), ("date", True), ("laboratory", False)])
+def test_residuals_that_split_by_a_column_that_is_no_input_are_warned_of(column: str, apart: bool):
+    """Two laboratories that differ by 10 % (A6), or of the same limits."""
+    rows = [f"{name},{c},{b if name == 'B' and apart else a}" for name in "AB" for c, a, b in LABORATORIES]
+    rows = [f"{i},{row}" for i, row in enumerate(rows)]
+    case = shipped_scenario("wilkins")
+    tests = table_of(case, f"test,{column},{CERAMIC},ballistic_limit_m_s", *rows)
+    result = calibrate(tests, case)
+    named = [warning for warning in result.warnings if f"the deviations differ by {column}: A -4." in warning]
+    assert len(named) == apart
+    assert result.evidence is not None
+    assert ("series" in result.evidence["tests"]) == (column == "laboratory")
+
+
+def test_an_answer_is_for_a_laboratory_that_did_not_test():
+    case = shipped_scenario("wilkins")
+    rows = [
+        f"{i},{name},{c},{limit}" for i, (name, c, limit) in enumerate([("A", 6, 690), ("A", 7, 740), ("B", 8, 800)])
+    ]
+    header = f"test,laboratory,{CERAMIC},ballistic_limit_m_s"
+    one = [row.replace("B", "A") for row in rows]
+    (low, high), (lowest, highest) = (
+        interval_of(scenario_of(table_of(case, header, *table), case, FLOW_STRESS)) for table in (one, rows)
+    )
+    assert highest / lowest > high / low
+
+
+def test_a_limit_that_is_only_known_to_be_above_or_below_is_an_outcome():
+    case = shipped_scenario("wilkins")
+    bounds = table_of(case, f"{CERAMIC},ballistic_limit_m_s", "6,700", "8,above 900", "5,<= 800", "7,> 650")
+    columns = f"{CERAMIC},ballistic_limit_m_s,{VELOCITY},outcome"
+    outcomes = table_of(case, columns, "6,700,,", "8,,900,stopped", "5,,800,perforated", "7,,650,stopped")
+    assert bounds.measurements == outcomes.measurements
+    with pytest.raises(InputError, match="must be a number"):
+        table_of(case, "ballistic_limit_m_s", "above all")

@@ -103,7 +103,7 @@ def left_out(group: Group, plates: Plates, parts: Sequence[Bools]) -> Predicted:
     for out in parts:
         rest = plates.at(~out)
         fit = fitted(group, rest)
-        location, scale = fit.predicted(plates.at(out).quantities, ranges_of(rest))
+        location, scale, _ = fit.predicted(plates.at(out).quantities, ranges_of(rest))
         found.append(Predicted(plates.error[out], location, scale, np.full(len(scale), float(fit.degrees_of_freedom))))
     return _joined(found)
 
@@ -240,7 +240,7 @@ def picture(sheet: Sheet) -> Picture:
     x = np.linspace(of["backing_thickness_ratio"].min(), of["backing_thickness_ratio"].max(), 121)
     usual = {"backing_strength_GPa": 0.3 * CONSTRAINT, "rod_mass_ratio": CORE, "path_ratio": 1.0}
     q = {name: np.full(len(x), value) for name, value in usual.items()} | {"backing_thickness_ratio": x}
-    location, scale = fit.predicted(q, {})
+    location, scale, _ = fit.predicted(q, {})
     half = t.ppf(0.975, fit.degrees_of_freedom) * scale
     measured = (100.0 * np.expm1(plates.error)).tolist()
     low, middle, high = (100.0 * np.expm1(location + side * half) for side in (-1.0, 0.0, 1.0))

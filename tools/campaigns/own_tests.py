@@ -10,15 +10,18 @@ stress, each as often.
 
 import sys
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import cache, partial
 from itertools import combinations
+from math import comb
 from typing import Any, NamedTuple
+from unittest.mock import patch
 
 import numpy as np
 
 from armour.analysis.variants import Floats, ballistic_limits, distributions, variants_of
-from armour.evidence.fit import Fit, LotTests, fits, shipped_data
+from armour.evidence.fit import Fit, LotTests, distances, fits, mixture_of, shipped_data
 from armour.evidence.mixture import Mixture
 from armour.evidence.tests import FALSE_ALARMS, STRANGE, STRANGE_METAL, Materials
 from armour.scenario.inputs import BACKING, CERAMIC, FLOW_STRESS
@@ -32,13 +35,20 @@ from tools.evidence import GROUPS, LAWS, ROOT, SERIES, Plates, Tiles, fitted, fi
 
 PAGE = ROOT / "docs" / "own-tests.md"
 PLATES = ("cores_steel", "cores_aluminium_tensile", "cores_aluminium", "fragments_aluminium")
-DRAWS, SAMPLES = 200, 400
+DRAWS, DRAWS_MISTYPED, SAMPLES = 40, 10, 200
+# The seed of draws; the constants of the update were chosen with others.
+SEED = 2
+# Armours that are predicted, by their greatest distance from an own test.
+KINDS = {"all": np.inf, "near": 0.1, "repeated": 1e-3}
+# Velocity over the limit at which a mistyped test is judged, and factors by which it is mistyped.
+ABOVE, FACTORS = 1.05, (1.25, 0.75)
 # Ends of the interval, the velocity that is stopped with 95 %, and the median.
 CHANCES = np.array([0.025, 0.05, 0.5, 0.975])
-# Least tests of a lot that is listed, and least share of them within 95 % intervals that is not.
-LEAST_TESTS, LEAST_SHARE = 8, 88.0
-# Least share of "95 true" and, of simulated lots, of both, per cent; greatest loss of a lot, points.
-LEAST_TRUE, LEAST_SIMULATED, MOST_LOST = 95.0, 92.0, 5.0
+# Least number of different predictions of a lot that is judged alone, and greatest loss that is not listed, points.
+LEAST_PREDICTIONS, LISTED = 20, 3.0
+# Least share of "95 true", also of fragments near own tests, and of simulated lots, of both, per cent; greatest loss of
+# a lot, and greatest rise of an RMS error, points; greatest ratio of half-widths for all armours.
+LEAST_TRUE, LEAST_NEAR, LEAST_SIMULATED, MOST_LOST, MOST_RISEN, MOST_WIDE = 95.0, 94.0, 92.0, 5.0, 0.2, 0.96
 
 
 class Outcome(NamedTuple):
@@ -77,16 +87,6 @@ def numbers(means: Floats) -> list[str]:
     return [f"{100.0 * square**0.5:.1f}", *(f"{100.0 * share:.0f}" for share in shares[:2]), f"{100.0 * shares[2]:.1f}"]
 
 
-def mixture_of(found: Sequence[Fit], q: Any, shifts: Sequence[Floats], ranges: Any) -> Mixture:
-    """Return distributions of the ratio of limits, given those by each law over that they are relative to."""
-    weights = np.exp([fit.weight - max(one.weight for one in found) for fit in found])
-    parts = [fit.predicted(q, ranges) for fit in found]
-    locations = np.array([location + shift for (location, _), shift in zip(parts, shifts, strict=True)])
-    scales, freedom = np.array([scale for _, scale in parts]), np.array([fit.degrees_of_freedom for fit in found])
-    like = np.ones_like(locations)
-    return Mixture(like * (weights / weights.sum())[:, None], locations, scales, like * freedom[:, None])
-
-
 def updated(fit: Fit, tests: Plates | Tiles, extra_deviation: float = 0.0) -> Fit:
     """Return the fit for the lot of own tests, whose limits were measured exactly."""
     nothing = np.zeros(len(tests.error))
@@ -94,41 +94,77 @@ def updated(fit: Fit, tests: Plates | Tiles, extra_deviation: float = 0.0) -> Fi
     return fit.updated(own, extra_deviation)
 
 
+@contextmanager
+def coefficients_alone() -> Iterator[None]:
+    """Let own tests update the coefficients of a fit alone, as those of version 2.0: armours share no deviation."""
+    with patch.multiple("armour.evidence.fit", REPEAT=1.0, CHANCE=0.0):
+        yield
+
+
 class Lot(NamedTuple):
-    """Tests of an alloy against a round, predicted with a number of own tests, and shares of each prediction."""
+    """Tests of an alloy against a round, predicted with a number of own tests: shares, or None without predictions.
+
+    The shares are those of all armours, of those near an own test and of those equal to that of one.
+    """
 
     name: str
     tests: int
-    means: Floats
+    by_kind: dict[str, Floats]
+    predictions: int  # that differ
 
 
 def lots_of(group_name: str, own: int, draws: int = DRAWS) -> Iterator[Lot]:
     """Predict each lot, its alloy left out of the fit, from random draws of own tests."""
-    group, dice = GROUPS[group_name], np.random.default_rng(1)
+    for alloy, fired, lot in _lots(group_name):
+        (fit, ranges), dice, count = _left_out(group_name, alloy), np.random.default_rng([SEED, own]), len(lot.error)
+        apart = distances(lot.quantities, lot.quantities)
+        found: dict[str, list[Outcome]] = {kind: [] for kind in KINDS}
+        for _ in range(draws if own else 1):
+            some = dice.choice(count, min(own, count), replace=False)
+            rest = np.setdiff1d(np.arange(count), some)
+            by_own = updated(fit, lot.at(some)) if own else fit
+            for kind, farthest in KINDS.items():
+                if len(
+                    of_kind := rest[apart[np.ix_(rest, some)].min(axis=1, initial=np.inf if own else 0) <= farthest]
+                ):
+                    q, error = lot.at(of_kind).quantities, lot.error[of_kind]
+                    mixture = mixture_of([by_own], q, ranges)
+                    found[kind].append(Outcome.of(error, mixture))
+        by_kind = {kind: np.mean([one.means() for one in parts], axis=0) for kind, parts in found.items() if parts}
+        if by_kind:
+            yield Lot(f"{fired} on {alloy}", count, by_kind, count * comb(count - 1, own))
+
+
+def _lots(group_name: str) -> Iterator[tuple[str, str, Plates]]:
+    """Yield alloy, round and tests of each lot."""
+    group = GROUPS[group_name]
     plates = plates_of(group.kind, group.metal)
-    for alloy in np.unique(plates.alloy):
-        fit, ranges = _left_out(group_name, alloy)
-        of_alloy = plates.at(plates.alloy == alloy)
-        for fired in np.unique(of_alloy.round):
-            lot = of_alloy.at(of_alloy.round == fired)
-            count, found = len(lot.error), []
-            for _ in range(draws if own else 1):
-                some = dice.choice(count, min(own, count), replace=False)
-                rest = np.setdiff1d(np.arange(count), some)
-                if len(rest):
-                    by_own = updated(fit, lot.at(some)) if own else fit
-                    q = lot.at(rest).quantities
-                    found.append(Outcome.of(lot.error[rest], mixture_of([by_own], q, [np.zeros(len(rest))], ranges)))
-            if found:
-                yield Lot(f"{fired} on {alloy}", count, np.mean([one.means() for one in found], axis=0))
+    for alloy, fired in sorted(set(zip(plates.alloy.tolist(), plates.round.tolist(), strict=True))):
+        yield alloy, fired, plates.at((plates.alloy == alloy) & (plates.round == fired))
+
+
+def mistyped(group_name: str, own: int, factor: float, *, here: bool) -> float:
+    """Return the mean probability of stopping 5 % above the limit if the first own test is mistyped by a factor.
+
+    The armour is that of this test, or else another one of the lot; lots count alike.
+    """
+    shares = []
+    for alloy, _, lot in _lots(group_name):
+        (fit, ranges), dice, found = _left_out(group_name, alloy), np.random.default_rng([SEED, own]), []
+        for _ in range(DRAWS_MISTYPED if len(lot.error) > own else 0):
+            *some, other = dice.choice(len(lot.error), own + 1, replace=False)
+            tests, predicted = lot.at(np.array(some)), lot.at(np.array([some[0] if here else other]))
+            tests = tests._replace(error=tests.error + np.log(factor) * (np.arange(own) == 0))
+            mixture = mixture_of([updated(fit, tests)], predicted.quantities, ranges)
+            found.append(mixture.probability_above(ABOVE * np.exp(predicted.error)))
+        shares += [np.mean(found)] if found else []
+    return 100.0 * float(np.mean(shares))
 
 
 def warned_of(group_name: str, own: int) -> Iterator[Floats]:
     """Return, of each lot, how often its own tests are warned of, and one of them if its limit is 25 % higher."""
-    group, dice = GROUPS[group_name], np.random.default_rng(1)
-    plates = plates_of(group.kind, group.metal)
-    for alloy, fired in sorted(set(zip(plates.alloy, plates.round, strict=True))):
-        lot, (fit, _) = plates.at((plates.alloy == alloy) & (plates.round == fired)), _left_out(group_name, alloy)
+    for alloy, _, lot in _lots(group_name):
+        (fit, _), dice = _left_out(group_name, alloy), np.random.default_rng([SEED, own])
         if len(lot.error) >= own:
             draws = [lot.at(dice.choice(len(lot.error), own, replace=False)) for _ in range(DRAWS)]
             sound = [doubtful(fit, tests.quantities, tests.error).any() for tests in draws]
@@ -164,7 +200,9 @@ def wilkins(own: int) -> Outcome:
             if own:
                 fits_of = [updated(fit, of.at(some), STRANGE) for fit, of in zip(left, tiles.values(), strict=True)]
             shifts = [first.error[rest] - of.error[rest] for of in tiles.values()]
-            found.append(Outcome.of(first.error[rest], mixture_of(fits_of, first.at(rest).quantities, shifts, {})))
+            found.append(
+                Outcome.of(first.error[rest], mixture_of(fits_of, first.at(rest).quantities).times(np.exp(shifts)))
+            )
     return joined(found)
 
 
@@ -234,7 +272,7 @@ def simulated(case: Case, own: int, scatter: float, dice: Any, samples: int = SA
             by_own.append(fits()[law].updated(tests, case.more))
         for place, design in enumerate(DESIGNS, start=count):
             of_design, first = {key: values[[place]] for key, values in q.items()}, by_law["constant"][[place]]
-            found = mixture_of(by_own, of_design, [by_law[law][[place]] - first for law in LAWS], {})
+            found = mixture_of(by_own, of_design).times(np.exp([by_law[law][[place]] - first for law in LAWS]))
             parts[design].append(Outcome.of(true[[place]] + effect - first, found))
     return {design: joined(found) for design, found in parts.items()}
 
@@ -270,22 +308,42 @@ def untested(own: int, scatter: float, dice: Any) -> dict[str, Outcome]:
 
 def main() -> int:
     """Write the tables of the page."""
-    of_plates, of_lots, trues, lost = [], [], [], []
-    shipped: dict[tuple[str, str], float] = {}
+    of_plates, of_lots, wrong = [], [], list[str]()
     for name in PLATES:
-        for own in (0, 1, 2, 3):
+        for own in (0, 1, 2, 3, 5):
             lots = list(lots_of(name, own))
-            means = np.mean([lot.means for lot in lots], axis=0)
-            of_plates.append([NAMES[name], f"{own}", f"{len(lots)}", *numbers(means), f"{100.0 * means[-1]:.0f}"])
-            trues += [100.0 * means[2]] if own else []
-            for lot in lots:
-                share = 100.0 * lot.means[1]
-                before = shipped.setdefault((name, lot.name), share)
-                if own and lot.tests >= LEAST_TESTS:
-                    lost.append(before - share)
-                    if share < LEAST_SHARE:
-                        row = [NAMES[name], lot.name, f"{lot.tests}", f"{own}", f"{share:.0f}", f"{before:.0f}"]
-                        of_lots.append([*row, f"{100.0 * lot.means[0] ** 0.5:.1f}"])
+            with coefficients_alone():
+                before = {lot.name: lot for lot in lots_of(name, own)}
+            for kind in KINDS if own else ("all",):
+                known = [lot for lot in lots if kind in lot.by_kind]
+                means = np.mean([lot.by_kind[kind] for lot in known], axis=0)
+                then = np.mean([before[lot.name].by_kind[kind] for lot in known], axis=0)
+                row = [NAMES[name], f"{own}", kind, f"{len(known)}", *numbers(means), f"{100.0 * means[-1]:.0f}"]
+                of_plates.append([*row, numbers(then)[0], numbers(then)[-1]])
+                least = LEAST_NEAR if kind != "all" and name == "fragments_aluminium" else LEAST_TRUE
+                missed = {
+                    "95 true": 100.0 * means[2] < least and own > 0,
+                    "RMS": 100.0 * (means[0] ** 0.5 - then[0] ** 0.5) > MOST_RISEN,
+                    "half-width": own > 0 and means[3] > then[3] * (MOST_WIDE if kind == "all" else 1.0),
+                }
+                wrong += [f"{quantity}: {' '.join(row[:3])}" for quantity, fails in missed.items() if fails]
+            for lot in lots if own else ():
+                losses = 100.0 * (before[lot.name].by_kind["all"] - lot.by_kind["all"])[1:3]
+                if lot.predictions >= LEAST_PREDICTIONS and max(losses) > LISTED:
+                    columns = 100.0 * lot.by_kind["all"][1:3]
+                    row = [NAMES[name], lot.name, f"{lot.tests}", f"{own}", *(f"{share:.0f}" for share in columns)]
+                    of_lots.append([*row, *(f"{loss:.1f}" for loss in losses)])
+                    wrong += [f"lot: {lot.name}, {own}"] * bool(max(losses) > MOST_LOST)
+    of_mistyped = []
+    for name in PLATES:
+        for own in (1, 2, 3, 5):
+            for here in (True, False):
+                now = [mistyped(name, own, factor, here=here) for factor in (1.0, *FACTORS)]
+                with coefficients_alone():
+                    then = [mistyped(name, own, factor, here=here) for factor in (1.0, *FACTORS)]
+                pairs = [f"{share:.0f} ({old:.0f})" for share, old in zip(now, then, strict=True)]
+                of_mistyped.append([NAMES[name], f"{own}", "this armour" if here else "another", *pairs])
+                wrong += [f"mistyped: {name} {own}"] * bool(here and now[1] > then[1])
     of_warnings = []
     for name in PLATES:
         for own in (2, 3, 5):
@@ -310,17 +368,16 @@ def main() -> int:
     head = "RMS", "within 95", "95 true", "half-width"
     write_tables(
         PAGE,
-        table(("tests of", "own tests", "lots", *head, "off"), of_plates),
-        table(("tests of", "lot", "tests", "own tests", "within 95", "by the shipped fit", "RMS"), of_lots),
+        table(("tests of", "own tests", "armours", "lots", *head, "off", "RMS of 2.0", "half-width of 2.0"), of_plates),
+        table(("tests of", "lot", "tests", "own tests", "within 95", "95 true", "lost", "lost"), of_lots),
         table(("own tests", *head), of_wilkins),
         table(("lots", "own tests", "armour", *head), rows),
         table(("tests of", "own tests", "lots", "sound", "25 % too high", "sound, of one lot"), of_warnings),
+        table(("tests of", "own tests", "stopped", "sound", "25 % too high", "25 % too low"), of_mistyped),
     )
-    text = (
-        f"limits stated to be exceeded with 95 %: {min(trues):.1f} % or more are, by group; lots lose at most "
-        f"{max(lost):.1f} points; of simulated lots at least {min(shares):.1f} %"
-    )
-    return verdict(text, right=min(trues) >= LEAST_TRUE and max(lost) <= MOST_LOST and min(shares) >= LEAST_SIMULATED)
+    wrong += [f"simulated lots: {min(shares):.1f} %"] * (min(shares) < LEAST_SIMULATED)
+    text = f"of simulated lots at least {min(shares):.1f} % are right; not as demanded: {'; '.join(wrong) or 'nothing'}"
+    return verdict(text, right=not wrong)
 
 
 if __name__ == "__main__":

@@ -42,7 +42,6 @@ USUAL_PROBABILITY = 0.9
 CURVE_POINTS = 60
 # Probability above which a lower bound is reported as the probability.
 SURE = 0.995
-EXCLUDED = "uncertainty.model excludes the model error"
 
 
 @dataclass(frozen=True)
@@ -255,7 +254,7 @@ def model_error(scenario: Scenario, limit_m_s: float) -> ModelError | None:
     errors = variants.errors
     # The ratio by its own law is exactly 1.
     ratio = errors.ratio.times(limits_by_law(variants, errors, np.array([limit_m_s])) / limit_m_s).one()
-    return error_of(scenario, ratio, variants.armours)
+    return error_of(scenario, ratio, variants.armours, limit_m_s)
 
 
 def not_monotonic(limit: LimitResult) -> tuple[str, ...]:
@@ -446,6 +445,4 @@ def probability_of_stopping(scenario: Scenario, limit_m_s: float | None, error: 
 
 def no_error(scenario: Scenario) -> str:
     """Return why the model error is not known, or not included, for a scenario that has none."""
-    if scenario.excludes_error():
-        return EXCLUDED
     return why_error_unknown(variants_of(scenario, {}, 1))

@@ -19,6 +19,7 @@ REQUIRED = (
 # What a quantity depends on besides projectile, armour, model and solver, see `armour.scenario.effect`.
 OF_IMPACT, OF_LIMIT, OF_GRID = ("impact",), ("ballistic_limit",), ("impact", "optimise")
 OF_STOPPING = ("impact", "ballistic_limit", *OF_ERROR)
+OF_WEIGHT = ("design.added_areal_density_kg_m2",)
 DESIGNS = (*OF_GRID, *OF_LIMIT, "threat", "armour.ceramic", "armour.backing", "design", "uncertainty")
 
 
@@ -49,7 +50,9 @@ QUANTITIES: dict[str, Quantity] = {
     "bulge_height_mm": Quantity("bulge height", "mm", ".1f", OF_IMPACT, lambda a: a.impacts.h / MM),
     "plug_velocity_m_s": Quantity("plug velocity", "m/s", ".0f", OF_IMPACT, lambda a: a.plug_velocities),
     "duration_us": Quantity("duration", "µs", ".0f", OF_IMPACT, lambda a: a.impacts.t / US),
-    "areal_density_kg_m2": Quantity("areal density", "kg/m²", ".1f", (), lambda a: a.variants.areal_densities_kg_m2),
+    "areal_density_kg_m2": Quantity(
+        "areal density", "kg/m²", ".1f", OF_WEIGHT, lambda a: a.variants.areal_densities_kg_m2
+    ),
     "ballistic_limit_m_s": Quantity("ballistic limit", "m/s", ".0f", OF_LIMIT, lambda a: a.ballistic_limits),
     "probability_of_stopping": Quantity(
         "probability of stopping the projectile", "", ".2f", OF_STOPPING, lambda a: a.probabilities_of_stopping
@@ -72,7 +75,7 @@ QUANTITIES: dict[str, Quantity] = {
         "areal density with the required ceramic",
         "kg/m²",
         ".2f",
-        OF_GRID,
+        (*OF_GRID, *OF_WEIGHT),
         lambda a: a.with_least_ceramic.areal_densities_kg_m2,
         "ceramic",
     ),

@@ -308,7 +308,9 @@ def moved_m_s(variants: Variants) -> Floats:
 
 
 def why_error_unknown(variants: Variants) -> str:
-    """Return why the model error is not known for a single row, and what can provide it."""
+    """Return why the model error is not known, or not included, for a single row, and what can provide it."""
+    if variants.scenario.excludes_error():
+        return "uncertainty.model excludes the model error"
     [moved] = moved_m_s(variants)
     if abs(moved) <= MOST_MOVED_M_S or not errors_of(variants.scenario, variants.armours).known.all():
         return why_unknown(variants.scenario, variants.armours)

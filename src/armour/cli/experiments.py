@@ -1,5 +1,6 @@
 """Commands on tests of armours: estimates from them, and plans of further tests."""
 
+import shlex
 from contextlib import ExitStack
 from os.path import exists
 from pathlib import Path
@@ -10,7 +11,7 @@ from armour.analysis.results import EachResult
 from armour.cli import completion
 from armour.cli.console import say
 from armour.cli.question import Answer, Force, PlotFile, argument, number, option, question
-from armour.cli.runner import CHECK_FAILED, check_outputs, read_scenario, wrong_option
+from armour.cli.runner import CHECK_FAILED, check_outputs, command_line, read_scenario, wrong_option
 from armour.cli.scenario_commands import LIMIT_READS, grid_of
 from armour.columns import perforates
 from armour.csv_files import MUST_SAY, TableRead
@@ -130,7 +131,10 @@ def calibrate(
         library: lambda: library_text(result, tests, scenario, lot),
         fitted: lambda: None if fitted is None else scenario_text(result, tests, scenario, lot, fitted),
     }
-    return Answer(result, contents=contents, file=tests.file)
+    then = shlex.join(["armour", "check", str(fitted)]) if fitted else ""
+    if result.evidence is not None and library is None and fitted is None:
+        then = f"{command_line()} --write-scenario fitted.toml --lot 'lot 1'"
+    return Answer(result, contents=contents, file=tests.file, then=then)
 
 
 def chosen(where: list[str] | None) -> dict[str, str]:

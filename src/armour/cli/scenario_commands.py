@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 import armour
-from armour.analysis.quantities import DESIGNS, QUANTITIES, REQUIRED, reads_of
+from armour.analysis.quantities import DESIGNS, OF_WEIGHT, QUANTITIES, REQUIRED, reads_of
 from armour.cli import completion, runner
 from armour.cli.console import emit, progress, say, show
 from armour.cli.folders import MOST_FILES, scenario_paths
@@ -43,14 +43,19 @@ if TYPE_CHECKING:
 
 # Probability that a check and a report require: the key, and the help of the option.
 CONFIDENCE_OPTION = ("design.confidence", "Required probability of stopping each threat, such as 0.95.")
-# Keys of a design that a check reads.
-CHECK = ("design.confidence", "design.thickness_tolerance_mm")
+# Keys of a design that a check reads: what it requires, what is added, and the costs of materials.
+CHECK = (
+    *("design.confidence", "design.thickness_tolerance_mm"),
+    *("design.areal_density_max_kg_m2", "design.thickness_max_mm", "design.cost_max_per_m2"),
+    *("design.added_areal_density_kg_m2", "design.added_thickness_mm", "design.added_cost_per_m2"),
+    *("design.ceramic", "design.backing"),
+)
 # Computations that take longer are announced.
 ANNOUNCED_S = 10.0
 # Sections and keys that a ballistic limit depends on, see `armour.scenario.effect`.
 LIMIT_READS = (*ROUND_AND_ARMOUR, "ballistic_limit", *OF_ERROR)
-IMPACT_READS = ("impact", "armour", "ballistic_limit", *OF_ERROR)
-CHECK_READS = (*IMPACT_READS, "threat", *CHECK)
+IMPACT_READS = ("impact", "armour", "ballistic_limit", *OF_ERROR, *OF_WEIGHT)
+CHECK_READS = (*IMPACT_READS, "threat", "uncertainty", *CHECK)
 
 
 @question(
@@ -81,7 +86,7 @@ def simulate(
     return Answer(result.of(confidence=confidence), warnings, extra_data, {history: lambda: history_csv(result)})
 
 
-@question(LIMIT_READS, computed="the ballistic limit", first="searching")
+@question((*LIMIT_READS, *OF_WEIGHT), computed="the ballistic limit", first="searching")
 def ballistic_limit(scenario: "Scenario", on_progress: "OnProgress") -> Answer:
     """Find the ballistic limit."""
     from armour.analysis.ballistic_limit import not_monotonic
@@ -90,7 +95,7 @@ def ballistic_limit(scenario: "Scenario", on_progress: "OnProgress") -> Answer:
     return Answer(result, (*not_monotonic(result), *result.warnings))
 
 
-@question(LIMIT_READS, computed="the ballistic limit", first="searching")
+@question((*LIMIT_READS, *OF_WEIGHT), computed="the ballistic limit", first="searching")
 def compare(scenario: "Scenario", on_progress: "OnProgress") -> Answer:
     """Compare the model with simpler formulas."""
     from armour.analysis.ballistic_limit import not_monotonic
@@ -127,9 +132,9 @@ def check(
 ) -> None:
     """Check armours against their threats, and with thinner layers, a faster round or at an angle.
 
-    The verdict is passes, FAILS or not known, and the exit code 3 for the last two. An armour passes if it stops every
-    threat with the required probability or, if none is required, if the ballistic limit by the model is at least the
-    velocity plus the margin. With several scenarios or a folder, --json prints an array of objects.
+    The verdict is passes, FAILS or not known, and the exit code 3 for the last two. An armour passes if it has all that
+    the scenario requires: margins, probabilities of stopping and limits of [design]; if no probability is required, the
+    ballistic limit by the model must reach the velocity. With several scenarios or a folder, --json prints an array.
     """
     from armour.reporting.junit import junit_xml
     from armour.reporting.show import plot as plot_of

@@ -26,6 +26,7 @@ from armour.scenario.library import LibraryEntry, inputs_of_entry
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import (
     MAX_DESIGNS,
+    OBJECTIVES,
     SHEAR_LAWS,
     BackingLayer,
     CeramicLayer,
@@ -139,7 +140,7 @@ class Catalogue:
 
     @cached_property
     def one_source(self) -> Bools:
-        """Whether a single source gives the flow stress of the ceramic of each pair; such a pair is never the best."""
+        """Whether a single source gives the flow stress of the ceramic of each pair."""
         ceramics = (materials.ceramic for materials in self.materials)
         return np.array([ceramic is not None and ceramic.has_one_source for ceramic in ceramics])
 
@@ -200,25 +201,15 @@ class Catalogue:
 
     def violations(self, candidates: CandidateDesigns) -> Floats:
         """Return the largest relative constraint violation of each design: 0 for none, inf if a thickness is NaN."""
-        constraints = (
-            (candidates.thickness_mm, self.section.thickness_max_mm),
-            (candidates.areal_density_kg_m2, self.section.areal_density_max_kg_m2),
-            (candidates.cost_per_m2, self.section.cost_max_per_m2),
-        )
         violations = np.where(np.isnan(candidates.thickness_mm), np.inf, 0.0)
-        for values, maximum in constraints:
-            if maximum is not None:
-                violations = np.fmax(violations, values / maximum - 1.0 - ROUNDING)
+        for name, words in OBJECTIVES.items():
+            if (most := getattr(self.section, words.bound)) is not None:
+                violations = np.fmax(violations, getattr(candidates, name) / most - 1.0 - ROUNDING)
         return violations
 
     def objective(self, candidates: CandidateDesigns) -> Floats:
         """Return the quantity of each design that is minimised."""
         return getattr(candidates, self.section.minimise)
-
-    def in_order(self, candidates: CandidateDesigns) -> CandidateDesigns:
-        """Return the candidates that meet the constraints, in the order of the objective."""
-        candidates = candidates.at(self.violations(candidates) <= 0.0)
-        return candidates.at(self.objective(candidates).argsort(kind="stable"))
 
     def ranges(self, pair: int) -> list[tuple[str, str, float, float]]:
         """Return key, name and ends, mm, of the ranges of thicknesses of a pair, without lists of thicknesses."""
@@ -257,14 +248,7 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
     bounds = [NO_BOUND if bound is None else bound for bound in map(section.bound, threats)]
     bounded = min(bounds) < NO_BOUND
     sampled = bool(bounded and scenario.distributions())
-    problems = [
-        *_too_many(scenario.file, section, len(threats)),
-        *_wrong_layers(scenario.file, section, sampled=sampled),
-    ]
-    if bounded and not sampled and scenario.excludes_error():
-        message = "must be true if a probability is bounded and no input has a distribution, found false"
-        problems.append(Problem(scenario.file, "uncertainty.model.included", message))
-    refuse(problems)
+    refuse([*_too_many(scenario.file, section, len(threats)), *_wrong_layers(scenario.file, section, sampled=sampled)])
 
     # A bare plate has no ceramic.
     ceramics = [scenario.entry("ceramic", layer.material) if layer.material else None for layer in section.ceramic]

@@ -22,6 +22,7 @@ from armour.analysis.variants import (
 )
 from armour.design.catalogue import NO_BOUND, CandidateDesigns, Catalogue, first_backings
 from armour.design.reliability import Reliability
+from armour.design.requirements import verdict_of, verdict_of_samples
 from armour.scenario.schema import FASTEST_M_S
 
 # Verdicts on designs, from the worst; UNJUDGED is none yet.
@@ -67,7 +68,8 @@ def asked_of(catalogue: Catalogue, rows: Variants) -> Asked:
     if catalogue.bounded:
         known &= rows.errors.known
     limits = np.where(known & (margins == 0.0), 0.0, rows.velocities + margins)
-    unknown = np.zeros_like(known) if catalogue.scenario.excludes_error() else bounded & ~known
+    by_samples = catalogue.sampled and catalogue.scenario.excludes_error()
+    unknown = np.zeros_like(known) if by_samples else bounded & ~known
     return Asked(limits, np.where(known, bounds, 1.0), unknown)
 
 
@@ -162,6 +164,8 @@ class Designs:
     columns : CandidateDesigns
     offered : array of int
         Places of the designs within the limits of the section ``design``.
+    one_source : array of bool
+        Whether a single source gives the flow stress of the ceramic of each design; such a design is never the best.
     """
 
     def __init__(
@@ -172,6 +176,7 @@ class Designs:
         self.catalogue, self.runs, self.reliability = catalogue, runs, reliability
         self.values = catalogue.objective(self.columns)
         self.offered = np.flatnonzero(catalogue.violations(self.columns) <= 0.0)
+        self.one_source = catalogue.one_source[self.columns.pair] & (self.columns.ceramic_mm > 0.0)
         count = len(self.values)
         self._verdicts, self._known = np.full(count, UNJUDGED), np.zeros(count, dtype=bool)
         self._limits, self._slack = np.full((2, count, len(catalogue.threats)), np.nan)
@@ -244,11 +249,8 @@ class Designs:
         if place not in self._sampled:
             estimates = self.reliability.probabilities(self.columns, place, quick=True)
             bounds = dict(zip(self.catalogue.titles, self.catalogue.bounds.tolist(), strict=True))
-            verdicts = (
-                PASSES if found.high <= bounds[threat] else FAILS if found.low > bounds[threat] else NOT_KNOWN
-                for threat, found in estimates.items()
-            )
-            self._sampled[place] = min(verdicts, default=PASSES)
+            verdict = verdict_of(verdict_of_samples(found, bounds[threat]) for threat, found in estimates.items())
+            self._sampled[place] = {"fails": FAILS, "not known": NOT_KNOWN, "passes": PASSES}[verdict]
         return self._sampled[place]
 
     def first(self, where: Ints, least: int = PASSES, *, by_samples: bool = True) -> int | None:

@@ -15,9 +15,10 @@ from armour.analysis.variants import Ints, distributions, why_error_unknown
 from armour.design.catalogue import FIRST_VALUES, MARGIN, NO_BOUND, CandidateDesigns, Catalogue, catalogue_of
 from armour.design.designs import NOT_KNOWN, PASSES, Designs, Runs, asked_of, stopped, verdicts_of
 from armour.design.reliability import Reliability
-from armour.design.requirements import ROUNDING, Requirement, against_threat, of_armour
+from armour.design.requirements import Requirement, against_threat, of_armour
 from armour.design.search import FreeThicknesses, candidates_of, joined, pareto
 from armour.errors import Problem, listed, refuse
+from armour.errors import joined as joined_words
 from armour.evidence.mixture import Mixture
 from armour.evidence.model_error import REMEDY, ModelError, error_of
 from armour.evidence.tests import threat_warnings
@@ -264,17 +265,17 @@ def armour_in_words(design: Design) -> str:
     """Return the layers of a design, such as "11 mm AD85 on 6 mm 5083-H3"."""
     ceramic = f"{design.ceramic} (untested)" if design.untested else design.ceramic
     layers = (design.ceramic_thickness_mm, ceramic), (design.backing_thickness_mm, design.backing)
-    return " on ".join(f"{round(thickness, 3):g} mm {name}" for thickness, name in layers if name)
+    return " on ".join(f"{round(thickness, 3):g} mm {name}" for thickness, name in layers if name and thickness)
 
 
 @checked
 def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgress = ignore_progress) -> DesignResult:
     """Find the best design of a scenario that stops its threats.
 
-    A design passes if it stops every threat at the threat's velocity plus margin and has no ballistic limit below
-    that.  The impacts of all designs of given thicknesses are computed: no monotonic dependence is assumed.  For a free
-    thickness, the least value that passes is found by bisection.  Under a bound on the probability of perforation,
-    designs that pass are sampled in the order of the objective.
+    A design passes if it has all that is required, as `check` finds it, by its lowest ballistic limits.  The impacts of
+    all designs of given thicknesses are computed: no monotonic dependence is assumed.  For a free thickness, the least
+    value that passes is found by bisection.  If inputs have distributions and a probability is required, designs are
+    sampled in the order of the objective.
 
     Parameters
     ----------
@@ -412,14 +413,13 @@ def _best_place(search: FreeThicknesses) -> tuple[Designs, int | None, Reason]:
         designs = _table(search)
     if (place := _first(designs, designs.offered, NOT_KNOWN)) is not None:
         return designs, place, "not known"
-    passes = search.catalogue.one_source.all() and designs.first(designs.offered, NOT_KNOWN) is not None
+    passes = designs.one_source.all() and designs.first(designs.offered, NOT_KNOWN) is not None
     return designs, None, "not known" if passes else "none passes"
 
 
 def _first(designs: Designs, where: Ints, least: int) -> int | None:
     """Return the best of some designs, one whose model error is known if any is; none with a ceramic of one source."""
-    several_sources = where[~designs.catalogue.one_source[designs.columns.pair[where]]]
-    return designs.first(designs.ranked(several_sources), least)
+    return designs.first(designs.ranked(where[~designs.one_source[where]]), least)
 
 
 def _unlimited(designs: Designs, search: FreeThicknesses) -> Designs:
@@ -435,7 +435,7 @@ def _failure(designs: Designs, search: FreeThicknesses) -> tuple[str, BestDesign
     """Return why no design passes, and the best one that would without the limits, if there is one."""
     catalogue, unlimited = designs.catalogue, _unlimited(designs, search)
     explanation = _why_none(designs, unlimited, range(len(catalogue.offers)), NOT_KNOWN)
-    of_one_source = designs.offered[catalogue.one_source[designs.columns.pair[designs.offered]]]
+    of_one_source = designs.offered[designs.one_source[designs.offered]]
     if (first := designs.first(of_one_source, NOT_KNOWN)) is not None:
         ceramic = catalogue.offers[designs.columns.pair[first]].ceramic.material
         explanation = f"only {ceramic} would, whose flow stress comes from a single source"
@@ -463,7 +463,7 @@ def _nearest(designs: Designs) -> tuple[Designs, Ints]:
     if _has_free_layer(catalogue):
         columns = joined([_some_of_range(catalogue, pair) for pair in range(len(catalogue.offers))])
         designs = Designs(catalogue, columns, designs.runs, designs.reliability)
-    columns, one_source = designs.columns, catalogue.one_source[designs.columns.pair]
+    columns, one_source = designs.columns, designs.one_source
     violations = catalogue.violations(columns)
     where = np.flatnonzero(violations <= max(float(violations[one_source == one_source.min()].min()), 0.0))
     if len(where) > MOST_COMPARED:
@@ -490,7 +490,7 @@ def _short_pairs(designs: Designs, order: Ints) -> tuple[Pair, ...]:
         ceramic = f"{best.ceramic_thickness_mm:.4g} on " if best.ceramic else ""
         layers = f"{ceramic}{best.backing_thickness_mm:.4g} mm"
         reason = f"{layers}: {best.short_m_s[threat]:.0f} m/s short against {threat}"
-        if one_source := bool(designs.catalogue.one_source[designs.columns.pair[place]]):
+        if one_source := bool(designs.one_source[place]):
             reason = f"{ONE_SOURCE}: {reason}" if best.short_m_s[threat] > 0.0 else ONE_SOURCE
         pairs.append(Pair(best.ceramic, best.backing, None, None, reason, not one_source, best.untested))
     return tuple(pairs)
@@ -501,7 +501,7 @@ def _why_not_known(designs: Designs, place: int | None) -> str:
     catalogue = designs.catalogue
     if place is None:
         pairs = designs.columns.pair[designs.offered[designs.verdicts(designs.offered) >= NOT_KNOWN]]
-        names = dict.fromkeys(catalogue.offers[pair].ceramic.material for pair in pairs[catalogue.one_source[pairs]])
+        names = dict.fromkeys(catalogue.offers[pair].ceramic.material for pair in pairs)
         return (
             f"the flow stress of {listed(list(names))} comes from a single source, so no design with it is named best; "
             "add a second source to its entry, flow_stress_sources_GPa, or own tests (armour calibrate)"
@@ -627,7 +627,6 @@ def _best(designs: Designs, place: int, *, named: bool = False) -> BestDesign:
     stopping = _of_stopping(catalogue, of_limits, sampled)
     required = rows.velocities + catalogue.margins_m_s
     stops = stopped(rows._replace(velocities=required), Runs()).tolist()
-    amounts = {key: getattr(design, key) for key in OBJECTIVES}
     requirements = [
         row
         for i, threat in enumerate(catalogue.threats)
@@ -637,7 +636,7 @@ def _best(designs: Designs, place: int, *, named: bool = False) -> BestDesign:
             float(limits[i]),
             stopping[threat.title],
             sampled.get(threat.title),
-            catalogue.materials[pair].ceramic,
+            catalogue.materials[pair].ceramic if design.ceramic_thickness_mm else None,
             stops=stops[i],
             tolerance_m_s=searched.tolerance_m_s,
         )
@@ -655,22 +654,21 @@ def _best(designs: Designs, place: int, *, named: bool = False) -> BestDesign:
         governing=catalogue.titles[governing],
         probabilities=sampled,
         probabilities_of_stopping=stopping,
-        model_error=error_of(catalogue.scenario, ratio, rows.armours.at(np.array([governing]))),
+        model_error=error_of(catalogue.scenario, ratio, rows.armours.at(np.array([governing])), limit),
         short_m_s=short,
         exceeds=_exceeds(catalogue.section, design),
-        requirements=(*requirements, *of_armour(catalogue.section, amounts)),
+        requirements=(*requirements, *of_armour(catalogue.section, vars(design))),
         flow_stress=dict(_flow_stress(designs, place, stopping)) if named else {},
     )
 
 
 def _exceeds(section: DesignSection, design: Design) -> dict[str, float]:
     """Return the excess of a design over each limit of a section, by key."""
-    exceeds = {}
-    for name, objective in OBJECTIVES.items():
-        value, bound = getattr(design, name), getattr(section, objective.bound)
-        if bound is not None and value > bound * (1 + ROUNDING):
-            exceeds[objective.bound] = value - bound
-    return exceeds
+    return {
+        OBJECTIVES[row.quantity].bound: row.found - row.required
+        for row in of_armour(section, vars(design))
+        if row.found is not None and row.verdict == "fails"
+    }
 
 
 def _flow_stress(
@@ -714,7 +712,7 @@ def _pairs(designs: Designs, search: FreeThicknesses, best: int | None, least: i
         if place is None:
             reason = _why_none(designs, unlimited, [index], least)
         else:
-            one_source = catalogue.one_source[index]
+            one_source = bool(designs.one_source[place])
             untested = best_is_known and not designs.known(np.array([place]))[0]
             ranked = not (one_source or untested)
             design = _best(designs, place, named=one_source)
@@ -752,7 +750,9 @@ def _why_none(designs: Designs, unlimited: Designs, pairs: Sequence[int], least:
     bounded, not_known = catalogue.bounded, least == NOT_KNOWN
     threats = catalogue.titles[0] if len(catalogue.titles) == 1 else "every threat"
     where = ", where it is known" if bounded and not_known else ""
-    required = f" with the probability required{where}" if bounded else ""
+    asked = ["the margin"] if catalogue.margins_m_s.any() else []
+    asked += [f"the probability required{where}"] if bounded else []
+    required = f" with {joined_words(asked)}" if bounded else ""
     first = unlimited.first(np.flatnonzero(np.isin(unlimited.columns.pair, pairs)), least, by_samples=False)
     if first is not None and (exceeded := _exceeded(section, unlimited, first, threats + required)):
         return exceeded
@@ -770,7 +770,7 @@ def _why_none(designs: Designs, unlimited: Designs, pairs: Sequence[int], least:
         # The table of pairs need not say in each row what can give the error.
         return f"the model error is not known{against}: {why if all_pairs else why.removesuffix(f'; {REMEDY}')}"
     hint = f"; if the model error is not known, {REMEDY}" if unknown.any() else ""
-    if catalogue.sampled:
+    if catalogue.sampled and not catalogue.margins_m_s.any():
         runners_up = "" if all_pairs else f" within {section.runners_up_percent:g} % of the best"
         return f"no design{runners_up} keeps the probability of perforation within the bound of every threat{hint}"
     constrained = any(getattr(section, objective.bound) is not None for objective in OBJECTIVES.values())
@@ -796,15 +796,12 @@ def _exceeded(section: DesignSection, unlimited: Designs, place: int, threats: s
     """Return in words the constraints that the best design without them exceeds; "" for none."""
     least = OBJECTIVES[section.minimise].least
     [design] = as_results(unlimited, np.array([place]))
-    exceeded = []
-    for name, objective in OBJECTIVES.items():
-        if objective.bound in _exceeds(section, design):
-            value, bound, unit = getattr(design, name), getattr(section, objective.bound), objective.unit
-            exceeded.append(
-                f"design.{objective.bound}: the {least} design that stops {threats} has {value:.4g}{unit}, "
-                f"at most {bound:g}{unit} is allowed"
-            )
-    return "; ".join(exceeded)
+    rows = ((row, OBJECTIVES[row.quantity]) for row in of_armour(section, vars(design)) if row.verdict == "fails")
+    return "; ".join(
+        f"design.{words.bound}: the {least} design that stops {threats} has {row.found:.4g}{words.unit}, "
+        f"at most {row.required:g}{words.unit} is allowed"
+        for row, words in rows
+    )
 
 
 def _subject(catalogue: Catalogue) -> str:

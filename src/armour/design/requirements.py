@@ -48,6 +48,11 @@ def verdict_of(verdicts: Iterable[Verdict]) -> Verdict:
     return "fails" if "fails" in found else "not known" if "not known" in found else "passes"
 
 
+def verdict_of_samples(perforation: Estimate, bound: float) -> Verdict:
+    """Return whether a sampled probability of perforation keeps to a bound: the 95 % interval must not contain it."""
+    return "passes" if perforation.high <= bound else "fails" if perforation.low > bound else "not known"
+
+
 def against_threat(
     threat: Threat,
     section: DesignSection,
@@ -95,7 +100,7 @@ def against_threat(
         return
     interval = None
     if sampled is not None:
-        verdict = "passes" if sampled.high <= bound else "fails" if sampled.low > bound else "not known"
+        verdict = verdict_of_samples(sampled, bound)
         interval = (1.0 - sampled.high, 1.0 - sampled.low)
     elif probability is not None:
         verdict = "passes" if probability >= 1.0 - bound else "fails"

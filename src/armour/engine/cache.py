@@ -93,10 +93,10 @@ def folder() -> tuple[Path | None, str]:
 
 def project_around(place: Path) -> str:
     """Return what a folder is in that may be somebody else's, or "": nobody else made the home and those above it."""
-    own: set[Path] = set()
+    own = {Path(place.anchor)}
     with suppress(OSError, RuntimeError):  # RuntimeError: no home
         home = Path.home().resolve()
-        own = {home, *home.parents}
+        own |= {home, *home.parents}
     real = Path(os.path.realpath(place))
     for folder in (place, *place.parents, real, *real.parents):
         if folder not in own and folder == Path.cwd():

@@ -7,12 +7,13 @@ an alloy, or a series of tests), of the round and of the test.  docs/methods.md 
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from math import lgamma
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from armour.core.state import Parameters
-from armour.evidence.mixture import Floats
+from armour.evidence.mixture import Floats, Mixture
 from armour.files import read_toml, shipped
 from armour.scenario.inputs import INPUTS
 from armour.scenario.library import DEFAULTS
@@ -24,6 +25,26 @@ CONSTRAINT = DEFAULTS["flow_stress_GPa"][0] * GPA / MPA
 CORE = 0.0215
 # Least standard deviation of a test that is assumed for own tests, as it differs between lots.
 LEAST_REST = 0.04
+# Standard deviation between repeated tests of an armour of a lot, and the distance at which what armours share in their
+# deviation falls by the factor e.
+REPEAT, LENGTH = 0.03, 0.15
+# Chance of a gross error of an own test of a plate, such as a mistyped number, and its standard deviation.
+CHANCE, GROSS_ERROR = 0.07, 0.25
+# Number of scales below the median as far as which the lower of two distributions is the lower one: beyond 99 %.
+SAFE = 3.0
+# Standard deviation between laboratories or series of tests of one lot, where they are named.
+BETWEEN_SERIES = 0.04
+# Greatest distance of armours that are called the same.
+SAME_ARMOUR = 0.02
+# Quantities that make an armour, and the least number whose logarithm is taken.
+ARMOUR = (
+    "ceramic_thickness_ratio",
+    "backing_thickness_ratio",
+    "path_ratio",
+    "backing_strength_GPa",
+    "backing_density_kg_m3",
+)
+TINY = 1e-9
 # Quantities that distinguish rounds.
 RODS = ("rod_diameter_mm", "rod_length_ratio", "rod_density_kg_m3", "rod_strength_GPa")
 # Values of n armours by name, (n,).
@@ -87,6 +108,11 @@ class LotTests(NamedTuple):
     uncertainties: Floats  # relative standard deviations of the measurements
     armours: Any  # numbers of the armours: shots at the same armour have the same limit
 
+    def at(self, where: Any) -> "LotTests":
+        """Return some of the tests."""
+        some = {name: column[where] for name, column in self.quantities.items()}
+        return LotTests(some, *(column[where] for column in self[1:]))
+
 
 class Fit(NamedTuple):
     """A fit of the logarithm of the armour's ballistic limit over the model's."""
@@ -94,37 +120,30 @@ class Fit(NamedTuple):
     name: str
     terms: tuple[str, ...]
     reference: tuple[float, float]  # thickness over the diameter, and strength, MPa
-    coefficients: Floats  # (terms,); of an updated fit with the effects of k rounds, (terms + k,)
+    coefficients: Floats  # (terms,); of a lot, before its tests
     covariance: Floats
-    variance: float  # of a new lot, round and test; of an updated fit, of a test alone
+    variance: float  # of a new lot, round and test
     degrees_of_freedom: float
     standard_deviations: tuple[float, ...]  # between lots, between rounds, of a test, and of the second coefficient
     law: Mapping[str, float] = {}  # parameters of the core that the limits are computed with in place of the armour's
-    rods: Floats | None = None  # of the rounds of an updated fit, (k, 4)
     weight: float = 1.0  # probability of the law
+    own: tuple["Posterior", ...] = ()  # given own tests; of several, the lower limit counts
 
-    def predicted(self, q: Quantities, ranges: Mapping[str, tuple[float, float]]) -> tuple[Floats, Floats]:
-        """Return locations and scales of the distributions of n armours, (n,) each.
+    def predicted(self, q: Quantities, ranges: Mapping[str, tuple[float, float]]) -> tuple[Floats, Floats, Floats]:
+        """Return locations and scales of the distributions of n armours, and factors of the scales above, (n,) each.
 
         Beyond the ranges of the tests, by quantity, the trend continues, and half of it is added to the scale.
         """
-        matrix = self._matrix(q)
-        variance = self.variance + np.einsum("ni,ij,nj->n", matrix, self.covariance, matrix)
-        if self.rods is not None:
-            variance += ~matrix[:, len(self.terms) :].any(axis=1) * self.standard_deviations[1] ** 2
-        for name, ends in ranges.items():
-            inside = self._matrix({**q, name: q[name].clip(*ends)})
-            variance += (0.5 * ((matrix - inside) @ self.coefficients)) ** 2
-        return matrix @ self.coefficients, np.sqrt(variance)
-
-    def _matrix(self, q: Quantities) -> Floats:
-        """Return the terms of n armours and, for an updated fit, which of its rounds is fired at each."""
         matrix = matrix_of(self.terms, self.reference, q)
-        if self.rods is None:
-            return matrix
-        # The rounds are the same but for rounding.
-        rounds = np.isclose(rods_of(q)[:, None], self.rods, rtol=1e-6, atol=0.0).all(axis=2)
-        return np.column_stack([matrix, rounds])
+        location, coefficients, narrowed = matrix @ self.coefficients, self.coefficients, np.ones(len(matrix))
+        variance = self.variance + np.einsum("ni,ij,nj->n", matrix, self.covariance, matrix)
+        if self.own:
+            location, variance, narrowed = lower_of([posterior.given(q) for posterior in self.own])
+            coefficients = self.own[0].coefficients
+        for name, ends in ranges.items():
+            inside = matrix_of(self.terms, self.reference, {**q, name: q[name].clip(*ends)})
+            variance += (0.5 * ((matrix - inside) @ coefficients)) ** 2
+        return location, np.sqrt(variance), narrowed
 
     def updated(self, tests: LotTests, extra_deviation: float = 0.0, level: Sequence[float] | None = None) -> "Fit":
         """Return the fit for the lot of own tests; its weight is the logarithm of their density.
@@ -137,30 +156,32 @@ class Fit(NamedTuple):
         level : sequence of float, optional
             Mean and standard deviation of the first coefficient, for a lot that the fit does not cover.
         """
-        rods, b, C, Z, K = self._of_tests(tests, extra_deviation, level)
-        nu, deviations, variances = self.degrees_of_freedom, tests.errors - Z @ b, tests.uncertainties**2
+        return self._of_lot(extra_deviation, level).given(tests)
+
+    def given(self, tests: LotTests) -> "Fit":
+        """Return the fit for a lot, which this is of, given its tests; see `updated`."""
+        K, deviations = self.of_tests(tests)
+        variances = tests.uncertainties**2
         limits, shots = np.flatnonzero(tests.sides == 0.0), np.flatnonzero(tests.sides)
         S = K[np.ix_(limits, limits)] + np.diag(variances[limits])
-        log_density = _log_density(deviations[limits], S, nu)
+        log_density = _log_density(deviations[limits], S, self.degrees_of_freedom)
         if len(shots):
             gain = np.linalg.solve(S, K[limits]).T
             mean, covariance = gain[shots] @ deviations[limits], (K - gain @ K[limits])[np.ix_(shots, shots)]
             measurements = as_measurements(mean, covariance, deviations[shots], tests.sides[shots], variances[shots])
             deviations[shots], variances[shots], log_probability = measurements
             log_density += log_probability
-        S = K + np.diag(variances)
-        G = np.linalg.solve(S, Z @ C).T
-        # Tests that contradict each other or the fit widen it; outcomes count in proportion to their information.
-        squares, expected_squares = deviations @ np.linalg.solve(S, deviations), np.trace(np.linalg.solve(S, K))
-        widened_by = max(1.0, (nu + squares) / (nu + expected_squares))
-        return self._replace(
-            coefficients=b + G @ deviations,
-            covariance=widened_by * (C - G @ Z @ C),
-            variance=widened_by * self._test_deviation**2,
-            degrees_of_freedom=nu + len(Z),
-            rods=rods,
-            weight=log_density,
-        )
+        has_ceramic = tests.quantities["ceramic_thickness_ratio"].any()
+        # With a ceramic, lots differ so much that a gross error looks like an armour that deviates: the deviations of
+        # those that no other test confirms are shared and not shared.
+        cases = [(0.0, 1.0), (0.0, confirmed(tests, deviations, variances))] if has_ceramic else [(CHANCE, 1.0)]
+        own = tuple(Posterior.of(self, tests, deviations, variances, *case) for case in cases)
+        freedom = self.degrees_of_freedom + len(deviations)
+        return self._replace(degrees_of_freedom=freedom, weight=log_density + own[0].log_factor, own=own)
+
+    def without(self, where: Any) -> "Fit":
+        """Return the fit for a lot given its tests but for some, (n,) whether to leave it out."""
+        return self.own[0].lot.given(self.own[0].tests.at(~where))
 
     def probabilities_of_farther(
         self, tests: LotTests, extra_deviation: float = 0.0, level: Sequence[float] | None = None
@@ -171,9 +192,9 @@ class Fit(NamedTuple):
         """
         from scipy.special import stdtr  # slow to import
 
-        _, b, _, Z, K = self._of_tests(tests, extra_deviation, level)
+        K, deviations = self._of_lot(extra_deviation, level).of_tests(tests)
         limits, nu = np.flatnonzero(tests.sides == 0.0), self.degrees_of_freedom
-        deviations = (tests.errors - Z @ b)[limits]
+        deviations = deviations[limits]
         precision = np.linalg.inv((K + np.diag(tests.uncertainties**2))[np.ix_(limits, limits)])
         # Squared deviation of each from the prediction by the others, over its variance, and the sum for the others.
         squares = (precision @ deviations) ** 2 / np.diag(precision)
@@ -182,31 +203,160 @@ class Fit(NamedTuple):
         probabilities[limits] = 2.0 * stdtr(freedom, -np.sqrt(squares * freedom / (nu + other_squares)))
         return probabilities
 
-    def _of_tests(self, tests: LotTests, extra_deviation: float, level: Sequence[float] | None) -> tuple[Floats, ...]:
-        """Return rounds, coefficients and their covariance, terms of the tests, and the covariance of their limits."""
-        rods = np.unique(rods_of(tests.quantities), axis=0)
-        Z = self._replace(rods=rods)._matrix(tests.quantities)
-        b, C = self._of_new_lot(len(rods), extra_deviation, level)
-        # Tests at the same armour have the same limit.
-        return rods, b, C, Z, Z @ C @ Z.T + self._test_deviation**2 * (tests.armours[:, None] == tests.armours)
-
-    @property
-    def _test_deviation(self) -> float:
-        return max(self.standard_deviations[2], LEAST_REST)
-
-    def _of_new_lot(self, rounds: int, extra_deviation: float, level: Sequence[float] | None) -> tuple[Floats, Floats]:
-        """Return coefficients of a lot and effects of rounds, and their covariance; see `updated`."""
-        between_lots, between_rounds, _, trend = self.standard_deviations
-        count = len(self.terms)
-        b = np.append(self.coefficients, np.zeros(rounds))
-        C = np.diag([0.0] * count + [between_rounds**2] * rounds)
-        C[:count, :count] = self.covariance
+    def _of_lot(self, extra_deviation: float, level: Sequence[float] | None) -> "Fit":
+        """Return the fit with the coefficients of a lot, before its tests; see `updated`."""
+        between_lots, _, _, trend = self.standard_deviations
+        b, C = self.coefficients.copy(), self.covariance.copy()
         C[0, 0] += between_lots**2 + extra_deviation**2
         if level is not None:
+            # The level is as uncertain as the tests show it to be.
             C[0], C[:, 0] = 0.0, 0.0
-            b[0], C[0, 0] = level[0], level[1] ** 2
-        C[1, 1] += trend**2
-        return b, C
+            b[0], C[0, 0] = level[0], level[1] ** 2 + level[0] ** 2
+        if len(b) > 1:
+            C[1, 1] += trend**2
+        return self._replace(coefficients=b, covariance=C)
+
+    def of_tests(self, tests: LotTests, shared: Any = 1.0) -> tuple[Floats, Floats]:
+        """Return the covariance of the limits of own tests of this lot, and their deviations from what is expected."""
+        q, same_armour = tests.quantities, tests.armours[:, None] == tests.armours
+        matrix, rest, repeat = matrix_of(self.terms, self.reference, q), *self.variances_of_test()
+        K = self.covariance_of(q, q, shared * np.reshape(shared, (-1, 1)))
+        K += same_armour * (repeat + (rest - repeat) * (1.0 - shared))
+        if "series" in q:
+            K += series_variance(q) * (q["series"][:, None] == q["series"])
+        return K, tests.errors - matrix @ self.coefficients
+
+    def variances_of_test(self) -> tuple[float, float]:
+        """Return the variance of the limit of an armour of a lot about the terms, and of its repetition."""
+        rest = max(self.standard_deviations[2], LEAST_REST) ** 2
+        return rest, min(REPEAT**2, rest)
+
+    def covariance_of(self, q: Quantities, tested: Quantities, shared: Any = 1.0) -> Floats:
+        """Return the covariances of the limits of n armours of this lot with those of m tests, (n, m).
+
+        The smooth part of the deviation of an armour is shared with the tests of which it is known, (m,).
+        """
+        Z, others = (matrix_of(self.terms, self.reference, each) for each in (q, tested))
+        rest, repeat = self.variances_of_test()
+        smooth = shared * (rest - repeat) * np.exp(-distances(q, tested) / LENGTH)
+        return Z @ self.covariance @ others.T + same_rods(q, tested) * (self.standard_deviations[1] ** 2 + smooth)
+
+
+class Posterior(NamedTuple):
+    """Distribution of the limits of a lot given m own tests, one of which may have a gross error; arrays, (m,)."""
+
+    lot: Fit  # before its tests
+    tests: LotTests
+    shared: Any  # whether armours like that of a test share its deviation
+    precision: Floats  # (m, m)
+    deviations: Floats  # from what is expected of the lot
+    shifts: Floats  # of them by gross errors
+    variances: Floats  # by gross errors, over the squares of gains
+    widened_by: float
+    log_factor: float  # of the density of the tests, for gross errors
+
+    @classmethod
+    def of(
+        cls, lot: Fit, tests: LotTests, deviations: Floats, variances: Floats, chance: float, shared: Any
+    ) -> "Posterior":
+        """Return the distribution, given the chance of a gross error of each test.
+
+        In the place of shots are measurements, of which deviations and variances are given.
+        """
+        K, nu = lot.of_tests(tests, shared)[0], lot.degrees_of_freedom
+        precision: Any = np.linalg.inv(K + np.diag(variances))
+        # The hypotheses, of which the first is that all tests are sound, change one element of the matrix.
+        residuals, diagonal, n = precision @ deviations, np.diag(precision), len(deviations)
+        changes = 1.0 / (1.0 / GROSS_ERROR**2 + diagonal)
+        squares = deviations @ residuals - np.append(0.0, changes * residuals**2)
+        expected = n - diagonal @ variances - np.append(0.0, changes * (diagonal - precision**2 @ variances))
+        logarithms = -0.5 * (nu + n) * np.log((nu + squares) / (nu + squares[0]))
+        chances = chance / (1.0 - chance) * (tests.sides == 0.0)
+        odds = np.exp(logarithms - logarithms.max()) * np.append(1.0, chances * np.sqrt(1.0 - changes * diagonal))
+        probable = odds / odds.sum()
+        # Tests that contradict each other or the fit widen it; outcomes count in proportion to their information.
+        widened_by = np.maximum(1.0, (nu + squares) / (nu + expected))
+        by_change = probable[1:] * changes
+        return cls(
+            *(lot, tests, shared, precision, deviations),
+            shifts=by_change * residuals,
+            variances=by_change * (widened_by[1:] + changes * residuals**2),
+            widened_by=float(probable @ widened_by),
+            log_factor=float(logarithms.max() + np.log(odds.sum())),
+        )
+
+    def given(self, q: Quantities) -> tuple[Floats, Floats]:
+        """Return locations and squared scales of the limits of n further armours of the lot, (n,) each."""
+        lot, matrix = self.lot, matrix_of(self.lot.terms, self.lot.reference, q)
+        covariance = lot.covariance_of(q, self.tests.quantities, self.shared)
+        gain = covariance @ self.precision
+        before = np.einsum("ni,ij,nj->n", matrix, lot.covariance, matrix)
+        before += lot.standard_deviations[1] ** 2 + lot.variances_of_test()[0] + series_variance(self.tests.quantities)
+        variance = self.widened_by * (before - (gain * covariance).sum(axis=1))
+        variance += gain**2 @ self.variances - (gain @ self.shifts) ** 2
+        return matrix @ lot.coefficients + gain @ (self.deviations - self.shifts), variance
+
+    @property
+    def confirmed(self) -> Any:
+        """Which tests another one of the same armour confirms, 0 or 1."""
+        return confirmed(self.tests, self.tests.errors, self.tests.uncertainties**2)
+
+    @property
+    def coefficients(self) -> Floats:
+        """Coefficients of the lot given its tests."""
+        lot, Z = self.lot, matrix_of(self.lot.terms, self.lot.reference, self.tests.quantities)
+        return lot.coefficients + lot.covariance @ Z.T @ self.precision @ (self.deviations - self.shifts)
+
+
+def series_variance(tested: Quantities) -> float:
+    """Return the variance of the effects of the series of tests: 0 unless there are several, which are named."""
+    return BETWEEN_SERIES**2 * (len({*tested.get("series", ())}) > 1)
+
+
+def mixture_of(
+    fits_by_law: Sequence[Fit], q: Quantities, ranges: Mapping[str, tuple[float, float]] = MappingProxyType({})
+) -> Mixture:
+    """Return distributions of the limits of n armours over those by each law, given own tests, (laws, n)."""
+    parts = zip(*(fit.predicted(q, ranges) for fit in fits_by_law), strict=True)
+    locations, scales, narrowed = (np.array(columns) for columns in parts)
+    freedom = np.array([[fit.degrees_of_freedom] for fit in fits_by_law]) * np.ones_like(scales)
+    weights = np.exp([[fit.weight - max(each.weight for each in fits_by_law)] for fit in fits_by_law])
+    return Mixture(weights / weights.sum() * np.ones_like(scales), locations, scales, freedom, narrowed=narrowed)
+
+
+def lower_of(given: Sequence[tuple[Floats, Floats]]) -> tuple[Floats, Floats, Floats]:
+    """Return the location, the squared scale and its factor above that give the lower of the probabilities.
+
+    A limit is above any velocity with at most the probability that each of the distributions gives.
+    """
+    means, variances = (np.array(columns) for columns in zip(*given, strict=True))
+    location, scales = means.min(axis=0), np.sqrt(variances)
+    scale = (scales - (means - location) / SAFE).max(axis=0)
+    return location, scale**2, scales.min(axis=0) / scale
+
+
+def confirmed(tests: LotTests, deviations: Floats, variances: Floats) -> Any:
+    """Return which of n tests another test of the same armour confirms, (n,), 0 or 1."""
+    same = is_same_armour(tests.quantities, tests.quantities) & ~np.eye(len(deviations), dtype=bool)
+    apart = abs(deviations[:, None] - deviations) < 2.0 * np.sqrt(2.0 * REPEAT**2 + variances[:, None] + variances)
+    return (same & apart).any(axis=1).astype(float)
+
+
+def is_same_armour(q: Quantities, tested: Quantities) -> Any:
+    """Return whether n armours are those of m tests, against the same rounds, (n, m)."""
+    return same_rods(q, tested) & (distances(q, tested) < SAME_ARMOUR)
+
+
+def distances(q: Quantities, tested: Quantities) -> Floats:
+    """Return how far n armours are from m others, (n, m), in logarithms of what makes an armour."""
+    logs = [np.log(np.maximum([each[name] for name in ARMOUR], TINY)) for each in (q, tested)]
+    return np.sqrt(((logs[0][:, :, None] - logs[1][:, None]) ** 2).sum(axis=0))
+
+
+def same_rods(q: Quantities, tested: Quantities) -> Any:
+    """Return whether the rounds of n armours are those of m others, but for rounding, (n, m)."""
+    rods, others = (np.column_stack([each[name] for name in RODS])[:, None] for each in (q, tested))
+    return np.isclose(rods, others[:, 0], rtol=1e-6, atol=0.0).all(axis=2)
 
 
 def _log_density(deviations: Floats, scale: Floats, freedom: float) -> float:
@@ -257,11 +407,6 @@ def as_measurements(
     whole = information @ mean - 0.5 * precision @ mean**2 + 0.5 * residual @ posterior @ residual
     whole -= 0.5 * np.linalg.slogdet(np.eye(n) + precision[:, None] * covariance)[1]
     return information / precision, 1.0 / precision, float(log_density.sum() + whole)
-
-
-def rods_of(q: Quantities) -> Floats:
-    """Return the quantities that distinguish the rounds of n armours, (n, 4)."""
-    return np.column_stack([q[name] for name in RODS])
 
 
 def law_parameters(role: str, values: Mapping[str, float]) -> dict[str, float]:

@@ -33,6 +33,8 @@ class Mixture(NamedTuple):
     degrees_of_freedom : array, (k, ...)
         At most 1e6, where the distribution is practically normal.
     logarithmic : bool
+    narrowed : array, (k, ...) or float
+        Factors of the scales above the locations.
     """
 
     weights: Floats
@@ -40,6 +42,7 @@ class Mixture(NamedTuple):
     scales: Floats
     degrees_of_freedom: Floats
     logarithmic: bool = True
+    narrowed: Floats | float = 1.0
 
     def _many(self, values: Floats) -> bool:
         """Return whether to compute by scipy: for n armours whatever n is, and for many numbers of one armour."""
@@ -59,26 +62,29 @@ class Mixture(NamedTuple):
     def mapped(self, function: Callable[[Floats], Floats]) -> "Mixture":
         """Return the mixture whose arrays are a function of these."""
         weights, locations, scales, freedom = map(function, self[:4])
-        return Mixture(weights, locations, scales, freedom, self.logarithmic)
+        narrowed = self.narrowed if isinstance(self.narrowed, float) else function(self.narrowed)
+        return Mixture(weights, locations, scales, freedom, self.logarithmic, narrowed)
 
     def probability_above(self, values: ArrayLike) -> Any:
         """Return the probability of exceeding each value, such as a velocity in m/s."""
-        weights, locations, scales, freedom, places = self._at(values)
-        below = probability_below(freedom, (locations - places) / scales, many=self._many(places))
-        return (weights * below).sum(axis=0)
+        places = self._at(values)
+        weights, freedom, scores, _ = self._scores(places)
+        return (weights * probability_below(freedom, -scores, many=self._many(places))).sum(axis=0)
 
     def quantile(self, probabilities: ArrayLike) -> Any:
         """Return the values that are not exceeded with given probabilities, 0 to 1."""
         chances = np.asarray(probabilities, dtype=np.float64)
-        weights, locations, scales, freedom = self._parts(chances)
+        weights, locations, scales, freedom, narrowed = self._parts(chances)
         many = self._many(chances)
-        by_component = np.where(weights > 0.0, locations, np.nan) + scales * quantile(freedom, chances, many=many)
+        scores = quantile(freedom, chances, many=many)
+        scales = scales * np.where(scores > 0.0, narrowed, 1.0)
+        by_component = np.where(weights > 0.0, locations, np.nan) + scales * scores
         low, high = np.fmin.reduce(by_component), np.fmax.reduce(by_component)
         places = np.where(low == high, low, 0.5 * (low + high))
         moving = np.ones_like(places, dtype=bool)
         # Newton's method, for each value until its own last step, within an interval that the steps narrow.
         for _ in range(MOST_STEPS if len(by_component) > 1 else 0):
-            below = (weights * probability_below(freedom, (places - locations) / scales, many=many)).sum(axis=0)
+            below = (weights * probability_below(freedom, self._scores(places)[2], many=many)).sum(axis=0)
             low, high = np.where(below < chances, places, low), np.where(below < chances, high, places)
             with np.errstate(all="ignore"):
                 new = places + (chances - below) * np.exp(-self._log_density(places))
@@ -91,14 +97,14 @@ class Mixture(NamedTuple):
 
     def log_density(self, values: ArrayLike) -> Any:
         """Return the logarithm of the density at values above 0, per their unit."""
-        *_, places = self._at(values)
+        places = self._at(values)
         return self._log_density(places) - (places if self.logarithmic else 0.0)
 
     def _log_density(self, places: Floats) -> Any:
         """Return the logarithm of the density at values, or per unit of their logarithms at these."""
-        weights, locations, scales, freedom = self._parts(places)
+        weights, freedom, scores, scales = self._scores(places)
         constant = np.log(_constants(freedom) / np.sqrt(freedom))
-        kernel = 0.5 * (freedom + 1.0) * np.log1p(((places - locations) / scales) ** 2 / freedom)
+        kernel = 0.5 * (freedom + 1.0) * np.log1p(scores**2 / freedom)
         with np.errstate(divide="ignore"):
             return np.logaddexp.reduce(np.log(weights) + constant - np.log(scales) - kernel)
 
@@ -109,20 +115,27 @@ class Mixture(NamedTuple):
         """
         ends = np.cumsum(self.weights)
         components = np.minimum(np.searchsorted(ends, chances, side="right"), np.flatnonzero(self.weights)[-1])
-        weights, locations, scales, freedom = (array[components] for array in self[:4])
+        weights, locations, scales, freedom, narrowed = (array[components] for array in self._parts(np.zeros(())))
         parts = ((chances - ends[components]) / weights + 1.0).clip(2.0**-53, 1.0 - 2.0**-53)
-        values = locations + scales * quantile(freedom, parts, many=True)
+        scores = quantile(freedom, parts, many=True)
+        values = locations + scales * np.where(scores > 0.0, narrowed, 1.0) * scores
         return components, np.exp(values) if self.logarithmic else values
 
     def _parts(self, values: Floats) -> list[Floats]:
-        """Return weights, locations, scales and degrees of freedom with axes after the first one to broadcast."""
-        return [array.reshape(array.shape + (1,) * (values.ndim + 1 - array.ndim)) for array in self[:4]]
+        """Return weights, locations, scales, degrees of freedom and factors with axes after the first to broadcast."""
+        arrays = (*self[:4], self.narrowed * np.ones_like(self.scales))
+        return [array.reshape(array.shape + (1,) * (values.ndim + 1 - array.ndim)) for array in arrays]
 
-    def _at(self, values: ArrayLike) -> list[Floats]:
-        """Return the parts for values, and the values or their logarithms, at which the components are evaluated."""
+    def _scores(self, places: Floats) -> tuple[Floats, ...]:
+        """Return weights, degrees of freedom, places in scales above the locations, and these scales."""
+        weights, locations, scales, freedom, narrowed = self._parts(places)
+        scales = scales * np.where(places > locations, narrowed, 1.0)
+        return weights, freedom, (places - locations) / scales, scales
+
+    def _at(self, values: ArrayLike) -> Floats:
+        """Return the values or their logarithms, at which the components are evaluated."""
         with np.errstate(divide="ignore"):
-            places = np.log(values) if self.logarithmic else np.asarray(values, dtype=np.float64)
-        return [*self._parts(places), places]
+            return np.log(values) if self.logarithmic else np.asarray(values, dtype=np.float64)
 
 
 # Quadrature, exact to 1e-12 for two and a half degrees of freedom or more, and the standard deviations it covers.

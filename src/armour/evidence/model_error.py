@@ -11,7 +11,7 @@ from armour.core.replaced import replaced_function
 from armour.core.state import Parameters
 from armour.errors import InputError, Problem
 from armour.evidence.core_digest import core_digest
-from armour.evidence.fit import shipped_data
+from armour.evidence.fit import is_same_armour, mixture_of, shipped_data
 from armour.evidence.mixture import Floats, Mixture
 from armour.evidence.tests import Armours, Evidence, is_outside, is_untested, outside
 from armour.scenario.inputs import cosine_of
@@ -33,6 +33,39 @@ REMEDY = "own tests (armour calibrate) or [uncertainty.model] can give it"
 
 
 @dataclass(frozen=True)
+class TestsHere:
+    """Own tests of the very armour against the very round, and the prediction from the others.
+
+    Attributes
+    ----------
+    limits_m_s, uncertainties_m_s : tuple of float
+        Limits that were measured, and their standard deviations, m/s.
+    shots : int
+        Number of shots at this armour.
+    confirmed : bool
+        Whether there are several, and they agree.
+    out_of_line : int
+        Number of these tests that are out of line with the others.
+    others : int
+        Number of the other own tests.
+    median_m_s : float
+        Ballistic limit that the armour exceeds with a probability of 50 %, given the others alone, or if there are none
+        the shipped tests, m/s.
+    interval_m_s : tuple of float
+        Interval in which it then lies with a probability of 95 %, m/s.
+    """
+
+    limits_m_s: tuple[float, ...]
+    uncertainties_m_s: tuple[float, ...]
+    shots: int
+    confirmed: bool
+    out_of_line: int
+    others: int
+    median_m_s: float
+    interval_m_s: tuple[float, float]
+
+
+@dataclass(frozen=True)
 class ModelError:
     """Relative error of the ballistic limit: actual limit divided by computed limit, minus 1, per cent.
 
@@ -50,6 +83,8 @@ class ModelError:
         Quantiles of the error, %, by probability: "0.025", "0.05", "0.5", "0.95" and "0.975"; of an armour.
     at_least : str
         Why the limit of the armour, at an angle, is at least the one with this error; empty unless that is so.
+    tests_here : TestsHere or None
+        Own tests of the very armour; None if there is none.
     """
 
     mean_percent: float | None
@@ -59,9 +94,10 @@ class ModelError:
     extrapolated: tuple[str, ...] = ()
     quantiles_percent: dict[str, float] = field(default_factory=dict, hash=False)
     at_least: str = ""
+    tests_here: TestsHere | None = None
 
     @classmethod
-    def of_ratio(cls, ratio: Mixture, source: str, outside: tuple[str, ...] = (), at_least: str = "") -> Self:
+    def of_ratio(cls, ratio: Mixture, source: str, outside: tuple[str, ...] = (), **others: Any) -> Self:
         """Return the error, given the distribution of the ratio of both limits, (k,)."""
         mean = scale = freedom = None
         has_weight = ratio.weights > 0.0
@@ -70,7 +106,7 @@ class ModelError:
             mean, scale = 100.0 * (expm1(mean) if ratio.logarithmic else mean - 1.0), 100.0 * scale
         quantiles = (100.0 * (ratio.quantile(QUANTILES) - 1.0)).tolist()
         by_probability = dict(zip(map(str, QUANTILES), quantiles, strict=True))
-        error = cls(mean, scale, freedom, source, outside, by_probability, at_least)
+        error = cls(mean, scale, freedom, source, outside, by_probability, **others)
         vars(error)["ratio"] = ratio
         return error
 
@@ -121,7 +157,8 @@ class Errors(NamedTuple):
     def unknown(cls, count: int, laws: int = 1) -> "Errors":
         """Return n errors that are not known."""
         shape = (laws, count)
-        ratio = Mixture(np.full(shape, np.nan), np.zeros(shape), np.ones(shape), np.ones(shape))
+        nothing, ones = np.zeros(shape), np.ones(shape)
+        ratio = Mixture(np.full(shape, np.nan), nothing, ones, ones.copy(), narrowed=ones.copy())
         return cls(ratio, np.zeros((laws, len(LAW_FIELDS), count)))
 
     def at(self, where: Any) -> "Errors":
@@ -202,14 +239,15 @@ def _set_errors(errors: Errors, first: int, evidence: Evidence, where: Any, armo
         rows = np.flatnonzero(holds & ~is_outside(law, q))
         first_fit, members = evidence.fits[number], armours.at(rows)
         for place, fit in enumerate([first_fit, *(fit for fit in evidence.fits if fit is not first_fit)], start=first):
-            by_law: dict[str, Any] = {name: np.full(len(rows), value) for name, value in fit.law.items()}
+            by_law: dict[str, Any] = dict(fit.law)
             if evidence.laws:
                 by_law["Yc0"] = members.parameters.Yc0 * (fit.law["Yc0"] / first_fit.law["Yc0"])
             if fit is first_fit and not evidence.lot:
                 by_law = {}
-            with_law = members._replace(parameters=members.parameters._replace(**by_law))
-            values = (fit.weight, *fit.predicted(with_law.quantities(), doubted), fit.degrees_of_freedom)
-            for array, numbers in zip(errors.ratio[:4], values, strict=True):
+            with_law = members.with_law(by_law)
+            *of_limit, narrowed = fit.predicted(with_law.quantities(), doubted)
+            values = (fit.weight, *of_limit, fit.degrees_of_freedom, narrowed)
+            for array, numbers in zip((*errors.ratio[:4], np.asarray(errors.ratio.narrowed)), values, strict=True):
                 array[place][where[rows]] = numbers
             errors.parameters[place][:, where[rows]] = law_of(with_law.parameters)
 
@@ -219,8 +257,8 @@ def law_of(parameters: Parameters) -> Floats:
     return np.array([getattr(parameters, name) for name in LAW_FIELDS])
 
 
-def error_of(scenario: Scenario, ratio: Mixture, armour: Armours) -> ModelError | None:
-    """Return the model error of an armour, n = 1, given the distribution of its limit over that by the model."""
+def error_of(scenario: Scenario, ratio: Mixture, armour: Armours, limit_m_s: float) -> ModelError | None:
+    """Return the model error of an armour, n = 1, given the distribution of its limit over that by the model, m/s."""
     if np.isnan(ratio.weights).any():
         return None
     if (error := given_error(scenario)) is not None:
@@ -229,7 +267,36 @@ def error_of(scenario: Scenario, ratio: Mixture, armour: Armours) -> ModelError 
     oblique = evidence.fails_angle(armour.cosines).all()
     q = (armour.at_normal_incidence() if oblique else armour).quantities()
     title = f"{evidence.title}, at normal incidence" if oblique else evidence.title
-    return ModelError.of_ratio(ratio, title, outside(evidence.measured, q), evidence.at_least if oblique else "")
+    here = _tests_here(evidence, ratio, armour, limit_m_s) if evidence.lot else None
+    at_least = evidence.at_least if oblique else ""
+    return ModelError.of_ratio(ratio, title, outside(evidence.measured, q), at_least=at_least, tests_here=here)
+
+
+def _tests_here(evidence: Evidence, ratio: Mixture, armour: Armours, limit_m_s: float) -> TestsHere | None:
+    """Return the own tests of an armour, n = 1, given the distribution of its limit over that by the model, m/s."""
+    q, posterior = armour.with_law(evidence.fits[0].law).quantities(), evidence.fits[0].own[0]
+    tests, place = posterior.tests, posterior.tests.quantities
+    here = is_same_armour(q, place)[0]
+    if not here.any():
+        return None
+    # The limits by the laws follow from the distribution of the armour, given all tests.
+    given, others = (
+        mixture_of(each, q).one() for each in (evidence.fits, [fit.without(here) for fit in evidence.fits])
+    )
+    found = others._replace(locations=ratio.locations[1:] + others.locations - given.locations).times(limit_m_s)
+    low, median, high = found.quantile((0.025, 0.5, 0.975)).tolist()
+    limits = here & (tests.sides == 0.0)
+    velocities = place["velocity_m_s"][limits]
+    return TestsHere(
+        limits_m_s=tuple(velocities.tolist()),
+        uncertainties_m_s=tuple(place["uncertainty_m_s"][limits].tolist()),
+        shots=int((here & ~limits).sum()),
+        confirmed=bool(posterior.confirmed[here].all()),
+        out_of_line=int(np.isin(np.flatnonzero(here), evidence.doubtful).sum()),
+        others=int((~here).sum()),
+        median_m_s=median,
+        interval_m_s=(low, high),
+    )
 
 
 def why_unknown(scenario: Scenario, armour: Armours) -> str:

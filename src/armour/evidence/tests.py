@@ -190,6 +190,11 @@ class Armours(NamedTuple):
         parameters = parameters._replace(Hc0=parameters.Hc0 * cosines, Hb=parameters.Hb * cosines)
         return self._replace(parameters=parameters, cosines=np.ones_like(cosines))
 
+    def with_law(self, values: Mapping[str, Any]) -> "Armours":
+        """Return the armours with other parameters, such as those of a law, by name."""
+        columns: dict[str, Any] = {name: np.full(len(self.cosines), value) for name, value in values.items()}
+        return self._replace(parameters=self.parameters._replace(**columns))
+
     def quantities(self) -> dict[str, Any]:
         """Return what the evidence depends on."""
         tensile = np.array([tensile_strength(materials.backing) for materials in self.materials])
@@ -302,7 +307,7 @@ def _distances(fit: Fit, tests: LotTests, level: Sequence[float] | None) -> Any:
 
     A stopped shot deviates upwards alone, a perforating one downwards.
     """
-    location, scale = fit.predicted(tests.quantities, {})
+    location, scale, _ = fit.predicted(tests.quantities, {})
     mean, deviation = level or (0.0, 0.0)
     errors = tests.errors - location - mean
     return np.where(tests.sides == 0.0, abs(errors), tests.sides * errors) / np.hypot(scale, deviation)

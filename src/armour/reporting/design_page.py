@@ -95,6 +95,7 @@ def _question(catalogue: Catalogue) -> dict[str, Any]:
         },
         "threats": [_threat(catalogue, i) for i in range(len(catalogue.threats))],
         "notes": list(_notes(catalogue)),
+        "exact": catalogue.sampled,
     }
 
 

@@ -30,16 +30,18 @@ from armour.reporting.words import (
     from_tests,
     requirement_parts,
     requirement_words,
+    tested_here,
 )
 from armour.scenario.inputs import INPUTS, NAMES, ROLES
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import OBJECTIVES, DesignSection
+from armour.statistics.own_tests import predicted_tests
 from armour.statistics.sensitivity import SensitivityResult, sensitivity
 from armour.statistics.uncertainty import UncertaintyResult, uncertainty
 
 Answer = TypeVar("Answer")
-# Keys of [design] that apply to any armour and do not ask for a design.
-KEYS_OF_ANY_ARMOUR = {"confidence", "thickness_tolerance_mm", "angles_as_at_normal_incidence"}
+# Keys of [design] that ask for a design; the others apply to any armour.
+ASKING = {"minimise", "pareto", "runners_up_percent", "ceramic", "backing"}
 # What the model leaves out, see docs/limits.md.
 ASSUMPTIONS = (
     ("Penetrator", "a flat-ended cylinder of one material; jacket, tip, sabot and fracture of the core are left out"),
@@ -81,7 +83,7 @@ class Contents:
 def asks_for_design(scenario: Scenario) -> bool:
     """Return whether a scenario asks for the best design."""
     section = scenario.design
-    return scenario.optimise is not None or (section is not None and not section.model_fields_set <= KEYS_OF_ANY_ARMOUR)
+    return scenario.optimise is not None or (section is not None and not section.model_fields_set.isdisjoint(ASKING))
 
 
 def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *, as_is: bool = False) -> Contents:
@@ -205,7 +207,7 @@ def _probability(contents: Contents) -> Card:
 def _basis(contents: Contents) -> str:
     """Return what the probability rests on, or why it is unknown."""
     threat = contents.threat
-    error = from_tests(threat.model_error) if threat.model_error else ""
+    error = "; ".join([from_tests(threat.model_error), *tested_here(threat.model_error)]) if threat.model_error else ""
     if threat.sampled is None:
         alone = f"; {SAMPLED_ALONE}" if contents.uncertainty and threat.probability_of_stopping is None else ""
         return f"{threat.reason or error}{alone}"
@@ -275,6 +277,7 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Re
     if len(design_view.requirements_of(contents.check)) > len(contents.threats):
         tables.append(replace(design_view.requirement_table(contents.check), title="requirements"))
     yield ReportSection("Threats", tuple(notes), tables=tuple(tables))
+    yield from _own_tests(answer)
     yield ReportSection("What if", exact, tables=tuple(what_ifs))
     if design is not None:
         hint = ("This command makes an interactive page of all designs:",) if map_command else ()
@@ -311,6 +314,15 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Re
     yield ReportSection("Values and their sources", tables=tuple(entry_tables), folded=True)
     yield ReportSection("Scenario", code=scenario.to_toml(), language="toml", folded=True)
     yield origin_section(command, _which_armour(contents), contents.scenario)
+
+
+def _own_tests(answer: Scenario) -> Iterator[ReportSection]:
+    """Give the own tests of the materials of an armour, with where they are from."""
+    for entry in (answer.entry_of("ceramic"), answer.entry_of("backing")):
+        if entry is not None and entry.evidence is not None and (tests := predicted_tests(entry, entry.evidence)):
+            table = statistics_view.own_test_table(tests)
+            source = f"{entry.name}: {entry.evidence.source}, calibrated with armour."
+            yield ReportSection("Own tests", (source,), tables=(table,))
 
 
 def _threats(contents: Contents) -> Table:

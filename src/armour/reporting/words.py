@@ -5,6 +5,7 @@ from math import ceil, floor
 from armour.analysis.ballistic_limit import ConfidenceResult, NeededFlowStress, no_error
 from armour.design.check import CheckedThreat
 from armour.design.requirements import Requirement
+from armour.errors import counted, joined
 from armour.evidence.model_error import ModelError
 from armour.reporting.table import Column, Source, column_of
 from armour.reporting.text import interval, number, percent
@@ -46,13 +47,16 @@ def requirement_parts(row: Requirement) -> tuple[str, str, str]:
     if row.quantity == "margin_m_s":
         return "margin by the model", f"at least {row.required:+g} m/s", f"{row.found or 0.0:+.0f} m/s"
     if row.quantity == "probability_of_stopping":
-        low, high = row.interval or (0.0, 0.0)
-        sampled = f" ({100.0 * low:.1f} to {100.0 * high:.1f} %, sampled)" if row.interval else ""
-        return STOPPING.label, f"at least {percent(row.required)}", f"{chance(row.found)}{sampled}"
+        found = chance(row.found)
+        if row.found is not None and row.interval is not None:
+            value, low, high = (rounded_down(100.0 * part, 1) for part in (row.found, *row.interval))
+            found = f"{value:.1f} % ({low:.1f} to {high:.1f} %, sampled)"
+        return STOPPING.label, f"at least {percent(row.required)}", found
     if row.quantity == "flow_stress_sources":
         return "sources of the flow stress", least, found
-    column, unit = column_of(row.quantity), OBJECTIVES[row.quantity].unit
-    return column.label, f"at most {row.required:g}{unit}", found if row.found is None else f"{found}{unit}"
+    unit = OBJECTIVES[row.quantity].unit
+    label = column_of(row.quantity).label.removesuffix(unit)
+    return label, f"at most {row.required:g}{unit}", found if row.found is None else f"{found}{unit}"
 
 
 def requirement_words(row: Requirement) -> str:
@@ -74,7 +78,7 @@ def error_note(error: ModelError | None, scenario: Scenario | None) -> str:
 
 def model_error_words(error: ModelError) -> str:
     """Return what the model error is, what it is estimated from, and what it is extrapolated from."""
-    return "; ".join([from_tests(error), *extrapolation(error)])
+    return "; ".join([from_tests(error), *extrapolation(error), *tested_here(error)])
 
 
 def from_tests(error: ModelError) -> str:
@@ -90,6 +94,33 @@ def from_tests(error: ModelError) -> str:
 def extrapolation(error: ModelError) -> list[str]:
     """Return what the model error is extrapolated from, if it is."""
     return [f"extrapolated from {', '.join(error.extrapolated)}"] if error.extrapolated else []
+
+
+def tested_here(error: ModelError) -> list[str]:
+    """Return what own tests of this very armour measured, and what the others say, if there are such tests."""
+    if (here := error.tests_here) is None:
+        return []
+    count = len(here.limits_m_s)
+    own = [counted(count, "own test")] * bool(count) + [counted(here.shots, "shot")] * bool(here.shots)
+    limits = [
+        f"{limit:.0f}{f' ± {deviation:.0f}' * bool(deviation)}"
+        for limit, deviation in zip(here.limits_m_s, here.uncertainties_m_s, strict=True)
+    ]
+    measured = f"measured {joined(limits)} m/s" if count else "tested"
+    others = {0: "without it", 1: "the other own test alone"}.get(
+        here.others, f"the {here.others} other own tests alone"
+    )
+    words = [
+        f"{measured} here ({' and '.join(own)})",
+        f"{others}: about {here.median_m_s:.0f} ({interval(here.interval_m_s, '.0f')}) m/s",
+    ]
+    if here.out_of_line:
+        words += ["out of line with the others: check it" if count == 1 else f"{here.out_of_line} out of line: check"]
+    if count == 1 and not here.shots:
+        words += ["rests on one test of this armour: a second V50 would settle it"]
+    elif count > 1 and not here.confirmed:
+        words += ["these tests do not agree"]
+    return words
 
 
 def flow_stress_notes(needed: NeededFlowStress | None, against: str = "the threat") -> list[str]:
@@ -119,8 +150,9 @@ def rounded_up(number: float) -> str:
 
 def basis_notes(answer: ConfidenceResult | CheckedThreat) -> list[str]:
     """Return what the probability rests on, or why it is unknown and what the flow stress must be."""
-    if answer.model_error is not None and answer.probability_of_stopping is not None:
-        return [model_error_words(answer.model_error)]
+    if answer.probability_of_stopping is not None:
+        error = answer.model_error
+        return [SAMPLED_ALONE if error is None else model_error_words(error)]
     unknown = f"{STOPPING.label}: unknown, {answer.reason}"
     if (at_normal := answer.probability_at_normal_incidence) is not None:
         unknown += f"; at 0°: {chance(at_normal)}, and bare plates stop cores at least as well"

@@ -128,12 +128,15 @@ IN_COMMON = (
 )
 # Quantities of the results: a side is 1 if the limit is above the velocity of a shot, -1 if below, and 0 for a limit.
 RESULTS = ("velocity_m_s", "uncertainty_m_s", "side")
+# Number of the laboratory or series of a test, where several are named.
+SERIES = "series"
 # Least and greatest possible values of these quantities; all others are above 0.
 BOUNDS_OF_TESTS = {
     **dict.fromkeys(("ceramic_thickness_ratio", "ceramic_density_kg_m3", "ceramic_modulus_GPa"), (0.0, inf)),
     "path_ratio": (1.0, inf),
     "uncertainty_m_s": (0.0, inf),
     "side": (-1.0, 1.0),
+    SERIES: (0.0, inf),
 }
 
 
@@ -167,7 +170,7 @@ class OwnTests(Section):
         if not self.law:
             return self
         counts = {len(column) for column in (*self.tests.values(), *(law.computed_m_s for law in self.law))}
-        if {*self.tests} != {*VARIED, *IN_COMMON, *RESULTS} or len(counts) > 1 or 0 in counts:
+        if {*self.tests} - {SERIES} != {*VARIED, *IN_COMMON, *RESULTS} or len(counts) > 1 or 0 in counts:
             raise ValueError("must be as armour calibrate writes it: a number for each test in each of its lists")
         for name, column in self.tests.items():
             low, high = BOUNDS_OF_TESTS.get(name, (TINY, inf))
@@ -387,14 +390,14 @@ def hint(name: str, entries: Iterable[LibraryEntry], names: Iterable[str]) -> st
     A name that looks the same comes first.  If no name contains it, as with "5083-H32", the hint is at names that
     contain its first part or, if there are none either, at descriptions, as with "alumina".
     """
-    entries, names = list(entries), list(names)
+    entries, names = list(entries), [*islice(names, MAX_WORDS + 1)]
     if same := [known for known in names if look_of(known) == look_of(name)]:
         return suggestion(name, same)
     first_part = re.split("[ -]", name)[0]
     for alike in (_named(name, entries), _named(first_part, entries), _described(name, entries)):
         if 0 < len(alike) <= MOST_ALIKE:
             return CHOOSE + ", ".join(map(_in_short, alike))
-    return suggestion(name, [*islice(names, MAX_WORDS + 1)]) or "; armour library lists them"
+    return suggestion(name, names) or "; armour library lists them"
 
 
 def _named(text: str, entries: Iterable[LibraryEntry]) -> list[LibraryEntry]:

@@ -13,7 +13,7 @@ from scipy.special import ndtri, stdtrit
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.analysis.variants import Bools, Floats, ballistic_limits, outside_limits
-from armour.errors import InputError, mistake
+from armour.errors import InputError, joined, mistake
 from armour.evidence.fit import LEAST_REST
 from armour.evidence.tests import FALSE_ALARMS, own_evidence
 from armour.scenario.checked import Names, checked
@@ -31,8 +31,8 @@ from armour.statistics.likelihood import (
     likelihood_of,
     without,
 )
-from armour.statistics.measured import LIMIT, Tests, common_of, subject_of, with_scatter
-from armour.statistics.own_tests import NOTHING_OF_ERROR, own_tests, repeated
+from armour.statistics.measured import LIMIT, ORIGINS, SERIES, Tests, common_of, subject_of, with_scatter
+from armour.statistics.own_tests import NOTHING_OF_ERROR, OwnTest, own_tests, predicted_tests, repeated
 from armour.units import feet_note
 
 Law = Literal["constant", "ceramic", "backing", "product", "linear"]
@@ -77,6 +77,8 @@ ASSUMED = (
     "the intervals depend on it"
 )
 ONE_SIDED = "all shots have the same outcome: if shots with the other one were left out, the fitted limits are wrong"
+# Number of random orders of deviations with which those of the tests are compared.
+PERMUTATIONS = 4999
 # Least difference of a computed value from a bound that counts: half of the last digit shown.
 EQUAL = 0.005
 
@@ -182,6 +184,8 @@ class CalibrationResult(TableResult):
     warnings : tuple of str
         A bad fit, tests that do not follow the others, and ways in which tests are unlike what the model was
         compared with before.
+    own_tests : tuple of OwnTest
+        The limits and shots that the evidence holds, each as the others predict it.
     """
 
     tests: str
@@ -203,6 +207,7 @@ class CalibrationResult(TableResult):
     laws: tuple[LawFit, ...] = ()
     evidence: Mapping[str, Any] | None = None
     warnings: tuple[str, ...] = ()
+    own_tests: tuple[OwnTest, ...] = ()
 
     def _words(self) -> str:
         fitted = (
@@ -322,13 +327,12 @@ def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str
             doubtful = set()
     if kept is not None:
         notes += repeated(tests)
-        result = replace(result, evidence=kept.model_dump(exclude_none=True))
+        own = predicted_tests(entry, kept) if entry is not None else ()
+        result = replace(result, evidence=kept.model_dump(exclude_none=True), own_tests=own)
     elif {name.partition(".")[0] for name in inputs} != {"projectile"}:
         notes = [f"of the entry, {NOTHING_OF_ERROR}"]
-    return replace(
-        result,
-        warnings=(*_in_feet(tests), *implausible, *_out_of_line(tests, result, doubtful), *result.warnings, *notes),
-    )
+    apart = (*_out_of_line(tests, result, doubtful), *_split(tests, result.residuals))
+    return replace(result, warnings=(*_in_feet(tests), *implausible, *apart, *result.warnings, *notes))
 
 
 def under_law(tests: Tests, inputs: Sequence[str], law: Law | None) -> tuple[Tests, list[str]]:
@@ -467,6 +471,31 @@ def _out_of_line(tests: Tests, result: CalibrationResult, doubtful: Collection[i
             f"{r.bound}{' ' * bool(r.bound)}{r.measured:g}, but {expected}; chance alone makes one such test in about "
             f"{100.0 * FALSE_ALARMS:g} % of tables"
         )
+
+
+def _split(tests: Tests, residuals: Sequence[Residual]) -> Iterator[str]:
+    """Yield a warning for each column, which is no input, by whose names the deviations of limits differ."""
+    places = [i for i, m in enumerate(tests.measurements) if m.quantity == LIMIT and not m.side]
+    deviations = np.array([np.log(residuals[i].measured / residuals[i].computed) for i in places])
+    deviations = deviations - deviations.mean() if places else deviations
+    for column in ORIGINS:
+        names = np.array([str(tests.cells[tests.measurements[i].test].get(column, "")) for i in places])
+        of_name = names == np.unique(names)[:, None]
+        counts, dice = of_name.sum(axis=1), np.random.default_rng(1)
+        # The sum of squares between the names, of the deviations and of them in random orders.
+        shuffled = dice.permuted(np.tile(deviations, (PERMUTATIONS, 1)), axis=1)
+        squares = ((np.vstack([deviations, shuffled]) @ of_name.T) ** 2 / counts).sum(axis=1)
+        chance = float((squares > squares[0] * (1.0 - 1e-9)).mean())
+        if len(counts) > 1 and chance < FALSE_ALARMS:
+            means = 100.0 * (np.exp(of_name @ deviations / counts) - 1.0)
+            by_name = [f"{name or 'none'} {mean:+.1f} %" for name, mean in zip(np.unique(names), means, strict=True)]
+            remedy = "the probabilities allow for it, but the intervals of the fitted inputs do not"
+            if column not in SERIES:
+                remedy = "find out what differed, and make it a column"
+            yield (
+                f"the deviations differ by {column}: {joined(by_name)}; chance alone does this in {100.0 * chance:.2g} "
+                f"% of tables; {remedy}"
+            )
 
 
 def _line(tests: Tests, place: int) -> str:

@@ -1,14 +1,16 @@
 """Measured data: tables of inputs and measurements, read from CSV."""
 
+import re
 from collections import Counter
 from collections.abc import Container, Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from armour.analysis.variants import Floats, Ints, Variants, variants_of
 from armour.columns import column_of, perforates
-from armour.csv_files import MUST_SAY, CsvRow, TableRead, check_one_target, in_line_order, open_table, read_rows
+from armour.csv_files import MUST_SAY, CsvRow, Source, TableRead, check_one_target, in_line_order, open_table, read_rows
 from armour.errors import InputError, Problem, counted, refuse
 from armour.scenario.checked import Names, Table, checked
 from armour.scenario.inputs import INPUTS, NAMES, ROLES, VELOCITY
@@ -21,6 +23,11 @@ MEASURED = {
     RESIDUAL: "residual_velocity_uncertainty_m_s",
     MASS: "residual_mass_uncertainty_g",
 }
+# Columns that say where and when a test was made: those of its laboratory or series, and others.
+SERIES = ("laboratory", "series")
+ORIGINS = (*SERIES, "date")
+# A limit that is only known to lie on one side of a velocity.
+BOUND = re.compile(r"(?:(>=?|≥|above|at least)|(<=?|≤|below|at most)) *(.+)")
 # Columns of numbers.
 NUMBERS = (*INPUTS, *MEASURED, *MEASURED.values())
 # Columns of most tables, in words.
@@ -129,8 +136,9 @@ def read_tests(
         CSV file or the name of a shipped table, such as ``"tests/wilkins"``; or the rows themselves, each a
         mapping by column, or a data frame of pandas or polars, where None and NaN are empty cells.
         Its columns are inputs of the scenario, names of projectiles and materials, measured quantities and their
-        uncertainties, ``outcome``, and ``test``, the name of the test; the page "Tables" has other names for them.
-        A table of shots, as `read_shots` reads it, has outcomes of the scenario's armour.
+        uncertainties, ``outcome``, ``test``, the name of the test, and ``laboratory``, ``series`` and ``date``; the
+        page "Tables" has other names for them.  A limit that is "above 950" or "below 900" is the outcome of a shot at
+        this velocity.  A table of shots, as `read_shots` reads it, has outcomes of the scenario's armour.
     scenario : Scenario
         Inputs that the tests have in common.
     notes : str or sequence of str, optional
@@ -158,8 +166,8 @@ def read_tests(
     <Tests: 1 test of rows, 1 measurement>
     """
     notes = tuple(notes)
-    texts = ("test", OUTCOME, *NAMES.values(), *notes)
-    source = open_table(path, lambda name: column_of(name, (*NUMBERS, *texts)).known, sheet)
+    texts = ("test", OUTCOME, *NAMES.values(), *ORIGINS, *notes)
+    source = with_bounds(open_table(path, lambda name: column_of(name, (*NUMBERS, *texts)).known, sheet))
     table = read_rows(source, numbers=NUMBERS, texts=texts, needed=(), noun="test", usual=USUAL, where=where)
     file, rows, problems = table.file, table.rows, table.problems
     names = tuple(row.texts.get("test", row.place) for row in rows)
@@ -180,6 +188,33 @@ def read_tests(
     places = tuple(row.place for row in rows)
     is_weighted = weighted == {True}
     return Tests(file, names, (*groups,), (*measurements,), is_weighted, (*cells,), scenario, places, table.read)
+
+
+def with_bounds(source: Source) -> Source:
+    """Return a table with each limit that is only known to be above or below a velocity as an outcome there."""
+    header = [*source.header]
+    if LIMIT not in header:
+        return source
+    lines, place = list(source.lines), header.index(LIMIT)
+    bounds = {
+        line: bound
+        for line, cells in lines
+        if len(cells) == len(header) and (bound := BOUND.fullmatch(cells[place].lower()))
+    }
+    columns = [*header, *(name for name in (VELOCITY, OUTCOME) if name not in header)] if bounds else header
+    found = []
+    for line, cells in lines:
+        row = dict(zip(header, cells, strict=False))
+        if line in bounds and not row.get(VELOCITY) and not row.get(OUTCOME):
+            above, _, velocity = bounds[line].groups()
+            row |= {LIMIT: "", VELOCITY: velocity, OUTCOME: "stopped" if above else "perforated"}
+        found.append((line, [row.get(name, "") for name in columns] if len(cells) == len(header) else cells))
+    return replace(source, header=columns, lines=iter(found))
+
+
+def series_of(tests: Tests, test: int) -> tuple[str, ...]:
+    """Return the laboratory and the series of a test, in the order of their columns; empty texts where not named."""
+    return tuple(str(tests.cells[test].get(name, "")) for name in SERIES)
 
 
 def _mistakes(row: CsvRow, repeated_names: Container[str]) -> list[tuple[str, str]]:

@@ -1,6 +1,7 @@
 """Own tests of a lot as stored in a calibrated entry: their armours, and their ballistic limits by each law."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -15,13 +16,22 @@ from armour.analysis.variants import (
 )
 from armour.csv_files import shipped_rows
 from armour.errors import counted
-from armour.evidence.fit import law_parameters, shipped_data
+from armour.evidence.fit import law_parameters, mixture_of, shipped_data
 from armour.evidence.model_error import other_settings
-from armour.evidence.tests import armours_of, is_outside, shipped_evidence, shipped_evidence_of
+from armour.evidence.tests import armours_of, is_outside, own_evidence, shipped_evidence, shipped_evidence_of
 from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, cosine_of
-from armour.scenario.library import FLOW_STRESS_LAW, IN_COMMON, RESULTS, VARIED, LawTests, LibraryEntry, OwnTests
+from armour.scenario.library import (
+    FLOW_STRESS_LAW,
+    IN_COMMON,
+    RESULTS,
+    SERIES,
+    VARIED,
+    LawTests,
+    LibraryEntry,
+    OwnTests,
+)
 from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S
-from armour.statistics.measured import LIMIT, Tests
+from armour.statistics.measured import LIMIT, Tests, series_of
 
 # Relative standard deviation of the velocity at which shots perforate an armour, if none is given.
 SHOT_SCATTER = 0.02
@@ -30,6 +40,8 @@ UNTESTED = 0.40
 # Greatest factor between the fitted flow stress of such a ceramic and its entry's value, number of steps to it, and the
 # change of its logarithm for a derivative, which is 0.35 to 0.62 for most armours, and its least value.
 FACTOR, STEPS, CHANGE, LEAST_SLOPE = 8.0, 6, 0.05, 0.3
+# Greatest number of own tests of which each is predicted from the others.
+MOST_PREDICTED = 60
 # Reason why calibrated entries without usable tests have no model error.
 NOTHING_OF_ERROR = (
     "the tests that it was calibrated to do not determine the model error: none measured a limit, one is implausible "
@@ -102,12 +114,83 @@ def own_tests(tests: Tests, fitted: Mapping[str, float]) -> OwnTests | None:
     values = armours_of(calibrated).quantities()
     scatter = [abs(m.side) * SHOT_SCATTER * m.value if m.uncertainty is None else m.uncertainty for m in shots]
     q |= {"velocity_m_s": velocities, "uncertainty_m_s": np.array(scatter), "side": sides}
+    names = [series_of(tests, shot.test) for shot in shots]
+    kept = (*VARIED, *IN_COMMON, *RESULTS, *[SERIES] * (len({*names}) > 1))
+    q[SERIES] = np.array([float(sorted({*names}).index(name)) for name in names])
     return OwnTests(
         source=f"{counted(len(tests.names), 'test')} of {Path(tests.file).name}",
         calibrated={name: float(values[name][0]) for name in QUANTITIES_OF_ROLE[role]},
-        tests={name: _rounded(q[name]) for name in (*VARIED, *IN_COMMON, *RESULTS)},
+        tests={name: _rounded(q[name]) for name in kept},
         law=laws,
     )
+
+
+@dataclass(frozen=True)
+class OwnTest:
+    """An own test of a lot, and the limit that the other own tests of the lot predict for its armour and round.
+
+    Attributes
+    ----------
+    ceramic_thickness_mm, backing_thickness_mm, obliquity_deg, penetrator_diameter_mm : float
+    bound : {"", "at least", "at most"}
+        Bound on the limit that a shot gives; empty for a measured limit.
+    measured_m_s, uncertainty_m_s : float
+        The limit, or the velocity of a shot, and its standard deviation, m/s.
+    computed_m_s : float
+        Ballistic limit by the model, m/s: by the first law of the fits.
+    predicted_m_s : float
+        Ballistic limit that the armour exceeds with a probability of 50 %, given the other tests, m/s.
+    interval_m_s : tuple of float
+        Interval in which it lies with a probability of 95 %, given the other tests, m/s.
+    out_of_line : bool
+        Whether the test is out of line with the others.
+    """
+
+    ceramic_thickness_mm: float
+    backing_thickness_mm: float
+    obliquity_deg: float
+    penetrator_diameter_mm: float
+    bound: str
+    measured_m_s: float
+    uncertainty_m_s: float
+    computed_m_s: float
+    predicted_m_s: float
+    interval_m_s: tuple[float, float]
+    out_of_line: bool
+
+
+def predicted_tests(entry: LibraryEntry, kept: OwnTests) -> tuple[OwnTest, ...]:
+    """Return the own tests of an entry, each as predicted from the others.
+
+    There are none if they say nothing of the error, or are more than can be predicted within seconds.
+    """
+    evidence = own_evidence(entry, kept)
+    if not evidence.fits or len(kept.tests["side"]) > MOST_PREDICTED:
+        return ()
+    q, found = evidence.fits[0].own[0].tests.quantities, list[OwnTest]()
+    computed = np.array([law.computed_m_s for law in kept.law])
+    for place, side in enumerate(kept.tests["side"]):
+        values = {name: float(column[place]) for name, column in q.items()}
+        others = [fit.without(np.arange(len(computed[0])) == place) for fit in evidence.fits]
+        limit = mixture_of(others, {name: column[[place]] for name, column in q.items()}).times(computed[:, [place]])
+        low, median, high = (float(limit.quantile(np.array([chance]))[0]) for chance in (0.025, 0.5, 0.975))
+        diameter, path = values["rod_diameter_mm"], values["path_ratio"]
+        found.append(
+            OwnTest(
+                ceramic_thickness_mm=values["ceramic_thickness_ratio"] * diameter / path,
+                backing_thickness_mm=values["backing_thickness_ratio"] * diameter / path,
+                obliquity_deg=float(np.degrees(np.arccos(1.0 / path))),
+                penetrator_diameter_mm=diameter,
+                bound=("", "at least", "at most")[int(side)],
+                measured_m_s=values["velocity_m_s"],
+                uncertainty_m_s=values["uncertainty_m_s"],
+                computed_m_s=float(computed[0, place]),
+                predicted_m_s=median,
+                interval_m_s=(low, high),
+                out_of_line=place in evidence.doubtful,
+            )
+        )
+    return tuple(found)
 
 
 def _rounded(values: Floats) -> tuple[float, ...]:

@@ -22,7 +22,7 @@ from pydantic import Field
 
 import armour
 from armour.analysis.evaluate import check_keys, check_quantities, evaluate_groups, groups_of, scenarios_of
-from armour.analysis.quantities import QUANTITIES, reads_of
+from armour.analysis.quantities import OF_WEIGHT, QUANTITIES, reads_of
 from armour.analysis.results import OnProgress, TableResult, ignore_progress, installed, made_by, same_columns
 from armour.core.replaced import replaced_function
 from armour.errors import InputError, choices, counted, duration, mistake
@@ -352,7 +352,7 @@ def general_warnings(scenario: Scenario, quantities: Sequence[str]) -> list[str]
         name for name in quantities if "uncertainty.model" in QUANTITIES[name].reads and scenario.excludes_error()
     ]
     return [
-        *(scenario.unused_threats() if reads_of(quantities) else ()),
+        *(scenario.unused_threats() if {*reads_of(quantities)} - {*OF_WEIGHT} else ()),
         *(f"{name}: has no value if uncertainty.model.included is false" for name in without_value),
     ]
 

@@ -13,9 +13,11 @@ from armour.reporting.table import deviation_percent, grouped, in_words
 from armour.reporting.text import interval, percent
 from armour.reporting.words import risk
 from armour.scenario.inputs import VELOCITY
+from armour.statistics.measured import LIMIT
 
 if TYPE_CHECKING:
     from armour.statistics.calibration import CalibrationResult, Residual
+    from armour.statistics.own_tests import OwnTest
     from armour.statistics.sensitivity import SensitivityResult
     from armour.statistics.uncertainty import UncertaintyResult
     from armour.statistics.v50 import FiringResult, Shots
@@ -103,6 +105,10 @@ def draw_calibration(result: "CalibrationResult", sheet: drawing.Sheet) -> drawi
         tests = [residual.test for residual in _largest(residuals)]
         heights += [sheet.width - 0.3, *([drawing.rows_height(tests, titled=True)] if tests else [])]
     note = "Error bars: ± one standard deviation of the measured value." if has_uncertainties else ""
+    own = _farthest(result)
+    if own:
+        note += f"{' ' * bool(note)}Own tests: 95 % intervals from the others of the lot."
+        heights.append(drawing.rows_height([name for name, _ in own], titled=True))
     picture = sheet.panels(title, *heights, note=note)
     panels = iter(picture.axes)
     for quantity, residuals in by_quantity.items():
@@ -113,7 +119,27 @@ def draw_calibration(result: "CalibrationResult", sheet: drawing.Sheet) -> drawi
         drawing.agreement(next(panels), quantity, "measured", groups)
         if measured[quantity]:
             _draw_deviations(next(panels), quantity, measured[quantity])
+    if own:
+        _draw_own_tests(next(panels), own)
     return picture
+
+
+def _farthest(result: "CalibrationResult") -> "list[tuple[str, OwnTest]]":
+    """Return the names and own tests that are farthest from what the others predict."""
+    names = [residual.test for residual in result.residuals if residual.quantity == LIMIT]
+    pairs = list(zip(names, result.own_tests, strict=False))
+    return sorted(pairs, key=lambda pair: -abs(pair[1].measured_m_s / pair[1].predicted_m_s - 1.0))[:MAX_ROWS]
+
+
+def _draw_own_tests(axes: Axes, own: "Sequence[tuple[str, OwnTest]]") -> None:
+    """Draw what own tests measured, and what the others of the lot predict."""
+    values: dict[str, list[float | None]] = {WORDS[bound]: [None] * len(own) for bound in WORDS}
+    for place, (_, test) in enumerate(own):
+        values[WORDS[test.bound]][place] = test.measured_m_s
+    known = {words: numbers for words, numbers in values.items() if any(numbers)}
+    drawing.rows(axes, [name for name, _ in own], known | {"predicted": [test.predicted_m_s for _, test in own]})
+    drawing.ranges(axes, range(len(own)), [test.interval_m_s for _, test in own], drawing.SOFT)
+    axes.set(title="Own tests, and what the others of the lot predict", xlabel="ballistic limit, m/s")
 
 
 def _largest(residuals: "Sequence[Residual]") -> "list[Residual]":

@@ -239,7 +239,9 @@ function percent() {
   const asked = new Set(confidences());
   return asked.size > 1 ? null : `${trimmed(100 * [...asked][0])} %`;
 }
-const confidenceWords = () => `with ${percent() ?? "the"} confidence${margins ? " and the margin" : ""}${percent() && !margins ? "" : " asked for"}`;
+// The distributions of inputs are not sampled here.
+const exact = DATA.exact ? ", with exact inputs" : "";
+const confidenceWords = () => `with ${percent() ?? "the"} confidence${margins ? " and the margin" : ""}${percent() && !margins ? "" : " asked for"}${exact}`;
 const plus = margins ? " plus the margin" : "";
 
 function headline(pair, { k, reason }) {
@@ -731,7 +733,7 @@ function drawDesign(pair, best) {
   const [c, b] = thicknesses(pair, k), governs = governing(pair, k), pinned = state.pins.some(p => p.pair === pair && p.k === k);
   box.append(html("h2", {}, armour(pair, k)));
   const difference = best === null || k === best ? "" : ` (${signed(pair.areal[k] - pair.areal[best])})`;
-  box.append(html("p", {}, `${areal(pair.areal[k])} kg/m²${difference}, ${trimmed(c * !!pair.ceramic + b + DATA.added.thickness)} mm thick`, k === best ? html("span", { class: "t-blue" }, { "": anyAsked() ? " lightest that meets the requirements" : " lightest", "not known": " lightest by the computed limit", "none passes": " nearest", single: "" }[answer(pair).reason]) : null));
+  box.append(html("p", {}, `${areal(pair.areal[k])} kg/m²${difference}, ${trimmed(c * !!pair.ceramic + b + DATA.added.thickness)} mm thick`, k === best ? html("span", { class: "t-blue" }, { "": anyAsked() ? ` lightest that meets the requirements${exact}` : " lightest", "not known": " lightest by the computed limit", "none passes": " nearest", single: "" }[answer(pair).reason]) : null));
   if (pair.excluded.includes(k)) box.append(html("p", { class: "t-red" }, "Beyond the limits of the scenario."));
   box.append(crossSection(pair, k));
   threats.forEach((threat, t) => {

@@ -11,7 +11,7 @@ from armour.design.requirements import Requirement
 from armour.errors import counted, joined
 from armour.reporting.junit import TestCase, junit_suite
 from armour.reporting.table import Column, Source, Table, column_of, csv_text, listing, record
-from armour.reporting.text import VerdictLine, interval, number, percent, with_interval
+from armour.reporting.text import VerdictLine, interval, percent, with_interval
 from armour.reporting.words import (
     BALLISTIC_LIMIT,
     STOPPING,
@@ -270,7 +270,7 @@ def tables_of_design(result: DesignResult) -> list[Table | str]:
             shown.append(left_out(result))
     if result.pareto:
         shown.append(design_table(result.pareto, "Pareto front"))
-    return [*shown, f"{number(result.designs, 'd')} designs computed"]
+    return [*shown, f"{counted(result.designs, 'design')} computed"]
 
 
 def _answer(scenario: Scenario, best: BestDesign) -> Scenario:
@@ -320,7 +320,7 @@ INTERVAL = Column("95 % interval", "m/s", prose=True)
 LIMIT = column_of("ballistic_limit_m_s", label="limit")
 MARGIN = column_of("margin_m_s", "+.0f")
 # Words of the verdicts, of which one that is overlooked does harm.
-VERDICTS = {"passes": "passes", "not known": "not known", "fails": "FAILS"}
+VERDICTS = {"passes": "passes", "fails": "FAILS", "not known": "not known"}
 
 
 def verdict(threat: CheckedThreat) -> str:
@@ -340,8 +340,8 @@ def finding(threat: CheckedThreat) -> str:
     """Return the probability or the ballistic limit of an armour against a threat, and what is required of it."""
     limit, needed = threat.ballistic_limit_m_s, threat.velocity_m_s + threat.required_margin_m_s
     by_model = "no ballistic limit found" if limit is None else f"ballistic limit by the model {limit:.0f} m/s"
-    rows = sorted(threat.requirements, key=lambda row: list(VERDICTS).index(row.verdict), reverse=True)
-    words = [requirement_words(row) for row in rows]
+    rows = threat.requirements
+    words = [requirement_words(row) for row in rows if row.verdict == threat.verdict]
     if threat.required_probability is None:
         probability = chance(threat.probability_of_stopping, threat.model_error)
         words = [requirement_words(row) for row in rows if row.quantity == SOURCES]
@@ -389,9 +389,10 @@ def what_if_tables(threat: CheckedThreat, title: str) -> list[Table]:
 
     There is no table if no velocity perforates the armour, changed or not.
     """
-    is_known = threat.probability_of_stopping is not None
+    as_given = threat.as_given()
+    is_known = as_given.probability_of_stopping is not None
     table = listing(
-        (threat.as_given(), *threat.what_ifs),
+        (as_given, *threat.what_ifs),
         (Column("if", prose=True), lambda what_if: what_if.change),
         LIMIT,
         (INTERVAL, lambda what_if: interval(what_if.interval_m_s, ".0f")),

@@ -1,5 +1,6 @@
 """Uncertainties, sensitivities, calibrations and V50 from firing results."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from armour.analysis.estimates import Estimate
@@ -11,6 +12,7 @@ from armour.reporting.words import SAMPLED_ALONE, STOPPING, error_note, rounded_
 if TYPE_CHECKING:
     from armour.statistics.calibration import CalibrationResult
     from armour.statistics.curves import FittedCurve
+    from armour.statistics.own_tests import OwnTest
     from armour.statistics.posterior import FiringEstimate
     from armour.statistics.sensitivity import SensitivityResult
     from armour.statistics.uncertainty import UncertaintyResult
@@ -202,6 +204,30 @@ def residual_table(result: "CalibrationResult") -> Table:
         ),
         (Column("bound met"), lambda r: "" if not r.bound else "yes" if r.met else "no"),
     )
+
+
+def own_test_table(tests: "Sequence[OwnTest]") -> Table:
+    """Return own tests with the limits that are computed for them and predicted from the others."""
+    return listing(
+        tests,
+        column_of("ceramic_thickness_mm", "g"),
+        column_of("backing_thickness_mm", "g"),
+        column_of("obliquity_deg", ".0f"),
+        (Column("penetrator diameter", "mm", ".4g"), lambda test: test.penetrator_diameter_mm),
+        (Column("measured", "m/s"), own_measured),
+        (Column("computed", "m/s", ".0f"), lambda test: test.computed_m_s),
+        (
+            Column("predicted from the others (95 % interval)", "m/s"),
+            lambda test: f"{test.predicted_m_s:.0f} ({interval(test.interval_m_s, '.0f')})",
+        ),
+        (Column("out of line"), lambda test: "yes" if test.out_of_line else ""),
+    )
+
+
+def own_measured(test: "OwnTest") -> str:
+    """Return what an own test measured, with its standard deviation."""
+    deviation = f" ± {test.uncertainty_m_s:.0f}" if test.uncertainty_m_s else ""
+    return f"{test.bound}{' ' * bool(test.bound)}{test.measured_m_s:.0f}{deviation}"
 
 
 def tables_of_calibration(result: "CalibrationResult") -> list[Table | str]:
