@@ -380,7 +380,8 @@ def candidates(current: Posterior, settings: ShotSettings, count: int) -> Floats
         tail = TAIL if scatter <= greatest else WIDE_TAIL
         low, high = current.grid.v50_quantiles(current.weights, (tail, 1.0 - tail))[0]
         reach = SCATTERS * min(scatter, greatest)
-    return np.linspace(*np.clip([low - reach, high + reach], MIN_VELOCITY_M_S, settings.velocity_max_m_s), count)
+    low, high = np.clip([low - reach, high + reach], MIN_VELOCITY_M_S, settings.velocity_max_m_s)
+    return np.linspace(low, high, count)
 
 
 class Firings:

@@ -43,6 +43,9 @@ NARROWINGS, NODES = 4, 21
 # More shots than MANY are condensed in cells: first in FIRST_CELLS of equally many shots, then in cells as wide as
 # FINENESS of the scatter near V50, and wider far from it.  The NEAREST shots of each kind to the other one are kept.
 MANY, FIRST_CELLS, FINENESS, NEAREST = 250, 40, 0.2, 20
+# In the penalty no shot counts as farther than FAR widths of the velocities from them, without every OUTER-th at either
+# end: the information of a curve that is nearly flat grows with such a distance, about which the shot says nothing.
+FAR, OUTER = 2.0, 8
 
 
 @dataclass(frozen=True)
@@ -162,6 +165,8 @@ class ShotLikelihood:
         self.middle, self.separated = 0.5 * (lowest + highest), lowest <= highest and not penalised
         # A search looks between any two of few shots: their penalised likelihood can have several maxima along a line.
         self.places = np.append(ordered, between) if len(x) <= 60 else np.array([self.middle])
+        low, high = np.sort(x)[[len(x) // OUTER, -1 - len(x) // OUTER]]
+        self.nearby = low - FAR * (high - low), high + FAR * (high - low)
         if len(x) > MANY:
             self._condense(x, signs, np.quantile(x, np.linspace(0.0, 1.0, FIRST_CELLS + 1)[1:-1]))
         if self.separated:
@@ -219,12 +224,13 @@ class ShotLikelihood:
         if self.penalised:
             # The Fisher information of the shots, relative to the greatest and about their centre, keeps the
             # determinant exact for curves however steep.
-            log_weights = LOG_INFORMATION[self.link](z)
+            x = self.x if self.nearby[0] == self.nearby[1] else self.x.clip(*self.nearby)
+            log_weights = LOG_INFORMATION[self.link](points[:, :1] + points[:, 1:] * x)
             greatest = log_weights.max(axis=1)
             weights = self.counts * np.exp(log_weights - greatest[:, None])
             total = weights.sum(axis=1)
-            centre = weights @ self.x / total
-            determinants = total * (weights * (self.x - centre[:, None]) ** 2).sum(axis=1)
+            centre = weights @ x / total
+            determinants = total * (weights * (x - centre[:, None]) ** 2).sum(axis=1)
             values = values + greatest + 0.5 * np.log(np.maximum(determinants, 1e-200))
         return values
 
@@ -302,6 +308,11 @@ class ShotLikelihood:
         x = (velocity_m_s - self.mean) / self.deviation
         deviance = 2.0 * max(self.mode.value - self.with_value(z, x).value, 0.0)
         return float(ndtr(copysign(sqrt(deviance), x - (z - self.mode.intercept) / self.mode.slope)))
+
+    def deviances(self, v50_m_s: Floats, scale_m_s: Floats) -> Floats:
+        """Return the deviances of curves, (m,)."""
+        values = self._values(np.column_stack([(self.mean - v50_m_s) / scale_m_s, self.deviation / scale_m_s]))
+        return 2.0 * (self.mode.value - values)
 
     @property
     def flat_deviance(self) -> float:

@@ -28,6 +28,7 @@ from armour.statistics.curves import (
     bounded,
     curve_of,
     has_curve,
+    penalised_band,
 )
 from armour.statistics.posterior import FiringEstimate, FiringPrior, learned, no_prior, posterior_of
 from armour.units import key_hint
@@ -40,6 +41,8 @@ SpanRule = Literal["usual span", "given span", "no usual rule"]
 LOWER_LEVELS = (0.9, 0.8, 0.5)
 # Velocities of a further shot that are tried, from the range of the shots below them to as much above.
 FURTHER = 19
+# Velocities of a curve with its band.
+BAND_POINTS = 201
 Decision = Literal["met", "not met", "not decided", ""]
 # Range of velocities, m/s; it catches values in a wrong unit.
 MIN_VELOCITY_M_S, MAX_VELOCITY_M_S = 10.0, 1e4
@@ -256,6 +259,39 @@ class FiringResult(TableResult):
     decision: Decision = ""
     consumers_risk: float | None = None
     producers_risk: float | None = None
+
+    def band(self, velocities_m_s: Sequence[float] | None = None) -> list[dict[str, Any]]:
+        """Return the recommended curve with its pointwise confidence band, as rows.
+
+        Parameters
+        ----------
+        velocities_m_s : sequence of float, optional
+            In ascending order; by default 201 from the shots and half their range to either side.
+
+        Returns
+        -------
+        list of dict
+            With ``velocity_m_s``, ``probability`` of complete penetration and its ``probability_interval``.
+
+        Raises
+        ------
+        InputError
+            If no curve is recommended.
+        """
+        shots: Shots = self.question["shots"]
+        if (curve := self.recommended) is None:
+            raise mistake(shots.file, "", "must have a recommended curve for a band, and these shots have none")
+        if velocities_m_s is None:
+            slowest, fastest = min(shots.velocities_m_s), max(shots.velocities_m_s)
+            margin = 0.5 * (fastest - slowest)
+            ends = max(slowest - margin, MIN_VELOCITY_M_S), fastest + margin
+            velocities_m_s = np.linspace(*ends, BAND_POINTS).tolist()
+        partial, complete = shots.of(complete=False), shots.of(complete=True)
+        low, high = penalised_band(partial, complete, curve.curve, velocities_m_s, self.confidence)
+        return [
+            {"velocity_m_s": velocity, "probability": curve.probability(velocity), "probability_interval": ends}
+            for velocity, *ends in zip(velocities_m_s, low.tolist(), high.tolist(), strict=True)
+        ]
 
     def _words(self) -> str:
         if self.posterior is not None:
