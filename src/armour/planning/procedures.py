@@ -87,12 +87,12 @@ class ShotSettings(NamedTuple):
 
     prior: FiringPrior  # of V50 and the scatter, whose medians are the estimates of the other procedures
     limits_m_s: tuple[float, float] = (-inf, inf)  # of V50; for Langlie's and Neyer's procedures
-    velocity_max_m_s: float = MAX_VELOCITY_M_S
     half_width_m_s: float | None = None  # of the interval of V50 that ends the firing; None if the rule has another end
     confidence: float = 0.95
     requirement_m_s: float | None = None
     requirement_fraction: float = 0.5  # of shots that may perforate at the required velocity
     by_prior: bool = False  # whether the decision on a requirement includes the prior
+    velocity_max_m_s: float = MAX_VELOCITY_M_S  # greatest that can be fired
 
     @property
     def scatter_m_s(self) -> float:
