@@ -201,17 +201,12 @@ class ShotLikelihood:
 
     def _likeliest(self) -> Curve:
         """Return the maximum over all curves."""
-        start = np.array(max((self._best(slope) for slope in SLOPES), key=lambda curve: curve.value)[:2])
+        lines = (_of_slope(self._intercepts(slope), slope) for slope in SLOPES)
+        bests = ((values.max(), *points[values.argmax()]) for points in lines for values in [self._values(points)])
+        start = np.array(max(bests)[1:])
         simplex = start + np.array([[0.0, 0.0], [0.1, 0.0], [0.0, 0.1 * max(start[1], 0.1)]])
         options: Any = {"initial_simplex": simplex, "xatol": 1e-9, "fatol": 1e-13}
         return self._curve(minimize(self._lost, start, method="Nelder-Mead", options=options).x)
-
-    def _best(self, slope: float) -> Curve:
-        """Return the likeliest of the curves of a slope that a search starts from."""
-        points = _of_slope(self._intercepts(slope), slope)
-        values = self._values(points)
-        best = int(values.argmax())
-        return Curve(float(points[best, 0]), float(points[best, 1]), float(values[best]))
 
     def log_likelihoods(self, z: Floats) -> Floats:
         """Return the logarithms of the likelihoods of the shots, (n,), by arguments of F, (m, n) -> (m,)."""

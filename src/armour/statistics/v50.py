@@ -435,7 +435,15 @@ def v50(
     penalised_fits = _curves(partial, complete, confidence, penalised=True) if curved else []
     likelihood, recommended = penalised_fits[0] if penalised_fits else (None, None)
     level, interval = _bounded(likelihood, confidence) if likelihood else (None, None)
-    at, velocity_of = _points(likelihood, recommended, at_m_s, fraction, confidence)
+    at, velocity_of = None, None
+    if likelihood and recommended and at_m_s is not None:
+        chances = likelihood.probability_interval(at_m_s, confidence)
+        at = ProbabilityAt(at_m_s, recommended.probability(at_m_s), chances)
+    if likelihood and recommended and fraction is not None:
+        z = float(QUANTILES[likelihood.link](fraction))
+        velocity = bounded(recommended.v50_m_s + z * recommended.scale_m_s)
+        ends, lower = likelihood.velocity_interval(z, confidence), likelihood.lower_bound(z, confidence)
+        velocity_of = VelocityOf(fraction, velocity, ends, lower)
     decision, accepting, rejecting = decided(likelihood, requirement_m_s, requirement_fraction, confidence)
     model = None if scenario is None else ballistic_limit(scenario, on_progress=on_progress)
     before, after, share = None, None, None
@@ -517,25 +525,6 @@ def _further(partial: Sequence[float], complete: Sequence[float], confidence: fl
     assert best is not None  # the shots have a curve, and so have they with the slowest partial penetration once more
     shots, velocity, is_complete = best
     return FurtherShot(velocity, is_complete, *_bounded(shots, confidence))
-
-
-def _points(
-    shots: ShotLikelihood | None,
-    curve: FittedCurve | None,
-    at_m_s: float | None,
-    fraction: float | None,
-    confidence: float,
-) -> tuple[ProbabilityAt | None, VelocityOf | None]:
-    """Return the points of the recommended curve that are asked for."""
-    at, velocity_of = None, None
-    if shots and curve and at_m_s is not None:
-        interval = shots.probability_interval(at_m_s, confidence)
-        at = ProbabilityAt(at_m_s, curve.probability(at_m_s), interval)
-    if shots and curve and fraction is not None:
-        z = float(QUANTILES[shots.link](fraction))
-        ends, lower = shots.velocity_interval(z, confidence), shots.lower_bound(z, confidence)
-        velocity_of = VelocityOf(fraction, bounded(curve.v50_m_s + z * curve.scale_m_s), ends, lower)
-    return at, velocity_of
 
 
 def decided(

@@ -230,7 +230,11 @@ def _draw_order(axes: Axes, shots: "Shots", ends: tuple[float | None, float | No
     if ends is not None:
         axes.axhspan(*(edge if e is None else e for e, edge in zip(ends, (low, high), strict=True)), **drawing.SHADE)
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-    axes.set(xlabel="shot", ylabel="velocity, m/s", title="Shots in their order" + ", with the interval of V50" * (ends is not None))
+    axes.set(
+        xlabel="shot",
+        ylabel="velocity, m/s",
+        title="Shots in their order" + ", with the interval of V50" * (ends is not None),
+    )
 
 
 def draw_shots(axes: Axes, shots: "Shots") -> None:
