@@ -110,15 +110,7 @@ class MeanV50:
 
 @dataclass(frozen=True)
 class ProbabilityAt:
-    """Probability of complete penetration at a velocity, by the recommended curve.
-
-    Attributes
-    ----------
-    velocity_m_s : float
-    probability : float
-    interval : tuple of float
-        Its confidence interval.
-    """
+    """Probability of complete penetration at a velocity, by the recommended curve."""
 
     velocity_m_s: float
     probability: float
@@ -127,18 +119,7 @@ class ProbabilityAt:
 
 @dataclass(frozen=True)
 class VelocityOf:
-    """Velocity at which a fraction of the shots perforates, by the recommended curve.
-
-    Attributes
-    ----------
-    fraction : float
-    velocity_m_s : float or None
-        m/s; None if it is not positive.
-    interval_m_s : tuple of float or None
-        Its confidence interval, m/s; None for an end that the shots do not bound.
-    lower_m_s : float or None
-        Its one-sided lower bound, m/s; None if the shots do not bound it.
-    """
+    """Velocity at which a fraction of the shots perforates, by the recommended curve; None where not bounded."""
 
     fraction: float
     velocity_m_s: float | None
@@ -148,18 +129,7 @@ class VelocityOf:
 
 @dataclass(frozen=True)
 class FurtherShot:
-    """The one further result that would bound V50 best.
-
-    Attributes
-    ----------
-    velocity_m_s : float
-    complete : bool
-        Whether a complete or a partial penetration.
-    confidence : float or None
-        Greatest of the usual levels at which V50 would be bounded; None if it would not be at any.
-    interval_m_s : tuple of float or None
-        Its interval at this level, m/s.
-    """
+    """The one further result that would bound V50 best."""
 
     velocity_m_s: float
     complete: bool
@@ -214,11 +184,14 @@ class FiringResult(TableResult):
     extrapolated : bool
         Whether V50 by the recommended curve lies beyond all shots and none of these intervals is bounded.
     further : FurtherShot or None
-        The one further result that would bound V50 best, where the shots do not bound it at the confidence level.
+        The one further result that would bound V50 best, where the shots do not bound it at the confidence level:
+        ``velocity_m_s``, whether ``complete``, and the ``interval_m_s`` of V50 with it, at the greatest of these levels
+        at which it is bounded, its ``confidence``; None for both if there is none.
     at : ProbabilityAt or None
-        Probability of complete penetration at a velocity asked for; None without one or without a recommended curve.
+        At a ``velocity_m_s`` asked for, the ``probability`` of complete penetration and its ``interval``.
     velocity_of : VelocityOf or None
-        Velocity at which a fraction asked for perforates; None without one or without a recommended curve.
+        For a ``fraction`` asked for, the ``velocity_m_s`` at which it perforates, its ``interval_m_s`` and its
+        one-sided lower bound, ``lower_m_s``.
     requirement_m_s : float or None
         Required velocity, m/s.
     requirement_fraction : float
