@@ -309,7 +309,7 @@ def answer(result: "FiringResult") -> str:
 
 
 FIXED = (
-    "the risks are approximate: where the scatter far exceeds the steps between shots, 5 % may be 10 %; they hold for "
+    "the risks are approximate: where the scatter far exceeds the steps between shots, 5 % may be 13 %; they hold for "
     "shots whose number did not depend on their results; armour plan shots --requirement-m-s decides at any time, with "
     "more shots and bounded risks"
 )
