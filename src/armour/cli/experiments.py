@@ -43,7 +43,7 @@ LIMITS = {
 }
 
 
-@question(LIMIT_READS, computed="the ballistic limit", first="fitting", tables=["csv"])
+@question(LIMIT_READS, computed="the ballistic limit", first="fitting", tables=["csv", "curve"])
 def v50(
     on_progress: "OnProgress",
     table: Annotated[
@@ -57,6 +57,9 @@ def v50(
     ],
     scenario: "Scenario | None" = None,
     csv: Annotated[Path | None, option("Write the fitted curves as CSV.", metavar="FILE")] = None,
+    curve: Annotated[
+        Path | None, option("Write the recommended curve with its confidence band as CSV.", metavar="FILE")
+    ] = None,
     plot: PlotFile = None,
     where: Where = None,
     each: Each = False,
@@ -80,7 +83,7 @@ def v50(
     tell(table, fired.read)
     result = armour.v50(fired, scenario, on_progress=on_progress, **options)
     exit_code = CHECK_FAILED if result.decision in ("not met", "not decided") else 0
-    contents = {csv: lambda: rows_csv(result)}
+    contents = {csv: lambda: rows_csv(result), curve: lambda: rows_csv(result.band())}
     return Answer(result, contents=contents, file="" if scenario else fired.file, exit_code=exit_code)
 
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from armour.scenario.scenario import Scenario
 
 # Options of shares of 1.
-SHARES = ("confidence", "requirement_fraction")
+SHARES = ("confidence", "fraction", "requirement_fraction")
 # The name of a parameter in a docstring, and the lines on it.
 MEANING = re.compile(r"^(\w+) : .*\n((?:    .+\n)+)", re.MULTILINE)
 

@@ -2,12 +2,13 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from math import inf
+from math import comb, inf
 from numbers import Real
 from pathlib import Path
 from statistics import median
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import Field
 
 from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
@@ -27,7 +28,17 @@ from armour.csv_files import (
 from armour.errors import Problem, counted, mistake, refuse
 from armour.scenario.checked import Table, checked
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
-from armour.statistics.curves import CDFS, FittedCurve, ShotLikelihood, fit_curve, has_curve
+from armour.statistics.curves import (
+    CDFS,
+    QUANTILES,
+    FittedCurve,
+    Interval,
+    ShotLikelihood,
+    bounded,
+    curve_of,
+    has_curve,
+    penalised_band,
+)
 from armour.statistics.posterior import FiringEstimate, FiringPrior, learned, no_prior, posterior_of
 from armour.units import feet_note
 
@@ -37,6 +48,10 @@ SPANS_M_S = {5: 38.1, 3: 27.4, 2: 18.3}
 SpanRule = Literal["usual span", "given span", "no usual rule"]
 # Lower confidence levels to try if the interval at the requested one is not bounded.
 LOWER_LEVELS = (0.9, 0.8, 0.5)
+# Velocities of a further shot that are tried, from the range of the shots below them to as much above.
+FURTHER = 19
+# Velocities of a curve with its band.
+BAND_POINTS = 201
 Decision = Literal["met", "not met", "not decided", ""]
 # Range of velocities, m/s; it catches values in a wrong unit.
 MIN_VELOCITY_M_S, MAX_VELOCITY_M_S = 10.0, 1e4
@@ -44,10 +59,13 @@ Velocity = Annotated[float, Field(ge=MIN_VELOCITY_M_S, le=MAX_VELOCITY_M_S)]
 # Columns of a table of shots, by any of which it is recognised.
 KEYS = ("velocity_m_s", "result")
 SHOT_COLUMNS = ("shot", "velocity_m_s", "result", "perforated", "stopped", "counts", *GROUPS)
+Fraction = Annotated[float, Field(ge=0.001, le=0.999)]
 # Rounding error of a risk.
 ROUNDING = 1e-12
 # Factor between a velocity and the median of the shots from which on it is probably a mistake.
 FAR_FACTOR = 2.0
+# Orders of the results from which on the one with all complete penetrations below the partial ones is no chance.
+SWAPPED = 20
 
 
 @dataclass(frozen=True)
@@ -106,6 +124,35 @@ class MeanV50:
     rule: SpanRule
 
 
+@dataclass(frozen=True)
+class ProbabilityAt:
+    """Probability of complete penetration at a velocity, by the recommended curve."""
+
+    velocity_m_s: float
+    probability: float
+    interval: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class VelocityOf:
+    """Velocity at which a fraction of the shots perforates, by the recommended curve; None where not bounded."""
+
+    fraction: float
+    velocity_m_s: float | None
+    interval_m_s: Interval
+    lower_m_s: float | None
+
+
+@dataclass(frozen=True)
+class FurtherShot:
+    """The one further result that would bound V50 best."""
+
+    velocity_m_s: float
+    complete: bool
+    confidence: float | None
+    interval_m_s: tuple[float, float] | None
+
+
 @dataclass(frozen=True, repr=False)
 class FiringResult(TableResult):
     """V50 estimated from firing results.
@@ -150,8 +197,21 @@ class FiringResult(TableResult):
         bounded; None if none is.
     bounded_interval_m_s : tuple of float or None
         This interval, m/s.
+    extrapolated : bool
+        Whether V50 by the recommended curve lies beyond all shots and none of these intervals is bounded.
+    further : FurtherShot or None
+        The one further result that would bound V50 best, where the shots do not bound it at the confidence level:
+        ``velocity_m_s``, whether ``complete``, and the ``interval_m_s`` of V50 with it, at the greatest of these levels
+        at which it is bounded, its ``confidence``; None for both if there is none.
+    at : ProbabilityAt or None
+        At a ``velocity_m_s`` asked for, the ``probability`` of complete penetration and its ``interval``.
+    velocity_of : VelocityOf or None
+        For a ``fraction`` asked for, the ``velocity_m_s`` at which it perforates, its ``interval_m_s`` and its
+        one-sided lower bound, ``lower_m_s``.
     requirement_m_s : float or None
-        Required V50, m/s.
+        Required velocity, m/s.
+    requirement_fraction : float
+        Fraction of shots that may perforate at the required velocity.
     decision : {"met", "not met", "not decided", ""}
         Whether the requirement is met, by the shots alone; empty without one.
     consumers_risk, producers_risk : float or None
@@ -181,16 +241,56 @@ class FiringResult(TableResult):
     zone_of_mixed_results_m_s: float | None = None
     bounded_confidence: float | None = None
     bounded_interval_m_s: tuple[float, float] | None = None
+    extrapolated: bool = False
+    further: FurtherShot | None = None
+    at: ProbabilityAt | None = None
+    velocity_of: VelocityOf | None = None
     requirement_m_s: float | None = None
+    requirement_fraction: float = 0.5
     decision: Decision = ""
     consumers_risk: float | None = None
     producers_risk: float | None = None
     fired: Shots | None = None
 
+    def band(self, velocities_m_s: Sequence[float] | None = None) -> list[dict[str, Any]]:
+        """Return the recommended curve with its pointwise confidence band, as rows.
+
+        Parameters
+        ----------
+        velocities_m_s : sequence of float, optional
+            In ascending order; by default 201 from the shots and half their range to either side.
+
+        Returns
+        -------
+        list of dict
+            With ``velocity_m_s``, ``probability`` of complete penetration and its ``probability_interval``.
+
+        Raises
+        ------
+        InputError
+            If no curve is recommended.
+        """
+        shots: Shots = self.question["shots"]
+        if (curve := self.recommended) is None:
+            raise mistake(shots.file, "", "must have a recommended curve for a band, and these shots have none")
+        if velocities_m_s is None:
+            slowest, fastest = min(shots.velocities_m_s), max(shots.velocities_m_s)
+            margin = 0.5 * (fastest - slowest)
+            ends = max(slowest - margin, MIN_VELOCITY_M_S), fastest + margin
+            velocities_m_s = np.linspace(*ends, BAND_POINTS).tolist()
+        partial, complete = shots.of(complete=False), shots.of(complete=True)
+        low, high = penalised_band(partial, complete, curve.curve, velocities_m_s, self.confidence)
+        return [
+            {"velocity_m_s": velocity, "probability": curve.probability(velocity), "probability_interval": ends}
+            for velocity, *ends in zip(velocities_m_s, low.tolist(), high.tolist(), strict=True)
+        ]
+
     def _words(self) -> str:
         if self.posterior is not None:
             return f"V50 {self.posterior.v50_m_s:.1f} m/s by the posterior, {counted(self.shots, 'shot')}"
         fit = self.recommended or self.fits[0]
+        if self.extrapolated:
+            return f"V50 not bounded by {counted(self.shots, 'shot')}"
         return f"V50 {fit.v50_m_s:.1f} m/s by {fit.method}, {counted(self.shots, 'shot')}"
 
     def _columns(self) -> dict[str, Any]:
@@ -295,7 +395,10 @@ def v50(
     span_m_s: Annotated[float, Field(ge=0.0, le=MAX_VELOCITY_M_S)] | None = None,
     confidence: Confidence = CONFIDENCE,
     prior: bool = False,
+    at_m_s: Velocity | None = None,
+    fraction: Fraction | None = None,
     requirement_m_s: Velocity | None = None,
+    requirement_fraction: Fraction = 0.5,
     on_progress: OnProgress = ignore_progress,
 ) -> FiringResult:
     """Estimate V50 from firing results.
@@ -316,9 +419,15 @@ def v50(
         Confidence level of the intervals, 0.5 to 0.9999.
     prior : bool
         Whether to add the posterior of V50, whose prior is the scenario's ballistic limit with the model error.
+    at_m_s : float, optional
+        Velocity, m/s, at which to give the probability of complete penetration.
+    fraction : float, optional
+        Fraction of shots, 0.001 to 0.999, for which to give the velocity at which it perforates; 0.01 gives V01.
     requirement_m_s : float, optional
-        Required V50, m/s: whether the armour's exceeds it is decided by the shots alone, by the one-sided bounds, with
-        a risk of about 1 minus the confidence.
+        Required velocity, m/s: whether the armour's exceeds it is decided by the shots alone, by the one-sided bounds,
+        with a risk of about 1 minus the confidence.
+    requirement_fraction : float
+        Fraction of shots that may perforate at the required velocity, 0.001 to 0.999; 0.5 sets the requirement on V50.
     on_progress : callable, optional
         Called with the number of impacts computed since the last call, and None, as their total is not known.
 
@@ -340,14 +449,25 @@ def v50(
     check_shots(shots, kinds=1 if prior else 2)
     if prior and scenario is None:
         raise mistake("v50", "prior", "must be given with a scenario")
+    if requirement_m_s is None and requirement_fraction != 0.5:
+        raise mistake("v50", "requirement_fraction", "must not be given without a requirement")
     partial, complete = shots.of(complete=False), shots.of(complete=True)
     # With a prior, shots that have no curve are informative too.
     curved = not prior or has_curve(partial, complete)
-    fits = _fits(partial, complete, confidence, penalised=False) if curved else ()
-    penalised_fits = _fits(partial, complete, confidence, penalised=True) if curved else ()
-    recommended = penalised_fits[0] if penalised_fits else None
-    bounded = _bounded(partial, complete, confidence) if recommended else (None, None)
-    decision, accepting, rejecting = decided(recommended, partial, complete, requirement_m_s, confidence)
+    fits = _curves(partial, complete, confidence, penalised=False) if curved else []
+    penalised_fits = _curves(partial, complete, confidence, penalised=True) if curved else []
+    likelihood, recommended = penalised_fits[0] if penalised_fits else (None, None)
+    level, interval = _bounded(likelihood, confidence) if likelihood else (None, None)
+    at, velocity_of = None, None
+    if likelihood and recommended and at_m_s is not None:
+        chances = likelihood.probability_interval(at_m_s, confidence)
+        at = ProbabilityAt(at_m_s, recommended.probability(at_m_s), chances)
+    if likelihood and recommended and fraction is not None:
+        z = float(QUANTILES[likelihood.link](fraction))
+        velocity = bounded(recommended.v50_m_s + z * recommended.scale_m_s)
+        ends, lower = likelihood.velocity_interval(z, confidence), likelihood.lower_bound(z, confidence)
+        velocity_of = VelocityOf(fraction, velocity, ends, lower)
+    decision, accepting, rejecting = decided(likelihood, requirement_m_s, requirement_fraction, confidence)
     model = None if scenario is None else ballistic_limit(scenario, on_progress=on_progress)
     before, after, share = None, None, None
     contradictions: tuple[str, ...] = ()
@@ -367,8 +487,8 @@ def v50(
         lowest_complete_m_s=complete[0] if complete else None,
         separated=not partial or not complete or partial[-1] < complete[0],
         mean=mean_v50(partial, complete, pairs, span_m_s),
-        fits=fits,
-        penalised_fits=penalised_fits,
+        fits=tuple(fit for _, fit in fits),
+        penalised_fits=tuple(fit for _, fit in penalised_fits),
         recommended=recommended,
         confidence=confidence,
         model_ballistic_limit_m_s=None if model is None else model.ballistic_limit_m_s,
@@ -381,9 +501,16 @@ def v50(
         posterior=after,
         prior_share=share,
         zone_of_mixed_results_m_s=max(partial[-1] - complete[0], 0.0) if partial and complete else None,
-        bounded_confidence=bounded[0],
-        bounded_interval_m_s=bounded[1],
+        bounded_confidence=level,
+        bounded_interval_m_s=interval,
+        extrapolated=recommended is not None
+        and level is None
+        and not min(shots.velocities_m_s) <= recommended.v50_m_s <= max(shots.velocities_m_s),
+        further=_further(partial, complete, confidence) if likelihood and level != confidence else None,
+        at=at,
+        velocity_of=velocity_of,
         requirement_m_s=requirement_m_s,
+        requirement_fraction=requirement_fraction,
         decision=decision,
         consumers_risk=accepting,
         producers_risk=rejecting,
@@ -391,42 +518,51 @@ def v50(
     ).of(computed, scenario=scenario, shots=shots)
 
 
-def _fits(
+def _curves(
     partial: Sequence[float], complete: Sequence[float], confidence: float, *, penalised: bool
-) -> tuple[FittedCurve, ...]:
-    """Return the curves of both kinds, without penalised ones that do not rise."""
-    fits = (fit_curve(partial, complete, link, confidence, penalised=penalised) for link in CDFS)
-    return tuple(fit for fit in fits if fit is not None)
+) -> list[tuple[ShotLikelihood, FittedCurve]]:
+    """Return the likelihoods of both kinds with their curves, without penalised ones that do not rise."""
+    likelihoods = (ShotLikelihood(partial, complete, link, penalised=penalised) for link in CDFS)
+    return [(shots, curve) for shots in likelihoods if (curve := curve_of(shots, confidence))]
 
 
-def _bounded(
-    partial: Sequence[float], complete: Sequence[float], confidence: float
-) -> tuple[float, tuple[float, float]] | tuple[None, None]:
-    """Return the highest level, at most the confidence, at which the recommended interval of V50 is bounded, and it."""
+def _bounded(shots: ShotLikelihood, confidence: float) -> tuple[float, tuple[float, float]] | tuple[None, None]:
+    """Return the highest level, at most the confidence, at which the interval of V50 is bounded, and the interval."""
     for level in (confidence, *(level for level in LOWER_LEVELS if level < confidence)):
-        fit = fit_curve(partial, complete, "probit", level, penalised=True)
-        low, high = (None, None) if fit is None else fit.v50_interval_m_s
+        low, high = shots.velocity_interval(0.0, level)
         if low is not None and high is not None:
             return level, (low, high)
     return None, None
 
 
+def _further(partial: Sequence[float], complete: Sequence[float], confidence: float) -> FurtherShot:
+    """Return the further result, of any velocity near the shots, that leaves a constant probability least likely."""
+    lowest, highest = min(partial[0], complete[0]), max(partial[-1], complete[-1])
+    reach, best = highest - lowest, None
+    ends = max(lowest - reach, MIN_VELOCITY_M_S), min(highest + reach, MAX_VELOCITY_M_S)
+    for velocity in np.linspace(*ends, FURTHER).round().tolist():
+        for stopped, perforated in (([*partial, velocity], complete), (partial, [*complete, velocity])):
+            if has_curve(stopped, perforated):
+                shots = ShotLikelihood(stopped, perforated, "probit", penalised=True)
+                if best is None or shots.flat_deviance > best[0].flat_deviance:
+                    best = shots, velocity, perforated is not complete
+    assert best is not None  # the shots have a curve, and so have they with the slowest partial penetration once more
+    shots, velocity, is_complete = best
+    return FurtherShot(velocity, is_complete, *_bounded(shots, confidence))
+
+
 def decided(
-    fit: FittedCurve | None,
-    partial: Sequence[float],
-    complete: Sequence[float],
-    requirement_m_s: float | None,
-    confidence: float,
+    shots: ShotLikelihood | None, requirement_m_s: float | None, fraction: float, confidence: float
 ) -> tuple[Decision, float | None, float | None]:
     """Return whether a requirement is met, and the risks of accepting and of rejecting the armour now.
 
-    They are those of the one-sided bounds of the recommended curve that lie at the required velocity.
+    They are those of the one-sided bounds, by the recommended curve, that lie at the required velocity.
     """
     if requirement_m_s is None:
         return "", None, None
-    if fit is None:
+    if shots is None:
         return "not decided", None, None
-    accepting = ShotLikelihood(partial, complete, "probit", penalised=True).chance_below(requirement_m_s)
+    accepting = shots.chance_below(float(QUANTILES[shots.link](fraction)), requirement_m_s)
     risk = 1.0 - confidence + ROUNDING
     decision: Decision = "met" if accepting <= risk else "not met" if 1.0 - accepting <= risk else "not decided"
     return decision, accepting, 1.0 - accepting
@@ -475,6 +611,17 @@ def check_shots(shots: Shots, *, kinds: int = 2) -> None:
         message += f"; armour plan shots {shots.file} gives the next velocity" if count else ""
     if message:
         raise mistake(shots.file, "", message)
+
+
+def check_not_swapped(shots: Shots) -> None:
+    """Raise an InputError if all complete penetrations were slower than all partial ones, and not by chance."""
+    partial, complete = shots.of(complete=False), shots.of(complete=True)
+    if partial and complete and complete[-1] < partial[0] and comb(len(shots.complete), len(complete)) >= SWAPPED:
+        message = (
+            f"must have complete penetrations that are not all slower than the partial ones, found complete ones up to "
+            f"{complete[-1]:g} m/s and partial ones from {partial[0]:g} m/s; are the results swapped?"
+        )
+        raise mistake(shots.file, "result", message)
 
 
 def mean_v50(
