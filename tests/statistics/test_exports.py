@@ -191,7 +191,7 @@ def test_own_tests_as_a_laboratory_exports_them(tmp_path: Path):
     assert [m.uncertainty for m in tests.measurements] == [12.0, 15.5]
     assert [cells["armour.ceramic_thickness_mm"] for cells in tests.cells] == [8.0, 6.125]
     assert tests.read is not None
-    assert tests.read.ignored == ("Datum",)
+    assert tests.read.ignored == ()
 
 
 def test_columns_by_name_and_frames_are_tables_too():

@@ -174,10 +174,6 @@ def test_the_recommended_curve_is_the_penalised_probit_if_it_rises():
                 "line 5: result: must be",
             ],
         ),
-        (
-            ["700,partial", "700,partial", "710,complete"],
-            ["line 3: repeats line 2; if both took place, name them in the column shot"],
-        ),
     ],
 )
 def test_wrong_files_with_every_mistake(tmp_path: Path, rows: list[str], messages: list[str]):
