@@ -3,21 +3,23 @@ from pathlib import Path
 import pytest
 
 from armour import csv_files
-from armour.csv_files import lines_of, number, read_csv, read_rows
+from armour.columns import column_of
+from armour.csv_files import in_line_order, number, open_table, read_csv, read_rows
 from armour.errors import InputError
 
 
 def read(tmp_path: Path, text: str):
     path = tmp_path / "t.csv"
     path.write_text(text)
-    return read_rows(
-        *lines_of(path), numbers=("velocity_m_s",), texts=("shot", "result"), needed=("velocity_m_s", "result")
-    )
+    keys = ("velocity_m_s", "result")
+    source = open_table(path, lambda name: column_of(name, keys).known)
+    table = read_rows(source, numbers=keys[:1], texts=("shot", "result"), needed=keys, noun="shot")
+    return table.rows, table.problems
 
 
 def messages(tmp_path: Path, text: str) -> list[str]:
     try:
-        _, problems = read(tmp_path, text)
+        problems = in_line_order(read(tmp_path, text)[1])
     except InputError as error:
         problems = list(error.problems)
     return [str(problem).removeprefix(f"{tmp_path}/") for problem in problems]
@@ -37,32 +39,26 @@ def test_every_mistake_at_once(tmp_path: Path):
         't.csv: line 2: velocity_m_s: must be a number, found "fast"',
         "t.csv: line 3: must have 2 cells as the header has, found 1",
         't.csv: line 4: velocity_m_s: must be a number, found "nan"',
-        "t.csv: line 6: repeats line 5; if both took place, name them in the column shot",
     ]
 
 
 @pytest.mark.parametrize(
     ("header", "found"),
     [
-        (
-            "velocity,result",
-            ["velocity: unknown column; its unit is missing: velocity_m_s", "velocity_m_s: is missing"],
-        ),
+        ("velocity,result", ['velocity: must have its unit, as "velocity (m/s)" or "velocity (ft/s)": velocity_m_s']),
+        ("V (km/h),result", ['V (km/h): must have its unit, as "V (m/s)" or "V (ft/s)": velocity_m_s']),
+        ("v (m/s),V (ft/s),result", ["line 1: v (m/s): must be the name of one column, found several: v (m/s) and V"]),
         ("velocity_m_s,resul", ['resul: unknown column; did you mean "result"?', "result: is missing"]),
         ("velocity_m_s,result,result", ["line 1: result: must be the name of one column, found several"]),
-        (
-            "velocity_m_s;result",
-            ["line 1: must separate columns by commas and write decimals with points, found semicolons"],
-        ),
-        (
-            "velocity_m_s\tresult",
-            ["line 1: must separate columns by commas and write decimals with points, found tabs"],
-        ),
         (
             "velocity_m_s,result\n812,4,partial",
             ["line 2: must have 2 cells as the header has, found 3; write decimals with points"],
         ),
-        ("velocity_m_s,result,", ["header: unknown column; choose from velocity_m_s, shot, result"]),
+        ("speed;colour", ["speed: must have its unit", "result: is missing and must be a column"]),
+        (
+            "Range report,page 3",
+            ["Range report: unknown column; choose from", "page 3: unknown", "velocity_m_s: is missing", "result: is"],
+        ),
     ],
 )
 def test_wrong_columns(tmp_path: Path, header: str, found: list[str]):
@@ -88,30 +84,29 @@ def test_tables_of_no_and_of_too_many_rows(tmp_path: Path, monkeypatch: pytest.M
         ('700,partial\n710,"complete\n720,partial\n730,"complete\n', "line 4: must close each quote on its line"),
         ('700,"partial" or so\n', "line 3: must close each quote on its line"),
         (f"700,{'x' * 140_000}\n", "line 3: must be shorter than 100,000 characters"),
-        ("700,partial\n710,compl\u00e8te\n".encode("latin-1"), "line 4: must be UTF-8 text, found the byte 0xe8"),
+        ("700,partial\n710,compl\u0081te\n".encode("latin-1"), "line 4: must be UTF-8 or Windows-1252 text, found"),
+        ("700,partial\n710,\0\n", "line 4: must be text, found a binary file"),
     ],
 )
 def test_lines_that_are_no_rows(tmp_path: Path, rows: str | bytes, message: str):
     (tmp_path / "t.csv").write_bytes(b"\nvelocity_m_s,result\n" + (rows if isinstance(rows, bytes) else rows.encode()))
     with pytest.raises(InputError, match=f"t.csv: {message}"):
-        list(read_csv(tmp_path / "t.csv"))
+        list(read_csv(tmp_path / "t.csv").lines)
 
 
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
 def test_quotes_blanks_and_line_ends_of_other_programs(tmp_path: Path, end: str):
     lines = ("\ufeff velocity_m_s ,remark", "", '"700 ",5" of "it"', ",", ' 710,"say ""no"", then"')
     (tmp_path / "t.csv").write_bytes(end.join(lines).encode())
-    assert list(read_csv(tmp_path / "t.csv")) == [
-        (1, ["velocity_m_s", "remark"]),
-        (3, ["700", '5" of "it"']),
-        (5, ["710", 'say "no", then']),
-    ]
+    source = read_csv(tmp_path / "t.csv")
+    assert (source.place, source.header) == ("line 1", ["velocity_m_s", "remark"])
+    assert list(source.lines) == [("line 3", ["700", '5" of "it"']), ("line 5", ["710", 'say "no", then'])]
 
 
 def test_what_cannot_be_opened(tmp_path: Path):
     for name, message in ((".", "is a directory"), ("none.csv", "no such file"), ("a\0b", "embedded null")):
         with pytest.raises(InputError, match=f"cannot be read: {message}"):
-            next(read_csv(tmp_path / name))
+            read_csv(tmp_path / name)
 
 
 @pytest.mark.parametrize(("text", "value"), [("-1.5", -1.5), ("1e3", 1e3), ("700", 700), ("+.5", 0.5), ("7.E-2", 0.07)])

@@ -50,13 +50,17 @@ def test_what_is_no_file_cannot_be_read(tmp_path: Path):
         read_toml(Path("/dev/zero"))
 
 
+def header_of(path: Path) -> object:
+    return read_csv(path).header
+
+
 @pytest.mark.skipif(os.name != "posix", reason="has no pipes with names in folders")
 def test_only_a_pipe_of_the_shell_is_read(tmp_path: Path):
     os.mkfifo(tmp_path / "pipe")
-    for read in (read_toml, lambda path: [*read_csv(path)]):
+    for read in (read_toml, header_of):
         with pytest.raises(InputError, match="pipe: cannot be read: is a named pipe"):
             read(tmp_path / "pipe")
-    for read, content in ((read_toml, {"a": 1}), (lambda path: [*read_csv(path)], [(1, ["a = 1"])])):
+    for read, content in ((read_toml, {"a": 1}), (header_of, ["a = 1"])):
         reader, writer = os.pipe()
         os.write(writer, b"a = 1")
         os.close(writer)

@@ -1,37 +1,47 @@
-"""CSV files that people write: shots, tests and cases; every mistake in a file is reported, with its line."""
+"""Tables that people write, as CSV or as a sheet: shots, tests and cases; every mistake is reported, with its line."""
 
 import csv
+import json
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass, field
+from hashlib import sha256
+from io import BufferedReader, BytesIO, TextIOWrapper
 from itertools import chain, islice
-from math import isfinite, nan
+from math import inf, isfinite, nan
 from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
+from zipfile import ZipFile
 
-from armour.errors import CHOOSE, InputError, Problem, mistake, refuse, suggestion
+from armour.columns import BOUNDS, GROUPS, OUTCOMES, UNITS, Column, column_of, folded, is_unit, is_yes
+from armour.errors import CHOOSE, InputError, Problem, counted, joined, listed, mistake, refuse, suggestion
 from armour.files import csv_value, located, named, reason, refuse_pipe, shipped_tests
-from armour.units import key_hint
+from armour.units import key_hint, words_and_unit
 
 # Greatest number of rows, more than anyone has tests or shots; a fit to so many takes about a minute.
 MAX_ROWS = 100_000
 # Greatest length of a line; a device such as /dev/zero has no end of line.
 MAX_LINE = 100_000
-# Pairs of words, in lower case, for an armour that stopped a shot and for one that was perforated.
-OUTCOMES = (
-    ("stopped", "perforated"),
-    ("partial", "complete"),
-    ("p", "c"),
-    ("pp", "cp"),
-    ("no", "yes"),
-    ("stop", "perforate"),
-    ("defeated", "perforated"),
-)
-# Whether the armour was perforated, by word.
-PERFORATED = {word: word == perforated for stopped, perforated in OUTCOMES for word in (stopped, perforated)}
+# Number of lines among which the header is, and the names that it must have to be below others.
+HEAD, LEAST_NAMES = 40, 2
+SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
+# Endings of workbooks; the greatest size of all their parts, unpacked, and number of columns.
+WORKBOOKS, MAX_UNPACKED, MAX_COLUMNS = (".xlsx", ".xlsm"), 100_000_000, 1000
+# Columns that tell which rows count, and those of results: their keys, and what yes means in the others.
+COUNTS, RESULT_KEYS, RESULT_COLUMNS = "counts", ("result", "outcome"), ("perforated", "stopped")
+# Units that messages suggest.
+USUAL_UNITS = ("m/s", "ft/s", "mm", "in", "g", "grain", "°")
 MUST_SAY = 'must be "stopped" or "perforated" (or partial or complete, P or C, PP or CP, no or yes)'
 # Bytes that are not UTF-8 text, as they are read.
 _UNDECODED = re.compile("[\udc80-\udcff]")
+# Numbers with groups of three digits, by the mark of their decimals.
+_SPACES = " \u00a0\u202f\u2009'\u2019"
+_GROUPED = {
+    mark: re.compile(rf"[+-]?[1-9]\d{{0,2}}([{other}{_SPACES}])\d{{3}}(?:\1\d{{3}})*(?:\{mark}\d*)?")
+    for mark, other in (".,", ",.")
+}
 
 
 class Frame(Protocol):
@@ -45,134 +55,498 @@ class Frame(Protocol):
         """Return a column."""
 
 
-# Rows given in Python: mappings by column, or a data frame.
-Rows = Iterable[Mapping[str, Any]] | Frame
+# Rows given in Python: mappings by column, columns by name, or a data frame.
+Rows = Iterable[Mapping[str, Any]] | Mapping[str, Sequence[Any]] | Frame
 # A line: its place, for messages, and its cells.
 Line = tuple[str, list[str]]
 
 
+@dataclass
+class Source:
+    """A table that is being read: its name for messages, its header, and the lines below."""
+
+    file: str
+    place: str = ""  # of the header
+    header: Sequence[str] = ()
+    lines: Iterator[Line] = field(default_factory=lambda: iter(()))
+    form: list[str] = field(default_factory=list)  # separator, encoding and the like, in words
+    digest: Any = field(default_factory=sha256)  # of the content, once all lines are read
+
+
+@dataclass(frozen=True)
+class TableRead:
+    """How a table was read.
+
+    Attributes
+    ----------
+    words : str
+        Separator, encoding, units and number of rows, in words.
+    plain : bool
+        Whether nothing was converted, interpreted or left out.
+    left_out : tuple of str
+        Places of the rows that do not count.
+    ignored : tuple of str
+        Columns that were not read.
+    sha256 : str
+        Hash of the file, or of the rows given.
+    """
+
+    words: str
+    plain: bool
+    left_out: tuple[str, ...]
+    ignored: tuple[str, ...]
+    sha256: str
+
+
 class CsvRow(NamedTuple):
-    """A row of a CSV table: its cells by column, without the empty ones."""
+    """A row of a table: its cells by column, without the empty ones."""
 
     place: str  # for messages, such as "line 3"
     numbers: dict[str, float]  # without the cells that should be numbers and are not
     texts: dict[str, str]  # all cells
 
 
-def read_rows(
-    file: str,
-    lines: Iterable[Line],
+class CsvTable(NamedTuple):
+    """The rows of a table, the mistakes in them, to which the caller adds its own, and how they were read."""
+
+    file: str
+    rows: list[CsvRow]
+    problems: list[Problem]
+    read: TableRead
+    groups: dict[str, list[str]]  # cells of the columns that tell targets apart, by name
+
+
+def open_table(
+    table: str | PathLike[str] | Rows,
+    known: Callable[[str], bool],
+    sheet: str | None = None,
+    content: bytes | None = None,
     *,
-    numbers: Sequence[str],
-    texts: Sequence[str],
-    needed: Sequence[str],
-    usual: str = "",
-) -> tuple[list[CsvRow], list[Problem]]:
-    """Return the rows of a table and the mistakes in them, to which the caller adds its own.
+    own: bool = False,
+) -> Source:
+    """Open a file, which may be a shipped one unless it must be the user's ``own``, or rows.
 
-    The header names columns of numbers and of texts, at least those needed; the first column of texts names the row.
-    If a name resembles none of them, the message lists the ``usual`` ones, by default all.
+    The header has the most known names among the first lines.  The ``content`` replaces that of a CSV file.
     """
-    lines = list(islice(lines, MAX_ROWS + 2))
-    if not lines:
-        needed_columns = f" with {' and '.join(needed)}" if needed else ""
-        raise mistake(file, "", f"must have a header{needed_columns}, found an empty file")
-    if len(lines) > MAX_ROWS + 1:
-        raise mistake(file, "", f"must have at most {MAX_ROWS} rows below its header, found more")
-    header = lines[0][1]
-    check_header(file, *lines[0])
-    columns = [*numbers, *texts]
-    usual = usual or ", ".join(columns)
-    wrong = [
-        Problem(file, name or "header", f"unknown column{key_hint(name, columns) or like or CHOOSE + usual}")
-        for name in dict.fromkeys(header)
-        if name not in columns
-        for like in [suggestion(name, columns)]
-    ]
-    wrong += (Problem(file, name, "is missing and must be a column") for name in needed if name not in header)
-    rows: list[CsvRow] = []
-    problems: list[Problem] = []
-    places: dict[tuple[str, ...], str] = {}
-    for place, cells in lines[1:]:
-        if len(cells) != len(header):
-            problems.append(Problem(file, place, wrong_width(cells, header)))
-            continue
-        if tuple(cells) in places:
-            message = f"repeats {places[tuple(cells)]}; if both took place, name them in the column {texts[0]}"
-            problems.append(Problem(file, place, message))
-        places[tuple(cells)] = place
-        filled = {name: cell for name, cell in zip(header, cells, strict=True) if cell}
-        row = CsvRow(place, {}, {name: csv_value(cell) if name in texts else cell for name, cell in filled.items()})
-        for name in filter(row.texts.get, numbers):
-            if (value := number(row.texts[name])) is not None:
-                row.numbers[name] = value
-            else:
-                problems.append(Problem(file, f"{place}: {name}", f'must be a number, found "{row.texts[name]}"'))
-        rows.append(row)
-    if not rows and not problems and not wrong:
-        problems.append(Problem(file, "", "must have at least one row below its header"))
-    if wrong or not rows:
-        raise InputError([*wrong, *problems])
-    return rows, problems
+    if not isinstance(table, str | PathLike):
+        return _of_rows(table)
+    path = Path(table) if own or content is not None else located(Path(table), shipped_tests())
+    name = named(path)
+    source = Source(name if name == str(path) else f"{name} (shipped)")
+    if path.suffix.lower() in WORKBOOKS:
+        return _with_header(source, _sheet_lines(path, source, sheet), known)
+    if sheet is not None:
+        raise mistake(path, "", "must be a workbook (.xlsx) for a sheet to be chosen")
+    return _csv_source(path, source, known, content)
 
 
-def read_csv(path: Path) -> Iterator[tuple[int, list[str]]]:
-    """Yield the number and cells of each line of a CSV file that is not blank; no cell spans several lines."""
+def read_csv(path: Path, known: Callable[[str], bool] = lambda _name: False) -> Source:
+    """Open a CSV file."""
+    return _csv_source(path, Source(str(path)), known)
 
-    def texts() -> Iterator[str]:
-        for place, line in enumerate(iter(lambda: file.readline(MAX_LINE), ""), 1):
-            if len(line) == MAX_LINE:
-                raise mistake(path, f"line {place}", f"must be shorter than {MAX_LINE:,} characters")
-            if not line.isascii() and (undecoded := _UNDECODED.search(line)):
-                byte = ord(undecoded[0]) - 0xDC00
-                raise mistake(path, f"line {place}", f"must be UTF-8 text, found the byte {byte:#04x}")
-            yield line
 
-    last_line = 0
+def _csv_source(path: Path, source: Source, known: Callable[[str], bool], content: bytes | None = None) -> Source:
+    """Find the separator and the header of a CSV file."""
+    texts = _texts(path, source, content)
+    head = [*islice(texts, HEAD)]
+    declared = re.fullmatch(r"sep=([,;\t])\s*", head[0]) if head else None
+    if head and declared:
+        source.form.append("sep=")
+        head[0] = "\n"
+    filled = [text for text in head if text.strip(",;\t\r\n ")]
+
+    def names(separator: str) -> tuple[int, int]:
+        rows = [next(csv.reader([text], delimiter=separator), [""]) for text in filled]
+        count, place = _most_known(rows, known)
+        return count, len(rows[place]) if rows else 0
+
+    separator = declared[1] if declared else max(SEPARATORS, key=names)
+    source.form.insert(0, SEPARATORS[separator])
+    return _with_header(source, _cells(path, chain(head, texts), separator), known)
+
+
+def _most_known(rows: Sequence[Sequence[str]], known: Callable[[str], bool]) -> tuple[int, int]:
+    """Return the number of names in the header, and its place: the first row unless another one has more names."""
+    # Words such as "no" are names too, but not twice.
+    counts = [sum(known(cell.strip()) for cell in {*row}) for row in rows]
+    most = max(counts, default=0)
+    return most, counts.index(most) if most >= LEAST_NAMES else 0
+
+
+def _with_header(source: Source, lines: Iterator[Line], known: Callable[[str], bool]) -> Source:
+    """Take the header from the lines of a table, with the units in a line of their own below it, if there is one."""
+    head = [*islice(lines, HEAD)]
+    if not head:
+        return source
+    above = _most_known([cells for _, cells in head], known)[1]
+    (source.place, header), *head = head[above:]
+    if above:
+        source.form.append(f"{counted(above, 'line')} above the header")
+    while header and not header[-1]:
+        header.pop()
+    units = head[0][1] if head else []
+    if any(map(is_unit, units)) and all(is_unit(unit) or unit in ("", "-", "[-]") for unit in units):
+        head = head[1:]
+        pairs = zip(header, units, strict=False)
+        header = [f"{name} [{unit.strip('()[] ')}]" if is_unit(unit) else name for name, unit in pairs]
+    source.header = header
+
+    def trimmed() -> Iterator[Line]:
+        for place, cells in chain(head, lines):
+            while len(cells) > len(header) and not cells[-1]:
+                cells.pop()
+            yield place, cells
+
+    source.lines = trimmed()
+    return source
+
+
+def _texts(path: Path, source: Source, content: bytes | None) -> Iterator[str]:
+    """Yield the lines of a text file: UTF-8, UTF-16 with its mark, or Windows-1252 where it is not UTF-8."""
     try:
-        refuse_pipe(path)
-        with open(path, encoding="utf-8-sig", errors="surrogateescape", newline="") as file:
-            reader = csv.reader(texts(), strict=True)
-            for cells in reader:
-                if reader.line_num > last_line + 1:
-                    raise csv.Error
-                last_line += 1
-                stripped = [cell.strip() for cell in cells]
-                if any(stripped):
-                    yield last_line, stripped
-    except csv.Error:
-        message = "must close each quote on its line, before a comma or the end of the line"
-        raise mistake(path, f"line {last_line + 1}", message) from None
+        if content is None:
+            refuse_pipe(path)
+        with open(path, "rb") if content is None else BufferedReader(BytesIO(content)) as file:
+            start = file.peek(2)[:2]
+            encoding = {b"\xff\xfe": "utf-16-le", b"\xfe\xff": "utf-16-be"}.get(start, "utf-8")
+            errors = "surrogateescape" if encoding == "utf-8" else "strict"
+            source.form += ["UTF-16"] if encoding != "utf-8" else []
+            with TextIOWrapper(file, encoding, errors, newline="") as text:
+                for place, line in enumerate(iter(lambda: text.readline(MAX_LINE), ""), 1):
+                    if len(line) == MAX_LINE:
+                        raise mistake(path, f"line {place}", f"must be shorter than {MAX_LINE:,} characters")
+                    if "\0" in line:
+                        raise mistake(path, f"line {place}", "must be text, found a binary file")
+                    source.digest.update(line.encode(encoding, errors))
+                    if not line.isascii() and _UNDECODED.search(line):
+                        line = _windows(path, place, line)
+                        source.form += ["Windows-1252"] * ("Windows-1252" not in source.form)
+                    yield line.removeprefix("\ufeff") if place == 1 else line
     except (OSError, ValueError) as error:
         raise mistake(path, "", f"cannot be read: {reason(error)}") from None
 
 
+def _windows(path: Path, place: int, line: str) -> str:
+    """Return a line that is not UTF-8 as text of Windows-1252."""
+    try:
+        return line.encode("utf-8", "surrogateescape").decode("cp1252")
+    except UnicodeDecodeError as error:
+        message = f"must be UTF-8 or Windows-1252 text, found the byte {error.object[error.start]:#04x}"
+        raise mistake(path, f"line {place}", message) from None
+
+
+def _cells(path: Path, texts: Iterator[str], separator: str) -> Iterator[Line]:
+    """Yield the place and cells of each line that is not blank; no cell spans several lines."""
+    last_line = 0
+    reader = csv.reader(texts, delimiter=separator, strict=True)
+    try:
+        for cells in reader:
+            if reader.line_num > last_line + 1:
+                raise csv.Error
+            last_line += 1
+            stripped = [cell.strip() for cell in cells]
+            if any(stripped):
+                yield f"line {last_line}", stripped
+    except csv.Error:
+        before = {",": "a comma", ";": "a semicolon", "\t": "a tab"}[separator]
+        message = f"must close each quote on its line, before {before} or the end of the line"
+        raise mistake(path, f"line {last_line + 1}", message) from None
+
+
+def _sheet_lines(path: Path, source: Source, sheet: str | None) -> Iterator[Line]:
+    """Yield the rows of a sheet of a workbook, by default the first, that are not blank."""
+    try:
+        from openpyxl import load_workbook
+    except ImportError:
+        message = 'cannot be read without openpyxl: pip install "openpyxl>=3.1", or save the sheet as CSV'
+        raise mistake(path, "", message) from None
+    try:
+        refuse_pipe(path)
+        with ZipFile(path) as parts:
+            # Nothing is unpacked before.
+            if sum(part.file_size for part in parts.infolist()) > MAX_UNPACKED:
+                raise mistake(path, "", f"must be at most {MAX_UNPACKED:,} bytes long when it is unpacked")
+        source.digest.update(path.read_bytes())
+        with closing(load_workbook(path, read_only=True, data_only=True)) as workbook:
+            names = [worksheet.title for worksheet in workbook.worksheets]
+            if sheet is not None and sheet not in names:
+                raise mistake(path, "", f"must have the sheet {sheet}, found {', '.join(names)}")
+            name = names[0] if sheet is None else sheet
+            source.form.append(f"sheet {name}")
+            for number, row in enumerate(workbook[name].iter_rows(max_col=MAX_COLUMNS, values_only=True), 1):
+                cells = [_cell(value) for value in row]
+                if any(cells):
+                    yield f"row {number}", cells
+    except InputError:
+        raise
+    except OSError as error:
+        raise mistake(path, "", f"cannot be read: {reason(error)}") from None
+    except Exception:  # what openpyxl raises for a broken file is not documented
+        raise mistake(path, "", "must be a workbook of a spreadsheet program (.xlsx)") from None
+
+
 def shipped_rows(name: str) -> list[dict[str, str]]:
     """Return the rows of a shipped table by column."""
-    (_, header), *lines = lines_of(shipped_tests()[name])[1]
-    return [dict(zip(header, cells, strict=True)) for _, cells in lines]
+    source = read_csv(shipped_tests()[name])
+    return [dict(zip(source.header, cells, strict=True)) for _, cells in source.lines]
 
 
-def lines_of(table: str | PathLike[str] | Rows) -> tuple[str, Iterator[Line]]:
-    """Return the name of a table, for messages, and its lines, from rows or a CSV file, perhaps a shipped one."""
-    if isinstance(table, str | PathLike):
-        path = located(Path(table), shipped_tests())
-        name = named(path)
-        shown = name if name == str(path) else f"{name} (shipped)"
-        return shown, ((f"line {number}", cells) for number, cells in read_csv(path))
-    columns: Any = getattr(table, "columns", None)
-    frame: Any = table
+def _of_rows(table: Any) -> Source:
+    """Return the source of rows as mappings, of columns by name, or of a data frame."""
+    columns = getattr(table, "columns", table if isinstance(table, Mapping) else None)
     try:
         # A data frame gives its columns, and anything else its rows.
-        records = frame if columns is None else zip(*(frame[name] for name in columns), strict=True)
+        records = table if columns is None else zip(*(table[name] for name in columns), strict=True)
         rows = [dict(row) if columns is None else dict(zip(columns, row, strict=True)) for row in records]
     except (TypeError, ValueError):
         message = f"must be a path, rows as mappings, or a data frame, found a {type(table).__name__}"
         raise mistake("rows", "", message) from None
-    header = [*dict.fromkeys(name for row in rows for name in row)]
-    lines = [(f"row {place}", [_cell(row.get(name)) for name in header]) for place, row in enumerate(rows, 1)]
-    filled = (line for line in lines if any(line[1]))
-    return "rows", chain([("header", list(map(str, header)))] if header else [], filled)
+    names = [*dict.fromkeys(name for row in rows for name in row)]
+    lines = [(f"row {place}", [_cell(row.get(name)) for name in names]) for place, row in enumerate(rows, 1)]
+    filled, header = [line for line in lines if any(line[1])], [*map(str, names)]
+    digest = sha256(json.dumps([header, *(cells for _, cells in filled)]).encode())
+    return Source("rows", "header" if header else "", header, iter(filled), digest=digest)
+
+
+def read_rows(
+    source: Source,
+    *,
+    numbers: Sequence[str],
+    texts: Sequence[str],
+    needed: Sequence[str],
+    noun: str,
+    usual: str = "",
+    where: Mapping[str, str] | None = None,
+) -> CsvTable:
+    """Read the rows of a table whose header names columns of numbers and of texts, at least those needed.
+
+    The first column of texts names the row, and ``noun`` says what a row is.  Other columns are ignored, but if one is
+    like one of these, the message lists the ``usual`` ones.  Rows are left out that do not count, or whose cells are
+    not those that ``where`` requires, by column.
+    """
+    file, header, keys = source.file, source.header, (*numbers, *texts)
+    if not source.place:
+        needed_columns = f" with {' and '.join(needed)}" if needed else ""
+        raise mistake(file, "", f"must have a header{needed_columns}, found an empty file")
+    lines = [*islice(source.lines, MAX_ROWS + 1)]
+    if len(lines) > MAX_ROWS:
+        raise mistake(file, "", f"must have at most {MAX_ROWS} rows below its header, found more")
+    columns = columns_of(source, keys)
+    refuse(_wrong_columns(source, columns, keys, needed, usual or ", ".join(keys)))
+    problems = [Problem(file, place, wrong_width(cells, header)) for place, cells in lines if len(cells) != len(header)]
+    if not lines:
+        problems = [Problem(file, "", "must have at least one row below its header")]
+    lines = _chosen(source, columns, [line for line in lines if len(line[1]) == len(header)], where or {})
+    lines, left_out = _that_count(source, columns, lines, problems)
+    rows = [CsvRow(place, {}, {}) for place, _ in lines]
+    words, groups = [*source.form], dict[str, list[str]]()
+    for index, (name, column) in enumerate(zip(header, columns, strict=True)):
+        cells = [cells[index] for _, cells in lines]
+        if column.known and column.key in keys:
+            words += _fill(source, name, column, cells, rows, problems if column.key in numbers else None)
+        elif column.known and column.key in GROUPS:
+            groups[name] = cells
+    equal = _equal(file, texts[0], rows, lines, problems)
+    if not rows:
+        raise InputError(problems or [Problem(file, "", "must have rows that count")])
+    ignored = tuple(name for name, column in zip(header, columns, strict=True) if name and not column.known)
+    notes = [f"{name} {value}" for name, value in (where or {}).items()]
+    if ignored and "test" in texts:
+        notes.append(f"without the columns {', '.join(ignored)}")
+    if left_out:
+        notes.append(f"without {listed(left_out)}, which {'does' if len(left_out) == 1 else 'do'} not count")
+    if equal:
+        notes.append(f"{listed(equal)} equal to an earlier row, counted")
+    words = [*dict.fromkeys(words)]
+    told = ", ".join([*words, counted(len(rows), noun), *notes])
+    plain = words in ([], ["commas"]) and not notes
+    return CsvTable(file, rows, problems, TableRead(told, plain, left_out, ignored, source.digest.hexdigest()), groups)
+
+
+def _fill(
+    source: Source,
+    name: str,
+    column: Column,
+    cells: Sequence[str],
+    rows: Sequence[CsvRow],
+    problems: list[Problem] | None,
+) -> list[str]:
+    """Fill the rows with the cells of a column, of numbers if there is a list for problems; return how."""
+    is_text = problems is None
+    for row, cell in zip(rows, cells, strict=True):
+        yes = None if column.yes is None else is_yes(cell)
+        if yes is not None:
+            row.texts[column.key] = OUTCOMES[0][yes == column.yes]
+        elif cell:
+            row.texts[column.key] = csv_value(cell) if is_text else cell
+    if problems is None:
+        return []
+    mark = _read_numbers(source, name, column, rows, problems)
+    commas = ["decimal commas"] if mark == "," and any("," in cell for cell in cells) else []
+    return [*commas, *([f"{words_and_unit(column.key)[0]} in {column.unit}"] if column.unit else [])]
+
+
+def columns_of(source: Source, keys: Sequence[str]) -> list[Column]:
+    """Return the columns of a table by its header; a key itself goes before other names for it."""
+    result = next((key for key in RESULT_KEYS if key in keys), "")
+    names = (*keys, COUNTS, *GROUPS, *(RESULT_COLUMNS if result else ()))
+    columns = []
+    for name in source.header:
+        column = column_of(name, names)
+        if column.key in RESULT_COLUMNS:
+            column = column._replace(key=result, yes=column.key == RESULT_COLUMNS[0])
+        if column.key in source.header and name != column.key:
+            column = Column(name, known=False)
+        columns.append(column)
+    return columns
+
+
+def _wrong_columns(
+    source: Source, columns: Sequence[Column], keys: Sequence[str], needed: Sequence[str], usual: str
+) -> Iterator[Problem]:
+    """Yield what is wrong with the columns of a table."""
+    found = [column.key for column in columns if column.known]
+    sections = {key.partition(".")[0] for key in keys if "." in key}
+    by_other_names = {column.key for name, column in zip(source.header, columns, strict=True) if column.key != name}
+    missing, several = [key for key in keys if key not in by_other_names], set[str]()
+    for name, column in dict(zip(source.header, columns, strict=True)).items():
+        if column.known and column.factor == 0.0:
+            units = UNITS[words_and_unit(column.key)[1]]
+            stem = re.sub(r"\s*[(\[].*", "", name)
+            ways = joined([f'"{stem} ({unit})"' for unit in units if unit in USUAL_UNITS], "or")
+            yield Problem(source.file, name, f"must have its unit, as {ways}: {column.key}")
+        elif column.known and found.count(column.key) > 1 and column.key not in several:
+            several.add(column.key)
+            same = [name for name, other in zip(source.header, columns, strict=True) if other.key == column.key]
+            key = f"{source.place}: {name}" if name else source.place
+            also = "" if len({*same}) == 1 else f": {joined(same)}"
+            yield Problem(source.file, key, f"must be the name of one column, found several{also}")
+        elif not column.known and name:
+            like = key_hint(name, missing) or suggestion(name, missing)
+            is_key = "." in name and name.partition(".")[0] in sections
+            if like or is_key or not found:
+                yield Problem(source.file, name, f"unknown column{like or CHOOSE + usual}")
+    yield from (Problem(source.file, key, "is missing and must be a column") for key in needed if key not in found)
+
+
+def _chosen(source: Source, columns: Sequence[Column], lines: list[Line], where: Mapping[str, str]) -> list[Line]:
+    """Return the lines whose cells are those required, by column."""
+    for name, value in where.items():
+        index = place_of(source, columns, name)
+        values = dict.fromkeys(cells[index] for _, cells in lines)
+        if value not in values:
+            raise mistake(source.file, f"where {name}", f'must be one of {", ".join(values)}, found "{value}"')
+        lines = [line for line in lines if line[1][index] == value]
+    return lines
+
+
+def place_of(source: Source, columns: Sequence[Column], name: str) -> int:
+    """Return the place of the column that a name means."""
+    for place, (header, column) in enumerate(zip(source.header, columns, strict=True)):
+        if name == column.key or folded(name) == folded(header):
+            return place
+    raise mistake(source.file, "where", f'must name a column, found "{name}"')
+
+
+def _that_count(
+    source: Source, columns: Sequence[Column], lines: list[Line], problems: list[Problem]
+) -> tuple[list[Line], tuple[str, ...]]:
+    """Return the lines that count, and the places of the others."""
+    index = next((place for place, column in enumerate(columns) if column.known and column.key == COUNTS), None)
+    if index is None:
+        return lines, ()
+    counts = [(line, is_yes(line[1][index])) for line in lines]
+    problems += (
+        Problem(source.file, f"{place}: {source.header[index]}", f'must be yes or no, found "{cells[index]}"')
+        for (place, cells), yes in counts
+        if yes is None
+    )
+    return [line for line, yes in counts if yes], tuple(line[0] for line, yes in counts if yes is False)
+
+
+def _equal(file: str, naming: str, rows: Sequence[CsvRow], lines: Sequence[Line], problems: list[Problem]) -> list[str]:
+    """Return the places of shots without a name that equal earlier ones; any other row must be written once."""
+    places: dict[tuple[str, ...], str] = {}
+    equal = []
+    for row, (place, cells) in zip(rows, lines, strict=True):
+        first = places.setdefault(tuple(cells), place)
+        if first != place and naming not in row.texts and {*RESULT_KEYS} & row.texts.keys():
+            equal.append(place)
+        elif first != place:
+            message = f"repeats {first}; if both took place, name them in the column {naming}"
+            problems.append(Problem(file, place, message))
+    return equal
+
+
+def _read_numbers(
+    source: Source, name: str, column: Column, rows: Sequence[CsvRow], problems: list[Problem]
+) -> str | None:
+    """Read a column of numbers, and return the mark of its decimals."""
+    mark = decimal_mark([row.texts.get(column.key, "") for row in rows], column, source.form)
+    for row in rows:
+        cell = row.texts.get(column.key, "")
+        value = number_as(cell, mark or ".")
+        if mark is None and number_as(cell, ".") != number_as(cell, ","):
+            problems.append(Problem(source.file, f"{row.place}: {name}", two_meanings(cell)))
+        elif value is not None:
+            row.numbers[column.key] = value * column.factor
+        elif cell:
+            problems.append(Problem(source.file, f"{row.place}: {name}", f'must be a number, found "{cell}"'))
+    return mark
+
+
+def decimal_mark(cells: Iterable[str], column: Column, form: Collection[str]) -> str | None:
+    """Return the mark of the decimals in a column, by its cells and the bounds of the quantity; None if it may be both.
+
+    A table with commas between its columns has points, unless a cell has a comma.
+    """
+    cells = [cell for cell in cells if cell]
+    has_commas = any("," in cell for cell in cells)
+    if not has_commas and not {"semicolons", "tabs"} & {*form}:
+        return "."
+    low, high = BOUNDS.get(column.key) or BOUNDS.get(words_and_unit(column.key)[1], (-inf, inf))
+    read: dict[str, list[float | None]] = {}
+    fitting, whole = [], []
+    for mark in ",." if has_commas else ".,":
+        read[mark] = values = [number_as(cell, mark) for cell in cells]
+        numbers = [value * column.factor for value in values if value is not None]
+        if len(numbers) == len(values):
+            whole.append(mark)
+            fitting += [mark] if not numbers or low <= min(numbers) <= max(numbers) <= high else []
+    if len(fitting) == 2 and read["."] != read[","]:
+        return None
+    return [*fitting, *whole, min(read, key=lambda mark: read[mark].count(None))][0]
+
+
+def two_meanings(cell: str) -> str:
+    """Return what is wrong with a number that may have decimals or groups of digits."""
+    meanings = sorted({number_as(cell, mark) or 0.0 for mark in ".,"})
+    return f'must be a number with one meaning, found "{cell}": {" or ".join(f"{value:.12g}" for value in meanings)}'
+
+
+def number_as(cell: str, mark: str) -> float | None:
+    """Return the number in a cell, given the mark of its decimals; None if there is none."""
+    value = number(cell if mark == "." else "" if "." in cell else cell.replace(",", "."))
+    if value is None and (grouped := _GROUPED[mark].fullmatch(cell)):
+        return number_as(cell.replace(grouped[1], ""), mark)
+    return value
+
+
+def check_one_target(table: CsvTable, perforated: Sequence[bool | None], or_each: str = "") -> None:
+    """Raise an InputError if the shots are at several targets, by a column such as panel."""
+    for name, values in table.groups.items():
+        if len(found := targets_of(values, perforated)) > 1:
+            shots = joined([f"{value} ({counted(values.count(value), 'shot')})" for value in found])
+            message = f"must be the same for all shots, found {shots}; choose one: --where {name}={found[0]}{or_each}"
+            raise mistake(table.file, name, message)
+
+
+def targets_of(values: Sequence[str], perforated: Sequence[bool | None]) -> list[str]:
+    """Return those values of a column that are no serial numbers: at least three shots have it, or both results."""
+    shots: dict[str, list[bool | None]] = {}
+    for value, result in zip(values, perforated, strict=True):
+        shots.setdefault(value, []).append(result)
+    return [value for value, results in shots.items() if value and (len(results) >= 3 or len({*results}) == 2)]
 
 
 def _cell(value: object) -> str:
@@ -185,21 +559,10 @@ def in_line_order(problems: Iterable[Problem]) -> list[Problem]:
     return sorted(problems, key=lambda problem: int((re.match(r"(?:line|row) (\d+)", problem.key) or [0, 0])[1]))
 
 
-def check_header(file: str, place: str, header: Sequence[str]) -> None:
-    """Raise an InputError if semicolons or tabs divide a header, or if it names a column twice."""
-    separators = [name for mark, name in ((";", "semicolons"), ("\t", "tabs")) if mark in "".join(header)]
-    if separators and len(header) == 1:
-        message = f"must separate columns by commas and write decimals with points, found {separators[0]}"
-        raise mistake(file, place, message)
-    message = "must be the name of one column, found several"
-    twice = [name for name in dict.fromkeys(header) if header.count(name) > 1]
-    refuse(Problem(file, f"{place}: {name}" if name else place, message) for name in twice)
-
-
 def wrong_width(cells: Sequence[str], header: Sequence[str]) -> str:
     """Return what is wrong with a row that has more or fewer cells than the header."""
     hint = "; write decimals with points, and texts with commas in quotes" if len(cells) > len(header) else ""
-    return f"must have {len(header)} cells as the header has, found {len(cells)}{hint}"
+    return f"must have {counted(len(header), 'cell')} as the header has, found {len(cells)}{hint}"
 
 
 def number(cell: str) -> float | None:

@@ -25,6 +25,22 @@ ENDINGS = {
 }
 
 
+# A velocity in ft/s is this many times that in m/s; a limit computed or measured may differ by a factor.
+FEET, UNLIKE = 1.0 / 0.3048, 1.4
+
+
+def feet_note(velocity_m_s: float, limit_m_s: float) -> str:
+    """Return a note that a velocity is unlike a limit as if one were in ft/s; "" if it is not."""
+    ratio = velocity_m_s / limit_m_s
+    for factor, unit in ((FEET, "ft/s"), (1.0 / FEET, "m/s in a column of ft/s")):
+        if 1.0 / UNLIKE < ratio / factor < UNLIKE:
+            return (
+                f"the velocities, about {velocity_m_s:.0f} m/s, are {ratio:.2g} times the limit by the model, "
+                f"{limit_m_s:.0f} m/s: they are probably {unit}; give the unit in the header, as in Velocity (ft/s)"
+            )
+    return ""
+
+
 def words_and_unit(key: str) -> tuple[str, str]:
     """Split the last part of a dotted key into words and unit, such as "ceramic thickness" and "mm", or ""."""
     name = key.rsplit(".", 1)[-1]

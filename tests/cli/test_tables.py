@@ -1,5 +1,7 @@
 """Tables that people write, as every command reads them."""
 
+import json
+from hashlib import sha256
 from pathlib import Path
 
 import pytest
@@ -39,3 +41,74 @@ def test_an_open_quote_is_refused(cli, folder: Path, text: str, arguments: list[
     assert line == "t.csv: line 3: must close each quote on its line, before a comma or the end of the line"
     assert (folder / "t.csv").read_text() == text.format(cell)
     assert not (folder / "made.csv").exists()
+
+
+EXPORT = (
+    "Shot No;V (ft/s);Result;Panel;Valid\n"
+    "1;2297;PP;A;yes\n2;2395;CP;A;yes\n3;2625;PP;B;yes\n4;2690;CP;B;yes\n5;9;CP;B;no\n"
+)
+
+
+def test_how_a_table_was_read_is_said_once(cli, folder: Path):
+    (folder / "t.csv").write_text(EXPORT)
+    for words in (["v50", "t.csv"], ["plan", "shots", "t.csv"], ["calibrate", "t.csv", "wilkins"]):
+        noun = "tests" if words[0] == "calibrate" else "shots"
+        [line] = [line for line in cli(*words, "--where", "panel=A").stderr.splitlines() if line.startswith("read ")]
+        assert line == f"read t.csv: semicolons, velocity in ft/s, 2 {noun}, panel A"
+    [line] = cli.fails(2, "v50", "t.csv")
+    assert line.startswith("t.csv: Panel: must be the same for all shots, found A (2 shots) and B (2 shots)")
+    assert line.endswith("choose one: --where Panel=A, or --each for one answer each")
+
+
+def test_an_answer_for_each_panel(cli, folder: Path):
+    (folder / "t.csv").write_text(EXPORT)
+    for words in (["v50", "t.csv"], ["plan", "shots", "wilkins", "t.csv"]):
+        found = json.loads(cli(*words, "--each", "--json").stdout)
+        assert [*found] == ["Panel A", "Panel B", "made_by"]
+        assert [found["Panel B"]["fired"]["complete"], found["Panel B"]["fired"]["names"]] == [
+            [False, True],
+            ["3", "4"],
+        ]
+        assert found["Panel B"]["fired"]["read"]["left_out"] == ["line 6"]
+        assert "Panel B: " in cli(*words, "--each").stdout
+        assert cli.fails(2, *words, "--each", "--plot", "x.svg") == [
+            "command line: --plot: must not be given with --each"
+        ]
+    (folder / "one.csv").write_text("velocity_m_s,result\n700,P\n720,C\n")
+    assert "must have a column panel, target, plate, lab or lot" in cli.fails(2, "v50", "one.csv", "--each")[0]
+    assert cli.fails(2, "v50", "t.csv", "--where", "A") == [
+        'command line: --where: must be COLUMN=VALUE, found the text "A"'
+    ]
+
+
+def test_a_shot_is_added_to_an_export(cli, folder: Path):
+    (folder / "t.csv").write_text(EXPORT)
+    words = ["plan", "shots", "wilkins", "t.csv", "--where", "panel=A", "--result", "complete", "--velocity-m-s", "715"]
+    found = json.loads(cli(*words, "--json").stdout)
+    content = (folder / "t.csv").read_text()
+    assert content == EXPORT + "6;2345,80052;CP;A;yes\n"
+    assert found["fired"]["velocities_m_s"][-1] == pytest.approx(715.0)
+    assert found["fired"]["read"]["sha256"] == sha256(content.encode()).hexdigest()
+
+
+def test_cases_of_an_export(cli, folder: Path):
+    (folder / "c.csv").write_text("Dicke Keramik [mm];Dicke Stahl [mm]\n6,35;6,35\n8;6,35\n")
+    shown = cli("sweep", "wilkins", "--cases", "c.csv", "-o", "made.csv", "--quantities", "areal_density_kg_m2")
+    assert (
+        "read c.csv: semicolons, decimal commas, ceramic thickness in mm, backing thickness in mm, 2 rows"
+        in shown.stderr
+    )
+    header, *_ = (folder / "made.csv").read_text().splitlines()
+    assert header == "armour.ceramic_thickness_mm,armour.backing_thickness_mm,areal_density_kg_m2"
+
+
+def test_options_of_tables_need_one(cli, folder: Path):
+    (folder / "t.csv").write_text("velocity_m_s,result,panel\n700,P,A\n710,P,A\n720,P,A\n")
+    assert "shots of both results" in cli.fails(2, "v50", "t.csv", "--each")[-1]
+    for option in (["--where", "panel=A"], ["--each"], ["--sheet", "x"]):
+        assert cli.fails(2, "plan", "shots", "wilkins", *option) == [
+            f"command line: {option[0]}: must be given with SHOTS"
+        ]
+    assert cli.fails(2, "v50", "t.csv", "--sheet", "x") == [
+        "t.csv: must be a workbook (.xlsx) for a sheet to be chosen"
+    ]

@@ -67,6 +67,26 @@ def test_a_simulated_sequence_is_that_of_shots_planned_one_by_one():
         assert plan.next_velocity_m_s == velocity
 
 
+SWAPPED = Shots((740.0, 750.0, 760.0, 700.0, 710.0, 720.0), (False, False, False, True, True, True), "fired.csv")
+
+
+def test_swapped_results_are_named_and_not_planned_on():
+    for settings in ({"shots": SWAPPED}, {"shots": SHOTS, "earlier": [SWAPPED]}):
+        with pytest.raises(InputError, match=r"fired\.csv: result: must have complete .* are the results swapped\?"):
+            plan_shots(scenario(), **settings)
+    # Two shots in this order are no sign of it.
+    assert plan_shots(scenario(), Shots((740.0, 720.0), (False, True))).next_velocity_m_s
+
+
+@pytest.mark.parametrize("procedure", PROCEDURES)
+def test_no_shot_is_planned_that_is_faster_than_can_be_fired(procedure: Any):
+    free = plan_shots(scenario(), Shots((723.0,), (False,)), procedure=procedure)
+    assert free.next_velocity_m_s is not None
+    assert free.next_velocity_m_s > 724.0
+    plan = plan_shots(scenario(), Shots((723.0,), (False,)), procedure=procedure, velocity_max_m_s=724.0)
+    assert plan.next_velocity_m_s == 724.0
+
+
 def test_a_requirement():
     plan = plan_shots(scenario(), SHOTS, requirement_m_s=760.0, requirement_fraction=0.05)
     assert plan.probability_met is not None
@@ -175,7 +195,9 @@ def test_absurd_shots_have_a_finite_plan(procedure: Any):
 def test_shots_that_contradict_the_prior_are_warned_of():
     # Velocities in ft/s, results that are swapped, and an armour far better than the model says.
     feet = plan_shots(scenario(), Shots((2360.0, 2490.0), (False, True)))
-    assert feet.warnings[0].startswith("shots at 2360, 2490 m/s are far from the 99.9 % interval of V50 by the model")
+    assert feet.warnings[0].startswith("the velocities, about 2425 m/s, are 3.4 times the limit by the model")
+    far = "shots at 2360, 2490 m/s are far from the 99.9 % interval of V50 by the model"
+    assert any(warning.startswith(far) for warning in feet.warnings)
     assert feet.contradicts_prior
     swapped = plan_shots(scenario(), Shots((300.0, 1500.0), (True, False)))
     assert swapped.contradicts_prior

@@ -37,25 +37,46 @@ def test_columns_ends_of_lines_and_letters_stay(tmp_path: Path, text: str, row: 
     assert read_shots(path).complete == (False, True)
 
 
-def test_a_shot_that_repeats_another_gets_a_name(tmp_path: Path):
+def test_a_shot_that_repeats_another_is_another_shot(tmp_path: Path):
     path = tmp_path / "s.csv"
     path.write_text("velocity_m_s,result\n700,partial\n")
     path.write_bytes(with_shot(path, 700.0, "partial"))
-    assert path.read_text() == "shot,velocity_m_s,result\n1,700,partial\n2,700,partial\n"
-    assert read_shots(path, one_kind=True).names == ("1", "2")
-    path.write_text('velocity_m_s,result,remark\n700,partial,\n710,complete,"a, b"\n')
-    assert with_shot(path, 700.0, "partial").splitlines()[2:] == [b'2,710,complete,"a, b"', b"3,700,partial,"]
-    path.write_bytes(b"\xef\xbb\xbfvelocity_m_s , result\r\n\r\n700, P")
-    assert with_shot(path, 700.0, "partial") == b"\xef\xbb\xbfshot,velocity_m_s , result\r\n\r\n1,700, P\r\n2,700,P\r\n"
-    path.write_text("velocity_m_s,result,shot\n700,partial,1\n")
-    assert with_shot(path, 700.0, "partial").endswith(b"\n700,partial,2\n")
+    assert path.read_text() == "velocity_m_s,result\n700,partial\n700,partial\n"
+    assert read_shots(path, one_kind=True).velocities_m_s == (700.0, 700.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "encoding", "row"),
+    [
+        ("\ufeffShot No;Velocity (ft/s);Result (PP/CP);Remarks\r\n1;2415,3;PP;\r\n", "utf-8", "2;2460,62992;CP;\r\n"),
+        ("Schuss\tv [m/s]\tErgebnis\r\n1\t735,3\tkein Durchschlag\r\n", "utf-16", "2\t750\tDurchschlag\r\n"),
+        ("n\u00b0;V (m/s);r\u00e9sultat\n1;735,5;non perfor\u00e9\n", "cp1252", "2;750;perfor\u00e9\n"),
+        ("sep=;\nv (m/s);perforated;valid\n735.5;0;ja\n", "utf-8", "750;1;ja\n"),
+        ("velocity_m_s,stopped\n735.5,yes\n", "utf-8", "750,no\n"),
+    ],
+)
+def test_a_shot_is_written_as_the_others_are(tmp_path: Path, text: str, encoding: str, row: str):
+    path = tmp_path / "s.csv"
+    path.write_bytes(text.encode(encoding))
+    made = with_shot(path, 750.0, "complete")
+    assert made.decode(encoding) == (text + row).removeprefix("\ufeff" if encoding == "utf-16" else "")
+    path.write_bytes(made)
+    shots = read_shots(path)
+    assert shots.complete == (False, True)
+    assert shots.velocities_m_s[1] == pytest.approx(750.0, rel=1e-8)
+
+
+def test_a_shot_at_one_of_several_panels(tmp_path: Path):
+    path = tmp_path / "s.csv"
+    path.write_text("velocity_m_s,result,panel\n700,P,A\n720,C,A\n800,P,B\n820,C,B\n")
+    assert with_shot(path, 710.0, "stopped", {"panel": "B"}).endswith(b"\n710,P,B\n")
 
 
 def test_other_columns_stay_and_misspelt_ones_are_refused(tmp_path: Path):
     path = tmp_path / "s.csv"
     path.write_text("shot,velocity_m_s,result,yaw_deg\nA1,700,partial,1\nA2,750.25,complete,\n")
     assert read_shots(path).names == ("A1", "A2")
-    for wrong in ("shots", "velocity", "results"):
+    for wrong in ("shots", "results"):
         path.write_text(f"velocity_m_s,result,{wrong}\n700,partial,1\n")
         with pytest.raises(InputError, match=f"{wrong}: unknown column"):
             read_shots(path, one_kind=True)

@@ -11,7 +11,8 @@ from scipy.special import log_expit, log_ndtr
 from scipy.stats import chi2
 
 from armour.errors import NoAnswerError
-from armour.statistics.curves import CDFS, Z95, FittedCurve, Link, fit_curve, penalised_band
+from armour.statistics import curves
+from armour.statistics.curves import CDFS, Z95, FittedCurve, Link, ShotLikelihood, fit_curve, penalised_band
 
 pytestmark = pytest.mark.slow
 
@@ -151,6 +152,52 @@ def test_shots_that_touch():
     fit = fitted(CASES["touching"], "probit")
     assert (fit.v50_m_s, fit.scale_m_s) == (710.0, 0.0)
     assert fit.log_likelihood == pytest.approx(2 * log(0.5))
+
+
+def many_shots(case: str) -> Shots:
+    dice = np.random.default_rng(1)
+    velocities = dice.normal(720.0, 40.0, 600)
+    limits = dice.normal(720.0, 0.0 if case == "apart" else 15.0, 600)
+    velocities[0] = 7200.0 if case == "far" else 700.0
+    complete = velocities > limits
+    if case == "one complete":
+        complete = velocities == velocities.max()
+    return tuple(velocities[~complete].tolist()), tuple(velocities[complete].tolist())
+
+
+@links
+@pytest.mark.parametrize("penalised", [False, True])
+@pytest.mark.parametrize("case", ["mixed", "apart", "far", "one complete"])
+def test_many_shots_are_condensed_without_a_change(
+    case: str, penalised: bool, link: Link, monkeypatch: pytest.MonkeyPatch
+):
+    """To a hundredth of a metre per second, or 0.05 % of an end far beyond the shots."""
+    shots = many_shots(case)
+    condensed = fitted(shots, link, penalised=penalised)
+    monkeypatch.setattr(curves, "MANY", 1000)
+    whole = fitted(shots, link, penalised=penalised)
+    for name in ("v50_interval_m_s", "scale_interval_m_s", "v05_interval_m_s"):
+        ends, exact = (getattr(fit, name) or () for fit in (condensed, whole))
+        assert [end is None for end in ends] == [end is None for end in exact]
+        assert [end for end in ends if end] == pytest.approx([end for end in exact if end], abs=0.01, rel=5e-4)
+    assert condensed.v50_m_s == pytest.approx(whole.v50_m_s, abs=0.01, rel=5e-4)
+
+
+def test_how_far_a_far_shot_is_does_not_matter():
+    """The penalty does not grow with the distance of a shot that says nothing, until no interval is bounded."""
+    partial, complete = (700.0, 720.0, 728.0, 735.0), (725.0, 752.0, 760.0, 771.0)
+    far, farther = (ShotLikelihood((slow, *partial), complete, "probit", penalised=True) for slow in (500.0, 100.0))
+    assert far.flat_deviance == pytest.approx(farther.flat_deviance, abs=1e-3)
+    assert far.flat_deviance > 3.0
+
+
+@links
+def test_a_probability_at_the_end_of_the_interval_of_a_velocity_has_that_fraction_as_an_end(link: Link):
+    shots = ShotLikelihood(*APART, link, penalised=True)
+    for z in (-Z95[link], 0.0, 1.0):
+        low, high = shots.velocity_interval(z, 0.95)
+        for end, edge in ((low, 1), (high, 0)):
+            assert shots.probability_interval(end or 0.0, 0.95)[edge] == pytest.approx(CDFS[link](z), abs=1e-5)
 
 
 def test_few_shots_do_not_bound():

@@ -54,13 +54,12 @@ EVERY = "uncertainties must be given for every measurement and outcome, or for n
 @pytest.mark.parametrize(
     ("header", "rows", "message"),
     [
-        (f"{C},ballistic_limit", "6,700", "ballistic_limit: unknown column; its unit is missing: ballistic_limit_m_s"),
+        (f"{C},ballistic_limit", "6,700", 'must have its unit, as "ballistic_limit (m/s)" or "ballistic_limit (ft/s)"'),
         (
-            f"{C},V50",
-            "6,700",
-            f"rows: V50: unknown column; choose from {', '.join(USUAL)} and other keys of a scenario",
+            f"{C},armour.x,{LIMIT}",
+            "6,1,700",
+            f"rows: armour.x: unknown column; choose from {', '.join(USUAL)} and other",
         ),
-        ("shot,velocity_m_s,result", "1,700,partial", "rows: must be a table of tests, found shots (velocity_m_s and"),
         (f"{C},{B}", "6,6", "residual_mass_g, outcome; leave out a test that was not made"),
         (OUTCOME, "6,700,maybe", 'row 1: outcome: must be "stopped" or "perforated" (or partial or complete, P or C'),
         (f"{C},outcome", "6,stopped", "row 1: impact.velocity_m_s: is missing and must be given with an outcome"),
@@ -131,7 +130,7 @@ def test_rows_are_read_as_a_file_is(tmp_path: Path):
     ("rows", "message"),
     [
         ([{**ROWS[0], LIMIT: "x"}], 'rows: row 1: ballistic_limit_m_s: must be a number, found "x"'),
-        ([{**ROWS[0], "colour": "red"}], "rows: colour: unknown column"),
+        ([{**ROWS[0], "armour.backing_thicknes_mm": 6}], "armour.backing_thicknes_mm: unknown column; did you mean"),
         ([], "rows: must have a header, found an empty file"),
         (5, "rows: must be a path, rows as mappings, or a data frame, found a int"),
         ([1, 2], "rows: must be a path, rows as mappings, or a data frame, found a list"),

@@ -75,6 +75,68 @@ def test_shots_without_a_curve_have_a_posterior():
         v50(Shots((), ()), scenario(), prior=True)
 
 
+OUTSIDE = Shots((735.3, 761.4, 720.0, 748.0, 744.0), (False, True, True, False, True))
+OPEN = Shots(
+    (700.0, 720.0, 735.0, 725.0, 752.0, 760.0, 771.0, 728.0, 620.0),
+    (False, False, False, True, True, True, True, False, False),
+)
+
+
+def test_a_v50_beyond_the_shots_without_a_bounded_interval_is_not_the_answer():
+    result = v50(OUTSIDE)
+    assert result.recommended is not None
+    assert result.recommended.v50_m_s < 720.0
+    assert result.extrapolated
+    assert "V50 not bounded by 5 shots" in repr(result)
+    assert not v50(OPEN).extrapolated
+
+
+def test_the_further_result_bounds_v50_as_it_says_and_better_than_others():
+    result = v50(OPEN)
+    further = result.further
+    assert further is not None
+    assert further.confidence == 0.95 > (result.bounded_confidence or 0.0)
+
+    def with_shot(velocity: float, complete: bool) -> FiringResult:
+        return v50(Shots((*OPEN.velocities_m_s, velocity), (*OPEN.complete, complete)))
+
+    assert with_shot(further.velocity_m_s, further.complete).bounded_interval_m_s == further.interval_m_s
+    # Not every result would: this is what the answer used to ask for.
+    assert with_shot(500.0, False).bounded_confidence != 0.95
+    assert v50(APART).further is None
+    nearest = v50(OUTSIDE).further
+    assert nearest is not None
+    assert nearest.confidence == 0.5
+
+
+def test_points_of_the_recommended_curve():
+    fit = of_mixed().recommended
+    assert fit is not None
+    result = v50(MIXED, at_m_s=fit.v50_m_s, fraction=0.05)
+    assert result.at is not None
+    assert result.at.probability == pytest.approx(0.5)
+    assert result.at.interval[0] < 0.5 < result.at.interval[1]
+    assert result.velocity_of is not None
+    found = (result.velocity_of.velocity_m_s, *result.velocity_of.interval_m_s, result.velocity_of.lower_m_s)
+    assert found == pytest.approx((fit.v05_m_s, *(fit.v05_interval_m_s or ()), fit.v05_lower_m_s), abs=1e-6)
+
+
+def test_a_requirement_on_another_fraction_is_met_at_its_one_sided_bound():
+    fit = of_mixed().recommended
+    assert fit is not None
+    bound = fit.v05_lower_m_s or 0.0
+    found = [v50(MIXED, requirement_m_s=bound + away, requirement_fraction=0.05) for away in (-1.0, 1.0)]
+    assert [each.decision for each in found] == ["met", "not decided"]
+
+
+def test_the_curve_with_its_band():
+    rows = of_mixed().band()
+    assert all(row["probability_interval"][0] <= row["probability"] <= row["probability_interval"][1] for row in rows)
+    assert [row["probability"] for row in rows] == sorted(row["probability"] for row in rows)
+    with pytest.raises(InputError, match="must have a recommended curve for a band"):
+        v50(Shots((700.0, 740.0, 770.0, 780.0, 750.0), (False, False, False, False, True))).band()
+
+
 @pytest.mark.parametrize(
     ("pairs", "span_m_s", "rule"),
     [(None, None, "usual span"), (3, 30.5, "given span"), (1, 30.5, "no usual rule"), (4, 40.0, "no usual rule")],
@@ -112,10 +174,6 @@ def test_the_recommended_curve_is_the_penalised_probit_if_it_rises():
                 "line 5: result: must be",
             ],
         ),
-        (
-            ["700,partial", "700,partial", "710,complete"],
-            ["line 3: repeats line 2; if both took place, name them in the column shot"],
-        ),
     ],
 )
 def test_wrong_files_with_every_mistake(tmp_path: Path, rows: list[str], messages: list[str]):
@@ -147,6 +205,7 @@ def test_rows_are_read_as_a_file_is(tmp_path: Path):
             {"prior": True, "scenario": scenario(uncertainty={"model": {"included": False}})},
             "must give scale_percent for a prior",
         ),
+        (APART, {"requirement_fraction": 0.1}, "v50: requirement_fraction: must not be given without a requirement"),
         (Shots((700.0,), (True,)), {}, "at least one partial and one complete"),
         (Shots(722.0, True), {}, "must be sequences of velocities and of results"),  # type: ignore[arg-type]
         (Shots((700.0, 800.0), (True,)), {}, "as many velocities as results, found 2 and 1"),

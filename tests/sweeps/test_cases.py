@@ -75,7 +75,7 @@ def test_rows_of_cases(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     assert spaced.digest == Cases(csv_file(tmp_path / "same.csv", "a", "1", "2")).digest != source.digest
     monkeypatch.setattr(cases, "MAX_CASES", 56)
     with pytest.raises(InputError, match="must have at most 56 rows, found more"):
-        Cases(source.path)
+        Cases(tmp_path / "cases.csv")
 
 
 @pytest.mark.parametrize(
@@ -88,7 +88,7 @@ def test_rows_of_cases(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
         ("a,b\n1,2\n1\n", "line 3: must have 2 cells as the header has, found 1"),
         ("a,b\nx,1\ny,2\n", "line 2: a: must be a number.*\n.*line 3: a: must be a number"),
         ("a,a\n1,2\n", "line 1: a: must be the name of one column, found several"),
-        ("a,\n1,2\n", "line 1: must name a key in each column, found none in 2"),
+        ("a,,b\n1,2,3\n", "line 1: must name a key in each column, found none in 2"),
     ],
 )
 def test_wrong_tables(tmp_path: Path, text: str, message: str):

@@ -115,7 +115,7 @@ def test_a_wrong_row_is_told_by_the_name_of_the_argument(tmp_path: Path, output:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"over": None}, "sweep: over: must be a mapping or a path, found None"),
+        ({"over": None}, "sweep: over: must be given, or cases, but not both"),
         ({"quantities": ["outcome", "outcome"]}, "sweep: quantities: must not name anything twice"),
         ({"threads": 0}, "sweep: threads: must be at least 1, found 0"),
         ({"over": {"armour.ceramic": {"min": 1.0}}}, "over armour.ceramic: must be a sequence of names, found"),

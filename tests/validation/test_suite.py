@@ -230,7 +230,7 @@ IN_ROW = "table[0].rows[0]: must be a valid scenario: wilkins.toml: "
         (FILE, 'file = "t.csv"', "band = 1.0", "table[0]: must not have where without a file"),
         (FILE, "where = { kept = 1 }", 'rivals = ["x"]', "table[0]: must not have rivals with a file"),
         (FILE, "ballistic_limit_m_s", "penetration_depth_mm", "table[0]: quantity must be one of"),
-        (FILE, '"lot", ', "", "t.csv: lot: unknown column"),
+        (FILE, "ballistic_limit_m_s", "residual_mass_g", "t.csv: must be a table of tests with the column"),
         (FILE, "kept = 1", "kept = 2", "t.csv: must have tests with ballistic_limit_m_s and kept as the suite selects"),
         (FILE, "kept = 1", "kept = { max = 2 }", "table[0].where.kept.max: unknown key; choose from min, below"),
         (FILE, "kept = 1", "kept = true", "table[0].where.kept[0]: must be a number, found true"),

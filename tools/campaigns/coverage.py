@@ -17,6 +17,7 @@ from tools.experiments.share import Share
 # Simulations that count shares, given the samples of a case and a seed, and their usual numbers of samples.
 EXPERIMENTS: dict[str, tuple[Callable[[int, int], Iterator[Share]], int]] = {
     "curves": (curves.shares, 1000),
+    "wide_curves": (curves.wide_shares, 300),
     "calibrations": (calibrations.shares, 300),
     "uncertainty": (uncertainty.shares, 200),
     "plans": (plans.shares, 200),

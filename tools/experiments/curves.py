@@ -1,19 +1,25 @@
 """How often the intervals of `armour v50` contain the true values, in simulated firings of a normal curve.
 
-V50 is 720 m/s and the scale 10 m/s.  The velocities are those of an up-and-down rule, with steps of 15 m/s from a start
-that misses V50 by 15 m/s and velocities that miss their aim by 5 m/s (standard deviations), or with a quarter of all
-three, as at an armour of much scatter, or of five levels from two scales below V50 to two scales above it.  Samples for
-which the program gives no V50 are counted apart.
+`shares`: V50 is 720 m/s and the scale 10 m/s.  The velocities are those of an up-and-down rule, with steps of 15 m/s
+from a start that misses V50 by 15 m/s and velocities that miss their aim by 5 m/s (standard deviations), or with a
+quarter of all three, as at an armour of much scatter, or of five levels from two scales below V50 to two scales above
+it.  Samples for which the program gives no V50 are counted apart.
+
+`wide_shares`: scales of 15, 30 and 60 m/s, steps of 15 m/s and velocities that miss their aim by 10 m/s; in one half of
+the cases the last shot is far below, at 8 scales or at 300 m/s.  Also V01, and the probability one scale above V50.
 """
 
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import suppress
+from itertools import product
 
 import numpy as np
+from scipy.special import ndtr, ndtri
 
+from armour.analysis.estimates import CONFIDENCE
 from armour.errors import NoAnswerError
-from armour.statistics.curves import Z95, FittedCurve, fit_curve
+from armour.statistics.curves import Z95, FittedCurve, ShotLikelihood, fit_curve, has_curve
 from armour.statistics.v50 import Shots
 from tools.experiments.share import Share, holds
 
@@ -21,16 +27,21 @@ V50, SCALE = 720.0, 10.0
 TRUE = {"V50": V50, "scale": SCALE, "V05": V50 - Z95["probit"] * SCALE, "V95": V50 + Z95["probit"] * SCALE}
 START, STEP, MISS = 15.0, 15.0, 5.0
 LEVELS = (700.0, 710.0, 720.0, 730.0, 740.0)
+V01 = float(ndtri(0.01))
+# A scale that far exceeds the steps: its shares are stated and not judged.
+WIDEST = 60.0
 # Least share of intervals that must contain the truth, per cent.
 LEAST = 92.0
 
 
-def up_and_down(shots: int, dice: np.random.Generator, part: float = 1.0) -> Shots:
+def up_and_down(
+    shots: int, dice: np.random.Generator, part: float = 1.0, scale: float = SCALE, miss: float = MISS
+) -> Shots:
     """Fire shots one after the other, slower after a complete and faster after a partial penetration."""
     aim, velocities, complete = dice.normal(V50, part * START), [], []
     for _ in range(shots):
-        velocities.append(float(dice.normal(aim, part * MISS)))
-        complete.append(bool(dice.normal(V50, SCALE) < velocities[-1]))
+        velocities.append(float(dice.normal(aim, part * miss)))
+        complete.append(bool(dice.normal(V50, scale) < velocities[-1]))
         aim += part * (-STEP if complete[-1] else STEP)
     return Shots(tuple(velocities), tuple(complete))
 
@@ -85,6 +96,32 @@ def simulate(rule: str, shots: int, samples: int, seed: int) -> Counter[str]:
             assert fit is not None
             found.update(f"{fit.method}: {name}" for name in held(fit))
     return found
+
+
+def wide_shares(samples: int, seed: int) -> Iterator[Share]:
+    """Yield the shares of intervals and lower bounds of the recommended curve that contain the truth."""
+    for scale, shots, far in product((15.0, 30.0, WIDEST), (8, 12, 20), (False, True)):
+        dice, found, fitted = np.random.default_rng([seed, shots, int(scale)]), Counter[str](), 0
+        while fitted < samples:
+            fired = up_and_down(shots - far, dice, scale=scale, miss=10.0)
+            slow = max(V50 - 8.0 * scale, 300.0)
+            partial, complete = [*fired.of(complete=False), *[slow] * far], fired.of(complete=True)
+            if not has_curve(partial, complete):
+                continue
+            curve = ShotLikelihood(partial, complete, "probit", penalised=True)
+            if curve.mode.slope <= 0.0:
+                continue
+            fitted += 1
+            for name, z in {"V50": 0.0, "V05": -Z95["probit"], "V95": Z95["probit"], "V01": V01}.items():
+                found[name] += holds(curve.velocity_interval(z, CONFIDENCE), V50 + z * scale)
+                if z <= 0.0:
+                    found[f"lower bound of {name}"] += holds((curve.lower_bound(z, CONFIDENCE), None), V50 + z * scale)
+            found["V50 not bounded"] += None in curve.velocity_interval(0.0, CONFIDENCE)
+            found["probability"] += holds(curve.probability_interval(V50 + scale, CONFIDENCE), float(ndtr(1.0)))
+        for name, count in sorted(found.items()):
+            case = f"scale {scale:g}, {shots} shots{', the last far below' if far else ''}"
+            judged = scale < WIDEST and not name.startswith("lower") and name != "V50 not bounded"
+            yield Share(case, name, count, samples, LEAST if judged else None)
 
 
 def shares(samples: int, seed: int) -> Iterator[Share]:

@@ -73,6 +73,25 @@ class Result:
 
 
 @dataclass(frozen=True, repr=False)
+class EachResult(Result):
+    """Results of several tables, or of parts of one, by name."""
+
+    results: Mapping[str, Result]
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """The warnings of each."""
+        return tuple(f"{name}: {text}" for name, result in self.results.items() for text in vars(result)["warnings"])
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the results as plain data, by name."""
+        return {name: result.to_dict() for name, result in self.results.items()}
+
+    def _words(self) -> str:
+        return ", ".join(self.results)
+
+
+@dataclass(frozen=True, repr=False)
 class TableResult(Result):
     """Result with rows; iteration gives each as a dictionary, so that ``pandas.DataFrame(result)`` has them as rows."""
 

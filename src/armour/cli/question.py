@@ -20,6 +20,7 @@ import armour
 from armour.cli import completion
 from armour.cli.console import emit, progress
 from armour.cli.runner import as_options, check_outputs, read_scenario, respond, warnings_of, wrong_option
+from armour.csv_files import WORKBOOKS
 from armour.csv_files import number as read_number
 from armour.files import shipped_tests
 
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from armour.scenario.scenario import Scenario
 
 # Options of shares of 1.
-SHARES = ("confidence", "requirement_fraction")
+SHARES = ("confidence", "fraction", "requirement_fraction")
 # The name of a parameter in a docstring, and the lines on it.
 MEANING = re.compile(r"^(\w+) : .*\n((?:    .+\n)+)", re.MULTILINE)
 
@@ -187,7 +188,7 @@ def question(
 
 
 def _is_table(path: Path) -> bool:
-    return path.suffix.lower() == ".csv" or path.as_posix() in shipped_tests()
+    return path.suffix.lower() in (".csv", ".tsv", ".txt", *WORKBOOKS) or path.as_posix() in shipped_tests()
 
 
 def _parameters(function: Callable[..., Answer], keys: Mapping[str, tuple[str, str]]) -> dict[str, inspect.Parameter]:

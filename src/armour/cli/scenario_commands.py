@@ -302,6 +302,7 @@ def sweep(
             metavar="FILE",
         ),
     ] = None,
+    sheet: Annotated[str | None, option("Sheet of a workbook of cases, by default the first.", metavar="NAME")] = None,
     quantities: Annotated[
         str,
         option(
@@ -344,7 +345,9 @@ def sweep(
     if plot is not None:
         _check_drawn(len(over or []), names[0])
     with runner.as_options("sweep"), ExitStack() as stack:
-        source = Cases(cases) if cases is not None else grid_of("--over", over or [])
+        source = Cases(cases, sheet) if cases is not None else grid_of("--over", over or [])
+        if isinstance(source, Cases) and source.read:
+            say(f"read {cases}: {source.read}")
         count = stack.enter_context(progress("rows", source.count))
 
         def on_chunk(rows: int, stored: bool) -> None:

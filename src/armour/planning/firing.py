@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import inf
+from statistics import median
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -16,6 +17,7 @@ from armour.errors import Problem, counted, mistake, refuse
 from armour.evidence.model_error import NORMAL, ModelError
 from armour.planning.procedures import (
     PROCEDURES,
+    Aim,
     OperatingPoint,
     Rule,
     ShotSettings,
@@ -43,7 +45,17 @@ from armour.statistics.posterior import (
     pooled_scatter,
     posterior_of,
 )
-from armour.statistics.v50 import MAX_VELOCITY_M_S, MIN_VELOCITY_M_S, MeanV50, Shots, Velocity, check_shots
+from armour.statistics.v50 import (
+    MAX_VELOCITY_M_S,
+    MIN_VELOCITY_M_S,
+    Fraction,
+    MeanV50,
+    Shots,
+    Velocity,
+    check_not_swapped,
+    check_shots,
+)
+from armour.units import feet_note
 
 Procedure = Literal["bayesian", "neyer", "langlie", "up-and-down"]
 # Procedures that start from limits of V50 and have no requirement.
@@ -205,7 +217,8 @@ def plan_shots(
     half_width_m_s: Annotated[float, Field(ge=0.1, le=MAX_VELOCITY_M_S)] | None = None,
     confidence: Confidence = CONFIDENCE,
     requirement_m_s: Velocity | None = None,
-    requirement_fraction: Annotated[float, Field(ge=0.001, le=0.999)] = 0.5,
+    requirement_fraction: Fraction = 0.5,
+    velocity_max_m_s: Velocity = MAX_VELOCITY_M_S,
     prior: bool = False,
     scatter_percent: Annotated[float, Field(ge=0.01, le=50.0)] = SCATTER_PERCENT,
     scatter_factor: Annotated[float, Field(ge=1.01, le=10.0)] = SCATTER_FACTOR,
@@ -240,6 +253,8 @@ def plan_shots(
         starts above it.
     requirement_fraction : float
         Fraction of shots that may perforate at the required velocity, 0.001 to 0.999; 0.5 sets the requirement on V50.
+    velocity_max_m_s : float
+        Greatest velocity that can be fired, m/s: no faster shot is planned.
     prior : bool
         Whether to include the model's prediction in the decision on the requirement, which then uses the posterior and
         has no stated risks.
@@ -289,6 +304,8 @@ def plan_shots(
     check_shots(shots, kinds=0)
     for firing in earlier:
         check_shots(instance(firing, Shots))
+    for firing in (shots, *earlier):
+        check_not_swapped(firing)
     required, without = requirement_m_s is not None, "must not be given without "
     undecided = f"must not be given with {procedure}, which has no requirement"
     other_end = "must not be given with a requirement, which ends the firing"
@@ -327,6 +344,7 @@ def plan_shots(
     settings = ShotSettings(
         prior=expectation,
         limits_m_s=limits or (-inf, inf),
+        velocity_max_m_s=velocity_max_m_s,
         half_width_m_s=half_width_m_s,
         confidence=confidence,
         requirement_m_s=requirement_m_s,
@@ -343,7 +361,7 @@ def plan_shots(
         simulated_limits = dice.normal(true_v50_m_s, true_scatter_m_s, MAX_SIMULATED)
         fired = _simulated(shots, settings, rule, simulated_limits, on_progress)
     end_reason = rule.ended(fired, settings)
-    aim = None if end_reason else rule.aim(fired, settings)
+    aim = None if end_reason else _aim(rule, fired, settings)
     prior_of_v50 = posterior_of(expectation, (), ())
     posterior_of_v50 = posterior_of(expectation, fired.velocities_m_s, fired.complete)
     prior_estimate, estimate, share, contradictions = learned(prior_of_v50, posterior_of_v50, confidence)
@@ -379,7 +397,7 @@ def plan_shots(
         scatter_percent=scatter_percent,
         scatter_factor=scatter_factor,
         warnings=(
-            *_far_shots(shots, expectation),
+            *_far_shots(shots, expectation, limit),
             *contradictions,
             *(langlie_doubts(fired, settings) if procedure == "langlie" and aim else ()),
             *([NOT_ENDED] if simulate and aim else ()),
@@ -419,10 +437,18 @@ def _simulated(fired: Shots, settings: ShotSettings, rule: Rule, limits: Floats,
     for limit in limits:
         if rule.ended(fired, settings):
             break
-        velocity = aimed(rule.aim(fired, settings).velocity_m_s)
+        velocity = aimed(_aim(rule, fired, settings).velocity_m_s)
         fired = added(fired, velocity, bool(limit < velocity))
         on_progress(1, None)
     return fired
+
+
+def _aim(rule: Rule, fired: Shots, settings: ShotSettings) -> Aim:
+    """Return the next velocity by a rule, no greater than can be fired."""
+    aim, greatest = rule.aim(fired, settings), settings.velocity_max_m_s
+    if aim.velocity_m_s <= greatest:
+        return aim
+    return Aim(greatest, f"{aim.why}; not {aim.velocity_m_s:.1f} m/s, as the greatest velocity is {greatest:g} m/s")
 
 
 def _requirement(
@@ -469,11 +495,14 @@ def _curve(prior: Posterior, posterior: Posterior, fired: Shots) -> PlanCurve:
     return PlanCurve(*(tuple(column.tolist()) for column in columns))
 
 
-def _far_shots(shots: Shots, prior: FiringPrior) -> Iterator[str]:
+def _far_shots(shots: Shots, prior: FiringPrior, limit: LimitResult | None) -> Iterator[str]:
     """Yield a warning of shots whose velocities are far from any V50 that the prior expects."""
     low, high = limits_of(prior, FAR_PROBABILITY)
     margin = FAR_PART * prior.limit_m_s
-    if far := [f"{v:g}" for v in shots.velocities_m_s if not low - margin <= v <= high + margin]:
+    note = feet_note(median(shots.velocities_m_s), limit.ballistic_limit_m_s) if limit and shots.velocities_m_s else ""
+    if note:
+        yield note
+    elif far := [f"{v:g}" for v in shots.velocities_m_s if not low - margin <= v <= high + margin]:
         yield (
             f"shots at {', '.join(far[:5])} m/s are far from the {100.0 * FAR_PROBABILITY:g} % interval of V50 by the "
             f"model, {low:.0f} to {high:.0f} m/s; check their velocities and unit"

@@ -196,7 +196,7 @@ def of_candidates(problem: Problem) -> Problem:
 def candidates_of(scenario: Scenario, choice: Choice, measure: Measure, cost: float | None) -> Candidates:
     """Return the candidates of a choice, checked; they have costs if the choice has, or if a test has a cost."""
     source = choice if isinstance(choice, Grid | Cases) else source_of(choice)
-    file = str(source.path) if isinstance(source, Cases) else "candidates"
+    file = source.file if isinstance(source, Cases) else "candidates"
     count = source.count
     if count > MAX_CANDIDATES:
         raise mistake(file, "", f"must be at most {MAX_CANDIDATES:,} candidates, found {count:,}")

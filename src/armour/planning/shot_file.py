@@ -1,17 +1,19 @@
 """Add a shot to the file of a firing."""
 
+import csv
 import os
-from codecs import BOM_UTF8
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from io import StringIO
 from pathlib import Path
 
 from filelock import FileLock, Timeout
 
-from armour.csv_files import OUTCOMES, PERFORATED, read_csv
+from armour.columns import OUTCOMES, YES_OR_NO, folded, is_yes, perforates
+from armour.csv_files import COUNTS, SEPARATORS, columns_of, open_table, place_of
 from armour.errors import mistake
 from armour.files import reason
-from armour.statistics.v50 import Shots
+from armour.statistics.v50 import Shots, is_of_shots
 
 HEADER = ("shot", "velocity_m_s", "result")
 # Time to wait for other commands that are adding a shot to the same file; each takes a second or two.
@@ -41,43 +43,56 @@ def content_of(path: Path) -> bytes | None:
     return path.read_bytes() if path.exists() else None
 
 
-def with_shot(path: Path, velocity_m_s: float, word: str) -> bytes:
+def with_shot(path: Path, velocity_m_s: float, word: str, where: Mapping[str, str] | None = None) -> bytes:
     """Return the content of a file of shots, which need not exist, with one more shot.
 
-    The row has the columns of the file, and its result is spelt like that of the last shot.  If the row equals another
-    one, all rows get a first column with the name of their shot.
+    The row has the columns, the unit and the marks of the file, and its words are spelt like those of the last shot;
+    ``where`` has the cells of other columns.
     """
     content = content_of(path)
-    lines = [(1, [*HEADER])] if content is None else [*read_csv(path)]
     content = f"{','.join(HEADER)}\n".encode() if content is None else content
-    (_, header), *shots = lines
-    names = [cells[header.index("shot")] for _, cells in shots] if "shot" in header else []
-    word_before = shots[-1][1][header.index("result")] if shots else word
-    texts = {
-        "shot": next_name(names, len(shots)),
-        "velocity_m_s": f"{velocity_m_s:g}" if float(f"{velocity_m_s:g}") == velocity_m_s else repr(velocity_m_s),
-        "result": _spelt(word, word_before),
-    }
-    row = [texts.get(name, "") for name in header]
-    if any(cells == row for _, cells in shots):
-        row = [texts["shot"], *row]
-        content = _named(content, [place for place, _ in lines])
-    end = b"\r\n" if b"\r\n" in content else b"\n"
-    return content + (b"" if content.endswith(b"\n") else end) + ",".join(row).encode() + end
+    source = open_table(path, is_of_shots, content=content)
+    if source.form[:1] not in (["commas"], ["semicolons"], ["tabs"]):
+        raise mistake(path, "", "must be a CSV file for a shot to be added; write it into the workbook")
+    columns, shots = columns_of(source, HEADER), [cells for _, cells in source.lines]
+    row = [""] * len(columns)
+    for place, column in enumerate(columns):
+        cells = [cells[place] for cells in shots]
+        last = next((cell for cell in reversed(cells) if cell), "")
+        if column.known and column.key == "shot":
+            row[place] = next_name(cells, len(shots))
+        elif column.known and column.key == "result":
+            row[place] = _spelt(word, last, column.yes)
+        elif column.known and column.key == COUNTS:
+            row[place] = next(cell for cell in (*reversed(cells), "yes") if is_yes(cell))
+        elif column.known and column.key == "velocity_m_s":
+            has_commas = "," in "".join(cells) or ("semicolons" in source.form and "." not in "".join(cells))
+            row[place] = _number(velocity_m_s, column.factor).replace(".", "," if has_commas else ".")
+    for name, value in (where or {}).items():
+        row[place_of(source, columns, name)] = value
+    utf16 = {b"\xff\xfe": "utf-16-le", b"\xfe\xff": "utf-16-be"}.get(content[:2])
+    encoding = utf16 or ("cp1252" if "Windows-1252" in source.form else "utf-8")
+    end = "\r\n" if "\r\n".encode(encoding) in content else "\n"
+    separator = next(mark for mark, name in SEPARATORS.items() if name in source.form)
+    line = StringIO()
+    csv.writer(line, delimiter=separator, lineterminator=end).writerow(row)
+    begun = "" if content.endswith("\n".encode(encoding)) else end
+    return content + (begun + line.getvalue()).encode(encoding)
 
 
-def _named(content: bytes, places: Sequence[int]) -> bytes:
-    """Return the content of a file with a first column of shots, numbered from 1, in the lines at some places."""
-    lines = content.removeprefix(BOM_UTF8).splitlines(keepends=True)
-    for name, place in enumerate(places):
-        lines[place - 1] = f"{name or 'shot'},".encode() + lines[place - 1]
-    return (BOM_UTF8 if content.startswith(BOM_UTF8) else b"") + b"".join(lines)
+def _number(velocity_m_s: float, factor: float) -> str:
+    """Return a velocity in the unit of a column: exactly in m/s, and with nine digits in another unit."""
+    value = velocity_m_s / factor
+    return f"{value:.9g}" if factor != 1.0 else f"{value:g}" if float(f"{value:g}") == value else repr(value)
 
 
-def _spelt(word: str, example: str) -> str:
+def _spelt(word: str, example: str, yes: bool | None) -> str:
     """Return a word for a result from the pair to which an example belongs, capitalised like the example."""
-    pair = next(pair for pair in OUTCOMES if example.lower() in pair)
-    word = pair[PERFORATED[word.lower()]]
+    is_second = bool(perforates(word))
+    pairs: Sequence[tuple[str, str]] = OUTCOMES
+    if yes is not None and is_yes(example) is not None:
+        pairs, is_second = YES_OR_NO, is_second == yes
+    word = next((pair for pair in pairs if folded(example) in map(folded, pair)), (word, word))[is_second]
     return word.upper() if example.isupper() else word.capitalize() if example.istitle() else word
 
 

@@ -4,6 +4,7 @@ from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from itertools import chain
+from statistics import median
 from typing import Any, Literal
 
 import numpy as np
@@ -11,7 +12,7 @@ from scipy.special import ndtri, stdtrit
 
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
-from armour.analysis.variants import Bools, Floats, outside_limits
+from armour.analysis.variants import Bools, Floats, ballistic_limits, outside_limits
 from armour.errors import InputError, joined, mistake
 from armour.evidence.fit import LEAST_REST
 from armour.evidence.tests import FALSE_ALARMS, own_evidence
@@ -32,6 +33,7 @@ from armour.statistics.likelihood import (
 )
 from armour.statistics.measured import LIMIT, ORIGINS, SERIES, Tests, common_of, subject_of, with_scatter
 from armour.statistics.own_tests import NOTHING_OF_ERROR, OwnTest, own_tests, predicted_tests, repeated
+from armour.units import feet_note
 
 Law = Literal["constant", "ceramic", "backing", "product", "linear"]
 # Keys of the ceramic that each law fits.
@@ -330,7 +332,7 @@ def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str
     elif {name.partition(".")[0] for name in inputs} != {"projectile"}:
         notes = [f"of the entry, {NOTHING_OF_ERROR}"]
     apart = (*_out_of_line(tests, result, doubtful), *_split(tests, result.residuals))
-    return replace(result, warnings=(*implausible, *apart, *result.warnings, *notes))
+    return replace(result, warnings=(*_in_feet(tests), *implausible, *apart, *result.warnings, *notes))
 
 
 def under_law(tests: Tests, inputs: Sequence[str], law: Law | None) -> tuple[Tests, list[str]]:
@@ -501,6 +503,16 @@ def _line(tests: Tests, place: int) -> str:
     test = tests.measurements[place].test
     line, name = tests.places[test], tests.names[test]
     return line if name == line else f"{line} ({name})"
+
+
+def _in_feet(tests: Tests) -> Iterator[str]:
+    """Yield a warning if the limits and velocities measured are unlike those of the model by the factor of ft/s."""
+    measured = [m.value for m in tests.measurements if m.quantity == LIMIT]
+    if not measured:
+        return
+    computed = float(np.median(np.concatenate([ballistic_limits(group.variants()) for group in tests.groups])))
+    if np.isfinite(computed) and (note := feet_note(median(measured), computed)):
+        yield note
 
 
 def _outside_limits(tests: Tests) -> Iterator[str]:

@@ -40,6 +40,12 @@ SLOPES, STEEP = np.geomspace(1e-6, 5e3, 81), 2.0**20
 BEYOND, INTERCEPTS = 8.0, 61
 # Repetitions of a search between the neighbours of the likeliest point, and the points of each.
 NARROWINGS, NODES = 4, 21
+# More shots than MANY are condensed in cells: first in FIRST_CELLS of equally many shots, then in cells as wide as
+# FINENESS of the scatter near V50, and wider far from it.  The NEAREST shots of each kind to the other one are kept.
+MANY, FIRST_CELLS, FINENESS, NEAREST = 250, 40, 0.2, 20
+# In the penalty no shot counts as farther than FAR widths of the velocities from them, without every OUTER-th at either
+# end: the information of a curve that is nearly flat grows with such a distance, about which the shot says nothing.
+FAR, OUTER = 2.0, 8
 
 
 @dataclass(frozen=True)
@@ -148,31 +154,63 @@ class ShotLikelihood:
             )
         velocities = np.array([*partial, *complete])
         self.mean, self.deviation = float(velocities.mean()), float(velocities.std())
-        self.x = x = (velocities - self.mean) / self.deviation
-        self.signs = np.repeat([-1.0, 1.0], [len(partial), len(complete)])
+        x = (velocities - self.mean) / self.deviation
+        signs = np.repeat([-1.0, 1.0], [len(partial), len(complete)])
+        self.x, self.signs, self.counts = x, signs, np.ones(len(x))
         self.link, self.penalised = link, penalised
         # For any slope, V50 is near a shot or between two neighbours.
         ordered = np.unique(x)
         between = ordered[:-1] + np.array([[0.25], [0.5], [0.75]]) * np.diff(ordered)
-        lowest, highest = float(x[self.signs < 0.0].max()), float(x[self.signs > 0.0].min())
+        lowest, highest = float(x[signs < 0.0].max()), float(x[signs > 0.0].min())
         self.middle, self.separated = 0.5 * (lowest + highest), lowest <= highest and not penalised
         # A search looks between any two of few shots: their penalised likelihood can have several maxima along a line.
         self.places = np.append(ordered, between) if len(x) <= 60 else np.array([self.middle])
-        self.flat = self.with_slope(0.0)  # the maximum at a constant probability
+        low, high = np.sort(x)[[len(x) // OUTER, -1 - len(x) // OUTER]]
+        self.nearby = low - FAR * (high - low), high + FAR * (high - low)
+        if len(x) > MANY:
+            self._condense(x, signs, np.quantile(x, np.linspace(0.0, 1.0, FIRST_CELLS + 1)[1:-1]))
         if self.separated:
             # Any velocity in the gap is as likely, and any probability at a velocity that both kinds share.
-            share = (self.signs[x == lowest] > 0.0).mean() if lowest == highest else 0.5
+            share = (signs[x == lowest] > 0.0).mean() if lowest == highest else 0.5
             self.mode = self._curve(np.array([QUANTILES[link](share) - STEEP * self.middle, STEEP]))
         else:
-            starts = np.vstack([_of_slope(self._intercepts(slope), slope) for slope in SLOPES])
-            start = starts[self._values(starts).argmax()]
-            simplex = start + np.array([[0.0, 0.0], [0.1, 0.0], [0.0, 0.1 * max(start[1], 0.1)]])
-            options: Any = {"initial_simplex": simplex, "xatol": 1e-9, "fatol": 1e-13}
-            self.mode = self._curve(minimize(self._lost, start, method="Nelder-Mead", options=options).x)
+            self.mode = self._likeliest()
+            if len(x) > MANY and self.mode.slope > 0.0:
+                intercept, slope, _ = self.mode
+                first, last = np.arcsinh(intercept + slope * ordered[[0, -1]])
+                self._condense(x, signs, (np.sinh(np.arange(first, last, FINENESS)) - intercept) / slope)
+                self.mode = self._likeliest()
+        self.flat = self.with_slope(0.0)  # the maximum at a constant probability
+
+    def _condense(self, x: Floats, signs: Floats, edges: Floats) -> None:
+        """Let two points stand for the shots of a kind in a cell, with the same mean, variance and third moment."""
+        parts = []
+        for sign in (-1.0, 1.0):
+            ordered = sign * np.sort(sign * x[signs == sign])  # those nearest to the other kind come first
+            near, far = ordered[:NEAREST], ordered[NEAREST:]
+            _, cells, counts = np.unique(np.searchsorted(edges, far), return_inverse=True, return_counts=True)
+            means = np.bincount(cells, far) / counts
+            deviations = np.sqrt(np.bincount(cells, (far - means[cells]) ** 2) / counts) + 1e-12
+            skew = 0.5 * np.bincount(cells, ((far - means[cells]) / deviations[cells]) ** 3) / counts
+            root = np.sqrt(1.0 + skew**2)
+            places = np.concatenate([near, means + deviations * (skew - root), means + deviations * (skew + root)])
+            shares = 0.5 + 0.5 * np.array([skew, -skew]) / root
+            weights = np.concatenate([np.ones(len(near)), *(shares * counts)])
+            parts.append((places, np.full(len(places), sign), weights))
+        self.x, self.signs, self.counts = (np.concatenate(columns) for columns in zip(*parts, strict=True))
+
+    def _likeliest(self) -> Curve:
+        """Return the maximum over all curves."""
+        lines = (_of_slope(self._intercepts(slope), slope) for slope in SLOPES)
+        bests = ((values.max(), *points[values.argmax()]) for points in lines for values in [self._values(points)])
+        start = np.array(max(bests)[1:])
+        simplex = start + np.array([[0.0, 0.0], [0.1, 0.0], [0.0, 0.1 * max(start[1], 0.1)]])
+        options: Any = {"initial_simplex": simplex, "xatol": 1e-9, "fatol": 1e-13}
+        return self._curve(minimize(self._lost, start, method="Nelder-Mead", options=options).x)
 
     def log_likelihoods(self, z: Floats) -> Floats:
         """Return the logarithms of the likelihoods of the shots, (n,), by arguments of F, (m, n) -> (m,)."""
-        return LOG_CDFS[self.link](self.signs * z).sum(axis=1)
+        return (self.counts * LOG_CDFS[self.link](self.signs * z)).sum(axis=1)
 
     def _values(self, points: Floats) -> Floats:
         """Return the logarithms of the likelihoods, with the penalty, at intercepts and slopes, (m, 2) -> (m,)."""
@@ -181,12 +219,13 @@ class ShotLikelihood:
         if self.penalised:
             # The Fisher information of the shots, relative to the greatest and about their centre, keeps the
             # determinant exact for curves however steep.
-            log_weights = LOG_INFORMATION[self.link](z)
+            x = self.x if self.nearby[0] == self.nearby[1] else self.x.clip(*self.nearby)
+            log_weights = LOG_INFORMATION[self.link](points[:, :1] + points[:, 1:] * x)
             greatest = log_weights.max(axis=1)
-            weights = np.exp(log_weights - greatest[:, None])
+            weights = self.counts * np.exp(log_weights - greatest[:, None])
             total = weights.sum(axis=1)
-            centre = weights @ self.x / total
-            determinants = total * (weights * (self.x - centre[:, None]) ** 2).sum(axis=1)
+            centre = weights @ x / total
+            determinants = total * (weights * (x - centre[:, None]) ** 2).sum(axis=1)
             values = values + greatest + 0.5 * np.log(np.maximum(determinants, 1e-200))
         return values
 
@@ -243,11 +282,37 @@ class ShotLikelihood:
         estimate = (z - self.mode.intercept) / self.mode.slope
         return self.bound(lambda location: self.with_value(z, location), estimate, direction, root)
 
-    def chance_below(self, velocity_m_s: float) -> float:
-        """Return 1 minus the confidence of the one-sided lower bound of V50 that lies at a velocity."""
+    def velocity_interval(self, z: float, confidence: float) -> Interval:
+        """Return the interval of the velocity at which the argument of F has a value, m/s."""
+        root = float(ndtri(0.5 + 0.5 * confidence))
+        low, high = (bounded(self.mean + self.deviation * self.quantile_end(z, side, root)) for side in (-1.0, 1.0))
+        return low, high
+
+    def lower_bound(self, z: float, confidence: float) -> float | None:
+        """Return the one-sided lower bound of the velocity at which the argument of F has a value, m/s."""
+        return bounded(self.mean + self.deviation * self.quantile_end(z, -1.0, float(ndtri(confidence))))
+
+    def probability_interval(self, velocity_m_s: float, confidence: float) -> tuple[float, float]:
+        """Return the interval of the probability of complete penetration at a velocity, m/s."""
+        x, root = (velocity_m_s - self.mean) / self.deviation, float(ndtri(0.5 + 0.5 * confidence))
+        low, high = (float(CDFS[self.link](end)) for end in self.argument_interval(x, root))
+        return low, high
+
+    def chance_below(self, z: float, velocity_m_s: float) -> float:
+        """Return 1 minus the confidence of the lower bound, of a velocity as of `lower_bound`, that lies at another."""
         x = (velocity_m_s - self.mean) / self.deviation
-        deviance = 2.0 * max(self.mode.value - self.with_value(0.0, x).value, 0.0)
-        return float(ndtr(copysign(sqrt(deviance), x + self.mode.intercept / self.mode.slope)))
+        deviance = 2.0 * max(self.mode.value - self.with_value(z, x).value, 0.0)
+        return float(ndtr(copysign(sqrt(deviance), x - (z - self.mode.intercept) / self.mode.slope)))
+
+    def deviances(self, v50_m_s: Floats, scale_m_s: Floats) -> Floats:
+        """Return the deviances of curves, (m,)."""
+        values = self._values(np.column_stack([(self.mean - v50_m_s) / scale_m_s, self.deviation / scale_m_s]))
+        return 2.0 * (self.mode.value - values)
+
+    @property
+    def flat_deviance(self) -> float:
+        """Deviance of a constant probability: the interval of V50 is bounded if it exceeds that of its ends."""
+        return 2.0 * (self.mode.value - self.flat.value)
 
     def scale_interval(self, root: float) -> tuple[float, float]:
         """Return the ends of the interval of the scale, the inverse of the slope."""
@@ -277,36 +342,31 @@ def fit_curve(
 
     None if the penalised likelihood is greatest for a curve that does not rise, or whose V50 is not positive.
     """
-    shots = ShotLikelihood(partial, complete, link, penalised=penalised)
-    (a, b, _), mean, deviation, z = shots.mode, shots.mean, shots.deviation, Z95[link]
-    two_sided, one_sided = float(ndtri(0.5 + 0.5 * confidence)), float(ndtri(confidence))
-    v50 = mean + deviation * (shots.middle if shots.separated else -a / b)
+    return curve_of(ShotLikelihood(partial, complete, link, penalised=penalised), confidence)
+
+
+def curve_of(shots: ShotLikelihood, confidence: float) -> FittedCurve | None:
+    """Return the likeliest curve as `fit_curve` does."""
+    (a, b, _), mean, deviation, z = shots.mode, shots.mean, shots.deviation, Z95[shots.link]
+    penalised, v50 = shots.penalised, mean + deviation * (shots.middle if shots.separated else -a / b)
     if penalised and (b <= 0.0 or v50 <= 0.0):
         return None
     scale = 0.0 if shots.separated else deviation / b
-
-    def interval(z: float) -> Interval:
-        low, high = (bounded(mean + deviation * shots.quantile_end(z, side, two_sided)) for side in (-1.0, 1.0))
-        return low, high
-
-    def lower(z: float) -> float | None:
-        return bounded(mean + deviation * shots.quantile_end(z, -1.0, one_sided)) if penalised else None
-
-    narrowest, widest = shots.scale_interval(two_sided)
+    narrowest, widest = shots.scale_interval(float(ndtri(0.5 + 0.5 * confidence)))
     return FittedCurve(
-        curve=link,
+        curve=shots.link,
         v50_m_s=v50,
-        v50_interval_m_s=interval(0.0),
+        v50_interval_m_s=shots.velocity_interval(0.0, confidence),
         scale_m_s=scale,
         scale_interval_m_s=(deviation * narrowest, bounded(deviation * widest)),
         log_likelihood=float(shots.log_likelihoods((a + b * shots.x)[None])[0]),
         v05_m_s=bounded(v50 - z * scale) if scale else None,
         v95_m_s=bounded(v50 + z * scale) if scale else None,
         method="penalised likelihood" if penalised else "maximum likelihood",
-        v05_interval_m_s=interval(-z) if penalised else None,
-        v95_interval_m_s=interval(z) if penalised else None,
-        v50_lower_m_s=lower(0.0),
-        v05_lower_m_s=lower(-z),
+        v05_interval_m_s=shots.velocity_interval(-z, confidence) if penalised else None,
+        v95_interval_m_s=shots.velocity_interval(z, confidence) if penalised else None,
+        v50_lower_m_s=shots.lower_bound(0.0, confidence) if penalised else None,
+        v05_lower_m_s=shots.lower_bound(-z, confidence) if penalised else None,
     )
 
 

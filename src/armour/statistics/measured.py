@@ -2,15 +2,16 @@
 
 import re
 from collections import Counter
-from collections.abc import Container, Iterable, Mapping, Sequence
-from itertools import chain, islice
+from collections.abc import Container, Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from armour.analysis.variants import Floats, Ints, Variants, variants_of
-from armour.csv_files import MAX_ROWS, MUST_SAY, PERFORATED, CsvRow, Line, in_line_order, lines_of, read_rows
-from armour.errors import InputError, Problem, counted, mistake, refuse
+from armour.columns import column_of, perforates
+from armour.csv_files import MUST_SAY, CsvRow, Source, TableRead, check_one_target, in_line_order, open_table, read_rows
+from armour.errors import InputError, Problem, counted, refuse
 from armour.scenario.checked import Names, Table, checked
 from armour.scenario.inputs import INPUTS, NAMES, ROLES, VELOCITY
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
@@ -27,6 +28,8 @@ SERIES = ("laboratory", "series")
 ORIGINS = (*SERIES, "date")
 # A limit that is only known to lie on one side of a velocity.
 BOUND = re.compile(r"(?:(>=?|≥|above|at least)|(<=?|≤|below|at most)) *(.+)")
+# Columns of numbers.
+NUMBERS = (*INPUTS, *MEASURED, *MEASURED.values())
 # Columns of most tables, in words.
 USUAL = f"{', '.join((*MEASURED, OUTCOME))}, test, armour.ceramic_thickness_mm and other keys of a scenario"
 # Range of measurements and of uncertainties, in any unit.
@@ -74,6 +77,8 @@ class Tests(NamedTuple):
         Inputs that the tests have in common.
     places : tuple of str
         Lines of the tests in the file.
+    read : TableRead or None
+        How the file was read.
     """
 
     file: str
@@ -84,6 +89,7 @@ class Tests(NamedTuple):
     cells: tuple[Mapping[str, float | str], ...]
     scenario: Scenario
     places: tuple[str, ...]
+    read: TableRead | None = None
 
     def __repr__(self) -> str:
         tests, measurements = counted(len(self.names), "test"), counted(len(self.measurements), "measurement")
@@ -114,7 +120,14 @@ def common_of(scenario: Scenario) -> dict[str, object]:
 
 
 @checked
-def read_tests(path: Table, scenario: Scenario, notes: Names = ()) -> Tests:
+def read_tests(
+    path: Table,
+    scenario: Scenario,
+    notes: Names = (),
+    *,
+    where: Mapping[str, str] | None = None,
+    sheet: str | None = None,
+) -> Tests:
     """Read a table of tests: inputs that differ from test to test, and measurements.
 
     Parameters
@@ -123,12 +136,17 @@ def read_tests(path: Table, scenario: Scenario, notes: Names = ()) -> Tests:
         CSV file or the name of a shipped table, such as ``"tests/wilkins"``; or the rows themselves, each a
         mapping by column, or a data frame of pandas or polars, where None and NaN are empty cells.
         Its columns are inputs of the scenario, names of projectiles and materials, measured quantities and their
-        uncertainties, ``outcome``, ``test``, the name of the test, and ``laboratory``, ``series`` and ``date``.  A
-        limit that is "above 950" or "below 900" is the outcome of a shot at this velocity.
+        uncertainties, ``outcome``, ``test``, the name of the test, and ``laboratory``, ``series`` and ``date``; the
+        page "Tables" has other names for them.  A limit that is "above 950" or "below 900" is the outcome of a shot at
+        this velocity.  A table of shots, as `read_shots` reads it, has outcomes of the scenario's armour.
     scenario : Scenario
         Inputs that the tests have in common.
     notes : str or sequence of str, optional
         Further columns to keep as text.
+    where : mapping of str to str, optional
+        Columns, such as ``panel``, and the values of the rows to read; others are left out.
+    sheet : str, optional
+        Sheet of a workbook, by default the first.
 
     Returns
     -------
@@ -148,15 +166,10 @@ def read_tests(path: Table, scenario: Scenario, notes: Names = ()) -> Tests:
     <Tests: 1 test of rows, 1 measurement>
     """
     notes = tuple(notes)
-    numbers = (*INPUTS, *MEASURED, *MEASURED.values())
-    file, lines = lines_of(path)
-    first = list(islice(lines, 1))
-    if first and {"velocity_m_s", "result"} <= {*first[0][1]}:
-        message = "must be a table of tests, found shots (velocity_m_s and result); armour v50 estimates V50 from them"
-        raise mistake(file, "", message)
     texts = ("test", OUTCOME, *NAMES.values(), *ORIGINS, *notes)
-    table = with_bounds(chain(first, islice(lines, MAX_ROWS + 1)))
-    rows, problems = read_rows(file, table, numbers=numbers, texts=texts, needed=(), usual=USUAL)
+    source = with_bounds(open_table(path, lambda name: column_of(name, (*NUMBERS, *texts)).known, sheet))
+    table = read_rows(source, numbers=NUMBERS, texts=texts, needed=(), noun="test", usual=USUAL, where=where)
+    file, rows, problems = table.file, table.rows, table.problems
     names = tuple(row.texts.get("test", row.place) for row in rows)
     repeated_names = {name for name, count in Counter(names).items() if count > 1}
     for row in rows:
@@ -169,33 +182,34 @@ def read_tests(path: Table, scenario: Scenario, notes: Names = ()) -> Tests:
         problems.append(Problem(file, "", message))
     groups, group_problems = _groups(rows, scenario, file)
     refuse(in_line_order([*problems, *group_problems]))
+    if all(LIMIT not in row.texts and OUTCOME in row.texts for row in rows):
+        check_one_target(table, [perforates(row.texts[OUTCOME]) for row in rows])
     cells: list[dict[str, float | str]] = [{**row.texts, **row.numbers} for row in rows]
     places = tuple(row.place for row in rows)
-    return Tests(file, names, tuple(groups), tuple(measurements), weighted == {True}, tuple(cells), scenario, places)
+    is_weighted = weighted == {True}
+    return Tests(file, names, (*groups,), (*measurements,), is_weighted, (*cells,), scenario, places, table.read)
 
 
-def with_bounds(lines: Iterable[Line]) -> list[Line]:
-    """Return the lines of a table with each limit that is only known to be above or below a velocity as an outcome."""
-    table = list(lines)
-    header = table[0][1] if table else []
+def with_bounds(source: Source) -> Source:
+    """Return a table with each limit that is only known to be above or below a velocity as an outcome there."""
+    header = [*source.header]
+    if LIMIT not in header:
+        return source
+    lines, place = list(source.lines), header.index(LIMIT)
     bounds = {
-        place: bound
-        for place, cells in table[1:]
-        if len(cells) == len(header)
-        for name, cell in zip(header, cells, strict=True)
-        if name == LIMIT and (bound := BOUND.fullmatch(cell.lower()))
+        line: bound
+        for line, cells in lines
+        if len(cells) == len(header) and (bound := BOUND.fullmatch(cells[place].lower()))
     }
-    if not bounds:
-        return table
-    columns = [*header, *(name for name in (VELOCITY, OUTCOME) if name not in header)]
-    found = [("header", columns)]
-    for place, cells in table[1:]:
+    columns = [*header, *(name for name in (VELOCITY, OUTCOME) if name not in header)] if bounds else header
+    found = []
+    for line, cells in lines:
         row = dict(zip(header, cells, strict=False))
-        if place in bounds and not row.get(VELOCITY) and not row.get(OUTCOME):
-            above, _, velocity = bounds[place].groups()
+        if line in bounds and not row.get(VELOCITY) and not row.get(OUTCOME):
+            above, _, velocity = bounds[line].groups()
             row |= {LIMIT: "", VELOCITY: velocity, OUTCOME: "stopped" if above else "perforated"}
-        found.append((place, [row.get(name, "") for name in columns] if len(cells) == len(header) else cells))
-    return found
+        found.append((line, [row.get(name, "") for name in columns] if len(cells) == len(header) else cells))
+    return replace(source, header=columns, lines=iter(found))
 
 
 def series_of(tests: Tests, test: int) -> tuple[str, ...]:
@@ -207,17 +221,17 @@ def _mistakes(row: CsvRow, repeated_names: Container[str]) -> list[tuple[str, st
     """Return the mistakes in a row as columns and messages, given the names that several tests have."""
     mistakes = []
     name, outcome = row.texts.get("test"), row.texts.get(OUTCOME)
-    perforated = None if outcome is None else PERFORATED.get(outcome.lower())
+    is_perforated = None if outcome is None else perforates(outcome)
     if name is not None and name in repeated_names:
         mistakes.append(("test", f'must name one test, found "{name}" on several lines'))
     if outcome is None and not any(column in row.texts for column in MEASURED):
         mistakes.append(("", f"must have one of {', '.join((*MEASURED, OUTCOME))}; leave out a test that was not made"))
-    if outcome is not None and perforated is None:
+    if outcome is not None and is_perforated is None:
         mistakes.append((OUTCOME, f'{MUST_SAY}, found "{outcome}"'))
-    if perforated is False and RESIDUAL in row.texts:
+    if is_perforated is False and RESIDUAL in row.texts:
         mistakes.append((OUTCOME, f"must not be {outcome} if there is a residual velocity"))
     limit, velocity = row.numbers.get(LIMIT), row.numbers.get(VELOCITY)
-    if perforated is not None and limit is not None and velocity is not None and (velocity > limit) != perforated:
+    if is_perforated is not None and limit and velocity is not None and (velocity > limit) != is_perforated:
         message = f"must agree with the ballistic limit in its row, found {outcome} at {velocity:g} m/s"
         mistakes.append((OUTCOME, message))
     if outcome is not None and VELOCITY not in row.texts:
@@ -238,10 +252,10 @@ def _measurements(test: int, row: CsvRow) -> list[Measurement]:
         for name, uncertainty in MEASURED.items()
         if name in row.numbers
     ]
-    perforated = PERFORATED.get(row.texts.get(OUTCOME, "").lower())
-    if perforated is not None and VELOCITY in row.numbers and not measurements:
+    is_perforated = perforates(row.texts.get(OUTCOME, ""))
+    if is_perforated is not None and VELOCITY in row.numbers and not measurements:
         uncertainty = row.numbers.get(MEASURED[LIMIT])
-        measurements.append(Measurement(test, LIMIT, row.numbers[VELOCITY], uncertainty, -1 if perforated else 1))
+        measurements.append(Measurement(test, LIMIT, row.numbers[VELOCITY], uncertainty, -1 if is_perforated else 1))
     return measurements
 
 

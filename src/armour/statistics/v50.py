@@ -1,26 +1,46 @@
 """V50 from firing results: the mean of MIL-STD-662F [DoD1997], maximum likelihood and penalised likelihood."""
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from itertools import chain, islice
-from math import inf
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from math import comb, inf
 from numbers import Real
 from pathlib import Path
 from statistics import median
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import Field
 
 from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
 from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
-from armour.csv_files import MUST_SAY, PERFORATED, in_line_order, lines_of, read_rows
-from armour.errors import Problem, counted, mistake, refuse, suggestion
+from armour.columns import GROUPS, column_of, perforates
+from armour.csv_files import (
+    MUST_SAY,
+    Source,
+    TableRead,
+    check_one_target,
+    in_line_order,
+    open_table,
+    read_rows,
+    targets_of,
+)
+from armour.errors import Problem, counted, mistake, refuse
 from armour.scenario.checked import Table, checked
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
-from armour.statistics.curves import CDFS, FittedCurve, ShotLikelihood, fit_curve, has_curve
+from armour.statistics.curves import (
+    CDFS,
+    QUANTILES,
+    FittedCurve,
+    Interval,
+    ShotLikelihood,
+    bounded,
+    curve_of,
+    has_curve,
+    penalised_band,
+)
 from armour.statistics.posterior import FiringEstimate, FiringPrior, learned, no_prior, posterior_of
-from armour.units import key_hint
+from armour.units import feet_note
 
 # Number of shots of each kind in the mean, and the span of their velocities that is usual with it, m/s: 125, 90 and
 # 60 ft/s.  MIL-STD-662F leaves the span to the specification.
@@ -28,14 +48,24 @@ SPANS_M_S = {5: 38.1, 3: 27.4, 2: 18.3}
 SpanRule = Literal["usual span", "given span", "no usual rule"]
 # Lower confidence levels to try if the interval at the requested one is not bounded.
 LOWER_LEVELS = (0.9, 0.8, 0.5)
+# Velocities of a further shot that are tried, from the range of the shots below them to as much above.
+FURTHER = 19
+# Velocities of a curve with its band.
+BAND_POINTS = 201
 Decision = Literal["met", "not met", "not decided", ""]
 # Range of velocities, m/s; it catches values in a wrong unit.
 MIN_VELOCITY_M_S, MAX_VELOCITY_M_S = 10.0, 1e4
 Velocity = Annotated[float, Field(ge=MIN_VELOCITY_M_S, le=MAX_VELOCITY_M_S)]
+# Columns of a table of shots, by any of which it is recognised.
+KEYS = ("velocity_m_s", "result")
+SHOT_COLUMNS = ("shot", "velocity_m_s", "result", "perforated", "stopped", "counts", *GROUPS)
+Fraction = Annotated[float, Field(ge=0.001, le=0.999)]
 # Rounding error of a risk.
 ROUNDING = 1e-12
 # Factor between a velocity and the median of the shots from which on it is probably a mistake.
 FAR_FACTOR = 2.0
+# Orders of the results from which on the one with all complete penetrations below the partial ones is no chance.
+SWAPPED = 20
 
 
 @dataclass(frozen=True)
@@ -52,12 +82,16 @@ class Shots:
         Name of their file, for messages and titles.
     names : sequence of str
         Their names, if they have any.
+    read : TableRead or None
+        How they were read from a table: in ``words``, and whether it was ``plain``, with nothing converted or left out;
+        the places of rows ``left_out``, columns ``ignored``, and the ``sha256`` of the file, or of the rows given.
     """
 
     velocities_m_s: Sequence[float]
     complete: Sequence[bool]
     file: str = "shots"
     names: Sequence[str] = ()
+    read: TableRead | None = field(default=None, compare=False)
 
     def of(self, *, complete: bool) -> list[float]:
         """Return the velocities of the complete or of the partial penetrations, m/s, in ascending order."""
@@ -88,6 +122,35 @@ class MeanV50:
     span_m_s: float
     span_allowed_m_s: float
     rule: SpanRule
+
+
+@dataclass(frozen=True)
+class ProbabilityAt:
+    """Probability of complete penetration at a velocity, by the recommended curve."""
+
+    velocity_m_s: float
+    probability: float
+    interval: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class VelocityOf:
+    """Velocity at which a fraction of the shots perforates, by the recommended curve; None where not bounded."""
+
+    fraction: float
+    velocity_m_s: float | None
+    interval_m_s: Interval
+    lower_m_s: float | None
+
+
+@dataclass(frozen=True)
+class FurtherShot:
+    """The one further result that would bound V50 best."""
+
+    velocity_m_s: float
+    complete: bool
+    confidence: float | None
+    interval_m_s: tuple[float, float] | None
 
 
 @dataclass(frozen=True, repr=False)
@@ -134,14 +197,29 @@ class FiringResult(TableResult):
         bounded; None if none is.
     bounded_interval_m_s : tuple of float or None
         This interval, m/s.
+    extrapolated : bool
+        Whether V50 by the recommended curve lies beyond all shots and none of these intervals is bounded.
+    further : FurtherShot or None
+        The one further result that would bound V50 best, where the shots do not bound it at the confidence level:
+        ``velocity_m_s``, whether ``complete``, and the ``interval_m_s`` of V50 with it, at the greatest of these levels
+        at which it is bounded, its ``confidence``; None for both if there is none.
+    at : ProbabilityAt or None
+        At a ``velocity_m_s`` asked for, the ``probability`` of complete penetration and its ``interval``.
+    velocity_of : VelocityOf or None
+        For a ``fraction`` asked for, the ``velocity_m_s`` at which it perforates, its ``interval_m_s`` and its
+        one-sided lower bound, ``lower_m_s``.
     requirement_m_s : float or None
-        Required V50, m/s.
+        Required velocity, m/s.
+    requirement_fraction : float
+        Fraction of shots that may perforate at the required velocity.
     decision : {"met", "not met", "not decided", ""}
         Whether the requirement is met, by the shots alone; empty without one.
     consumers_risk, producers_risk : float or None
         Risk of accepting armour that does not meet the requirement, and of rejecting armour that does, by these shots:
         1 minus the confidence of the one-sided bounds that lie at it.  It is decided once one is at most 1 minus the
         confidence asked for.  None if no curve is recommended.
+    fired : Shots
+        The shots, and how they were read.
     """
 
     shots: int
@@ -163,15 +241,56 @@ class FiringResult(TableResult):
     zone_of_mixed_results_m_s: float | None = None
     bounded_confidence: float | None = None
     bounded_interval_m_s: tuple[float, float] | None = None
+    extrapolated: bool = False
+    further: FurtherShot | None = None
+    at: ProbabilityAt | None = None
+    velocity_of: VelocityOf | None = None
     requirement_m_s: float | None = None
+    requirement_fraction: float = 0.5
     decision: Decision = ""
     consumers_risk: float | None = None
     producers_risk: float | None = None
+    fired: Shots | None = None
+
+    def band(self, velocities_m_s: Sequence[float] | None = None) -> list[dict[str, Any]]:
+        """Return the recommended curve with its pointwise confidence band, as rows.
+
+        Parameters
+        ----------
+        velocities_m_s : sequence of float, optional
+            In ascending order; by default 201 from the shots and half their range to either side.
+
+        Returns
+        -------
+        list of dict
+            With ``velocity_m_s``, ``probability`` of complete penetration and its ``probability_interval``.
+
+        Raises
+        ------
+        InputError
+            If no curve is recommended.
+        """
+        shots: Shots = self.question["shots"]
+        if (curve := self.recommended) is None:
+            raise mistake(shots.file, "", "must have a recommended curve for a band, and these shots have none")
+        if velocities_m_s is None:
+            slowest, fastest = min(shots.velocities_m_s), max(shots.velocities_m_s)
+            margin = 0.5 * (fastest - slowest)
+            ends = max(slowest - margin, MIN_VELOCITY_M_S), fastest + margin
+            velocities_m_s = np.linspace(*ends, BAND_POINTS).tolist()
+        partial, complete = shots.of(complete=False), shots.of(complete=True)
+        low, high = penalised_band(partial, complete, curve.curve, velocities_m_s, self.confidence)
+        return [
+            {"velocity_m_s": velocity, "probability": curve.probability(velocity), "probability_interval": ends}
+            for velocity, *ends in zip(velocities_m_s, low.tolist(), high.tolist(), strict=True)
+        ]
 
     def _words(self) -> str:
         if self.posterior is not None:
             return f"V50 {self.posterior.v50_m_s:.1f} m/s by the posterior, {counted(self.shots, 'shot')}"
         fit = self.recommended or self.fits[0]
+        if self.extrapolated:
+            return f"V50 not bounded by {counted(self.shots, 'shot')}"
         return f"V50 {fit.v50_m_s:.1f} m/s by {fit.method}, {counted(self.shots, 'shot')}"
 
     def _columns(self) -> dict[str, Any]:
@@ -179,19 +298,30 @@ class FiringResult(TableResult):
 
 
 @checked
-def read_shots(path: Table, *, one_kind: bool = False) -> Shots:
+def read_shots(
+    path: Table,
+    *,
+    one_kind: bool = False,
+    where: Mapping[str, str] | None = None,
+    sheet: str | None = None,
+) -> Shots:
     """Read firing results.
 
     Parameters
     ----------
-    path : path-like, sequence of mappings or data frame
-        CSV file or the name of a shipped one, ``"tests/shots"``; or the rows themselves, each a mapping by column, or a
-        data frame of pandas or polars.
+    path : path-like, sequence of mappings, mapping of columns or data frame
+        CSV file, workbook (.xlsx) or the name of a shipped table, ``"tests/shots"``; or the rows themselves, each a
+        mapping by column, columns by name, or a data frame of pandas or polars.
         Its columns are ``velocity_m_s``, ``result`` ("partial" or "complete", "stopped" or "perforated", P or C,
-        PP or CP, no or yes, in letters of any case) and, optionally, ``shot``.
-        Other columns are ignored, but one that looks like a misspelling of these is an error.
+        PP or CP, no or yes, in letters of any case), optionally ``shot`` and ``counts`` (yes or no); the page "Tables"
+        has other names and units.  Other columns are ignored, but one like a misspelling of these is an error.
     one_kind : bool
         Whether all penetrations may be partial, or all complete, which is enough for a plan and for a posterior.
+    where : mapping of str to str, optional
+        Columns, such as ``panel``, and the values of the rows to read; others are left out.  It must be given if a
+        column of panels, targets, plates, laboratories or lots divides the shots into several firings.
+    sheet : str, optional
+        Sheet of a workbook, by default the first.
 
     Returns
     -------
@@ -202,24 +332,27 @@ def read_shots(path: Table, *, one_kind: bool = False) -> Shots:
     InputError
         With every mistake in the file.
     """
-    names = ("velocity_m_s", "result")
-    file, lines = lines_of(path)
-    first = list(islice(lines, 1))
-    header = first[0][1] if first else []
-    if {"ballistic_limit_m_s", "impact.velocity_m_s"} & {*header}:
+    return shots_of(open_table(path, is_of_shots, sheet), one_kind=one_kind, where=where)
+
+
+def is_of_shots(name: str) -> bool:
+    """Return whether a column is one of shots."""
+    return column_of(name, SHOT_COLUMNS).known
+
+
+def shots_of(source: Source, *, one_kind: bool = False, where: Mapping[str, str] | None = None) -> Shots:
+    """Return the shots of a table; see `read_shots`."""
+    found = {column_of(name, (*SHOT_COLUMNS, "ballistic_limit_m_s")).key for name in source.header}
+    if "impact.velocity_m_s" in source.header or ("ballistic_limit_m_s" in found and not {*KEYS} <= found):
         message = (
             "must be a table of shots (velocity_m_s and result), found tests; armour calibrate fits inputs to them"
         )
-        raise mistake(file, "", message)
-    usual = (*names, "shot")
-    ignored = [name for name in header if name and not (key_hint(name, usual) or suggestion(name, usual))]
-    if len(header) == 1 or not {*names} & {*header}:
-        ignored = []  # not a table of shots
-    texts = ("shot", "result", *ignored)
-    rows, problems = read_rows(file, chain(first, lines), numbers=names[:1], texts=texts, needed=names)
+        raise mistake(source.file, "", message)
+    table = read_rows(source, numbers=KEYS[:1], texts=("shot", "result"), needed=KEYS, noun="shot", where=where)
+    file, rows, problems = table.file, table.rows, table.problems
     velocities = [row.numbers.get("velocity_m_s", MIN_VELOCITY_M_S) for row in rows]
     words = [row.texts.get("result", "") for row in rows]
-    results = [PERFORATED.get(text.lower()) for text in words]
+    results = [perforates(text) for text in words]
     for row, velocity, result, text in zip(rows, velocities, results, words, strict=True):
         written = row.texts.get("velocity_m_s", "")
         if not written:
@@ -230,10 +363,27 @@ def read_shots(path: Table, *, one_kind: bool = False) -> Shots:
         if result is None:
             problems.append(Problem(file, f"{row.place}: result", f'{MUST_SAY}, found "{text}"'))
     refuse(in_line_order(problems))
-    shot_names = tuple(row.texts.get("shot", "") for row in rows)
-    shots = Shots(tuple(velocities), tuple(map(bool, results)), file, shot_names if any(shot_names) else ())
+    check_one_target(table, results, ", or --each for one answer each")
+    names = tuple(row.texts.get("shot", "") for row in rows)
+    shots = Shots((*velocities,), (*map(bool, results),), file, names if any(names) else (), table.read)
     check_shots(shots, kinds=1 if one_kind else 2)
     return shots
+
+
+def firings_of(path: Table, where: Mapping[str, str], sheet: str | None) -> list[tuple[str, str, int]]:
+    """Return the targets of shots, each by its column and value, with the number of kinds of its results.
+
+    Serial numbers, of one or two shots of one kind, are none.
+    """
+    source = open_table(path, is_of_shots, sheet)
+    table = read_rows(source, numbers=KEYS[:1], texts=("shot", "result"), needed=KEYS, noun="shot", where=where)
+    results = [perforates(row.texts.get("result", "")) for row in table.rows]
+    for name, values in table.groups.items():
+        if found := targets_of(values, results):
+            pairs = {*zip(values, results, strict=True)}
+            return [(name, value, sum(value == other for other, _ in pairs)) for value in found]
+    message = "must have a column panel, target, plate, lab or lot, with several shots for each of its values"
+    raise mistake(source.file, "--each", message)
 
 
 @checked
@@ -245,7 +395,10 @@ def v50(
     span_m_s: Annotated[float, Field(ge=0.0, le=MAX_VELOCITY_M_S)] | None = None,
     confidence: Confidence = CONFIDENCE,
     prior: bool = False,
+    at_m_s: Velocity | None = None,
+    fraction: Fraction | None = None,
     requirement_m_s: Velocity | None = None,
+    requirement_fraction: Fraction = 0.5,
     on_progress: OnProgress = ignore_progress,
 ) -> FiringResult:
     """Estimate V50 from firing results.
@@ -266,9 +419,15 @@ def v50(
         Confidence level of the intervals, 0.5 to 0.9999.
     prior : bool
         Whether to add the posterior of V50, whose prior is the scenario's ballistic limit with the model error.
+    at_m_s : float, optional
+        Velocity, m/s, at which to give the probability of complete penetration.
+    fraction : float, optional
+        Fraction of shots, 0.001 to 0.999, for which to give the velocity at which it perforates; 0.01 gives V01.
     requirement_m_s : float, optional
-        Required V50, m/s: whether the armour's exceeds it is decided by the shots alone, by the one-sided bounds, with
-        a risk of about 1 minus the confidence.
+        Required velocity, m/s: whether the armour's exceeds it is decided by the shots alone, by the one-sided bounds,
+        with a risk of about 1 minus the confidence.
+    requirement_fraction : float
+        Fraction of shots that may perforate at the required velocity, 0.001 to 0.999; 0.5 sets the requirement on V50.
     on_progress : callable, optional
         Called with the number of impacts computed since the last call, and None, as their total is not known.
 
@@ -290,14 +449,25 @@ def v50(
     check_shots(shots, kinds=1 if prior else 2)
     if prior and scenario is None:
         raise mistake("v50", "prior", "must be given with a scenario")
+    if requirement_m_s is None and requirement_fraction != 0.5:
+        raise mistake("v50", "requirement_fraction", "must not be given without a requirement")
     partial, complete = shots.of(complete=False), shots.of(complete=True)
     # With a prior, shots that have no curve are informative too.
     curved = not prior or has_curve(partial, complete)
-    fits = _fits(partial, complete, confidence, penalised=False) if curved else ()
-    penalised_fits = _fits(partial, complete, confidence, penalised=True) if curved else ()
-    recommended = penalised_fits[0] if penalised_fits else None
-    bounded = _bounded(partial, complete, confidence) if recommended else (None, None)
-    decision, accepting, rejecting = decided(recommended, partial, complete, requirement_m_s, confidence)
+    fits = _curves(partial, complete, confidence, penalised=False) if curved else []
+    penalised_fits = _curves(partial, complete, confidence, penalised=True) if curved else []
+    likelihood, recommended = penalised_fits[0] if penalised_fits else (None, None)
+    level, interval = _bounded(likelihood, confidence) if likelihood else (None, None)
+    at, velocity_of = None, None
+    if likelihood and recommended and at_m_s is not None:
+        chances = likelihood.probability_interval(at_m_s, confidence)
+        at = ProbabilityAt(at_m_s, recommended.probability(at_m_s), chances)
+    if likelihood and recommended and fraction is not None:
+        z = float(QUANTILES[likelihood.link](fraction))
+        velocity = bounded(recommended.v50_m_s + z * recommended.scale_m_s)
+        ends, lower = likelihood.velocity_interval(z, confidence), likelihood.lower_bound(z, confidence)
+        velocity_of = VelocityOf(fraction, velocity, ends, lower)
+    decision, accepting, rejecting = decided(likelihood, requirement_m_s, requirement_fraction, confidence)
     model = None if scenario is None else ballistic_limit(scenario, on_progress=on_progress)
     before, after, share = None, None, None
     contradictions: tuple[str, ...] = ()
@@ -317,8 +487,8 @@ def v50(
         lowest_complete_m_s=complete[0] if complete else None,
         separated=not partial or not complete or partial[-1] < complete[0],
         mean=mean_v50(partial, complete, pairs, span_m_s),
-        fits=fits,
-        penalised_fits=penalised_fits,
+        fits=tuple(fit for _, fit in fits),
+        penalised_fits=tuple(fit for _, fit in penalised_fits),
         recommended=recommended,
         confidence=confidence,
         model_ballistic_limit_m_s=None if model is None else model.ballistic_limit_m_s,
@@ -331,51 +501,68 @@ def v50(
         posterior=after,
         prior_share=share,
         zone_of_mixed_results_m_s=max(partial[-1] - complete[0], 0.0) if partial and complete else None,
-        bounded_confidence=bounded[0],
-        bounded_interval_m_s=bounded[1],
+        bounded_confidence=level,
+        bounded_interval_m_s=interval,
+        extrapolated=recommended is not None
+        and level is None
+        and not min(shots.velocities_m_s) <= recommended.v50_m_s <= max(shots.velocities_m_s),
+        further=_further(partial, complete, confidence) if likelihood and level != confidence else None,
+        at=at,
+        velocity_of=velocity_of,
         requirement_m_s=requirement_m_s,
+        requirement_fraction=requirement_fraction,
         decision=decision,
         consumers_risk=accepting,
         producers_risk=rejecting,
+        fired=shots,
     ).of(computed, scenario=scenario, shots=shots)
 
 
-def _fits(
+def _curves(
     partial: Sequence[float], complete: Sequence[float], confidence: float, *, penalised: bool
-) -> tuple[FittedCurve, ...]:
-    """Return the curves of both kinds, without penalised ones that do not rise."""
-    fits = (fit_curve(partial, complete, link, confidence, penalised=penalised) for link in CDFS)
-    return tuple(fit for fit in fits if fit is not None)
+) -> list[tuple[ShotLikelihood, FittedCurve]]:
+    """Return the likelihoods of both kinds with their curves, without penalised ones that do not rise."""
+    likelihoods = (ShotLikelihood(partial, complete, link, penalised=penalised) for link in CDFS)
+    return [(shots, curve) for shots in likelihoods if (curve := curve_of(shots, confidence))]
 
 
-def _bounded(
-    partial: Sequence[float], complete: Sequence[float], confidence: float
-) -> tuple[float, tuple[float, float]] | tuple[None, None]:
-    """Return the highest level, at most the confidence, at which the recommended interval of V50 is bounded, and it."""
+def _bounded(shots: ShotLikelihood, confidence: float) -> tuple[float, tuple[float, float]] | tuple[None, None]:
+    """Return the highest level, at most the confidence, at which the interval of V50 is bounded, and the interval."""
     for level in (confidence, *(level for level in LOWER_LEVELS if level < confidence)):
-        fit = fit_curve(partial, complete, "probit", level, penalised=True)
-        low, high = (None, None) if fit is None else fit.v50_interval_m_s
+        low, high = shots.velocity_interval(0.0, level)
         if low is not None and high is not None:
             return level, (low, high)
     return None, None
 
 
+def _further(partial: Sequence[float], complete: Sequence[float], confidence: float) -> FurtherShot:
+    """Return the further result, of any velocity near the shots, that leaves a constant probability least likely."""
+    lowest, highest = min(partial[0], complete[0]), max(partial[-1], complete[-1])
+    reach, best = highest - lowest, None
+    ends = max(lowest - reach, MIN_VELOCITY_M_S), min(highest + reach, MAX_VELOCITY_M_S)
+    for velocity in np.linspace(*ends, FURTHER).round().tolist():
+        for stopped, perforated in (([*partial, velocity], complete), (partial, [*complete, velocity])):
+            if has_curve(stopped, perforated):
+                shots = ShotLikelihood(stopped, perforated, "probit", penalised=True)
+                if best is None or shots.flat_deviance > best[0].flat_deviance:
+                    best = shots, velocity, perforated is not complete
+    assert best is not None  # the shots have a curve, and so have they with the slowest partial penetration once more
+    shots, velocity, is_complete = best
+    return FurtherShot(velocity, is_complete, *_bounded(shots, confidence))
+
+
 def decided(
-    fit: FittedCurve | None,
-    partial: Sequence[float],
-    complete: Sequence[float],
-    requirement_m_s: float | None,
-    confidence: float,
+    shots: ShotLikelihood | None, requirement_m_s: float | None, fraction: float, confidence: float
 ) -> tuple[Decision, float | None, float | None]:
     """Return whether a requirement is met, and the risks of accepting and of rejecting the armour now.
 
-    They are those of the one-sided bounds of the recommended curve that lie at the required velocity.
+    They are those of the one-sided bounds, by the recommended curve, that lie at the required velocity.
     """
     if requirement_m_s is None:
         return "", None, None
-    if fit is None:
+    if shots is None:
         return "not decided", None, None
-    accepting = ShotLikelihood(partial, complete, "probit", penalised=True).chance_below(requirement_m_s)
+    accepting = shots.chance_below(float(QUANTILES[shots.link](fraction)), requirement_m_s)
     risk = 1.0 - confidence + ROUNDING
     decision: Decision = "met" if accepting <= risk else "not met" if 1.0 - accepting <= risk else "not decided"
     return decision, accepting, 1.0 - accepting
@@ -396,7 +583,9 @@ def _far_away(shots: Shots, model: LimitResult) -> Iterator[str]:
     """Yield a warning if all shots lie on the same side of the interval of the model's limit."""
     low, high = model.interval_m_s or (-inf, inf)
     slowest, fastest = min(shots.velocities_m_s), max(shots.velocities_m_s)
-    if slowest > high or fastest < low:
+    if note := feet_note(median(shots.velocities_m_s), model.ballistic_limit_m_s):
+        yield note
+    elif slowest > high or fastest < low:
         yield (
             f"all shots, at {slowest:g} to {fastest:g} m/s, lie outside the model's 95 % interval of the limit, "
             f"{low:.0f} to {high:.0f} m/s; check that they were fired at this armour with this projectile"
@@ -422,6 +611,17 @@ def check_shots(shots: Shots, *, kinds: int = 2) -> None:
         message += f"; armour plan shots {shots.file} gives the next velocity" if count else ""
     if message:
         raise mistake(shots.file, "", message)
+
+
+def check_not_swapped(shots: Shots) -> None:
+    """Raise an InputError if all complete penetrations were slower than all partial ones, and not by chance."""
+    partial, complete = shots.of(complete=False), shots.of(complete=True)
+    if partial and complete and complete[-1] < partial[0] and comb(len(shots.complete), len(complete)) >= SWAPPED:
+        message = (
+            f"must have complete penetrations that are not all slower than the partial ones, found complete ones up to "
+            f"{complete[-1]:g} m/s and partial ones from {partial[0]:g} m/s; are the results swapped?"
+        )
+        raise mistake(shots.file, "result", message)
 
 
 def mean_v50(

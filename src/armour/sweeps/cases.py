@@ -1,26 +1,38 @@
 """Rows of a sweep: grids of values and tables of cases."""
 
 import json
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from hashlib import sha256
 from itertools import islice
 from math import prod
 from os import PathLike
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from armour.csv_files import check_header, in_line_order, number, read_csv, wrong_width
-from armour.errors import Problem, mistake, refuse, restated
+from armour.columns import Column, column_of
+from armour.csv_files import (
+    Line,
+    Rows,
+    decimal_mark,
+    in_line_order,
+    number,
+    number_as,
+    open_table,
+    two_meanings,
+    wrong_width,
+)
+from armour.errors import Problem, counted, mistake, refuse, restated
 from armour.files import csv_value
-from armour.scenario.inputs import NAMING
+from armour.scenario.inputs import INPUTS, NAMES, NAMING
 from armour.scenario.keys import describe, key_name, parts_of
 from armour.scenario.schema import Steps
 from armour.scenario.sections import validated
+from armour.units import words_and_unit
 
 # Cases are kept in memory, at 8 bytes per number.
 MAX_CASES = 10_000_000
@@ -32,6 +44,8 @@ MAX_NAME = 200
 MAX_SHOWN = 60
 # Number of rows to read or check at a time.
 BLOCK = 10_000
+# Keys of columns that may have other names and units.
+CASE_KEYS = (*INPUTS, *NAMES.values())
 
 
 @dataclass(frozen=True)
@@ -84,38 +98,56 @@ class Grid:
 
 
 class Cases:
-    """Rows of a CSV file whose header names keys of the scenario: numbers, and names of projectiles and materials.
+    """Rows of a table whose header names keys of the scenario: numbers, and names of projectiles and materials.
 
-    The file is read once.
+    A file is read once.
     """
 
     axes: tuple[Axis, ...] = ()  # those of a grid
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        lines = read_csv(path)
-        first, header = next(lines, (0, []))
-        place = f"line {first}"
-        check_header(str(path), place, header)
-        if "" in header:
-            raise mistake(path, place, f"must name a key in each column, found none in {header.index('') + 1}")
-        self.keys = tuple(header)
+    def __init__(self, table: str | PathLike[str] | Rows, sheet: str | None = None) -> None:
+        source = open_table(table, _is_key, sheet, own=True)
+        self.file = source.file
+        columns = [column_of(name, CASE_KEYS) for name in source.header]
+        columns = [
+            Column(name) if not column.factor else column for name, column in zip(source.header, columns, strict=True)
+        ]
+        self.keys = tuple(column.key for column in columns)
+        for index, key in enumerate(self.keys):
+            where = f"{source.place}: {key}" if key else source.place
+            if not key:
+                raise mistake(self.file, where, f"must name a key in each column, found none in {index + 1}")
+            if self.keys.index(key) < index:
+                raise mistake(self.file, where, "must be the name of one column, found several")
         self.count = 0
         blocks: list[tuple[Any, ...]] = []
-        while block := list(islice(lines, BLOCK)):
+        marks: list[str] = []
+        while block := list(islice(source.lines, BLOCK)):
             self.count += len(block)
             if self.count > MAX_CASES:
-                raise mistake(path, "", f"must have at most {MAX_CASES:,} rows, found more")
-            blocks.append((np.array([line for line, _ in block]), *self._read(block)))
+                raise mistake(self.file, "", f"must have at most {MAX_CASES:,} rows, found more")
+            refuse(
+                Problem(self.file, place, wrong_width(cells, self.keys))
+                for place, cells in block
+                if len(cells) != len(self.keys)
+            )
+            marks = marks or [*self._marks(block, columns, source.form)]
+            lines = np.array([int(place.rpartition(" ")[2]) for place, _ in block])
+            blocks.append((lines, *self._read(block, columns, marks)))
         if not self.count:
-            raise mistake(path, "", "must have a header of keys and at least one row")
-        self._lines, *columns = map(np.concatenate, zip(*blocks, strict=True))
-        self._columns = dict(zip(self.keys, columns, strict=True))
+            raise mistake(self.file, "", "must have a header of keys and at least one row")
+        self._lines, *values = map(np.concatenate, zip(*blocks, strict=True))
+        self._place = "line" if source.form and not source.form[0].startswith("sheet") else "row"
+        self._columns = dict(zip(self.keys, values, strict=True))
         content = sha256()
         for key, column in self._columns.items():
             content.update(json.dumps([key, column.dtype.str, self.count]).encode())
             content.update(column.tobytes())
         self.digest = content.hexdigest()
+        units = [f"{words_and_unit(column.key)[0]} in {column.unit}" for column in columns if column.unit]
+        commas = ["decimal commas"] if "," in marks else []
+        words = [*source.form, *commas, *units, counted(self.count, "row")]
+        self.read = "" if words[:-1] in ([], ["commas"]) else ", ".join(words)
 
     def rows(self, places: NDArray[np.int64]) -> dict[str, Any]:
         """Return the rows with given numbers, counted from 0, as columns by key."""
@@ -123,29 +155,45 @@ class Cases:
 
     def place(self, start: int, row: int, problem: Problem) -> Problem:
         """Return a problem of a row, counted from the first row of a chunk, with its line."""
-        return Problem(str(self.path), f"line {self._lines[start + row]}", f"{problem.key}: {problem.message}")
+        return Problem(self.file, f"{self._place} {self._lines[start + row]}", f"{problem.key}: {problem.message}")
 
-    def _read(self, block: Sequence[tuple[int, Sequence[str]]]) -> list[Any]:
+    def _marks(self, block: Sequence[Line], columns: Sequence[Column], form: Sequence[str]) -> Iterator[str]:
+        """Yield the marks of the decimals in each column, by the first lines."""
+        for column, cells in zip(columns, zip(*(cells for _, cells in block), strict=True), strict=True):
+            mark = "." if column.key in NAMING else decimal_mark(cells, column, form)
+            if mark is None:
+                places = (place for place, _ in block)
+                pairs = zip(places, cells, strict=True)
+                place, cell = next(pair for pair in pairs if number_as(pair[1], ".") != number_as(pair[1], ","))
+                raise mistake(self.file, f"{place}: {column.key}", two_meanings(cell))
+            yield mark if any("," in cell for cell in cells) else "."
+
+    def _read(self, block: Sequence[Line], columns: Sequence[Column], marks: Sequence[str]) -> list[Any]:
         """Return the columns of n lines, each with numbers or names, (n,)."""
-        file = str(self.path)
-        refuse(
-            Problem(file, f"line {line}", wrong_width(cells, self.keys))
-            for line, cells in block
-            if len(cells) != len(self.keys)
-        )
-        columns, problems = [], list[Problem]()
-        for key, cells in zip(self.keys, zip(*(cells for _, cells in block), strict=True), strict=True):
-            kind, read = ("name", _name) if key in NAMING else ("number", number)
-            values = [read(cell) for cell in cells]
+        arrays, problems = [], list[Problem]()
+        by_column = zip(*(cells for _, cells in block), strict=True)
+        for column, mark, cells in zip(columns, marks, by_column, strict=True):
+            is_name = column.key in NAMING
+            values: list[Any] = [_name(cell) if is_name else number_as(cell, mark) for cell in cells]
             if None in values:
                 problems += (
-                    Problem(file, f"line {line}: {key}", f'must be a {kind}, found "{cell[:40]}"')
-                    for (line, _), cell, value in zip(block, cells, values, strict=True)
+                    Problem(
+                        self.file,
+                        f"{place}: {column.key}",
+                        f'must be a {"name" if is_name else "number"}, found "{cell[:40]}"',
+                    )
+                    for (place, _), cell, value in zip(block, cells, values, strict=True)
                     if value is None
                 )
-            columns.append(np.array(values))
+            elif column.factor != 1.0:
+                values = [value * column.factor for value in values]
+            arrays.append(np.array(values))
         refuse(in_line_order(problems))
-        return columns
+        return arrays
+
+
+def _is_key(name: str) -> bool:
+    return column_of(name, CASE_KEYS).known or re.match(r"[a-z_]+\.[^\s\d]", name) is not None
 
 
 def _name(cell: str) -> str | None:
@@ -173,11 +221,16 @@ def axis_of(text: str) -> Axis:
     return axis(key, dict(zip(("min", "max", "step"), numbers, strict=True)) if is_range else numbers)
 
 
-def source_of(over: Mapping[str, object] | str | PathLike[str]) -> Grid | Cases:
-    """Return the rows of a sweep: a grid of a mapping, or the cases in a file."""
-    if not isinstance(over, Mapping):
-        return Cases(Path(over))
-    if not over:
+def source_of(
+    over: Mapping[str, object] | str | PathLike[str] | None, cases: str | PathLike[str] | Rows | None = None
+) -> Grid | Cases:
+    """Return the rows of a sweep: a grid of a mapping, or cases."""
+    table = over if isinstance(over, str | PathLike) else cases
+    if (over is None) == (cases is None):
+        raise mistake("sweep", "over", "must be given, or cases, but not both")
+    if table is not None:
+        return Cases(table)
+    if not isinstance(over, Mapping) or not over:
         raise mistake("sweep", "over", "must contain at least one key with its values, found none")
     return Grid(tuple(axis(key, values) for key, values in over.items()))
 

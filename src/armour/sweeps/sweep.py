@@ -27,7 +27,7 @@ from armour.analysis.results import OnProgress, TableResult, ignore_progress, in
 from armour.core.replaced import replaced_function
 from armour.errors import InputError, choices, counted, duration, mistake
 from armour.files import reason, shipped
-from armour.scenario.checked import Names, checked
+from armour.scenario.checked import Names, Table, checked
 from armour.scenario.keys import describe
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.scenario.schema import FASTEST_M_S
@@ -147,10 +147,11 @@ class SweepResult(TableResult):
 @checked
 def sweep(
     scenario: Scenario,
-    over: Mapping[str, object] | str | PathLike[str],
+    over: Mapping[str, object] | str | PathLike[str] | None = None,
     quantities: Names = "ballistic_limit_m_s",
     output: str | PathLike[str] | None = None,
     *,
+    cases: Table | None = None,
     threads: Annotated[int, Field(ge=1)] | None = None,
     on_progress: OnProgress = ignore_progress,
 ) -> SweepResult:
@@ -159,15 +160,18 @@ def sweep(
     Parameters
     ----------
     scenario : Scenario
-    over : mapping of str to values, or path-like
+    over : mapping of str to values, or path-like, optional
         Values by dotted key; every combination is computed, and the last key changes fastest.  Values are a sequence
         or an array of numbers, or a range, ``{"min": 4.0, "max": 12.0, "step": 0.5}``; for the projectile and the
-        materials names.  A path names a CSV file whose header names keys, with a case on each line.
+        materials names.  A path is that of ``cases``.
     quantities : str or sequence of str, default "ballistic_limit_m_s"
         Names of quantities; ``armour sweep --help`` lists them.
     output : path-like, optional
         Table to write, .csv or .parquet.  Rows are computed in chunks, and the same call resumes an interrupted sweep.
         Without it the columns are kept in memory, for at most ten million rows.
+    cases : path-like, data frame, mapping of columns or sequence of mappings, optional
+        In place of ``over``, a table with a case in each row, whose columns are keys: a CSV file, a data frame, or
+        columns by key.
     threads : int, optional
         By default one per core.
     on_progress : callable, optional
@@ -194,7 +198,7 @@ def sweep(
     names = tuple(quantities)
     if not names:
         raise mistake("sweep", "quantities", "must name at least one quantity, found none")
-    source = source_of(over)
+    source = source_of(over, cases)
     warnings = [f"{axis.key}: {axis.omission}" for axis in source.axes if axis.omission]
     columns: Mapping[str, Any] = {}
     if output is None:

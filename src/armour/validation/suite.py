@@ -25,7 +25,8 @@ from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.evaluate import Answers, groups_of
 from armour.analysis.quantities import DESIGNS, OF_GRID, QUANTITIES, label_and_unit
 from armour.analysis.variants import Floats, Variants, grid_of
-from armour.csv_files import MUST_SAY, PERFORATED, lines_of, number
+from armour.columns import perforates
+from armour.csv_files import MUST_SAY, number, open_table
 from armour.design.optimise import BestDesign, optimise
 from armour.errors import InputError, NoAnswerError, Problem, choices, counted, mistake, refuse
 from armour.files import located, named, read_toml, shipped_files, shipped_tests, suite_file
@@ -200,7 +201,7 @@ class _Expectation(Section):
 
 def _outcome(expected: float | str) -> float | str:
     """Return an outcome, which has several names, by its name in results."""
-    perforated = PERFORATED.get(expected.lower()) if isinstance(expected, str) else None
+    perforated = perforates(expected) if isinstance(expected, str) else None
     return expected if perforated is None else "perforated" if perforated else "stopped"
 
 
@@ -216,7 +217,7 @@ class CaseSection(_Expectation):
     def _fits_the_quantity(self) -> "CaseSection":
         # A regression value has none until an update fills it in.
         if self.expected is not None and self.quantity == "outcome":
-            if self.expected not in PERFORATED:
+            if perforates(str(self.expected)) is None:
                 raise ValueError(f"expected {MUST_SAY}, found {describe(self.expected)}")
         elif isinstance(self.expected, str) or abs(self.expected or 0.0) > LARGEST:
             must = f"expected must be a number up to {LARGEST:g} for {self.quantity}"
@@ -570,10 +571,10 @@ def _cases(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, o
 def _cases_of_file(common: Case, table: TableSection, folder: Path) -> list[Case]:
     """Return the cases of a table's file of tests, given what they have in common."""
     path = _file(folder, table.file)
-    file, lines = lines_of(path)
-    if table.quantity not in next(lines, ("", []))[1]:
+    source = open_table(path, lambda name: name == table.quantity)
+    if table.quantity not in source.header:
         # Its columns are not quoted: it may be any file of the user.
-        raise mistake(file, "", f"must be a table of tests with the column {table.quantity}")
+        raise mistake(source.file, "", f"must be a table of tests with the column {table.quantity}")
     tests = read_tests(path, common.scenario, common.suite.notes)
     scenarios = {int(place): group.scenario for group in tests.groups for place in group.where}
     cases = [

@@ -343,7 +343,7 @@ SHOTS = Shots(VELOCITIES, (False, False, True, False, True, True), "folder/shots
 def test_a_v50():
     found = v50(SHOTS, scenario())
     picture = picture_of(found.of(shots=SHOTS))
-    [axes] = picture.axes
+    axes = picture.axes[0]
     assert f"limit by this model {WILKINS_LIMIT:.1f} m/s" in labels(axes)
     assert x_of(marks(axes)["partial penetration"])[0] == 700.0
     assert x_of(marks(axes)["complete penetration"])[0] == 715.0
@@ -357,10 +357,24 @@ def test_a_v50():
     assert ends == pytest.approx(found.bounded_interval_m_s)
 
 
+def test_the_region_and_the_order_of_a_firing_are_drawn_except_in_a_users_axes():
+    found = v50(SHOTS)
+    assert found.recommended is not None
+    _, region, order = picture_of(found.of(shots=SHOTS)).axes
+    low, high = region.get_xlim()
+    assert low < found.recommended.v50_m_s < high
+    outlines = [item for item in region.collections if isinstance(item, ContourSet)]
+    assert len(outlines) == 2
+    assert x_of(marks(order)["partial penetration"]) == [1.0, 2.0, 4.0]
+    assert y_of(marks(order)["complete penetration"]) == [715.0, 725.0, 730.0]
+    alone = drawn(drawing_of(found, "draw"), Sheet(ax=order))
+    assert alone.axes == [order]
+
+
 def test_the_posterior_of_a_v50_is_drawn():
     found = v50(SHOTS, shipped_scenario("wilkins"), prior=True)
     picture = picture_of(found.of(shots=SHOTS))
-    [axes] = picture.axes
+    axes = picture.axes[0]
     assert found.posterior is not None
     [bar] = [line for label, line in marks(axes).items() if "posterior" in label]
     assert x_of(bar) == [found.posterior.v50_m_s]
@@ -372,7 +386,7 @@ def test_the_posterior_of_a_v50_is_drawn():
 def test_a_limit_outside_the_axis_of_a_v50_is_in_the_note_and_not_in_the_legend():
     found = v50(SHOTS, scenario(ceramic_mm=9.0))
     picture = picture_of(found.of(shots=SHOTS))
-    [axes] = picture.axes
+    axes = picture.axes[0]
     assert found.model_ballistic_limit_m_s is not None
     assert found.model_ballistic_limit_m_s > axes.get_xlim()[1]
     assert not any("this model" in label for label in labels(axes))

@@ -88,11 +88,26 @@ def test_the_answer_has_an_interval_that_is_bounded_or_what_would_bound_it():
     velocities = (812.0, 835.0, 851.0, 840.0, 858.0, 846.0, 838.0, 829.0, 848.0)
     complete = (False, False, True, False, True, True, True, False, False)
     shots = Shots(velocities, complete)
-    line = view.answer(v50(shots))
-    assert line.startswith("V50 843 m/s, 90 % interval 819 to 905 (95 % not bounded: a higher complete or a lower")
+    found = v50(shots)
+    line = view.answer(found)
+    assert line.startswith("V50 843 m/s, 90 % interval 819 to 905 (95 % not bounded); ")
+    [note] = view.further_note(found)
+    assert note.startswith("one further result would bound V50, best a ")
     assert line.endswith("MIL-STD-662F: 843 m/s from 3 + 3 shots within 16 m/s")
     wider = Shots((*velocities, 900.0, 780.0), (*complete, True, False))
     assert view.answer(v50(wider)).startswith("V50 844 m/s, 95 % interval 777 to 1069; ")
+
+
+def test_a_v50_that_the_shots_do_not_bound_is_no_answer():
+    found = v50(Shots((735.3, 761.4, 720.0, 748.0, 744.0), (False, True, True, False, True)), fraction=0.01)
+    assert view.answer(found) == "V50 not bounded by these shots"
+    assert view.further_note(found)[0].startswith("no single further result bounds V50 at 95 %; best is a partial")
+    assert view.point_notes(found)[0].startswith("V01: no positive estimate")
+
+
+def test_a_mean_within_another_span_is_not_named_after_the_standard():
+    shots = Shots((700, 710, 715, 720, 725, 730, 722, 735), (False, False, True, False, True, True, False, True))
+    assert "mean within the span given: 720 m/s" in view.answer(v50(shots, pairs=3, span_m_s=60.0))
 
 
 def test_a_requirement_is_met_at_the_one_sided_bound():

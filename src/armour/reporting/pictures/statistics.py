@@ -5,18 +5,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
 
 from armour.analysis.quantities import label_and_unit
 from armour.errors import mistake
 from armour.reporting.pictures import drawing
 from armour.reporting.table import deviation_percent, grouped, in_words
 from armour.reporting.text import interval, percent
+from armour.reporting.views.statistics import MEANS
 from armour.reporting.words import risk
 from armour.scenario.inputs import VELOCITY
 from armour.statistics.measured import LIMIT
 
 if TYPE_CHECKING:
     from armour.statistics.calibration import CalibrationResult, Residual
+    from armour.statistics.curves import FittedCurve
     from armour.statistics.own_tests import OwnTest
     from armour.statistics.sensitivity import SensitivityResult
     from armour.statistics.uncertainty import UncertaintyResult
@@ -160,14 +163,14 @@ def _draw_deviations(axes: Axes, quantity: str, residuals: "Sequence[Residual]")
     axes.set(title=title, xlabel="deviation, %")
 
 
+# Nodes of V50 and of the scatter in a joint region.
+REGION_NODES = 121
 # Height of the posterior's interval of V50, below that of the shots alone.
 POSTERIOR = 0.4
 
 
 def draw_firing(result: "FiringResult", sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw the probability of a complete penetration over the velocity."""
-    from armour.statistics.curves import penalised_band
-
+    """Draw the probability of a complete penetration over the velocity, the joint region and the shots in order."""
     shots = drawing.recorded(result, "shots")
     if not result.fits:
         raise mistake(shots.file, "", "must have a curve to draw, and these shots have none")
@@ -182,20 +185,25 @@ def draw_firing(result: "FiringResult", sheet: drawing.Sheet) -> drawing.Picture
         if result.bounded_confidence is not None and result.bounded_interval_m_s is not None:
             confidence, ends = percent(result.bounded_confidence), result.bounded_interval_m_s
     bounded = ends != (None, None)
+    panels = [1.1 * drawing.PANEL]
+    if sheet.ax is None and fit is result.recommended:
+        panels += [drawing.PANEL, drawing.PANEL]
     words = f"V50 {fit.v50_m_s:.1f} m/s, {confidence} interval {interval(ends, '.1f')}" + (" m/s" if bounded else "")
     if after is not None:
         after_ends = interval(after.v50_interval_m_s, ".1f")
         notes.append(f"Posterior, with the model as prior: {level} interval {after_ends} m/s.")
     if model is not None and not low <= model <= high:
         notes.append(f"The model's ballistic limit, {model:.1f} m/s, lies outside the axis.")
-    picture = sheet.panels(words, 1.1 * drawing.PANEL, note=" ".join(notes))
-    [axes] = picture.axes
+    if result.extrapolated:
+        words = "V50 not bounded by these shots"
+    picture = sheet.panels(words, *panels, note=" ".join(notes))
+    axes = picture.axes[0]
     axes.set(xlabel=in_words(VELOCITY), ylabel="probability of complete penetration")
     axes.set(xlim=(low, high), ylim=(-0.02, 1.02))
     x = np.linspace(low, high, 400).tolist()
     if fit is result.recommended:
-        band = penalised_band(shots.of(complete=False), shots.of(complete=True), fit.curve, x, result.confidence)
-        axes.fill_between(x, *band, color=drawing.BLUE, **drawing.BAND)
+        band = np.array([row["probability_interval"] for row in result.band(x)])
+        axes.fill_between(x, band[:, 0], band[:, 1], color=drawing.BLUE, **drawing.BAND)
     draw_shots(axes, shots)
     axes.plot(x, [fit.probability(v) for v in x], color=drawing.BLUE, label=f"{fit.curve}, {fit.method}")
     if low <= fit.v50_m_s <= high:
@@ -208,11 +216,51 @@ def draw_firing(result: "FiringResult", sheet: drawing.Sheet) -> drawing.Picture
         drawing.ranges(axes, [POSTERIOR], [after.v50_interval_m_s], drawing.PURPLE)
         drawing.points(axes, [after.v50_m_s], [POSTERIOR], marker="D", color=drawing.PURPLE, label=name)
     if result.mean is not None:
-        name = "mean of shots" if result.mean.rule == "no usual rule" else "MIL-STD-662F"
-        drawing.velocities(axes, [(name, result.mean.v50_m_s, drawing.SOFT, "-")])
+        drawing.velocities(axes, [(MEANS[result.mean.rule], result.mean.v50_m_s, drawing.SOFT, "-")])
     required = (f"{result.decision}: required", result.requirement_m_s, drawing.VERMILION, "--")
     drawing.velocities(axes, [required, ("limit by this model", model, drawing.INK, ":")])
+    if len(panels) > 1:
+        _draw_region(picture.axes[1], fit, shots, result.confidence, (low, high))
+        _draw_order(picture.axes[2], shots, ends if bounded else None)
     return picture
+
+
+def _draw_region(axes: Axes, fit: "FittedCurve", shots: "Shots", confidence: float, ends: tuple[float, float]) -> None:
+    """Draw the joint confidence regions of V50 and scatter, at one half and at the confidence level."""
+    from armour.statistics.curves import ShotLikelihood
+
+    likelihood = ShotLikelihood(shots.of(complete=False), shots.of(complete=True), fit.curve, penalised=True)
+    (slowest, fastest), widest = fit.v50_interval_m_s, fit.scale_interval_m_s[1]
+    if slowest is not None and fastest is not None:
+        ends = drawing.widened((slowest, fastest), 0.4)
+    spread = max(shots.velocities_m_s) - min(shots.velocities_m_s)
+    top = spread if widest is None else min(1.3 * widest, spread)
+    x, y = np.meshgrid(np.linspace(*ends, REGION_NODES), np.linspace(top / REGION_NODES, top, REGION_NODES))
+    deviances = likelihood.deviances(x.ravel(), y.ravel()).reshape(x.shape)
+    # Of two quantities, the deviance has a chi-squared distribution of two degrees of freedom.
+    levels = [0.0, *(-2.0 * np.log(1.0 - level) for level in sorted({0.5, confidence}))]
+    axes.contourf(x, y, deviances, levels, colors=[drawing.BLUE] * 2, alpha=0.25)
+    axes.contour(x, y, deviances, levels[1:], colors=drawing.BLUE, linewidths=1.0)
+    title = f"V50 and scatter together, {percent(0.5)} and {percent(confidence)}"
+    axes.set(xlabel="V50, m/s", ylabel="scatter, m/s", xlim=ends, ylim=(0.0, top), title=title)
+    drawing.points(axes, [fit.v50_m_s], [fit.scale_m_s], color=drawing.BLUE)
+
+
+def _draw_order(axes: Axes, shots: "Shots", ends: tuple[float | None, float | None] | None) -> None:
+    """Draw the shots in their order, with the interval of V50."""
+    for kind, complete, colour, marker in KINDS:
+        numbers = [number for number, result in enumerate(shots.complete, start=1) if result == complete]
+        fired = [shots.velocities_m_s[number - 1] for number in numbers]
+        drawing.points(axes, numbers, fired, marker=marker, label=kind, color=colour)
+    low, high = axes.get_ylim()
+    if ends is not None:
+        axes.axhspan(*(edge if e is None else e for e, edge in zip(ends, (low, high), strict=True)), **drawing.SHADE)
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    axes.set(
+        xlabel="shot",
+        ylabel="velocity, m/s",
+        title="Shots in their order" + ", with the interval of V50" * (ends is not None),
+    )
 
 
 def draw_shots(axes: Axes, shots: "Shots") -> None:

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 from armour.analysis.ballistic_limit import ConfidenceResult, LimitResult
 from armour.analysis.impact import ImpactResult
+from armour.analysis.results import EachResult
 from armour.reporting.table import Column, Table, column_of, csv_text, listing, record
 from armour.reporting.text import VerdictLine
 from armour.reporting.words import BALLISTIC_LIMIT, SAMPLED_ALONE, STOPPING, basis_notes, chance, error_note, with_error
@@ -29,6 +30,16 @@ STAGES = {
     "iii.4": StageWords("plug moves along", "plug carried along", "plate carried; penetrator rigid"),
     "iii.5": StageWords("ceramic moves along", "ceramic carried along", "fragmented ceramic carried; penetrator rigid"),
 }
+
+
+def tables_of_each(result: EachResult) -> list[Table | str]:
+    """Return the tables of each of several results, below its name."""
+    from armour.reporting.report import function_of
+
+    shown: list[Table | str] = []
+    for name, part in result.results.items():
+        shown += [f"{name}: {part.heading()[0]}", *function_of(part, "views", "tables_of")(part)]
+    return shown
 
 
 def tables_of_impact(result: ImpactResult) -> list[Table | str]:

@@ -7,7 +7,7 @@ from armour.analysis.estimates import Estimate
 from armour.analysis.quantities import label_and_unit
 from armour.reporting.table import Cell, Column, Source, Table, column_of, deviation_percent, in_words, listing, record
 from armour.reporting.text import VerdictLine, interval, percent, with_interval
-from armour.reporting.words import SAMPLED_ALONE, STOPPING, error_note, rounded_down, rounded_up
+from armour.reporting.words import SAMPLED_ALONE, STOPPING, chance, error_note, risk, rounded_down, rounded_up
 
 if TYPE_CHECKING:
     from armour.statistics.calibration import CalibrationResult
@@ -247,7 +247,7 @@ def v50_table(result: "FiringResult") -> Table:
     rule: list[Source] = [(Column("V50, mean"), "none: too few shots of each kind within the span allowed")]
     if mean is not None:
         rule = [
-            (Column("V50, mean" if mean.rule == "no usual rule" else "V50, MIL-STD-662F", "m/s", ".0f"), mean.v50_m_s),
+            (Column("V50, MIL-STD-662F" if mean.rule == "usual span" else "V50, mean", "m/s", ".0f"), mean.v50_m_s),
             (Column("shots averaged"), f"{mean.pairs} partial and {mean.pairs} complete"),
             (Column("span of these shots", "m/s", ".0f"), mean.span_m_s),
             (Column("span allowed", "m/s", ".0f"), mean.span_allowed_m_s),
@@ -303,10 +303,11 @@ def curve_table(result: "FiringResult") -> Table:
 PENALISED = "intervals by penalised likelihood; with few shots those of maximum likelihood are too narrow"
 
 
-# Notes on the mean by its rule.
+# Names of the mean, and notes on it, by its rule.
+MEANS = {"usual span": "MIL-STD-662F", "given span": "mean within the span given", "no usual rule": "mean of shots"}
 MEAN_NOTES = {
     "usual span": "the span allowed is usual with this number of shots; MIL-STD-662F leaves it to the specification",
-    "given span": "the span allowed is given; MIL-STD-662F leaves it to the specification",
+    "given span": "the span allowed is given and not the usual one; MIL-STD-662F leaves it to the specification",
     "no usual rule": "MIL-STD-662F does not usually average this number of shots",
 }
 
@@ -316,33 +317,74 @@ def answer(result: "FiringResult") -> str:
     parts, fit, mean = [], result.recommended, result.mean
     if fit is not None:
         words, level = f"V50 {fit.v50_m_s:.0f} m/s", result.bounded_confidence
-        if level is None:
-            words += f", interval not bounded: {BOUND}"
+        open_level = f"{percent(result.confidence)} not bounded"
+        if result.extrapolated:
+            words = "V50 not bounded by these shots"
+        elif level is None:
+            words += f", interval not bounded ({open_level})"
         else:
             words += f", {percent(level)} interval {interval(result.bounded_interval_m_s, '.0f')}"
-            words += "" if level == result.confidence else f" ({percent(result.confidence)} not bounded: {BOUND})"
+            words += f" ({open_level})" if level < result.confidence else ""
         parts.append(words)
     if mean is not None:
-        by = "mean of shots" if mean.rule == "no usual rule" else "MIL-STD-662F"
         parts.append(
-            f"{by}: {mean.v50_m_s:.0f} m/s from {mean.pairs} + {mean.pairs} shots within {mean.span_m_s:.0f} m/s"
+            f"{MEANS[mean.rule]}: {mean.v50_m_s:.0f} m/s from {mean.pairs} + {mean.pairs} shots within "
+            f"{mean.span_m_s:.0f} m/s"
         )
     return "; ".join(parts)
 
 
 FIXED = (
-    "the risks are approximate: where the scatter far exceeds the steps between shots, 5 % may be 8 %; they hold for "
+    "the risks are approximate: where the scatter far exceeds the steps between shots, 5 % may be 13 %; they hold for "
     "shots whose number did not depend on their results; armour plan shots --requirement-m-s decides at any time, with "
     "more shots and bounded risks"
 )
-BOUND = "a higher complete or a lower partial would bound it"
+
+
+def further_note(result: "FiringResult") -> list[str]:
+    """Return which one further result would bound V50 best."""
+    if (further := result.further) is None:
+        return []
+    shot = f"a {'complete' if further.complete else 'partial'} penetration at {further.velocity_m_s:.0f} m/s"
+    if further.confidence is None:
+        return [f"no single further result bounds V50; {shot} comes nearest"]
+    found = f"{percent(further.confidence)} interval {interval(further.interval_m_s, '.0f')} m/s"
+    if further.confidence == result.confidence:
+        return [f"one further result would bound V50, best {shot}: {found}"]
+    return [f"no single further result bounds V50 at {percent(result.confidence)}; best is {shot}: {found}"]
+
+
+def point_notes(result: "FiringResult") -> list[str]:
+    """Return the points of the recommended curve that were asked for."""
+    notes, level = [], percent(result.confidence)
+    if (at := result.at) is not None:
+        low, high = at.interval
+        notes.append(
+            f"probability of perforation at {at.velocity_m_s:g} m/s: {risk(1.0 - at.probability)}, {level} interval "
+            f"{chance(low)} to {risk(1.0 - high)}"
+        )
+    if (velocity_of := result.velocity_of) is not None:
+        found, lower = velocity_of.velocity_m_s, velocity_of.lower_m_s
+        value = "no positive estimate" if found is None else f"{found:.0f} m/s"
+        bound = "not bounded" if lower is None else f"{lower:.0f} m/s"
+        notes.append(
+            f"{velocity_name(velocity_of.fraction)}: {value}, {level} interval "
+            f"{interval(velocity_of.interval_m_s, '.0f')}, one-sided {level} lower bound {bound}"
+        )
+    return notes
+
+
+def velocity_name(fraction: float) -> str:
+    """Return the name of the velocity at which a fraction perforates, such as V50 or V05."""
+    number = f"{100.0 * fraction:.3g}"
+    return f"V{number.zfill(2)}"
 
 
 def requirement_verdict(result: "FiringResult") -> list[str]:
     """Return whether a requirement is met, with the risks of accepting and of rejecting the armour now."""
     if result.requirement_m_s is None:
         return []
-    required = f"{result.requirement_m_s:g} m/s required of V50"
+    required = f"{result.requirement_m_s:g} m/s required of {velocity_name(result.requirement_fraction)}"
     if result.consumers_risk is None or result.producers_risk is None:
         return [VerdictLine(f"{result.decision}: {required}; no curve fits the shots", good=False)]
     allowed = percent(round(1.0 - result.confidence, 12))
@@ -361,6 +403,7 @@ def risk_of(risk: float) -> str:
 def tables_of_firing(result: "FiringResult") -> list[Table | str]:
     """Return V50 in a line, whether a requirement is met, the curve, the posterior, the shots and all curves."""
     shown: list[Table | str] = [*requirement_verdict(result), *filter(None, (answer(result),))]
+    shown += [*further_note(result), *point_notes(result)]
     if result.recommended is not None:
         shown += [recommended_table(result.recommended, result.confidence), PENALISED]
         if result.recommended.v05_m_s is None:

@@ -1,0 +1,269 @@
+"""Tables of shots and tests as spreadsheets and ranges export them."""
+
+import json
+from hashlib import sha256
+from pathlib import Path
+from random import Random
+
+import pytest
+
+import armour
+from armour.errors import InputError
+from tests.helpers.cases import scenario
+from tests.helpers.spreadsheets import export
+
+FEET = 0.3048
+# Velocities and results of most exports.
+V, R = [735.3, 761.4, 750.0], [False, True, False]
+EXPORTS = {
+    "semicolons": (
+        b"\xef\xbb\xbfshot;velocity_m_s;result;remarks\r\n1;735,3;partial;\r\n2;761,4;complete;a\r\n3;750;PP;\r\n",
+        V,
+        R,
+    ),
+    "tabs": (b"Shot No.\tVelocity [m/s]\tResult\n1\t735.3\tPP\n2\t761.4\tCP\n3\t750\tPP\n", V, R),
+    "sep": (
+        b"sep=;\r\nSchuss;V (m/s);Ergebnis\r\n1;735,3;gehalten\r\n2;761,4;durchschlagen\r\n3;750,0;gehalten\r\n",
+        V,
+        R,
+    ),
+    "Windows-1252": (
+        b"N\xb0;Vitesse (m/s);R\xe9sultat\r\n1;735,3;non perfor\xe9\r\n2;761,4;perfor\xe9\r\n3;750;non perfor\xe9\r\n",
+        V,
+        R,
+    ),
+    "UTF-16": (
+        "Shot\tVelocity, m/s\tResult\n1\t735.3\tnot perforated\n2\t761.4\tperforated\n3\t750\tNot Perforated\n".encode(
+            "utf-16"
+        ),
+        V,
+        R,
+    ),
+    "titles": (
+        b"Report 7;;;\nDate;2026-03-02;;\n;;;\nshot;velocity_m_s;result;\n1;735.3;PP;\n2;761.4;CP;\n3;750;PP;\n",
+        V,
+        R,
+    ),
+    "trailing": (b"shot,velocity_m_s,result,,\r\n1,735.3,PP,,\r\n2,761.4,CP,,\r\n3,750,PP,,\r\n,,,,\r\n", V, R),
+    "feet": (
+        b"Shot No;Velocity (ft/s);Result (PP/CP);Yaw\r\n1;2415,3;PP;1,2\r\n\r\n2;2498,7;CP;0,8\r\n3;2451,0;PP;2\r\n",
+        [2415.3 * FEET, 2498.7 * FEET, 2451 * FEET],
+        R,
+    ),
+    "groups of digits": (
+        b"V in ft/s;Result\n2.415,3;PP\n2.498,7;CP\n2.451,0;PP\n",
+        [2415.3 * FEET, 2498.7 * FEET, 2451 * FEET],
+        R,
+    ),
+    "groups alone": (
+        b"Velocity fps\tResult\n2,415\tPP\n2,498\tCP\n2,451\tPP\n",
+        [2415 * FEET, 2498 * FEET, 2451 * FEET],
+        R,
+    ),
+    "thousandths": (b"velocity (m/s);result\n735,300;P\n761,400;C\n750,000;P\n", V, R),
+    "quoted": (
+        b'"Velocity (ft/s)","Result"\n"2,415.3","partial penetration"\n"2,498.7",complete penetration\n"2,451.0",PP\n',
+        [2415.3 * FEET, 2498.7 * FEET, 2451 * FEET],
+        R,
+    ),
+    "said by the header": (b"V_m_s,Result (1 = perforated)\n735.3,0\n761.4,1\n750,0\n", V, R),
+    "units below": (
+        b"Schuss;Geschwindigkeit;Durchschlag\n;[m/s];\n1;735,3;nein\n2;761,4;ja\n3;750;nein\n",
+        V,
+        R,
+    ),
+    "an index": (b",velocity_m_s,result\n0,735.3,stopped\n1,761.4,perforated\n2,750.0,stopped\n", V, R),
+    "stopped": (b"Strike Velocity (m/s),Stopped\n735.3,TRUE\n761.4,FALSE\n750,TRUE\n", V, R),
+}
+
+
+@pytest.mark.parametrize("name", EXPORTS)
+def test_what_an_export_holds(tmp_path: Path, name: str):
+    content, velocities, complete = EXPORTS[name]
+    (tmp_path / "t.csv").write_bytes(content)
+    shots = armour.read_shots(tmp_path / "t.csv")
+    assert list(shots.velocities_m_s) == pytest.approx(velocities, abs=1e-9)
+    assert list(shots.complete) == complete
+    assert shots.read is not None
+    assert shots.read.sha256 == sha256(content).hexdigest()
+    case = scenario()
+    tests = armour.read_tests(tmp_path / "t.csv", case)
+    assert [m.value for m in tests.measurements] == pytest.approx(velocities, abs=1e-9)
+    assert [m.side for m in tests.measurements] == [-1 if perforated else 1 for perforated in complete]
+
+
+def test_how_a_table_was_read_is_one_line(tmp_path: Path):
+    for name, words in (
+        ("feet", "semicolons, decimal commas, velocity in ft/s, 3 shots"),
+        ("titles", "semicolons, 2 lines above the header, 3 shots"),
+        ("Windows-1252", "semicolons, Windows-1252, decimal commas, velocity in m/s, 3 shots"),
+        ("trailing", "commas, 3 shots"),
+    ):
+        (tmp_path / "t.csv").write_bytes(EXPORTS[name][0])
+        read = armour.read_shots(tmp_path / "t.csv").read
+        assert read is not None
+        assert (read.words, read.plain) == (words, name == "trailing")
+
+
+def test_random_exports_hold_what_was_written(tmp_path: Path):
+    refused = []
+    for seed in range(500):
+        made = export(Random(seed))
+        (tmp_path / "t.csv").write_bytes(made.content)
+        try:
+            shots = armour.read_shots(tmp_path / "t.csv")
+        except InputError as error:
+            refused.append(str(error))
+            continue
+        assert list(shots.velocities_m_s) == pytest.approx(made.velocities_m_s, abs=1e-9), seed
+        assert list(shots.complete) == made.complete, seed
+    assert len(refused) <= 25, refused
+
+
+def shots_of(folder: Path, text: str, **settings: object) -> armour.Shots:
+    (folder / "t.csv").write_text(text)
+    return armour.read_shots(folder / "t.csv", **settings)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (
+            "v (m/s);result\n10,000;P\n",
+            r'line 2: v \(m/s\): must be a number with one meaning, found "10,000": 10 or 10000',
+        ),
+        ("v (m/s);result\n735,3;P\n741.2;C\n", 'line 3: .* must be a number, found "741.2"'),
+        ("Velocity;result\n2415;P\n2498;C\n", r'must have its unit, as "Velocity \(m/s\)" or "Velocity \(ft/s\)"'),
+        ("velocity_m_s,result\n9.500,P\n9.600,C\n", "line 2: velocity_m_s: must be at least 10 .*, found 9.500"),
+        ("velocity_m_s,result\n700,0\n720,1\n", 'line 2: result: must be "stopped" or "perforated"'),
+        ("velocity_m_s,result,valid\n700,P,yes\n720,C,perhaps\n", 'line 3: valid: must be yes or no, found "perhaps"'),
+        ("velocity_m_s,result,valid\n700,P,no\n720,C,no\n", "must have rows that count"),
+    ],
+)
+def test_what_may_mean_two_things_is_refused(tmp_path: Path, text: str, message: str):
+    with pytest.raises(InputError, match=message):
+        shots_of(tmp_path, text)
+
+
+def test_equal_rows_without_a_name_are_two_shots(tmp_path: Path):
+    shots = shots_of(tmp_path, "velocity_m_s,result\n700,P\n700,P\n720,C\n")
+    assert (shots.velocities_m_s, shots.complete) == ((700.0, 700.0, 720.0), (False, False, True))
+    assert "line 3 equal to an earlier row, counted" in str(shots.read)
+    with pytest.raises(InputError, match="line 3: repeats line 2"):
+        shots_of(tmp_path, "shot,velocity_m_s,result\n1,700,P\n1,700,P\n2,720,C\n")
+
+
+@pytest.mark.parametrize("name", ["fair hit", "Valid", "counts", "g\u00fcltig", "valable"])
+def test_rows_that_do_not_count_are_left_out(tmp_path: Path, name: str):
+    shots = shots_of(tmp_path, f"velocity_m_s,result,{name}\n700,P,yes\n9,?,no\n720,C,ja\n")
+    assert shots.velocities_m_s == (700.0, 720.0)
+    assert shots.read is not None
+    assert shots.read.left_out == ("line 3",)
+    assert shots.read.words == "commas, 2 shots, without line 3, which does not count"
+
+
+def test_several_panels_are_not_pooled(tmp_path: Path):
+    text = "velocity_m_s,result,panel\n700,P,A\n720,C,A\n800,P,B\n820,C,B\n810,P,C\n"
+    with pytest.raises(InputError, match=r"panel: must be the same .*, found A \(2 shots\) and B \(2 shots\); choose"):
+        shots_of(tmp_path, text)
+    assert shots_of(tmp_path, text, where={"panel": "B"}).velocities_m_s == (800.0, 820.0)
+    with pytest.raises(InputError, match='where panel: must be one of A, B, C, found "D"'):
+        shots_of(tmp_path, text, where={"panel": "D"})
+    with pytest.raises(InputError, match='where: must name a column, found "yaw"'):
+        shots_of(tmp_path, text, where={"yaw": "1"})
+    with pytest.raises(InputError, match="panel: must be the same"):
+        armour.read_tests(tmp_path / "t.csv", scenario())
+    assert len(armour.read_tests(tmp_path / "t.csv", scenario(), where={"panel": "A"}).names) == 2
+    serial = "velocity_m_s,result,Plate No\n700,P,1\n720,C,2\n710,P,3\n730,C,4\n"
+    assert len(shots_of(tmp_path, serial).velocities_m_s) == 4
+
+
+def test_own_tests_as_a_laboratory_exports_them(tmp_path: Path):
+    text = (
+        "\ufeffVersuch;Keramik;Dicke Keramik [mm];R\u00fccken;Dicke Stahl [mm];"
+        "Geschoss;V50 [ft/s];s [m/s];Datum;Labor\n"
+        "F1;AD85;8,0;6061-T6;6,5;7.62 mm AP;2444;12,0;2026-03-02;X\r\n"
+        "F2;AD85;6,125;6061-T6;6,375;7.62 mm AP;2343;15,5;2026-03-03;X\r\n"
+    )
+    (tmp_path / "t.csv").write_text(text, newline="")
+    tests = armour.read_tests(tmp_path / "t.csv", scenario())
+    assert [m.value for m in tests.measurements] == pytest.approx([2444 * FEET, 2343 * FEET])
+    assert [m.uncertainty for m in tests.measurements] == [12.0, 15.5]
+    assert [cells["armour.ceramic_thickness_mm"] for cells in tests.cells] == [8.0, 6.125]
+    assert tests.read is not None
+    assert tests.read.ignored == ()
+
+
+def test_columns_by_name_and_frames_are_tables_too():
+    columns: dict[str, list[object]] = {"velocity_m_s": [700.0, 720.0], "result": ["P", "C"]}
+    assert armour.read_shots(columns).velocities_m_s == (700.0, 720.0)
+    rows = {"armour.ceramic_thickness_mm": [4.0, 6.0], "armour.backing_thickness_mm": [5.0, 7.0]}
+    by_columns = armour.sweep(scenario(), cases=rows, quantities="areal_density_kg_m2")
+    by_rows = armour.sweep(
+        scenario(),
+        cases=[dict(zip(rows, row, strict=True)) for row in zip(*rows.values(), strict=True)],
+        quantities="areal_density_kg_m2",
+    )
+    assert by_columns == by_rows
+    assert by_columns["armour.ceramic_thickness_mm"].tolist() == [4.0, 6.0]
+
+
+def test_cases_of_a_spreadsheet(tmp_path: Path):
+    (tmp_path / "t.csv").write_bytes(
+        b"\xef\xbb\xbfDicke Keramik [mm];backing thickness (in);\r\n6,35;0,25;\r\n8;0,5;\r\n"
+    )
+    found = armour.sweep(scenario(), tmp_path / "t.csv", "areal_density_kg_m2")
+    assert found["armour.ceramic_thickness_mm"].tolist() == [6.35, 8.0]
+    assert found["armour.backing_thickness_mm"].tolist() == [6.35, 12.7]
+    (tmp_path / "t.csv").write_text("ceramic.flow_stress_GPa;armour.ceramic_thickness_mm\n3,500;6\n")
+    with pytest.raises(InputError, match='must be a number with one meaning, found "3,500"'):
+        armour.sweep(scenario(), tmp_path / "t.csv")
+
+
+def test_a_workbook(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    book.active.append(["Range report"])
+    book.active.append(["Shot No", "Velocity (ft/s)", "Result", "Valid"])
+    for row in ([1, 2415.3, "PP", True], [2, 2498.7, "CP", True], [3, 9999.0, "CP", False]):
+        book.active.append(row)
+    book.create_sheet("second").append(["velocity_m_s", "result"])
+    book["second"].append([700, "P"])
+    book["second"].append([720, "C"])
+    path = tmp_path / "t.xlsx"
+    book.save(path)
+    shots = armour.read_shots(path)
+    assert shots.velocities_m_s == pytest.approx((2415.3 * FEET, 2498.7 * FEET))
+    assert armour.read_shots(path, sheet="second").velocities_m_s == (700.0, 720.0)
+    with pytest.raises(InputError, match=r"t.xlsx: must have the sheet third, found Sheet, second"):
+        armour.read_shots(path, sheet="third")
+    monkeypatch.setattr("armour.csv_files.MAX_UNPACKED", 1000)
+    with pytest.raises(InputError, match="must be at most 1,000 bytes long when it is unpacked"):
+        armour.read_shots(path)
+    path.write_bytes(b"PK no workbook")
+    with pytest.raises(InputError, match="must be a workbook"):
+        armour.read_shots(path)
+
+
+def test_velocities_in_feet_are_named_as_such():
+    case = scenario(uncertainty={"model": {"included": False}})
+    shots = armour.Shots((2350.0, 2400.0, 2370.0, 2420.0), (False, True, False, True))
+    for warnings in (armour.v50(shots, case).warnings, armour.plan_shots(case, shots).warnings):
+        assert any("they are probably ft/s" in text for text in warnings)
+    assert not any("ft/s" in text for text in armour.v50(armour.Shots((700.0, 720.0), (False, True)), case).warnings)
+    rows = [
+        {"armour.ceramic_thickness_mm": mm, "ballistic_limit_m_s": v} for mm, v in ((5, 2170), (6, 2310), (8, 2590))
+    ]
+    fitted = armour.calibrate(armour.read_tests(rows, case), case)
+    assert "they are probably ft/s" in fitted.warnings[0]
+
+
+def test_json_holds_the_shots_and_the_hash_of_their_table(tmp_path: Path):
+    content = EXPORTS["feet"][0]
+    (tmp_path / "t.csv").write_bytes(content)
+    shots = armour.read_shots(tmp_path / "t.csv")
+    for data in (armour.v50(shots).to_dict(), armour.plan_shots(None, shots).to_dict()):
+        fired = json.loads(json.dumps(data))["fired"]
+        assert fired["velocities_m_s"] == pytest.approx(EXPORTS["feet"][1])
+        assert fired["read"]["sha256"] == sha256(content).hexdigest()
+        assert fired["read"]["words"] == "semicolons, decimal commas, velocity in ft/s, 3 shots"
