@@ -196,8 +196,6 @@ def test_shots_that_contradict_the_prior_are_warned_of():
     # Velocities in ft/s, results that are swapped, and an armour far better than the model says.
     feet = plan_shots(scenario(), Shots((2360.0, 2490.0), (False, True)))
     assert feet.warnings[0].startswith("the velocities, about 2425 m/s, are 3.4 times the limit by the model")
-    far = "shots at 2360, 2490 m/s are far from the 99.9 % interval of V50 by the model"
-    assert any(warning.startswith(far) for warning in feet.warnings)
     assert feet.contradicts_prior
     swapped = plan_shots(scenario(), Shots((300.0, 1500.0), (True, False)))
     assert swapped.contradicts_prior
