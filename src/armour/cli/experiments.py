@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import armour
-from armour.analysis.results import EachResult
 from armour.cli import completion
 from armour.cli.console import say
 from armour.cli.question import Answer, Force, PlotFile, argument, number, option, question
@@ -31,7 +30,7 @@ FIT = ("impact", "armour", "ballistic_limit")
 FAR_FROM_PLAN = 0.1
 Where = Annotated[
     list[str] | None,
-    option("Read only the rows with this value in a column, as in panel=A; repeatable.", metavar="COLUMN=VALUE"),
+    option("Read only the rows with this value in a column, as in panel=A; repeatable.", metavar="KEY=VALUE"),
 ]
 Sheet = Annotated[str | None, option("Sheet of a workbook, by default the first.", metavar="NAME")]
 Each = Annotated[bool, option("Give one answer for each value of the column of panels, targets or the like.", "--each")]
@@ -78,6 +77,8 @@ def v50(
         firings = _each(table, where, sheet, kinds=1 if options["prior"] else 2)
         results = {name: armour.v50(fired, scenario, on_progress=on_progress, **options) for name, fired in firings}
         codes = [CHECK_FAILED * (result.decision in ("not met", "not decided")) for result in results.values()]
+        from armour.analysis.results import EachResult  # imports pydantic, which help does not need
+
         return Answer(EachResult(results), file=str(table), exit_code=max(codes))
     fired = armour.read_shots(table, one_kind=options["prior"], where=chosen(where), sheet=sheet)
     tell(table, fired.read)
@@ -252,6 +253,8 @@ def plan_shots(
             plans = {
                 name: armour.plan_shots(scenario, fired, on_progress=on_progress, **options) for name, fired in firings
             }
+            from armour.analysis.results import EachResult
+
             return Answer(EachResult(plans))
         fired = None
         if table is not None and not is_new:
