@@ -125,7 +125,8 @@ def test_a_suite_is_validated_by_its_path_its_name_or_as_it_is_read():
 
 
 def test_every_result_has_warnings():
-    results = [thing for thing in map(armour.__dict__.get, dir(armour)) if isinstance(thing, type)]
+    public = [getattr(armour, name) for name in dir(armour)]
+    results = [thing for thing in public if isinstance(thing, type)]
     found = {thing for thing in results if issubclass(thing, Result)}
     assert {armour.ImpactResult, armour.Comparison, armour.SuiteResult, armour.History} <= found
     for thing in found:
