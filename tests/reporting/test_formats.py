@@ -2,13 +2,14 @@
 
 import re
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
 from math import dist
 from xml.etree import ElementTree
 
 import pytest
 from matplotlib.axes import Axes
 
+from armour.reporting.by_result import drawing_of
 from armour.reporting.formats import (
     WIDTH_INCHES,
     html_report,
@@ -17,8 +18,9 @@ from armour.reporting.formats import (
     markdown_table,
     markdown_text,
 )
+from armour.reporting.pictures.design import draw_front_of_design
 from armour.reporting.pictures.drawing import BLUE, INK, PANEL, SOFT, VERMILION, Picture, Sheet, drawn, points
-from armour.reporting.report import Card, Report, ReportSection, drawing_of
+from armour.reporting.report import Card, Report, ReportSection
 from armour.reporting.scenario_report import contents_of, scenario_report
 from armour.reporting.table import Column, Table
 from armour.reporting.views.validation import suite_report
@@ -199,7 +201,7 @@ def test_identifiers_of_two_charts_differ_and_refer_to_each_other():
 
 @pytest.mark.parametrize("name", ["<!--</svg><script>alert(1)</script>url(#x)", "a\x08\x00\u2028b"])
 def test_names_are_text(name: str):
-    drawing = drawing_of(design_result(ceramic=name, pareto=True), "draw_front_of")
+    drawing = partial(draw_front_of_design, design_result(ceramic=name, pareto=True))
     content = inline_svg(drawn(drawing, Sheet(WIDTH_INCHES), title=""), name, "c")
     assert "<script" not in content
     assert "<!--" not in content

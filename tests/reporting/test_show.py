@@ -15,7 +15,7 @@ from armour.analysis.results import Result, TableResult
 from armour.design.optimise import optimise
 from armour.errors import InputError
 from armour.planning.firing import plan_shots
-from armour.reporting.report import function_of
+from armour.reporting.by_result import by_result, draw
 from armour.reporting.show import in_html, plot, report
 from armour.scenario.scenario import save_scenario
 from armour.statistics.calibration import CalibrationResult, Residual
@@ -41,7 +41,7 @@ OFFERED = {f"{layer}_thickness_mm": {"min": 5.0, "max": 9.0, "step": 1.0} for la
 def test_the_docstring_of_plot_names_every_result_that_is_drawn():
     public = [getattr(armour, name) for name in dir(armour)]
     classes = [thing for thing in public if isinstance(thing, type) and issubclass(thing, Result)]
-    drawn = [cls.__name__ for cls in classes if function_of(object.__new__(cls), "pictures", "draw") is not None]
+    drawn = [cls.__name__ for cls in classes if by_result(draw, object.__new__(cls)) is not None]
     assert "ImpactResult" in drawn
     assert [name for name in drawn if not re.search(rf"\b{name}\b", str(plot.__doc__))] == []
 

@@ -35,7 +35,7 @@ from tools.evidence import GROUPS, LAWS, ROOT, SERIES, Plates, Tiles, fitted, fi
 
 PAGE = ROOT / "docs" / "own-tests.md"
 PLATES = ("cores_steel", "cores_aluminium_tensile", "cores_aluminium", "fragments_aluminium")
-DRAWS, DRAWS_MISTYPED, SAMPLES = 40, 10, 200
+DRAWS, DRAWS_MISTYPED, SAMPLES = 100, 20, 200
 # The seed of draws; the constants of the update were chosen with others.
 SEED = 2
 # Armours that are predicted, by their greatest distance from an own test.
@@ -119,8 +119,7 @@ def lots_of(group_name: str, own: int, draws: int = DRAWS) -> Iterator[Lot]:
         (fit, ranges), dice, count = _left_out(group_name, alloy), np.random.default_rng([SEED, own]), len(lot.error)
         apart = distances(lot.quantities, lot.quantities)
         found: dict[str, list[Outcome]] = {kind: [] for kind in KINDS}
-        for _ in range(draws if own else 1):
-            some = dice.choice(count, min(own, count), replace=False)
+        for some in choices(count, own, draws, dice):
             rest = np.setdiff1d(np.arange(count), some)
             by_own = updated(fit, lot.at(some)) if own else fit
             for kind, farthest in KINDS.items():
@@ -133,6 +132,14 @@ def lots_of(group_name: str, own: int, draws: int = DRAWS) -> Iterator[Lot]:
         by_kind = {kind: np.mean([one.means() for one in parts], axis=0) for kind, parts in found.items() if parts}
         if by_kind:
             yield Lot(f"{fired} on {alloy}", count, by_kind, count * comb(count - 1, own))
+
+
+def choices(count: int, own: int, draws: int, dice: np.random.Generator) -> Iterator[Any]:
+    """Yield choices of own tests of a lot: all that there are, or else some that are drawn."""
+    if comb(count, own) <= draws:
+        yield from (np.array(some, dtype=np.int64) for some in combinations(range(count), own))
+    else:
+        yield from (dice.choice(count, own, replace=False) for _ in range(draws))
 
 
 def _lots(group_name: str) -> Iterator[tuple[str, str, Plates]]:
@@ -166,7 +173,7 @@ def warned_of(group_name: str, own: int) -> Iterator[Floats]:
     for alloy, _, lot in _lots(group_name):
         (fit, _), dice = _left_out(group_name, alloy), np.random.default_rng([SEED, own])
         if len(lot.error) >= own:
-            draws = [lot.at(dice.choice(len(lot.error), own, replace=False)) for _ in range(DRAWS)]
+            draws = [lot.at(some) for some in choices(len(lot.error), own, DRAWS, dice)]
             sound = [doubtful(fit, tests.quantities, tests.error).any() for tests in draws]
             higher = [doubtful(fit, t.quantities, t.error + np.log(1.25) * (np.arange(own) == 0))[0] for t in draws]
             yield np.array([np.mean(sound), np.mean(higher)])

@@ -244,7 +244,7 @@ def _arguments(
 
 def _respond(answer: Answer, scenario: "Scenario | None", values: Mapping[str, Any]) -> None:
     """Show and write an answer, and end with its exit code."""
-    from armour.reporting.report import function_of
+    from armour.reporting.by_result import by_result, tables_of
     from armour.reporting.show import plot as plot_of
 
     verbose = values["verbose"]
@@ -253,7 +253,7 @@ def _respond(answer: Answer, scenario: "Scenario | None", values: Mapping[str, A
     with answer.held:
         respond(
             {**result.to_dict(), **answer.extra_data},
-            function_of(result, "views", "tables_of")(result),
+            by_result(tables_of, result)(result),
             as_json=values["as_json"],
             heading=result.heading(),
             files=answer.contents.items(),

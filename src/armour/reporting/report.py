@@ -3,8 +3,7 @@
 import re
 import sys
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
-from importlib import import_module
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from armour import MODEL_VERSION, __version__
@@ -62,21 +61,6 @@ class Report:
     def in_short(self) -> str:
         """The first lines of the warnings, which are folded."""
         return in_two_lines(self.warnings, "below")[0]
-
-
-def function_of(result: object, package: str, name: str) -> Any:
-    """Return a function of views or pictures for the class of a result, such as `draw_impact`; None without one.
-
-    Both packages have a module for each package of results, which is imported when it is used.
-    """
-    words = re.sub("(?<=[a-z])(?=[A-Z])", "_", type(result).__name__.removesuffix("Result")).lower()
-    module = import_module(f"armour.reporting.{package}.{type(result).__module__.split('.')[1]}")
-    return getattr(module, f"{name}_{words}", None)
-
-
-def drawing_of(result: object, name: str = "draw", **changes: str) -> Callable[[Any], Any]:
-    """Return what draws a result on a sheet, with changes, such as another title."""
-    return lambda sheet: replace(function_of(result, "pictures", name)(result, sheet), **changes)
 
 
 def origin_section(command: str, words: str = "", scenario: Scenario | None = None) -> ReportSection:

@@ -2,7 +2,8 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import TypeVar
+from functools import partial
+from typing import Any, TypeVar
 
 from armour import __version__
 from armour.analysis.ballistic_limit import ballistic_limit, not_monotonic
@@ -14,7 +15,8 @@ from armour.design.optimise import DesignResult, optimise
 from armour.errors import NoAnswerError, NoLimitError, Note
 from armour.evidence.model_error import given_error
 from armour.evidence.tests import armours_of
-from armour.reporting.report import Card, Report, ReportSection, drawing_of, origin_section, reference_notes
+from armour.reporting.by_result import drawing_of
+from armour.reporting.report import Card, Report, ReportSection, origin_section, reference_notes
 from armour.reporting.table import Column, Table, column_of, in_words, listing
 from armour.reporting.text import interval, percent
 from armour.reporting.views import analysis as analysis_view
@@ -282,8 +284,7 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Re
     if design is not None:
         hint = ("This command makes an interactive page of all designs:",) if map_command else ()
         # The title of the map is the answer, which the report begins with.
-        drawing = drawing_of(design, "draw_map_of", title="")
-        yield ReportSection("Map of the designs", hint, map_command, "console", pictures=(drawing,))
+        yield ReportSection("Map of the designs", hint, map_command, "console", pictures=(partial(_map, design),))
     yield ReportSection("Assumptions and limits", notes=ASSUMPTIONS)
     entries = list(filter(None, map(answer.entry_of, ROLES)))
     [(evidence, _)] = armours_of(answer).by_evidence()
@@ -355,8 +356,22 @@ def _search(design: DesignResult) -> ReportSection:
     tables = [table]
     if design.pareto:
         tables.append(design_view.design_table(design.pareto, "Pareto front"))
-    pictures = (drawing_of(design, "draw_front_of"),) if design.pareto else ()
+    pictures = (partial(_front, design),) if design.pareto else ()
     return ReportSection(heading, pictures=pictures, tables=tuple(tables), folded=True)
+
+
+def _map(design: DesignResult, sheet: Any) -> Any:
+    """Draw the map of the designs on a sheet."""
+    from armour.reporting.pictures.design import draw_map_of_design  # slow to import
+
+    return replace(draw_map_of_design(design, sheet), title="")
+
+
+def _front(design: DesignResult, sheet: Any) -> Any:
+    """Draw the Pareto front on a sheet."""
+    from armour.reporting.pictures.design import draw_front_of_design  # slow to import
+
+    return draw_front_of_design(design, sheet)
 
 
 def _impact(contents: Contents) -> ReportSection:

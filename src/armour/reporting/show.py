@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from armour.analysis.results import OnProgress, Result, ignore_progress
 from armour.errors import mistake, refuse
 from armour.files import unwritable, write_file, wrong_ending
-from armour.reporting.report import drawing_of, function_of
+from armour.reporting.by_result import by_result, draw, drawing_of, tables_of
 from armour.scenario.scenario import Scenario
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ CalibrationResult, FiringResult, PlannedTests, ShotPlan, SuiteResult or SweepRes
     >>> figure = armour.plot(armour.simulate(scenario, history=True))
     >>> figure.savefig("impact.png")
     """
-    if not isinstance(result, Result) or function_of(result, "pictures", "draw") is None:
+    if not isinstance(result, Result) or by_result(draw, result) is None:
         raise mistake("plot", "result", f"must be one that is drawn, found {type(result).__name__}")
     from armour.reporting.pictures.drawing import Sheet, drawn
 
@@ -90,10 +90,10 @@ def in_html(result: Result) -> str | None:
     """Return the tables of a result as HTML, for a notebook; None where it has none."""
     from armour.reporting.formats import rendered
 
-    if (tables_of := function_of(result, "views", "tables_of")) is None:
+    if (tables := by_result(tables_of, result)) is None:
         return None
     warnings = (f"warning: {warning}" for warning in getattr(result, "warnings", ()))
-    return rendered("notebook.html", tables=[*result.heading(), *tables_of(result), *warnings])
+    return rendered("notebook.html", tables=[*result.heading(), *tables(result), *warnings])
 
 
 def report(

@@ -1,6 +1,6 @@
 import warnings
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
 from itertools import combinations
 from xml.etree import ElementTree
 
@@ -13,6 +13,8 @@ from matplotlib.transforms import Bbox
 
 from armour.design.optimise import DesignResult, optimise
 from armour.errors import InputError
+from armour.reporting.by_result import drawing_of
+from armour.reporting.pictures.design import draw_map_of_design
 from armour.reporting.pictures.drawing import (
     BLUE,
     METADATA,
@@ -33,7 +35,6 @@ from armour.reporting.pictures.drawing import (
     rows_height,
     saved,
 )
-from armour.reporting.report import drawing_of
 from armour.reporting.show import plot
 from armour.sweeps.sweep import sweep
 from tests.helpers.cases import scenario, shipped_scenario
@@ -247,7 +248,7 @@ def test_contours_of_two_quantities_are_named_apart():
 @pytest.mark.parametrize("name", ["catalogue", "paper/optimum_7.62mm_AP"])
 @pytest.mark.parametrize("width", [WIDTH, 3.45])
 def test_a_label_of_a_contour_is_within_the_panel(name: str, width: float):
-    [axes] = drawn(drawing_of(optimum(name), "draw_map_of"), Sheet(width), title="").axes
+    [axes] = drawn(partial(draw_map_of_design, optimum(name)), Sheet(width), title="").axes
     labels = [text.get_window_extent() for text in axes.texts if text.get_text().isdigit()]
     assert len(labels) > 6
     assert all(axes.bbox.contains(*corner) for box in labels for corner in (box.min, box.max))

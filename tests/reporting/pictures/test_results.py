@@ -1,5 +1,6 @@
 """What the picture of each result shows."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache, partial
 from math import nan
@@ -19,9 +20,10 @@ from armour.design.optimise import DesignResult, optimise
 from armour.planning.firing import plan_shots
 from armour.planning.plan_tests import PlannedTests, plan_tests
 from armour.planning.procedures import OperatingPoint
+from armour.reporting.by_result import draw, drawing_of
 from armour.reporting.pictures import analysis, design, planning, statistics, sweeps, validation
+from armour.reporting.pictures.design import draw_front_of_design, draw_map_of_design
 from armour.reporting.pictures.drawing import BLUE, INK, VERMILION, Picture, Points, Sheet, drawn
-from armour.reporting.report import drawing_of
 from armour.scenario.inputs import BACKING, CERAMIC, VELOCITY
 from armour.scenario.scenario import load_scenario
 from armour.statistics.calibration import CalibrationResult, Residual
@@ -36,9 +38,9 @@ from tests.helpers.suites import TABLE, WILKINS_LIMIT, case, result
 pytestmark = pytest.mark.usefixtures("not_laid_out")
 
 
-def picture_of(result: Any, function: str = "draw") -> Picture:
+def picture_of(result: Any, drawing: Callable[[Any, Sheet], Picture] = draw) -> Picture:
     """The picture of a result, with its legends."""
-    return drawn(drawing_of(result, function), Sheet())
+    return drawn(drawing_of(result) if drawing is draw else partial(drawing, result), Sheet())
 
 
 def marks(axes: Axes) -> dict[str, Points]:
@@ -165,7 +167,7 @@ def frontiers(axes: Axes) -> list[ContourSet]:
 
 def test_a_map_has_the_frontiers_and_the_lightest_designs():
     found = designs(0.9)
-    [axes] = picture_of(found, "draw_map_of").axes
+    [axes] = picture_of(found, draw_map_of_design).axes
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("back plate thickness, mm", "ceramic thickness, mm")
     assert [to_hex(np.asarray(lines.get_edgecolor())[0]) for lines in frontiers(axes)] == [VERMILION, BLUE]
     assert labels(axes)[:2] == ["perforated more often than not", "stopped in 90 % of cases or more"]
@@ -188,7 +190,7 @@ def test_a_frontier_is_where_the_probability_is_that_of_its_line():
 
 
 def test_without_a_confidence_the_map_shows_the_usual_one():
-    [axes] = picture_of(designs(), "draw_map_of").axes
+    [axes] = picture_of(designs(), draw_map_of_design).axes
     assert "stopped in 95 % of cases or more" in labels(axes)
     [best] = [line for line in axes.lines if isinstance(line, Points) and line.get_markersize() == 9.0]
     assert best.get_color() == INK
@@ -204,7 +206,7 @@ def test_designs_of_bare_plates_are_drawn_over_their_thickness():
 
 
 def test_designs_of_which_no_probability_is_known_have_the_line_of_the_limit():
-    picture = picture_of(optimise(scenario(ceramic="SiC", optimise=OFFERED)), "draw_map_of")
+    picture = picture_of(optimise(scenario(ceramic="SiC", optimise=OFFERED)), draw_map_of_design)
     assert picture.note == "No probability is known for these designs."
     assert "ballistic limit by the model = velocity" in labels(*picture.axes)
     assert not [lines for lines in picture.axes[0].collections if isinstance(lines, ContourSet) and lines.filled]
@@ -224,7 +226,7 @@ def test_beside_the_map_are_the_best_of_every_pair_up_to_a_limit_and_the_front()
 
 
 def test_designs_of_a_front_are_not_joined():
-    [axes] = picture_of(design_result(threats=(THREAT, OTHER), pareto=True), "draw_front_of").axes
+    [axes] = picture_of(design_result(threats=(THREAT, OTHER), pareto=True), draw_front_of_design).axes
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("areal density, kg/m²", "cost per m²")
     assert labels(axes) == ["AD85 on 6061-T6", "AD99.5 on 6061-T6", "best"]
     assert not curves(axes)
@@ -367,7 +369,7 @@ def test_the_region_and_the_order_of_a_firing_are_drawn_except_in_a_users_axes()
     assert len(outlines) == 2
     assert x_of(marks(order)["partial penetration"]) == [1.0, 2.0, 4.0]
     assert y_of(marks(order)["complete penetration"]) == [715.0, 725.0, 730.0]
-    alone = drawn(drawing_of(found, "draw"), Sheet(ax=order))
+    alone = drawn(drawing_of(found), Sheet(ax=order))
     assert alone.axes == [order]
 
 
@@ -467,7 +469,7 @@ def test_a_front_over_three_criteria_says_what_is_not_drawn():
     front = tuple(replace(each, margin_m_s=5.0) for each in design_result(pareto=True).pareto)
     found = replace(design_result(pareto=True), criteria=criteria, pareto=front)
     note = "Designs that others beat in both criteria drawn are better in margin by the model."
-    assert note in picture_of(found, "draw_front_of").note
+    assert note in picture_of(found, draw_front_of_design).note
 
 
 GRID = {CERAMIC: [5.0, 8.0, 11.0], BACKING: [4.0, 8.0]}

@@ -14,6 +14,7 @@ from armour.analysis.impact import History, ImpactResult
 from armour.core.equations import crack_velocity
 from armour.core.state import Parameters
 from armour.errors import mistake
+from armour.reporting.by_result import draw
 from armour.reporting.pictures import drawing
 from armour.reporting.text import interval, wrapped
 from armour.reporting.views.analysis import STAGES
@@ -47,6 +48,7 @@ EVENT_CHARACTERS, AT_ONCE_US = 12, 1e-3
 BELOW = 4.9
 
 
+@draw.register
 def draw_impact(result: ImpactResult, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the armour and the penetrator, and below them velocities, length and depths over time."""
     history = result.history
@@ -197,6 +199,7 @@ def _fragmented_us(p: Parameters, history: History) -> float:
     return float(np.interp(p.Hc0 / MM, crossed, history.time_us, right=inf))
 
 
+@draw.register
 def draw_limit(result: LimitResult, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw both over the impact velocity; without a model error, draw the residual velocity alone."""
     scenario, limit = drawing.recorded(result, "scenario"), result.ballistic_limit_m_s

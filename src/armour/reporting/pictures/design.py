@@ -20,6 +20,7 @@ from armour.design.map import (
     with_known_edges,
 )
 from armour.design.optimise import Design, DesignResult
+from armour.reporting.by_result import draw
 from armour.reporting.pictures import drawing
 from armour.reporting.table import grouped, in_words
 from armour.reporting.text import percent
@@ -45,6 +46,7 @@ class _Panel(NamedTuple):
     note: str
 
 
+@draw.register
 def draw_design(result: DesignResult, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw limits over the one thickness that varies, or else a map of the best pair, the best pairs and the front."""
     panels = []
@@ -368,6 +370,7 @@ def _design_text(design: Design, *criteria: str) -> str:
     return ", ".join([f"{design.ceramic_thickness_mm:.4g} on {design.backing_thickness_mm:.4g} mm", *values])
 
 
+@draw.register
 def draw_check(result: CheckResult, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw a panel for each threat, with a row for the armour as given and one for every change."""
     by_threat = [(threat.as_given(), *threat.what_ifs) for threat in result.threats]

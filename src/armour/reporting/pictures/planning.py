@@ -2,25 +2,25 @@
 
 from collections import Counter
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 
 from armour.analysis.quantities import label_and_unit
 from armour.errors import counted, listed
+from armour.planning.firing import ShotPlan
+from armour.planning.plan_tests import PlannedTests
+from armour.reporting.by_result import draw
 from armour.reporting.pictures import drawing
 from armour.reporting.pictures.statistics import draw_shots
 from armour.reporting.table import in_words
 from armour.reporting.text import interval, percent
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, VELOCITY
 
-if TYPE_CHECKING:
-    from armour.planning.firing import ShotPlan
-    from armour.planning.plan_tests import PlannedTests
 
-
-def draw_shot_plan(plan: "ShotPlan", sheet: drawing.Sheet) -> drawing.Picture:
+@draw.register
+def draw_shot_plan(plan: ShotPlan, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the densities of V50, and beneath them the shots or the operating characteristic of their procedure."""
     simulated = bool(plan.operating_characteristic)
     note = f"{plan.stopped}." if plan.stopped else ""
@@ -41,7 +41,7 @@ def draw_shot_plan(plan: "ShotPlan", sheet: drawing.Sheet) -> drawing.Picture:
     return picture
 
 
-def _title(plan: "ShotPlan") -> str:
+def _title(plan: ShotPlan) -> str:
     """Return what is next, and what is known after the shots so far."""
     following = "Firing ended" if plan.next_velocity_m_s is None else f"Next shot at {plan.next_velocity_m_s:.1f} m/s"
     basis = f"after {counted(len(plan.fired.complete), 'shot')}" if plan.fired.complete else "by the prior"
@@ -50,7 +50,7 @@ def _title(plan: "ShotPlan") -> str:
     return f"{following}; {basis} {v50}"
 
 
-def _draw_densities(axes: Axes, plan: "ShotPlan") -> None:
+def _draw_densities(axes: Axes, plan: ShotPlan) -> None:
     """Draw the probability densities of V50 before and after the shots."""
     x = plan.curve.velocity_m_s
     label = "prior, the model with its error" if plan.model_error else "prior"
@@ -62,7 +62,7 @@ def _draw_densities(axes: Axes, plan: "ShotPlan") -> None:
     axes.set_ylim(bottom=0.0)
 
 
-def _draw_operating(axes: Axes, plan: "ShotPlan") -> None:
+def _draw_operating(axes: Axes, plan: ShotPlan) -> None:
     """Draw the fractions of simulated firings that accept and reject armours around the requirement."""
     armours = plan.operating_characteristic
     v50 = [armour.v50_m_s for armour in armours]
@@ -79,7 +79,7 @@ def _draw_operating(axes: Axes, plan: "ShotPlan") -> None:
     axes.set_title(f"operating characteristic at a scatter of {armours[0].scatter_m_s:.0f} m/s")
 
 
-def _draw_velocities(axes: Axes, plan: "ShotPlan", *, named: bool) -> None:
+def _draw_velocities(axes: Axes, plan: ShotPlan, *, named: bool) -> None:
     """Draw lines at the next velocity and the required one."""
     following = ("next shot", plan.next_velocity_m_s, drawing.INK, ":")
     drawing.velocities(axes, [following, ("requirement", plan.requirement_m_s, drawing.SOFT, "-.")], named=named)
@@ -91,7 +91,8 @@ GAINS = "Gain of one more test{}, relative to the average planned test (1: as go
 MAX_NUMBERS = 60
 
 
-def draw_planned_tests(result: "PlannedTests", sheet: drawing.Sheet) -> drawing.Picture:
+@draw.register
+def draw_planned_tests(result: PlannedTests, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the gain of one more test over the inputs that vary, with the planned tests and their numbers.
 
     It is a map over two of them, by preference the thicknesses, or a curve over one; the greatest gain is shown where
@@ -125,7 +126,7 @@ def draw_planned_tests(result: "PlannedTests", sheet: drawing.Sheet) -> drawing.
     return picture
 
 
-def _tests_title(result: "PlannedTests") -> str:
+def _tests_title(result: PlannedTests) -> str:
     """Return how many tests are planned, and what is known after them."""
     title = f"Planned: {counted(len(result.planned) - 1, 'test')}"
     for name, half_width in result.planned[-1].half_widths.items():
@@ -135,7 +136,7 @@ def _tests_title(result: "PlannedTests") -> str:
     return title
 
 
-def _note(result: "PlannedTests", velocities: Sequence[float]) -> str:
+def _note(result: PlannedTests, velocities: Sequence[float]) -> str:
     """Return what a gain is, and the velocities of shots."""
     note = GAINS.format("" if result.planned[-1].total_cost is None else " per unit cost")
     if not result.sensitivities:

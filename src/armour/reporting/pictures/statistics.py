@@ -1,7 +1,6 @@
 """Pictures of uncertainties, sensitivities, calibrations and V50 from firing results."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -9,28 +8,28 @@ from matplotlib.ticker import MaxNLocator
 
 from armour.analysis.quantities import label_and_unit
 from armour.errors import mistake
+from armour.reporting.by_result import draw
 from armour.reporting.pictures import drawing
 from armour.reporting.table import deviation_percent, grouped, in_words
 from armour.reporting.text import interval, percent
 from armour.reporting.views.statistics import MEANS
 from armour.reporting.words import risk
 from armour.scenario.inputs import VELOCITY
+from armour.statistics.calibration import CalibrationResult, Residual
+from armour.statistics.curves import FittedCurve
 from armour.statistics.measured import LIMIT
-
-if TYPE_CHECKING:
-    from armour.statistics.calibration import CalibrationResult, Residual
-    from armour.statistics.curves import FittedCurve
-    from armour.statistics.own_tests import OwnTest
-    from armour.statistics.sensitivity import SensitivityResult
-    from armour.statistics.uncertainty import UncertaintyResult
-    from armour.statistics.v50 import FiringResult, Shots
+from armour.statistics.own_tests import OwnTest
+from armour.statistics.sensitivity import SensitivityResult
+from armour.statistics.uncertainty import UncertaintyResult
+from armour.statistics.v50 import FiringResult, Shots
 
 KINDS = (("partial penetration", False, drawing.GREEN, "o"), ("complete penetration", True, drawing.VERMILION, "^"))
 # Probabilities between which the curve is shown whole.
 SHOWN_PROBABILITY = 0.002
 
 
-def draw_uncertainty(result: "UncertaintyResult", sheet: drawing.Sheet) -> drawing.Picture:
+@draw.register
+def draw_uncertainty(result: UncertaintyResult, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the probability of perforation over velocity, and the ballistic limit at quantiles of each input."""
     curve, p, level = result.curve, result.probability_of_perforation, percent(result.confidence)
     at = drawing.recorded(result, "scenario").impact.velocity_m_s
@@ -68,7 +67,8 @@ def draw_uncertainty(result: "UncertaintyResult", sheet: drawing.Sheet) -> drawi
     return picture
 
 
-def draw_sensitivity(result: "SensitivityResult", sheet: drawing.Sheet) -> drawing.Picture:
+@draw.register
+def draw_sensitivity(result: SensitivityResult, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the elasticities; inputs with the largest of the first answer, the limit where there is one, are on top."""
     answers = [name for name, value in result.answers.items() if value is not None]
     # Without an elasticity an input, such as the velocity for the ballistic limit, is below those with one.
@@ -93,7 +93,8 @@ MAX_ROWS = 40
 WORDS = {"": "measured", "at least": "stopped at", "at most": "perforated at"}
 
 
-def draw_calibration(result: "CalibrationResult", sheet: drawing.Sheet) -> drawing.Picture:
+@draw.register
+def draw_calibration(result: CalibrationResult, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw both for each quantity that was measured."""
     title = f"Calibration to {len({residual.test for residual in result.residuals})} tests"
     if result.mean_error_percent is not None:
@@ -127,14 +128,14 @@ def draw_calibration(result: "CalibrationResult", sheet: drawing.Sheet) -> drawi
     return picture
 
 
-def _farthest(result: "CalibrationResult") -> "list[tuple[str, OwnTest]]":
+def _farthest(result: CalibrationResult) -> list[tuple[str, OwnTest]]:
     """Return the names and own tests that are farthest from what the others predict."""
     names = [residual.test for residual in result.residuals if residual.quantity == LIMIT]
     pairs = list(zip(names, result.own_tests, strict=False))
     return sorted(pairs, key=lambda pair: -abs(pair[1].measured_m_s / pair[1].predicted_m_s - 1.0))[:MAX_ROWS]
 
 
-def _draw_own_tests(axes: Axes, own: "Sequence[tuple[str, OwnTest]]") -> None:
+def _draw_own_tests(axes: Axes, own: Sequence[tuple[str, OwnTest]]) -> None:
     """Draw what own tests measured, and what the others of the lot predict."""
     values: dict[str, list[float | None]] = {WORDS[bound]: [None] * len(own) for bound in WORDS}
     for place, (_, test) in enumerate(own):
@@ -145,12 +146,12 @@ def _draw_own_tests(axes: Axes, own: "Sequence[tuple[str, OwnTest]]") -> None:
     axes.set(title="Own tests, and what the others of the lot predict", xlabel="ballistic limit, m/s")
 
 
-def _largest(residuals: "Sequence[Residual]") -> "list[Residual]":
+def _largest(residuals: Sequence[Residual]) -> list[Residual]:
     """Return the residuals with the largest deviations from measured values."""
     return sorted(residuals, key=lambda r: -abs(deviation_percent(r.computed, r.measured) or 0.0))[:MAX_ROWS]
 
 
-def _draw_deviations(axes: Axes, quantity: str, residuals: "Sequence[Residual]") -> None:
+def _draw_deviations(axes: Axes, quantity: str, residuals: Sequence[Residual]) -> None:
     """Draw deviations from measured values; of many tests those with the largest."""
     title, shown = f"Deviation of the computed {label_and_unit(quantity)[0]}", _largest(residuals)
     if len(shown) < len(residuals):
@@ -169,7 +170,8 @@ REGION_NODES = 121
 POSTERIOR = 0.4
 
 
-def draw_firing(result: "FiringResult", sheet: drawing.Sheet) -> drawing.Picture:
+@draw.register
+def draw_firing(result: FiringResult, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the probability of a complete penetration over the velocity, the joint region and the shots in order."""
     shots = drawing.recorded(result, "shots")
     if not result.fits:
@@ -225,7 +227,7 @@ def draw_firing(result: "FiringResult", sheet: drawing.Sheet) -> drawing.Picture
     return picture
 
 
-def _draw_region(axes: Axes, fit: "FittedCurve", shots: "Shots", confidence: float, ends: tuple[float, float]) -> None:
+def _draw_region(axes: Axes, fit: FittedCurve, shots: Shots, confidence: float, ends: tuple[float, float]) -> None:
     """Draw the joint confidence regions of V50 and scatter, at one half and at the confidence level."""
     from armour.statistics.curves import ShotLikelihood
 
@@ -246,7 +248,7 @@ def _draw_region(axes: Axes, fit: "FittedCurve", shots: "Shots", confidence: flo
     drawing.points(axes, [fit.v50_m_s], [fit.scale_m_s], color=drawing.BLUE)
 
 
-def _draw_order(axes: Axes, shots: "Shots", ends: tuple[float | None, float | None] | None) -> None:
+def _draw_order(axes: Axes, shots: Shots, ends: tuple[float | None, float | None] | None) -> None:
     """Draw the shots in their order, with the interval of V50."""
     for kind, complete, colour, marker in KINDS:
         numbers = [number for number, result in enumerate(shots.complete, start=1) if result == complete]
@@ -263,7 +265,7 @@ def _draw_order(axes: Axes, shots: "Shots", ends: tuple[float | None, float | No
     )
 
 
-def draw_shots(axes: Axes, shots: "Shots") -> None:
+def draw_shots(axes: Axes, shots: Shots) -> None:
     """Draw the shots of each kind, as points at their probabilities, 0 and 1."""
     for kind, complete, colour, marker in KINDS:
         if velocities := shots.of(complete=complete):

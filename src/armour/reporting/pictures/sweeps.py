@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from armour.errors import mistake
+from armour.reporting.by_result import draw
 from armour.reporting.pictures import drawing
 from armour.reporting.table import Column, column_of, in_words
 from armour.reporting.text import number
@@ -22,6 +23,7 @@ RESIDUALS = ("residual_velocity_m_s", "residual_mass_g")
 MAX_MARKERS = 40
 
 
+@draw.register
 def draw_sweep(result: SweepResult, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the first quantity of a sweep that is a number."""
     if len(result.keys) > 2:

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from armour.errors import mistake
+from armour.reporting.by_result import draw
 from armour.reporting.pictures import drawing
 from armour.reporting.table import grouped
 from armour.reporting.views.validation import drawn_checks
@@ -22,6 +23,7 @@ from armour.validation.validate import SuiteResult
 LEFT_OUT = "outcomes, relative differences, and those of no table or without an answer"
 
 
+@draw.register
 def draw_suite(result: SuiteResult, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw computed over expected values of a suite's tables or, without tables, of its cases, by quantity."""
     if not (checks := drawn_checks(result)):
@@ -81,6 +83,7 @@ def _draw_panel(axes: Axes, figure: Figure) -> None:
         axes.set_ylim(bottom=0.0)
 
 
+@draw.register
 def draw_comparison(result: Comparison, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the curves, and the limits within their range."""
     limit = result.limit.ballistic_limit_m_s

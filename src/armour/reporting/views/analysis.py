@@ -6,6 +6,7 @@ from typing import NamedTuple
 from armour.analysis.ballistic_limit import ConfidenceResult, LimitResult
 from armour.analysis.impact import ImpactResult
 from armour.analysis.results import EachResult
+from armour.reporting.by_result import by_result, tables_of
 from armour.reporting.table import Column, Table, column_of, csv_text, listing, record
 from armour.reporting.text import VerdictLine
 from armour.reporting.words import BALLISTIC_LIMIT, SAMPLED_ALONE, STOPPING, basis_notes, chance, error_note, with_error
@@ -32,16 +33,16 @@ STAGES = {
 }
 
 
+@tables_of.register
 def tables_of_each(result: EachResult) -> list[Table | str]:
     """Return the tables of each of several results, below its name."""
-    from armour.reporting.report import function_of
-
     shown: list[Table | str] = []
     for name, part in result.results.items():
-        shown += [f"{name}: {part.heading()[0]}", *function_of(part, "views", "tables_of")(part)]
+        shown += [f"{name}: {part.heading()[0]}", *by_result(tables_of, part)(part)]
     return shown
 
 
+@tables_of.register
 def tables_of_impact(result: ImpactResult) -> list[Table | str]:
     """Return the outcome of an impact, its probability where that was computed, and what remains, stage by stage."""
     parts: list[Table | str] = [verdict(result)]
@@ -102,6 +103,7 @@ def crossing_table(result: LimitResult) -> Table:
     )
 
 
+@tables_of.register
 def tables_of_limit(result: LimitResult) -> list[Table | str]:
     """Return all tables of a ballistic limit, and what was looked at; the changes of the outcome only where several."""
     low, high = result.scanned_range_m_s
@@ -116,6 +118,7 @@ def tables_of_limit(result: LimitResult) -> list[Table | str]:
     return [*parts, f"{scanned}, the outcome changes {len(result.crossings)} times; {width}", crossing_table(result)]
 
 
+@tables_of.register
 def tables_of_confidence(result: ConfidenceResult) -> list[Table | str]:
     """Return the probability, and what it rests on."""
     limit, probability = with_error(result.median_m_s, result.interval_m_s), result.probability_of_stopping

@@ -9,6 +9,7 @@ from armour.design.check import CheckedThreat, CheckResult, WhatIf
 from armour.design.optimise import BestDesign, Design, DesignResult, Pair, armour_in_words
 from armour.design.requirements import Requirement
 from armour.errors import counted, joined
+from armour.reporting.by_result import tables_of
 from armour.reporting.junit import TestCase, junit_suite
 from armour.reporting.table import Column, Source, Table, column_of, csv_text, listing, record
 from armour.reporting.text import VerdictLine, interval, percent, with_interval
@@ -235,6 +236,7 @@ def _shown(result: DesignResult) -> BestDesign:
     return result.shown
 
 
+@tables_of.register
 def tables_of_design(result: DesignResult) -> list[Table | str]:
     """Return all tables of a design search: the frontier of a single pair of materials, or a row for each pair."""
     scenario: Scenario | None = result.question.get("scenario")
@@ -440,6 +442,7 @@ def amounts(result: CheckResult) -> str:
     return f"{AREAL_DENSITY.text(result.areal_density_kg_m2)} kg/m², {round(result.thickness_mm, 3):g} mm thick{cost}"
 
 
+@tables_of.register
 def tables_of_check(result: CheckResult) -> list[Table | str]:
     """Return the verdict, the threats, and what changes do against the one most likely to perforate, or each."""
     several = len(result.threats) > 1

@@ -2,20 +2,17 @@
 
 import re
 from itertools import zip_longest
-from typing import TYPE_CHECKING
 
 from armour.analysis.quantities import label_and_unit
+from armour.planning.firing import ShotPlan
+from armour.planning.plan_tests import PlannedTests
+from armour.reporting.by_result import tables_of
 from armour.reporting.table import Cell, Column, Table, column_of, listing, record
 from armour.reporting.text import interval, percent
 from armour.reporting.views.statistics import SCATTER_ASSUMED, prior_table, share_note
 from armour.reporting.words import chance, model_error_words, rounded_down
 from armour.scenario.inputs import INPUTS, VELOCITY
 from armour.statistics.measured import LIMIT, MEASURED, OUTCOME, Tests
-
-if TYPE_CHECKING:
-    from armour.planning.firing import ShotPlan
-    from armour.planning.plan_tests import PlannedTests
-
 
 DECISION = (
     "the shots alone decide, as soon as a likelihood ratio is large enough; the model's limit and its error play no "
@@ -28,7 +25,8 @@ ONE_SIDE = (
 REPORT = "the posterior includes the model's prediction; report V50 from armour v50, which uses the shots alone"
 
 
-def tables_of_shot_plan(plan: "ShotPlan") -> list[Table | str]:
+@tables_of.register
+def tables_of_shot_plan(plan: ShotPlan) -> list[Table | str]:
     """Return all tables of a plan of shots, with notes on them."""
     shown: list[Table | str] = [_plan_table(plan)]
     if plan.stopped and not plan.fired.complete:
@@ -56,7 +54,7 @@ def tables_of_shot_plan(plan: "ShotPlan") -> list[Table | str]:
     return shown
 
 
-def _plan_table(plan: "ShotPlan") -> Table:
+def _plan_table(plan: ShotPlan) -> Table:
     """Return the next shot, what ends the firing, and the present estimates."""
     fit, mean, fraction = plan.recommended, plan.mean, plan.requirement_fraction
     required = "V50" if fraction == 0.5 else f"velocity at which {percent(fraction)} perforate"
@@ -96,7 +94,7 @@ def _plan_table(plan: "ShotPlan") -> Table:
     )
 
 
-def scatter_note(plan: "ShotPlan") -> str:
+def scatter_note(plan: ShotPlan) -> str:
     """Return what the prior of the scatter is from."""
     firings = "an earlier firing" if plan.earlier == 1 else f"{plan.earlier} earlier firings"
     return (
@@ -120,7 +118,7 @@ def _number_of_shots(median: float | None) -> str:
     return "more than 100" if median is None else f"{median:.0f}"
 
 
-def operating_table(plan: "ShotPlan") -> Table:
+def operating_table(plan: ShotPlan) -> Table:
     """Return what becomes of firings at armours around the requirement."""
     scatter = plan.operating_characteristic[0].scatter_m_s
     return listing(
@@ -133,7 +131,7 @@ def operating_table(plan: "ShotPlan") -> Table:
     )
 
 
-def _shot_table(plan: "ShotPlan") -> Table:
+def _shot_table(plan: ShotPlan) -> Table:
     """Return the shots in their order."""
     fired = plan.fired
     rows = zip_longest(fired.names, fired.velocities_m_s, fired.complete, fillvalue="")
@@ -172,7 +170,7 @@ NOTE = (
 SLOPES = "slope: relative change of the flow stress per projectile diameter of layer thickness"
 
 
-def plan_table(result: "PlannedTests") -> Table:
+def plan_table(result: PlannedTests) -> Table:
     """Return what the tests are planned for."""
     measured = relative_to = "ballistic limit"
     if result.measure == "outcome":
@@ -195,7 +193,7 @@ def plan_table(result: "PlannedTests") -> Table:
     )
 
 
-def step_table(result: "PlannedTests") -> Table:
+def step_table(result: PlannedTests) -> Table:
     """Return the tests in their order, with what is known after each."""
     before = result.planned[0]
     is_nothing_known = {*before.half_widths.values(), *before.limit_half_widths_m_s} == {None}
@@ -226,13 +224,14 @@ def step_table(result: "PlannedTests") -> Table:
     )
 
 
-def tables_of_planned_tests(result: "PlannedTests") -> list[Table | str]:
+@tables_of.register
+def tables_of_planned_tests(result: PlannedTests) -> list[Table | str]:
     """Return all tables of planned tests."""
     slopes = [SLOPES] if any(name.endswith("_slope") for name in result.values) else []
     return [step_table(result), NOTE, *slopes, plan_table(result)]
 
 
-def form_table(result: "PlannedTests") -> Table:
+def form_table(result: PlannedTests) -> Table:
     """Return a table of tests for `armour calibrate` whose measured values are to be filled in.
 
     It has the tests made before, too; the names of the planned tests go on from theirs.

@@ -1,22 +1,20 @@
 """Uncertainties, sensitivities, calibrations and V50 from firing results."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from armour.analysis.estimates import Estimate
 from armour.analysis.quantities import label_and_unit
+from armour.reporting.by_result import tables_of
 from armour.reporting.table import Cell, Column, Source, Table, column_of, deviation_percent, in_words, listing, record
 from armour.reporting.text import VerdictLine, interval, percent, with_interval
 from armour.reporting.words import SAMPLED_ALONE, STOPPING, chance, error_note, risk, rounded_down, rounded_up
-
-if TYPE_CHECKING:
-    from armour.statistics.calibration import CalibrationResult
-    from armour.statistics.curves import FittedCurve
-    from armour.statistics.own_tests import OwnTest
-    from armour.statistics.posterior import FiringEstimate
-    from armour.statistics.sensitivity import SensitivityResult
-    from armour.statistics.uncertainty import UncertaintyResult
-    from armour.statistics.v50 import FiringResult
+from armour.statistics.calibration import CalibrationResult
+from armour.statistics.curves import FittedCurve
+from armour.statistics.own_tests import OwnTest
+from armour.statistics.posterior import FiringEstimate
+from armour.statistics.sensitivity import SensitivityResult
+from armour.statistics.uncertainty import UncertaintyResult
+from armour.statistics.v50 import FiringResult
 
 SCATTER_ASSUMED = "the prior for the scatter is assumed; the model does not predict scatter"
 SAMPLING_NOTE = "more samples make the intervals narrower; the spread of the ballistic limit is V05 to V95"
@@ -25,7 +23,7 @@ SAMPLING_NOTE = "more samples make the intervals narrower; the spread of the bal
 INDEX_NOTE = "true indices lie between 0 and 1; sampling error can push estimates and intervals slightly outside"
 
 
-def estimate_table(result: "UncertaintyResult") -> Table:
+def estimate_table(result: UncertaintyResult) -> Table:
     """Return the estimated probability, quantiles and mean."""
     mean, perforated = Estimate(result.mean_m_s, *result.mean_interval_m_s), result.probability_of_perforation
     stopped = Estimate(
@@ -43,7 +41,7 @@ def estimate_table(result: "UncertaintyResult") -> Table:
     return Table(columns, tuple(rows))
 
 
-def index_table(result: "UncertaintyResult") -> Table:
+def index_table(result: UncertaintyResult) -> Table:
     """Return the Sobol' indices of each input, and the ballistic limits at its quantiles."""
     return listing(
         result.inputs,
@@ -54,7 +52,8 @@ def index_table(result: "UncertaintyResult") -> Table:
     )
 
 
-def tables_of_uncertainty(result: "UncertaintyResult") -> list[Table | str]:
+@tables_of.register
+def tables_of_uncertainty(result: UncertaintyResult) -> list[Table | str]:
     """Return all tables of a propagated uncertainty."""
     parts: list[Table | str] = [
         estimate_table(result),
@@ -85,7 +84,7 @@ def tables_of_uncertainty(result: "UncertaintyResult") -> list[Table | str]:
 ELASTICITY_NOTE = "% per %: change of the answer, in per cent of it, when the input grows by 1 %"
 
 
-def elasticity_table(result: "SensitivityResult") -> Table:
+def elasticity_table(result: SensitivityResult) -> Table:
     """Return the elasticities: the change of each answer that has a value, in per cent, when an input grows by 1 %."""
     answers = [name for name, value in result.answers.items() if value is not None]
     return listing(
@@ -99,7 +98,8 @@ def elasticity_table(result: "SensitivityResult") -> Table:
     )
 
 
-def tables_of_sensitivity(result: "SensitivityResult") -> list[Table | str]:
+@tables_of.register
+def tables_of_sensitivity(result: SensitivityResult) -> list[Table | str]:
     """Return all tables of a sensitivity analysis."""
     answers: list[Source] = []
     for name, value in result.answers.items():
@@ -108,7 +108,7 @@ def tables_of_sensitivity(result: "SensitivityResult") -> list[Table | str]:
     return [record(result, *answers), elasticity_table(result), ELASTICITY_NOTE]
 
 
-def calibration_table(result: "CalibrationResult") -> Table:
+def calibration_table(result: CalibrationResult) -> Table:
     """Return the quality of a fit to tests, and how well the tests' uncertainties, if any, explain the deviations."""
     weighted = result.weights == "uncertainties"
     aicc = None if _has_prior(result) else _or(result.aicc, "too few tests")
@@ -132,11 +132,11 @@ def _error(label: str, value: float | None) -> Source:
     return (Column(label), "too few tests") if value is None else (Column(label, "%", ".1f"), value)
 
 
-def _has_prior(result: "CalibrationResult") -> bool:
+def _has_prior(result: CalibrationResult) -> bool:
     return any(coefficient.prior_share is not None for coefficient in result.coefficients)
 
 
-def coefficient_table(result: "CalibrationResult") -> Table:
+def coefficient_table(result: CalibrationResult) -> Table:
     """Return the fitted coefficients with their intervals, or the reason why one is not identified."""
     return listing(
         result.coefficients,
@@ -156,7 +156,7 @@ PRIOR_NOTE = (
 )
 
 
-def law_table(result: "CalibrationResult") -> Table:
+def law_table(result: CalibrationResult) -> Table:
     """Return the laws that were compared."""
     few = "too few tests"
     without = "none with a prior" if _has_prior(result) else few
@@ -174,7 +174,7 @@ def _or(value: float | None, words: str) -> Cell:
     return words if value is None else value
 
 
-def correlation_table(result: "CalibrationResult") -> Table:
+def correlation_table(result: CalibrationResult) -> Table:
     """Return the correlations of the coefficients, which are numbered in the heading."""
     names = [f"{number} {in_words(c.name)}" for number, c in enumerate(result.coefficients, start=1)]
     numbers = (Column(name.partition(" ")[0], spec="+.3f") for name in names)
@@ -182,7 +182,7 @@ def correlation_table(result: "CalibrationResult") -> Table:
     return Table((Column("correlation", prose=True), *numbers), tuple(rows))
 
 
-def residual_table(result: "CalibrationResult") -> Table:
+def residual_table(result: CalibrationResult) -> Table:
     """Return measured and computed values, test by test; one-sided tests have a bound and no deviation."""
     quantities = {residual.quantity for residual in result.residuals}
     words, unit = label_and_unit(*quantities) if len(quantities) == 1 else ("", "")
@@ -206,7 +206,7 @@ def residual_table(result: "CalibrationResult") -> Table:
     )
 
 
-def own_test_table(tests: "Sequence[OwnTest]") -> Table:
+def own_test_table(tests: Sequence[OwnTest]) -> Table:
     """Return own tests with the limits that are computed for them and predicted from the others."""
     return listing(
         tests,
@@ -224,13 +224,14 @@ def own_test_table(tests: "Sequence[OwnTest]") -> Table:
     )
 
 
-def own_measured(test: "OwnTest") -> str:
+def own_measured(test: OwnTest) -> str:
     """Return what an own test measured, with its standard deviation."""
     deviation = f" ± {test.uncertainty_m_s:.0f}" if test.uncertainty_m_s else ""
     return f"{test.bound}{' ' * bool(test.bound)}{test.measured_m_s:.0f}{deviation}"
 
 
-def tables_of_calibration(result: "CalibrationResult") -> list[Table | str]:
+@tables_of.register
+def tables_of_calibration(result: CalibrationResult) -> list[Table | str]:
     """Return all tables of a calibration."""
     parts: list[Table | str] = [law_table(result)] if result.laws else []
     parts.append(coefficient_table(result))
@@ -241,7 +242,7 @@ def tables_of_calibration(result: "CalibrationResult") -> list[Table | str]:
     return [*parts, residual_table(result)]
 
 
-def v50_table(result: "FiringResult") -> Table:
+def v50_table(result: FiringResult) -> Table:
     """Return the extreme velocities of the shots, and the mean of MIL-STD-662F."""
     mean = result.mean
     rule: list[Source] = [(Column("V50, mean"), "none: too few shots of each kind within the span allowed")]
@@ -265,7 +266,7 @@ def v50_table(result: "FiringResult") -> Table:
     )
 
 
-def recommended_table(fit: "FittedCurve", level: float) -> Table:
+def recommended_table(fit: FittedCurve, level: float) -> Table:
     """Return the velocities and the scatter of the recommended curve, with their intervals."""
     keys = {"V50": "v50", "V05": "v05", "V95": "v95", "scatter": "scale"}
 
@@ -286,7 +287,7 @@ def recommended_table(fit: "FittedCurve", level: float) -> Table:
     )
 
 
-def curve_table(result: "FiringResult") -> Table:
+def curve_table(result: FiringResult) -> Table:
     """Return all fitted curves, with their intervals."""
     level = f"{percent(result.confidence)} interval"
     return listing(
@@ -312,7 +313,7 @@ MEAN_NOTES = {
 }
 
 
-def answer(result: "FiringResult") -> str:
+def answer(result: FiringResult) -> str:
     """Return V50 with an interval that is bounded, or what would bound it, and the mean of the standard."""
     parts, fit, mean = [], result.recommended, result.mean
     if fit is not None:
@@ -341,7 +342,7 @@ FIXED = (
 )
 
 
-def further_note(result: "FiringResult") -> list[str]:
+def further_note(result: FiringResult) -> list[str]:
     """Return which one further result would bound V50 best."""
     if (further := result.further) is None:
         return []
@@ -354,7 +355,7 @@ def further_note(result: "FiringResult") -> list[str]:
     return [f"no single further result bounds V50 at {percent(result.confidence)}; best is {shot}: {found}"]
 
 
-def point_notes(result: "FiringResult") -> list[str]:
+def point_notes(result: FiringResult) -> list[str]:
     """Return the points of the recommended curve that were asked for."""
     notes, level = [], percent(result.confidence)
     if (at := result.at) is not None:
@@ -380,7 +381,7 @@ def velocity_name(fraction: float) -> str:
     return f"V{number.zfill(2)}"
 
 
-def requirement_verdict(result: "FiringResult") -> list[str]:
+def requirement_verdict(result: FiringResult) -> list[str]:
     """Return whether a requirement is met, with the risks of accepting and of rejecting the armour now."""
     if result.requirement_m_s is None:
         return []
@@ -400,7 +401,8 @@ def risk_of(risk: float) -> str:
     return "below 0.1 %" if risk < 1e-3 else f"{rounded_up(100.0 * risk)} %"
 
 
-def tables_of_firing(result: "FiringResult") -> list[Table | str]:
+@tables_of.register
+def tables_of_firing(result: FiringResult) -> list[Table | str]:
     """Return V50 in a line, whether a requirement is met, the curve, the posterior, the shots and all curves."""
     shown: list[Table | str] = [*requirement_verdict(result), *filter(None, (answer(result),))]
     shown += [*further_note(result), *point_notes(result)]
@@ -428,7 +430,7 @@ def tables_of_firing(result: "FiringResult") -> list[Table | str]:
     return shown
 
 
-def prior_table(prior: "FiringEstimate", posterior: "FiringEstimate", level: float) -> Table:
+def prior_table(prior: FiringEstimate, posterior: FiringEstimate, level: float) -> Table:
     """Return V50 and the scatter before and after the shots."""
     interval_words = f"{percent(level)} interval"
     return listing(

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from armour.reporting.by_result import tables_of
 from armour.reporting.table import Table, column_of
 from armour.sweeps.sweep import SweepResult
 
@@ -10,6 +11,7 @@ from armour.sweeps.sweep import SweepResult
 SWEEP_ROWS = 20
 
 
+@tables_of.register
 def tables_of_sweep(result: SweepResult) -> list[Table | str]:
     """Return the first rows of a sweep."""
     notes = [f"the first {SWEEP_ROWS} of {result.rows:,} rows"] if result.rows > SWEEP_ROWS else []

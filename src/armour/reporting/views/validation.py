@@ -7,8 +7,9 @@ from operator import itemgetter
 from armour import __version__
 from armour.analysis.quantities import QUANTITIES
 from armour.errors import counted
+from armour.reporting.by_result import drawing_of, tables_of
 from armour.reporting.junit import TestCase, junit_suite, junit_xml
-from armour.reporting.report import Report, ReportSection, drawing_of, origin_section
+from armour.reporting.report import Report, ReportSection, origin_section
 from armour.reporting.table import Column, Table, column_of, deviation_percent, grouped, listing, record
 from armour.reporting.text import VerdictLine, number
 from armour.reporting.words import BALLISTIC_LIMIT
@@ -190,6 +191,7 @@ def overview_table(result: SuiteResult) -> Table:
     return listing(lines, *((column, itemgetter(place)) for place, column in enumerate(columns)))
 
 
+@tables_of.register
 def tables_of_suite(result: SuiteResult) -> list[Table | str]:
     """Return a line for each table of a suite, or every row where that was asked for, the failures and the verdict.
 
@@ -412,6 +414,7 @@ def fit_table(result: Comparison) -> Table:
     )
 
 
+@tables_of.register
 def tables_of_comparison(result: Comparison) -> list[Table | str]:
     """Return all tables of a comparison."""
     low, high = result.fitted_m_s
