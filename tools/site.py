@@ -36,9 +36,17 @@ OUTSIDE = {"contributing.md": "CONTRIBUTING.md", "changes.md": "CHANGELOG.md"}
 # the project itself last.
 WEIGHTS = {"howto": 10.0, "learn": 1.0, "tutorials": 3.0, "reference": 0.1, "reference/api": 0.02}
 WEIGHTS |= dict.fromkeys(
-    ["changes.md", "contributing.md", "design.md", "performance.md", "study.ipynb", "campaigns.md"], 0.02
+    ["changes.md", "contributing.md", "design.md", "performance.md", "study.ipynb", "evidence/campaigns.md"], 0.02
 )
-WEIGHTS |= dict.fromkeys(["left-out.md", "own-tests.md"], 0.02)
+WEIGHTS |= dict.fromkeys(["evidence/left-out.md", "evidence/own-tests.md"], 0.02)
+# Pages that stood beside the home page and are now in evidence/; links to their old places go on.
+MOVED = ("campaigns", "left-out", "methods", "own-tests", "plates", "validation")
+FORWARD = """<!doctype html>
+<meta charset="utf-8">
+<title>Moved</title>
+<script>location.replace("{place}" + location.hash)</script>
+<p>This page moved to <a href="{place}">{place}</a>.</p>
+"""
 # Pictures that the pages filled so far show, by their place in the site.
 PICTURES: dict[str, str] = {}
 
@@ -220,10 +228,13 @@ def linked(markdown: str) -> str:
 
 
 def on_files(files: Any, config: Any) -> Any:
-    """Add the pages that are kept outside of docs/."""
+    """Add the pages that are kept outside of docs/, and those that forward from the old places of moved ones."""
     for page, source in OUTSIDE.items():
         text = (DOCS.parent / source).read_text(encoding="utf-8").replace("](docs/", "](")
         files.append(File.generated(config, page, content=_inside(text, "")))
+    for name in MOVED:
+        place = f"evidence/{name}.html"
+        files.append(File.generated(config, f"{name}.html", content=FORWARD.format(place=place)))
     return files
 
 

@@ -378,7 +378,7 @@ def test_tests_of_a_series_of_wilkins_predict_the_others_of_it(own: int):
 
 @pytest.mark.slow
 def test_tests_of_a_real_lot_predict_the_others_of_it():
-    """As on docs/own-tests.md, of fewer draws."""
+    """As on docs/evidence/own-tests.md, of fewer draws."""
     before, after = (
         {lot.name: lot.by_kind["all"] for lot in campaign.lots_of("fragments_aluminium", own, draws=20)}
         for own in (0, 1)

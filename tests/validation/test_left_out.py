@@ -1,4 +1,4 @@
-"""How the model error does on tests left out: parts of docs/left-out.md, computed anew."""
+"""How the model error does on tests left out: parts of docs/evidence/left-out.md, computed anew."""
 
 from itertools import islice
 
@@ -9,7 +9,7 @@ from tools.campaigns.evidence import bands, series, study
 
 pytestmark = pytest.mark.slow
 
-PAGE = (SCENARIOS.parent / "docs" / "left-out.md").read_text(encoding="utf-8")
+PAGE = (SCENARIOS.parent / "docs" / "evidence" / "left-out.md").read_text(encoding="utf-8")
 
 
 def is_shown(row: list[str]) -> bool:

@@ -1,4 +1,4 @@
-"""Predict tests left out of the fits of the model error, also by simpler rules, and fill docs/left-out.md.
+"""Predict tests left out of the fits of the model error, also by simpler rules, and fill docs/evidence/left-out.md.
 
     python -m tools.campaigns.evidence
 
@@ -37,7 +37,7 @@ from tools.evidence import (
     tiles_of,
 )
 
-PAGE, PICTURE = ROOT / "docs" / "left-out.md", ROOT / "docs" / "images" / "evidence.png"
+PAGE, PICTURE = ROOT / "docs" / "evidence" / "left-out.md", ROOT / "docs" / "images" / "evidence.png"
 NAMES = {
     "cores_aluminium_tensile": "cores on aluminium",
     "cores_aluminium": "the same, tensile strength not given",
