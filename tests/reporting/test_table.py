@@ -11,7 +11,7 @@ from armour.files import printable
 from armour.reporting.table import Column, Table, csv_text, in_words, listing, record
 from armour.reporting.text import interval, unbroken, wrapped
 from armour.scenario.inputs import INPUTS
-from tests.helpers.results import headings
+from tests.reporting.tables import headings
 
 LENGTH = Column("length", "mm", ".2f", key="length_mm")
 NAME = Column("name", key="name")

@@ -22,9 +22,9 @@ from armour.statistics.fitted_library import scenario_text
 from armour.statistics.measured import Tests as Measured
 from armour.statistics.measured import read_tests
 from armour.statistics.own_tests import predicted_tests, repeated
+from tests.design.results import best_of
 from tests.helpers.cases import TESTS, shipped_scenario
 from tests.helpers.fits import table_of, wilkins_fit
-from tests.helpers.results import best_of
 from tools.campaigns import own_tests as campaign
 
 STRENGTH = "backing.flow_stress_GPa"

@@ -351,10 +351,18 @@ def plan_tests(
     ] = None,
     **options: Any,
 ) -> Answer:
-    """Choose the armours to test that best determine model inputs, or the ballistic limit of a design."""
+    """Choose the armours to test that best determine model inputs, or the ballistic limit of a design.
+
+    This command leaves with version 3: spread tests over the thicknesses that you will use, on two back plates at
+    least.
+    """
     from armour.reporting.table import csv_text
     from armour.reporting.views.planning import form_table
 
+    say(
+        "note: plan tests leaves with version 3: spread tests over the thicknesses that you will use, "
+        "on two back plates at least"
+    )
     source = _source(candidates)
     earlier_tests = None if tests is None else armour.read_tests(tests, scenario)
     if earlier_tests is not None:
