@@ -58,8 +58,7 @@ Ratios are those to the engine.
 {methods.TOLERANCE_OF_LSODA:g} and steps of at most {methods.LONGEST_STEP:g} diameters: with looser ones, its limits
 are off by more than 0.002 m/s, and without a limit on its steps, which then miss plates that move for less than a step,
 by up to 10 m/s. How far the engine's limits are from those with far shorter steps is a result of the
-[campaigns](evidence/campaigns.md#numbers). [Steps](design.md#steps-and-events) and [searches](design.md#searches) are described
-under Design.
+[campaigns](evidence/campaigns.md#numbers). [numerics.md](numerics.md) describes steps and searches.
 """
     parts = text.split("\n\n")
     filled = (part if part.startswith(("#", "|")) else fill(part, 120, break_on_hyphens=False) for part in parts)
