@@ -136,8 +136,13 @@ def by_rule(group: Group, plates: Plates, *, covariates: bool) -> tuple[Group, P
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Return a table in Markdown."""
-    lines = [head, ["---", *["---:"] * (len(head) - 1)], *rows]
+    """Return a table in Markdown; of the first two cells, those that repeat the row above are empty."""
+    lines = [head, ["---", *["---:"] * (len(head) - 1)]]
+    above: Sequence[str] = ["", ""]
+    for row in rows:
+        same = 0 if row[0] != above[0] else 1 if row[1] != above[1] else 2
+        lines.append([""] * same + [*row[same:]])
+        above = row
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
