@@ -62,6 +62,13 @@ def api(package: str) -> str:
     return "\n\n".join(f"::: armour.{name}" for name in names(package))
 
 
+def described(*names: str) -> str:
+    """Return a table of public names, linked to their descriptions, with the first lines of these."""
+    first_lines = ((getattr(armour, name).__doc__ or "").strip().splitlines()[0] for name in names)
+    rows = (f"| [`{name}`][armour.{name}] | {line} |" for name, line in zip(names, first_lines, strict=True))
+    return "\n".join(["| name | description |", "|---|---|", *rows])
+
+
 def commands() -> str:
     """Return what typer says of the commands, without the title."""
     text = CliRunner().invoke(typer.cli.app, ["armour.cli.app", "utils", "docs", "--name", "armour"]).stdout
@@ -213,18 +220,13 @@ def scene(command: str, name: str) -> str:
     return f"![{name}]({picture})\n\n<details><summary>Numbers</summary>{result._repr_html_()}</details>"
 
 
-NAMED = (api, commands, entries, keys, library, references, scenario, scene, threats)
+NAMED = (api, commands, described, entries, keys, library, references, scenario, scene, threats)
 PARTS = {part.__name__: part for part in NAMED}
 
 
 def filled(markdown: str) -> str:
     """Return a page with its parts in their places."""
     return re.sub(r"^<!-- site: (\w+)(.*) -->$", lambda part: PARTS[part[1]](*part[2].split()), markdown, flags=re.M)
-
-
-def linked(markdown: str) -> str:
-    """Return the page of the public names with links from its tables to their descriptions."""
-    return re.sub(r"^\| (`(\w+)`) \|", r"| [\1][armour.\2] |", markdown, flags=re.MULTILINE)
 
 
 def on_files(files: Any, config: Any) -> Any:
@@ -245,7 +247,6 @@ def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:
     up = "../" * path.count("/")
     titled = partial(_titled, (DOCS / path).parent)
     text = re.sub(r"\[[\w/-]+\.(?:md|ipynb)\]\(([^)#]+)", titled, _inside(markdown, f"../{up}"))
-    text = linked(text) if path == "reference/api.md" else text
     text = re.sub(r"\\\[(\w+)\]", lambda key: f"[{key[1]}]" if key[1] in sources() else key[0], filled(text))
     for picture in [picture for picture in PICTURES if files.get_file_from_path(picture) is None]:
         files.append(File.generated(config, picture, content=PICTURES[picture]))
