@@ -22,11 +22,14 @@ from typer.testing import CliRunner
 
 import armour
 from armour.analysis.quantities import label_and_unit
+from armour.columns import NAMES, OUTCOMES, UNITS
 from armour.reporting.formats import markdown_table
+from armour.reporting.table import in_words
 from armour.reporting.views.library import entry_table, entry_tables, library_table, threat_table
 from armour.scenario.inputs import INPUTS, Kind
 from armour.scenario.library import named_threats
 from armour.scenario.scenario import scenario_schema
+from armour.units import words_and_unit
 from armour.validation.tested import tested_with
 
 DOCS = Path(__file__).parents[1] / "docs"
@@ -159,6 +162,28 @@ def _anchor(heading: str) -> str:
     return str(slugify(heading.replace("`", ""), "-"))
 
 
+def inputs() -> str:
+    """Return a table of the names of inputs, with their words."""
+    return "\n".join(["| name | in words |", "|---|---|", *(f"| `{name}` | {in_words(name)} |" for name in INPUTS)])
+
+
+def column_names() -> str:
+    """Return a table of the names and units of columns of tables that people write."""
+    lines = ["| key | names | units |", "|---|---|---|"]
+    for key, names in NAMES.items():
+        # Tests may have the names of shots.
+        own = [name for name in names if key != "test" or name not in NAMES["shot"]]
+        units = UNITS.get(words_and_unit(key)[1], {})
+        if key not in ("impact.velocity_m_s", "outcome"):
+            lines.append(f"| `{key}` | {', '.join(dict.fromkeys(own))} | {', '.join(units)} |")
+    return "\n".join(lines)
+
+
+def result_words() -> str:
+    """Return a table of the words for results."""
+    return "\n".join(["| stopped | perforated |", "|---|---|", *(f"| {no} | {yes} |" for no, yes in OUTCOMES)])
+
+
 def library(kind: Any) -> str:
     """Return a table of the entries of a kind, with what each was tested with and links to the values."""
     table = threat_table(named_threats()) if kind == "threat" else library_table(armour.shipped_library(), kind)
@@ -220,7 +245,8 @@ def scene(command: str, name: str) -> str:
     return f"![{name}]({picture})\n\n<details><summary>Numbers</summary>{result._repr_html_()}</details>"
 
 
-NAMED = (api, commands, described, entries, keys, library, references, scenario, scene, threats)
+NAMED = (api, column_names, commands, described, entries, inputs, keys, library, references, result_words, scenario)
+NAMED += (scene, threats)
 PARTS = {part.__name__: part for part in NAMED}
 
 
