@@ -34,6 +34,13 @@ def test_every_page_is_in_the_navigation_once_or_a_record(site):
     assert sorted([*NAVIGATION, *RECORDS]) == sorted([*pages, *site.OUTSIDE])
 
 
+def test_the_old_places_of_moved_pages_forward(site):
+    for name in site.MOVED:
+        assert (DOCS / "evidence" / f"{name}.md").exists()
+        assert not (DOCS / f"{name}.md").exists()
+    assert 'location.replace("new.html" + location.hash)' in site.FORWARD.format(place="new.html")
+
+
 def test_what_a_page_asks_for_is_there(site):
     asked = [
         line for page in DOCS.rglob("*.md") for line in re.findall(r"^<!-- site: (.+) -->$", page.read_text(), re.M)
