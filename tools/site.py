@@ -245,8 +245,10 @@ def scene(command: str, name: str) -> str:
     return f"![{name}]({picture})\n\n<details><summary>Numbers</summary>{result._repr_html_()}</details>"
 
 
-NAMED = (api, column_names, commands, described, entries, inputs, keys, library, references, result_words, scenario)
-NAMED += (scene, threats)
+NAMED = (
+    *(api, column_names, commands, described, entries, inputs, keys),
+    *(library, references, result_words, scenario, scene, threats),
+)
 PARTS = {part.__name__: part for part in NAMED}
 
 
