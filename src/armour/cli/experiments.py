@@ -359,10 +359,6 @@ def plan_tests(
     from armour.reporting.table import csv_text
     from armour.reporting.views.planning import form_table
 
-    say(
-        "note: plan tests leaves with version 3: spread tests over the thicknesses that you will use, "
-        "on two back plates at least"
-    )
     source = _source(candidates)
     earlier_tests = None if tests is None else armour.read_tests(tests, scenario)
     if earlier_tests is not None:
@@ -370,6 +366,10 @@ def plan_tests(
     designs = [read_scenario(path, None, FIT) for path in design or []]
     result = armour.plan_tests(
         scenario, source, tests=earlier_tests, designs=designs, on_progress=on_progress, **options
+    )
+    say(
+        "note: plan tests leaves with version 3: spread tests over the thicknesses that you will use, "
+        "on two back plates at least"
     )
     return Answer(result, contents={csv: lambda: csv_text(form_table(result))})
 
