@@ -44,8 +44,8 @@ format: $(VENV)/developing
 
 # Write the generated pages and pictures of docs/.
 docs: $(VENV)/developing
-	$(BIN)/armour validate --markdown docs/validation.md --force
-	$(BIN)/armour validate plates --markdown docs/plates.md --force
+	$(BIN)/armour validate --markdown docs/evidence/validation.md --force
+	$(BIN)/armour validate plates --markdown docs/evidence/plates.md --force
 	$(BIN)/python tools/notebook.py docs/study.ipynb
 	$(BIN)/python tools/drawings.py
 	$(BIN)/python -m tools.lessons
@@ -70,7 +70,7 @@ coverage: $(VENV)/developing
 release: $(VENV)/developing
 	$(BIN)/python tools/release.py
 
-# Run the campaigns, one on each core, and write their results into docs/campaigns.md: about two hours of one core.
+# Run the campaigns, one on each core, and write their results into docs/evidence/campaigns.md: about two hours of one core.
 # `make campaigns CAMPAIGN=inputs` or, with options, `CAMPAIGN="coverage curves"` runs a single one.
 campaigns: $(VENV)/developing $(VENV)/mutating
 	$(BIN)/python -m tools.campaigns $(if $(CAMPAIGN),"$(CAMPAIGN)")

@@ -22,11 +22,14 @@ from typer.testing import CliRunner
 
 import armour
 from armour.analysis.quantities import label_and_unit
+from armour.columns import NAMES, OUTCOMES, UNITS
 from armour.reporting.formats import markdown_table
+from armour.reporting.table import in_words
 from armour.reporting.views.library import entry_table, entry_tables, library_table, threat_table
 from armour.scenario.inputs import INPUTS, Kind
 from armour.scenario.library import named_threats
 from armour.scenario.scenario import scenario_schema
+from armour.units import words_and_unit
 from armour.validation.tested import tested_with
 
 DOCS = Path(__file__).parents[1] / "docs"
@@ -36,9 +39,17 @@ OUTSIDE = {"contributing.md": "CONTRIBUTING.md", "changes.md": "CHANGELOG.md"}
 # the project itself last.
 WEIGHTS = {"howto": 10.0, "learn": 1.0, "tutorials": 3.0, "reference": 0.1, "reference/api": 0.02}
 WEIGHTS |= dict.fromkeys(
-    ["changes.md", "contributing.md", "design.md", "performance.md", "study.ipynb", "campaigns.md"], 0.02
+    ["changes.md", "contributing.md", "design.md", "performance.md", "study.ipynb", "evidence/campaigns.md"], 0.02
 )
-WEIGHTS |= dict.fromkeys(["left-out.md", "own-tests.md"], 0.02)
+WEIGHTS |= dict.fromkeys(["evidence/left-out.md", "evidence/own-tests.md"], 0.02)
+# Pages that stood beside the home page and are now in evidence/; links to their old places go on.
+MOVED = ("campaigns", "left-out", "methods", "own-tests", "plates", "validation")
+FORWARD = """<!doctype html>
+<meta charset="utf-8">
+<title>Moved</title>
+<script>location.replace("{place}" + location.hash)</script>
+<p>This page moved to <a href="{place}">{place}</a>.</p>
+"""
 # Pictures that the pages filled so far show, by their place in the site.
 PICTURES: dict[str, str] = {}
 
@@ -52,6 +63,13 @@ def names(package: str) -> list[str]:
 def api(package: str) -> str:
     """Return the directives of mkdocstrings for the public names of a package."""
     return "\n\n".join(f"::: armour.{name}" for name in names(package))
+
+
+def described(*names: str) -> str:
+    """Return a table of public names, linked to their descriptions, with the first lines of these."""
+    first_lines = ((getattr(armour, name).__doc__ or "").strip().splitlines()[0] for name in names)
+    rows = (f"| [`{name}`][armour.{name}] | {line} |" for name, line in zip(names, first_lines, strict=True))
+    return "\n".join(["| name | description |", "|---|---|", *rows])
 
 
 def commands() -> str:
@@ -144,6 +162,28 @@ def _anchor(heading: str) -> str:
     return str(slugify(heading.replace("`", ""), "-"))
 
 
+def inputs() -> str:
+    """Return a table of the names of inputs, with their words."""
+    return "\n".join(["| name | in words |", "|---|---|", *(f"| `{name}` | {in_words(name)} |" for name in INPUTS)])
+
+
+def column_names() -> str:
+    """Return a table of the names and units of columns of tables that people write."""
+    lines = ["| key | names | units |", "|---|---|---|"]
+    for key, names in NAMES.items():
+        # Tests may have the names of shots.
+        own = [name for name in names if key != "test" or name not in NAMES["shot"]]
+        units = UNITS.get(words_and_unit(key)[1], {})
+        if key not in ("impact.velocity_m_s", "outcome"):
+            lines.append(f"| `{key}` | {', '.join(dict.fromkeys(own))} | {', '.join(units)} |")
+    return "\n".join(lines)
+
+
+def result_words() -> str:
+    """Return a table of the words for results."""
+    return "\n".join(["| stopped | perforated |", "|---|---|", *(f"| {no} | {yes} |" for no, yes in OUTCOMES)])
+
+
 def library(kind: Any) -> str:
     """Return a table of the entries of a kind, with what each was tested with and links to the values."""
     table = threat_table(named_threats()) if kind == "threat" else library_table(armour.shipped_library(), kind)
@@ -205,7 +245,10 @@ def scene(command: str, name: str) -> str:
     return f"![{name}]({picture})\n\n<details><summary>Numbers</summary>{result._repr_html_()}</details>"
 
 
-NAMED = (api, commands, entries, keys, library, references, scenario, scene, threats)
+NAMED = (
+    *(api, column_names, commands, described, entries, inputs, keys),
+    *(library, references, result_words, scenario, scene, threats),
+)
 PARTS = {part.__name__: part for part in NAMED}
 
 
@@ -214,16 +257,14 @@ def filled(markdown: str) -> str:
     return re.sub(r"^<!-- site: (\w+)(.*) -->$", lambda part: PARTS[part[1]](*part[2].split()), markdown, flags=re.M)
 
 
-def linked(markdown: str) -> str:
-    """Return the page of the public names with links from its tables to their descriptions."""
-    return re.sub(r"^\| (`(\w+)`) \|", r"| [\1][armour.\2] |", markdown, flags=re.MULTILINE)
-
-
 def on_files(files: Any, config: Any) -> Any:
-    """Add the pages that are kept outside of docs/."""
+    """Add the pages that are kept outside of docs/, and those that forward from the old places of moved ones."""
     for page, source in OUTSIDE.items():
         text = (DOCS.parent / source).read_text(encoding="utf-8").replace("](docs/", "](")
         files.append(File.generated(config, page, content=_inside(text, "")))
+    for name in MOVED:
+        place = f"evidence/{name}.html"
+        files.append(File.generated(config, f"{name}.html", content=FORWARD.format(place=place)))
     return files
 
 
@@ -234,7 +275,6 @@ def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:
     up = "../" * path.count("/")
     titled = partial(_titled, (DOCS / path).parent)
     text = re.sub(r"\[[\w/-]+\.(?:md|ipynb)\]\(([^)#]+)", titled, _inside(markdown, f"../{up}"))
-    text = linked(text) if path == "reference/api.md" else text
     text = re.sub(r"\\\[(\w+)\]", lambda key: f"[{key[1]}]" if key[1] in sources() else key[0], filled(text))
     for picture in [picture for picture in PICTURES if files.get_file_from_path(picture) is None]:
         files.append(File.generated(config, picture, content=PICTURES[picture]))

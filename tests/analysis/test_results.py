@@ -13,8 +13,10 @@ from armour.analysis.impact import impact_at, simulate
 from armour.analysis.results import data_frame, installed
 from armour.statistics.v50 import Shots, v50
 from armour.sweeps.sweep import sweep
+from tests.analysis.results import impact
+from tests.design.results import design_result
 from tests.helpers.cases import scenario
-from tests.helpers.results import design_result, impact, uncertainty_result
+from tests.statistics.results import uncertainty_result
 
 # Lists, which a type checker accepts too.
 SHOTS = Shots([700.0, 710.0, 720.0, 730.0], [False, True, False, True])

@@ -269,7 +269,7 @@ def test_a_law_of_the_flow_stress_counts():
 
 
 def test_the_kinetic_energy_falls_as_the_bound_on_it_says():
-    """The inequalities 2 and 3 of docs/design.md, "Bound on the energy", at random states in every kind of stage."""
+    """The inequalities 2 and 3 of docs/numerics.md, "Bound on the energy", at random states in every kind of stage."""
     rng = np.random.default_rng(5)
     stages = set()
     for _ in range(1500):

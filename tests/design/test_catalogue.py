@@ -10,9 +10,9 @@ from armour.design.catalogue import catalogue_of
 from armour.design.optimise import optimise
 from armour.engine import batch
 from armour.errors import InputError
+from tests.design.results import best_of
 from tests.helpers.cases import CERAMICS, GIVEN, METALS, RANGE, THREATS, catalogue, scenario
 from tests.helpers.plain_designs import designs, posed, stops
-from tests.helpers.results import best_of
 
 GRID = {"ceramic_thickness_mm": {"min": 0.0, "max": 0.0, "step": 1.0}, "backing_thickness_mm": RANGE}
 UNCERTAIN = {

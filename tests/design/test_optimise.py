@@ -10,9 +10,9 @@ from armour.analysis.impact import simulate
 from armour.analysis.variants import Bools, Variants, perforated
 from armour.design.optimise import optimise
 from armour.scenario.scenario import Scenario, load_scenario
+from tests.design.results import best_of
 from tests.helpers.cases import SCENARIOS, library, scenario, shipped_scenario
 from tests.helpers.exotic import narrow_ranges
-from tests.helpers.results import best_of
 
 pytestmark = pytest.mark.slow
 

@@ -10,9 +10,9 @@ from armour.design.catalogue import catalogue_of
 from armour.design.optimise import optimise
 from armour.design.reliability import Reliability
 from armour.errors import InputError
+from tests.design.results import best_of
 from tests.helpers.cases import CERAMICS, METALS, THREATS, catalogue, scenario
 from tests.helpers.plain_designs import designs, stops
-from tests.helpers.results import best_of
 
 pytestmark = pytest.mark.slow
 

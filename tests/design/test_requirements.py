@@ -9,8 +9,8 @@ from armour import check, load_scenario, optimise, simulate, uncertainty
 from armour.analysis.perforation import probability_of_perforation
 from armour.design.catalogue import Catalogue
 from armour.scenario.scenario import Scenario
+from tests.design.results import best_of
 from tests.helpers.cases import SCENARIOS, scenario
-from tests.helpers.results import best_of
 
 OWN: dict[str, list[dict[str, Any]]] = {
     "ceramic": [{"material": "AD85", "thickness_mm": [6.35], "cost_per_kg": 10.0}],

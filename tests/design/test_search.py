@@ -19,9 +19,9 @@ from armour.design.search import MARGIN_PARTS, distinct, undominated
 from armour.engine import batch
 from armour.errors import InputError
 from armour.scenario.scenario import load_scenario
+from tests.design.results import best_of
 from tests.helpers.cases import CERAMICS, GIVEN, METALS, SCENARIOS, THREATS, catalogue, scenario
 from tests.helpers.examples import examples
-from tests.helpers.results import best_of
 
 pytestmark = pytest.mark.slow
 

@@ -19,8 +19,8 @@ from armour.reporting.views.analysis import tables_of_confidence
 from armour.scenario.inputs import OBLIQUITY
 from armour.scenario.scenario import Scenario
 from armour.statistics.uncertainty import uncertainty
+from tests.design.results import best_of
 from tests.helpers.cases import scenario
-from tests.helpers.results import best_of
 from tools.evidence import matched_pairs
 
 EVIDENCE = {evidence.fits[0].name: evidence for evidence in shipped_evidence() if evidence.fits}

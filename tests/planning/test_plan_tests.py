@@ -55,6 +55,12 @@ def test_the_flow_stress_is_determined_by_the_greatest_relative_gradient(wilkins
     assert any("no tests support" in warning for warning in result.warnings)
 
 
+def test_a_program_is_told_that_the_function_leaves(wilkins: Scenario):
+    with pytest.warns(DeprecationWarning, match="leaves with version 3") as told:
+        plan_tests(wilkins, GRID, number=1, scatter_percent=3.0)
+    assert [warning.filename for warning in told] == [__file__]
+
+
 def test_a_law_needs_different_armours(wilkins: Scenario):
     result = plan_tests(wilkins, GRID, law="linear", number=4, scatter_percent=3.0)
     assert len(set(chosen(result))) >= 3

@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 
 from armour.design.optimise import Design, DesignResult, optimise
 from armour.scenario.scenario import Scenario
+from tests.design.results import best_of
 from tests.helpers.cases import scenario
 from tests.helpers.examples import examples
 from tests.helpers.plain_designs import CRITERIA, designs, passes, posed, stops, withstands_below
-from tests.helpers.results import best_of
 
 pytestmark = pytest.mark.slow
 

@@ -27,8 +27,9 @@ from armour.reporting.views.validation import suite_report
 from armour.scenario.inputs import CERAMIC
 from armour.scenario.scenario import load_scenario
 from armour.statistics.sensitivity import Elasticity, SensitivityResult
+from tests.analysis.results import impact
+from tests.design.results import design_result
 from tests.helpers.cases import scenario
-from tests.helpers.results import design_result, impact
 from tests.helpers.suites import TABLE, case, result
 
 pytestmark = pytest.mark.slow

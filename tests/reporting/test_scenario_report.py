@@ -22,8 +22,10 @@ from armour.reporting.views.design import AREAL_DENSITY, COST
 from armour.reporting.words import SAMPLED_ALONE, chance, from_tests
 from armour.scenario.scenario import load_scenario
 from armour.statistics.uncertainty import uncertainty
+from tests.design.results import OTHER, THREAT, best_of, design_result
 from tests.helpers.cases import RANGE, SCENARIOS, scenario
-from tests.helpers.results import OTHER, THREAT, best_of, design_result, headings, uncertainty_result
+from tests.reporting.tables import headings
+from tests.statistics.results import uncertainty_result
 
 pytestmark = pytest.mark.slow
 

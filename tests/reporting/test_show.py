@@ -23,10 +23,12 @@ from armour.statistics.sensitivity import Elasticity, SensitivityResult
 from armour.statistics.v50 import Shots, v50
 from armour.sweeps.sweep import sweep
 from armour.validation.comparison import Comparison
+from tests.analysis.results import impact
 from tests.helpers.cases import scenario
-from tests.helpers.results import impact, planned_tests, uncertainty_result
 from tests.helpers.suites import case
 from tests.helpers.suites import result as suite_result
+from tests.planning.results import planned_tests
+from tests.statistics.results import uncertainty_result
 
 pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("not_laid_out")]
 

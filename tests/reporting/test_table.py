@@ -2,16 +2,14 @@
 
 import csv
 from io import StringIO
-from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
 from armour.files import printable
-from armour.reporting.table import Column, Table, csv_text, in_words, listing, record
+from armour.reporting.table import Column, Table, csv_text, listing, record
 from armour.reporting.text import interval, unbroken, wrapped
-from armour.scenario.inputs import INPUTS
-from tests.helpers.results import headings
+from tests.reporting.tables import headings
 
 LENGTH = Column("length", "mm", ".2f", key="length_mm")
 NAME = Column("name", key="name")
@@ -104,10 +102,3 @@ def test_no_line_ends_between_a_number_and_its_unit(unit: str):
         lines = wrapped(text, width)
         assert " ".join(lines) == text
         assert not [line for line in lines if line[-1].isdecimal()]
-
-
-def test_the_page_of_names_has_every_input_with_its_words():
-    page = Path(__file__).parents[2].joinpath("docs/howto/sensitivity.md").read_text(encoding="utf-8")
-    assert [line for line in page.splitlines() if line.startswith("| `")] == [
-        f"| `{name}` | {in_words(name)} |" for name in INPUTS
-    ]

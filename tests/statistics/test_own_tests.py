@@ -22,9 +22,9 @@ from armour.statistics.fitted_library import scenario_text
 from armour.statistics.measured import Tests as Measured
 from armour.statistics.measured import read_tests
 from armour.statistics.own_tests import predicted_tests, repeated
+from tests.design.results import best_of
 from tests.helpers.cases import TESTS, shipped_scenario
 from tests.helpers.fits import table_of, wilkins_fit
-from tests.helpers.results import best_of
 from tools.campaigns import own_tests as campaign
 
 STRENGTH = "backing.flow_stress_GPa"
@@ -378,7 +378,7 @@ def test_tests_of_a_series_of_wilkins_predict_the_others_of_it(own: int):
 
 @pytest.mark.slow
 def test_tests_of_a_real_lot_predict_the_others_of_it():
-    """As on docs/own-tests.md, of fewer draws."""
+    """As on docs/evidence/own-tests.md, of fewer draws."""
     before, after = (
         {lot.name: lot.by_kind["all"] for lot in campaign.lots_of("fragments_aluminium", own, draws=20)}
         for own in (0, 1)

@@ -166,7 +166,9 @@ def test_the_model_against_all_of_it(suite: Suite):
     assert result.passed
     inconsistent_savings_are_inconsistent(result)
     # After a change that moves a number: make docs.
-    assert (SCENARIOS.parent / "docs" / "validation.md").read_text() == markdown_report(suite_report(result))
+    assert (SCENARIOS.parent / "docs" / "evidence" / "validation.md").read_text() == markdown_report(
+        suite_report(result)
+    )
 
 
 def inconsistent_savings_are_inconsistent(result: SuiteResult) -> None:

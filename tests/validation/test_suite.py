@@ -9,8 +9,8 @@ from armour.design.optimise import optimise
 from armour.errors import InputError, NoAnswerError
 from armour.scenario.scenario import Scenario
 from armour.validation.suite import QUESTIONS, Subject, answer, load_suite
+from tests.design.results import best_of
 from tests.helpers.cases import SCENARIOS, scenario
-from tests.helpers.results import best_of
 from tests.helpers.suites import HEAD, TABLE, case, load
 
 CASE = case("a", 724.0, "band = 1.0")

@@ -25,7 +25,6 @@ WAITED_FOR = (
     "sensitivity wilkins",
     "calibrate tests/wilkins wilkins",
     "plan shots wilkins",
-    f"plan tests wilkins --candidates {CERAMIC}=4:12:1 --scatter-percent 3",
     "validate",
 )
 TURNS = 3

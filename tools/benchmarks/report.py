@@ -18,8 +18,7 @@ def page(method: Methods, command: Commands) -> str:
     text = f"""# Performance
 
 Written by `make bench`, on a machine with {os.cpu_count()} cores. Times are processor time, that is, the times of all
-cores together, unless stated otherwise. Where a command uses one core only, you wait as long; where it uses all, such
-as in a large sweep, you wait less.
+cores together, unless stated otherwise.
 
 ## What you wait for
 
@@ -36,10 +35,8 @@ takes {_example(command)}. Up to the numbers of the examples, such sums differ b
 
 {_growth(command)}
 
-A catalogue has as many designs as pairs of its offers, times the
-threats. `uncertainty` computes a ballistic limit for
-each sample and, for a quarter of the samples, one for each input and one more. On {os.cpu_count()} cores the engine,
-that is, the compiled numerical code, finds {method.cores:.1f} times as many ballistic limits per second as on one.
+On {os.cpu_count()} cores the engine, that is, the compiled numerical code, finds {method.cores:.1f} times as many
+ballistic limits per second as on one.
 
 ## Compared with C, scipy and plain Python
 
@@ -56,10 +53,8 @@ Ratios are those to the engine.
 
 *Plain Python* runs the same functions without compiling them. LSODA, by scipy's `solve_ivp`, has a tolerance of
 {methods.TOLERANCE_OF_LSODA:g} and steps of at most {methods.LONGEST_STEP:g} diameters: with looser ones, its limits
-are off by more than 0.002 m/s, and without a limit on its steps, which then miss plates that move for less than a step,
-by up to 10 m/s. How far the engine's limits are from those with far shorter steps is a result of the
-[campaigns](campaigns.md#numbers). [Steps](design.md#steps-and-events) and [searches](design.md#searches) are described
-under Design.
+are off by more than 0.002 m/s, and with longer steps by up to 10 m/s. The [campaigns](evidence/campaigns.md#numbers)
+measure the engine's accuracy; [numerics.md](numerics.md) describes steps and searches.
 """
     parts = text.split("\n\n")
     filled = (part if part.startswith(("#", "|")) else fill(part, 120, break_on_hyphens=False) for part in parts)

@@ -1,4 +1,4 @@
-"""Run the campaigns of docs/campaigns.md and write their results into its tables.
+"""Run the campaigns of docs/evidence/campaigns.md and write their results into its tables.
 
     python -m tools.campaigns [NAME]...
 
@@ -20,7 +20,7 @@ from armour.engine.batch import available_cores
 from tools.campaigns.verdict import RESULT, WRONG
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE = ROOT / "docs" / "campaigns.md"
+PAGE = ROOT / "docs" / "evidence" / "campaigns.md"
 ENDINGS = {0: "yes", WRONG: "**no**"}
 
 

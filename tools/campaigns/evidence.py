@@ -1,4 +1,4 @@
-"""Predict tests left out of the fits of the model error, also by simpler rules, and fill docs/left-out.md.
+"""Predict tests left out of the fits of the model error, also by simpler rules, and fill docs/evidence/left-out.md.
 
     python -m tools.campaigns.evidence
 
@@ -37,7 +37,7 @@ from tools.evidence import (
     tiles_of,
 )
 
-PAGE, PICTURE = ROOT / "docs" / "left-out.md", ROOT / "docs" / "images" / "evidence.png"
+PAGE, PICTURE = ROOT / "docs" / "evidence" / "left-out.md", ROOT / "docs" / "images" / "evidence.png"
 NAMES = {
     "cores_aluminium_tensile": "cores on aluminium",
     "cores_aluminium": "the same, tensile strength not given",
@@ -136,8 +136,13 @@ def by_rule(group: Group, plates: Plates, *, covariates: bool) -> tuple[Group, P
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Return a table in Markdown."""
-    lines = [head, ["---", *["---:"] * (len(head) - 1)], *rows]
+    """Return a table in Markdown; of the first two cells, those that repeat the row above are empty."""
+    lines = [head, ["---", *["---:"] * (len(head) - 1)]]
+    above: Sequence[str] = ["", ""]
+    for row in rows:
+        same = 0 if row[0] != above[0] else 1 if row[1] != above[1] else 2
+        lines.append([""] * same + [*row[same:]])
+        above = row
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 

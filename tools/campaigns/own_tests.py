@@ -1,4 +1,4 @@
-"""Predict real and simulated armours from own tests of their lots, and fill docs/own-tests.md.
+"""Predict real and simulated armours from own tests of their lots, and fill docs/evidence/own-tests.md.
 
     python -m tools.campaigns.own_tests
 
@@ -33,7 +33,7 @@ from tools.campaigns.evidence import NAMES, ranges_of, table, write_tables
 from tools.campaigns.verdict import verdict
 from tools.evidence import GROUPS, LAWS, ROOT, SERIES, Plates, Tiles, fitted, fitted_law, plates_of, tiles_of
 
-PAGE = ROOT / "docs" / "own-tests.md"
+PAGE = ROOT / "docs" / "evidence" / "own-tests.md"
 PLATES = ("cores_steel", "cores_aluminium_tensile", "cores_aluminium", "fragments_aluminium")
 DRAWS, DRAWS_MISTYPED, SAMPLES = 100, 20, 200
 # The seed of draws; the constants of the update were chosen with others.

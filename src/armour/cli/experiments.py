@@ -351,7 +351,11 @@ def plan_tests(
     ] = None,
     **options: Any,
 ) -> Answer:
-    """Choose the armours to test that best determine model inputs, or the ballistic limit of a design."""
+    """Choose the armours to test that best determine model inputs, or the ballistic limit of a design.
+
+    This command leaves with version 3: spread tests over the thicknesses that you will use, on two back plates at
+    least.
+    """
     from armour.reporting.table import csv_text
     from armour.reporting.views.planning import form_table
 
@@ -362,6 +366,10 @@ def plan_tests(
     designs = [read_scenario(path, None, FIT) for path in design or []]
     result = armour.plan_tests(
         scenario, source, tests=earlier_tests, designs=designs, on_progress=on_progress, **options
+    )
+    say(
+        "note: plan tests leaves with version 3: spread tests over the thicknesses that you will use, "
+        "on two back plates at least"
     )
     return Answer(result, contents={csv: lambda: csv_text(form_table(result))})
 

@@ -7,8 +7,7 @@ the square of the impact velocity.
 The scan starts where the projectile may have the energy to perforate.  Let T be the kinetic energy of projectile and
 moving target per cross-section, J/m^2.  By the equations of motion it falls by at least ``Y`` for each metre of the
 target that is penetrated, and by the shear force over the cross-section for each metre that it is displaced, as long as
-an eroding rod loses more energy than it transfers: V^2 <= 2 Yp/rho_p.  docs/design.md derives the bound under "Bound on
-the energy".
+an eroding rod loses more energy than it transfers: V^2 <= 2 Yp/rho_p.  docs/numerics.md derives the bound.
 """
 
 from collections.abc import Sequence

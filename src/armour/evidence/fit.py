@@ -1,7 +1,7 @@
 """Fits of the ratio of measured to computed ballistic limits: shipped, for a new lot, or updated by own tests.
 
 The logarithm of the ratio is linear in terms of armour and round, with normal effects of the lot (a production lot of
-an alloy, or a series of tests), of the round and of the test.  docs/methods.md describes the fits.
+an alloy, or a series of tests), of the round and of the test.  docs/evidence/methods.md describes the fits.
 """
 
 from collections.abc import Callable, Mapping, Sequence

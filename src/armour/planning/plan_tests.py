@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from math import isfinite, nan, sqrt
 from os import PathLike
 from typing import Annotated, Any, Literal, NamedTuple
+from warnings import warn
 
 import numpy as np
 from pydantic import Field, PlainValidator
@@ -320,6 +321,9 @@ def plan_tests(
     The information of a test is that of the likelihood of `armour.calibrate`, linearised at the fit to earlier tests
     or, without a fit, at the scenario's values.
 
+    This function leaves with version 3: spread tests over the thicknesses that you will use, on two back plates at
+    least.
+
     Parameters
     ----------
     scenario : Scenario
@@ -361,6 +365,8 @@ def plan_tests(
         If a setting is out of its range, a candidate is not a valid armour or has no ballistic limit in the range of
         the search, the candidates do not depend on the inputs, or the scatter is not known.
     """
+    # The caller is two frames up, as the arguments are checked between.
+    warn("plan_tests leaves with version 3", DeprecationWarning, stacklevel=3)
     designs = (designs,) if isinstance(designs, Scenario) else tuple(designs) or (scenario,)
     fit = tuple(fit)
     check_fitted(fit, law, "plan_tests")

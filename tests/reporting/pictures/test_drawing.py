@@ -37,8 +37,9 @@ from armour.reporting.pictures.drawing import (
 )
 from armour.reporting.show import plot
 from armour.sweeps.sweep import sweep
+from tests.analysis.results import impact
 from tests.helpers.cases import scenario, shipped_scenario
-from tests.helpers.results import impact, uncertainty_result
+from tests.statistics.results import uncertainty_result
 
 pytestmark = pytest.mark.slow
 

@@ -30,10 +30,11 @@ from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.sensitivity import Elasticity, SensitivityResult
 from armour.statistics.v50 import Shots, v50
 from armour.validation.figures import Figure, FigureLevel, FigureMark, FigureSection
+from tests.analysis.results import impact as impact_result
+from tests.design.results import OTHER, THREAT, best_of, design_result
 from tests.helpers.cases import scenario, shipped_scenario
-from tests.helpers.results import OTHER, THREAT, best_of, design_result, uncertainty_result
-from tests.helpers.results import impact as impact_result
 from tests.helpers.suites import TABLE, WILKINS_LIMIT, case, result
+from tests.statistics.results import uncertainty_result
 
 pytestmark = pytest.mark.usefixtures("not_laid_out")
 

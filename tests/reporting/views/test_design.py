@@ -12,8 +12,9 @@ from armour.reporting.views.design import (
     pair_table,
     tables_of_design,
 )
+from tests.design.results import OTHER, THREAT, best_design, best_of, design, design_result
 from tests.helpers.cases import scenario
-from tests.helpers.results import OTHER, THREAT, best_design, best_of, design, design_result, headings, quantities
+from tests.reporting.tables import headings, quantities
 
 
 def kinds(result: DesignResult) -> list[str]:

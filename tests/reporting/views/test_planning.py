@@ -14,7 +14,7 @@ from armour.scenario.inputs import BACKING, CERAMIC, VELOCITY
 from armour.statistics.measured import read_tests
 from armour.statistics.v50 import Shots
 from tests.helpers.cases import scenario, shipped_scenario
-from tests.helpers.results import quantities
+from tests.reporting.tables import quantities
 
 GRID = {CERAMIC: [5.0, 8.0, 11.0], BACKING: [4.0, 8.0]}
 SHOTS = Shots((700.0, 720.0), (False, True))

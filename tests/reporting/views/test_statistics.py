@@ -17,7 +17,8 @@ from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.likelihood import Coefficient
 from armour.statistics.uncertainty import Influence
 from armour.statistics.v50 import Shots, v50
-from tests.helpers.results import headings, uncertainty_result
+from tests.reporting.tables import headings
+from tests.statistics.results import uncertainty_result
 
 
 def test_a_velocity_below_zero_is_said_not_to_be_given():

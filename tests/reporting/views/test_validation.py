@@ -17,8 +17,8 @@ from armour.reporting.views.validation import (
     suite_junit,
 )
 from armour.validation.figures import Figure, FigureSection
-from tests.helpers.results import headings
 from tests.helpers.suites import TABLE, WILKINS_LIMIT, case, result
+from tests.reporting.tables import headings
 
 
 def test_checks_of_several_quantities_have_units_of_their_own(folder: Path):
