@@ -191,6 +191,8 @@ class Entry(Section):
     """Name of the entry that supplies every value not given."""
     aliases: Items[Name] = ()
     """Other names of the entry."""
+    doubtful: str = ""
+    """Why its values are doubtful; an entry with values of its own does not inherit it."""
     evidence: OwnTests | None = None
     """Own tests to which the entry was calibrated; written by `armour calibrate`."""
 
@@ -330,6 +332,8 @@ class LibraryEntry:
     flow_stress_sources_GPa : tuple of float
         Least and greatest flow stress that sources give, or one number; by default those of the entry that it is based
         on.
+    doubtful : str
+        Why its values are doubtful; empty if they are not known to be.
     """
 
     kind: Kind
@@ -342,6 +346,7 @@ class LibraryEntry:
     evidence: OwnTests | None = None
     origin: str = ""
     flow_stress_sources_GPa: tuple[float, ...] = ()
+    doubtful: str = ""
 
     def __getitem__(self, key: str) -> float:
         """Return the number of a key."""
@@ -372,7 +377,9 @@ class LibraryEntry:
         values = {key: value.model_dump() for key, value in self.values.items()}
         aliases = {"aliases": list(self.aliases)} if self.aliases else {}
         sources = {SOURCES: list(self.flow_stress_sources_GPa)} if self.flow_stress_sources_GPa else {}
-        return {"kind": self.kind, "name": self.name, "description": self.description, **aliases, **values, **sources}
+        doubtful = {"doubtful": self.doubtful} if self.doubtful else {}
+        texts = {"kind": self.kind, "name": self.name, "description": self.description, **doubtful}
+        return {**texts, **aliases, **values, **sources}
 
 
 def inputs_of_entry(role: str, entry: LibraryEntry) -> dict[str, float]:
@@ -637,6 +644,7 @@ def _completed(kind: Kind, name: str, entry: Entry, base: LibraryEntry | None, f
         entry.evidence or base.evidence,
         base.origin,
         getattr(entry, SOURCES, ()) or base.flow_stress_sources_GPa,
+        entry.doubtful or base.doubtful * (not entry.values()),
     )
 
 
