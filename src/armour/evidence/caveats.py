@@ -9,14 +9,13 @@ import numpy as np
 from armour.core.equations import penetration_velocity
 from armour.core.state import Parameters
 from armour.errors import Note
-from armour.scenario.library import LibraryEntry
+from armour.scenario.library import NOT_MODELLED, LibraryEntry
 
 # Densities below which a back plate is no metal, and from which on it is one, kg/m³: magnesium begins at 1,740, glass
 # laminates end at 2,000.
 LEAST_METAL_KG_M3, SURELY_METAL_KG_M3 = 1300.0, 2100.0
 # Length over diameter from which on a penetrator is a long rod: the cores of bullets have up to 6.
 LONG_ROD = 8.0
-NOT_MODELLED = "laminates and rubber fail by delamination and tension, which is not modelled"
 DENSITIES = "glass laminates reach 2,000 kg/m³, magnesium begins at 1,740"
 
 

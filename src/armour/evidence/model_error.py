@@ -16,6 +16,7 @@ from armour.evidence.fit import is_same_armour, mixture_of, shipped_data
 from armour.evidence.mixture import Floats, Mixture
 from armour.evidence.tests import Armours, Evidence, is_outside, is_untested, outside
 from armour.scenario.inputs import cosine_of
+from armour.scenario.library import PAGE
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Model, Solver
 
@@ -316,7 +317,9 @@ def why_unknown(scenario: Scenario, armour: Armours) -> str:
         reason = f"the model was compared with {evidence.angles()}"
     elif not evidence.differences(q).any() and evidence.fits:
         far = ", ".join(outside(evidence.measured, q))
-        reason = f"the armour is too far outside the tests, which are of {far}"
+        strengths = [limits for limits in evidence.measured if limits.name == "rod_strength_GPa"]
+        page = f" (see {PAGE})" * any(limits.fails(q).all() for limits in strengths)
+        reason = f"the armour is too far outside the tests, which are of {far}{page}"
     elif evidence.lot:
         reason = f"the armour differs from the own tests of {evidence.lot}: {', '.join(outside(evidence.kind, q))}"
     return f"{reason}; {REMEDY}"
