@@ -1,10 +1,13 @@
 """What the model cannot do, said in the answers."""
 
+from collections.abc import Callable
 from xml.etree.ElementTree import tostring
 
 import pytest
+from scipy.optimize import brentq
 
 import armour
+from armour.core.state import Parameters
 from armour.errors import Note
 from armour.reporting.scenario_report import contents_of, scenario_report
 from armour.reporting.views.analysis import tables_of_impact, tables_of_limit
@@ -16,6 +19,7 @@ NO_METAL = (
     "a back plate of 980 kg/m³ is no metal: laminates and rubber fail by delamination and tension, which is not "
     "modelled (glass laminates reach 2,000 kg/m³, magnesium begins at 1,740)"
 )
+ROD = {"penetrator_diameter_mm": 10.0, "penetrator_mass_g": 138.2, "density_kg_m3": 17600.0, "flow_stress_GPa": 1.9}
 
 
 def on(density: float, **sections: object) -> Scenario:
@@ -76,8 +80,7 @@ def test_up_to_2100_the_answer_asks_whether_it_is_a_metal(density: float, questi
 
 def test_long_rods_are_named_with_the_depth_that_the_equations_give():
     """Without strengths, V (V - U) = 0.446 U^2 gives U / (V - U) = 2.99 lengths; the hydrodynamic depth is 1.50."""
-    keys = {"penetrator_diameter_mm": 10.0, "penetrator_mass_g": 138.2, "density_kg_m3": 17600.0}
-    rods = {"rod": keys | {"flow_stress_GPa": 1.9}, "core": keys | {"penetrator_mass_g": 80.0, "flow_stress_GPa": 1.9}}
+    rods = {"rod": ROD, "core": ROD | {"penetrator_mass_g": 80.0}}
     rod, core = (
         scenario(name, None, "RHA Class 1", 0.0, 60.0, library={"projectile": rods}, velocity=1500.0) for name in rods
     )
@@ -85,6 +88,35 @@ def test_long_rods_are_named_with_the_depth_that_the_equations_give():
     assert "3.0 times its length into this plate, 2.0 times the hydrodynamic depth" in words
     assert words in outcome(armour.check(rod))
     assert said(armour.simulate(core)) == []
+
+
+@pytest.mark.parametrize(("velocity", "of_fluxes", "of_halves"), [(1000.0, 1.57, 0.75), (1500.0, 2.44, 1.18)])
+def test_a_long_rod_penetrates_steel_as_the_page_says(velocity: float, of_fluxes: float, of_halves: float):
+    rod = scenario("rod", None, "RHA Class 1", 0.0, 1000.0, library={"projectile": {"rod": ROD}}, velocity=velocity)
+    p = rod.core_armour()
+    assert armour.simulate(rod).penetration_depth_mm / 1000.0 / p.L0 == pytest.approx(of_fluxes, abs=0.005)
+    for flux, expected in (
+        (lambda speed, other: speed * other, of_fluxes),
+        (lambda _, other: other**2 / 2.0, of_halves),
+    ):
+        assert integrated_depth(p, velocity, flux) / p.L0 == pytest.approx(expected, abs=0.01)
+
+
+def integrated_depth(p: Parameters, velocity: float, flux: Callable[[float, float], float]) -> float:
+    """The depth in a thick plate by short steps, given the flux of a density of 1 at a speed, and at the speed of loss.
+
+    The target's flux is that of its own speed of penetration.
+    """
+
+    def excess(U: float) -> float:
+        return p.Yp + p.rho_p * flux(V, V - U) - p.YB - p.rho_B * flux(U, U)
+
+    V, L, depth, step = velocity, p.L0, 0.0, 5e-8
+    while L > 0.0 and V > 1.0 and p.Yp + p.rho_p * flux(V, V) > p.YB:
+        U = V if excess(V) > 0.0 else brentq(excess, 0.0, V)
+        pressure = p.Yp if U < V else p.YB + p.rho_B * flux(V, V)
+        V, L, depth = V - step * pressure / (p.rho_p * L), L - step * (V - U), depth + step * U
+    return depth
 
 
 def test_answers_name_doubtful_values_and_own_values_are_not_doubted():

@@ -24,7 +24,7 @@ from armour.analysis.variants import (
 from armour.core import search
 from armour.core.state import Outcome
 from armour.errors import InputError, NoLimitError
-from armour.evidence.caveats import LEAST_METAL_KG_M3
+from armour.evidence.caveats import is_no_metal
 from armour.evidence.fit import fits
 from armour.evidence.mixture import Mixture
 from armour.evidence.model_error import ModelError, error_of
@@ -90,7 +90,7 @@ def needed_flow_stress(
     ceramic = scenario.entry_of("ceramic")
     if ceramic is None or not scenario.armour.ceramic_thickness_mm or not is_untested(ceramic):
         return None
-    if scenario.core_armour().rho_B < LEAST_METAL_KG_M3:
+    if is_no_metal(scenario.core_armour().rho_B):
         return None
     required, sources = probability or USUAL_PROBABILITY, ceramic.flow_stress_sources_GPa
     likely_m_s = scenario.impact.velocity_m_s / float(constant_law_error().quantile(1.0 - required))

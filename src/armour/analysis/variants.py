@@ -140,8 +140,8 @@ def outside_limits(variants: Variants, *, velocities: bool = True) -> Iterator[t
     """Yield the limits of the tested range that some rows lie outside, and the number of these rows."""
     speeds = variants.velocities if velocities else np.full_like(variants.velocities, np.nan)
     metals = [materials.backing for materials in variants.materials] * variants.own_strength
-    for caveat in caveats(variants.armours.parameters, metals, said=False):
-        yield caveat.note, int(np.count_nonzero(caveat.rows))
+    for note, rows in caveats(variants.armours.parameters, metals, said=False):
+        yield note, int(np.count_nonzero(rows))
     for limit in limits_outside(variants.armours, speeds):
         yield f"{limit.key}: {limit.words}", len(limit.rows)
     armour = batch.fields(variants.parameters)

@@ -20,7 +20,7 @@ from armour.core.state import Parameters
 from armour.design.requirements import ROUNDING
 from armour.engine import batch
 from armour.errors import Problem, refuse
-from armour.evidence.caveats import LEAST_METAL_KG_M3
+from armour.evidence.caveats import is_no_metal
 from armour.evidence.tests import Materials, is_untested
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, OBLIQUITY, VELOCITY, cosine_of, fields_of
 from armour.scenario.library import LibraryEntry, inputs_of_entry
@@ -148,7 +148,7 @@ class Catalogue:
     @cached_property
     def metal(self) -> Bools:
         """Whether the back plate of each pair may be a metal; a design is never judged if it is none."""
-        return np.array([offer.backing_density_kg_m3 >= LEAST_METAL_KG_M3 for offer in self.offers])
+        return np.array([not is_no_metal(offer.backing_density_kg_m3) for offer in self.offers])
 
     @cached_property
     def untested(self) -> list[bool]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from armour.analysis.estimates import Estimate
-from armour.evidence.caveats import LEAST_METAL_KG_M3
+from armour.evidence.caveats import LEAST_METAL_KG_M3, is_no_metal
 from armour.scenario.library import LibraryEntry
 from armour.scenario.schema import OBJECTIVES, DesignSection, Threat
 
@@ -93,7 +93,7 @@ def against_threat(
     tolerance_m_s : float
         Tolerance of the limit: the projectile may perforate within it.
     """
-    if backing_density_kg_m3 < LEAST_METAL_KG_M3:
+    if is_no_metal(backing_density_kg_m3):
         metal = "backing_density_kg_m3"
         yield Requirement(metal, threat.title, LEAST_METAL_KG_M3, backing_density_kg_m3, "not known")
         return

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from math import sqrt
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -19,11 +19,9 @@ LONG_ROD = 8.0
 DENSITIES = "glass laminates reach 2,000 kg/m³, magnesium begins at 1,740"
 
 
-class Caveat(NamedTuple):
-    """A sentence about some of n armours."""
-
-    note: Note
-    rows: Any  # whether it is about each of them, (n,)
+def is_no_metal(density_kg_m3: Any) -> Any:
+    """Return whether back plates are no metal; float or array."""
+    return density_kg_m3 < LEAST_METAL_KG_M3
 
 
 def no_metal(density_kg_m3: float) -> str:
@@ -31,27 +29,27 @@ def no_metal(density_kg_m3: float) -> str:
     return f"a back plate of {density_kg_m3:,.0f} kg/m³ is no metal: {NOT_MODELLED} ({DENSITIES})"
 
 
-def caveats(armour: Parameters, metals: Iterable[LibraryEntry], *, said: bool = True) -> Iterator[Caveat]:
+def caveats(armour: Parameters, metals: Iterable[LibraryEntry], *, said: bool = True) -> Iterator[tuple[Note, Any]]:
     """Yield what the model cannot do for n armours, and which of the metals have doubtful values.
 
-    `said` says whether the answer itself contains the sentences.
+    Each sentence comes with whether it is about each of the armours, (n,).  `said` says whether the answer contains it.
     """
     density, key, caveat = np.atleast_1d(armour.rho_B), "backing.density_kg_m3", "caveat" * said
-    unlike = density < LEAST_METAL_KG_M3
+    unlike = is_no_metal(density)
     if unlike.any():
-        yield Caveat(Note(no_metal(density[unlike].min()), key, said="not known" * said), unlike)
+        yield (Note(no_metal(density[unlike].min()), key, said="not known" * said), unlike)
     doubted = ~unlike & (density < SURELY_METAL_KG_M3)
     if doubted.any():
         question = f"is a back plate of {density[doubted].min():,.0f} kg/m³ a metal? {NOT_MODELLED} ({DENSITIES})"
-        yield Caveat(Note(question, key, said=caveat), doubted)
+        yield (Note(question, key, said=caveat), doubted)
     slenderness = np.atleast_1d(armour.L0 / armour.D0)
     long = ~unlike & (slenderness >= LONG_ROD)
     if long.any():
         place = int(np.argmax(long))
         words = long_rod(slenderness[place], float(density[place]), float(np.atleast_1d(armour.rho_p)[place]))
-        yield Caveat(Note(words, "projectile", said=caveat), long)
+        yield (Note(words, "projectile", said=caveat), long)
     for name, reason in {metal.name: metal.doubtful for metal in metals if metal.doubtful}.items():
-        yield Caveat(Note(f"the values of {name} are doubtful: {reason}", "armour.backing", said=caveat), ~unlike)
+        yield (Note(f"the values of {name} are doubtful: {reason}", "armour.backing", said=caveat), ~unlike)
 
 
 def long_rod(slenderness: float, plate_kg_m3: float, rod_kg_m3: float) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 from armour.core.replaced import replaced_function
 from armour.core.state import Parameters
 from armour.errors import InputError, Problem
-from armour.evidence.caveats import LEAST_METAL_KG_M3
+from armour.evidence.caveats import is_no_metal
 from armour.evidence.core_digest import core_digest
 from armour.evidence.fit import is_same_armour, mixture_of, shipped_data
 from armour.evidence.mixture import Floats, Mixture
@@ -305,7 +305,7 @@ def why_unknown(scenario: Scenario, armour: Armours) -> str:
     """Return why the model error is not known for an armour, n = 1, and what can provide it."""
     if settings := other_settings(scenario):
         return f"the tests were not computed with {settings}; [uncertainty.model] can give it"
-    if np.min(armour.parameters.rho_B) < LEAST_METAL_KG_M3:
+    if is_no_metal(np.min(armour.parameters.rho_B)):
         return "the back plate is no metal"
     [(evidence, _)] = armour.by_evidence()
     if evidence.lot and not evidence.fits:

@@ -402,7 +402,7 @@ def scenario_warnings(
     notes = (limit.note(key if limit.key == VELOCITY else "") for limit in outside)
     metals = [scenario.entry("metal", scenario.armour.backing)]
     strengths = strength_notes(metals, bare=not scenario.armour.ceramic_thickness_mm)
-    cannot = (caveat.note for caveat in caveats(armours.parameters, metals, said=said))
+    cannot = (note for note, _ in caveats(armours.parameters, metals, said=said))
     return (*cannot, *scenario.unused_threats(), *notes, *strengths)
 
 
@@ -414,7 +414,7 @@ def threat_warnings(scenario: Scenario, armours: Armours, metals: Iterable[Libra
     """
     threats = scenario.threats()
     backings = [materials.backing for materials in armours.materials]
-    yield from (caveat.note for caveat in caveats(armours.parameters, backings))
+    yield from (note for note, _ in caveats(armours.parameters, backings))
     for outside in limits_outside(armours, np.array([threat.velocity_m_s for threat in threats])):
         section, _, name = outside.key.partition(".")
         is_of_threat = scenario.threat and section in ("impact", "projectile")

@@ -409,9 +409,11 @@ def hint(name: str, entries: Iterable[LibraryEntry], names: Iterable[str]) -> st
     contain its first part or, if there are none either, at descriptions, as with "alumina".  Rounds have its calibre.
     """
     entries, names = list(entries), [*islice(names, MAX_WORDS + 1)]
-    if calibres := set(CALIBRE.findall(name)):
+    if calibres := _matches(CALIBRE, name):
         entries = [
-            entry for entry in entries if calibres & set(CALIBRE.findall(" ".join((entry.name, *entry.aliases))))
+            entry
+            for entry in entries
+            if entry.kind != "projectile" or calibres & _matches(CALIBRE, " ".join((entry.name, *entry.aliases)))
         ]
     if same := [known for known in names if look_of(known) == look_of(name)]:
         return suggestion(name, same)

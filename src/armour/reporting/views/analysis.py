@@ -55,7 +55,7 @@ def tables_of_impact(result: ImpactResult) -> list[Table | str]:
     """Return the outcome of an impact, its probability where that was computed, and what remains, stage by stage."""
     parts: list[Table | str] = [verdict(result)]
     if (confidence := result.question.get("confidence")) is not None:
-        parts += confidence_tables(confidence)
+        parts += tables_of_confidence(confidence)
         distributed = result.question["scenario"].uncertainty
         if confidence.model_error is None and distributed is not None and distributed.inputs():
             parts.append(f"{SAMPLED_ALONE}: armour uncertainty")
@@ -81,7 +81,7 @@ def verdict(result: ImpactResult) -> VerdictLine:
     return VerdictLine("; ".join(words), good=stopped and not unknown)
 
 
-def caveat_lines(result: LimitResult | ConfidenceResult) -> list[Table | str]:
+def caveat_lines(result: LimitResult) -> list[Table | str]:
     """Return what the model cannot do, in a line each."""
     unknown = [VerdictLine(f"not known: {words}", good=False) for words in said_of(result.warnings, "not known")]
     return [*unknown, *said_of(result.warnings)]
@@ -135,11 +135,6 @@ def tables_of_limit(result: LimitResult) -> list[Table | str]:
 
 def tables_of_confidence(result: ConfidenceResult) -> list[Table | str]:
     """Return the probability, and what it rests on."""
-    return [*caveat_lines(result), *confidence_tables(result)]
-
-
-def confidence_tables(result: ConfidenceResult) -> list[Table | str]:
-    """Return the same without what the model cannot do."""
     limit, probability = with_error(result.median_m_s, result.interval_m_s), result.probability_of_stopping
     stopping = STOPPING, None if probability is None else chance(probability, result.model_error)
     return [record(result, BALLISTIC_LIMIT, limit, stopping), *basis_notes(result)]

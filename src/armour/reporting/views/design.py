@@ -342,7 +342,7 @@ def finding(threat: CheckedThreat) -> str:
     limit, needed = threat.ballistic_limit_m_s, threat.velocity_m_s + threat.required_margin_m_s
     by_model = "no ballistic limit found" if limit is None else f"ballistic limit by the model {limit:.0f} m/s"
     rows = threat.requirements
-    if [row for row in rows if row.quantity == METAL]:
+    if rows and rows[0].quantity == METAL:
         return requirement_words(rows[0])
     words = [requirement_words(row) for row in rows if row.verdict == threat.verdict]
     if threat.required_probability is None:
