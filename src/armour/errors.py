@@ -66,16 +66,19 @@ class Note(str):
         What a reader should know.
     brief : str
         What lies outside the tests of the model, in a few words; empty for other warnings.
+    said : str
+        "caveat" if the answer itself contains the text, "not known" if it is the answer; else empty.
     """
 
     key: str
     text: str
     brief: str
+    said: str
 
-    def __new__(cls, text: str, key: str = "", brief: str = "") -> Self:
+    def __new__(cls, text: str, key: str = "", brief: str = "", *, said: str = "") -> Self:
         """Make a warning; see the attributes."""
         note = super().__new__(cls, f"{key}: {text}" if key else text)
-        note.key, note.text, note.brief = key, text, brief
+        note.key, note.text, note.brief, note.said = key, text, brief, said
         return note
 
 
@@ -171,8 +174,9 @@ def duration(seconds: float) -> str:
 def in_two_lines(warnings: Sequence[str], where: str) -> list[str]:
     """Return warnings in at most two lines: what lies outside the tests of the model, and the first other warning.
 
-    `where` says, in words, where all of them are.
+    Those that the answer contains are left out.  `where` says, in words, where all of them are.
     """
+    warnings = [warning for warning in warnings if not (isinstance(warning, Note) and warning.said)]
     outside = [warning for warning in warnings if isinstance(warning, Note) and warning.brief]
     other_warnings = [warning for warning in warnings if warning not in outside]
     briefs = list(dict.fromkeys(warning.brief for warning in outside))

@@ -10,6 +10,9 @@ from armour.scenario.scenario import Scenario, load_scenario, parse_scenario
 from armour.sweeps.cases import Grid, axis_of
 
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
+# Shipped scenarios that lack nothing, and those to complete.
+TEMPLATES = sorted(SCENARIOS.glob("templates/*.toml"))
+COMPLETE = sorted({*SCENARIOS.rglob("*.toml")} - {*TEMPLATES})
 TESTS = SCENARIOS / "tests" / "wilkins.csv"
 
 

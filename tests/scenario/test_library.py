@@ -8,9 +8,12 @@ import pytest
 from armour.errors import InputError
 from armour.scenario.library import (
     KINDS,
+    NOT_MODELLED,
+    PAGE,
     Library,
     named_threats,
     shipped_library,
+    threats_like,
 )
 from armour.scenario.scenario import load_scenario, parse_scenario, scenario_schema
 from tests.helpers.cases import data
@@ -101,8 +104,8 @@ def test_every_mistake_in_the_tables_is_reported():
         'f.toml: ceramic.X.flow_stress_GPa: must be a number, found the text "x"',
         'f.toml: ceramic.X.densty_kg_m3: unknown key; did you mean "density_kg_m3"?',
         "f.toml: metal.Y.density_kg_m3: must be at least 100, found 7.85",
-        "f.toml: metal.Z.colour_mm: unknown key; choose from description, based_on, aliases, evidence, density_kg_m3, "
-        "static_yield_strength_MPa, dynamic_yield_strength_MPa, flow_stress_GPa, shear_strength_MPa, "
+        "f.toml: metal.Z.colour_mm: unknown key; choose from description, based_on, aliases, doubtful, evidence, "
+        "density_kg_m3, static_yield_strength_MPa, dynamic_yield_strength_MPa, flow_stress_GPa, shear_strength_MPa, "
         "ultimate_tensile_strength_MPa, strain_to_fracture",
         'f.toml: metall: unknown key; did you mean "metal"?',
         # Not what X and Y lack, which have a wrong value.
@@ -262,3 +265,42 @@ def test_the_work_grows_with_the_number_of_entries_not_with_its_square(first: st
             extended({"ceramic": entries})
         sys.settrace(before)
     assert work[1] < 2.5 * work[0]
+
+
+@pytest.mark.parametrize(
+    "name", ["aramid", "Kevlar 29", "UHMWPE", "Dyneema HB26", "S2-glass", "Rubber", "polycarbonate"]
+)
+def test_what_is_neither_metal_nor_ceramic_leads_to_the_page_on_it(name: str):
+    with pytest.raises(InputError) as caught:
+        shipped_library().find(name)
+    [problem] = caught.value.problems
+    assert problem.message.endswith(f"; it is neither metal nor ceramic: {NOT_MODELLED}, see {PAGE}")
+    assert (Path(__file__).parents[2] / PAGE).is_file()
+
+
+@pytest.mark.parametrize(
+    ("name", "like"),
+    [
+        ("M993", []),
+        ("STANAG 4569 level 3, M993", []),
+        ("12.7x108 B32", []),
+        ("14.5x114", ["STANAG 4569 level 4, B32"]),
+        ("M2", ["NIJ 0101.06 type IV, M2 AP", "NIJ 0123.00 RF3, M2 AP"]),
+        ("STANAG 4569 level 5", list(named_threats())),
+    ],
+)
+def test_a_threat_like_a_wrong_name_has_its_round_or_calibre(name: str, like: list[str]):
+    assert threats_like(name) == like
+
+
+def test_a_round_like_a_wrong_name_has_its_calibre():
+    for name, like in (
+        ("B32 12.7", []),
+        ("12.7 mm B32", ["12.7 mm APM2", "12.7 mm FSP"]),
+        ("B32 7.62", ["7.62 mm B32"]),
+    ):
+        with pytest.raises(InputError) as caught:
+            shipped_library().find(name)
+        [problem] = caught.value.problems
+        found = [other for other in shipped_library().names("projectile") if other in problem.message.partition(";")[2]]
+        assert found == like

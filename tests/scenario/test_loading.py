@@ -1,4 +1,5 @@
 import pickle
+import re
 from collections.abc import Callable
 from copy import deepcopy
 from math import pi
@@ -11,7 +12,7 @@ from armour.core.equations import CONOID
 from armour.errors import InputError, Problem
 from armour.scenario.scenario import Scenario, load_scenario, parse_scenario, save_scenario
 from armour.scenario.schema import Range
-from tests.helpers.cases import SCENARIOS, data, scenario, shipped_scenario
+from tests.helpers.cases import COMPLETE, SCENARIOS, TEMPLATES, data, scenario, shipped_scenario
 
 
 def messages(content: dict[str, Any]) -> list[str]:
@@ -20,9 +21,24 @@ def messages(content: dict[str, Any]) -> list[str]:
     return [f"{problem.key}: {problem.message}" for problem in caught.value.problems]
 
 
-@pytest.mark.parametrize("path", sorted(SCENARIOS.rglob("*.toml")), ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", COMPLETE, ids=lambda path: path.stem)
 def test_every_shipped_scenario_is_valid(path: Path):
     assert load_scenario(path).title
+
+
+@pytest.mark.parametrize("path", TEMPLATES, ids=lambda path: path.stem)
+def test_a_template_lacks_what_it_asks_for_and_works_with_it(path: Path, tmp_path: Path):
+    with pytest.raises(InputError) as caught:
+        load_scenario(path)
+    missing = {problem.key.rpartition(".")[2] for problem in caught.value.problems}
+    assert all("is missing and must be given" in problem.message for problem in caught.value.problems)
+    text = path.read_text()
+    assert {line.split()[1] for line in text.splitlines() if re.match("# \\w+ = +#", line)} == missing
+    values = {"velocity_m_s": 900.0, "penetrator_mass_g": 6.0, "penetrator_diameter_mm": 6.0, "density_kg_m3": 14850.0}
+    for key in missing:
+        text = re.sub(f"# {key} =", f"{key} = {values[key]}", text)
+    (tmp_path / "complete.toml").write_text(text)
+    assert load_scenario(tmp_path / "complete.toml").title
 
 
 def test_the_wilkins_case_in_the_cores_terms():

@@ -51,7 +51,7 @@ ENDS, TOLD = {".parquet": b"PAR1", ".png": b"IEND\xaeB`\x82"}, 3000
 # Parts of the trials that are gentle, that read the scenario from standard input, and that are interrupted.
 GENTLE, PIPED, STOPPED = 0.6, 0.05, 0.03
 
-SCENARIOS = sorted(ROOT.glob("scenarios/**/*.toml"))
+SCENARIOS = sorted({*ROOT.glob("scenarios/**/*.toml")} - {*ROOT.glob("scenarios/templates/*")})
 NAMED = {path.relative_to(ROOT / "scenarios").with_suffix("").as_posix(): path for path in SCENARIOS}
 SUITES = [ROOT / "suites/paper.toml", ROOT / "suites/plates.toml", ROOT / "tests/validation/regression.toml"]
 TESTS = {name: ROOT / f"scenarios/tests/{name}.csv" for name in ("wilkins", "unknown_ceramic")}

@@ -24,6 +24,7 @@ from armour.analysis.variants import (
 from armour.core import search
 from armour.core.state import Outcome
 from armour.errors import InputError, NoLimitError
+from armour.evidence.caveats import is_no_metal
 from armour.evidence.fit import fits
 from armour.evidence.mixture import Mixture
 from armour.evidence.model_error import ModelError, error_of
@@ -76,7 +77,7 @@ class NeededFlowStress:
 def needed_flow_stress(
     scenario: Scenario, required_m_s: float, probability: float | None = None
 ) -> NeededFlowStress | None:
-    """Return the flow stress that a ceramic without tests needs; None if the armour has no such ceramic.
+    """Return the flow stress that a ceramic without tests needs; None if the armour has none, or no metal behind it.
 
     Parameters
     ----------
@@ -88,6 +89,8 @@ def needed_flow_stress(
     """
     ceramic = scenario.entry_of("ceramic")
     if ceramic is None or not scenario.armour.ceramic_thickness_mm or not is_untested(ceramic):
+        return None
+    if is_no_metal(scenario.core_armour().rho_B):
         return None
     required, sources = probability or USUAL_PROBABILITY, ceramic.flow_stress_sources_GPa
     likely_m_s = scenario.impact.velocity_m_s / float(constant_law_error().quantile(1.0 - required))
@@ -237,7 +240,7 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
         crossings=crossings,
         scanned_velocities=points,
         scanned_range_m_s=(low, high),
-        warnings=(*scenario_warnings(scenario, limit, "ballistic_limit"), *scenario.unused_distributions()),
+        warnings=(*scenario_warnings(scenario, limit, "ballistic_limit", said=True), *scenario.unused_distributions()),
         model_error=error,
         interval_m_s=None if error is None else error.interval(limit),
         median_m_s=None if error is None else error.median(limit),
@@ -403,7 +406,7 @@ def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress)
 def confidence_alone(scenario: Scenario, on_progress: OnProgress = ignore_progress) -> ConfidenceResult:
     """Return the confidence in an armour, without the flow stress that a ceramic without tests needs."""
     limit, error, reason = limit_and_error(scenario, on_progress)
-    warnings = (*scenario_warnings(scenario, scenario.impact.velocity_m_s), *scenario.unused_distributions())
+    warnings = (*scenario_warnings(scenario, scenario.impact.velocity_m_s, said=True), *scenario.unused_distributions())
     probability = probability_of_stopping(scenario, limit, error)
     if limit is None:
         return ConfidenceResult(probability, None, error, "" if probability else reason, warnings)

@@ -211,7 +211,7 @@ def impact_at(scenario: Scenario, velocity: float, *, history: bool = False) -> 
         areal_density_kg_m2=scenario.areal_density_kg_m2(),
         time_step_us=scenario.solver.time_step_us,
         stages=stage_records(trace, armour),
-        warnings=scenario_warnings(scenario, velocity),
+        warnings=scenario_warnings(scenario, velocity, said=True),
         history=history_of(trace, armour, spacing) if history else None,
     )
 

@@ -13,6 +13,7 @@ from armour.core.search import DENSE_SCAN_POINTS, SCAN_POINTS, find_ballistic_li
 from armour.core.state import Outcome, Parameters
 from armour.engine import batch, cache
 from armour.errors import mistake
+from armour.evidence.caveats import caveats
 from armour.evidence.mixture import Mixture
 from armour.evidence.model_error import LAW_FIELDS, Errors, errors_of, given_error, why_unknown
 from armour.evidence.tests import Armours, Materials, armours_of, is_unusual, limits_outside
@@ -138,12 +139,14 @@ def concatenated(parts: Sequence[Variants]) -> Variants:
 def outside_limits(variants: Variants, *, velocities: bool = True) -> Iterator[tuple[str, int]]:
     """Yield the limits of the tested range that some rows lie outside, and the number of these rows."""
     speeds = variants.velocities if velocities else np.full_like(variants.velocities, np.nan)
+    metals = [materials.backing for materials in variants.materials] * variants.own_strength
+    for note, rows in caveats(variants.armours.parameters, metals, said=False):
+        yield note, int(np.count_nonzero(rows))
     for limit in limits_outside(variants.armours, speeds):
         yield f"{limit.key}: {limit.words}", len(limit.rows)
     armour = batch.fields(variants.parameters)
     for bare in (False, True):
         if count := int(np.count_nonzero((armour.Hc0 == 0.0) == bare)):
-            metals = [variants.scenario.entry("metal", variants.scenario.armour.backing)] * variants.own_strength
             yield from ((note, count) for note in strength_notes(metals, bare=bare))
 
 

@@ -80,7 +80,7 @@ def simulate(
     on_progress(1, None)
     confidence = armour.confidence(scenario, on_progress=on_progress)
     limit = confidence.ballistic_limit_m_s
-    of_limit = () if limit is None else scenario_warnings(scenario, limit, "ballistic_limit")
+    of_limit = () if limit is None else scenario_warnings(scenario, limit, "ballistic_limit", said=True)
     warnings = tuple(dict.fromkeys((*result.warnings, *of_limit, *confidence.warnings)))
     extra_data = {"warnings": list(warnings), "confidence": confidence.to_dict()}
     return Answer(result.of(confidence=confidence), warnings, extra_data, {history: lambda: history_csv(result)})

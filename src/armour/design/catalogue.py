@@ -20,6 +20,7 @@ from armour.core.state import Parameters
 from armour.design.requirements import ROUNDING
 from armour.engine import batch
 from armour.errors import Problem, refuse
+from armour.evidence.caveats import is_no_metal
 from armour.evidence.tests import Materials, is_untested
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, OBLIQUITY, VELOCITY, cosine_of, fields_of
 from armour.scenario.library import LibraryEntry, inputs_of_entry
@@ -143,6 +144,11 @@ class Catalogue:
         """Whether a single source gives the flow stress of the ceramic of each pair."""
         ceramics = (materials.ceramic for materials in self.materials)
         return np.array([ceramic is not None and ceramic.has_one_source for ceramic in ceramics])
+
+    @cached_property
+    def metal(self) -> Bools:
+        """Whether the back plate of each pair may be a metal; a design is never judged if it is none."""
+        return np.array([not is_no_metal(offer.backing_density_kg_m3) for offer in self.offers])
 
     @cached_property
     def untested(self) -> list[bool]:

@@ -233,6 +233,7 @@ def _checked(
             probability,
             sampled,
             against.entry_of("ceramic") if against.armour.ceramic_thickness_mm else None,
+            against.core_armour().rho_B,
             stops=simulate(against.replaced({VELOCITY: threat.required_m_s})).outcome == "stopped",
             tolerance_m_s=against.ballistic_limit.tolerance_m_s,
         )

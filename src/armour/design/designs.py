@@ -162,8 +162,8 @@ class Designs:
     Attributes
     ----------
     columns : CandidateDesigns
-    offered : array of int
-        Places of the designs within the limits of the section ``design``.
+    within, offered : array of int
+        Places of the designs within the limits of the section ``design``; of those on back plates that may be a metal.
     one_source : array of bool
         Whether a single source gives the flow stress of the ceramic of each design; such a design is never the best.
     """
@@ -171,11 +171,14 @@ class Designs:
     def __init__(
         self, catalogue: Catalogue, columns: CandidateDesigns, runs: Runs, reliability: Reliability | None = None
     ) -> None:
-        columns = columns.at(~np.isnan(columns.thickness_mm))  # a free thickness of which no value passes is NaN
+        # A free thickness of which no value passes is NaN; back plates that are no metal count only where all are none.
+        is_metal = catalogue.metal if catalogue.metal.any() else ~catalogue.metal
+        columns = columns.at(~np.isnan(columns.thickness_mm) & is_metal[columns.pair])
         self.columns = columns.at(catalogue.objective(columns).argsort(kind="stable"))
         self.catalogue, self.runs, self.reliability = catalogue, runs, reliability
         self.values = catalogue.objective(self.columns)
-        self.offered = np.flatnonzero(catalogue.violations(self.columns) <= 0.0)
+        self.within = np.flatnonzero(catalogue.violations(self.columns) <= 0.0)
+        self.offered = self.within[catalogue.metal[self.columns.pair[self.within]]]
         self.one_source = catalogue.one_source[self.columns.pair] & (self.columns.ceramic_mm > 0.0)
         count = len(self.values)
         self._verdicts, self._known = np.full(count, UNJUDGED), np.zeros(count, dtype=bool)

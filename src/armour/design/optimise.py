@@ -19,6 +19,7 @@ from armour.design.requirements import Requirement, against_threat, of_armour
 from armour.design.search import FreeThicknesses, candidates_of, joined, pareto
 from armour.errors import Problem, listed, refuse
 from armour.errors import joined as joined_words
+from armour.evidence.caveats import no_metal
 from armour.evidence.mixture import Mixture
 from armour.evidence.model_error import REMEDY, ModelError, error_of
 from armour.evidence.tests import threat_warnings
@@ -304,14 +305,14 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
     designs, place, reason = _best_place(search)
     least = NOT_KNOWN if reason else PASSES
     explanation, without_limits = "", None
-    if reason == "none passes":
+    if reason == "none passes" and catalogue.metal.any():
         explanation, without_limits = _failure(designs, search)
         designs, order = _nearest(designs)
         place, pairs = int(order[0]), _short_pairs(designs, order)
     else:
         order, pairs = designs.offered, _pairs(designs, search, place, least)
     shown = None if place is None else _best(designs, place, named=True)
-    if reason == "not known":
+    if reason and not explanation:
         explanation = _why_not_known(designs, place)
 
     warnings = [*scenario.unused_impact(), *catalogue.omissions()]
@@ -403,9 +404,11 @@ def _has_free_layer(catalogue: Catalogue) -> bool:
 def _best_place(search: FreeThicknesses) -> tuple[Designs, int | None, Reason]:
     """Return the designs, the best one, and why this does not pass, if it does not.
 
-    A design with a ceramic whose flow stress has one source is never the best.
+    A design with a ceramic whose flow stress has one source, or on a back plate that is no metal, is never the best.
     """
     designs = _table(search)
+    if not search.catalogue.metal.any():
+        return designs, None, "not known" if len(designs.within) else "none passes"
     if (place := _first(designs, designs.offered, PASSES)) is not None:
         return designs, place, ""
     if search.catalogue.bounded and _has_free_layer(search.catalogue):
@@ -493,12 +496,22 @@ def _short_pairs(designs: Designs, order: Ints) -> tuple[Pair, ...]:
         if one_source := bool(designs.one_source[place]):
             reason = f"{ONE_SOURCE}: {reason}" if best.short_m_s[threat] > 0.0 else ONE_SOURCE
         pairs.append(Pair(best.ceramic, best.backing, None, None, reason, not one_source, best.untested))
-    return tuple(pairs)
+    return (*pairs, *(_unlike(designs.catalogue, pair) for pair in np.flatnonzero(~designs.catalogue.metal).tolist()))
+
+
+def _unlike(catalogue: Catalogue, pair: int) -> Pair:
+    """Return a pair on a back plate that is no metal."""
+    offer = catalogue.offers[pair]
+    words, names = no_metal(offer.backing_density_kg_m3), (offer.ceramic.material, offer.backing.material)
+    return Pair(*names, None, None, f"not known: {words}", untested=catalogue.untested[pair])
 
 
 def _why_not_known(designs: Designs, place: int | None) -> str:
-    """Return why it is not known whether a design passes that passes by the model."""
+    """Return why it is not known whether a design passes that passes by the model, or why none without a metal does."""
     catalogue = designs.catalogue
+    if not catalogue.metal.any():
+        words = no_metal(catalogue.offers[0].backing_density_kg_m3)
+        return words if len(designs.within) else f"no design keeps to the limits of [design]; {words}"
     if place is None:
         pairs = designs.columns.pair[designs.offered[designs.verdicts(designs.offered) >= NOT_KNOWN]]
         names = dict.fromkeys(catalogue.offers[pair].ceramic.material for pair in pairs)
@@ -637,6 +650,7 @@ def _best(designs: Designs, place: int, *, named: bool = False) -> BestDesign:
             stopping[threat.title],
             sampled.get(threat.title),
             catalogue.materials[pair].ceramic if design.ceramic_thickness_mm else None,
+            offer.backing_density_kg_m3,
             stops=stops[i],
             tolerance_m_s=searched.tolerance_m_s,
         )
@@ -708,6 +722,9 @@ def _pairs(designs: Designs, search: FreeThicknesses, best: int | None, least: i
     best_is_known = best is not None and bool(designs.known(np.array([best]))[0])
     pairs = []
     for index, (offer, place) in enumerate(zip(catalogue.offers, places, strict=True)):
+        if not catalogue.metal[index]:
+            pairs.append(_unlike(catalogue, index))
+            continue
         design, excess, ranked = None, None, True
         if place is None:
             reason = _why_none(designs, unlimited, [index], least)
@@ -749,6 +766,8 @@ def _why_none(designs: Designs, unlimited: Designs, pairs: Sequence[int], least:
     catalogue, section = designs.catalogue, designs.catalogue.section
     bounded, not_known = catalogue.bounded, least == NOT_KNOWN
     threats = catalogue.titles[0] if len(catalogue.titles) == 1 else "every threat"
+    all_pairs = len(pairs) == len(catalogue.offers)
+    pairs = [pair for pair in pairs if catalogue.metal[pair]]
     where = ", where it is known" if bounded and not_known else ""
     asked = ["the margin"] if catalogue.margins_m_s.any() else []
     asked += [f"the probability required{where}"] if bounded else []
@@ -764,7 +783,6 @@ def _why_none(designs: Designs, unlimited: Designs, pairs: Sequence[int], least:
     table = designs if len(offered) else Designs(catalogue, columns, designs.runs)
     unknown = ~table.known(offered if len(offered) else np.arange(len(columns.pair)))
     unknown &= bounded and not not_known
-    all_pairs = len(pairs) == len(catalogue.offers)
     if unknown.all():
         against, why = _why_error_unknown(catalogue, columns)
         # The table of pairs need not say in each row what can give the error.

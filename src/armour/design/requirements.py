@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from armour.analysis.estimates import Estimate
+from armour.evidence.caveats import LEAST_METAL_KG_M3, is_no_metal
 from armour.scenario.library import LibraryEntry
 from armour.scenario.schema import OBJECTIVES, DesignSection, Threat
 
@@ -22,11 +23,13 @@ class Requirement:
     Attributes
     ----------
     quantity : str
-        "margin_m_s", "probability_of_stopping", "flow_stress_sources", or a key of a design such as "thickness_mm".
+        "margin_m_s", "probability_of_stopping", "flow_stress_sources", "backing_density_kg_m3", or a key of a design
+        such as "thickness_mm".
     threat : str
         The threat that it is about; empty if it is about none.
     required : float
-        The least margin, probability or number of sources, or the greatest areal density, thickness or cost.
+        The least margin, probability, number of sources or density of a metal, or the greatest areal density, thickness
+        or cost.
     found : float or None
         What the armour has; None if that is not known.
     verdict : {"passes", "fails", "not known"}
@@ -60,6 +63,7 @@ def against_threat(
     probability: float | None,
     sampled: Estimate | None,
     ceramic: LibraryEntry | None,
+    backing_density_kg_m3: float,
     *,
     stops: bool,
     tolerance_m_s: float,
@@ -67,7 +71,8 @@ def against_threat(
     """Yield what is required of an armour against a threat.
 
     A margin is required where the scenario gives one, and of at least 0 where it requires no probability.  A
-    probability that is not known fails where the ballistic limit by the model is too low.
+    probability that is not known fails where the ballistic limit by the model is too low.  Of a back plate that is no
+    metal nothing else is known.
 
     Parameters
     ----------
@@ -82,11 +87,16 @@ def against_threat(
         Probability of perforation where uncertain inputs are sampled.
     ceramic : LibraryEntry or None
         If a single source gives its flow stress, it is not known whether the armour stops the threat.
+    backing_density_kg_m3 : float
     stops : bool
         Whether the armour stops the projectile, by the model, at the velocity plus the margin.
     tolerance_m_s : float
         Tolerance of the limit: the projectile may perforate within it.
     """
+    if is_no_metal(backing_density_kg_m3):
+        metal = "backing_density_kg_m3"
+        yield Requirement(metal, threat.title, LEAST_METAL_KG_M3, backing_density_kg_m3, "not known")
+        return
     bound, margin_m_s = section.bound(threat), limit_m_s - threat.velocity_m_s
     if margin_m_s >= threat.margin_m_s and not stops:
         margin_m_s -= tolerance_m_s

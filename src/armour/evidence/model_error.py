@@ -10,11 +10,13 @@ import numpy as np
 from armour.core.replaced import replaced_function
 from armour.core.state import Parameters
 from armour.errors import InputError, Problem
+from armour.evidence.caveats import is_no_metal
 from armour.evidence.core_digest import core_digest
 from armour.evidence.fit import is_same_armour, mixture_of, shipped_data
 from armour.evidence.mixture import Floats, Mixture
 from armour.evidence.tests import Armours, Evidence, is_outside, is_untested, outside
 from armour.scenario.inputs import cosine_of
+from armour.scenario.library import PAGE
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Model, Solver
 
@@ -303,6 +305,8 @@ def why_unknown(scenario: Scenario, armour: Armours) -> str:
     """Return why the model error is not known for an armour, n = 1, and what can provide it."""
     if settings := other_settings(scenario):
         return f"the tests were not computed with {settings}; [uncertainty.model] can give it"
+    if is_no_metal(np.min(armour.parameters.rho_B)):
+        return "the back plate is no metal"
     [(evidence, _)] = armour.by_evidence()
     if evidence.lot and not evidence.fits:
         return f"of {evidence.lot}, {evidence.source}"
@@ -313,7 +317,9 @@ def why_unknown(scenario: Scenario, armour: Armours) -> str:
         reason = f"the model was compared with {evidence.angles()}"
     elif not evidence.differences(q).any() and evidence.fits:
         far = ", ".join(outside(evidence.measured, q))
-        reason = f"the armour is too far outside the tests, which are of {far}"
+        strengths = [limits for limits in evidence.measured if limits.name == "rod_strength_GPa"]
+        page = f" (see {PAGE})" * any(limits.fails(q).all() for limits in strengths)
+        reason = f"the armour is too far outside the tests, which are of {far}{page}"
     elif evidence.lot:
         reason = f"the armour differs from the own tests of {evidence.lot}: {', '.join(outside(evidence.kind, q))}"
     return f"{reason}; {REMEDY}"

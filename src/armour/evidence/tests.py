@@ -8,6 +8,7 @@ import numpy as np
 
 from armour.core.state import Parameters
 from armour.errors import Note, counted, joined
+from armour.evidence.caveats import caveats
 from armour.evidence.fit import Fit, LotTests, Quantities, fits, law_parameters, quantities, shipped_data
 from armour.scenario.inputs import OBLIQUITY, VELOCITY, cosine_of
 from armour.scenario.library import IN_COMMON, VARIED, LibraryEntry, OwnTests, strength_notes, tensile_strength
@@ -388,16 +389,21 @@ def _check(limits: DataRange, q: Quantities, rows: Any = True) -> tuple[str, str
     return limits.key, f"results for {limits}", fails, f", found {ends}", brief
 
 
-def scenario_warnings(scenario: Scenario, velocity: float, key: str = VELOCITY) -> tuple[Note, ...]:
+def scenario_warnings(
+    scenario: Scenario, velocity: float, key: str = VELOCITY, *, said: bool = False
+) -> tuple[Note, ...]:
     """Return warnings of threats that are not used, and of ways in which the model was not compared with the scenario.
 
-    `velocity` is the impact velocity, m/s, or the ballistic limit; `key` is its key.
+    `velocity` is the impact velocity, m/s, or the ballistic limit; `key` is its key; `said` says whether the answer
+    itself contains what the model cannot do.
     """
-    outside = limits_outside(armours_of(scenario), np.array([velocity]))
+    armours = armours_of(scenario)
+    outside = limits_outside(armours, np.array([velocity]))
     notes = (limit.note(key if limit.key == VELOCITY else "") for limit in outside)
     metals = [scenario.entry("metal", scenario.armour.backing)]
     strengths = strength_notes(metals, bare=not scenario.armour.ceramic_thickness_mm)
-    return (*scenario.unused_threats(), *notes, *strengths)
+    cannot = (note for note, _ in caveats(armours.parameters, metals, said=said))
+    return (*cannot, *scenario.unused_threats(), *notes, *strengths)
 
 
 def threat_warnings(scenario: Scenario, armours: Armours, metals: Iterable[LibraryEntry]) -> Iterator[Note]:
@@ -407,6 +413,8 @@ def threat_warnings(scenario: Scenario, armours: Armours, metals: Iterable[Libra
     is not about all threats names those that it is about.
     """
     threats = scenario.threats()
+    backings = [materials.backing for materials in armours.materials]
+    yield from (note for note, _ in caveats(armours.parameters, backings))
     for outside in limits_outside(armours, np.array([threat.velocity_m_s for threat in threats])):
         section, _, name = outside.key.partition(".")
         is_of_threat = scenario.threat and section in ("impact", "projectile")

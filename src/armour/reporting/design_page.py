@@ -16,6 +16,7 @@ from armour.core.state import Parameters
 from armour.design.catalogue import COST, NO_BOUND, Catalogue, catalogue_of
 from armour.design.map import DesignMap, design_map, limits_over_sources, thicknesses_tested, with_known_edges
 from armour.errors import InputError, Problem
+from armour.evidence.caveats import no_metal
 from armour.evidence.model_error import given_error
 from armour.reporting.formats import TEMPLATES, rendered
 from armour.scenario.scenario import Scenario
@@ -192,7 +193,8 @@ def _pair(catalogue: Catalogue, pair: int, grid: tuple[Floats, Floats], on_progr
         "free": [layer.free_range() is not None for layer in offer[:2]],
         "excluded": np.flatnonzero(violations > 0.0).tolist(),
         "untested": catalogue.untested[pair],
-        "single": bool(catalogue.one_source[pair]),
+        "single": bool(catalogue.one_source[pair] or not catalogue.metal[pair]),
+        "unlike": "" if catalogue.metal[pair] else no_metal(offer.backing_density_kg_m3),
         "over": _over_sources(catalogue, designs),
         "tested": [
             [list(layers["ceramic"]), list(layers["backing"])] if len(layers) == 2 else None for layers in tested

@@ -32,6 +32,7 @@ from armour.reporting.words import (
     from_tests,
     requirement_parts,
     requirement_words,
+    said_of,
     tested_here,
 )
 from armour.scenario.inputs import INPUTS, NAMES, ROLES
@@ -153,6 +154,8 @@ def _not_monotonic(scenario: Scenario) -> tuple[str, ...]:
 def scenario_report(contents: Contents, command: str, map_command: str = "") -> Report:
     """Report the results of a scenario; the commands are those that make the report and a map of the designs."""
     passed, lead = _verdict(contents)
+    caveats = [f"{words[:1].upper()}{words[1:]}." for words in said_of(contents.warnings)]
+    lead = " ".join(filter(None, [lead, *caveats]))
     return Report(
         title=contents.answer.subject(threats=contents.scenario.threat),
         lead=lead,
@@ -259,7 +262,7 @@ def _warnings(contents: Contents) -> Iterator[str]:
             words = contents.threats[0].threat if len(contents.threats) == 1 else ""
         elif name in INPUTS or name in NAMES.values():
             words = in_words(name) if name == warning.key else f"distribution of the {in_words(name)}"
-        yield Note(warning.text, words, warning.brief)
+        yield Note(warning.text, words, warning.brief, said=warning.said)
     if error := contents.threat.model_error:
         yield from (f"the model error is {text}" for text in extrapolation(error))
 

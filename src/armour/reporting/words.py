@@ -1,11 +1,13 @@
 """Words on the probability that an armour stops its threat, the model error and the flow stress of a ceramic."""
 
+from collections.abc import Iterable
 from math import ceil, floor
 
 from armour.analysis.ballistic_limit import ConfidenceResult, NeededFlowStress, no_error
 from armour.design.check import CheckedThreat
 from armour.design.requirements import Requirement
-from armour.errors import counted, joined
+from armour.errors import Note, counted, joined
+from armour.evidence.caveats import no_metal
 from armour.evidence.model_error import ModelError
 from armour.reporting.table import Column, Source, column_of
 from armour.reporting.text import interval, number, percent
@@ -54,6 +56,8 @@ def requirement_parts(row: Requirement) -> tuple[str, str, str]:
         return STOPPING.label, f"at least {percent(row.required)}", found
     if row.quantity == "flow_stress_sources":
         return "sources of the flow stress", least, found
+    if row.quantity == "backing_density_kg_m3":
+        return "density of the back plate", f"{least} kg/m³", f"{found} kg/m³"
     unit = OBJECTIVES[row.quantity].unit
     label = column_of(row.quantity).label.removesuffix(unit)
     return label, f"at most {row.required:g}{unit}", found if row.found is None else f"{found}{unit}"
@@ -61,8 +65,15 @@ def requirement_parts(row: Requirement) -> tuple[str, str, str]:
 
 def requirement_words(row: Requirement) -> str:
     """Return what an armour has of what is required, such as "areal density 41.5 kg/m², at most 20 kg/m² allowed"."""
+    if row.quantity == "backing_density_kg_m3":
+        return no_metal(row.found or 0.0)
     name, asked, found = requirement_parts(row)
     return f"{name} {found}, {asked} {'allowed' if row.quantity in OBJECTIVES else 'required'}"
+
+
+def said_of(warnings: Iterable[str], kind: str = "caveat") -> list[str]:
+    """Return what the model cannot do, as far as the warnings say that the answer contains it."""
+    return list(dict.fromkeys(note.text for note in warnings if isinstance(note, Note) and note.said == kind))
 
 
 def error_note(error: ModelError | None, scenario: Scenario | None) -> str:

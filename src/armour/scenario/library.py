@@ -191,6 +191,8 @@ class Entry(Section):
     """Name of the entry that supplies every value not given."""
     aliases: Items[Name] = ()
     """Other names of the entry."""
+    doubtful: str = ""
+    """Why its values are doubtful; an entry with values of its own does not inherit it."""
     evidence: OwnTests | None = None
     """Own tests to which the entry was calibrated; written by `armour calibrate`."""
 
@@ -289,6 +291,17 @@ DEFAULTS = {
     "flow_stress_GPa": (2.7 * MPA / GPA, "2.7 times the dynamic yield strength, the constraint factor of the paper"),
     "shear_strength_MPa": (0.7, "0.7 times the dynamic yield strength, which fits the paper's 6061-T6 and 5083-H3"),
 }
+# Names of what is neither metal nor ceramic, why no answer on it is known, and the page that explains it.
+NO_METAL = re.compile(
+    r"\b(aramid|kevlar|twaron|uhmwpe|dyneema|spectra|polyethylene|hdpe|rubber|elastomer|polycarbonate|pmma|acrylic|"
+    r"polyurethane|polyurea|nylon|epoxy|gfrp|grp|cfrp|frp|fib(?:re|er)|[es]-?2?[ -]?glass|laminate|plywood|wood)",
+    re.IGNORECASE,
+)
+NOT_MODELLED = "laminates and rubber fail by delamination and tension, which is not modelled"
+PAGE = "docs/what-armour-cannot-do.md"
+# Calibres in a name, which have at most two digits before a point, and designations of rounds, such as "B32" and "M-2".
+CALIBRE = re.compile(r"(?<![\d.])(?:\d\d?(?:\.\d+)?(?=\s*(?:x|mm))|\d\d?\.\d+|\.\d\d)(?!\d)")
+ROUND = re.compile(r"\b[a-z]+-?\d+\b", re.IGNORECASE)
 # Most entries with similar names that a message lists.
 MOST_ALIKE = 12
 # Range of the ratio of length to diameter of a penetrator; outside it, the mass most likely has a wrong unit.
@@ -330,6 +343,8 @@ class LibraryEntry:
     flow_stress_sources_GPa : tuple of float
         Least and greatest flow stress that sources give, or one number; by default those of the entry that it is based
         on.
+    doubtful : str
+        Why its values are doubtful; empty if they are not known to be.
     """
 
     kind: Kind
@@ -342,6 +357,7 @@ class LibraryEntry:
     evidence: OwnTests | None = None
     origin: str = ""
     flow_stress_sources_GPa: tuple[float, ...] = ()
+    doubtful: str = ""
 
     def __getitem__(self, key: str) -> float:
         """Return the number of a key."""
@@ -372,7 +388,9 @@ class LibraryEntry:
         values = {key: value.model_dump() for key, value in self.values.items()}
         aliases = {"aliases": list(self.aliases)} if self.aliases else {}
         sources = {SOURCES: list(self.flow_stress_sources_GPa)} if self.flow_stress_sources_GPa else {}
-        return {"kind": self.kind, "name": self.name, "description": self.description, **aliases, **values, **sources}
+        doubtful = {"doubtful": self.doubtful} if self.doubtful else {}
+        texts = {"kind": self.kind, "name": self.name, "description": self.description, **doubtful}
+        return {**texts, **aliases, **values, **sources}
 
 
 def inputs_of_entry(role: str, entry: LibraryEntry) -> dict[str, float]:
@@ -388,11 +406,19 @@ def hint(name: str, entries: Iterable[LibraryEntry], names: Iterable[str]) -> st
     """Return a hint at the entries whose names contain a name that is not in the library, or at the closest name.
 
     A name that looks the same comes first.  If no name contains it, as with "5083-H32", the hint is at names that
-    contain its first part or, if there are none either, at descriptions, as with "alumina".
+    contain its first part or, if there are none either, at descriptions, as with "alumina".  Rounds have its calibre.
     """
     entries, names = list(entries), [*islice(names, MAX_WORDS + 1)]
+    if calibres := _matches(CALIBRE, name):
+        entries = [
+            entry
+            for entry in entries
+            if entry.kind != "projectile" or calibres & _matches(CALIBRE, " ".join((entry.name, *entry.aliases)))
+        ]
     if same := [known for known in names if look_of(known) == look_of(name)]:
         return suggestion(name, same)
+    if NO_METAL.search(name) and not _named(name, entries):
+        return f"; it is neither metal nor ceramic: {NOT_MODELLED}, see {PAGE}"
     first_part = re.split("[ -]", name)[0]
     for alike in (_named(name, entries), _named(first_part, entries), _described(name, entries)):
         if 0 < len(alike) <= MOST_ALIKE:
@@ -637,6 +663,7 @@ def _completed(kind: Kind, name: str, entry: Entry, base: LibraryEntry | None, f
         entry.evidence or base.evidence,
         base.origin,
         getattr(entry, SOURCES, ()) or base.flow_stress_sources_GPa,
+        entry.doubtful or base.doubtful * (not entry.values()),
     )
 
 
@@ -710,6 +737,19 @@ class NamedThreat(Section):
 
 class _File(Section):
     threat: dict[str, NamedThreat]
+
+
+def threats_like(name: str) -> list[str]:
+    """Return the threats that a name which is not in the library may mean: none of another round or calibre."""
+    threats = named_threats()
+    for pattern in (CALIBRE, ROUND):
+        if asked := _matches(pattern, name):
+            return [title for title, threat in threats.items() if asked & _matches(pattern, f"{title} {threat.round}")]
+    return [title for title in threats if name in title] or list(threats)
+
+
+def _matches(pattern: re.Pattern[str], text: str) -> set[str]:
+    return {match.casefold().replace("-", "") for match in pattern.findall(text)}
 
 
 @cache

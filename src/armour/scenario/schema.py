@@ -23,7 +23,7 @@ from armour.core import equations
 from armour.errors import choices
 from armour.scenario.inputs import ERROR, INPUTS, THREAT, Kind
 from armour.scenario.keys import nfc
-from armour.scenario.library import THREAT_KEYS, LibraryTables, hint, named_threats
+from armour.scenario.library import THREAT_KEYS, LibraryTables, hint, named_threats, threats_like
 from armour.scenario.sections import FREE_TAG, LIST_TAG, NOT_TINY, RANGE_TAG, Items, Section, above
 from armour.units import MM, US
 
@@ -106,8 +106,9 @@ class Impact(Section):
             return data
         threats = named_threats()
         if name not in threats:
-            names = [threat for threat in threats if name in threat] or list(threats)
-            raise ValueError(f'threat must name a threat of the library, found "{name}"{choices(name, names)}')
+            alike = threats_like(name)
+            like = choices(name, alike) if alike else "; armour init --list has templates for other rounds"
+            raise ValueError(f'threat must name a threat of the library, found "{name}"{like}')
         return threats[name].values() | data
 
     def replaced_values(self) -> Iterator[str]:

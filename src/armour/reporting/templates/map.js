@@ -144,6 +144,7 @@ function answer(pair) {
   if (best !== null) return { k: best, reason: "" };
   const asked = wanted(), within = pair.designs.filter(k => light(pair, k));
   const reaches = within.find(k => asked.every((z, t) => stops(pair, k, t, isNaN(scored(pair, k, t)) ? null : z)));
+  if (pair.unlike && within.length) return { k: within[0], reason: "no metal" };
   if (reaches !== undefined) return { k: reaches, reason: pair.single ? "single" : "not known" };
   let nearest = null, least = Infinity;
   for (const k of within.length ? within : pair.designs.slice(0, 1)) {
@@ -253,6 +254,7 @@ function headline(pair, { k, reason }) {
     return `None passes: the nearest, ${named} lacks ${listed([...lacks, ...over])}.`;
   }
   if (reason === "single") return `One source alone gives the flow stress of ${pair.ceramic}, so that no design of it is named lightest. By it, ${named} reaches ${allThreats()}${plus}.`;
+  if (reason === "no metal") return `Not known: ${pair.unlike}.`;
   if (reason) return `Not known: ${lead} that reaches ${allThreats()}${plus} by the computed limit. How likely it is to stop is unknown.`;
   if (anyAsked()) return `${lead} that stops ${allThreats()} ${confidenceWords()}.`;
   const z = worst(pair, k);
@@ -628,7 +630,7 @@ function drawPairs() {
     if (places.length === 2) picture.append(path([[places[0], 9], [places[1], 9]], "frame"));
     if (ring !== null) picture.append(circle(at(pair.areal[ring]), 9, 4, "even"));
     if (best !== null) picture.append(circle(at(pair.areal[best]), 9, 5, isKnown(pair, best) && !answer(pair).reason ? "best" : "cursor"));
-    const { k, reason } = answer(pair), words = { "": "", "not known": "not known", single: "one source", "none passes": "none" }[reason];
+    const { k, reason } = answer(pair), words = { "": "", "not known": "not known", single: "one source", "no metal": "no metal", "none passes": "none" }[reason];
     const said = reason === "none passes" ? words : `${areal(pair.areal[k])}${words || isKnown(pair, k) ? "" : ", unknown"}${words && `, ${words}`}`;
     picture.append(text(places.length ? max(...places) + 9 : 8, 13, said, "small"));
     return html("div", { class: "pair" }, html("label", {}, input, ` ${pair.name}`), picture);
@@ -733,7 +735,7 @@ function drawDesign(pair, best) {
   const [c, b] = thicknesses(pair, k), governs = governing(pair, k), pinned = state.pins.some(p => p.pair === pair && p.k === k);
   box.append(html("h2", {}, armour(pair, k)));
   const difference = best === null || k === best ? "" : ` (${signed(pair.areal[k] - pair.areal[best])})`;
-  box.append(html("p", {}, `${areal(pair.areal[k])} kg/m²${difference}, ${trimmed(c * !!pair.ceramic + b + DATA.added.thickness)} mm thick`, k === best ? html("span", { class: "t-blue" }, { "": anyAsked() ? ` lightest that meets the requirements${exact}` : " lightest", "not known": " lightest by the computed limit", "none passes": " nearest", single: "" }[answer(pair).reason]) : null));
+  box.append(html("p", {}, `${areal(pair.areal[k])} kg/m²${difference}, ${trimmed(c * !!pair.ceramic + b + DATA.added.thickness)} mm thick`, k === best ? html("span", { class: "t-blue" }, { "": anyAsked() ? ` lightest that meets the requirements${exact}` : " lightest", "not known": " lightest by the computed limit", "none passes": " nearest", single: "", "no metal": "" }[answer(pair).reason]) : null));
   if (pair.excluded.includes(k)) box.append(html("p", { class: "t-red" }, "Beyond the limits of the scenario."));
   box.append(crossSection(pair, k));
   threats.forEach((threat, t) => {
@@ -842,7 +844,7 @@ function keyed(event) {
 function start() {
   DATA.pairs.forEach(decoded);
   // The pair of materials that comes first is the one with the lightest design that is known to do what is asked.
-  const rank = ["", "not known", "none passes", "single"], found = DATA.pairs.map((p, n) => [n, p, answer(p)]).filter(([, , a]) => a.k !== null);
+  const rank = ["", "not known", "none passes", "single", "no metal"], found = DATA.pairs.map((p, n) => [n, p, answer(p)]).filter(([, , a]) => a.k !== null);
   const lacks = ([, p, { k }]) => max(...threats.map((_, t) => lack(p, k, t)));
   found.sort((a, b) => {
     const [[, p, { k, reason }], [, q, other]] = [a, b];

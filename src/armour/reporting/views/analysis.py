@@ -9,7 +9,16 @@ from armour.analysis.results import EachResult
 from armour.reporting.by_result import by_result, tables_of
 from armour.reporting.table import Column, Table, column_of, csv_text, listing, record
 from armour.reporting.text import VerdictLine
-from armour.reporting.words import BALLISTIC_LIMIT, SAMPLED_ALONE, STOPPING, basis_notes, chance, error_note, with_error
+from armour.reporting.words import (
+    BALLISTIC_LIMIT,
+    SAMPLED_ALONE,
+    STOPPING,
+    basis_notes,
+    chance,
+    error_note,
+    said_of,
+    with_error,
+)
 
 
 class StageWords(NamedTuple):
@@ -65,10 +74,18 @@ def tables_of_impact(result: ImpactResult) -> list[Table | str]:
 
 
 def verdict(result: ImpactResult) -> VerdictLine:
-    """Return the outcome in a line."""
-    stopped = result.outcome == "stopped"
+    """Return the outcome in a line, with what the model cannot do."""
+    stopped, unknown = result.outcome == "stopped", said_of(result.warnings, "not known")
     residual = "" if stopped else f", residual velocity {result.residual_velocity_m_s:.0f} m/s"
-    return VerdictLine(result.outcome + residual, good=stopped)
+    words = [f"not known: {result.outcome} by the model, but {reason}" for reason in unknown]
+    words = [*(words or [result.outcome + residual]), *said_of(result.warnings)]
+    return VerdictLine("; ".join(words), good=stopped and not unknown)
+
+
+def caveat_lines(result: LimitResult) -> list[Table | str]:
+    """Return what the model cannot do, in a line each."""
+    unknown = [VerdictLine(f"not known: {words}", good=False) for words in said_of(result.warnings, "not known")]
+    return [*unknown, *said_of(result.warnings)]
 
 
 def stage_table(result: ImpactResult) -> Table:
@@ -112,7 +129,7 @@ def tables_of_limit(result: LimitResult) -> list[Table | str]:
     width = f"bracket width {above - below:.1g} m/s"
     limits = BALLISTIC_LIMIT, with_error(result.median_m_s, result.interval_m_s)
     table = record(result, *limits, column_of("areal_density_kg_m2"))
-    parts: list[Table | str] = [table, error_note(result.model_error, result.question.get("scenario"))]
+    parts = [*caveat_lines(result), table, error_note(result.model_error, result.question.get("scenario"))]
     if result.monotonic:
         return [*parts, f"{scanned}, all above the limit perforate; {width}"]
     return [*parts, f"{scanned}, the outcome changes {len(result.crossings)} times; {width}", crossing_table(result)]

@@ -23,6 +23,7 @@ from armour.reporting.words import (
     requirement_parts,
     requirement_words,
     risk,
+    said_of,
     with_error,
 )
 from armour.scenario.scenario import Scenario
@@ -43,7 +44,7 @@ GOVERNED_BY = Column("governed by", prose=True)
 MARGIN_BY_MODEL = column_of("margin_m_s", "+.0f", "margin by the model")
 REQUIRED = Column("required margin", "m/s", "+.0f")
 TESTS = Column("tests", key="untested")
-SOURCES = "flow_stress_sources"
+SOURCES, METAL = "flow_stress_sources", "backing_density_kg_m3"
 
 
 def required_margins(scenario: Scenario | None) -> dict[str, float]:
@@ -81,7 +82,7 @@ def design_verdict(result: DesignResult) -> list[Table | str]:
     if not result.reason:
         return []
     if nearest is None:
-        return [VerdictLine(f"not known: {result.explanation}", good=False)]
+        return [VerdictLine(f"{result.reason}: {result.explanation}", good=False)]
     armour, notes = armour_in_words(nearest), _flow_stress_notes(nearest)
     threats = "every threat" if len(result.threats) > 1 else result.threats[0]
     if result.reason == "not known":
@@ -241,7 +242,7 @@ def tables_of_design(result: DesignResult) -> list[Table | str]:
     """Return all tables of a design search: the frontier of a single pair of materials, or a row for each pair."""
     scenario: Scenario | None = result.question.get("scenario")
     required, best = required_margins(scenario), result.shown
-    shown: list[Table | str] = [*design_verdict(result)]
+    shown: list[Table | str] = [*design_verdict(result), *said_of(result.warnings)]
     if best is not None:
         answer = None if scenario is None or best.model_error is not None else _answer(scenario, best)
         error = [] if result.reason == "not known" else [error_note(best.model_error, answer)]
@@ -343,6 +344,8 @@ def finding(threat: CheckedThreat) -> str:
     limit, needed = threat.ballistic_limit_m_s, threat.velocity_m_s + threat.required_margin_m_s
     by_model = "no ballistic limit found" if limit is None else f"ballistic limit by the model {limit:.0f} m/s"
     rows = threat.requirements
+    if rows and rows[0].quantity == METAL:
+        return requirement_words(rows[0])
     words = [requirement_words(row) for row in rows if row.verdict == threat.verdict]
     if threat.required_probability is None:
         probability = chance(threat.probability_of_stopping, threat.model_error)
@@ -410,7 +413,12 @@ def _margin(what_if: WhatIf) -> float | None:
 
 
 def outcome(result: CheckResult) -> str:
-    """Return whether an armour meets all that is required of it, or what it does not meet."""
+    """Return whether an armour meets all that is required of it, or what it does not meet, and what is not modelled."""
+    unknown = said_of(result.warnings, "not known") * (len(result.threats) > 1)
+    return "; ".join([_outcome(result), *unknown, *said_of(result.warnings)])
+
+
+def _outcome(result: CheckResult) -> str:
     unmet = [row for row in result.requirements if row.verdict != "passes"]
     words = [*map(requirement_words, sorted(unmet, key=lambda row: row.verdict != "fails"))]
     if len(result.threats) == 1:

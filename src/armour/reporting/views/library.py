@@ -30,7 +30,8 @@ def library_table(library: Library, kind: Kind, tested: Tested | None = None) ->
     entries = [entry for entry in library.entries[kind].values() if tested is None or (kind, entry.name) in tested]
     used_keys = {key for entry in entries for key in entry.values if key not in (*OPTIONAL, *entry.derived)} | {STATIC}
     keys = [key for key in KINDS[kind].model_fields if key in used_keys]
-    described: Source = column_of("description", prose=True)
+    description = column_of("description", prose=True)
+    described: Source = description, lambda entry: entry.description + " (doubtful)" * bool(entry.doubtful)
     if tested is not None:
         described = (Column("tested with", prose=True), lambda entry: listed(tested[kind, entry.name]))
     return listing(
@@ -86,4 +87,5 @@ def entry_table(entry: LibraryEntry, first: Column = KEY, words: Callable[[str],
 def entry_tables(entry: LibraryEntry) -> list[Table | str]:
     """Return the description and the table of an entry."""
     aliases = f"also {', '.join(entry.aliases)}" if entry.aliases else ""
-    return [*filter(None, (entry.description, aliases)), entry_table(entry)]
+    doubtful = f"doubtful: {entry.doubtful}" if entry.doubtful else ""
+    return [*filter(None, (entry.description, aliases, doubtful)), entry_table(entry)]

@@ -12,6 +12,7 @@ from armour.reporting.junit import TestCase, junit_suite, junit_xml
 from armour.reporting.report import Report, ReportSection, origin_section
 from armour.reporting.table import Column, Table, column_of, deviation_percent, grouped, listing, record
 from armour.reporting.text import VerdictLine, number
+from armour.reporting.views.analysis import caveat_lines
 from armour.reporting.words import BALLISTIC_LIMIT
 from armour.statistics.measured import LIMIT
 from armour.validation.comparison import Comparison
@@ -419,6 +420,7 @@ def tables_of_comparison(result: Comparison) -> list[Table | str]:
     """Return all tables of a comparison."""
     low, high = result.fitted_m_s
     return [
+        *caveat_lines(result.limit),
         comparison_table(result),
         *([f"Florence's limit: none, without {', '.join(result.florence_missing)}"] if result.florence_missing else []),
         rule_note(result),

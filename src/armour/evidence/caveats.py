@@ -1,0 +1,62 @@
+"""What the model cannot do for an armour, in a sentence that stands beside its answer."""
+
+from collections.abc import Iterable, Iterator
+from math import sqrt
+from typing import Any
+
+import numpy as np
+
+from armour.core.equations import penetration_velocity
+from armour.core.state import Parameters
+from armour.errors import Note
+from armour.scenario.library import NOT_MODELLED, LibraryEntry
+
+# Densities below which a back plate is no metal, and from which on it is one, kg/m³: magnesium begins at 1,740, glass
+# laminates end at 2,000.
+LEAST_METAL_KG_M3, SURELY_METAL_KG_M3 = 1300.0, 2100.0
+# Length over diameter from which on a penetrator is a long rod: the cores of bullets have up to 6.
+LONG_ROD = 8.0
+DENSITIES = "glass laminates reach 2,000 kg/m³, magnesium begins at 1,740"
+
+
+def is_no_metal(density_kg_m3: Any) -> Any:
+    """Return whether back plates are no metal; float or array."""
+    return density_kg_m3 < LEAST_METAL_KG_M3
+
+
+def no_metal(density_kg_m3: float) -> str:
+    """Return why the model does not describe a back plate that is no metal."""
+    return f"a back plate of {density_kg_m3:,.0f} kg/m³ is no metal: {NOT_MODELLED} ({DENSITIES})"
+
+
+def caveats(armour: Parameters, metals: Iterable[LibraryEntry], *, said: bool = True) -> Iterator[tuple[Note, Any]]:
+    """Yield what the model cannot do for n armours, and which of the metals have doubtful values.
+
+    Each sentence comes with whether it is about each of the armours, (n,).  `said` says whether the answer contains it.
+    """
+    density, key, caveat = np.atleast_1d(armour.rho_B), "backing.density_kg_m3", "caveat" * said
+    unlike = is_no_metal(density)
+    if unlike.any():
+        yield (Note(no_metal(density[unlike].min()), key, said="not known" * said), unlike)
+    doubted = ~unlike & (density < SURELY_METAL_KG_M3)
+    if doubted.any():
+        question = f"is a back plate of {density[doubted].min():,.0f} kg/m³ a metal? {NOT_MODELLED} ({DENSITIES})"
+        yield (Note(question, key, said=caveat), doubted)
+    slenderness = np.atleast_1d(armour.L0 / armour.D0)
+    long = ~unlike & (slenderness >= LONG_ROD)
+    if long.any():
+        place = int(np.argmax(long))
+        words = long_rod(slenderness[place], float(density[place]), float(np.atleast_1d(armour.rho_p)[place]))
+        yield (Note(words, "projectile", said=caveat), long)
+    for name, reason in {metal.name: metal.doubtful for metal in metals if metal.doubtful}.items():
+        yield (Note(f"the values of {name} are doubtful: {reason}", "armour.backing", said=caveat), ~unlike)
+
+
+def long_rod(slenderness: float, plate_kg_m3: float, rod_kg_m3: float) -> str:
+    """Return how far the momentum fluxes of the paper drive a long rod into a plate, without strengths."""
+    speed = penetration_velocity(0.0, plate_kg_m3, 0.0, rod_kg_m3, 1.0, 0.0)
+    depth, hydrodynamic = speed / (1.0 - speed), sqrt(rod_kg_m3 / plate_kg_m3)
+    return (
+        f"a long rod, {slenderness:.3g} diameters: these equations drive a fast one {depth:.1f} times its length into "
+        f"this plate, {depth / hydrodynamic:.1f} times the hydrodynamic depth; the limit is too low"
+    )

@@ -1,0 +1,127 @@
+"""What the model cannot do, said in the answers."""
+
+from collections.abc import Callable
+from xml.etree.ElementTree import tostring
+
+import pytest
+from scipy.optimize import brentq
+
+import armour
+from armour.core.state import Parameters
+from armour.errors import Note
+from armour.reporting.scenario_report import contents_of, scenario_report
+from armour.reporting.views.analysis import tables_of_impact, tables_of_limit
+from armour.reporting.views.design import check_junit, outcome, tables_of_design
+from armour.scenario.scenario import Scenario
+from tests.helpers.cases import scenario
+
+NO_METAL = (
+    "a back plate of 980 kg/m³ is no metal: laminates and rubber fail by delamination and tension, which is not "
+    "modelled (glass laminates reach 2,000 kg/m³, magnesium begins at 1,740)"
+)
+ROD = {"penetrator_diameter_mm": 10.0, "penetrator_mass_g": 138.2, "density_kg_m3": 17600.0, "flow_stress_GPa": 1.9}
+
+
+def on(density: float, **sections: object) -> Scenario:
+    """The Wilkins case on another material, strong enough to stop the round by the model."""
+    library = {"metal": {"X": {"density_kg_m3": density, "static_yield_strength_MPa": 900.0}}}
+    return scenario("7.62 mm AP", "AD85", "X", 8.0, 15.0, library=library, **sections)
+
+
+def said(result: armour.CheckResult | armour.ImpactResult) -> list[str]:
+    return [note.text for note in result.warnings if isinstance(note, Note) and note.said]
+
+
+def test_no_answer_passes_an_armour_on_what_is_no_metal():
+    laminate = on(980.0, design={"confidence": 0.6})
+    checked, impact = armour.check(laminate), armour.simulate(laminate)
+    assert impact.outcome == "stopped"
+    assert checked.verdict == "not known"
+    assert outcome(checked) == f"not known: {NO_METAL}"
+    assert tables_of_impact(impact)[0] == f"not known: stopped by the model, but {NO_METAL}"
+    assert tables_of_limit(armour.ballistic_limit(laminate))[0] == f"not known: {NO_METAL}"
+    assert f'message="not known: {NO_METAL}"' in _xml(checked, laminate)
+    report = scenario_report(contents_of(laminate), "")
+    assert (report.passed, NO_METAL in report.lead) == (False, True)
+    assert armour.confidence(laminate).flow_stress is None
+
+
+def _xml(checked: armour.CheckResult, of: Scenario) -> str:
+    return tostring(check_junit(checked, of, 0.0, {}), encoding="unicode")
+
+
+def test_a_model_error_that_is_given_does_not_make_it_pass():
+    given = on(980.0, design={"confidence": 0.6}, uncertainty={"model": {"scale_percent": 1.0}})
+    assert armour.check(given).verdict == "not known"
+
+
+def test_a_search_judges_the_metals_alone():
+    grid = {"min": 6.0, "max": 12.0, "step": 1.0}
+    ceramics = [{"material": "AD85", "thickness_mm": grid}]
+    backings = [{"material": name, "thickness_mm": grid} for name in ("X", "6061-T6")]
+    found = armour.optimise(on(980.0, design={"ceramic": ceramics, "backing": backings}))
+    assert found.best is not None
+    assert {pair.backing: pair.reason for pair in found.pairs} == {"6061-T6": "", "X": f"not known: {NO_METAL}"}
+    slow = {"projectile": "7.62 mm AP", "velocity_m_s": 1500.0}
+    none = armour.optimise(on(980.0, threat=[slow], design={"ceramic": ceramics, "backing": backings}))
+    assert (none.reason, [pair.backing for pair in none.pairs]) == ("none passes", ["6061-T6", "X"])
+    alone = armour.optimise(on(980.0, design={"ceramic": ceramics, "backing": backings[:1]}))
+    assert (alone.reason, tables_of_design(alone)[0]) == ("not known", f"not known: {NO_METAL}")
+    thin = {"ceramic": ceramics, "backing": backings[:1], "thickness_max_mm": 5.0}
+    assert armour.optimise(on(980.0, design=thin)).reason == "none passes"
+
+
+@pytest.mark.parametrize(("density", "question"), [(1299.0, None), (1300.0, True), (2099.0, True), (2100.0, False)])
+def test_up_to_2100_the_answer_asks_whether_it_is_a_metal(density: float, question: bool | None):
+    checked = armour.check(on(density))
+    assert (checked.verdict == "not known") is (question is None)
+    assert outcome(checked).count("a metal?") == bool(question)
+
+
+def test_long_rods_are_named_with_the_depth_that_the_equations_give():
+    """Without strengths, V (V - U) = 0.446 U^2 gives U / (V - U) = 2.99 lengths; the hydrodynamic depth is 1.50."""
+    rods = {"rod": ROD, "core": ROD | {"penetrator_mass_g": 80.0}}
+    rod, core = (
+        scenario(name, None, "RHA Class 1", 0.0, 60.0, library={"projectile": rods}, velocity=1500.0) for name in rods
+    )
+    [words] = said(armour.simulate(rod))
+    assert "3.0 times its length into this plate, 2.0 times the hydrodynamic depth" in words
+    assert words in outcome(armour.check(rod))
+    assert said(armour.simulate(core)) == []
+
+
+@pytest.mark.parametrize(("velocity", "of_fluxes", "of_halves"), [(1000.0, 1.57, 0.75), (1500.0, 2.44, 1.18)])
+def test_a_long_rod_penetrates_steel_as_the_page_says(velocity: float, of_fluxes: float, of_halves: float):
+    rod = scenario("rod", None, "RHA Class 1", 0.0, 1000.0, library={"projectile": {"rod": ROD}}, velocity=velocity)
+    p = rod.core_armour()
+    assert armour.simulate(rod).penetration_depth_mm / 1000.0 / p.L0 == pytest.approx(of_fluxes, abs=0.005)
+    for flux, expected in (
+        (lambda speed, other: speed * other, of_fluxes),
+        (lambda _, other: other**2 / 2.0, of_halves),
+    ):
+        assert integrated_depth(p, velocity, flux) / p.L0 == pytest.approx(expected, abs=0.01)
+
+
+def integrated_depth(p: Parameters, velocity: float, flux: Callable[[float, float], float]) -> float:
+    """The depth in a thick plate by short steps, given the flux of a density of 1 at a speed, and at the speed of loss.
+
+    The target's flux is that of its own speed of penetration.
+    """
+
+    def excess(U: float) -> float:
+        return p.Yp + p.rho_p * flux(V, V - U) - p.YB - p.rho_B * flux(U, U)
+
+    V, L, depth, step = velocity, p.L0, 0.0, 5e-8
+    while L > 0.0 and V > 1.0 and p.Yp + p.rho_p * flux(V, V) > p.YB:
+        U = V if excess(V) > 0.0 else brentq(excess, 0.0, V)
+        pressure = p.Yp if U < V else p.YB + p.rho_B * flux(V, V)
+        V, L, depth = V - step * pressure / (p.rho_p * L), L - step * (V - U), depth + step * U
+    return depth
+
+
+def test_answers_name_doubtful_values_and_own_values_are_not_doubted():
+    library = {"metal": {"Mine": {"based_on": "MARS500", "static_yield_strength_MPa": 1200.0}}}
+    marked, own = (scenario("7.62 mm APM2", None, name, 0.0, 9.0, library=library) for name in ("MARS500", "Mine"))
+    [words] = said(armour.check(marked))
+    assert words.startswith("the values of MARS500 are doubtful: ")
+    assert said(armour.check(own)) == []
