@@ -187,7 +187,14 @@ def test_quantiles_are_given():
         error.quantile(1.5)
 
 
-@pytest.mark.parametrize("settings", [{"model.shear_perimeter": "projectile"}, {"solver.arrest_velocity_m_s": 300.0}])
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"model.shear_perimeter": "projectile"},
+        {"model.plate_drive": "interface"},
+        {"solver.arrest_velocity_m_s": 300.0},
+    ],
+)
 def test_the_error_is_that_of_the_settings_of_the_tests(settings: dict[str, Any]):
     """With others, 13 and 3 of Wilkins' 13 limits were outside the intervals stated (A2)."""
     result = confidence(scenario(velocity=700.0).replaced(settings))
