@@ -155,7 +155,7 @@ class Model(Section):
     shear_perimeter: ShearPerimeter = "conoid"
     """Perimeter of the shear plug while ceramic is ahead: that of the base of the conoid, or of the projectile."""
     plate_drive: PlateDrive = "strength"
-    """Force of a rigid projectile on the plate that it penetrates: by the strength of the plate or of the projectile."""
+    """Force of a rigid projectile on the plate that it penetrates: by the strength of the plate or its own."""
 
     def laws(self) -> dict[str, int]:
         """Return the parameters of the core that the options set, by name."""
