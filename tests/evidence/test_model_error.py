@@ -201,6 +201,10 @@ def test_the_error_is_that_of_the_settings_of_the_tests(settings: dict[str, Any]
     [(key, value)] = settings.items()
     assert result.probability_of_stopping is None
     assert f"the tests were not computed with {key} = {value}" in result.reason
+    # With which flow stress a ceramic without tests stops a threat, rests on the error of AD85.
+    untested = scenario(ceramic="AD99.5", velocity=700.0)
+    assert confidence(untested).flow_stress is not None
+    assert confidence(untested.replaced(settings)).flow_stress is None
     with_error = scenario(uncertainty={"model": {"scale_percent": 9.0}}).replaced(settings)
     assert model_error(with_error, 700.0) is not None
 
