@@ -50,6 +50,7 @@ docs: $(VENV)/developing
 	$(BIN)/python tools/drawings.py
 	$(BIN)/python -m tools.lessons
 	$(BIN)/python -m tools.home
+	$(BIN)/python -m tools.readings
 	$(BIN)/python -m tests.cli.test_docs
 	$(BIN)/armour figures docs/figures --force
 	rm docs/figures/*.csv

@@ -13,6 +13,7 @@ from armour.core.search import (
     RunSettings,
     Trial,
     find_ballistic_limit,
+    first_scanned,
     impact,
     least_energy,
     least_energy_of_plate,
@@ -40,7 +41,7 @@ def test_the_limits_are_those_of_scan_and_bisection():
         assert result.high >= low
         assert result.high - result.low <= 1e-4
         assert result.resolved
-        assert result.runs <= 20
+        assert result.runs <= (20 if p.drive_law == eq.STRENGTH else 20 + search.SCAN_POINTS)
 
 
 def test_the_ends_of_a_fine_bracket_have_their_outcomes():
@@ -173,11 +174,17 @@ def fastest_without(p: Parameters) -> float:
 
 @pytest.mark.parametrize("index", range(60))
 def test_nothing_perforates_without_the_energy(index: int):
-    p = random_designs(60)[index]
+    p = random_designs(60)[index]._replace(drive_law=eq.STRENGTH)
     fastest = fastest_without(p)
     assert fastest > 50.0
     for part in (0.3, 0.6, 0.8, 0.9, 0.97, 1.0):
         assert not perforates(p, part * fastest)
+
+
+def test_without_a_bound_on_the_energy_the_scan_starts_at_its_lowest_velocity():
+    p = armour()
+    assert first_scanned(p, VELOCITIES) > 0
+    assert first_scanned(p._replace(drive_law=eq.INTERFACE), VELOCITIES) == 0
 
 
 def test_unusual_armours_are_not_perforated_without_the_energy():

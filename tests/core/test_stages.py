@@ -4,8 +4,9 @@ from math import pi
 
 import pytest
 
-from armour.core.equations import intact_strength
+from armour.core.equations import INTERFACE, intact_strength
 from armour.core.stages import (
+    drive_force,
     first_stage,
     joint_deceleration,
     shear_force,
@@ -53,6 +54,23 @@ def test_the_two_shear_perimeters():
     conoid = shear_force(struck(700.0), s, armour())
     projectile = shear_force(struck(700.0), s, armour(perimeter="projectile"))
     assert conoid / projectile == pytest.approx((6.5 + 4 * 6.35) / 6.5)
+
+
+def test_the_interface_drives_the_plate():
+    """By (28) where a rigid projectile penetrates the plate; elsewhere the force is as printed."""
+    printed = armour()
+    p, A0 = printed._replace(drive_law=INTERFACE), pi * printed.D0**2 / 4
+
+    def both(medium: Medium, eroding: bool, penetrated: bool) -> tuple[float, float]:
+        s = in_stage(medium, eroding, penetrated, True)
+        return drive_force(STATE, s, printed), drive_force(STATE, s, p)
+
+    assert both(Medium.PLATE, False, True) == pytest.approx((1.05e9 * A0, 2.35e9 * A0))
+    assert both(Medium.PLATE, True, True) == pytest.approx((1.05e9 * A0,) * 2)
+    assert both(Medium.PLATE, True, False) == pytest.approx(((2.35e9 + 7850.0 * 600.0 * 500.0) * A0,) * 2)
+    for eroding, penetrated in ((True, True), (True, False), (False, True)):
+        printed_force, force = both(Medium.FRAGMENTED, eroding, penetrated)
+        assert printed_force == force
 
 
 def in_stage(medium: Medium, eroding: bool, penetrated: bool, moving: bool) -> Stage:

@@ -187,13 +187,24 @@ def test_quantiles_are_given():
         error.quantile(1.5)
 
 
-@pytest.mark.parametrize("settings", [{"model.shear_perimeter": "projectile"}, {"solver.arrest_velocity_m_s": 300.0}])
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"model.shear_perimeter": "projectile"},
+        {"model.plate_drive": "interface"},
+        {"solver.arrest_velocity_m_s": 300.0},
+    ],
+)
 def test_the_error_is_that_of_the_settings_of_the_tests(settings: dict[str, Any]):
     """With others, 13 and 3 of Wilkins' 13 limits were outside the intervals stated (A2)."""
     result = confidence(scenario(velocity=700.0).replaced(settings))
     [(key, value)] = settings.items()
     assert result.probability_of_stopping is None
     assert f"the tests were not computed with {key} = {value}" in result.reason
+    # With which flow stress a ceramic without tests stops a threat, rests on the error of AD85.
+    untested = scenario(ceramic="AD99.5", velocity=700.0)
+    assert confidence(untested).flow_stress is not None
+    assert confidence(untested.replaced(settings)).flow_stress is None
     with_error = scenario(uncertainty={"model": {"scale_percent": 9.0}}).replaced(settings)
     assert model_error(with_error, 700.0) is not None
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from armour.core.equations import CONOID
+from armour.core.equations import CONOID, INTERFACE
 from armour.core.state import Parameters
 
 ARREST = 1.0  # m/s
@@ -66,7 +66,9 @@ class Reference:
 
     def drive(self, V: float, W: float) -> float:
         a = self.a
-        _, _, target = self.interface(V, W)
+        _, rod, target = self.interface(V, W)
+        if self.medium == "plate" and not rod and a.drive_law == INTERFACE:
+            return a.Yp * self.A0
         return (self.strength(V, W)[0] if target else a.Yp + a.rho_p * V * (V - W)) * self.A0
 
     def drives(self, y: np.ndarray) -> bool:

@@ -12,7 +12,7 @@ from armour.analysis.variants import ballistic_limits, variants_of
 from armour.core.run import run
 from armour.core.state import Outcome, Parameters
 from armour.scenario.scenario import parse_scenario
-from armour.scenario.schema import SHEAR_LAWS
+from armour.scenario.schema import DRIVE_LAWS, SHEAR_LAWS
 from tests.helpers.cases import perforates
 from tests.helpers.examples import examples
 
@@ -36,7 +36,10 @@ def scenarios(draw: st.DrawFn) -> dict[str, Any]:
             "backing": draw(st.sampled_from(["6061-T6", "7075-T6", "5083-H3", "hard", "soft"])),
             "backing_thickness_mm": diameter * draw(thickness),
         },
-        "model": {"shear_perimeter": draw(st.sampled_from([*SHEAR_LAWS]))},
+        "model": {
+            "shear_perimeter": draw(st.sampled_from([*SHEAR_LAWS])),
+            "plate_drive": draw(st.sampled_from([*DRIVE_LAWS])),
+        },
         "library": {
             "metal": {
                 "hard": {"density_kg_m3": 17000.0, "dynamic_yield_strength_MPa": 2500.0},
@@ -100,6 +103,7 @@ positive = st.floats(0.05, 20.0)
     thicknesses=st.tuples(st.floats(0.0, 20.0), positive),
     law=st.tuples(*[st.sampled_from([0.0, -3.0, 3.0]) | st.floats(-3.0, 3.0)] * 4),
     shear_law=st.sampled_from(sorted(SHEAR_LAWS.values())),
+    drive_law=st.sampled_from(sorted(DRIVE_LAWS.values())),
 )
 @examples(max_examples=60)
 def test_impacts_of_any_materials_end_with_an_outcome(
@@ -111,12 +115,13 @@ def test_impacts_of_any_materials_end_with_an_outcome(
     thicknesses: tuple[float, ...],
     law: tuple[float, float, float, float],
     shear_law: int,
+    drive_law: int,
 ):
     Yp, Yc0, YB, tau = strengths
     rho_p, rho_c, rho_B = densities
     a = Parameters(
         size * slenderness, size, rho_p, Yp, size * thicknesses[0], rho_c, 300e9, Yc0, *law,
-        size * thicknesses[1], rho_B, YB, tau, shear_law,
+        size * thicknesses[1], rho_B, YB, tau, shear_law, drive_law,
     )  # fmt: skip
     end = run(a, velocity, 0.0, 1.0, 500_000)
     assert end.outcome in (Outcome.PERFORATED, Outcome.STOPPED)

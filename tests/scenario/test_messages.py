@@ -48,6 +48,8 @@ armour.thickness_mm = 1.0
     armour.thickness_mm: unknown key; did you mean "ceramic_thickness_mm"?
 model.shear_perimeter = "cone"
     model.shear_perimeter: must be "conoid" or "projectile", found the text "cone"; did you mean "conoid"?
+model.plate_drive = "stress"
+    model.plate_drive: must be "strength" or "interface", found the text "stress"
 value = 1
     value: unknown key; choose from title, author, project, date, impact, armour, model, solver, ballistic_limit,
 title = "a\u001b[31m"

@@ -76,6 +76,7 @@ OTHERS: list[Any] = [
     *([{"test": "1"}], [{"material": "SiC", "thickness_mm": [8.0]}], [{"slope": 0.5, "components": [[1.0] * 4]}]),
     *("NIJ 0101.06 type IV, M2 AP", {"N": {"based_on": "AD85"}}, {"N": {"based_on": "5083-H3"}}, {}, EVIDENCE),
     {"N": {"based_on": "7.62 mm AP"}},
+    "interface",
 ]
 # Keys that only go with others.
 LAW = {"fit": "backing", "computed_m_s": [710.0]}

@@ -11,14 +11,14 @@ enum { INTACT, FRAGMENTED, PLATE };
 enum { RUNNING, PERFORATED, STOPPED, UNRESOLVED };
 
 typedef struct {
-    double L0, D0, rho_p, Yp, Hc0, rho_c, Ec, Yc0, n_B, n_cB, a_c, a_B, Hb, rho_B, YB, tau, shear_law;
+    double L0, D0, rho_p, Yp, Hc0, rho_c, Ec, Yc0, n_B, n_cB, a_c, a_B, Hb, rho_B, YB, tau, shear_law, drive_law;
 } Parameters;
 
 typedef struct { double Z, L, V, W, h; } State;
 typedef struct { int medium; bool eroding, penetrated, moving; double Vs1, h_s; } Stage;
 
 /* equations.py */
-static const double CONOID = 1.0, MIN_FACTOR = 0.05, MAX_FACTOR = 20.0, THINNEST_CERAMIC = 1e-15;
+static const double CONOID = 1.0, INTERFACE = 1.0, MIN_FACTOR = 0.05, MAX_FACTOR = 20.0, THINNEST_CERAMIC = 1e-15;
 
 static double cross_section(double D0) { return M_PI * D0 * D0 / 4.0; }
 static double crack_velocity(double Ec, double rho_c) { return sqrt(Ec / rho_c) / 5.0; }
@@ -94,8 +94,10 @@ static double shear_force(State y, Stage s, Parameters p) {
 }
 
 static double drive_force(State y, Stage s, Parameters p) {
-    double rho, pressure = projectile_pressure(p.Yp, p.rho_p, y.V, y.W);
-    return (s.penetrated ? medium_ahead(y, s, p, &rho) : pressure) * cross_section(p.D0);
+    double rho, A0 = cross_section(p.D0);
+    if (!s.penetrated) return projectile_pressure(p.Yp, p.rho_p, y.V, y.W) * A0;
+    if (p.drive_law == INTERFACE && s.medium == PLATE && !s.eroding) return p.Yp * A0;
+    return medium_ahead(y, s, p, &rho) * A0;
 }
 
 static double ceramic_ahead(State y, Stage s, Parameters p) {
@@ -363,6 +365,7 @@ static Impact impact(Parameters p, double V, Solver solver) {
 
 static long first_scanned(Parameters p, const double *velocities, long n) {
     long i = 0;
+    if (p.drive_law == INTERFACE) return i;
     while (i + 1 < n && !may_perforate(p, velocities[i + 1])) i++;
     return i;
 }

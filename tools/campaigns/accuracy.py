@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from armour.core.state import Outcome, Parameters
 from armour.engine import batch
-from armour.scenario.schema import SHEAR_LAWS
+from armour.scenario.schema import DRIVE_LAWS, SHEAR_LAWS
 from tests.helpers.cases import armour
 from tests.helpers.runs import random_designs
 from tools.campaigns.verdict import verdict
@@ -61,7 +61,8 @@ def spread_designs(count: int, seed: int = 24) -> list[Parameters]:
                 YB=decade(0.4e9), L0=D0 * decade(1.5), D0=D0, rho_p=decade(2500.0), Yp=decade(0.1e9 if soft else 0.7e9),
                 Hc0=D0 * decade(0.3), rho_c=decade(1500.0), Ec=decade(100e9), Yc0=decade(4e9 if soft else 1e9),
                 Hb=D0 * decade(0.25), rho_B=decade(1500.0), tau=decade(0.06e9),
-                shear_law=int(rng.choice(sorted(SHEAR_LAWS.values()))), **of_law,
+                shear_law=int(rng.choice(sorted(SHEAR_LAWS.values()))),
+                drive_law=int(rng.choice(sorted(DRIVE_LAWS.values()))), **of_law,
             )
         )  # fmt: skip
     return designs

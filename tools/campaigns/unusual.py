@@ -29,7 +29,7 @@ from armour.engine import batch
 from armour.errors import InputError
 from armour.evidence.tests import FAR, armours_of, is_unusual, shipped_evidence
 from armour.scenario.scenario import Scenario
-from armour.scenario.schema import SHEAR_LAWS
+from armour.scenario.schema import DRIVE_LAWS, SHEAR_LAWS
 from tests.helpers.exotic import WIDE, random_wide_designs
 from tools.campaigns.verdict import verdict
 
@@ -93,6 +93,7 @@ def designs_within(factor: float, count: int, like: Variants) -> Variants:
         "YB": strength,
         "tau": strength * of["backing_shear_ratio"],
         "shear_law": rng.integers(0, len(SHEAR_LAWS), count),
+        "drive_law": rng.integers(0, len(DRIVE_LAWS), count),
     }
     parameters = np.column_stack([columns.get(name, zero) for name in Parameters._fields])
     return variants(parameters, zero, like.scenario)

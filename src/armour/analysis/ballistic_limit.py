@@ -27,7 +27,7 @@ from armour.errors import InputError, NoLimitError
 from armour.evidence.caveats import is_no_metal
 from armour.evidence.fit import fits
 from armour.evidence.mixture import Mixture
-from armour.evidence.model_error import ModelError, error_of
+from armour.evidence.model_error import ModelError, error_of, other_settings
 from armour.evidence.tests import armours_of, is_untested, is_unusual, scenario_warnings
 from armour.scenario.checked import checked
 from armour.scenario.inputs import FLOW_STRESS, OBLIQUITY
@@ -79,6 +79,8 @@ def needed_flow_stress(
 ) -> NeededFlowStress | None:
     """Return the flow stress that a ceramic without tests needs; None if the armour has none, or no metal behind it.
 
+    It is None, too, with other settings of the model than those used to compute the tests, as their error is not known.
+
     Parameters
     ----------
     scenario : Scenario
@@ -90,7 +92,7 @@ def needed_flow_stress(
     ceramic = scenario.entry_of("ceramic")
     if ceramic is None or not scenario.armour.ceramic_thickness_mm or not is_untested(ceramic):
         return None
-    if is_no_metal(scenario.core_armour().rho_B):
+    if is_no_metal(scenario.core_armour().rho_B) or other_settings(scenario):
         return None
     required, sources = probability or USUAL_PROBABILITY, ceramic.flow_stress_sources_GPa
     likely_m_s = scenario.impact.velocity_m_s / float(constant_law_error().quantile(1.0 - required))

@@ -8,6 +8,8 @@ from math import pi, sqrt
 
 # Shear laws of the whole plate, see `sheared_diameter`.
 PROJECTILE, CONOID = 0, 1
+# Laws of the force that drives the plate, see `drive_force` of `armour.core.stages`.
+STRENGTH, INTERFACE = 0, 1
 # Least and greatest factor of a law of the ceramic's flow stress.
 MIN_FACTOR, MAX_FACTOR = 0.05, 20.0
 # Least ceramic thickness over the diameter in such a law: keeps its powers finite in a search.

@@ -19,7 +19,7 @@ def with_intact_strength(p: Parameters) -> Parameters:
     # numba lacks `_replace`.
     return Parameters(
         p.L0, p.D0, p.rho_p, p.Yp, p.Hc0, p.rho_c, p.Ec, Yc0, 0.0, 0.0, 0.0, 0.0,
-        p.Hb, p.rho_B, p.YB, p.tau, p.shear_law,
+        p.Hb, p.rho_B, p.YB, p.tau, p.shear_law, p.drive_law,
     )  # fmt: skip
 
 
@@ -53,11 +53,16 @@ def shear_force(y: State, s: Stage, p: Parameters) -> float:
 
 
 def drive_force(y: State, s: Stage, p: Parameters) -> float:
-    """Return the force of the projectile on the material ahead, N (12), (15), (23), (26)."""
-    if s.penetrated:
-        pressure, _ = medium_ahead(y, s, p)
-    else:
+    """Return the force of the projectile on the material ahead, N (12), (15), (23), (26).
+
+    By `eq.INTERFACE` a rigid projectile drives a plate that it penetrates by the interface force of (28), Yp A0.
+    """
+    if not s.penetrated:
         pressure = eq.projectile_pressure(p.Yp, p.rho_p, y.V, y.W)
+    elif p.drive_law == eq.INTERFACE and s.medium == Medium.PLATE and not s.eroding:
+        pressure = p.Yp
+    else:
+        pressure, _ = medium_ahead(y, s, p)
     return pressure * eq.cross_section(p.D0)
 
 

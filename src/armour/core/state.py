@@ -44,8 +44,9 @@ class Parameters(NamedTuple):
     rho_B: float  # density, kg/m^3
     YB: float  # constrained flow stress, Pa
     tau: float  # ultimate shear strength, Pa
-    # reading of (12a)
+    # readings of (12a) and (23)
     shear_law: int  # diameter of the shear perimeter in (12a), see `armour.core.equations.sheared_diameter`
+    drive_law: int  # force of a rigid projectile on the plate in (23), see `armour.core.stages.drive_force`
 
 
 class State(NamedTuple):

@@ -28,7 +28,6 @@ from armour.scenario.scenario import Scenario
 from armour.scenario.schema import (
     MAX_DESIGNS,
     OBJECTIVES,
-    SHEAR_LAWS,
     BackingLayer,
     CeramicLayer,
     DesignSection,
@@ -271,7 +270,8 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
     varying = {name for rows in inputs.values() for name in INPUTS if len({row.get(name) for row in rows}) > 1}
     parameters = {role: np.array([_parameters(row) for row in rows]) for role, rows in inputs.items()}
     layers = (parameters["ceramic"][:, None] + parameters["backing"][None]).reshape(-1, len(Parameters._fields))
-    batch.fields(parameters["projectile"]).shear_law[:] = SHEAR_LAWS[scenario.model.shear_perimeter]
+    for name, law in scenario.model.laws().items():
+        getattr(batch.fields(parameters["projectile"]), name)[:] = law
     densities = batch.fields(layers)
     offers = tuple(
         Offer(*pair, float(densities.rho_c[i]), float(densities.rho_B[i]))

@@ -46,7 +46,6 @@ from armour.scenario.library import (
     shipped_library,
 )
 from armour.scenario.schema import (
-    SHEAR_LAWS,
     ArmourSection,
     BallisticLimitSection,
     DesignSection,
@@ -221,8 +220,7 @@ class Scenario(Section):
     @cached_property
     def _parameters(self) -> Parameters:
         fields: dict[str, Any] = dict.fromkeys(Parameters._fields, 0.0) | fields_of(self._inputs, self.cosine())
-        fields["shear_law"] = SHEAR_LAWS[self.model.shear_perimeter]
-        return Parameters(**fields)
+        return Parameters(**(fields | self.model.laws()))
 
     def areal_density_kg_m2(self, *, added: bool = True) -> float:
         """Compute the areal density of the armour, kg/m², by default with what the section ``design`` adds."""

@@ -146,6 +146,8 @@ class ArmourSection(Section):
 
 ShearPerimeter = Literal["conoid", "projectile"]
 SHEAR_LAWS: dict[ShearPerimeter, int] = {"conoid": equations.CONOID, "projectile": equations.PROJECTILE}
+PlateDrive = Literal["strength", "interface"]
+DRIVE_LAWS: dict[PlateDrive, int] = {"strength": equations.STRENGTH, "interface": equations.INTERFACE}
 
 
 class Model(Section):
@@ -153,6 +155,12 @@ class Model(Section):
 
     shear_perimeter: ShearPerimeter = "conoid"
     """Perimeter of the shear plug while ceramic is ahead: that of the base of the conoid, or of the projectile."""
+    plate_drive: PlateDrive = "strength"
+    """Force of a rigid projectile on the plate that it penetrates: by the strength of the plate or its own."""
+
+    def laws(self) -> dict[str, int]:
+        """Return the parameters of the core that the options set, by name."""
+        return {"shear_law": SHEAR_LAWS[self.shear_perimeter], "drive_law": DRIVE_LAWS[self.plate_drive]}
 
 
 class Solver(Section):

@@ -1,0 +1,102 @@
+"""The suites of the paper's program: all that is printed, reproduced as closely as docs/readings.md says."""
+
+from collections.abc import Iterable
+
+import pytest
+
+from armour.analysis.ballistic_limit import confidence
+from armour.validation.suite import Case, Subject, answer, load_suite
+from armour.validation.validate import Check, SuiteResult, validate
+from tests.helpers.cases import shipped_scenario
+from tools.readings import TABLE_3, chi_square, deviation_of
+
+pytestmark = pytest.mark.slow
+
+PROGRAM, ONE_FLOW_STRESS = "paper_program", "paper_program_one_flow_stress"
+
+
+@pytest.fixture(scope="module")
+def results() -> dict[str, SuiteResult]:
+    return {name: validate(name) for name in ("paper", PROGRAM, ONE_FLOW_STRESS)}
+
+
+def printed(cases: Iterable[Case]) -> list[tuple[object, ...]]:
+    """What cases compare, of which armours and threats; a limit does not depend on the velocity."""
+    return [
+        (
+            case.full_name,
+            case.quantity,
+            case.expected,
+            case.measured,
+            case.scenario.armour,
+            case.scenario.impact.projectile,
+            case.quantity == "ballistic_limit_m_s"
+            or case.quantity == "areal_density_kg_m2"
+            or case.scenario.impact.velocity_m_s,
+            case.replacement and case.replacement.armour,
+        )
+        for case in cases
+    ]
+
+
+def test_nothing_printed_is_left_out():
+    paper = load_suite("paper").cases
+    assert printed(load_suite(PROGRAM).cases) == printed(paper)
+    others = [case for case in paper if case.scenario.armour.backing != "6061-T6"]
+    assert printed(load_suite(ONE_FLOW_STRESS).cases) == printed(others)
+
+
+def test_all_is_within_the_bands(results: dict[str, SuiteResult]):
+    assert [results[name].passed for name in (PROGRAM, ONE_FLOW_STRESS)] == [True, True]
+
+
+def of_table_3(result: SuiteResult) -> list[Check]:
+    return [check for check in result.checks if check.case.group in TABLE_3]
+
+
+def test_chi_square_is_less_than_half_and_less_than_a_quarter_of_the_default(results: dict[str, SuiteResult]):
+    default, program = (chi_square(results[name].checks) for name in ("paper", PROGRAM))
+    # Table 3 is of 6061-T6, whose flow stress is the same.
+    one_flow_stress = chi_square([*of_table_3(results[PROGRAM]), *results[ONE_FLOW_STRESS].checks])
+    assert sum(deviation_of(check.case) is not None for check in results["paper"].checks) == 42
+    assert program < 0.45 * default
+    assert one_flow_stress < 0.225 * default
+
+
+def test_the_lightest_against_the_medium_round_is_that_of_the_paper(results: dict[str, SuiteResult]):
+    [check] = [
+        check
+        for check in results[ONE_FLOW_STRESS].checks
+        if check.case.name == "lightest against the 25 mm APDS: areal density"
+    ]
+    assert check.deviation_percent == pytest.approx(0.0, abs=0.5)
+
+
+SHEAR, DIAMETER = "backing.shear_strength_MPa", "projectile.penetrator_diameter_mm"
+
+
+@pytest.mark.parametrize(
+    ("suite", "name", "step"),
+    [(PROGRAM, SHEAR, 0.001 * 372.0), (PROGRAM, DIAMETER, 0.01), (ONE_FLOW_STRESS, DIAMETER, 0.01)],
+)
+def test_the_fitted_numbers_fit_best(suite: str, name: str, step: float):
+    """To the last digit given: the shear strength table 3, the diameter the results for the medium round."""
+    cases = [
+        case
+        for case in load_suite(suite).cases
+        if deviation_of(case)
+        and (case.group in TABLE_3 if name == SHEAR else case.scenario.impact.projectile == "25 mm APDS")
+    ]
+
+    def misfit(change: float) -> float:
+        changed = [case.scenario.with_inputs({name: case.scenario.inputs()[name] + change}) for case in cases]
+        pairs = zip(cases, changed, strict=True)
+        return chi_square(Check(case, answer(case.quantity, Subject(scenario)), "within") for case, scenario in pairs)
+
+    assert misfit(0.0) < min(misfit(-step), misfit(step))
+
+
+def test_no_probability_is_known():
+    result = confidence(shipped_scenario("paper/program_7.62mm"))
+    assert result.probability_of_stopping is None
+    assert "model.plate_drive = interface" in result.reason
