@@ -76,7 +76,7 @@ class NeededFlowStress:
 def needed_flow_stress(
     scenario: Scenario, required_m_s: float, probability: float | None = None
 ) -> NeededFlowStress | None:
-    """Return the flow stress that a ceramic without tests needs; None if the armour has no such ceramic.
+    """Return the flow stress that a ceramic without tests needs; None without such a ceramic, or with an interlayer.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def needed_flow_stress(
         Required probability of stopping the projectile at the impact velocity; by default 0.9.
     """
     ceramic = scenario.entry_of("ceramic")
-    if ceramic is None or not scenario.armour.ceramic_thickness_mm or not is_untested(ceramic):
+    if ceramic is None or not scenario.armour.ceramic_thickness_mm or not is_untested(ceramic) or scenario.interlayers:
         return None
     required, sources = probability or USUAL_PROBABILITY, ceramic.flow_stress_sources_GPa
     likely_m_s = scenario.impact.velocity_m_s / float(constant_law_error().quantile(1.0 - required))
@@ -157,8 +157,8 @@ class LimitResult(Result):
         nearby instead of one at that velocity.
     runs : int
         Number of impacts computed.
-    areal_density_kg_m2 : float
-        Areal density of the armour, kg/m².
+    areal_density_kg_m2, whole_areal_density_kg_m2 : float
+        Areal density of the armour without and with a back plate that exists already, kg/m².
     monotonic : bool
         Whether every scanned velocity above the limit perforates.
     crossings : tuple of Crossing
@@ -189,6 +189,7 @@ class LimitResult(Result):
     model_error: ModelError | None = None
     interval_m_s: tuple[float, float] | None = None
     median_m_s: float | None = None
+    whole_areal_density_kg_m2: float = 0.0
 
     def _words(self) -> str:
         return f"{self.ballistic_limit_m_s:.2f} m/s{'' if self.monotonic else ', not monotonic'}"
@@ -233,6 +234,7 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
         bracket_m_s=crossings[0].bracket_m_s,
         runs=runs,
         areal_density_kg_m2=scenario.areal_density_kg_m2(),
+        whole_areal_density_kg_m2=scenario.areal_density_kg_m2(whole=True),
         monotonic=len(crossings) == 1,
         crossings=crossings,
         scanned_velocities=points,

@@ -16,7 +16,7 @@ from armour.core.state import Parameters
 from armour.design.catalogue import COST, NO_BOUND, Catalogue, catalogue_of
 from armour.design.map import DesignMap, design_map, limits_over_sources, thicknesses_tested, with_known_edges
 from armour.errors import InputError, Problem
-from armour.evidence.model_error import given_error
+from armour.evidence.model_error import INTERLAYER, given_error
 from armour.reporting.formats import TEMPLATES, rendered
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Layer
@@ -84,7 +84,10 @@ def _question(catalogue: Catalogue) -> dict[str, Any]:
         "version": __version__,
         "confidence": section.confidence,
         "most": section.areal_density_max_kg_m2,
-        "added": {"areal": section.added_areal_density_kg_m2, "thickness": section.added_thickness_mm},
+        "added": {"areal": scenario.inert("areal_density_kg_m2"), "thickness": scenario.inert("thickness_mm")},
+        "layers": [[layer.place, layer.thickness_mm, layer.name] for layer in scenario.armour.layer],
+        "interlayer": INTERLAYER if scenario.interlayers else "",
+        "existing": not scenario.counts_backing,
         "scores": [float(score) for score in ndtri(PROBABILITIES)],
         "own": {
             "ceramic": scenario.armour.ceramic,

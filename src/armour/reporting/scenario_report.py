@@ -34,7 +34,7 @@ from armour.reporting.words import (
 )
 from armour.scenario.inputs import INPUTS, NAMES, ROLES
 from armour.scenario.scenario import Scenario
-from armour.scenario.schema import OBJECTIVES, DesignSection
+from armour.scenario.schema import OBJECTIVES
 from armour.statistics.own_tests import predicted_tests
 from armour.statistics.sensitivity import SensitivityResult, sensitivity
 from armour.statistics.uncertainty import UncertaintyResult, uncertainty
@@ -172,7 +172,7 @@ def _byline(scenario: Scenario) -> tuple[tuple[str, str], ...]:
 def _has_requirements(contents: Contents) -> bool:
     """Return whether more is required than that the ballistic limit by the model reaches the velocity."""
     rows = design_view.requirements_of(contents.check)
-    return any(row.required for row in rows if row.quantity != design_view.SOURCES)
+    return any(row.required or row.quantity == "interlayers" for row in rows if row.quantity != design_view.SOURCES)
 
 
 def _verdict(contents: Contents) -> tuple[bool | None, str]:
@@ -237,10 +237,7 @@ def _requirements(contents: Contents) -> Card:
     for row in contents.check.requirements:
         name, asked, _ = requirement_parts(row)
         details.append(f"{name} of {asked}")
-    section = contents.scenario.design or DesignSection()
-    additions = ((section.added_thickness_mm, "mm"), (section.added_areal_density_kg_m2, "kg/m²"))
-    if words := [f"{value:g} {unit}" for value, unit in additions if value]:
-        details.append(f"{' and '.join(words)} added for adhesive or cover")
+    details += design_view.layer_words(contents.scenario.inert_layers)
     return Card("Asked for", ", ".join(requirements) or "no probability", "; ".join(details))
 
 

@@ -1,6 +1,8 @@
 """Words on the probability that an armour stops its threat, the model error and the flow stress of a ceramic."""
 
+from collections.abc import Callable
 from math import ceil, floor
+from typing import Any
 
 from armour.analysis.ballistic_limit import ConfidenceResult, NeededFlowStress, no_error
 from armour.design.check import CheckedThreat
@@ -14,6 +16,11 @@ from armour.scenario.schema import OBJECTIVES
 
 BALLISTIC_LIMIT = column_of("ballistic_limit_m_s")
 STOPPING = Column("probability of stopping the projectile", prose=True)
+# With a back plate that exists already, the weight of it all is shown too.
+WHOLE: tuple[Column, Callable[[Any], float | None]] = (
+    column_of("whole_areal_density_kg_m2", label="whole armour"),
+    lambda item: item.whole_areal_density_kg_m2 if item.whole_areal_density_kg_m2 != item.areal_density_kg_m2 else None,
+)
 # What distributions tell where the model error is not known.
 SAMPLED_ALONE = "a probability from the given distributions alone takes the model as exact"
 
@@ -54,6 +61,8 @@ def requirement_parts(row: Requirement) -> tuple[str, str, str]:
         return STOPPING.label, f"at least {percent(row.required)}", found
     if row.quantity == "flow_stress_sources":
         return "sources of the flow stress", least, found
+    if row.quantity == "interlayers":
+        return "layers between tile and back plate", "none", found
     unit = OBJECTIVES[row.quantity].unit
     label = column_of(row.quantity).label.removesuffix(unit)
     return label, f"at most {row.required:g}{unit}", found if row.found is None else f"{found}{unit}"

@@ -15,6 +15,7 @@ from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.validation.formulas import (
     FlorenceResult,
     ResidualVelocityFit,
+    along_fire_kg_m2,
     bodies_of,
     fit_areal_density_rule,
     fit_lambert_jonas,
@@ -58,8 +59,8 @@ class Comparison(TableResult):
 
     Attributes
     ----------
-    areal_density_kg_m2 : float
-        Areal density of the armour, kg/m².
+    areal_density_kg_m2, whole_areal_density_kg_m2 : float
+        Areal density of the armour without and with a back plate that exists already, kg/m².
     limit : LimitResult
         Ballistic limit by the model.
     florence : tuple of FlorenceResult
@@ -91,11 +92,13 @@ class Comparison(TableResult):
     rules: tuple[RuleResult, ...]
     errors: tuple[Error, ...]
     florence_missing: tuple[str, ...] = ()
+    whole_areal_density_kg_m2: float = 0.0
 
     def to_dict(self) -> dict[str, Any]:
         """Return the comparison, without the curve, as plain data."""
         return {
             "areal_density_kg_m2": self.areal_density_kg_m2,
+            "whole_areal_density_kg_m2": self.whole_areal_density_kg_m2,
             "ballistic_limit_m_s": self.limit.ballistic_limit_m_s,
             "florence": [asdict(result) for result in self.florence],
             "fits": [asdict(fit) for fit in self.fits],
@@ -161,6 +164,7 @@ def compare(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) ->
     is_tested = all(scenario.entry_of(role) == cases[0].scenario.entry_of(role) for role in ROLES)
     return Comparison(
         areal_density_kg_m2=scenario.areal_density_kg_m2(),
+        whole_areal_density_kg_m2=scenario.areal_density_kg_m2(whole=True),
         limit=limit,
         florence=() if missing else tuple(florence_result(scenario, body, on_progress) for body in bodies_of(scenario)),
         fits=(
@@ -198,6 +202,4 @@ def _tests_in_words(cases: Sequence[Case]) -> str:
 def _rule(cases: Sequence[Case], p: float | None, scenario: Scenario) -> RuleResult:
     """Return the limit of a scenario's armour by the rule that is fitted to tests, with p or with a fitted exponent."""
     rule = fit_areal_density_rule(areal_densities(cases), measured_limits(cases), p)
-    return RuleResult(
-        rule.k, rule.p, p is None, rule.limit(scenario.areal_density_kg_m2(added=False) / scenario.cosine())
-    )
+    return RuleResult(rule.k, rule.p, p is None, rule.limit(along_fire_kg_m2(scenario)))
