@@ -238,8 +238,9 @@ class Catalogue:
     @cached_property
     def costed(self) -> list[bool]:
         """Whether the cost of each pair is complete: given for each of its materials."""
-        counted = slice(2 if self.scenario.counts_backing else 1)
-        return [all(layer.has_cost() for layer in offer[:2][counted] if layer.material) for offer in self.offers]
+        counted = 1 + self.scenario.counts_backing
+        layers = ((offer.ceramic, offer.backing)[:counted] for offer in self.offers)
+        return [all(layer.has_cost() for layer in of_pair if layer.material) for of_pair in layers]
 
 
 def catalogue_of(scenario: Scenario) -> Catalogue:

@@ -20,6 +20,7 @@ from armour.reporting.text import interval, percent
 from armour.reporting.views import analysis as analysis_view
 from armour.reporting.views import design as design_view
 from armour.reporting.views import statistics as statistics_view
+from armour.reporting.views import validation as validation_view
 from armour.reporting.views.library import entry_table
 from armour.reporting.words import (
     SAMPLED_ALONE,
@@ -38,10 +39,17 @@ from armour.scenario.schema import OBJECTIVES
 from armour.statistics.own_tests import predicted_tests
 from armour.statistics.sensitivity import SensitivityResult, sensitivity
 from armour.statistics.uncertainty import UncertaintyResult, uncertainty
+from armour.validation.comparison import areal_density_rules
+from armour.validation.tested import nearest_measured
 
 Answer = TypeVar("Answer")
 # Keys of [design] that ask for a design; the others apply to any armour.
 ASKING = {"minimise", "pareto", "runners_up_percent", "ceramic", "backing"}
+# What the tested armours beside a weight have in common.
+TESTED = (
+    "Measured armours were tested at normal incidence with a core whose diameter, mass and density differ by at most "
+    "10 %: with a ceramic, and of each metal, the one whose limit is nearest."
+)
 # What the model leaves out, see docs/limits.md.
 ASSUMPTIONS = (
     ("Penetrator", "a flat-ended cylinder of one material; jacket, tip, sabot and fracture of the core are left out"),
@@ -275,6 +283,11 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Re
         tables.append(replace(design_view.requirement_table(contents.check), title="requirements"))
     yield ReportSection("Threats", tuple(notes), tables=tuple(tables))
     yield from _own_tests(answer)
+    if (limit := threat.ballistic_limit_m_s) is not None and not threat.obliquity_deg:
+        rules, measured = areal_density_rules(answer, limit), nearest_measured(answer, limit)
+        tested = TESTED if measured else f"No test of a core like that of {answer.impact.projectile} is known."
+        table = validation_view.weight_table(answer, limit, rules, measured)
+        yield ReportSection("Weight", (tested,), tables=(table,))
     yield ReportSection("What if", exact, tables=tuple(what_ifs))
     if design is not None:
         hint = ("This command makes an interactive page of all designs:",) if map_command else ()
