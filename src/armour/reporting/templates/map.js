@@ -742,7 +742,7 @@ function drawDesign(pair, best) {
   const [c, b] = thicknesses(pair, k), governs = governing(pair, k), pinned = state.pins.some(p => p.pair === pair && p.k === k);
   box.append(html("h2", {}, armour(pair, k)));
   const difference = best === null || k === best ? "" : ` (${signed(pair.areal[k] - pair.areal[best])})`;
-  box.append(html("p", {}, `${weight(pair, k)}${difference}, ${trimmed(c * !!pair.ceramic + b + DATA.added.thickness)} mm thick`, k === best ? html("span", { class: "t-blue" }, { "": anyAsked() ? ` lightest that meets the requirements${exact}` : " lightest", "not known": " lightest by the computed limit", "none passes": " nearest", single: "" }[answer(pair).reason]) : null));
+  box.append(html("p", {}, `${areal(pair.areal[k])} kg/m²${difference}, ${trimmed(c * !!pair.ceramic + b * !DATA.existing + DATA.added.thickness)} mm thick${DATA.existing ? `, without the back plate, which exists; ${areal(whole(pair, k))} kg/m², ${trimmed(c * !!pair.ceramic + b + DATA.added.thickness)} mm with it` : ""}`, k === best ? html("span", { class: "t-blue" }, { "": anyAsked() ? ` lightest that meets the requirements${exact}` : " lightest", "not known": " lightest by the computed limit", "none passes": " nearest", single: "" }[answer(pair).reason]) : null));
   if (pair.excluded.includes(k)) box.append(html("p", { class: "t-red" }, "Beyond the limits of the scenario."));
   box.append(crossSection(pair, k));
   threats.forEach((threat, t) => {

@@ -47,6 +47,7 @@ SOURCES = "flow_stress_sources"
 # Words on layers without ballistic effect.
 PLACES = {"front": "in front", "between": "between tile and back plate", "behind": "behind"}
 UNNAMED = "added for adhesive or cover"
+EXISTS = "areal density, thickness and cost without the back plate, which exists"
 
 
 def required_margins(scenario: Scenario | None) -> dict[str, float]:
@@ -252,7 +253,8 @@ def tables_of_design(result: DesignResult) -> list[Table | str]:
         answer = None if scenario is None or best.model_error is not None else _answer(scenario, best)
         error = [] if result.reason == "not known" else [error_note(best.model_error, answer)]
         notes = [] if result.reason else _flow_stress_notes(best)
-        shown += [best_table(best, required), *error, *notes, *margin_notes(best)]
+        exists = [EXISTS] if best.whole_thickness_mm != best.thickness_mm else []
+        shown += [best_table(best, required), *exists, *error, *notes, *margin_notes(best)]
     if result.refined is not None:
         objective = OBJECTIVES[result.minimised]
         if result.refined == best:
