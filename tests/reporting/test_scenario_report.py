@@ -338,7 +338,7 @@ def test_sections_are_the_answer_and_what_explains_it():
     def headings(contents: Contents, *, folded: bool) -> list[str]:
         return [section.heading for section in report(contents).sections if section.folded == folded]
 
-    assert headings(wilkins(), folded=False) == ["Threats", "What if", "Assumptions and limits", "References"]
+    assert headings(wilkins(), folded=False) == ["Threats", "Weight", "What if", "Assumptions and limits", "References"]
     evidence = ["The impact, stage by stage", "Sensitivity to the inputs", "Values and their sources"]
     assert headings(wilkins(), folded=True) == [*evidence, "Scenario", "Command and versions"]
     full = replace(
@@ -408,3 +408,12 @@ def test_an_armour_without_a_limit_in_the_range_has_a_report(changes: Mapping[st
     assert found.sensitivity is None
     assert found.uncertainty is None
     assert report(found).passed is passed
+
+
+def test_a_weight_stands_beside_those_of_tested_armours():
+    own = scenario("7.62 mm B32", velocity=700.0)
+    [section] = [part for part in report(contents_of(own)).sections if part.heading == "Weight"]
+    names, weights, limits = zip(*section.tables[0].rows, strict=True)
+    assert [str(name).partition(": ")[0] for name in names] == ["this armour, by the model", *["measured"] * 3]
+    assert weights[0] == own.areal_density_kg_m2()
+    assert limits[0] == contents_of(own).threat.ballistic_limit_m_s

@@ -26,7 +26,7 @@ function decoded(pair) {
     }
   }
   pair.areal = Float64Array.from({ length: count }, (_, k) =>
-    (pair.densities[0] * pair.ceramics[floor(k / m)] + (DATA.existing ? 0 : pair.densities[1] * pair.backings[k % m])) / 1000 + DATA.added.areal);
+    (pair.densities[0] * pair.ceramics[floor(k / m)] + pair.densities[1] * pair.backings[k % m]) / 1000 + DATA.added.areal);
   const excluded = new Set(pair.excluded), rank = pair.areal.map(each => round(each * 1e9));
   pair.onOffer = pair.offered[0].flatMap(i => pair.offered[1].map(j => i * m + j));
   // By areal density, of equals the first one first, so that searches end with the first that is found.
@@ -201,9 +201,8 @@ function reserve(pair, asked, only) {
 
 const trimmed = x => String(+x.toFixed(3));
 const areal = x => x.toFixed(1);
-// A back plate that exists counts only in the second weight.
-const whole = (pair, k) => pair.areal[k] + (DATA.existing ? pair.densities[1] * thicknesses(pair, k)[1] / 1000 : 0);
-const weight = (pair, k) => `${areal(pair.areal[k])} kg/m²${DATA.existing ? ` (${areal(whole(pair, k))} with the back plate, which exists)` : ""}`;
+const whole = (pair, k) => areal(pair.areal[k] + pair.hull);
+const weight = (pair, k) => `${areal(pair.areal[k])} kg/m²${pair.hull && ` (${whole(pair, k)} with the back plate, which exists)`}`;
 const signed = x => `${x < 0 ? "−" : "+"}${areal(abs(x))}`;
 // A probability is rounded down, so that none is shown that is not reached.
 function chance(z) {
@@ -695,15 +694,13 @@ function makeSliders() {
 
 function crossSection(pair, k) {
   const [c, b] = thicknesses(pair, k), rods = threats.map(t => t.rod), longest = max(...rods.map(r => r[0]));
-  const at = place => DATA.layers.filter(layer => layer[0] === place), layers = [...at("front"), ...(pair.ceramic ? [["ceramic", c]] : []), ...at("between"), ["metal", b], ...at("behind")], thick = layers.reduce((sum, layer) => sum + layer[1], 0);
+  const [front, between, behind] = DATA.layers, layers = [...front, ["ceramic", c * !!pair.ceramic], ...between, ["metal", b], ...behind], thick = layers.reduce((sum, of) => sum + of[1], 0);
   const angles = threats.map(t => t.obliquity * Math.PI / 180), rows = rods.map((r, t) => 1.7 * r[1] + 2 + r[0] * Math.sin(angles[t])), tall = max(rows.reduce((a, d) => a + d, 0), 0.8 * thick), wide = longest + thick + 12, gap = longest + 3;
   const font = max(wide, tall * 2) / 26, picture = svg("svg", { viewBox: `0 0 ${max(wide, tall * 2)} ${tall + 3.4 * font}`, role: "img", "aria-label": `Cross-section to scale: ${armour(pair, k)}` });
   const sized = { "font-size": font }, top = 1.4 * font;
   let x = gap;
   for (const [kind, mm, name] of layers) {
-    const drawn = svg("rect", { class: name ? "inert" : kind, x, y: top, width: mm, height: tall });
-    if (name) drawn.append(svg("title", {}, `${trimmed(mm)} mm ${name}`));
-    picture.append(drawn);
+    picture.append(svg("rect", { class: kind, x, y: top, width: mm, height: tall }, name ? svg("title", {}, name) : null));
     x += mm;
   }
   picture.append(text(gap + thick / 2, font, pair.ceramic ? `${trimmed(c)} + ${trimmed(b)} mm` : `${trimmed(b)} mm`, "mid", sized));
@@ -742,7 +739,7 @@ function drawDesign(pair, best) {
   const [c, b] = thicknesses(pair, k), governs = governing(pair, k), pinned = state.pins.some(p => p.pair === pair && p.k === k);
   box.append(html("h2", {}, armour(pair, k)));
   const difference = best === null || k === best ? "" : ` (${signed(pair.areal[k] - pair.areal[best])})`;
-  box.append(html("p", {}, `${areal(pair.areal[k])} kg/m²${difference}, ${trimmed(c * !!pair.ceramic + b * !DATA.existing + DATA.added.thickness)} mm thick${DATA.existing ? `, without the back plate, which exists; ${areal(whole(pair, k))} kg/m², ${trimmed(c * !!pair.ceramic + b + DATA.added.thickness)} mm with it` : ""}`, k === best ? html("span", { class: "t-blue" }, { "": anyAsked() ? ` lightest that meets the requirements${exact}` : " lightest", "not known": " lightest by the computed limit", "none passes": " nearest", single: "" }[answer(pair).reason]) : null));
+  box.append(html("p", {}, `${weight(pair, k)}${difference}, ${trimmed(c * !!pair.ceramic + b * !pair.hull + DATA.added.thickness)} mm thick`, k === best ? html("span", { class: "t-blue" }, { "": anyAsked() ? ` lightest that meets the requirements${exact}` : " lightest", "not known": " lightest by the computed limit", "none passes": " nearest", single: "" }[answer(pair).reason]) : null));
   if (pair.excluded.includes(k)) box.append(html("p", { class: "t-red" }, "Beyond the limits of the scenario."));
   box.append(crossSection(pair, k));
   threats.forEach((threat, t) => {
@@ -777,11 +774,11 @@ function drawTable(pair, best, ring) {
   const rows = [[pair, best, "●", "t-blue"], [pair, ring === best ? null : ring, "○", "t-red"], ...state.pins.map((p, n) => [p.pair, p.k, n + 1, "disc", p])].filter(row => row[1] !== null);
   const from = best === null ? null : pair.areal[best];
   const shown = k => (T > 2 ? [governing(current(), k)] : threats.map((_, t) => t));
-  const heads = ["armour", "kg/m²", ...(DATA.existing ? ["whole armour"] : []), ...(from === null ? [] : [`from ${areal(from)}`]), ...(T > 2 ? ["governs", "limit, m/s", "stopped"] : threats.flatMap((_, t) => [`${letter(t)}limit, m/s`, `${letter(t)}stopped`]))];
+  const heads = ["armour", "kg/m²", ...(current().hull ? ["whole"] : []), ...(from === null ? [] : [`from ${areal(from)}`]), ...(T > 2 ? ["governs", "limit, m/s", "stopped"] : threats.flatMap((_, t) => [`${letter(t)}limit, m/s`, `${letter(t)}stopped`]))];
   const body = html("tbody");
   for (const [of, k, sign, colour, pinned] of rows) {
     const difference = from === null ? 0 : of.areal[k] - from;
-    const cells = [areal(of.areal[k]), ...(DATA.existing ? [areal(whole(of, k))] : []), ...(from === null ? [] : [abs(difference) < 0.05 ? "" : signed(difference)]),
+    const cells = [areal(of.areal[k]), ...(of.hull ? [whole(of, k)] : []), ...(from === null ? [] : [abs(difference) < 0.05 ? "" : signed(difference)]),
       ...shown(k).flatMap(t => [...(T > 2 ? [mark(t)] : []), String(round(of.limits[k * T + t])), chance(scored(of, k, t))])];
     body.append(html("tr", {}, html("td", {}, html("span", {}, html("span", { class: colour }, sign), " ", armour(of, k))), ...cells.map((cell, i) => html("td", { "data-label": heads[i + 1] }, html("span", {}, cell)))));
     const words = command(of, k), code = html("code", {}, ...parts(words));
