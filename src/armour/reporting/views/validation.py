@@ -381,7 +381,7 @@ def comparison_table(result: Comparison) -> Table:
 def weight_table(
     scenario: Scenario, limit_m_s: float, rules: Sequence[RuleResult], measured: Sequence[MeasuredArmour]
 ) -> Table:
-    """Return the areal density of an armour beside those of rules and of tested armours with about its limit."""
+    """Return the areal density of an armour beside those of rules and of the tested armours nearest in limit."""
     rows = [("this armour, by the model", scenario.areal_density_kg_m2(whole=True), limit_m_s)]
     rows += [(f"areal density rule, p = {rule.p:.4g}", rule.areal_density_kg_m2, limit_m_s) for rule in rules]
     rows += [
@@ -390,7 +390,7 @@ def weight_table(
     ]
     return listing(
         rows,
-        (Column("armour of about this limit", prose=True), lambda row: row[0]),
+        (Column("armour, nearest in limit", prose=True), lambda row: row[0]),
         (column_of("areal_density_kg_m2"), lambda row: row[1]),
         (BALLISTIC_LIMIT, lambda row: row[2]),
     )
