@@ -20,7 +20,7 @@ REQUIRED = (
 OF_IMPACT, OF_LIMIT, OF_GRID = ("impact",), ("ballistic_limit",), ("impact", "optimise")
 OF_STOPPING = ("impact", "ballistic_limit", *OF_ERROR)
 OF_WEIGHT = ("design.added_areal_density_kg_m2", "design.existing")
-DESIGNS = (*OF_GRID, *OF_LIMIT, "threat", "armour.ceramic", "armour.backing", "design", "uncertainty")
+DESIGNS = (*OF_GRID, *OF_LIMIT, "threat", "armour.ceramic", "armour.backing", "armour.layer", "design", "uncertainty")
 
 
 class Quantity(NamedTuple):

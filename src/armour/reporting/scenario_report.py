@@ -195,7 +195,7 @@ def _verdict(contents: Contents) -> tuple[bool | None, str]:
     rows = [row for row in design_view.requirements_of(contents.check) if row.verdict == contents.check.verdict]
     names = list(dict.fromkeys(row.threat for row in rows if row.threat))
     against = f" against {' and '.join(names)}" if names else ""
-    return False, f"{words} the requirements{against}: {'; '.join(map(requirement_words, rows))}."
+    return False, f"{words} the requirements{against}: {'; '.join(dict.fromkeys(map(requirement_words, rows)))}."
 
 
 def _probability(contents: Contents) -> Card:

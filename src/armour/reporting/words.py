@@ -8,7 +8,7 @@ from armour.analysis.ballistic_limit import ConfidenceResult, NeededFlowStress, 
 from armour.design.check import CheckedThreat
 from armour.design.requirements import Requirement
 from armour.errors import counted, joined
-from armour.evidence.model_error import ModelError
+from armour.evidence.model_error import INTERLAYER, ModelError
 from armour.reporting.table import Column, Source, column_of
 from armour.reporting.text import interval, number, percent
 from armour.scenario.scenario import Scenario
@@ -70,6 +70,8 @@ def requirement_parts(row: Requirement) -> tuple[str, str, str]:
 
 def requirement_words(row: Requirement) -> str:
     """Return what an armour has of what is required, such as "areal density 41.5 kg/m², at most 20 kg/m² allowed"."""
+    if row.quantity == "interlayers":
+        return INTERLAYER
     name, asked, found = requirement_parts(row)
     return f"{name} {found}, {asked} {'allowed' if row.quantity in OBJECTIVES else 'required'}"
 

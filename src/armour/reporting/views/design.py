@@ -354,7 +354,7 @@ def finding(threat: CheckedThreat) -> str:
     words = [requirement_words(row) for row in rows if row.verdict == threat.verdict]
     if threat.required_probability is None:
         probability = chance(threat.probability_of_stopping, threat.model_error)
-        words = [requirement_words(row) for row in rows if row.quantity == SOURCES]
+        words = [requirement_words(row) for row in rows if row.quantity != "margin_m_s"]
         words.insert(0, f"{by_model}, {required(threat)} required; probability {probability}")
     elif threat.probability_of_stopping is None:
         words.append(f"{by_model}, {needed:g} m/s required")
