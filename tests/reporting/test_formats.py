@@ -70,12 +70,13 @@ def test_a_page_is_one_file_without_scripts_and_links(name: str):
 
 def test_what_explains_the_answer_is_folded():
     answer, *folded = page_of("as it is").replace(NO_BREAK, " ").split("<details>")
-    shown = ["Threats", "Cross-section, to scale", "Weight", "What if", "Assumptions and limits", "References"]
+    shown = ["Threats", "Cross-section, to scale", "What if", "Assumptions and limits", "References"]
     assert headings(answer) == shown
     assert [headings(part) for part in folded] == [
         ["The impact, stage by stage"],
         ["Sensitivity to the inputs"],
         ["Values and their sources"],
+        ["Weight"],
         ["Scenario"],
         ["Command and versions"],
     ]

@@ -231,7 +231,11 @@ def _armour(contents: Contents) -> Card:
         subject = f"{OBJECTIVES[design.minimised].least.capitalize()} design"
         if design.reason:
             subject = "Nearest design" if design.reason == "none passes" else f"{subject} by the computed limit"
-    return Card(subject, contents.answer.armour_words(), design_view.amounts(contents.check))
+    details = [design_view.amounts(contents.check)]
+    if (limit := contents.threat.ballistic_limit_m_s) is not None:
+        near = [each for each in nearest_measured(contents.answer, limit) if each.is_near(limit)]
+        details += [f"tested near this limit: {near[0].areal_density_kg_m2:.1f} kg/m²"] if near else []
+    return Card(subject, contents.answer.armour_words(), "; ".join(details))
 
 
 def _requirements(contents: Contents) -> Card:
@@ -283,11 +287,6 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Re
         tables.append(replace(design_view.requirement_table(contents.check), title="requirements"))
     yield ReportSection("Threats", tuple(notes), tables=tuple(tables))
     yield from _own_tests(answer)
-    if (limit := threat.ballistic_limit_m_s) is not None and not threat.obliquity_deg:
-        rules, measured = areal_density_rules(answer, limit), nearest_measured(answer, limit)
-        tested = TESTED if measured else f"No test of a core like that of {answer.impact.projectile} is known."
-        table = validation_view.weight_table(answer, limit, rules, measured)
-        yield ReportSection("Weight", (tested,), tables=(table,))
     yield ReportSection("What if", exact, tables=tuple(what_ifs))
     if design is not None:
         hint = ("This command makes an interactive page of all designs:",) if map_command else ()
@@ -322,6 +321,11 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Re
         for entry in entries
     )
     yield ReportSection("Values and their sources", tables=tuple(entry_tables), folded=True)
+    if (limit := threat.ballistic_limit_m_s) is not None and not threat.obliquity_deg:
+        rules, measured = areal_density_rules(answer, limit), nearest_measured(answer, limit)
+        tested = TESTED if measured else f"No test of a core like that of {answer.impact.projectile} is known."
+        table = validation_view.weight_table(answer, limit, rules, measured)
+        yield ReportSection("Weight", (tested,), tables=(table,), folded=True)
     yield ReportSection("Scenario", code=scenario.to_toml(), language="toml", folded=True)
     yield origin_section(command, _which_armour(contents), contents.scenario)
 

@@ -15,7 +15,7 @@ from armour.scenario.scenario import Scenario, load_scenario
 from armour.statistics.measured import LIMIT
 from armour.units import MM
 
-# Relative difference in diameter, mass and density up to which cores are alike.
+# Relative difference up to which cores, in diameter, mass and density, and limits are alike.
 ALIKE = 0.1
 
 
@@ -33,6 +33,10 @@ class MeasuredArmour:
     projectile: str
     areal_density_kg_m2: float
     ballistic_limit_m_s: float
+
+    def is_near(self, limit_m_s: float) -> bool:
+        """Return whether the measured limit is near another one."""
+        return abs(self.ballistic_limit_m_s / limit_m_s - 1.0) <= ALIKE
 
 
 def nearest_measured(scenario: Scenario, limit_m_s: float) -> tuple[MeasuredArmour, ...]:
