@@ -144,3 +144,63 @@ def test_rows_of_a_design_are_built_at_most_three_times(monkeypatch: pytest.Monk
     assert len(counts) > 4000
     assert max(counts.values()) <= 3
     assert np.mean(list(counts.values())) < 1.1
+
+
+# A hull with a tile: costs and limits apply to what is added to it.
+HULL: dict[str, Any] = {**OWN, "existing": "backing", "areal_density_max_kg_m2": 25.0, "cost_max_per_m2": 300.0}
+
+
+def layer(place: str, **others: float) -> dict[str, Any]:
+    return {"name": "rubber", "place": place, "thickness_mm": 1.0, "areal_density_kg_m2": 1.2, **others}
+
+
+def test_a_back_plate_that_exists_counts_for_the_limit_alone():
+    of = scenario(velocity=600.0, design=HULL)
+    found, best = check(of), best_of(optimise(of))
+    tile_kg_m2, hull_kg_m2 = 3.43 * 6.35, 2.75 * 6.35
+    for answer in (found, best):
+        assert answer.areal_density_kg_m2 == pytest.approx(tile_kg_m2)
+        assert answer.whole_areal_density_kg_m2 == pytest.approx(tile_kg_m2 + hull_kg_m2)
+        assert (answer.thickness_mm, answer.whole_thickness_mm) == (6.35, 12.7)
+        assert answer.cost_per_m2 == pytest.approx(10.0 * tile_kg_m2)
+    assert simulate(of).areal_density_kg_m2 == pytest.approx(tile_kg_m2)
+    assert simulate(of).whole_areal_density_kg_m2 == pytest.approx(tile_kg_m2 + hull_kg_m2)
+    assert (found.verdict, best.requirements) == ("passes", (*found.threats[0].requirements, *found.requirements))
+    without = {key: HULL[key] for key in HULL if key not in ("existing", "cost_max_per_m2")}
+    assert check(scenario(velocity=600.0, design=without)).verdict == "fails"
+    assert found.threats[0].ballistic_limit_m_s == check(scenario(velocity=600.0)).threats[0].ballistic_limit_m_s
+
+
+def test_the_back_plate_of_the_armour_is_the_one_that_exists():
+    design = {"existing": "backing", "ceramic": [{"material": "AD85", "thickness_mm": [6, 8, 10]}]}
+    best = best_of(optimise(scenario(velocity=800.0, design=design)))
+    assert (best.backing, best.backing_thickness_mm) == ("6061-T6", 6.35)
+
+
+@pytest.mark.parametrize("place", ["front", "behind"])
+def test_a_layer_counts_as_what_a_design_adds(place: str):
+    """Layers in front and behind are those of [design] with a name and a place."""
+    with_layer = scenario(velocity=600.0, design=OWN).replaced({"armour.layer": [layer(place)]})
+    added = {"added_thickness_mm": 1.0, "added_areal_density_kg_m2": 1.2}
+    by_keys = scenario(velocity=600.0, design={**OWN, **added})
+    for question in (check, optimise, simulate):
+        own, other = (question(of).to_dict() for of in (with_layer, by_keys))
+        own.pop("made_by", None), other.pop("made_by", None)
+        assert own == other
+
+
+@pytest.mark.parametrize("design", [{}, {"confidence": 0.6}])
+def test_an_armour_with_a_layer_between_tile_and_back_plate_never_passes(design: dict[str, Any]):
+    of = scenario(velocity=500.0, design={**OWN, **design})
+    between = of.replaced({"armour.layer": [layer("between")]})
+    assert (check(of).verdict, check(between).verdict) == ("passes", "not known")
+    assert rows(between)["interlayers"] == (0.0, 1, "not known")
+    assert check(between).threats[0].probability_of_stopping is None
+    found = optimise(between)
+    assert (found.best, found.reason) == (None, "not known")
+    assert "a compliant one may lower the ballistic limit" in found.explanation
+    given = between.replaced({"uncertainty.model": {"scale_percent": 5.0}})
+    assert check(given).verdict == "not known" == optimise(given).reason
+    fast = between.replaced({"impact.velocity_m_s": 1500.0})
+    assert check(fast).verdict == "fails"
+    assert optimise(fast).reason == "none passes"

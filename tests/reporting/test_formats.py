@@ -79,6 +79,7 @@ def test_what_explains_the_answer_is_folded():
         ["The impact, stage by stage"],
         ["Sensitivity to the inputs"],
         ["Values and their sources"],
+        ["Weight"],
         ["Scenario"],
         ["Command and versions"],
     ]
@@ -261,3 +262,16 @@ def test_tables_have_their_titles_where_there_are_several():
     tables = (Table((Column("a"),), (("1",),), "one"), Table((Column("b"),), (("2",),), "two"))
     page = markdown_report(Report("T", "", (ReportSection("S", tables=tables), ReportSection("R", tables=tables[:1]))))
     assert [line for line in page.splitlines() if line.startswith("#")] == ["# T", "## S", "### one", "### two", "## R"]
+
+
+def test_layers_without_ballistic_effect_are_drawn_in_their_places():
+    names = {"cover": "front", "glue": "between", "liner": "behind", "foil": "front"}
+    rest = {"thickness_mm": 0.5, "areal_density_kg_m2": 0.6}
+    layers = [{"name": name, "place": place, **rest} for name, place in names.items()]
+    of = scenario().replaced({"armour.layer": layers})
+    content = html_report(scenario_report(contents_of(of), "")).replace(NO_BREAK, " ")
+    _, *caption = re.findall(r"</i>([\d.]+ mm [^<]*)</span>", content)
+    assert caption == ["0.5 mm cover", "0.5 mm foil", "6.35 mm AD85", "0.5 mm glue", "6.35 mm 6061-T6", "0.5 mm liner"]
+    drawn = [float(width) for width in re.findall(r'y="0" width="([\d.]+)" height="[\d.]+" fill="var', content)]
+    assert drawn == [0.5, 0.5, 6.35, 0.5, 6.35, 0.5]
+    assert "glue, between tile and back plate: 0.5 mm and 0.6 kg/m²" in content

@@ -236,7 +236,7 @@ def test_the_answer_without_a_design():
     assert [*found] == ["Probability of stopping the projectile", "Armour", "Asked for"]
     assert found["Armour"][0] == "6.35 mm AD85 on 6.35 mm 6061-T6"
     density = AREAL_DENSITY.text(wilkins().impact.areal_density_kg_m2)
-    assert found["Armour"][1] == f"{density} kg/m², 12.7 mm thick"
+    assert found["Armour"][1] == f"{density} kg/m², 12.7 mm thick; tested near this limit: 39.8 kg/m²"
     assert found["Asked for"] == ("no probability", "--confidence 0.95 asks for a probability of 95 %")
     statement, detail = found["Probability of stopping the projectile"]
     assert statement == "7 %"
@@ -284,7 +284,7 @@ def test_the_answer_with_a_design():
     assert found.design is not None
     best = best_of(found.design)
     areal_density, cost = AREAL_DENSITY.text(best.areal_density_kg_m2), COST.text(best.cost_per_m2)
-    words = f"{areal_density} kg/m², 16.5 mm thick, cost {cost} per m²"
+    words = f"{areal_density} kg/m², 16.5 mm thick, cost {cost} per m²; tested near this limit: 44.3 kg/m²"
     assert statements(found)["Lightest design"][1] == words
     detail = statements(designed(design_result()))["Probability of stopping the projectile"][1]
     assert detail.startswith(f"against {THREAT}, the most likely of 2 threats to perforate; ")
@@ -342,7 +342,7 @@ def test_sections_are_the_answer_and_what_explains_it():
 
     assert headings(wilkins(), folded=False) == ["Threats", "What if", "Assumptions and limits", "References"]
     evidence = ["The impact, stage by stage", "Sensitivity to the inputs", "Values and their sources"]
-    assert headings(wilkins(), folded=True) == [*evidence, "Scenario", "Command and versions"]
+    assert headings(wilkins(), folded=True) == [*evidence, "Weight", "Scenario", "Command and versions"]
     full = replace(
         designed(design_result(threats=(THREAT, OTHER), pareto=True)),
         uncertainty=uncertainty_result().of(scenario=scenario()),
@@ -410,3 +410,12 @@ def test_an_armour_without_a_limit_in_the_range_has_a_report(changes: Mapping[st
     assert found.sensitivity is None
     assert found.uncertainty is None
     assert report(found).passed is passed
+
+
+def test_a_weight_stands_beside_those_of_tested_armours():
+    own = scenario("7.62 mm B32", velocity=700.0)
+    [section] = [part for part in report(contents_of(own)).sections if part.heading == "Weight"]
+    names, weights, limits = zip(*section.tables[0].rows, strict=True)
+    assert [str(name).partition(": ")[0] for name in names] == ["this armour, by the model", *["measured"] * 3]
+    assert weights[0] == own.areal_density_kg_m2()
+    assert limits[0] == contents_of(own).threat.ballistic_limit_m_s

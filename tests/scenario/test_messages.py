@@ -46,6 +46,16 @@ armour.ceramic_thickness_mm = -1.0
     armour.ceramic_thickness_mm: must be at least 0, found -1.0
 armour.thickness_mm = 1.0
     armour.thickness_mm: unknown key; did you mean "ceramic_thickness_mm"?
+armour.layer = [{ name = "glue", place = "under", thickness_mm = 1.0, areal_density_kg_m2 = 1.2 }]
+    armour.layer[0].place: must be "front", "between" or "behind", found the text "under"
+armour.layer = [{ name = "", place = "front", thickness_mm = 1.0, areal_density_kg_m2 = 1.2 }]
+    armour.layer[0].name: must not be empty, found the text ""
+armour.layer = [{ name = "glue", place = "front", thickness_mm = 1.0 }]
+    armour.layer[0].areal_density_kg_m2: is missing
+design = { existing = "backing", backing = [{ material = "6061-T6", thickness_mm = [5.0, 6.0] }] }
+    design.existing: must be left out if there are several back plates to choose from, found "backing"
+design.existing = "hull"
+    design.existing: must be "backing", found the text "hull"
 model.shear_perimeter = "cone"
     model.shear_perimeter: must be "conoid" or "projectile", found the text "cone"; did you mean "conoid"?
 model.plate_drive = "stress"

@@ -77,9 +77,9 @@ class NeededFlowStress:
 def needed_flow_stress(
     scenario: Scenario, required_m_s: float, probability: float | None = None
 ) -> NeededFlowStress | None:
-    """Return the flow stress that a ceramic without tests needs; None if the armour has none, or no metal behind it.
+    """Return the flow stress that a ceramic without tests needs; None without such a ceramic, or without a metal.
 
-    It is None, too, with other settings of the model than those used to compute the tests, as their error is not known.
+    It is None, too, with a layer between, and with other settings of the model than those used to compute the tests.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def needed_flow_stress(
         Required probability of stopping the projectile at the impact velocity; by default 0.9.
     """
     ceramic = scenario.entry_of("ceramic")
-    if ceramic is None or not scenario.armour.ceramic_thickness_mm or not is_untested(ceramic):
+    if ceramic is None or not scenario.armour.ceramic_thickness_mm or not is_untested(ceramic) or scenario.interlayers:
         return None
     if is_no_metal(scenario.core_armour().rho_B) or other_settings(scenario):
         return None
@@ -162,8 +162,8 @@ class LimitResult(Result):
         nearby instead of one at that velocity.
     runs : int
         Number of impacts computed.
-    areal_density_kg_m2 : float
-        Areal density of the armour, kg/m².
+    areal_density_kg_m2, whole_areal_density_kg_m2 : float
+        Areal density of the armour without and with a back plate that exists already, kg/m².
     monotonic : bool
         Whether every scanned velocity above the limit perforates.
     crossings : tuple of Crossing
@@ -194,6 +194,7 @@ class LimitResult(Result):
     model_error: ModelError | None = None
     interval_m_s: tuple[float, float] | None = None
     median_m_s: float | None = None
+    whole_areal_density_kg_m2: float = 0.0
 
     def _words(self) -> str:
         return f"{self.ballistic_limit_m_s:.2f} m/s{'' if self.monotonic else ', not monotonic'}"
@@ -238,6 +239,7 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
         bracket_m_s=crossings[0].bracket_m_s,
         runs=runs,
         areal_density_kg_m2=scenario.areal_density_kg_m2(),
+        whole_areal_density_kg_m2=scenario.areal_density_kg_m2(whole=True),
         monotonic=len(crossings) == 1,
         crossings=crossings,
         scanned_velocities=points,

@@ -130,8 +130,8 @@ class ImpactResult(TableResult):
         Velocity of the back plate's plug after perforation, m/s; 0 if stopped.
     duration_us : float
         Time from impact to perforation or arrest, µs.
-    areal_density_kg_m2 : float
-        Areal density of the armour, kg/m².
+    areal_density_kg_m2, whole_areal_density_kg_m2 : float
+        Areal density of the armour without and with a back plate that exists already, kg/m².
     time_step_us : float or None
         Time step, µs, if the scenario gives one; None where the estimated error chooses each step.
     stages : tuple of StageRecord
@@ -156,6 +156,7 @@ class ImpactResult(TableResult):
     stages: tuple[StageRecord, ...]
     warnings: tuple[str, ...]
     history: History | None = None
+    whole_areal_density_kg_m2: float = 0.0
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result, without its history, as plain data."""
@@ -209,6 +210,7 @@ def impact_at(scenario: Scenario, velocity: float, *, history: bool = False) -> 
         plug_velocity_m_s=end.y.W if perforated else 0.0,
         duration_us=end.t / US,
         areal_density_kg_m2=scenario.areal_density_kg_m2(),
+        whole_areal_density_kg_m2=scenario.areal_density_kg_m2(whole=True),
         time_step_us=scenario.solver.time_step_us,
         stages=stage_records(trace, armour),
         warnings=scenario_warnings(scenario, velocity, said=True),

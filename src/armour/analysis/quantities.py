@@ -19,8 +19,8 @@ REQUIRED = (
 # What a quantity depends on besides projectile, armour, model and solver, see `armour.scenario.effect`.
 OF_IMPACT, OF_LIMIT, OF_GRID = ("impact",), ("ballistic_limit",), ("impact", "optimise")
 OF_STOPPING = ("impact", "ballistic_limit", *OF_ERROR)
-OF_WEIGHT = ("design.added_areal_density_kg_m2",)
-DESIGNS = (*OF_GRID, *OF_LIMIT, "threat", "armour.ceramic", "armour.backing", "design", "uncertainty")
+OF_WEIGHT = ("design.added_areal_density_kg_m2", "design.existing")
+DESIGNS = (*OF_GRID, *OF_LIMIT, "threat", "armour.ceramic", "armour.backing", "armour.layer", "design", "uncertainty")
 
 
 class Quantity(NamedTuple):
@@ -51,7 +51,14 @@ QUANTITIES: dict[str, Quantity] = {
     "plug_velocity_m_s": Quantity("plug velocity", "m/s", ".0f", OF_IMPACT, lambda a: a.plug_velocities),
     "duration_us": Quantity("duration", "µs", ".0f", OF_IMPACT, lambda a: a.impacts.t / US),
     "areal_density_kg_m2": Quantity(
-        "areal density", "kg/m²", ".1f", OF_WEIGHT, lambda a: a.variants.areal_densities_kg_m2
+        "areal density", "kg/m²", ".1f", OF_WEIGHT, lambda a: a.variants.areal_densities_kg_m2()
+    ),
+    "whole_areal_density_kg_m2": Quantity(
+        "areal density of the whole armour",
+        "kg/m²",
+        ".1f",
+        OF_WEIGHT,
+        lambda a: a.variants.areal_densities_kg_m2(whole=True),
     ),
     "ballistic_limit_m_s": Quantity("ballistic limit", "m/s", ".0f", OF_LIMIT, lambda a: a.ballistic_limits),
     "probability_of_stopping": Quantity(
@@ -76,7 +83,7 @@ QUANTITIES: dict[str, Quantity] = {
         "kg/m²",
         ".2f",
         (*OF_GRID, *OF_WEIGHT),
-        lambda a: a.with_least_ceramic.areal_densities_kg_m2,
+        lambda a: a.with_least_ceramic.areal_densities_kg_m2(),
         "ceramic",
     ),
 }

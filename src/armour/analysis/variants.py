@@ -99,12 +99,10 @@ class Variants(NamedTuple):
         """Back plate thicknesses, mm, (n,)."""
         return batch.fields(self.parameters).Hb / MM * self.cosines
 
-    @property
-    def areal_densities_kg_m2(self) -> Floats:
-        """Areal densities, kg/m², with what the section ``design`` adds, (n,)."""
-        p, section = batch.fields(self.parameters), self.scenario.design
-        added = section.added_areal_density_kg_m2 if section else 0.0
-        return (p.rho_c * p.Hc0 + p.rho_B * p.Hb) * self.cosines + added
+    def areal_densities_kg_m2(self, *, whole: bool = False) -> Floats:
+        """Return areal densities, kg/m², (n,); a back plate that exists counts only for whole armours."""
+        p, counts = batch.fields(self.parameters), whole or self.scenario.counts_backing
+        return (p.rho_c * p.Hc0 + p.rho_B * p.Hb * counts) * self.cosines + self.scenario.inert("areal_density_kg_m2")
 
 
 def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -> Variants:

@@ -47,13 +47,13 @@ CONFIDENCE_OPTION = ("design.confidence", "Required probability of stopping each
 CHECK = (
     *("design.confidence", "design.thickness_tolerance_mm"),
     *("design.areal_density_max_kg_m2", "design.thickness_max_mm", "design.cost_max_per_m2"),
-    *("design.added_areal_density_kg_m2", "design.added_thickness_mm", "design.added_cost_per_m2"),
+    *(*OF_WEIGHT, "design.added_thickness_mm", "design.added_cost_per_m2"),
     *("design.ceramic", "design.backing"),
 )
 # Computations that take longer are announced.
 ANNOUNCED_S = 10.0
 # Sections and keys that a ballistic limit depends on, see `armour.scenario.effect`.
-LIMIT_READS = (*ROUND_AND_ARMOUR, "ballistic_limit", *OF_ERROR)
+LIMIT_READS = (*ROUND_AND_ARMOUR, "ballistic_limit", *OF_ERROR, *OF_WEIGHT)
 IMPACT_READS = ("impact", "armour", "ballistic_limit", *OF_ERROR, *OF_WEIGHT)
 CHECK_READS = (*IMPACT_READS, "threat", "uncertainty", *CHECK)
 

@@ -190,18 +190,19 @@ class Catalogue:
 
     def candidates(self, pair: int, ceramic_mm: Floats, backing_mm: Floats) -> CandidateDesigns:
         """Return designs of a pair with their areal density, thickness and cost."""
-        offer, section = self.offers[pair], self.section
+        offer, inert = self.offers[pair], self.scenario.inert
         ceramic_mass = offer.ceramic_density_kg_m3 * ceramic_mm * MM
-        backing_mass = offer.backing_density_kg_m3 * backing_mm * MM
+        counted_mm = backing_mm * self.scenario.counts_backing
+        backing_mass = offer.backing_density_kg_m3 * counted_mm * MM
         ceramic_cost = offer.ceramic.cost(offer.ceramic_density_kg_m3, ceramic_mm)
-        backing_cost = offer.backing.cost(offer.backing_density_kg_m3, backing_mm)
+        backing_cost = offer.backing.cost(offer.backing_density_kg_m3, counted_mm)
         return CandidateDesigns(
             np.full(len(ceramic_mm), pair),
             ceramic_mm,
             backing_mm,
-            np.round(ceramic_mass + backing_mass + section.added_areal_density_kg_m2, DIGITS),
-            np.round(ceramic_mm + backing_mm + section.added_thickness_mm, DIGITS),
-            np.round(section.added_cost_per_m2 + ceramic_cost + backing_cost, DIGITS),
+            np.round(ceramic_mass + backing_mass + inert("areal_density_kg_m2"), DIGITS),
+            np.round(ceramic_mm + counted_mm + inert("thickness_mm"), DIGITS),
+            np.round(inert("cost_per_m2") + ceramic_cost + backing_cost, DIGITS),
         )
 
     def violations(self, candidates: CandidateDesigns) -> Floats:
@@ -242,7 +243,9 @@ class Catalogue:
     @cached_property
     def costed(self) -> list[bool]:
         """Whether the cost of each pair is complete: given for each of its materials."""
-        return [all(layer.has_cost() for layer in offer[:2] if layer.material) for offer in self.offers]
+        counted = 1 + self.scenario.counts_backing
+        layers = ((offer.ceramic, offer.backing)[:counted] for offer in self.offers)
+        return [all(layer.has_cost() for layer in of_pair if layer.material) for of_pair in layers]
 
 
 def catalogue_of(scenario: Scenario) -> Catalogue:
@@ -306,7 +309,7 @@ def _wrong_layers(file: str, section: DesignSection, *, sampled: bool) -> Iterat
             if sampled and layer.free_range():
                 message = "must have a step if a probability is bounded and [uncertainty] has distributions to sample"
                 yield Problem(file, f"{key}.thickness_mm", message)
-            if costs and layer.material and not layer.has_cost():
+            if costs and layer.material and role != section.existing and not layer.has_cost():
                 message = f'must have a cost if [design] asks for costs, found none for "{layer.material}"'
                 yield Problem(file, key, message)
 
@@ -350,5 +353,6 @@ def _section_of(scenario: Scenario) -> DesignSection:
         else:
             ceramics = (CeramicLayer(material=armour.ceramic, thickness_mm=grid_of(scenario).ceramic_thickness_mm),)
     if not backings:
-        backings = (BackingLayer(material=armour.backing, thickness_mm=grid_of(scenario).backing_thickness_mm),)
+        own = [armour.backing_thickness_mm] if section.existing else grid_of(scenario).backing_thickness_mm
+        backings = (BackingLayer(material=armour.backing, thickness_mm=own),)
     return section.model_copy(update={"ceramic": ceramics, "backing": backings})

@@ -132,9 +132,11 @@ class CheckResult(TableResult):
     requirements : tuple of Requirement
         What is required whatever the threat, and what the armour has.
     areal_density_kg_m2, thickness_mm : float
-        Including what the section ``design`` adds.
+        Including layers without ballistic effect, without a back plate that exists already.
     cost_per_m2 : float or None
-        The same; None unless the section gives the cost of each material.
+        The same; None unless the section ``design`` gives the cost of each material.
+    whole_areal_density_kg_m2, whole_thickness_mm : float
+        With a back plate that exists already.
     """
 
     threats: tuple[CheckedThreat, ...]
@@ -144,6 +146,8 @@ class CheckResult(TableResult):
     areal_density_kg_m2: float = 0.0
     thickness_mm: float = 0.0
     cost_per_m2: float | None = None
+    whole_areal_density_kg_m2: float = 0.0
+    whole_thickness_mm: float = 0.0
 
     def _columns(self) -> dict[str, list[object]]:
         rows = [
@@ -208,6 +212,8 @@ def check(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> C
         areal_density_kg_m2=areal_density,
         thickness_mm=thickness,
         cost_per_m2=cost,
+        whole_areal_density_kg_m2=scenario.areal_density_kg_m2(whole=True),
+        whole_thickness_mm=scenario.thickness_mm(whole=True),
     ).of(title, scenario=scenario)
 
 
@@ -236,6 +242,7 @@ def _checked(
             against.core_armour().rho_B,
             stops=simulate(against.replaced({VELOCITY: threat.required_m_s})).outcome == "stopped",
             tolerance_m_s=against.ballistic_limit.tolerance_m_s,
+            interlayers=against.interlayers,
         )
     )
     what_ifs = []

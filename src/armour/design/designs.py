@@ -53,7 +53,7 @@ class Asked(NamedTuple):
 
     limits_m_s: Floats  # least ballistic limits by the model; 0 where a probability alone decides
     bounds: Floats  # greatest probabilities of perforation, given the model error; 1 where none is required, or known
-    unknown: Bools  # whether a probability is required that is not known
+    unknown: Bools  # whether a probability is required that is not known, or a layer lies between tile and plate
 
 
 def asked_of(catalogue: Catalogue, rows: Variants) -> Asked:
@@ -70,6 +70,7 @@ def asked_of(catalogue: Catalogue, rows: Variants) -> Asked:
     limits = np.where(known & (margins == 0.0), 0.0, rows.velocities + margins)
     by_samples = catalogue.sampled and catalogue.scenario.excludes_error()
     unknown = np.zeros_like(known) if by_samples else bounded & ~known
+    unknown |= catalogue.scenario.interlayers > 0
     return Asked(limits, np.where(known, bounds, 1.0), unknown)
 
 

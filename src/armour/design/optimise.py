@@ -21,12 +21,13 @@ from armour.errors import Problem, listed, refuse
 from armour.errors import joined as joined_words
 from armour.evidence.caveats import no_metal
 from armour.evidence.mixture import Mixture
-from armour.evidence.model_error import REMEDY, ModelError, error_of
+from armour.evidence.model_error import INTERLAYER, REMEDY, ModelError, error_of
 from armour.evidence.tests import threat_warnings
 from armour.scenario.checked import checked
 from armour.scenario.inputs import BACKING, CERAMIC, NAMES
 from armour.scenario.scenario import Scenario, Varied
 from armour.scenario.schema import OBJECTIVES, DesignSection
+from armour.units import MM
 
 # Words that begin the reason of a pair of materials: without tests, if others have them; with a single source of the
 # ceramic's flow stress; and nearly as good as the best.
@@ -50,13 +51,15 @@ class Design:
         Names of the materials; the ceramic's is empty for a bare back plate.
     ceramic_thickness_mm, backing_thickness_mm : float
     areal_density_kg_m2, thickness_mm : float
-        Including what the section ``design`` adds.
+        Including layers without ballistic effect, without a back plate that exists already.
     cost_per_m2 : float or None
         The same, in the unit of the costs given; None unless that of each material is.
     margin_m_s : float or None
         Smallest difference between ballistic limit and velocity over the threats; None if not computed.
     untested : bool
         Whether no test of the ceramic on metal is known.
+    whole_areal_density_kg_m2, whole_thickness_mm : float
+        With a back plate that exists already.
     """
 
     ceramic: str
@@ -68,6 +71,8 @@ class Design:
     cost_per_m2: float | None
     margin_m_s: float | None
     untested: bool
+    whole_areal_density_kg_m2: float
+    whole_thickness_mm: float
 
 
 @dataclass(frozen=True)
@@ -411,7 +416,7 @@ def _best_place(search: FreeThicknesses) -> tuple[Designs, int | None, Reason]:
         return designs, None, "not known" if len(designs.within) else "none passes"
     if (place := _first(designs, designs.offered, PASSES)) is not None:
         return designs, place, ""
-    if search.catalogue.bounded and _has_free_layer(search.catalogue):
+    if (search.catalogue.bounded or search.catalogue.scenario.interlayers) and _has_free_layer(search.catalogue):
         search.least = NOT_KNOWN
         designs = _table(search)
     if (place := _first(designs, designs.offered, NOT_KNOWN)) is not None:
@@ -523,6 +528,8 @@ def _why_not_known(designs: Designs, place: int | None) -> str:
     unknown = np.flatnonzero(asked_of(catalogue, rows).unknown).tolist()
     if not unknown:
         return "the interval of a sampled probability contains the one required; raise uncertainty.samples"
+    if catalogue.scenario.interlayers:
+        return INTERLAYER
     # The reason is that of the governing threat, if its probability is unknown.
     threat = min(unknown, key=designs.slack_m_s(np.array([place]))[0].__getitem__)
     why = why_error_unknown(rows.at(np.array([threat])))
@@ -621,7 +628,10 @@ def as_results(designs: Designs, where: Ints, *, with_margins: bool = False) -> 
         cost if catalogue.costed[pair] else None for pair, cost in zip(columns.pair, columns[5].tolist(), strict=True)
     ]
     untested = [catalogue.untested[pair] for pair in columns.pair]
-    rows = zip(named, numbers, costs, margins, untested, strict=True)
+    hulls_mm = columns.backing_mm * (not catalogue.scenario.counts_backing)
+    hulls_kg_m2 = hulls_mm * MM * [catalogue.offers[pair].backing_density_kg_m3 for pair in columns.pair]
+    whole = (columns.areal_density_kg_m2 + hulls_kg_m2).tolist(), (columns.thickness_mm + hulls_mm).tolist()
+    rows = zip(named, numbers, costs, margins, untested, *whole, strict=True)
     return tuple(Design(*names, *values, *others) for names, values, *others in rows)
 
 
@@ -653,6 +663,7 @@ def _best(designs: Designs, place: int, *, named: bool = False) -> BestDesign:
             offer.backing_density_kg_m3,
             stops=stops[i],
             tolerance_m_s=searched.tolerance_m_s,
+            interlayers=catalogue.scenario.interlayers,
         )
     ]
     short = {threat: max(-float(spare), 0.0) for threat, spare in zip(catalogue.titles, slack, strict=True)}

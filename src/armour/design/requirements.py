@@ -23,13 +23,13 @@ class Requirement:
     Attributes
     ----------
     quantity : str
-        "margin_m_s", "probability_of_stopping", "flow_stress_sources", "backing_density_kg_m3", or a key of a design
-        such as "thickness_mm".
+        "margin_m_s", "probability_of_stopping", "flow_stress_sources", "backing_density_kg_m3", "interlayers", or a key
+        of a design such as "thickness_mm".
     threat : str
         The threat that it is about; empty if it is about none.
     required : float
-        The least margin, probability, number of sources or density of a metal, or the greatest areal density, thickness
-        or cost.
+        The least margin, probability, number of sources or density of a metal, or the greatest number of layers between
+        tile and back plate, areal density, thickness or cost.
     found : float or None
         What the armour has; None if that is not known.
     verdict : {"passes", "fails", "not known"}
@@ -67,6 +67,7 @@ def against_threat(
     *,
     stops: bool,
     tolerance_m_s: float,
+    interlayers: int,
 ) -> Iterator[Requirement]:
     """Yield what is required of an armour against a threat.
 
@@ -92,6 +93,8 @@ def against_threat(
         Whether the armour stops the projectile, by the model, at the velocity plus the margin.
     tolerance_m_s : float
         Tolerance of the limit: the projectile may perforate within it.
+    interlayers : int
+        Layers between tile and back plate: no test with one is known.
     """
     if is_no_metal(backing_density_kg_m3):
         metal = "backing_density_kg_m3"
@@ -106,6 +109,8 @@ def against_threat(
         yield Requirement("margin_m_s", threat.title, threat.margin_m_s, margin_m_s, verdict)
     if ceramic is not None and ceramic.has_one_source:
         yield Requirement("flow_stress_sources", threat.title, SOURCES, 1.0, "not known")
+    if interlayers:
+        yield Requirement("interlayers", threat.title, 0.0, interlayers, "not known")
     if bound is None:
         return
     interval = None

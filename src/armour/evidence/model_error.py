@@ -31,6 +31,9 @@ DOUBTED = ("backing_thickness_ratio", "backing_strength_GPa", "rod_mass_ratio")
 # The key of the solver that changes how exactly is computed, not what.
 NUMERICAL = "time_step_us"
 NO_TEST = "no test of such an armour is known"
+INTERLAYER = (
+    "no test with a layer between tile and back plate is known, and a compliant one may lower the ballistic limit"
+)
 REMEDY = "own tests (armour calibrate) or [uncertainty.model] can give it"
 
 
@@ -205,7 +208,7 @@ def errors_of(scenario: Scenario, armours: Armours) -> Errors:
     They come from the own tests of the library entries, or else from the shipped tests.
     """
     count, error = len(armours.material_of_row), given_error(scenario)
-    if scenario.excludes_error() or (error is None and other_settings(scenario)):
+    if scenario.excludes_error() or (error is None and (scenario.interlayers or other_settings(scenario))):
         return Errors.unknown(count)
     if error is not None:
         repeated = error.ratio.mapped(lambda array: np.repeat(array[:, None], count, axis=1))
@@ -307,6 +310,8 @@ def why_unknown(scenario: Scenario, armour: Armours) -> str:
         return f"the tests were not computed with {settings}; [uncertainty.model] can give it"
     if is_no_metal(np.min(armour.parameters.rho_B)):
         return "the back plate is no metal"
+    if scenario.interlayers:
+        return INTERLAYER
     [(evidence, _)] = armour.by_evidence()
     if evidence.lot and not evidence.fits:
         return f"of {evidence.lot}, {evidence.source}"

@@ -17,7 +17,7 @@ from armour.design.catalogue import COST, NO_BOUND, Catalogue, catalogue_of
 from armour.design.map import DesignMap, design_map, limits_over_sources, thicknesses_tested, with_known_edges
 from armour.errors import InputError, Problem
 from armour.evidence.caveats import no_metal
-from armour.evidence.model_error import given_error
+from armour.evidence.model_error import INTERLAYER, given_error
 from armour.reporting.formats import TEMPLATES, rendered
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Layer
@@ -85,7 +85,12 @@ def _question(catalogue: Catalogue) -> dict[str, Any]:
         "version": __version__,
         "confidence": section.confidence,
         "most": section.areal_density_max_kg_m2,
-        "added": {"areal": section.added_areal_density_kg_m2, "thickness": section.added_thickness_mm},
+        "added": {"areal": scenario.inert("areal_density_kg_m2"), "thickness": scenario.inert("thickness_mm")},
+        "layers": [
+            [("inert", layer.thickness_mm, layer.name) for layer in scenario.armour.layer if layer.place == place]
+            for place in ("front", "between", "behind")
+        ],
+        "interlayer": INTERLAYER if scenario.interlayers else "",
         "scores": [float(score) for score in ndtri(PROBABILITIES)],
         "own": {
             "ceramic": scenario.armour.ceramic,
@@ -180,10 +185,12 @@ def _pair(catalogue: Catalogue, pair: int, grid: tuple[Floats, Floats], on_progr
     violations = catalogue.violations(massless)
     tested = [thicknesses_tested(catalogue, pair, i) for i in range(len(catalogue.threats))]
     densities = {"ceramic": offer.ceramic.density_kg_m3, "backing": offer.backing.density_kg_m3}
+    counts, density = catalogue.scenario.counts_backing, offer.backing_density_kg_m3
     return {
         "ceramic": offer.ceramic.material,
         "backing": offer.backing.material,
-        "densities": [offer.ceramic_density_kg_m3, offer.backing_density_kg_m3],
+        "densities": [offer.ceramic_density_kg_m3, density * counts],
+        "hull": "" if counts else density * float(backings[0]) * MM,
         "changes": [
             f"{layer}.density_kg_m3={density:.17g}" for layer, density in densities.items() if density is not None
         ],

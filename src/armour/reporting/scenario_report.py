@@ -22,6 +22,7 @@ from armour.reporting.text import interval, percent
 from armour.reporting.views import analysis as analysis_view
 from armour.reporting.views import design as design_view
 from armour.reporting.views import statistics as statistics_view
+from armour.reporting.views import validation as validation_view
 from armour.reporting.views.library import entry_table
 from armour.reporting.words import (
     SAMPLED_ALONE,
@@ -37,14 +38,21 @@ from armour.reporting.words import (
 )
 from armour.scenario.inputs import INPUTS, NAMES, ROLES
 from armour.scenario.scenario import Scenario
-from armour.scenario.schema import OBJECTIVES, DesignSection
+from armour.scenario.schema import OBJECTIVES
 from armour.statistics.own_tests import predicted_tests
 from armour.statistics.sensitivity import SensitivityResult, sensitivity
 from armour.statistics.uncertainty import UncertaintyResult, uncertainty
+from armour.validation.comparison import areal_density_rules
+from armour.validation.tested import nearest_measured
 
 Answer = TypeVar("Answer")
 # Keys of [design] that ask for a design; the others apply to any armour.
 ASKING = {"minimise", "pareto", "runners_up_percent", "ceramic", "backing"}
+# What the tested armours beside a weight have in common.
+TESTED = (
+    "Measured armours were tested at normal incidence with a core whose diameter, mass and density differ by at most "
+    "10 %: with a ceramic, and of each metal, the one whose limit is nearest."
+)
 # What the model leaves out, see docs/limits.md.
 ASSUMPTIONS = (
     ("Penetrator", "a flat-ended cylinder of one material; jacket, tip, sabot and fracture of the core are left out"),
@@ -177,7 +185,7 @@ def _byline(scenario: Scenario) -> tuple[tuple[str, str], ...]:
 def _has_requirements(contents: Contents) -> bool:
     """Return whether more is required than that the ballistic limit by the model reaches the velocity."""
     rows = design_view.requirements_of(contents.check)
-    return any(row.required for row in rows if row.quantity != design_view.SOURCES)
+    return any(row.required or row.quantity == "interlayers" for row in rows if row.quantity != design_view.SOURCES)
 
 
 def _verdict(contents: Contents) -> tuple[bool | None, str]:
@@ -192,7 +200,7 @@ def _verdict(contents: Contents) -> tuple[bool | None, str]:
     rows = [row for row in design_view.requirements_of(contents.check) if row.verdict == contents.check.verdict]
     names = list(dict.fromkeys(row.threat for row in rows if row.threat))
     against = f" against {' and '.join(names)}" if names else ""
-    return False, f"{words} the requirements{against}: {'; '.join(map(requirement_words, rows))}."
+    return False, f"{words} the requirements{against}: {'; '.join(dict.fromkeys(map(requirement_words, rows)))}."
 
 
 def _probability(contents: Contents) -> Card:
@@ -228,7 +236,11 @@ def _armour(contents: Contents) -> Card:
         subject = f"{OBJECTIVES[design.minimised].least.capitalize()} design"
         if design.reason:
             subject = "Nearest design" if design.reason == "none passes" else f"{subject} by the computed limit"
-    return Card(subject, contents.answer.armour_words(), design_view.amounts(contents.check))
+    details = [design_view.amounts(contents.check)]
+    if (limit := contents.threat.ballistic_limit_m_s) is not None:
+        near = [each for each in nearest_measured(contents.answer, limit) if each.is_near(limit)]
+        details += [f"tested near this limit: {near[0].areal_density_kg_m2:.1f} kg/m²"] if near else []
+    return Card(subject, contents.answer.armour_words(), "; ".join(details))
 
 
 def _requirements(contents: Contents) -> Card:
@@ -242,10 +254,7 @@ def _requirements(contents: Contents) -> Card:
     for row in contents.check.requirements:
         name, asked, _ = requirement_parts(row)
         details.append(f"{name} of {asked}")
-    section = contents.scenario.design or DesignSection()
-    additions = ((section.added_thickness_mm, "mm"), (section.added_areal_density_kg_m2, "kg/m²"))
-    if words := [f"{value:g} {unit}" for value, unit in additions if value]:
-        details.append(f"{' and '.join(words)} added for adhesive or cover")
+    details += design_view.layer_words(contents.scenario.inert_layers)
     return Card("Asked for", ", ".join(requirements) or "no probability", "; ".join(details))
 
 
@@ -316,6 +325,11 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Re
         for entry in entries
     )
     yield ReportSection("Values and their sources", tables=tuple(entry_tables), folded=True)
+    if (limit := threat.ballistic_limit_m_s) is not None and not threat.obliquity_deg:
+        rules, measured = areal_density_rules(answer, limit), nearest_measured(answer, limit)
+        tested = TESTED if measured else f"No test of a core like that of {answer.impact.projectile} is known."
+        table = validation_view.weight_table(answer, limit, rules, measured)
+        yield ReportSection("Weight", (tested,), tables=(table,), folded=True)
     yield ReportSection("Scenario", code=scenario.to_toml(), language="toml", folded=True)
     yield origin_section(command, _which_armour(contents), contents.scenario)
 

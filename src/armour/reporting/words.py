@@ -1,14 +1,15 @@
 """Words on the probability that an armour stops its threat, the model error and the flow stress of a ceramic."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from math import ceil, floor
+from typing import Any
 
 from armour.analysis.ballistic_limit import ConfidenceResult, NeededFlowStress, no_error
 from armour.design.check import CheckedThreat
 from armour.design.requirements import Requirement
 from armour.errors import Note, counted, joined
 from armour.evidence.caveats import no_metal
-from armour.evidence.model_error import ModelError
+from armour.evidence.model_error import INTERLAYER, ModelError
 from armour.reporting.table import Column, Source, column_of
 from armour.reporting.text import interval, number, percent
 from armour.scenario.scenario import Scenario
@@ -16,6 +17,11 @@ from armour.scenario.schema import OBJECTIVES
 
 BALLISTIC_LIMIT = column_of("ballistic_limit_m_s")
 STOPPING = Column("probability of stopping the projectile", prose=True)
+# With a back plate that exists already, the weight of it all is shown too.
+WHOLE: tuple[Column, Callable[[Any], float | None]] = (
+    column_of("whole_areal_density_kg_m2", label="whole armour"),
+    lambda item: item.whole_areal_density_kg_m2 if item.whole_areal_density_kg_m2 != item.areal_density_kg_m2 else None,
+)
 # What distributions tell where the model error is not known.
 SAMPLED_ALONE = "a probability from the given distributions alone takes the model as exact"
 
@@ -58,6 +64,8 @@ def requirement_parts(row: Requirement) -> tuple[str, str, str]:
         return "sources of the flow stress", least, found
     if row.quantity == "backing_density_kg_m3":
         return "density of the back plate", f"{least} kg/m³", f"{found} kg/m³"
+    if row.quantity == "interlayers":
+        return "layers between tile and back plate", "none", found
     unit = OBJECTIVES[row.quantity].unit
     label = column_of(row.quantity).label.removesuffix(unit)
     return label, f"at most {row.required:g}{unit}", found if row.found is None else f"{found}{unit}"
@@ -67,6 +75,8 @@ def requirement_words(row: Requirement) -> str:
     """Return what an armour has of what is required, such as "areal density 41.5 kg/m², at most 20 kg/m² allowed"."""
     if row.quantity == "backing_density_kg_m3":
         return no_metal(row.found or 0.0)
+    if row.quantity == "interlayers":
+        return INTERLAYER
     name, asked, found = requirement_parts(row)
     return f"{name} {found}, {asked} {'allowed' if row.quantity in OBJECTIVES else 'required'}"
 

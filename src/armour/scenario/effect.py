@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterable, Sequence
 from contextlib import suppress
 
 from armour.errors import InputError, Problem, choices, refuse
-from armour.scenario.inputs import CERAMIC, NAMES
+from armour.scenario.inputs import BACKING, CERAMIC, NAMES
 from armour.scenario.keys import Parts, key_name, parts_of, upwards
 from armour.scenario.scenario import Scenario
 
@@ -89,6 +89,8 @@ def _read_of(scenario: Scenario, reads: Collection[str]) -> set[str]:
         replaced |= {"impact"}
     if "design" in reads and scenario.design is not None:
         replaced |= {f"armour.{layer}" for layer in ("ceramic", "backing") if getattr(scenario.design, layer)}
+        if scenario.design.existing and not scenario.design.backing:
+            reads = {*reads, BACKING}
     return {*reads} - replaced
 
 

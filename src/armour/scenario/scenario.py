@@ -51,6 +51,7 @@ from armour.scenario.schema import (
     DesignSection,
     Distribution,
     Impact,
+    InertLayer,
     LibrarySection,
     Line,
     Model,
@@ -222,26 +223,60 @@ class Scenario(Section):
         fields: dict[str, Any] = dict.fromkeys(Parameters._fields, 0.0) | fields_of(self._inputs, self.cosine())
         return Parameters(**(fields | self.model.laws()))
 
-    def areal_density_kg_m2(self, *, added: bool = True) -> float:
-        """Compute the areal density of the armour, kg/m², by default with what the section ``design`` adds."""
-        parameters = self.core_armour()
-        ceramic, backing = self.armour.ceramic_thickness_mm * MM, self.armour.backing_thickness_mm * MM
-        more = self.design.added_areal_density_kg_m2 if added and self.design else 0.0
-        return parameters.rho_c * ceramic + parameters.rho_B * backing + more
+    @cached_property
+    def inert_layers(self) -> tuple[InertLayer, ...]:
+        """The layers without ballistic effect; that of the section ``design`` comes last, without name and place."""
+        section = self.design or DesignSection()
+        names = ("thickness_mm", "areal_density_kg_m2", "cost_per_m2")
+        amounts: dict[str, Any] = {name: getattr(section, f"added_{name}") for name in names}
+        unnamed = {"name": "", "place": "", **amounts}
+        added = [InertLayer.model_construct(**unnamed)] if any(amounts.values()) else []
+        return (*self.armour.layer, *added)
 
-    def thickness_mm(self) -> float:
-        """Return the thickness of the armour, mm, with what the section ``design`` adds."""
-        added = self.design.added_thickness_mm if self.design else 0.0
-        return self.armour.ceramic_thickness_mm + self.armour.backing_thickness_mm + added
+    def inert(self, key: str) -> float:
+        """Return the sum of a quantity of the layers without ballistic effect, such as "thickness_mm"."""
+        return sum((getattr(layer, key) for layer in self.inert_layers), 0.0)
+
+    def cross_section(self) -> list[tuple[str, str, float]]:
+        """Return the layers from the front, each as "ceramic", "metal" or "inert" with its name and thickness, mm."""
+        armour = self.armour
+        front, between, behind = (
+            [("inert", layer.name, layer.thickness_mm) for layer in armour.layer if layer.place == place]
+            for place in ("front", "between", "behind")
+        )
+        tile = [("ceramic", armour.ceramic or "", armour.ceramic_thickness_mm)] * (armour.ceramic_thickness_mm > 0.0)
+        plate = ("metal", armour.backing, armour.backing_thickness_mm)
+        return [*front, *tile, *between, plate, *behind]
+
+    @property
+    def interlayers(self) -> int:
+        """Number of layers between tile and back plate: no test with one is known."""
+        return sum(layer.place == "between" for layer in self.armour.layer)
+
+    @property
+    def counts_backing(self) -> bool:
+        """Whether the back plate counts for areal density, thickness and cost: not if it exists already."""
+        return self.design is None or self.design.existing is None
+
+    def areal_density_kg_m2(self, *, whole: bool = False) -> float:
+        """Return the areal density of the armour, kg/m²; a back plate that exists counts only for the whole one."""
+        parameters, counts = self.core_armour(), whole or self.counts_backing
+        ceramic, backing = self.armour.ceramic_thickness_mm * MM, self.armour.backing_thickness_mm * MM
+        return parameters.rho_c * ceramic + parameters.rho_B * backing * counts + self.inert("areal_density_kg_m2")
+
+    def thickness_mm(self, *, whole: bool = False) -> float:
+        """Return the thickness of the armour, mm; a back plate that exists counts only for the whole one."""
+        backing = self.armour.backing_thickness_mm * (whole or self.counts_backing)
+        return self.armour.ceramic_thickness_mm + backing + self.inert("thickness_mm")
 
     def cost_per_m2(self) -> float | None:
-        """Return the cost of the armour, with what is added; None unless that of each layer is given."""
+        """Return the cost of the armour, without a back plate that exists; None unless that of each layer is given."""
         if self.design is None:
             return None
-        total, armour, parameters = self.design.added_cost_per_m2, self.armour, self.core_armour()
+        total, armour, parameters = self.inert("cost_per_m2"), self.armour, self.core_armour()
         for options, name, density, thickness in (
             (self.design.ceramic, armour.ceramic, parameters.rho_c, armour.ceramic_thickness_mm),
-            (self.design.backing, armour.backing, parameters.rho_B, armour.backing_thickness_mm),
+            (self.design.backing, armour.backing, parameters.rho_B, armour.backing_thickness_mm * self.counts_backing),
         ):
             layer = next((option for option in options if option.material == name and option.has_cost()), None)
             if layer is not None:

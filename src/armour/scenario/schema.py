@@ -124,8 +124,23 @@ class Impact(Section):
         return f"{self.threat or ''}{', changed' if any(self.replaced_values()) else ''}"
 
 
+class InertLayer(Section):
+    """A layer without ballistic effect, such as adhesive or a cover."""
+
+    name: Annotated[Line, Field(min_length=1)]
+    """What the layer is."""
+    place: Literal["front", "between", "behind"]
+    """Where it is: in front of the armour, between tile and back plate, or behind the armour."""
+    thickness_mm: ThicknessOrNone
+    """Thickness of the layer."""
+    areal_density_kg_m2: Amount
+    """Areal density of the layer."""
+    cost_per_m2: Amount = 0.0
+    """Cost per area of the layer."""
+
+
 class ArmourSection(Section):
-    """The armour: a metal back plate, with or without a ceramic tile on it."""
+    """The armour: a metal back plate, with or without a ceramic tile on it, and layers without ballistic effect."""
 
     ceramic: CeramicName | None = None
     """Name of the ceramic; left out for a bare plate."""
@@ -135,6 +150,8 @@ class ArmourSection(Section):
     """Name of the metal of the back plate."""
     backing_thickness_mm: Thickness
     """Thickness of the back plate."""
+    layer: Items[InertLayer] = ()
+    """Layers without ballistic effect."""
 
     @field_validator("ceramic_thickness_mm")
     @classmethod
@@ -436,15 +453,25 @@ class DesignSection(Section):
     cost_max_per_m2: Positive | None = None
     """Greatest cost per area."""
     added_thickness_mm: ThicknessOrNone = 0.0
-    """Thickness of adhesive or cover, without ballistic effect."""
+    """Thickness of a layer of armour.layer without name and place."""
     added_areal_density_kg_m2: Amount = 0.0
-    """Areal density of adhesive or cover."""
+    """Areal density of this layer."""
     added_cost_per_m2: Amount = 0.0
-    """Cost per area of adhesive or cover."""
+    """Cost per area of this layer."""
     ceramic: Items[CeramicLayer] = ()
     """Ceramics to choose from."""
     backing: Items[BackingLayer] = ()
     """Metals to choose from for the back plate."""
+    existing: Literal["backing"] | None = None
+    """Part of the armour that exists already, such as a hull: it counts for the ballistic limit, but not for the limits
+    of areal density, thickness and cost, nor for what is minimised."""
+
+    @field_validator("existing")
+    @classmethod
+    def _one_that_exists(cls, existing: str | None, info: ValidationInfo) -> str | None:
+        if existing and sum(len(layer.thicknesses()) for layer in info.data.get("backing", ())) > 1:
+            raise ValueError(f'must be left out if there are several back plates to choose from, found "{existing}"')
+        return existing
 
     def bound(self, threat: "Threat") -> float | None:
         """Return the greatest probability that a threat perforates; None if no probability is required."""

@@ -15,6 +15,7 @@ from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.validation.formulas import (
     FlorenceResult,
     ResidualVelocityFit,
+    along_fire_kg_m2,
     bodies_of,
     fit_areal_density_rule,
     fit_lambert_jonas,
@@ -24,6 +25,7 @@ from armour.validation.formulas import (
 )
 from armour.validation.rivals import Error, areal_densities, measured_limits
 from armour.validation.suite import Case, Suite, load_suite
+from armour.validation.tested import MeasuredArmour, nearest_measured
 from armour.validation.validate import paper_suite, validate
 
 # Table of the paper's suite to which the areal density rule is fitted.
@@ -44,12 +46,15 @@ class RuleResult:
         Whether the exponent is fitted; otherwise it is 1.
     ballistic_limit_m_s : float
         Ballistic limit of the armour, m/s.
+    areal_density_kg_m2 : float
+        Areal density that has the ballistic limit by the model, kg/m².
     """
 
     k: float
     p: float
     p_fitted: bool
     ballistic_limit_m_s: float
+    areal_density_kg_m2: float = 0.0
 
 
 @dataclass(frozen=True, repr=False)
@@ -58,8 +63,8 @@ class Comparison(TableResult):
 
     Attributes
     ----------
-    areal_density_kg_m2 : float
-        Areal density of the armour, kg/m².
+    areal_density_kg_m2, whole_areal_density_kg_m2 : float
+        Areal density of the armour without and with a back plate that exists already, kg/m².
     limit : LimitResult
         Ballistic limit by the model.
     florence : tuple of FlorenceResult
@@ -79,6 +84,9 @@ class Comparison(TableResult):
         `SuiteResult` lists; empty if there are no rules.
     florence_missing : tuple of str
         Keys of the library that Florence's limit needs and the metal of the back plate lacks.
+    measured : tuple of MeasuredArmour
+        Armours tested with such a core, each with the areal density and the ballistic limit: with a ceramic, and of
+        each metal, the one whose limit is nearest to that by the model.
     """
 
     areal_density_kg_m2: float
@@ -91,17 +99,21 @@ class Comparison(TableResult):
     rules: tuple[RuleResult, ...]
     errors: tuple[Error, ...]
     florence_missing: tuple[str, ...] = ()
+    whole_areal_density_kg_m2: float = 0.0
+    measured: tuple[MeasuredArmour, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """Return the comparison, without the curve, as plain data."""
         return {
             "areal_density_kg_m2": self.areal_density_kg_m2,
+            "whole_areal_density_kg_m2": self.whole_areal_density_kg_m2,
             "ballistic_limit_m_s": self.limit.ballistic_limit_m_s,
             "florence": [asdict(result) for result in self.florence],
             "fits": [asdict(fit) for fit in self.fits],
             "fitted_m_s": self.fitted_m_s,
             "tests": self.tests,
             "areal_density_rules": [asdict(rule) for rule in self.rules],
+            "measured": [asdict(armour) for armour in self.measured],
             "errors": [asdict(error) for error in self.errors],
             "florence_missing": self.florence_missing,
             "warnings": self.warnings,
@@ -157,10 +169,11 @@ def compare(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) ->
     above = [impact for impact in curve if impact.impact_velocity_m_s > limit.ballistic_limit_m_s]
     velocities = [impact.impact_velocity_m_s for impact in above]
     residuals = [impact.residual_velocity_m_s for impact in above]
-    cases = _tests().cases
-    is_tested = all(scenario.entry_of(role) == cases[0].scenario.entry_of(role) for role in ROLES)
+    cases, rules = _tests().cases, areal_density_rules(scenario, limit.ballistic_limit_m_s)
     return Comparison(
         areal_density_kg_m2=scenario.areal_density_kg_m2(),
+        measured=nearest_measured(scenario, limit.ballistic_limit_m_s),
+        whole_areal_density_kg_m2=scenario.areal_density_kg_m2(whole=True),
         limit=limit,
         florence=() if missing else tuple(florence_result(scenario, body, on_progress) for body in bodies_of(scenario)),
         fits=(
@@ -170,8 +183,8 @@ def compare(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) ->
         fitted_m_s=(velocities[0], velocities[-1]),
         curve=curve,
         tests=_tests_in_words(cases),
-        rules=tuple(_rule(cases, p, scenario) for p in (1.0, None)) if is_tested else (),
-        errors=_errors() if is_tested else (),
+        rules=rules,
+        errors=_errors() if rules else (),
         florence_missing=tuple(problem.key for problem in missing),
     ).of(scenario.subject(ANY_VELOCITY), scenario=scenario)
 
@@ -195,9 +208,13 @@ def _tests_in_words(cases: Sequence[Case]) -> str:
     return f"{len(cases)} tests of {projectile} on {ceramic} and {backing}, {span} ({TESTS})"
 
 
-def _rule(cases: Sequence[Case], p: float | None, scenario: Scenario) -> RuleResult:
-    """Return the limit of a scenario's armour by the rule that is fitted to tests, with p or with a fitted exponent."""
-    rule = fit_areal_density_rule(areal_densities(cases), measured_limits(cases), p)
-    return RuleResult(
-        rule.k, rule.p, p is None, rule.limit(scenario.areal_density_kg_m2(added=False) / scenario.cosine())
-    )
+def areal_density_rules(scenario: Scenario, limit_m_s: float) -> tuple[RuleResult, ...]:
+    """Return the rule with p = 1 and with p fitted for an armour, given its limit by the model; none without tests."""
+    cases, rules = _tests().cases, []
+    if any(scenario.entry_of(role) != cases[0].scenario.entry_of(role) for role in ROLES):
+        return ()
+    for p in (1.0, None):
+        rule = fit_areal_density_rule(areal_densities(cases), measured_limits(cases), p)
+        weight = (limit_m_s / rule.k) ** (1.0 / rule.p) * scenario.cosine()
+        rules.append(RuleResult(rule.k, rule.p, p is None, rule.limit(along_fire_kg_m2(scenario)), weight))
+    return tuple(rules)

@@ -249,6 +249,12 @@ def mass_and_diameter(scenario: Scenario, body: Body) -> tuple[float, float]:
     return projectile[mass], projectile[diameter]
 
 
+def along_fire_kg_m2(scenario: Scenario) -> float:
+    """Return the areal density of tile and back plate along the line of fire, kg/m²."""
+    armour = scenario.core_armour()
+    return armour.rho_c * armour.Hc0 + armour.rho_B * armour.Hb
+
+
 def florence_ballistic_limit(scenario: Scenario, body: Body = "penetrator") -> float:
     """Compute Florence's limit of a scenario's armour, m/s."""
     return florence_limit(*_in_symbols(scenario, body))
@@ -259,7 +265,7 @@ def florence_result(scenario: Scenario, body: Body, on_progress: OnProgress) -> 
     mass_g, diameter_mm = mass_and_diameter(scenario, body)
     m, r, plates = _in_symbols(scenario, body)
     cosine = scenario.cosine()
-    h1, h2 = florence_split(m, r, plates.rho1, plates.rho2, scenario.areal_density_kg_m2(added=False) / cosine)
+    h1, h2 = florence_split(m, r, plates.rho1, plates.rho2, along_fire_kg_m2(scenario))
     best_mm = h1 * cosine / MM, h2 * cosine / MM
     best = scenario.replaced(dict(zip(LAYERS, best_mm, strict=True)))
     try:

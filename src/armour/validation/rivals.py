@@ -9,6 +9,7 @@ from armour.analysis.variants import Floats
 from armour.scenario.sections import TINY
 from armour.statistics.measured import LIMIT, read_tests
 from armour.validation.formulas import (
+    along_fire_kg_m2,
     bodies_of,
     fit_areal_density_rule,
     florence_ballistic_limit,
@@ -126,7 +127,7 @@ def _rules(cases: Sequence[Case]) -> Iterator[Error]:
 
 def areal_densities(cases: Sequence[Case]) -> Floats:
     """Return the areal densities of cases along the line of fire, kg/m²."""
-    return np.array([case.scenario.areal_density_kg_m2(added=False) / case.scenario.cosine() for case in cases])
+    return np.array([along_fire_kg_m2(case.scenario) for case in cases])
 
 
 def measured_limits(cases: Sequence[Case]) -> Floats:

@@ -73,7 +73,7 @@ LIGHTEST = ("optimum_ceramic_thickness_mm", "optimum_backing_thickness_mm", "opt
 # Questions about replacing a material by another: the quantity reduced, reported in per cent of its value.
 SAVINGS: dict[str, Callable[[Variants], Floats]] = {
     "thickness_saved_percent": lambda armours: armours.ceramics_mm + armours.backings_mm,
-    "weight_saved_percent": lambda armours: armours.areal_densities_kg_m2,
+    "weight_saved_percent": lambda armours: armours.areal_densities_kg_m2(),
 }
 # All questions that a suite may ask, and the parts of a scenario that each depends on, see `armour.scenario.effect`.
 QUESTIONS: dict[str, tuple[str, ...]] = {

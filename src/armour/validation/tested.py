@@ -1,15 +1,75 @@
-"""Partners of the entries of the library in the tests from which the model error is estimated."""
+"""Armours that were tested: what entries of the library were tested with, and those nearest to a ballistic limit."""
 
+from dataclasses import dataclass
 from functools import cache
+from math import log
 
 import numpy as np
 
 from armour.analysis.evaluate import groups_of
 from armour.csv_files import shipped_rows
 from armour.files import shipped_files
-from armour.scenario.inputs import BACKING, CERAMIC, NAMES, Kind
+from armour.scenario.inputs import BACKING, CERAMIC, NAMES, OBLIQUITY, ROD, Kind
 from armour.scenario.library import shipped_library
-from armour.scenario.scenario import load_scenario
+from armour.scenario.scenario import Scenario, load_scenario
+from armour.statistics.measured import LIMIT
+from armour.units import MM
+
+# Relative difference up to which cores, in diameter, mass and density, and limits are alike.
+ALIKE = 0.1
+
+
+@dataclass(frozen=True)
+class MeasuredArmour:
+    """An armour of which the ballistic limit was measured, at normal incidence.
+
+    Attributes
+    ----------
+    armour, projectile : str
+    areal_density_kg_m2, ballistic_limit_m_s : float
+    """
+
+    armour: str
+    projectile: str
+    areal_density_kg_m2: float
+    ballistic_limit_m_s: float
+
+    def is_near(self, limit_m_s: float) -> bool:
+        """Return whether the measured limit is near another one."""
+        return abs(self.ballistic_limit_m_s / limit_m_s - 1.0) <= ALIKE
+
+
+def nearest_measured(scenario: Scenario, limit_m_s: float) -> tuple[MeasuredArmour, ...]:
+    """Return the armours tested with such a core whose limits are nearest to one: with a ceramic, and of each metal.
+
+    There is none at an angle.
+    """
+    core = [scenario.inputs()[name] for name in ROD]
+    nearest: dict[str, MeasuredArmour] = {}
+    for kind, values, measured in _measured() if not scenario.impact.obliquity_deg else ():
+        if all(abs(value / own - 1.0) <= ALIKE for value, own in zip(values, core, strict=True)):
+            distance = abs(log(measured.ballistic_limit_m_s / limit_m_s))
+            if kind not in nearest or distance < abs(log(nearest[kind].ballistic_limit_m_s / limit_m_s)):
+                nearest[kind] = measured
+    return tuple(nearest.values())
+
+
+@cache
+def _measured() -> tuple[tuple[str, tuple[float, ...], MeasuredArmour], ...]:
+    """Return the shipped tests, each with its kind, and the values of `ROD` of its core."""
+    case, tests = load_scenario(shipped_files("scenarios", ".toml")["wilkins"]), []
+    for row in shipped_rows("tests/wilkins"):
+        tile = case.replaced({key: float(row[key]) for key in (CERAMIC, BACKING)})
+        limit = float(row[LIMIT])
+        measured = MeasuredArmour(tile.armour_words(), case.impact.projectile, tile.areal_density_kg_m2(), limit)
+        tests.append(("ceramic", tuple(case.inputs()[name] for name in ROD), measured))
+    for row in shipped_rows("tests/plates"):
+        if float(row[OBLIQUITY]) == 0.0:
+            thickness_mm, density = float(row[BACKING]), float(row["backing.density_kg_m3"])
+            plate = f"{thickness_mm:g} mm {row['plate']}"
+            measured = MeasuredArmour(plate, row["round"], thickness_mm * MM * density, float(row[LIMIT]))
+            tests.append((row["metal"], tuple(float(row[name]) for name in ROD), measured))
+    return tuple(tests)
 
 
 @cache

@@ -140,7 +140,7 @@ function lightest(pair, asked = wanted()) {
 // What to show of a pair: the lightest design or, without one that is known to do what is asked, the lightest by the
 // computed limit, or the one that lacks least.
 function answer(pair) {
-  const best = pair.single ? null : lightest(pair);
+  const best = pair.single || DATA.interlayer ? null : lightest(pair);
   if (best !== null) return { k: best, reason: "" };
   const asked = wanted(), within = pair.designs.filter(k => light(pair, k));
   const reaches = within.find(k => asked.every((z, t) => stops(pair, k, t, isNaN(scored(pair, k, t)) ? null : z)));
@@ -202,6 +202,8 @@ function reserve(pair, asked, only) {
 
 const trimmed = x => String(+x.toFixed(3));
 const areal = x => x.toFixed(1);
+const whole = (pair, k) => areal(pair.areal[k] + pair.hull);
+const weight = (pair, k) => `${areal(pair.areal[k])} kg/m²${pair.hull && ` (${whole(pair, k)} with the back plate, which exists)`}`;
 const signed = x => `${x < 0 ? "−" : "+"}${areal(abs(x))}`;
 // A probability is rounded down, so that none is shown that is not reached.
 function chance(z) {
@@ -247,7 +249,7 @@ const plus = margins ? " plus the margin" : "";
 
 function headline(pair, { k, reason }) {
   if (k === null) return `No ${pair.name} is on offer within the limits of the scenario.`;
-  const named = `${armour(pair, k)}, ${areal(pair.areal[k])} kg/m²,`, lead = `${named} is the lightest`;
+  const named = `${armour(pair, k)}, ${weight(pair, k)},`, lead = `${named} is the lightest`;
   if (reason === "none passes") {
     const lacks = threats.map((_, t) => [lack(pair, k, t), t]).filter(([by]) => by > 0).map(([by, t]) => `${round(by) || "less than 1"} m/s against ${threats[t].name}`);
     const over = light(pair, k) ? [] : [`${areal(pair.areal[k] - state.most)} kg/m² too much`];
@@ -255,7 +257,7 @@ function headline(pair, { k, reason }) {
   }
   if (reason === "single") return `One source alone gives the flow stress of ${pair.ceramic}, so that no design of it is named lightest. By it, ${named} reaches ${allThreats()}${plus}.`;
   if (reason === "no metal") return `Not known: ${pair.unlike}.`;
-  if (reason) return `Not known: ${lead} that reaches ${allThreats()}${plus} by the computed limit. How likely it is to stop is unknown.`;
+  if (reason) return `Not known: ${lead} that reaches ${allThreats()}${plus} by the computed limit. How likely it is to stop is unknown${DATA.interlayer && `: ${DATA.interlayer}`}.`;
   if (anyAsked()) return `${lead} that stops ${allThreats()} ${confidenceWords()}.`;
   const z = worst(pair, k);
   const sure = isNaN(z) ? "How likely it is to stop is unknown." : `The ${T > 1 ? "least " : ""}probability of stopping is ${chance(z)}.`;
@@ -270,7 +272,7 @@ function besides(pair, best, ring) {
     words.push(`${short(pair, ring)}, ${areal(pair.areal[ring])} kg/m², stops more often than not: what is asked for costs ${areal(more)} kg/m², ${round(100 * more / pair.areal[ring])} % more.`);
   }
   const own = best === null ? Infinity : pair.areal[best];
-  const rival = DATA.pairs.map(p => [p, lightest(p)]).filter(([p, k]) => k !== null && p !== pair && !p.single && p.areal[k] < own - 1e-9 && (isKnown(p, k) || !pair.known))
+  const rival = DATA.pairs.map(p => [p, lightest(p)]).filter(([p, k]) => k !== null && p !== pair && !p.single && !DATA.interlayer && p.areal[k] < own - 1e-9 && (isKnown(p, k) || !pair.known))
     .sort((a, b) => a[0].areal[a[1]] - b[0].areal[b[1]])[0];
   if (rival) words.push(`${armour(rival[0], rival[1])} is lighter, ${areal(rival[0].areal[rival[1]])} kg/m².`);
   if (pair.free.some(Boolean)) words.push("Any thickness is on offer; of those between the steps of this map a lighter one may do.");
@@ -694,12 +696,16 @@ function makeSliders() {
 
 function crossSection(pair, k) {
   const [c, b] = thicknesses(pair, k), rods = threats.map(t => t.rod), longest = max(...rods.map(r => r[0]));
-  const angles = threats.map(t => t.obliquity * Math.PI / 180), rows = rods.map((r, t) => 1.7 * r[1] + 2 + r[0] * Math.sin(angles[t])), tall = max(rows.reduce((a, d) => a + d, 0), 0.8 * (c + b)), wide = longest + c + b + 12, gap = longest + 3;
+  const [front, between, behind] = DATA.layers, layers = [...front, ["ceramic", c * !!pair.ceramic], ...between, ["metal", b], ...behind], thick = layers.reduce((sum, of) => sum + of[1], 0);
+  const angles = threats.map(t => t.obliquity * Math.PI / 180), rows = rods.map((r, t) => 1.7 * r[1] + 2 + r[0] * Math.sin(angles[t])), tall = max(rows.reduce((a, d) => a + d, 0), 0.8 * thick), wide = longest + thick + 12, gap = longest + 3;
   const font = max(wide, tall * 2) / 26, picture = svg("svg", { viewBox: `0 0 ${max(wide, tall * 2)} ${tall + 3.4 * font}`, role: "img", "aria-label": `Cross-section to scale: ${armour(pair, k)}` });
   const sized = { "font-size": font }, top = 1.4 * font;
-  if (pair.ceramic) picture.append(svg("rect", { class: "ceramic", x: gap, y: top, width: c, height: tall }));
-  picture.append(svg("rect", { class: "metal", x: gap + c, y: top, width: b, height: tall }));
-  picture.append(text(gap + (c + b) / 2, font, pair.ceramic ? `${trimmed(c)} + ${trimmed(b)} mm` : `${trimmed(b)} mm`, "mid", sized));
+  let x = gap;
+  for (const [kind, mm, name] of layers) {
+    picture.append(svg("rect", { class: kind, x, y: top, width: mm, height: tall }, name ? svg("title", {}, name) : null));
+    x += mm;
+  }
+  picture.append(text(gap + thick / 2, font, pair.ceramic ? `${trimmed(c)} + ${trimmed(b)} mm` : `${trimmed(b)} mm`, "mid", sized));
   let y = top + (tall - rows.reduce((a, d) => a + d, 0)) / 2;
   rods.forEach((rod, t) => {
     const middle = y + rows[t] - 0.85 * rod[1] - 1, tip = gap - 2 - 0.5 * rod[1] * Math.sin(angles[t]);
@@ -735,7 +741,7 @@ function drawDesign(pair, best) {
   const [c, b] = thicknesses(pair, k), governs = governing(pair, k), pinned = state.pins.some(p => p.pair === pair && p.k === k);
   box.append(html("h2", {}, armour(pair, k)));
   const difference = best === null || k === best ? "" : ` (${signed(pair.areal[k] - pair.areal[best])})`;
-  box.append(html("p", {}, `${areal(pair.areal[k])} kg/m²${difference}, ${trimmed(c * !!pair.ceramic + b + DATA.added.thickness)} mm thick`, k === best ? html("span", { class: "t-blue" }, { "": anyAsked() ? ` lightest that meets the requirements${exact}` : " lightest", "not known": " lightest by the computed limit", "none passes": " nearest", single: "", "no metal": "" }[answer(pair).reason]) : null));
+  box.append(html("p", {}, `${weight(pair, k)}${difference}, ${trimmed(c * !!pair.ceramic + b * !pair.hull + DATA.added.thickness)} mm thick`, k === best ? html("span", { class: "t-blue" }, { "": anyAsked() ? ` lightest that meets the requirements${exact}` : " lightest", "not known": " lightest by the computed limit", "none passes": " nearest", single: "", "no metal": "" }[answer(pair).reason]) : null));
   if (pair.excluded.includes(k)) box.append(html("p", { class: "t-red" }, "Beyond the limits of the scenario."));
   box.append(crossSection(pair, k));
   threats.forEach((threat, t) => {
@@ -770,11 +776,11 @@ function drawTable(pair, best, ring) {
   const rows = [[pair, best, "●", "t-blue"], [pair, ring === best ? null : ring, "○", "t-red"], ...state.pins.map((p, n) => [p.pair, p.k, n + 1, "disc", p])].filter(row => row[1] !== null);
   const from = best === null ? null : pair.areal[best];
   const shown = k => (T > 2 ? [governing(current(), k)] : threats.map((_, t) => t));
-  const heads = ["armour", "kg/m²", ...(from === null ? [] : [`from ${areal(from)}`]), ...(T > 2 ? ["governs", "limit, m/s", "stopped"] : threats.flatMap((_, t) => [`${letter(t)}limit, m/s`, `${letter(t)}stopped`]))];
+  const heads = ["armour", "kg/m²", ...(current().hull ? ["whole"] : []), ...(from === null ? [] : [`from ${areal(from)}`]), ...(T > 2 ? ["governs", "limit, m/s", "stopped"] : threats.flatMap((_, t) => [`${letter(t)}limit, m/s`, `${letter(t)}stopped`]))];
   const body = html("tbody");
   for (const [of, k, sign, colour, pinned] of rows) {
     const difference = from === null ? 0 : of.areal[k] - from;
-    const cells = [areal(of.areal[k]), ...(from === null ? [] : [abs(difference) < 0.05 ? "" : signed(difference)]),
+    const cells = [areal(of.areal[k]), ...(of.hull ? [whole(of, k)] : []), ...(from === null ? [] : [abs(difference) < 0.05 ? "" : signed(difference)]),
       ...shown(k).flatMap(t => [...(T > 2 ? [mark(t)] : []), String(round(of.limits[k * T + t])), chance(scored(of, k, t))])];
     body.append(html("tr", {}, html("td", {}, html("span", {}, html("span", { class: colour }, sign), " ", armour(of, k))), ...cells.map((cell, i) => html("td", { "data-label": heads[i + 1] }, html("span", {}, cell)))));
     const words = command(of, k), code = html("code", {}, ...parts(words));

@@ -13,6 +13,7 @@ from armour.reporting.words import (
     BALLISTIC_LIMIT,
     SAMPLED_ALONE,
     STOPPING,
+    WHOLE,
     basis_notes,
     chance,
     error_note,
@@ -69,6 +70,7 @@ def tables_of_impact(result: ImpactResult) -> list[Table | str]:
         column_of("bulge_height_mm"),
         column_of("duration_us"),
         column_of("areal_density_kg_m2"),
+        WHOLE,
     )
     return [*parts, remaining, stage_table(result)]
 
@@ -128,7 +130,7 @@ def tables_of_limit(result: LimitResult) -> list[Table | str]:
     scanned = f"{result.scanned_velocities} velocities from {low:g} to {high:g} m/s were scanned"
     width = f"bracket width {above - below:.1g} m/s"
     limits = BALLISTIC_LIMIT, with_error(result.median_m_s, result.interval_m_s)
-    table = record(result, *limits, column_of("areal_density_kg_m2"))
+    table = record(result, *limits, column_of("areal_density_kg_m2"), WHOLE)
     parts = [*caveat_lines(result), table, error_note(result.model_error, result.question.get("scenario"))]
     if result.monotonic:
         return [*parts, f"{scanned}, all above the limit perforate; {width}"]

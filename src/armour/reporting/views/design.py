@@ -16,6 +16,7 @@ from armour.reporting.text import VerdictLine, interval, percent, with_interval
 from armour.reporting.words import (
     BALLISTIC_LIMIT,
     STOPPING,
+    WHOLE,
     basis_notes,
     chance,
     error_note,
@@ -27,7 +28,7 @@ from armour.reporting.words import (
     with_error,
 )
 from armour.scenario.scenario import Scenario
-from armour.scenario.schema import OBJECTIVES
+from armour.scenario.schema import OBJECTIVES, InertLayer
 
 # Probability of stopping the projectile below which the notes say how to ask for more, and how.
 LOW, ASK = 0.75, "--confidence 0.95 designs for 95 %"
@@ -45,6 +46,10 @@ MARGIN_BY_MODEL = column_of("margin_m_s", "+.0f", "margin by the model")
 REQUIRED = Column("required margin", "m/s", "+.0f")
 TESTS = Column("tests", key="untested")
 SOURCES, METAL = "flow_stress_sources", "backing_density_kg_m3"
+# Words on layers without ballistic effect.
+PLACES = {"front": "in front", "between": "between tile and back plate", "behind": "behind"}
+UNNAMED = "added for adhesive or cover"
+EXISTS = "areal density, thickness and cost without the back plate, which exists"
 
 
 def required_margins(scenario: Scenario | None) -> dict[str, float]:
@@ -68,6 +73,7 @@ def best_table(design: BestDesign, required: Mapping[str, float], title: str = "
         design,
         (Column("armour", prose=True), armour_in_words(design)),
         AREAL_DENSITY,
+        WHOLE,
         *limit,
         *threat,
         THICKNESS,
@@ -143,6 +149,7 @@ def frontier_table(result: DesignResult) -> Table:
         CERAMIC_THICKNESS,
         BACKING_THICKNESS,
         AREAL_DENSITY,
+        WHOLE,
         MARGIN_BY_MODEL,
         (GOVERNED_BY, lambda design: governing[_thicknesses(design)] if several else None),
         (Column("note"), note),
@@ -195,12 +202,14 @@ def margin_table(result: DesignResult, required: Mapping[str, float]) -> Table:
 def pair_table(result: DesignResult) -> Table:
     """Return every pair of materials with its best design, or the reason why it has none."""
     shown = [CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, COST]
+    whole, value = WHOLE
     table = listing(
         result.pairs,
         CERAMIC,
         (TESTS, _tests),
         BACKING,
         *((column, lambda pair, key=column.key: getattr(pair.best, key, None)) for column in shown),
+        (whole, lambda pair: pair.best and value(pair.best)),
         (Column("result", prose=True), lambda pair: _result(result, pair)),
         title="pairs of materials",
         rest="--json",
@@ -210,7 +219,7 @@ def pair_table(result: DesignResult) -> Table:
 
 def design_table(designs: Sequence[Design], title: str = "") -> Table:
     """Return designs, such as those of the Pareto front, a row each."""
-    columns = (BACKING, CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, COST, MARGIN_BY_MODEL)
+    columns = (BACKING, CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, WHOLE, THICKNESS, COST, MARGIN_BY_MODEL)
     return _aligned(listing(designs, CERAMIC, (TESTS, _tests), *columns, title=title, rest="--csv FILE"))
 
 
@@ -247,7 +256,8 @@ def tables_of_design(result: DesignResult) -> list[Table | str]:
         answer = None if scenario is None or best.model_error is not None else _answer(scenario, best)
         error = [] if result.reason == "not known" else [error_note(best.model_error, answer)]
         notes = [] if result.reason else _flow_stress_notes(best)
-        shown += [best_table(best, required), *error, *notes, *margin_notes(best)]
+        exists = [EXISTS] if best.whole_thickness_mm != best.thickness_mm else []
+        shown += [best_table(best, required), *exists, *error, *notes, *margin_notes(best)]
     if result.refined is not None:
         objective = OBJECTIVES[result.minimised]
         if result.refined == best:
@@ -349,7 +359,7 @@ def finding(threat: CheckedThreat) -> str:
     words = [requirement_words(row) for row in rows if row.verdict == threat.verdict]
     if threat.required_probability is None:
         probability = chance(threat.probability_of_stopping, threat.model_error)
-        words = [requirement_words(row) for row in rows if row.quantity == SOURCES]
+        words = [requirement_words(row) for row in rows if row.quantity != "margin_m_s"]
         words.insert(0, f"{by_model}, {required(threat)} required; probability {probability}")
     elif threat.probability_of_stopping is None:
         words.append(f"{by_model}, {needed:g} m/s required")
@@ -445,9 +455,24 @@ def standing(threat: CheckedThreat) -> tuple[int, float]:
 
 
 def amounts(result: CheckResult) -> str:
-    """Return areal density, thickness and cost of an armour, with what is added."""
+    """Return areal density, thickness and cost of an armour, also of the whole one if a part exists already."""
     cost = f", cost {COST.text(result.cost_per_m2)} per m²" if result.cost_per_m2 else ""
-    return f"{AREAL_DENSITY.text(result.areal_density_kg_m2)} kg/m², {round(result.thickness_mm, 3):g} mm thick{cost}"
+    words = f"{AREAL_DENSITY.text(result.areal_density_kg_m2)} kg/m², {round(result.thickness_mm, 3):g} mm thick{cost}"
+    if result.whole_thickness_mm == result.thickness_mm:
+        return words
+    whole = f"{AREAL_DENSITY.text(result.whole_areal_density_kg_m2)} kg/m², {round(result.whole_thickness_mm, 3):g} mm"
+    return f"{words}, without the back plate, which exists; {whole} with it"
+
+
+def layer_words(layers: Sequence[InertLayer]) -> list[str]:
+    """Return what each layer without ballistic effect is, and where."""
+    words = []
+    for layer in layers:
+        amounts = ((layer.thickness_mm, "mm"), (layer.areal_density_kg_m2, "kg/m²"))
+        said = " and ".join(f"{value:g} {unit}" for value, unit in amounts if value)
+        if said:
+            words.append(f"{layer.name}, {PLACES[layer.place]}: {said}" if layer.name else f"{said} {UNNAMED}")
+    return words
 
 
 @tables_of.register
@@ -457,6 +482,7 @@ def tables_of_check(result: CheckResult) -> list[Table | str]:
     shown: list[Table | str] = [
         VerdictLine(outcome(result), good=result.verdict == "passes"),
         amounts(result),
+        *layer_words(result.question["scenario"].armour.layer),
         threat_table(result),
     ]
     if len(requirements_of(result)) > len(result.threats):

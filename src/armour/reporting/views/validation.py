@@ -13,13 +13,15 @@ from armour.reporting.report import Report, ReportSection, origin_section
 from armour.reporting.table import Column, Table, column_of, deviation_percent, grouped, listing, record
 from armour.reporting.text import VerdictLine, number
 from armour.reporting.views.analysis import caveat_lines
-from armour.reporting.words import BALLISTIC_LIMIT
+from armour.reporting.words import BALLISTIC_LIMIT, WHOLE
+from armour.scenario.scenario import Scenario
 from armour.statistics.measured import LIMIT
-from armour.validation.comparison import Comparison
+from armour.validation.comparison import Comparison, RuleResult
 from armour.validation.figures import Figure
 from armour.validation.formulas import FlorenceResult
 from armour.validation.rivals import Error
 from armour.validation.suite import CASES, Case
+from armour.validation.tested import MeasuredArmour
 from armour.validation.validate import FAILED, Check, SuiteResult, TableSummary
 
 
@@ -379,6 +381,24 @@ def comparison_table(result: Comparison) -> Table:
     )
 
 
+def weight_table(
+    scenario: Scenario, limit_m_s: float, rules: Sequence[RuleResult], measured: Sequence[MeasuredArmour]
+) -> Table:
+    """Return the areal density of an armour beside those of rules and of the tested armours nearest in limit."""
+    rows = [("this armour, by the model", scenario.areal_density_kg_m2(whole=True), limit_m_s)]
+    rows += [(f"areal density rule, p = {rule.p:.4g}", rule.areal_density_kg_m2, limit_m_s) for rule in rules]
+    rows += [
+        (f"measured: {each.armour}, {each.projectile}", each.areal_density_kg_m2, each.ballistic_limit_m_s)
+        for each in measured
+    ]
+    return listing(
+        rows,
+        (Column("armour, nearest in limit", prose=True), lambda row: row[0]),
+        (column_of("areal_density_kg_m2"), lambda row: row[1]),
+        (BALLISTIC_LIMIT, lambda row: row[2]),
+    )
+
+
 def optimum_table(result: Comparison) -> Table:
     """Return the thicknesses of the same areal density that are best by Florence, with their ballistic limits."""
     return listing(
@@ -424,7 +444,8 @@ def tables_of_comparison(result: Comparison) -> list[Table | str]:
         comparison_table(result),
         *([f"Florence's limit: none, without {', '.join(result.florence_missing)}"] if result.florence_missing else []),
         rule_note(result),
-        record(result, column_of("areal_density_kg_m2")),
+        record(result, column_of("areal_density_kg_m2"), WHOLE),
+        weight_table(result.question["scenario"], result.limit.ballistic_limit_m_s, result.rules, result.measured),
         *([optimum_table(result)] if result.florence else []),
         *error_tables(result.errors),
         fit_table(result),
