@@ -1,19 +1,24 @@
 """Words on the probability that an armour stops its threat, the model error and the flow stress of a ceramic."""
 
-from math import ceil, floor
+from collections.abc import Mapping
+from functools import cache
+from math import ceil, floor, isfinite
 
 from armour.analysis.ballistic_limit import ConfidenceResult, NeededFlowStress, no_error
 from armour.design.check import CheckedThreat
 from armour.design.requirements import Requirement
 from armour.errors import counted, joined
+from armour.evidence.fit import shipped_data
 from armour.evidence.model_error import ModelError
 from armour.reporting.table import Column, Source, column_of
 from armour.reporting.text import interval, number, percent
+from armour.scenario.library import shipped_library
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import OBJECTIVES
 
 BALLISTIC_LIMIT = column_of("ballistic_limit_m_s")
 STOPPING = Column("probability of stopping the projectile", prose=True)
+LESS_THAN_ANY = "less than any ceramic of the library"
 # What distributions tell where the model error is not known.
 SAMPLED_ALONE = "a probability from the given distributions alone takes the model as exact"
 
@@ -132,15 +137,42 @@ def flow_stress_notes(needed: NeededFlowStress | None, against: str = "the threa
     if least is None:
         return [f"does not stop {against} with any flow stress of {needed.ceramic} up to 100 GPa{source_words}"]
     chance_words = percent(needed.probability)
-    likely_words = (
-        f"{rounded_up(likely)} GPa for {chance_words}" if likely else f"no value up to 100 GPa gives {chance_words}"
-    )
-    words = f"stops {against} if the flow stress of {needed.ceramic} is {rounded_up(least)} GPa or more"
+    likely_words = f"{_stress(likely)} for {chance_words}" if likely else f"no value up to 100 GPa gives {chance_words}"
+    is_low = least < least_flow_stress()
+    words = f"stops {against} if the flow stress of {needed.ceramic} is {_stress(least)}{' or more' * (not is_low)}"
     words += f" ({likely_words}, with the error seen on AD85){source_words}"
     if not sources:
         return [words]
     over = "these sources" if len(sources) > 1 else "this source"
     return [words, f"ballistic limit over {over}: {' to '.join(f'{limit:.0f}' for limit in needed.limits_m_s)} m/s"]
+
+
+@cache
+def least_flow_stress() -> float:
+    """Return the least flow stress of a ceramic of the shipped library, by any source, GPa."""
+    ceramics = shipped_library().entries["ceramic"].values()
+    return min(stress for each in ceramics for stress in (each["flow_stress_GPa"], *each.flow_stress_sources_GPa))
+
+
+def _stress(needed_GPa: float) -> str:
+    """Format a needed flow stress; a number below all ceramics would say no more than that."""
+    return f"{rounded_up(needed_GPa)} GPa" if needed_GPa >= least_flow_stress() else LESS_THAN_ANY
+
+
+def needed_words(needed: NeededFlowStress | None) -> str | None:
+    """Return the needed flow stress of a ceramic without tests in a table, GPa."""
+    if needed is None:
+        return None
+    return "above 100" if needed.needed_GPa is None else _stress(needed.needed_GPa).removesuffix(" GPa")
+
+
+def outside_words(outside_tests: Mapping[str, float], most: int = 100) -> str:
+    """Return in what an armour lies outside the tests, at most so much, such as "ceramic, plate thickness x0.90"."""
+    names = {key: quantity["name"] for key, quantity in shipped_data()["quantity"].items() if "name" in quantity}
+    words = [
+        names.get(key, key) + (f" x{factor:.2f}" if isfinite(factor) else "") for key, factor in outside_tests.items()
+    ]
+    return ", ".join(words[:most]) + (f" and {len(words) - most} more" if len(words) > most else "")
 
 
 def rounded_up(number: float) -> str:

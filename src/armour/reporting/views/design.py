@@ -1,12 +1,14 @@
 """Design searches, and checks of one armour against each of its threats."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from math import inf
+from typing import Any
 from xml.etree.ElementTree import Element
 
+from armour.analysis.ballistic_limit import NeededFlowStress
 from armour.design.check import CheckedThreat, CheckResult, WhatIf
-from armour.design.optimise import BestDesign, Design, DesignResult, Pair, armour_in_words
+from armour.design.optimise import BestDesign, Design, DesignResult, Pair, armour_in_words, short_words
 from armour.design.requirements import Requirement
 from armour.errors import counted, joined
 from armour.reporting.junit import TestCase, junit_suite
@@ -19,6 +21,8 @@ from armour.reporting.words import (
     chance,
     error_note,
     flow_stress_notes,
+    needed_words,
+    outside_words,
     requirement_parts,
     requirement_words,
     risk,
@@ -41,8 +45,16 @@ GOVERNED_BY = Column("governed by", prose=True)
 # The margin of the armour itself depends on the model error.
 MARGIN_BY_MODEL = column_of("margin_m_s", "+.0f", "margin by the model")
 REQUIRED = Column("required margin", "m/s", "+.0f")
-TESTS = Column("tests", key="untested")
+DESIGN = CERAMIC, BACKING, CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, COST, MARGIN_BY_MODEL
+OUTSIDE = Column("outside the tests in", prose=True, key="outside_tests")
+NEEDED = Column("flow stress needed", "GPa", ".1f")
+# The quantity that is below the tests for thin ceramics.
+THIN = "ceramic_thickness_ratio"
 SOURCES = "flow_stress_sources"
+METALS = (
+    "the model gives the strength of the back plate more effect than the paper has: do not rely on this comparison of "
+    "metals of different strength"
+)
 
 
 def required_margins(scenario: Scenario | None) -> dict[str, float]:
@@ -70,6 +82,7 @@ def best_table(design: BestDesign, required: Mapping[str, float], title: str = "
         *threat,
         THICKNESS,
         (COST, design.cost_per_m2 or None),
+        (OUTSIDE, outside_words(design.outside_tests) if design.model_error is None else ""),
         title=title,
     )
 
@@ -87,7 +100,7 @@ def design_verdict(result: DesignResult) -> list[Table | str]:
         least = OBJECTIVES[result.minimised].least
         words = f"not known: {armour} is the {least} that stops {threats} by the computed limit"
         return [VerdictLine(words, good=False), *notes, result.explanation]
-    short = ", ".join(f"{_short(short)} m/s against {threat}" for threat, short in nearest.short_m_s.items() if short)
+    short = ", ".join(f"{short_words(short)} against {threat}" for threat, short in nearest.short_m_s.items() if short)
     unmet = [row for row in nearest.requirements if row.interval and row.verdict != "passes"]
     lacking = "; ".join(filter(None, (short, *map(requirement_words, unmet), *_excesses(nearest))))
     explanation = result.explanation
@@ -96,21 +109,22 @@ def design_verdict(result: DesignResult) -> list[Table | str]:
     return [VerdictLine(f"none passes: the nearest, {armour}, lacks {lacking}", good=False), explanation, *notes]
 
 
-def _short(short_m_s: float) -> str:
-    """Format a shortfall, such as "44"; never 0."""
-    return f"{short_m_s:.0f}" if short_m_s >= 0.5 else "less than 1"
-
-
 def _excesses(design: BestDesign) -> list[str]:
     """Return by how much a design exceeds limits."""
     units = {objective.bound: objective.unit for objective in OBJECTIVES.values()}
     return [f"{excess:.3g}{units[key]} more than design.{key} allows" for key, excess in design.exceeds.items()]
 
 
+def _needed(design: BestDesign) -> tuple[str, NeededFlowStress | None]:
+    """Return the threat against which the untested ceramic of a design needs the greatest flow stress, and that."""
+    threat = max(design.flow_stress, key=lambda threat: design.flow_stress[threat].needed_GPa or inf, default="")
+    return threat, design.flow_stress.get(threat)
+
+
 def _flow_stress_notes(design: BestDesign) -> list[str]:
     """Return what flow stress the untested ceramic of a design needs against the threat that needs the greatest."""
-    threat = max(design.flow_stress, key=lambda threat: design.flow_stress[threat].needed_GPa or inf, default="")
-    return flow_stress_notes(design.flow_stress.get(threat), threat)
+    threat, needed = _needed(design)
+    return flow_stress_notes(needed, threat)
 
 
 def _aligned(table: Table) -> Table:
@@ -142,6 +156,7 @@ def frontier_table(result: DesignResult) -> Table:
         BACKING_THICKNESS,
         AREAL_DENSITY,
         MARGIN_BY_MODEL,
+        outside_tests(result.frontier),
         (GOVERNED_BY, lambda design: governing[_thicknesses(design)] if several else None),
         (Column("note"), note),
         title=f"{pair_words(_shown(result))}: thinnest ceramic for each back plate" if len(result.pairs) > 1 else "",
@@ -192,13 +207,15 @@ def margin_table(result: DesignResult, required: Mapping[str, float]) -> Table:
 
 def pair_table(result: DesignResult) -> Table:
     """Return every pair of materials with its best design, or the reason why it has none."""
-    shown = [CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, COST]
+    shown = (AREAL_DENSITY, THICKNESS, COST, replace(BALLISTIC_LIMIT, label="limit"), MARGIN_BY_MODEL)
+    best = [pair.best for pair in result.pairs if pair.best is not None]
+    outside, outside_of = outside_tests(best)
     table = listing(
         result.pairs,
-        CERAMIC,
-        (TESTS, _tests),
-        BACKING,
+        (Column("armour", prose=True), lambda pair: armour_in_words(pair.best) if pair.best else pair_words(pair)),
         *((column, lambda pair, key=column.key: getattr(pair.best, key, None)) for column in shown),
+        (NEEDED, lambda pair: pair.best and needed_words(_needed(pair.best)[1])),
+        (outside, lambda pair: pair.best and outside_of(pair.best)),
         (Column("result", prose=True), lambda pair: _result(result, pair)),
         title="pairs of materials",
         rest="--json",
@@ -208,12 +225,49 @@ def pair_table(result: DesignResult) -> Table:
 
 def design_table(designs: Sequence[Design], title: str = "") -> Table:
     """Return designs, such as those of the Pareto front, a row each."""
-    columns = (BACKING, CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, COST, MARGIN_BY_MODEL)
-    return _aligned(listing(designs, CERAMIC, (TESTS, _tests), *columns, title=title, rest="--csv FILE"))
+    return _aligned(listing(designs, *DESIGN, outside_tests(designs), title=title, rest="--csv FILE"))
 
 
-def _tests(item: Design | Pair) -> str:
-    return "untested" if item.untested else ""
+def outside_tests(items: Sequence[Any]) -> tuple[Column, Callable[[Any], str]]:
+    """Return the column that says in what designs, or an armour against threats, lie outside the tests.
+
+    What they have in common is in `outside_notes`.
+    """
+    common, is_any = _common(items), any(item.outside_tests for item in items)
+
+    def words(item: Any) -> str:
+        own = {key: factor for key, factor in item.outside_tests.items() if key not in common}
+        return outside_words(own, most=2) if item.outside_tests or not is_any else "inside"
+
+    return OUTSIDE, words
+
+
+def _common(items: Sequence[Any]) -> dict[str, float]:
+    """Return in what all of several items lie outside the tests alike."""
+    first, *others = [item.outside_tests for item in items] or [{}]
+    return {key: factor for key, factor in first.items() if all(each.get(key) == factor for each in others)}
+
+
+def outside_notes(items: Sequence[Any], scenario: Scenario | None, ceramic_mm: float | None = None) -> list[str]:
+    """Return in what all designs of a table lie outside the tests, and from which thickness on ceramics were tested.
+
+    The items may also be an armour, whose ceramic thickness is given, against its threats.
+    """
+    common = outside_words(_common(items))
+    notes = [f"{'all lie ' * (len(items) > 1)}outside the tests in {common}"] if common else []
+    tested_mm = [
+        (item.ceramic_thickness_mm if ceramic_mm is None else ceramic_mm) / item.outside_tests[THIN]
+        for item in items
+        if item.outside_tests.get(THIN, 1.0) < 1.0
+    ]
+    if tested_mm and scenario is not None:
+        threats = map(scenario.against, scenario.threats())
+        widest_mm = max(threat.inputs()["projectile.penetrator_diameter_mm"] * threat.cosine() for threat in threats)
+        notes.append(
+            f"no ceramic thinner than {max(tested_mm) / widest_mm:.2g} penetrator diameters, here {max(tested_mm):.2g} "
+            "mm, was tested: do not rely on limits with less"
+        )
+    return notes
 
 
 def _result(result: DesignResult, pair: Pair) -> str:
@@ -226,7 +280,10 @@ def _result(result: DesignResult, pair: Pair) -> str:
 
 def design_csv(result: DesignResult) -> str:
     """Return the Pareto front as CSV or, where none is asked for, the frontier; without one, every design."""
-    return csv_text(design_table(result.pareto or result.frontier or result.every))
+    designs, tests = result.pareto or result.frontier or result.every, Column("tests", key="untested")
+    untested = (tests, lambda design: "untested" if design.untested else "")
+    outside = (OUTSIDE, lambda design: outside_words(design.outside_tests))
+    return csv_text(listing(designs, DESIGN[0], untested, *DESIGN[1:], outside))
 
 
 def _shown(result: DesignResult) -> BestDesign:
@@ -257,19 +314,23 @@ def tables_of_design(result: DesignResult) -> list[Table | str]:
     verbose = result.question.get("every_row")
     if len(result.pairs) > 1 or not all(pair.ranked for pair in result.pairs):
         shown.append(pair_table(result))
-        unranked = [pair.best for pair in result.pairs if pair.best is not None and not pair.ranked]
-        shown += [f"{armour_in_words(best)} {note}" for best in unranked for note in _flow_stress_notes(best)[:1]]
+        of_pairs = [pair.best for pair in result.pairs if pair.best is not None]
+        of_one_source = [best for best in of_pairs if any(row.quantity == SOURCES for row in best.requirements)]
+        shown += [f"{armour_in_words(best)} {note}" for best in of_one_source for note in _flow_stress_notes(best)[:1]]
+        shown += outside_notes(of_pairs, scenario) if len(of_pairs) > 1 else []
+        metals = {best.backing for best in of_pairs if best.ceramic}
+        shown += [METALS] if len(metals) > 1 else []
     if result.every and (verbose or result.reason):
-        shown.append(design_table(result.every, "designs"))
+        shown += [design_table(result.every, "designs"), *outside_notes(result.every, scenario)]
     if result.frontier and (len(result.pairs) == 1 or verbose):
         part = result if verbose else _around_best(result)
-        shown.append(frontier_table(part))
+        shown += [frontier_table(part), *outside_notes(part.frontier, scenario)]
         if len(part.frontier) < len(result.frontier):
             shown.append(f"{len(result.frontier) - len(part.frontier)} more back plates with -v")
         if result.without_mm:
             shown.append(left_out(result))
     if result.pareto:
-        shown.append(design_table(result.pareto, "Pareto front"))
+        shown += [design_table(result.pareto, "Pareto front"), *outside_notes(result.pareto, scenario)]
     return [*shown, f"{counted(result.designs, 'design')} computed"]
 
 
@@ -310,7 +371,7 @@ def least_probability(design: BestDesign) -> float | None:
     return None if None in probabilities else min(p for p in probabilities if p is not None)
 
 
-def pair_words(design: Design) -> str:
+def pair_words(design: Design | Pair) -> str:
     """Return the materials of a design."""
     return f"{design.ceramic} on {design.backing}" if design.ceramic else design.backing
 
@@ -381,6 +442,7 @@ def threat_table(result: CheckResult) -> Table:
         MARGIN,
         (PROBABILITY, lambda threat: chance(threat.probability_of_stopping, threat.model_error)),
         (Column("verdict"), verdict),
+        outside_tests(result.threats),
     )
 
 
@@ -447,6 +509,7 @@ def tables_of_check(result: CheckResult) -> list[Table | str]:
         VerdictLine(outcome(result), good=result.verdict == "passes"),
         amounts(result),
         threat_table(result),
+        *_outside_of_check(result),
     ]
     if len(requirements_of(result)) > len(result.threats):
         shown.append(requirement_table(result))
@@ -459,6 +522,12 @@ def tables_of_check(result: CheckResult) -> list[Table | str]:
     if len(explained) < len(result.threats):
         shown.append("changes against the other threats with -v")
     return shown
+
+
+def _outside_of_check(result: CheckResult) -> list[str]:
+    scenario: Scenario | None = result.question.get("scenario")
+    ceramic_mm = 0.0 if scenario is None else scenario.armour.ceramic_thickness_mm
+    return outside_notes(result.threats, scenario, ceramic_mm)
 
 
 def check_summary(results: Mapping[str, CheckResult]) -> VerdictLine:
