@@ -25,7 +25,18 @@ def impact(velocity: float = 800.0) -> ImpactResult:
 def design(ceramic: str, ceramic_mm: float, backing_mm: float, areal_density: float, cost: float = 0.0) -> Design:
     """A design on 6061-T6."""
     thickness = ceramic_mm + backing_mm
-    return Design(ceramic, "6061-T6", ceramic_mm, backing_mm, areal_density, thickness, cost, None, untested=False)
+    return Design(
+        ceramic,
+        "6061-T6",
+        ceramic_mm,
+        backing_mm,
+        areal_density,
+        thickness,
+        cost,
+        None,
+        untested=False,
+        outside_tests={},
+    )
 
 
 def best_of(result: DesignResult) -> BestDesign:

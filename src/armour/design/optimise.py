@@ -11,16 +11,17 @@ import numpy as np
 from armour.analysis.ballistic_limit import NeededFlowStress, needed_flow_stress
 from armour.analysis.estimates import Estimate
 from armour.analysis.results import OnProgress, TableResult, data_frame, ignore_progress
-from armour.analysis.variants import Ints, distributions, why_error_unknown
+from armour.analysis.variants import Ints, distributions, outside_words, why_error_unknown
 from armour.design.catalogue import FIRST_VALUES, MARGIN, NO_BOUND, CandidateDesigns, Catalogue, catalogue_of
 from armour.design.designs import NOT_KNOWN, PASSES, Designs, Runs, asked_of, stopped, verdicts_of
 from armour.design.reliability import Reliability
 from armour.design.requirements import Requirement, against_threat, of_armour
 from armour.design.search import FreeThicknesses, candidates_of, joined, pareto
 from armour.errors import Problem, listed, refuse
+from armour.errors import joined as joined_words
 from armour.evidence.mixture import Mixture
 from armour.evidence.model_error import REMEDY, ModelError, error_of
-from armour.evidence.tests import outside_tests, threat_warnings
+from armour.evidence.tests import threat_warnings
 from armour.scenario.checked import checked
 from armour.scenario.inputs import BACKING, CERAMIC, NAMES
 from armour.scenario.scenario import Scenario, Varied
@@ -69,7 +70,7 @@ class Design:
     cost_per_m2: float | None
     margin_m_s: float | None
     untested: bool
-    outside_tests: dict[str, float]
+    outside_tests: dict[str, float] = field(hash=False)
 
 
 @dataclass(frozen=True)
@@ -254,7 +255,8 @@ class DesignResult(TableResult):
 
     def _columns(self, designs: str = "frontier") -> dict[str, Any]:
         names = [item.name for item in fields(Design)]
-        return {name: [getattr(design, name) for design in getattr(self, designs)] for name in names}
+        columns = {name: [getattr(design, name) for design in getattr(self, designs)] for name in names}
+        return columns | {"outside_tests": list(map(outside_words, columns["outside_tests"]))}
 
     def _words(self) -> str:
         best = self.shown
@@ -615,9 +617,8 @@ def as_results(designs: Designs, where: Ints, *, with_margins: bool = False) -> 
     costs = [
         cost if catalogue.costed[pair] else None for pair, cost in zip(columns.pair, columns[5].tolist(), strict=True)
     ]
-    untested, variants = [catalogue.untested[pair] for pair in columns.pair], designs.rows(where)
-    outside = outside_tests(variants.armours, variants.velocities, len(catalogue.threats))
-    rows = zip(named, numbers, costs, margins, untested, outside, strict=True)
+    untested = [catalogue.untested[pair] for pair in columns.pair]
+    rows = zip(named, numbers, costs, margins, untested, designs.outside_tests(where), strict=True)
     return tuple(Design(*names, *values, *others) for names, values, *others in rows)
 
 
@@ -767,7 +768,8 @@ def _why_none(designs: Designs, unlimited: Designs, pairs: Sequence[int]) -> str
     """Return why no design of some pairs passes: the limits that it exceeds, or what a pair or all designs lack."""
     catalogue, section = designs.catalogue, designs.catalogue.section
     threats = catalogue.titles[0] if len(catalogue.titles) == 1 else "every threat"
-    required = " as required" if catalogue.bounded else ""
+    asked = ["the margin"] if catalogue.margins_m_s.any() else []
+    required = f" with {joined_words([*asked, 'the probability'])} required" if catalogue.bounded else ""
     first = unlimited.first(np.flatnonzero(np.isin(unlimited.columns.pair, pairs)), NOT_KNOWN, by_samples=False)
     if first is not None and (exceeded := _exceeded(section, unlimited, first, threats + required)):
         return exceeded

@@ -1,14 +1,12 @@
 """Words on the probability that an armour stops its threat, the model error and the flow stress of a ceramic."""
 
-from collections.abc import Mapping
 from functools import cache
-from math import ceil, floor, isfinite
+from math import ceil, floor
 
 from armour.analysis.ballistic_limit import ConfidenceResult, NeededFlowStress, no_error
 from armour.design.check import CheckedThreat
 from armour.design.requirements import Requirement
 from armour.errors import counted, joined
-from armour.evidence.fit import shipped_data
 from armour.evidence.model_error import ModelError
 from armour.reporting.table import Column, Source, column_of
 from armour.reporting.text import interval, number, percent
@@ -164,15 +162,6 @@ def needed_words(needed: NeededFlowStress | None) -> str | None:
     if needed is None:
         return None
     return "above 100" if needed.needed_GPa is None else _stress(needed.needed_GPa).removesuffix(" GPa")
-
-
-def outside_words(outside_tests: Mapping[str, float], most: int = 100) -> str:
-    """Return in what an armour lies outside the tests, at most so much, such as "ceramic, plate thickness x0.90"."""
-    names = {key: quantity["name"] for key, quantity in shipped_data()["quantity"].items() if "name" in quantity}
-    words = [
-        names.get(key, key) + (f" x{factor:.2f}" if isfinite(factor) else "") for key, factor in outside_tests.items()
-    ]
-    return ", ".join(words[:most]) + (f" and {len(words) - most} more" if len(words) > most else "")
 
 
 def rounded_up(number: float) -> str:

@@ -253,6 +253,19 @@ def points(axes: Axes, x: Any, y: Any, words: Sequence[str] = (), *, filled: boo
         axes.autoscale_view()
 
 
+def curve(axes: Axes, x: Any, y: Any, is_outside: Any, **look: Any) -> None:
+    """Draw a curve, dashed and with hollow marks where it is outside the tests, (n,); a step from inside is dashed."""
+    hollow = look | {"markerfacecolor": "none", "linestyle": "--"}
+    if is_outside.all():
+        axes.plot(x, y, **hollow)
+        return
+    axes.plot(x, np.where(is_outside, np.nan, y), **look)
+    if is_outside.any():
+        dashed = is_outside | np.append(is_outside[1:], False) | np.append(False, is_outside[:-1])
+        axes.plot(x, np.where(dashed, y, np.nan), **hollow | {"label": "", "marker": ""})
+        axes.plot(x, np.where(is_outside, y, np.nan), **hollow | {"label": "", "linestyle": "none"})
+
+
 def ranges(axes: Axes, y: Any, ends: Sequence[Sequence[float]], colour: str) -> None:
     """Draw ranges along x at given y."""
     low, high = np.sort(np.array(ends, float), axis=1).T

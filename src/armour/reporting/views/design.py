@@ -7,6 +7,7 @@ from typing import Any
 from xml.etree.ElementTree import Element
 
 from armour.analysis.ballistic_limit import NeededFlowStress
+from armour.analysis.variants import outside_words
 from armour.design.check import CheckedThreat, CheckResult, WhatIf
 from armour.design.optimise import BestDesign, Design, DesignResult, Pair, armour_in_words, short_words
 from armour.design.requirements import Requirement
@@ -22,7 +23,6 @@ from armour.reporting.words import (
     error_note,
     flow_stress_notes,
     needed_words,
-    outside_words,
     requirement_parts,
     requirement_words,
     risk,
@@ -242,6 +242,40 @@ def outside_tests(items: Sequence[Any]) -> tuple[Column, Callable[[Any], str]]:
     return OUTSIDE, words
 
 
+def pair_notes(result: DesignResult) -> list[str]:
+    """Return what flow stress ceramics of one source need, where all lie outside the tests, and a caveat on metals."""
+    best = [pair.best for pair in result.pairs if pair.best is not None]
+    of_one_source = [each for each in best if any(row.quantity == SOURCES for row in each.requirements)]
+    notes = [f"{armour_in_words(each)} {note}" for each in of_one_source for note in _flow_stress_notes(each)[:1]]
+    notes += outside_notes(best, result.question.get("scenario")) if len(best) > 1 else []
+    return notes + [METALS] * (len({each.backing for each in best if each.ceramic}) > 1)
+
+
+def offer_table(result: DesignResult) -> Table:
+    """Return the designs on offer or, if there are many, the best of each pair, with the margin against each threat."""
+    best = [pair.best for pair in result.pairs if pair.best is not None]
+    designs: Sequence[Design] = result.every or best
+    margins = result.margins_of_every_m_s or [each.margins_m_s for each in best]
+    outside, outside_of = outside_tests(designs)
+
+    def of_design(column: Column) -> Source:
+        return column, lambda row: getattr(row[0], column.key)
+
+    def margin(threat: str) -> Source:
+        words = f"margin against {threat}" if len(result.threats) > 1 else MARGIN_BY_MODEL.label
+        return Column(words, "m/s", "+.0f"), lambda row: row[1][threat]
+
+    table = listing(
+        zip(designs, margins, strict=True),
+        (Column("armour", prose=True), lambda row: armour_in_words(row[0])),
+        *map(of_design, (AREAL_DENSITY, THICKNESS, COST)),
+        *map(margin, result.threats),
+        (outside, lambda row: outside_of(row[0])),
+        title="designs on offer" if result.every else "best of each pair",
+    )
+    return _aligned(table)
+
+
 def _common(items: Sequence[Any]) -> dict[str, float]:
     """Return in what all of several items lie outside the tests alike."""
     first, *others = [item.outside_tests for item in items] or [{}]
@@ -314,14 +348,9 @@ def tables_of_design(result: DesignResult) -> list[Table | str]:
     verbose = result.question.get("every_row")
     if len(result.pairs) > 1 or not all(pair.ranked for pair in result.pairs):
         shown.append(pair_table(result))
-        of_pairs = [pair.best for pair in result.pairs if pair.best is not None]
-        of_one_source = [best for best in of_pairs if any(row.quantity == SOURCES for row in best.requirements)]
-        shown += [f"{armour_in_words(best)} {note}" for best in of_one_source for note in _flow_stress_notes(best)[:1]]
-        shown += outside_notes(of_pairs, scenario) if len(of_pairs) > 1 else []
-        metals = {best.backing for best in of_pairs if best.ceramic}
-        shown += [METALS] if len(metals) > 1 else []
+        shown += pair_notes(result)
     if result.every and (verbose or result.reason):
-        shown += [design_table(result.every, "designs"), *outside_notes(result.every, scenario)]
+        shown += [offer_table(result), *outside_notes(result.every, scenario)]
     if result.frontier and (len(result.pairs) == 1 or verbose):
         part = result if verbose else _around_best(result)
         shown += [frontier_table(part), *outside_notes(part.frontier, scenario)]
@@ -509,7 +538,7 @@ def tables_of_check(result: CheckResult) -> list[Table | str]:
         VerdictLine(outcome(result), good=result.verdict == "passes"),
         amounts(result),
         threat_table(result),
-        *_outside_of_check(result),
+        *outside_of_check(result),
     ]
     if len(requirements_of(result)) > len(result.threats):
         shown.append(requirement_table(result))
@@ -524,7 +553,8 @@ def tables_of_check(result: CheckResult) -> list[Table | str]:
     return shown
 
 
-def _outside_of_check(result: CheckResult) -> list[str]:
+def outside_of_check(result: CheckResult) -> list[str]:
+    """Return in what an armour lies outside the tests against all of its threats."""
     scenario: Scenario | None = result.question.get("scenario")
     ceramic_mm = 0.0 if scenario is None else scenario.armour.ceramic_thickness_mm
     return outside_notes(result.threats, scenario, ceramic_mm)

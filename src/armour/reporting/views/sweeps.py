@@ -1,9 +1,13 @@
 """Sweeps."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
-from armour.reporting.table import Table, column_of
+import numpy as np
+
+from armour.analysis.evaluate import outside_of
+from armour.reporting.table import Column, Table, column_of
 from armour.sweeps.sweep import SweepResult
 
 # Rows of a sweep that are shown.
@@ -13,7 +17,14 @@ SWEEP_ROWS = 20
 def tables_of_sweep(result: SweepResult) -> list[Table | str]:
     """Return the first rows of a sweep."""
     notes = [f"the first {SWEEP_ROWS} of {result.rows:,} rows"] if result.rows > SWEEP_ROWS else []
-    return [first_rows(result.columns), *notes]
+    table = first_rows(result.columns)
+    rows_shown = {key: result[key][:SWEEP_ROWS] for key in result.keys}
+    is_outside = outside_of(result.scenario, rows_shown, result.quantities)
+    if is_outside.any():
+        words = np.where(is_outside, "outside", "inside").tolist()
+        rows = tuple((*row, word) for row, word in zip(table.rows, words, strict=True))
+        table = replace(table, columns=(*table.columns, Column("tests")), rows=rows)
+    return [table, *notes]
 
 
 def first_rows(columns: Mapping[str, Any]) -> Table:
