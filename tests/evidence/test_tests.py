@@ -157,7 +157,7 @@ def test_a_warning_names_the_threats_that_it_is_about_unless_it_is_about_all():
     threats = [{"projectile": name, "velocity_m_s": 850.0} for name in ("7.62 mm AP", "7.62 mm B32", "14.5 mm B32")]
     case = scenario(ceramic="SiC", threat=threats).replaced({BACKING: 20.0})
     armours = armours_of(*(case.against(threat) for threat in case.threats()))
-    texts = {warning.key: warning.text for warning in threat_warnings(case, armours, [])}
+    texts = {warning.key: warning.text for warning in threat_warnings(case, armours)}
     assert texts["armour.ceramic"].endswith('found "SiC"')
     assert texts["armour.ceramic_thickness_mm"].endswith("found 0.511 against 14.5 mm B32 at 850 m/s")
     two = "found 3.08 to 3.28 against 7.62 mm AP at 850 m/s and 7.62 mm B32 at 850 m/s"

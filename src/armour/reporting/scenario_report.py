@@ -282,7 +282,7 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Re
     yield from _own_tests(answer)
     yield ReportSection("What if", exact, tables=tuple(what_ifs))
     if design is not None:
-        yield _offer(design)
+        yield from _offer(design)
         hint = ("This command makes an interactive page of all designs:",) if map_command else ()
         # The title of the map is the answer, which the report begins with.
         drawing = drawing_of(design, "draw_map_of", title="")
@@ -351,10 +351,12 @@ def _threats(contents: Contents) -> Table:
     )
 
 
-def _offer(design: DesignResult) -> ReportSection:
-    """Return the designs on offer, with the margin against every threat."""
-    table, notes = design_view.offer_table(design), design_view.outside_notes(design.every, design.question["scenario"])
-    return ReportSection(f"{table.title[:1].upper()}{table.title[1:]}", tuple(notes), tables=(table,))
+def _offer(design: DesignResult) -> Iterator[ReportSection]:
+    """Give the designs on offer or, if there are many, the best of each pair, with the margin against every threat."""
+    designs = design.every or design_view.best_of_pairs(design)
+    if len(designs) > 1:
+        table, notes = design_view.offer_table(design), design_view.outside_notes(designs, design.question["scenario"])
+        yield ReportSection(f"{table.title[:1].upper()}{table.title[1:]}", tuple(notes), tables=(table,))
 
 
 def _search(design: DesignResult) -> ReportSection:

@@ -16,7 +16,6 @@ from armour.scenario.schema import OBJECTIVES
 
 BALLISTIC_LIMIT = column_of("ballistic_limit_m_s")
 STOPPING = Column("probability of stopping the projectile", prose=True)
-LESS_THAN_ANY = "less than any ceramic of the library"
 # What distributions tell where the model error is not known.
 SAMPLED_ALONE = "a probability from the given distributions alone takes the model as exact"
 
@@ -135,9 +134,15 @@ def flow_stress_notes(needed: NeededFlowStress | None, against: str = "the threa
     if least is None:
         return [f"does not stop {against} with any flow stress of {needed.ceramic} up to 100 GPa{source_words}"]
     chance_words = percent(needed.probability)
-    likely_words = f"{_stress(likely)} for {chance_words}" if likely else f"no value up to 100 GPa gives {chance_words}"
-    is_low = least < least_flow_stress()
-    words = f"stops {against} if the flow stress of {needed.ceramic} is {_stress(least)}{' or more' * (not is_low)}"
+    if likely is None:
+        likely_words = f"no value up to 100 GPa gives {chance_words}"
+    elif likely < least_flow_stress():
+        likely_words = f"also for {chance_words}"
+    else:
+        likely_words = f"{rounded_up(likely)} GPa for {chance_words}"
+    words = f"stops {against} if the flow stress of {needed.ceramic} is {rounded_up(least)} GPa or more"
+    if least < least_flow_stress():
+        words = f"stops {against} with a flow stress of {needed.ceramic} less than any ceramic of the library has"
     words += f" ({likely_words}, with the error seen on AD85){source_words}"
     if not sources:
         return [words]
@@ -152,16 +157,12 @@ def least_flow_stress() -> float:
     return min(stress for each in ceramics for stress in (each["flow_stress_GPa"], *each.flow_stress_sources_GPa))
 
 
-def _stress(needed_GPa: float) -> str:
-    """Format a needed flow stress; a number below all ceramics would say no more than that."""
-    return f"{rounded_up(needed_GPa)} GPa" if needed_GPa >= least_flow_stress() else LESS_THAN_ANY
-
-
 def needed_words(needed: NeededFlowStress | None) -> str | None:
     """Return the needed flow stress of a ceramic without tests in a table, GPa."""
-    if needed is None:
-        return None
-    return "above 100" if needed.needed_GPa is None else _stress(needed.needed_GPa).removesuffix(" GPa")
+    if needed is None or needed.needed_GPa is None:
+        return None if needed is None else "above 100"
+    # A number below all ceramics would say no more than that.
+    return "less than any" if needed.needed_GPa < least_flow_stress() else rounded_up(needed.needed_GPa)
 
 
 def rounded_up(number: float) -> str:

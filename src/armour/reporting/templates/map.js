@@ -35,6 +35,7 @@ function decoded(pair) {
   pair.name = pair.ceramic ? `${pair.said} on ${pair.backing}` : pair.backing;
   pair.unknown = Uint8Array.from(pair.areal, (_, k) => threats.some((_, t) => isNaN(pair.stops[(k * T + t) * Q])));
   pair.known = pair.unknown.includes(0);
+  pair.inside = new Set(pair.inside);
 }
 
 // Probability below a normal score (Abramowitz and Stegun 26.2.17), and its inverse.
@@ -262,6 +263,7 @@ function headline(pair, { k, reason }) {
 function besides(pair, best, ring) {
   const words = [];
   const untested = threats.flatMap((_, t) => (pair.designs.some(k => !isNaN(scored(pair, k, t))) ? [] : [shot(t)]));
+  if (pair.outside) words.push(`All designs of ${pair.name} lie outside the tests in ${pair.outside}.`);
   if (untested.length) words.push(`No test like ${pair.name} against ${untested.length === T ? allThreats() : listed(untested)} is known, so that no probability is.`);
   if (ring !== null && best !== null && anyAsked() && pair.areal[best] > pair.areal[ring]) {
     const more = pair.areal[best] - pair.areal[ring];
@@ -309,6 +311,7 @@ function button(words, act) {
   return made;
 }
 const circle = (cx, cy, r, of) => svg("circle", { class: of, cx, cy, r });
+const square = (x, y, r, of) => svg("rect", { class: of, x: x - r, y: y - r, width: 2 * r, height: 2 * r });
 const small = (width, height) => svg("svg", { viewBox: `0 0 ${width} ${height}`, "aria-hidden": "true" });
 const path = (points, of) => svg("path", { class: of, d: `M${points.map(p => `${p[0].toFixed(1)} ${p[1].toFixed(1)}`).join("L")}` });
 const text = (x, y, words, of, more) => svg("text", { x: x.toFixed(1), y: y.toFixed(1), class: of, "font-size": 12, ...more }, words);
@@ -566,7 +569,7 @@ function drawMap(pair, best, ring) {
     // Over one thickness, by the computed limit where no probability is known, with the least flow stress of sources.
     const reached = (k, t, z) => stops(pair, k, t, (view.line || !pair.known) && isNaN(scored(pair, k, t)) ? null : z) && (!pair.over || pair.over[0][k * T + t] >= required(t));
     const passing = new Set(pair.designs.filter(k => light(pair, k) && asked.every((z, t) => reached(k, t, z))));
-    for (const k of pair.onOffer) lines.append(circle(...placeOf(pair, k), 2.6, passing.has(k) ? "dot on" : "dot"));
+    for (const k of pair.onOffer) lines.append((pair.inside.has(k) ? circle : square)(...placeOf(pair, k), 2.6, passing.has(k) ? "dot on" : "dot"));
   }
   const axes = svg("g");
   axes.append(svg("rect", { class: "frame", x: frame.left, y: frame.top, width: frame.right - frame.left, height: frame.bottom - frame.top }));
@@ -579,7 +582,7 @@ function drawMap(pair, best, ring) {
   box.replaceChildren(areas, lines, axes, marks, words, svg("g", { id: "over" }));
   const said = flat ? ["Dotted: equal areal density.", ...(state.lines === "none" ? [] : ["Thin: equal ballistic limit, m/s."])]
     : [`Lines: the computed limit against ${T > 1 ? "each threat" : "the threat"}, less the one required.`, ...(pair.over ? [`Band${T > 3 ? " of the threat that governs" : "s"}: over the flow stresses that sources give.`] : [])];
-  if (pair.onOffer.length <= 400) said.push(`Dots: on offer, filled where they ${flat || pair.known ? "do what is asked for" : `reach what is required by the computed limit${pair.over ? ", even with the least of these flow stresses" : ""}`}.`);
+  if (pair.onOffer.length <= 400) said.push(`Dots: on offer, filled where they ${flat || pair.known ? "do what is asked for" : `reach what is required by the computed limit${pair.over ? ", even with the least of these flow stresses" : ""}`}${pair.onOffer.every(k => pair.inside.has(k)) ? "" : "; squares: outside the tests"}.`);
   $("options").style.display = flat ? "" : "none";
   said.push("Point at a design to read it, click to pin it. Keys: arrows move (Shift: five steps), Home goes to the lightest, Enter pins, Escape leaves.");
   $("keys").textContent = said.join(" ");
@@ -735,6 +738,7 @@ function drawDesign(pair, best) {
   const difference = best === null || k === best ? "" : ` (${signed(pair.areal[k] - pair.areal[best])})`;
   box.append(html("p", {}, `${areal(pair.areal[k])} kg/m²${difference}, ${trimmed(c * !!pair.ceramic + b + DATA.added.thickness)} mm thick`, k === best ? html("span", { class: "t-blue" }, { "": anyAsked() ? ` lightest that meets the requirements${exact}` : " lightest", "not known": " lightest by the computed limit", "none passes": " nearest", single: "" }[answer(pair).reason]) : null));
   if (pair.excluded.includes(k)) box.append(html("p", { class: "t-red" }, "Beyond the limits of the scenario."));
+  if (!pair.inside.has(k)) box.append(html("p", { class: "soft" }, "Outside the tests."));
   box.append(crossSection(pair, k));
   threats.forEach((threat, t) => {
     const d = k * T + t, v = state.velocities[t], z = score(pair, d, v), limit = pair.limits[d];

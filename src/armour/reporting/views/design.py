@@ -208,8 +208,7 @@ def margin_table(result: DesignResult, required: Mapping[str, float]) -> Table:
 def pair_table(result: DesignResult) -> Table:
     """Return every pair of materials with its best design, or the reason why it has none."""
     shown = (AREAL_DENSITY, THICKNESS, COST, replace(BALLISTIC_LIMIT, label="limit"), MARGIN_BY_MODEL)
-    best = [pair.best for pair in result.pairs if pair.best is not None]
-    outside, outside_of = outside_tests(best)
+    outside, outside_of = outside_tests(best_of_pairs(result))
     table = listing(
         result.pairs,
         (Column("armour", prose=True), lambda pair: armour_in_words(pair.best) if pair.best else pair_words(pair)),
@@ -233,7 +232,7 @@ def outside_tests(items: Sequence[Any]) -> tuple[Column, Callable[[Any], str]]:
 
     What they have in common is in `outside_notes`.
     """
-    common, is_any = _common(items), any(item.outside_tests for item in items)
+    common, is_any = in_common([item.outside_tests for item in items]), any(item.outside_tests for item in items)
 
     def words(item: Any) -> str:
         own = {key: factor for key, factor in item.outside_tests.items() if key not in common}
@@ -242,9 +241,14 @@ def outside_tests(items: Sequence[Any]) -> tuple[Column, Callable[[Any], str]]:
     return OUTSIDE, words
 
 
+def best_of_pairs(result: DesignResult) -> list[BestDesign]:
+    """Return the best design of each pair of materials that has one."""
+    return [pair.best for pair in result.pairs if pair.best is not None]
+
+
 def pair_notes(result: DesignResult) -> list[str]:
     """Return what flow stress ceramics of one source need, where all lie outside the tests, and a caveat on metals."""
-    best = [pair.best for pair in result.pairs if pair.best is not None]
+    best = best_of_pairs(result)
     of_one_source = [each for each in best if any(row.quantity == SOURCES for row in each.requirements)]
     notes = [f"{armour_in_words(each)} {note}" for each in of_one_source for note in _flow_stress_notes(each)[:1]]
     notes += outside_notes(best, result.question.get("scenario")) if len(best) > 1 else []
@@ -253,7 +257,7 @@ def pair_notes(result: DesignResult) -> list[str]:
 
 def offer_table(result: DesignResult) -> Table:
     """Return the designs on offer or, if there are many, the best of each pair, with the margin against each threat."""
-    best = [pair.best for pair in result.pairs if pair.best is not None]
+    best = best_of_pairs(result)
     designs: Sequence[Design] = result.every or best
     margins = result.margins_of_every_m_s or [each.margins_m_s for each in best]
     outside, outside_of = outside_tests(designs)
@@ -276,9 +280,9 @@ def offer_table(result: DesignResult) -> Table:
     return _aligned(table)
 
 
-def _common(items: Sequence[Any]) -> dict[str, float]:
-    """Return in what all of several items lie outside the tests alike."""
-    first, *others = [item.outside_tests for item in items] or [{}]
+def in_common(every: Sequence[Mapping[str, float]]) -> dict[str, float]:
+    """Return in what all of several designs lie outside the tests alike."""
+    first, *others = every or [{}]
     return {key: factor for key, factor in first.items() if all(each.get(key) == factor for each in others)}
 
 
@@ -287,7 +291,7 @@ def outside_notes(items: Sequence[Any], scenario: Scenario | None, ceramic_mm: f
 
     The items may also be an armour, whose ceramic thickness is given, against its threats.
     """
-    common = outside_words(_common(items))
+    common = outside_words(in_common([item.outside_tests for item in items]))
     notes = [f"{'all lie ' * (len(items) > 1)}outside the tests in {common}"] if common else []
     tested_mm = [
         (item.ceramic_thickness_mm if ceramic_mm is None else ceramic_mm) / item.outside_tests[THIN]
