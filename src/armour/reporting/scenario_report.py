@@ -355,14 +355,15 @@ def _offer(design: DesignResult) -> Iterator[ReportSection]:
     """Give the designs on offer or, if there are many, the best of each pair, with the margin against every threat."""
     designs = design.every or design_view.best_of_pairs(design)
     if len(designs) > 1:
-        table, notes = design_view.offer_table(design), design_view.outside_notes(designs, design.question["scenario"])
+        table, notes = design_view.offer_table(design), design_view.outside_notes(designs)
+        notes += design_view.thin_designs(designs, design.question["scenario"])
         yield ReportSection(f"{table.title[:1].upper()}{table.title[1:]}", tuple(notes), tables=(table,))
 
 
 def _search(design: DesignResult) -> ReportSection:
     """Return how the best design compares with others."""
     heading, table = "Required ceramic for each back plate", design_view.frontier_table(design)
-    notes = design_view.outside_notes(design.frontier, design.question["scenario"])
+    notes = design_view.outside_notes(design.frontier)
     if len(design.pairs) > 1:
         heading, table = "Pairs of materials", replace(design_view.pair_table(design), title="")
         notes = design_view.pair_notes(design)

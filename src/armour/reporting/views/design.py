@@ -1,7 +1,8 @@
 """Design searches, and checks of one armour against each of its threats."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from itertools import zip_longest
 from math import inf
 from typing import Any
 from xml.etree.ElementTree import Element
@@ -45,7 +46,6 @@ GOVERNED_BY = Column("governed by", prose=True)
 # The margin of the armour itself depends on the model error.
 MARGIN_BY_MODEL = column_of("margin_m_s", "+.0f", "margin by the model")
 REQUIRED = Column("required margin", "m/s", "+.0f")
-DESIGN = CERAMIC, BACKING, CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, COST, MARGIN_BY_MODEL
 OUTSIDE = Column("outside the tests in", prose=True, key="outside_tests")
 NEEDED = Column("flow stress needed", "GPa", ".1f")
 # The quantity that is below the tests for thin ceramics.
@@ -222,9 +222,27 @@ def pair_table(result: DesignResult) -> Table:
     return _aligned(table)
 
 
-def design_table(designs: Sequence[Design], title: str = "") -> Table:
-    """Return designs, such as those of the Pareto front, a row each."""
-    return _aligned(listing(designs, *DESIGN, outside_tests(designs), title=title, rest="--csv FILE"))
+def design_table(designs: Sequence[Design], title: str, margins_m_s: Sequence[Mapping[str, float]] = ()) -> Table:
+    """Return designs, such as those of the Pareto front, a row each, with their margins against several threats."""
+    outside, outside_of = outside_tests(designs)
+
+    def of_design(column: Column) -> Source:
+        return column, lambda row: getattr(row[0], column.key)
+
+    def margin(threat: str) -> Source:
+        return Column(f"margin against {threat}", "m/s", "+.0f"), lambda row: row[1][threat]
+
+    threats = list(margins_m_s[0]) if margins_m_s else []
+    table = listing(
+        zip_longest(designs, margins_m_s),
+        (Column("armour", prose=True), lambda row: armour_in_words(row[0])),
+        *map(of_design, (AREAL_DENSITY, THICKNESS, COST)),
+        *(map(margin, threats) if len(threats) > 1 else [of_design(MARGIN_BY_MODEL)]),
+        (outside, lambda row: outside_of(row[0])),
+        title=title,
+        rest="--csv FILE",
+    )
+    return _aligned(table)
 
 
 def outside_tests(items: Sequence[Any]) -> tuple[Column, Callable[[Any], str]]:
@@ -251,33 +269,16 @@ def pair_notes(result: DesignResult) -> list[str]:
     best = best_of_pairs(result)
     of_one_source = [each for each in best if any(row.quantity == SOURCES for row in each.requirements)]
     notes = [f"{armour_in_words(each)} {note}" for each in of_one_source for note in _flow_stress_notes(each)[:1]]
-    notes += outside_notes(best, result.question.get("scenario")) if len(best) > 1 else []
+    notes += outside_notes(best) if len(best) > 1 else []
     return notes + [METALS] * (len({each.backing for each in best if each.ceramic}) > 1)
 
 
 def offer_table(result: DesignResult) -> Table:
     """Return the designs on offer or, if there are many, the best of each pair, with the margin against each threat."""
+    if result.every:
+        return design_table(result.every, "designs on offer", result.margins_of_every_m_s)
     best = best_of_pairs(result)
-    designs: Sequence[Design] = result.every or best
-    margins = result.margins_of_every_m_s or [each.margins_m_s for each in best]
-    outside, outside_of = outside_tests(designs)
-
-    def of_design(column: Column) -> Source:
-        return column, lambda row: getattr(row[0], column.key)
-
-    def margin(threat: str) -> Source:
-        words = f"margin against {threat}" if len(result.threats) > 1 else MARGIN_BY_MODEL.label
-        return Column(words, "m/s", "+.0f"), lambda row: row[1][threat]
-
-    table = listing(
-        zip(designs, margins, strict=True),
-        (Column("armour", prose=True), lambda row: armour_in_words(row[0])),
-        *map(of_design, (AREAL_DENSITY, THICKNESS, COST)),
-        *map(margin, result.threats),
-        (outside, lambda row: outside_of(row[0])),
-        title="designs on offer" if result.every else "best of each pair",
-    )
-    return _aligned(table)
+    return design_table(best, "best of each pair", [each.margins_m_s for each in best])
 
 
 def in_common(every: Sequence[Mapping[str, float]]) -> dict[str, float]:
@@ -286,26 +287,28 @@ def in_common(every: Sequence[Mapping[str, float]]) -> dict[str, float]:
     return {key: factor for key, factor in first.items() if all(each.get(key) == factor for each in others)}
 
 
-def outside_notes(items: Sequence[Any], scenario: Scenario | None, ceramic_mm: float | None = None) -> list[str]:
-    """Return in what all designs of a table lie outside the tests, and from which thickness on ceramics were tested.
-
-    The items may also be an armour, whose ceramic thickness is given, against its threats.
-    """
+def outside_notes(items: Sequence[Any]) -> list[str]:
+    """Return in what all designs of a table, or an armour against all of its threats, lie outside the tests."""
     common = outside_words(in_common([item.outside_tests for item in items]))
-    notes = [f"{'all lie ' * (len(items) > 1)}outside the tests in {common}"] if common else []
-    tested_mm = [
-        (item.ceramic_thickness_mm if ceramic_mm is None else ceramic_mm) / item.outside_tests[THIN]
-        for item in items
-        if item.outside_tests.get(THIN, 1.0) < 1.0
+    return [f"{'all lie ' * (len(items) > 1)}outside the tests in {common}"] if common else []
+
+
+def thin_notes(ceramics: Iterable[tuple[float, Mapping[str, float]]], scenario: Scenario | None) -> list[str]:
+    """Return from which thickness on ceramics were tested, if one is thinner; given thicknesses, mm, and factors."""
+    tested_mm = [mm / outside[THIN] for mm, outside in ceramics if outside.get(THIN, 1.0) < 1.0]
+    if not tested_mm or scenario is None:
+        return []
+    threats = map(scenario.against, scenario.threats())
+    widest_mm = max(threat.inputs()["projectile.penetrator_diameter_mm"] * threat.cosine() for threat in threats)
+    return [
+        f"no ceramic thinner than {max(tested_mm) / widest_mm:.2g} penetrator diameters, here {max(tested_mm):.2g} mm, "
+        "was tested: do not rely on limits with less"
     ]
-    if tested_mm and scenario is not None:
-        threats = map(scenario.against, scenario.threats())
-        widest_mm = max(threat.inputs()["projectile.penetrator_diameter_mm"] * threat.cosine() for threat in threats)
-        notes.append(
-            f"no ceramic thinner than {max(tested_mm) / widest_mm:.2g} penetrator diameters, here {max(tested_mm):.2g} "
-            "mm, was tested: do not rely on limits with less"
-        )
-    return notes
+
+
+def thin_designs(designs: Iterable[Design], scenario: Scenario | None) -> list[str]:
+    """Return the same for designs."""
+    return thin_notes(((design.ceramic_thickness_mm, design.outside_tests) for design in designs), scenario)
 
 
 def _result(result: DesignResult, pair: Pair) -> str:
@@ -318,10 +321,10 @@ def _result(result: DesignResult, pair: Pair) -> str:
 
 def design_csv(result: DesignResult) -> str:
     """Return the Pareto front as CSV or, where none is asked for, the frontier; without one, every design."""
-    designs, tests = result.pareto or result.frontier or result.every, Column("tests", key="untested")
-    untested = (tests, lambda design: "untested" if design.untested else "")
+    untested = (Column("tests", key="untested"), lambda design: "untested" if design.untested else "")
+    columns = (BACKING, CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, COST, MARGIN_BY_MODEL)
     outside = (OUTSIDE, lambda design: outside_words(design.outside_tests))
-    return csv_text(listing(designs, DESIGN[0], untested, *DESIGN[1:], outside))
+    return csv_text(listing(result.pareto or result.frontier or result.every, CERAMIC, untested, *columns, outside))
 
 
 def _shown(result: DesignResult) -> BestDesign:
@@ -333,7 +336,7 @@ def _shown(result: DesignResult) -> BestDesign:
 def tables_of_design(result: DesignResult) -> list[Table | str]:
     """Return all tables of a design search: the frontier of a single pair of materials, or a row for each pair."""
     scenario: Scenario | None = result.question.get("scenario")
-    required, best = required_margins(scenario), result.shown
+    required, best, named = required_margins(scenario), result.shown, list[Design](best_of_pairs(result))
     shown: list[Table | str] = [*design_verdict(result)]
     if best is not None:
         answer = None if scenario is None or best.model_error is not None else _answer(scenario, best)
@@ -354,17 +357,19 @@ def tables_of_design(result: DesignResult) -> list[Table | str]:
         shown.append(pair_table(result))
         shown += pair_notes(result)
     if result.every and (verbose or result.reason):
-        shown += [offer_table(result), *outside_notes(result.every, scenario)]
+        shown += [offer_table(result), *outside_notes(result.every)]
+        named += result.every
     if result.frontier and (len(result.pairs) == 1 or verbose):
         part = result if verbose else _around_best(result)
-        shown += [frontier_table(part), *outside_notes(part.frontier, scenario)]
+        shown += [frontier_table(part), *outside_notes(part.frontier)]
+        named += part.frontier
         if len(part.frontier) < len(result.frontier):
             shown.append(f"{len(result.frontier) - len(part.frontier)} more back plates with -v")
         if result.without_mm:
             shown.append(left_out(result))
     if result.pareto:
-        shown += [design_table(result.pareto, "Pareto front"), *outside_notes(result.pareto, scenario)]
-    return [*shown, f"{counted(result.designs, 'design')} computed"]
+        shown += [design_table(result.pareto, "Pareto front"), *outside_notes(result.pareto)]
+    return [*shown, *thin_designs([*named, *result.pareto], scenario), f"{counted(result.designs, 'design')} computed"]
 
 
 def _answer(scenario: Scenario, best: BestDesign) -> Scenario:
@@ -561,7 +566,8 @@ def outside_of_check(result: CheckResult) -> list[str]:
     """Return in what an armour lies outside the tests against all of its threats."""
     scenario: Scenario | None = result.question.get("scenario")
     ceramic_mm = 0.0 if scenario is None else scenario.armour.ceramic_thickness_mm
-    return outside_notes(result.threats, scenario, ceramic_mm)
+    thin = thin_notes(((ceramic_mm, threat.outside_tests) for threat in result.threats), scenario)
+    return [*outside_notes(result.threats), *thin]
 
 
 def check_summary(results: Mapping[str, CheckResult]) -> VerdictLine:
