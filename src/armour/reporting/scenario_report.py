@@ -356,7 +356,7 @@ def _offer(design: DesignResult) -> Iterator[ReportSection]:
     designs = design.every or design_view.best_of_pairs(design)
     if len(designs) > 1:
         table, notes = design_view.offer_table(design), design_view.outside_notes(designs)
-        notes += design_view.thin_designs(designs, design.question["scenario"])
+        notes += design_view.thin_designs(designs, design.question.get("scenario"))
         yield ReportSection(f"{table.title[:1].upper()}{table.title[1:]}", tuple(notes), tables=(table,))
 
 

@@ -254,16 +254,11 @@ def points(axes: Axes, x: Any, y: Any, words: Sequence[str] = (), *, filled: boo
 
 
 def curve(axes: Axes, x: Any, y: Any, is_outside: Any, **look: Any) -> None:
-    """Draw a curve, dashed and with hollow marks where it is outside the tests, (n,); a step from inside is dashed."""
-    hollow = look | {"markerfacecolor": "none", "linestyle": "--"}
-    if is_outside.all():
-        axes.plot(x, y, **hollow)
-        return
-    axes.plot(x, np.where(is_outside, np.nan, y), **look)
-    if is_outside.any():
-        dashed = is_outside | np.append(is_outside[1:], False) | np.append(False, is_outside[:-1])
-        axes.plot(x, np.where(dashed, y, np.nan), **hollow | {"label": "", "marker": ""})
-        axes.plot(x, np.where(is_outside, y, np.nan), **hollow | {"label": "", "linestyle": "none"})
+    """Draw a curve, dashed and with hollow marks where it is outside the tests, (n,)."""
+    outside = {"markerfacecolor": "none", "linestyle": "--"} if is_outside.any() else {}
+    axes.plot(x, y, **look | outside)
+    if outside and not is_outside.all():
+        axes.plot(x, np.where(is_outside, np.nan, y), **look | {"label": "_nolegend_"})
 
 
 def ranges(axes: Axes, y: Any, ends: Sequence[Sequence[float]], colour: str) -> None:
