@@ -1,5 +1,6 @@
 """Catalogues: layers, threats, constraints and costs, and wrong questions about them."""
 
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -7,7 +8,8 @@ import pytest
 
 from armour.design import catalogue as module
 from armour.design.catalogue import catalogue_of
-from armour.design.optimise import optimise
+from armour.design.check import check
+from armour.design.optimise import DesignResult, optimise
 from armour.engine import batch
 from armour.errors import InputError
 from tests.helpers.cases import CERAMICS, GIVEN, METALS, RANGE, THREATS, catalogue, scenario
@@ -229,3 +231,36 @@ def test_more_than_can_be_meant(monkeypatch: pytest.MonkeyPatch, most: dict[str,
     with pytest.raises(InputError) as error:
         catalogue_of(catalogue())
     assert message in str(error.value)
+
+
+def test_every_design_says_in_what_it_lies_outside_the_tests_as_check_does():
+    asked = catalogue([{"projectile": "7.62 mm AP", "velocity_m_s": 700.0}])
+    best = [pair.best for pair in optimise(asked).pairs if pair.best is not None]
+    assert {design.ceramic for design in best} == {"AD85", "AD99.5"}
+    for design in best:
+        [threat] = check(asked.replaced(design.changes_to(asked))).threats
+        assert threat.outside_tests == design.outside_tests
+        assert (design.outside_tests.get("ceramic") == inf) == design.untested
+
+
+def test_ceramics_beside_a_tested_one_have_their_designs_and_those_that_fail_what_they_lack():
+    threats = [{"projectile": "7.62 mm AP", "velocity_m_s": 800.0}]
+    ceramics = [{"material": name, "thickness_mm": {"min": 4.0, "max": 9.0}} for name in ("AD85", "SiC")]
+    ceramics.append({"material": "AD99.5", "thickness_mm": [2.0, 3.0]})
+
+    def found(*offered: dict[str, Any], confidence: float | None = 0.6) -> DesignResult:
+        metals = [{"material": "6061-T6", "thickness_mm": [8.0]}]
+        return optimise(
+            scenario(threat=threats, design={"ceramic": offered, "backing": metals, "confidence": confidence})
+        )
+
+    first, second, third = found(*ceramics).pairs
+    assert first.best == best_of(found(ceramics[0]))
+    assert (second.ceramic, second.ranked) == ("SiC", False)
+    assert second.best is not None
+    assert second.best.flow_stress
+    by_limit = best_of(found(ceramics[1], confidence=None))
+    assert second.best.ceramic_thickness_mm == by_limit.ceramic_thickness_mm
+    assert third.best is None
+    assert third.reason.startswith("3 mm AD99.5 on 8 mm 6061-T6 lacks ")
+    assert third.reason.endswith(" m/s against 7.62 mm AP at 800 m/s")

@@ -315,6 +315,11 @@ def test_warnings_name_inputs_in_words():
     )
 
 
+def test_warnings_on_the_armour_come_first():
+    warnings = ("of the search", Note("of the armour", "armour.ceramic"))
+    assert report(replace(wilkins(), warnings=warnings)).warnings == ("ceramic: of the armour", "of the search")
+
+
 def test_the_answer_with_distributions():
     sampled = uncertainty_result().of(scenario=scenario())
     error = wilkins().threat.model_error
