@@ -245,8 +245,10 @@ def test_every_design_says_in_what_it_lies_outside_the_tests_as_check_does():
 
 def test_ceramics_beside_a_tested_one_have_their_designs_and_those_that_fail_what_they_lack():
     threats = [{"projectile": "7.62 mm AP", "velocity_m_s": 800.0}]
-    ceramics = [{"material": name, "thickness_mm": {"min": 4.0, "max": 9.0}} for name in ("AD85", "SiC")]
-    ceramics.append({"material": "AD99.5", "thickness_mm": [2.0, 3.0]})
+    free: list[dict[str, Any]] = [
+        {"material": name, "thickness_mm": {"min": 4.0, "max": 9.0}} for name in ("AD85", "SiC")
+    ]
+    ceramics = [*free, {"material": "AD99.5", "thickness_mm": [2.0, 3.0]}]
 
     def found(*offered: dict[str, Any], confidence: float | None = 0.6) -> DesignResult:
         metals = [{"material": "6061-T6", "thickness_mm": [8.0]}]

@@ -160,8 +160,8 @@ def test_a_needed_flow_stress_below_that_of_all_ceramics_is_told_as_such():
         return NeededFlowStress("SiC", least, 0.9, likely, (), ())
 
     assert flow_stress_notes(needed(0.5, 0.6), "x") == [
-        "stops x with a flow stress of SiC less than any ceramic of the library has (also for 90 %, with the error seen on "
-        "AD85)"
+        "stops x with a flow stress of SiC less than any ceramic of the library has (also for 90 %, with the error "
+        "seen on AD85)"
     ]
     assert "less than any ceramic of the library has (9 GPa for 90 %" in flow_stress_notes(needed(0.5, 9.0))[0]
     assert "is 8 GPa or more (9 GPa for 90 %" in flow_stress_notes(needed(8.0, 9.0))[0]
