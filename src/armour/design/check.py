@@ -109,7 +109,7 @@ class CheckedThreat:
     what_ifs: tuple[WhatIf, ...]
     requirements: tuple[Requirement, ...] = ()
     sampled: Estimate | None = None
-    outside_tests: dict[str, float] = field(default_factory=dict)
+    outside_tests: dict[str, float] = field(default_factory=dict, hash=False)
 
     def as_given(self) -> WhatIf:
         """Return the armour without a change, with exact inputs."""

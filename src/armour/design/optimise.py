@@ -30,7 +30,8 @@ from armour.scenario.schema import OBJECTIVES, DesignSection
 # Words that begin the reason of a pair of materials: without tests, if others have them; with a single source of the
 # ceramic's flow stress; and nearly as good as the best.
 UNTESTED, ONE_SOURCE, RUNNER_UP = "no test", "one source of its flow stress", "runner-up: "
-# Most designs that a result lists, and most to compare in the search for the one nearest to passing.
+# Most designs that a result lists, or pairs whose needed flow stresses it has, and most to compare in the search for
+# the one nearest to passing.
 MOST_SHOWN, MOST_COMPARED = 25, 20_000
 Reason = Literal["", "none passes", "not known"]
 # Impacts from which on the time of a search is estimated, and the thicknesses of a layer that it is estimated from.
@@ -58,7 +59,7 @@ class Design:
         Whether no test of the ceramic on metal is known.
     outside_tests : dict of str to float
         By quantity in which it lies outside the tests, the farthest first, the factor by which it does against any
-        threat, below 1 beneath them; infinite for what no test has, such as its ceramic.  Empty inside the tests.
+        threat, below 1 beneath them; infinite, null in JSON, for what no test has, as its ceramic.  Empty inside them.
     """
 
     ceramic: str
@@ -726,16 +727,16 @@ def _pairs(designs: Designs, search: FreeThicknesses, best: int | None, least: i
             found[pair] = by_limit, by_limit.first(where[~by_limit.known(where)], NOT_KNOWN, by_samples=False)
     unlimited = _unlimited(designs, search) if any(place is None for _, place in found) else designs
     best_is_known = best is not None and bool(designs.known(np.array([best]))[0])
-    pairs = []
+    pairs, few = [], len(catalogue.offers) <= MOST_SHOWN
     for index, (offer, (table, place)) in enumerate(zip(catalogue.offers, found, strict=True)):
         design, excess, ranked = None, None, True
         if place is None:
-            reason = _why_none(table, unlimited, [index])
+            reason = _why_none(designs, unlimited, [index])
         else:
             one_source = bool(table.one_source[place])
             untested = best_is_known and not table.known(np.array([place]))[0]
             ranked = not (one_source or untested)
-            design = _best(table, place, named=one_source or untested)
+            design = _best(table, place, named=one_source or (few and catalogue.untested[index]))
             excess, words = _excess(catalogue.section, float(table.values[place]), least_value, ranked=ranked)
             reason = ": ".join(filter(None, (ONE_SOURCE if one_source else UNTESTED if untested else "", words)))
         names = offer.ceramic.material, offer.backing.material

@@ -386,10 +386,9 @@ def limits_outside(armours: Armours, velocities: Any) -> Iterator[Outside]:
 
 
 def outside_tests(armours: Armours, velocities: Any, threats: int = 1) -> list[dict[str, float]]:
-    """Return by how much armours lie outside the tests of their kind, by quantity, each armour in a row per threat.
+    """Return by which factors armours, each in a row per threat, lie outside the tests, by quantity, farthest first.
 
-    The factor is that of the farthest threat: below 1 beneath the tests, and infinite where no test is of its kind,
-    such as of its ceramic.  The quantity farthest outside comes first.
+    The farthest threat counts.  A factor is below 1 beneath the tests, and infinite for what none has, as a ceramic.
     """
     factors = defaultdict[str, Any](lambda: np.ones(len(velocities)))
     for evidence, rows in armours.by_evidence():
@@ -403,13 +402,12 @@ def outside_tests(armours: Armours, velocities: Any, threats: int = 1) -> list[d
         law, angle = evidence.has_other_law(q) & ~is_other, evidence.fails_angle(members.cosines)
         for name, is_far in (("ceramic", is_other), ("ceramic law", law), ("angle", angle)):
             factors[name][rows] = np.where(is_far, np.inf, 1.0)
-    found: list[dict[str, float]] = [{} for _ in range(len(velocities) // threats)]
+    places = np.arange(len(velocities) // threats)
     for name, values in factors.items():
         by_armour = values.reshape(-1, threats)
-        farthest = by_armour[np.arange(len(by_armour)), abs(np.log(by_armour)).argmax(axis=1)]
-        for place in np.flatnonzero(farthest != 1.0).tolist():
-            found[place][name] = float(farthest[place])
-    return [dict(sorted(each.items(), key=lambda item: -abs(log(item[1])))) for each in found]
+        factors[name] = by_armour[places, abs(np.log(by_armour)).argmax(axis=1)].tolist()
+    outside = ({name: each[place] for name, each in factors.items() if each[place] != 1.0} for place in places)
+    return [dict(sorted(each.items(), key=lambda item: -abs(log(item[1])))) for each in outside]
 
 
 def _check(limits: DataRange, q: Quantities, rows: Any = True) -> tuple[str, str, Any, str, str]:
