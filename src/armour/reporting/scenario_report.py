@@ -357,7 +357,8 @@ def _offer(design: DesignResult) -> Iterator[ReportSection]:
     if len(designs) > 1:
         table, notes = design_view.offer_table(design), design_view.outside_notes(designs)
         notes += design_view.thin_designs(designs, design.question.get("scenario"))
-        yield ReportSection(f"{table.title[:1].upper()}{table.title[1:]}", tuple(notes), tables=(table,))
+        heading = f"{table.title[:1].upper()}{table.title[1:]}"
+        yield ReportSection(heading, tuple(notes), tables=(table,), folded=not design.every)
 
 
 def _search(design: DesignResult) -> ReportSection:
