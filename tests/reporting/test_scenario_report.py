@@ -351,7 +351,7 @@ def test_sections_are_the_answer_and_what_explains_it():
         uncertainty=uncertainty_result().of(scenario=scenario()),
     )
     folded = headings(full, folded=True)
-    assert folded[:2] == ["Pairs of materials", "Results under uncertain inputs"]
+    assert folded[:3] == ["Best of each pair", "Pairs of materials", "Results under uncertain inputs"]
     what_ifs = section(full, "What if").tables
     assert [table.title for table in what_ifs] == [f"against {THREAT}", f"against {OTHER}"]
     assert [table.title for table in section(full, "Pairs of materials").tables] == [
