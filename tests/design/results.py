@@ -11,8 +11,8 @@ THREAT, OTHER = "7.62 mm AP at 800 m/s", "M2"
 def design(ceramic: str, ceramic_mm: float, backing_mm: float, areal_density: float, cost: float = 0.0) -> Design:
     """A design on 6061-T6."""
     thickness = ceramic_mm + backing_mm
-    whole = False, areal_density, thickness
-    return Design(ceramic, "6061-T6", ceramic_mm, backing_mm, areal_density, thickness, cost, None, *whole)
+    others = False, areal_density, thickness, dict[str, float]()
+    return Design(ceramic, "6061-T6", ceramic_mm, backing_mm, areal_density, thickness, cost, None, *others)
 
 
 def best_of(result: DesignResult) -> BestDesign:

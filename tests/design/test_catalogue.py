@@ -1,5 +1,6 @@
 """Catalogues: layers, threats, constraints and costs, and wrong questions about them."""
 
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -7,7 +8,8 @@ import pytest
 
 from armour.design import catalogue as module
 from armour.design.catalogue import catalogue_of
-from armour.design.optimise import optimise
+from armour.design.check import check
+from armour.design.optimise import DesignResult, optimise
 from armour.engine import batch
 from armour.errors import InputError
 from tests.design.results import best_of
@@ -106,7 +108,7 @@ def test_a_pair_of_which_no_free_thickness_stops_the_threats():
     ceramics = [{"material": "AD85", "thickness_mm": {"min": 1.0, "max": 12.0}}]
     for constraint in ({}, {"areal_density_max_kg_m2": 500.0}):
         result = optimise(catalogue(ceramic=ceramics, backing=metals, **constraint))
-        assert [pair.reason for pair in result.pairs] == ["", "no design stops every threat and all slower impacts"]
+        assert [pair.reason for pair in result.pairs] == ["", "12 mm AD85 on 0.5 mm 7075-T6 lacks 260 m/s against M2"]
 
 
 def test_a_catalogue_of_bare_plates_needs_no_grid():
@@ -124,7 +126,7 @@ def test_nothing_on_offer():
     for constraint, more in (
         ({}, "; offer thicker layers in [design] or [optimise]"),
         ({"thickness_max_mm": 20.0}, ""),
-        ({"confidence": 0.9}, " with the probability required, where it is known; offer thicker layers"),
+        ({"confidence": 0.9}, " with the probability required; offer thicker layers"),
     ):
         result = optimise(catalogue(fast, **constraint))
         assert result.reason == "none passes"
@@ -229,3 +231,38 @@ def test_more_than_can_be_meant(monkeypatch: pytest.MonkeyPatch, most: dict[str,
     with pytest.raises(InputError) as error:
         catalogue_of(catalogue())
     assert message in str(error.value)
+
+
+def test_every_design_says_in_what_it_lies_outside_the_tests_as_check_does():
+    asked = catalogue([{"projectile": "7.62 mm AP", "velocity_m_s": 700.0}])
+    best = [pair.best for pair in optimise(asked).pairs if pair.best is not None]
+    assert {design.ceramic for design in best} == {"AD85", "AD99.5"}
+    for design in best:
+        [threat] = check(asked.replaced(design.changes_to(asked))).threats
+        assert threat.outside_tests == design.outside_tests
+        assert (design.outside_tests.get("ceramic") == inf) == design.untested
+
+
+def test_ceramics_beside_a_tested_one_have_their_designs_and_those_that_fail_what_they_lack():
+    threats = [{"projectile": "7.62 mm AP", "velocity_m_s": 800.0}]
+    free: list[dict[str, Any]] = [
+        {"material": name, "thickness_mm": {"min": 4.0, "max": 9.0}} for name in ("AD85", "SiC")
+    ]
+    ceramics = [*free, {"material": "AD99.5", "thickness_mm": [2.0, 3.0]}]
+
+    def found(*offered: dict[str, Any], confidence: float | None = 0.6) -> DesignResult:
+        metals = [{"material": "6061-T6", "thickness_mm": [8.0]}]
+        return optimise(
+            scenario(threat=threats, design={"ceramic": offered, "backing": metals, "confidence": confidence})
+        )
+
+    first, second, third = found(*ceramics).pairs
+    assert first.best == best_of(found(ceramics[0]))
+    assert (second.ceramic, second.ranked) == ("SiC", False)
+    assert second.best is not None
+    assert second.best.flow_stress
+    by_limit = best_of(found(ceramics[1], confidence=None))
+    assert second.best.ceramic_thickness_mm == by_limit.ceramic_thickness_mm
+    assert third.best is None
+    assert third.reason.startswith("3 mm AD99.5 on 8 mm 6061-T6 lacks ")
+    assert third.reason.endswith(" m/s against 7.62 mm AP at 800 m/s")

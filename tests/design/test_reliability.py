@@ -123,15 +123,22 @@ def test_the_thickness_of_an_absent_ceramic_does_not_vary():
     assert best_of(optimise(catalogue([threat], varying, **bare))).ceramic_thickness_mm == 0.0
 
 
-def test_a_pair_whose_error_is_not_known_is_left_out():
+def test_a_pair_whose_error_is_not_known_has_its_best_by_the_limit_and_comes_last():
     threat = {"projectile": "7.62 mm AP", "velocity_m_s": 700.0}
     found = optimise(catalogue([threat], FROM_TESTS, confidence=0.6))
-    reasons = {(pair.ceramic, pair.backing): pair.reason for pair in found.pairs}
-    reason = reasons["AD99.5", "6061-T6"]
-    assert reason == "the model error is not known: no test of AD99.5 on metal is known"
+    by_limit = {(pair.ceramic, pair.backing): pair.best for pair in optimise(catalogue([threat], FROM_TESTS)).pairs}
+    unknown = {(pair.ceramic, pair.backing): pair for pair in found.pairs if not pair.ranked}
+    assert ("AD99.5", "6061-T6") in unknown
+    assert list(unknown.values()) == list(found.pairs[-len(unknown) :])
+    for names, pair in unknown.items():
+        of_limit = by_limit[names]
+        assert pair.best is not None
+        assert of_limit is not None
+        assert pair.best.model_error is None
+        assert pair.best.areal_density_kg_m2 == of_limit.areal_density_kg_m2
+        assert pair.reason.startswith("no test: ")
     sampled = optimise(catalogue([threat], {**UNCERTAIN, "model": None}, confidence=0.6))
-    unknown = {(pair.ceramic, pair.backing) for pair in sampled.pairs if "is not known" in pair.reason}
-    assert unknown == {pair for pair, reason in reasons.items() if "is not known" in reason}
+    assert {(pair.ceramic, pair.backing) for pair in sampled.pairs if not pair.ranked} == unknown.keys()
     given = catalogue([threat], {"model": {"scale_percent": 5.0}}, confidence=0.6)
     assert all(pair.best is not None for pair in optimise(given).pairs)
 
@@ -196,7 +203,10 @@ def test_what_was_not_tested_is_ranked_apart():
 
 @pytest.mark.parametrize(
     ("velocity_m_s", "reason"),
-    [(1000.0, "one source of its flow stress"), (1200.0, "one source of its flow stress: 6 on 8 mm: ")],
+    [
+        (1000.0, "one source of its flow stress"),
+        (1200.0, "one source of its flow stress: 6 mm B4C on 8 mm 6061-T6 lacks "),
+    ],
 )
 def test_where_none_passes_designs_of_one_source_are_counted_and_come_last(velocity_m_s: float, reason: str):
     ceramics = [{"material": name, "thickness_mm": [4.0, 5.0, 6.0]} for name in ("B4C", "AD85")]

@@ -1,6 +1,7 @@
 """Where an armour is unlike what the model was compared with, and errors that are given."""
 
 from collections import defaultdict
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,14 @@ from armour.engine import batch
 from armour.errors import InputError
 from armour.evidence.fit import quantities
 from armour.evidence.model_error import ModelError
-from armour.evidence.tests import armours_of, is_unusual, scenario_warnings, shipped_evidence, threat_warnings
+from armour.evidence.tests import (
+    armours_of,
+    is_unusual,
+    outside_tests,
+    scenario_warnings,
+    shipped_evidence,
+    threat_warnings,
+)
 from armour.scenario.inputs import BACKING, OBLIQUITY, YIELD
 from armour.scenario.library import shipped_library
 from armour.scenario.scenario import Scenario, load_scenario
@@ -157,7 +165,7 @@ def test_a_warning_names_the_threats_that_it_is_about_unless_it_is_about_all():
     threats = [{"projectile": name, "velocity_m_s": 850.0} for name in ("7.62 mm AP", "7.62 mm B32", "14.5 mm B32")]
     case = scenario(ceramic="SiC", threat=threats).replaced({BACKING: 20.0})
     armours = armours_of(*(case.against(threat) for threat in case.threats()))
-    texts = {warning.key: warning.text for warning in threat_warnings(case, armours, [])}
+    texts = {warning.key: warning.text for warning in threat_warnings(case, armours)}
     assert texts["armour.ceramic"].endswith('found "SiC"')
     assert texts["armour.ceramic_thickness_mm"].endswith("found 0.511 against 14.5 mm B32 at 850 m/s")
     two = "found 3.08 to 3.28 against 7.62 mm AP at 850 m/s and 7.62 mm B32 at 850 m/s"
@@ -231,3 +239,35 @@ def test_what_is_shipped_is_not_unusual():
         diameter = library.entry("projectile", projectile)["penetrator_diameter_mm"]
         for metal in library.names("metal"):
             assert not unusual(scenario(projectile, None, metal, 0.0, diameter)), (projectile, metal)
+
+
+def test_the_factors_by_which_an_armour_lies_outside_the_tests():
+    diameter_mm = scenario().inputs()["projectile.penetrator_diameter_mm"]
+    low = next(limits.low for limits in TILES.measured if limits.name == RATIOS[0])
+
+    def found(velocity: float = 800.0, **changes: Any) -> dict[str, float]:
+        return outside_tests(armours_of(scenario(**changes)), np.array([velocity]))[0]
+
+    assert found() == found(np.nan) == {}
+    assert found(velocity=1430.0) == {"velocity_m_s": pytest.approx(1.1)}
+    assert found(ceramic_mm=3.0) == {RATIOS[0]: pytest.approx(3.0 / (low * diameter_mm))}
+    # No ceramic but AD85 has tests, and the results of the paper's program are none.
+    for ceramic in ("SiC", "AD99.5"):
+        assert found(ceramic=ceramic) == {"ceramic": inf}
+    farthest_first = ["ceramic", RATIOS[0], "backing_strength_GPa"]
+    assert list(found(ceramic="SiC", ceramic_mm=2.0, backing="7075-T6")) == farthest_first
+    bare = found(projectile="7.62 mm APM2", ceramic=None, ceramic_mm=0.0, backing_mm=20.0, backing="AA6082-T651")
+    assert bare == {}
+
+
+def test_the_threat_that_is_farthest_from_the_tests_counts():
+    threats = [{"projectile": name, "velocity_m_s": 800.0} for name in ("7.62 mm AP", "14.5 mm B32")]
+    case = scenario(threat=threats)
+    against = [armours_of(case.against(threat)) for threat in case.threats()]
+    alone = [outside_tests(armours, np.array([800.0]))[0] for armours in against]
+    both = armours_of(*(case.against(threat) for threat in case.threats()))
+    [found] = outside_tests(both, np.full(2, 800.0), threats=2)
+    assert alone[0] == {}
+    assert found == alone[1] != {}
+    oblique = scenario(impact={"projectile": "7.62 mm AP", "velocity_m_s": 800.0, "obliquity_deg": 30.0})
+    assert outside_tests(armours_of(oblique), np.array([800.0]))[0]["angle"] == inf

@@ -344,6 +344,8 @@ def answers(of: Scenario, velocities: list[float], asked: float | None) -> list[
         return [None] * len(offers)
     pairs = {(pair.ceramic, pair.backing): pair.best for pair in result.pairs}
     found = [pairs[offer.ceramic.material, offer.backing.material] for offer in offers]
+    if asked is not None:  # the page keeps what passes by the computed limit alone apart
+        found = [best and (best if best.model_error else None) for best in found]
     return [None if best is None else [best.ceramic_thickness_mm, best.backing_thickness_mm] for best in found]
 
 

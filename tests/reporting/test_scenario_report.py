@@ -317,6 +317,11 @@ def test_warnings_name_inputs_in_words():
     )
 
 
+def test_warnings_on_the_armour_come_first():
+    warnings = ("of the search", Note("of the armour", "armour.ceramic"))
+    assert report(replace(wilkins(), warnings=warnings)).warnings == ("ceramic: of the armour", "of the search")
+
+
 def test_the_answer_with_distributions():
     sampled = uncertainty_result().of(scenario=scenario())
     error = wilkins().threat.model_error
@@ -348,7 +353,7 @@ def test_sections_are_the_answer_and_what_explains_it():
         uncertainty=uncertainty_result().of(scenario=scenario()),
     )
     folded = headings(full, folded=True)
-    assert folded[:2] == ["Pairs of materials", "Results under uncertain inputs"]
+    assert folded[:3] == ["Best of each pair", "Pairs of materials", "Results under uncertain inputs"]
     what_ifs = section(full, "What if").tables
     assert [table.title for table in what_ifs] == [f"against {THREAT}", f"against {OTHER}"]
     assert [table.title for table in section(full, "Pairs of materials").tables] == [

@@ -34,6 +34,7 @@ from armour.core.equations import cross_section
 from armour.core.state import Outcome
 from armour.engine import batch
 from armour.errors import InputError, Problem, choices, refuse, restated
+from armour.evidence.tests import outside_tests
 from armour.scenario.effect import check_columns, check_effect
 from armour.scenario.inputs import INPUTS, ROUND_AND_ARMOUR
 from armour.scenario.keys import canonical, parts_of
@@ -143,6 +144,16 @@ def evaluate_groups(
         if "uncertainty.model" in reads_of(quantities) and answer.variants.scenario.unused_distributions():
             warnings[f"uncertainty: {EXACT_INPUTS}"] += len(answer.variants.velocities)
     return columns, warnings
+
+
+def outside_of(scenario: Scenario, columns: Mapping[str, Any], quantities: Sequence[str]) -> Bools:
+    """Return whether each of n rows lies outside the tests, also with its velocity if the quantities depend on it."""
+    groups, depends = groups_of(scenario, columns), "impact" in reads_of(quantities)
+    is_outside = np.zeros(sum(len(group.where) for group in groups), dtype=bool)
+    for where, variants in groups:
+        velocities = variants.velocities if depends else np.full_like(variants.velocities, np.nan)
+        is_outside[where] = [bool(found) for found in outside_tests(variants.armours, velocities)]
+    return is_outside
 
 
 AGAIN = "the outcome changes more than once with the impact velocity, and the lowest change is taken"

@@ -1,6 +1,7 @@
 """Variants of a scenario as rows for the compiled engine, their ballistic limits and their least thicknesses."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from math import isfinite
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,6 +15,7 @@ from armour.core.state import Outcome, Parameters
 from armour.engine import batch, cache
 from armour.errors import mistake
 from armour.evidence.caveats import caveats
+from armour.evidence.fit import shipped_data
 from armour.evidence.mixture import Mixture
 from armour.evidence.model_error import LAW_FIELDS, Errors, errors_of, given_error, why_unknown
 from armour.evidence.tests import Armours, Materials, armours_of, is_unusual, limits_outside
@@ -146,6 +148,16 @@ def outside_limits(variants: Variants, *, velocities: bool = True) -> Iterator[t
     for bare in (False, True):
         if count := int(np.count_nonzero((armour.Hc0 == 0.0) == bare)):
             yield from ((note, count) for note in strength_notes(metals, bare=bare))
+
+
+def outside_words(outside_tests: Mapping[str, float], most: int = 100) -> str:
+    """Return in what an armour lies outside the tests and by which factor, at most so much; "" inside them."""
+    names = {key: quantity["name"] for key, quantity in shipped_data()["quantity"].items() if "name" in quantity}
+    words = [
+        names.get(key, key) + (f" \N{MULTIPLICATION SIGN}{factor:.2f}" if isfinite(factor) else "")
+        for key, factor in outside_tests.items()
+    ]
+    return ", ".join(words[:most]) + (f" and {len(words) - most} more" if len(words) > most else "")
 
 
 def unusual(variants: Variants) -> Bools:

@@ -385,7 +385,7 @@ def sweep(
 
     runner.respond(
         {"rows": rows, "output": str(output)},
-        [first_rows(read_table(output))] if rows <= SWEEP_ROWS else (),
+        [first_rows(read_table(output), loaded, source.keys)] if rows <= SWEEP_ROWS else (),
         as_json=as_json,
         heading=lines,
         plot=plot,

@@ -1,7 +1,7 @@
 """Check of one armour against each of its threats, and against small changes of armour and threat."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from armour.analysis.results import OnProgress, TableResult, by_column, ignore_p
 from armour.analysis.variants import limits_anywhere, lowest_limits, variants_of
 from armour.design.requirements import Requirement, Verdict, against_threat, of_armour, verdict_of
 from armour.evidence.model_error import ModelError
-from armour.evidence.tests import armours_of, threat_warnings
+from armour.evidence.tests import armours_of, outside_tests, threat_warnings
 from armour.scenario.checked import checked
 from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, VELOCITY
 from armour.scenario.scenario import Scenario
@@ -87,6 +87,8 @@ class CheckedThreat:
         What is required against the threat, and what the armour has.
     sampled : Estimate or None
         Probability of perforation from the distributions of the inputs, if a probability is required.
+    outside_tests : dict of str to float
+        By quantity in which the armour or the threat lies outside the tests, the factor, as of a design.
     """
 
     threat: str
@@ -107,6 +109,7 @@ class CheckedThreat:
     what_ifs: tuple[WhatIf, ...]
     requirements: tuple[Requirement, ...] = ()
     sampled: Estimate | None = None
+    outside_tests: dict[str, float] = field(default_factory=dict, hash=False)
 
     def as_given(self) -> WhatIf:
         """Return the armour without a change, with exact inputs."""
@@ -197,10 +200,9 @@ def check(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> C
     rows = tuple(of_armour(section, dict(zip(OBJECTIVES, (areal_density, thickness, cost), strict=True))))
     verdicts = [*(threat.verdict for threat in checked_threats), *(row.verdict for row in rows)]
     requires = any(threat.required_probability is not None for threat in checked_threats)
-    metals = [scenario.entry("metal", scenario.armour.backing)]
     warnings = (
         *scenario.unused_impact(),
-        *threat_warnings(scenario, armours_of(*impacts), metals),
+        *threat_warnings(scenario, armours_of(*impacts)),
         *(dict.fromkeys(note for each in notes for note in each) if requires else scenario.unused_distributions()),
     )
     title = scenario.subject(threats=scenario.threat)
@@ -273,6 +275,7 @@ def _checked(
         what_ifs=tuple(what_ifs),
         requirements=requirements,
         sampled=sampled,
+        outside_tests=outside_tests(row.armours, row.velocities)[0],
     )
 
 

@@ -23,6 +23,7 @@ from armour.analysis.variants import (
 from armour.design.catalogue import NO_BOUND, CandidateDesigns, Catalogue, first_backings
 from armour.design.reliability import Reliability
 from armour.design.requirements import verdict_of, verdict_of_samples
+from armour.evidence.tests import outside_tests
 from armour.scenario.schema import FASTEST_M_S
 
 # Verdicts on designs, from the worst; UNJUDGED is none yet.
@@ -186,6 +187,7 @@ class Designs:
         self._limits, self._slack = np.full((2, count, len(catalogue.threats)), np.nan)
         self._sampled: dict[int, int] = {}
         self._shown: dict[int, Variants] = {}
+        self._outside: dict[int, dict[str, float]] = {}
 
     def rows(self, where: Ints) -> Variants:
         """Return designs against each threat, (designs times threats)."""
@@ -196,6 +198,14 @@ class Designs:
         if place not in self._shown:
             self._shown[place] = self.rows(np.array([place]))
         return self._shown[place]
+
+    def outside_tests(self, where: Ints) -> list[dict[str, float]]:
+        """Return by how much designs lie outside the tests, by quantity, against the threat farthest from them."""
+        missing = [place for place in dict.fromkeys(where.tolist()) if place not in self._outside]
+        rows = self.rows_of(missing[0]) if len(missing) == 1 else self.rows(np.array(missing, dtype=np.int64))
+        found = outside_tests(rows.armours, rows.velocities, len(self.catalogue.threats))
+        self._outside.update(zip(missing, found, strict=True))
+        return [self._outside[place] for place in where.tolist()]
 
     def verdicts(self, where: Ints) -> Ints:
         """Return the verdicts on designs by impacts alone: lower limits and samples may be worse."""

@@ -11,7 +11,7 @@ import numpy as np
 from armour.analysis.ballistic_limit import NeededFlowStress, needed_flow_stress
 from armour.analysis.estimates import Estimate
 from armour.analysis.results import OnProgress, TableResult, data_frame, ignore_progress
-from armour.analysis.variants import Ints, distributions, why_error_unknown
+from armour.analysis.variants import Ints, distributions, outside_words, why_error_unknown
 from armour.design.catalogue import FIRST_VALUES, MARGIN, NO_BOUND, CandidateDesigns, Catalogue, catalogue_of
 from armour.design.designs import NOT_KNOWN, PASSES, Designs, Runs, asked_of, stopped, verdicts_of
 from armour.design.reliability import Reliability
@@ -32,7 +32,8 @@ from armour.units import MM
 # Words that begin the reason of a pair of materials: without tests, if others have them; with a single source of the
 # ceramic's flow stress; and nearly as good as the best.
 UNTESTED, ONE_SOURCE, RUNNER_UP = "no test", "one source of its flow stress", "runner-up: "
-# Most designs that a result lists, and most to compare in the search for the one nearest to passing.
+# Most designs that a result lists, or pairs whose needed flow stresses it has, and most to compare in the search for
+# the one nearest to passing.
 MOST_SHOWN, MOST_COMPARED = 25, 20_000
 Reason = Literal["", "none passes", "not known"]
 # Impacts from which on the time of a search is estimated, and the thicknesses of a layer that it is estimated from.
@@ -60,6 +61,9 @@ class Design:
         Whether no test of the ceramic on metal is known.
     whole_areal_density_kg_m2, whole_thickness_mm : float
         With a back plate that exists already.
+    outside_tests : dict of str to float
+        By quantity in which it lies outside the tests, the farthest first, the factor by which it does against any
+        threat, below 1 beneath them; infinite, null in JSON, for what no test has, as its ceramic.  Empty inside them.
     """
 
     ceramic: str
@@ -73,6 +77,7 @@ class Design:
     untested: bool
     whole_areal_density_kg_m2: float
     whole_thickness_mm: float
+    outside_tests: dict[str, float] = field(hash=False)
 
 
 @dataclass(frozen=True)
@@ -257,7 +262,8 @@ class DesignResult(TableResult):
 
     def _columns(self, designs: str = "frontier") -> dict[str, Any]:
         names = [item.name for item in fields(Design)]
-        return {name: [getattr(design, name) for design in getattr(self, designs)] for name in names}
+        columns = {name: [getattr(design, name) for design in getattr(self, designs)] for name in names}
+        return columns | {"outside_tests": list(map(outside_words, columns["outside_tests"]))}
 
     def _words(self) -> str:
         best = self.shown
@@ -312,7 +318,10 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
     explanation, without_limits = "", None
     if reason == "none passes" and catalogue.metal.any():
         explanation, without_limits = _failure(designs, search)
-        designs, order = _nearest(designs)
+        if _has_free_layer(catalogue):
+            columns = joined([_some_of_range(catalogue, pair) for pair in range(len(catalogue.offers))])
+            designs = Designs(catalogue, columns, designs.runs, designs.reliability)
+        order = _nearest(designs)
         place, pairs = int(order[0]), _short_pairs(designs, order)
     else:
         order, pairs = designs.offered, _pairs(designs, search, place, least)
@@ -322,8 +331,7 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
 
     warnings = [*scenario.unused_impact(), *catalogue.omissions()]
     if place is not None:
-        metals = (scenario.entry("metal", layer.material) for layer in catalogue.section.backing)
-        warnings += threat_warnings(scenario, designs.rows_of(place).armours, metals)
+        warnings += threat_warnings(scenario, designs.rows_of(place).armours)
     warnings += [] if catalogue.sampled else scenario.unused_distributions()
     criteria = tuple(catalogue.section.pareto or ())
     frontier, ends = np.empty(0, dtype=np.int64), dict[str, Any]()
@@ -442,7 +450,7 @@ def _unlimited(designs: Designs, search: FreeThicknesses) -> Designs:
 def _failure(designs: Designs, search: FreeThicknesses) -> tuple[str, BestDesign | None]:
     """Return why no design passes, and the best one that would without the limits, if there is one."""
     catalogue, unlimited = designs.catalogue, _unlimited(designs, search)
-    explanation = _why_none(designs, unlimited, range(len(catalogue.offers)), NOT_KNOWN)
+    explanation = _why_none(designs, unlimited, range(len(catalogue.offers)))
     of_one_source = designs.offered[designs.one_source[designs.offered]]
     if (first := designs.first(of_one_source, NOT_KNOWN)) is not None:
         ceramic = catalogue.offers[designs.columns.pair[first]].ceramic.material
@@ -461,25 +469,21 @@ def _ends(designs: Designs, place: int, frontier: Ints) -> dict[str, Any]:
     }
 
 
-def _nearest(designs: Designs) -> tuple[Designs, Ints]:
-    """Return the designs, and the places of those within the constraints, or nearest to them, by their shortfall.
+def _nearest(designs: Designs, most: int = MOST_COMPARED) -> Ints:
+    """Return the places of the designs within the constraints, or nearest to them, by their shortfall.
 
     The shortfall of a design is the greatest of those against each threat; ceramics of one source come last.  If there
-    are very many designs, only the thickest ceramics within the constraints on each back plate are compared.
+    are more than some number, only the thickest ceramics within the constraints on each back plate are compared.
     """
-    catalogue = designs.catalogue
-    if _has_free_layer(catalogue):
-        columns = joined([_some_of_range(catalogue, pair) for pair in range(len(catalogue.offers))])
-        designs = Designs(catalogue, columns, designs.runs, designs.reliability)
     columns, one_source = designs.columns, designs.one_source
-    violations = catalogue.violations(columns)
+    violations = designs.catalogue.violations(columns)
     where = np.flatnonzero(violations <= max(float(violations[one_source == one_source.min()].min()), 0.0))
-    if len(where) > MOST_COMPARED:
+    if len(where) > most:
         where = where[np.lexsort((-columns.ceramic_mm[where], columns.backing_mm[where], columns.pair[where]))]
         layers = np.column_stack([columns.pair[where], columns.backing_mm[where]])
         where = where[np.unique(layers, axis=0, return_index=True)[1]]
     short = -designs.slack_m_s(where).min(axis=1)
-    return designs, where[np.lexsort((designs.values[where], short, one_source[where]))]
+    return where[np.lexsort((designs.values[where], short, one_source[where]))]
 
 
 def _some_of_range(catalogue: Catalogue, pair: int) -> CandidateDesigns:
@@ -493,13 +497,8 @@ def _short_pairs(designs: Designs, order: Ints) -> tuple[Pair, ...]:
     """Return each pair of materials with the least shortfall of its designs, in an order of designs."""
     pairs = []
     for place in order[np.sort(np.unique(designs.columns.pair[order], return_index=True)[1])].tolist():
-        best = _best(designs, place)
-        threat = max(best.short_m_s, key=best.short_m_s.__getitem__)
-        ceramic = f"{best.ceramic_thickness_mm:.4g} on " if best.ceramic else ""
-        layers = f"{ceramic}{best.backing_thickness_mm:.4g} mm"
-        reason = f"{layers}: {best.short_m_s[threat]:.0f} m/s short against {threat}"
-        if one_source := bool(designs.one_source[place]):
-            reason = f"{ONE_SOURCE}: {reason}" if best.short_m_s[threat] > 0.0 else ONE_SOURCE
+        best, one_source = _best(designs, place), bool(designs.one_source[place])
+        reason = ": ".join([ONE_SOURCE] * one_source + [lacking(best)] * any(best.short_m_s.values()))
         pairs.append(Pair(best.ceramic, best.backing, None, None, reason, not one_source, best.untested))
     return (*pairs, *(_unlike(designs.catalogue, pair) for pair in np.flatnonzero(~designs.catalogue.metal).tolist()))
 
@@ -509,6 +508,18 @@ def _unlike(catalogue: Catalogue, pair: int) -> Pair:
     offer = catalogue.offers[pair]
     words, names = no_metal(offer.backing_density_kg_m3), (offer.ceramic.material, offer.backing.material)
     return Pair(*names, None, None, f"not known: {words}", untested=catalogue.untested[pair])
+
+
+def lacking(design: BestDesign) -> str:
+    """Return what a design lacks against the threat that it is farthest from stopping as required."""
+    threat = max(design.short_m_s, key=design.short_m_s.__getitem__)
+    armour = armour_in_words(replace(design, untested=False))
+    return f"{armour} lacks {short_words(design.short_m_s[threat])} against {threat}"
+
+
+def short_words(short_m_s: float) -> str:
+    """Format a shortfall, such as "44 m/s"; never 0."""
+    return f"{short_m_s:.0f} m/s" if short_m_s >= 0.5 else "less than 1 m/s"
 
 
 def _why_not_known(designs: Designs, place: int | None) -> str:
@@ -631,7 +642,7 @@ def as_results(designs: Designs, where: Ints, *, with_margins: bool = False) -> 
     hulls_mm = columns.backing_mm * (not catalogue.scenario.counts_backing)
     hulls_kg_m2 = hulls_mm * MM * [catalogue.offers[pair].backing_density_kg_m3 for pair in columns.pair]
     whole = (columns.areal_density_kg_m2 + hulls_kg_m2).tolist(), (columns.thickness_mm + hulls_mm).tolist()
-    rows = zip(named, numbers, costs, margins, untested, *whole, strict=True)
+    rows = zip(named, numbers, costs, margins, untested, *whole, designs.outside_tests(where), strict=True)
     return tuple(Design(*names, *values, *others) for names, values, *others in rows)
 
 
@@ -720,7 +731,10 @@ def _of_stopping(catalogue: Catalogue, distributions: Mixture, sampled: dict[str
 
 
 def _pairs(designs: Designs, search: FreeThicknesses, best: int | None, least: int) -> tuple[Pair, ...]:
-    """Compare the best designs of all pairs, best first, those that are not ranked after the others."""
+    """Compare the best designs of all pairs, best first, those that are not ranked after the others.
+
+    Of a pair without one that is known to pass, it is the best by the computed limit.
+    """
     catalogue = designs.catalogue
     least_value = inf if best is None else float(designs.values[best])
     greatest = least_value * (1.0 + catalogue.section.runners_up_percent / 100.0)
@@ -728,23 +742,30 @@ def _pairs(designs: Designs, search: FreeThicknesses, best: int | None, least: i
     if catalogue.sampled:
         # Only possible runners-up are sampled, as each design takes thousands of impacts.
         possible = [where[designs.values[where] <= greatest] for where in possible]
-    places = [designs.first(designs.ranked(where), least) for where in possible]
-    unlimited = _unlimited(designs, search) if None in places else designs
+    found = [(designs, designs.first(designs.ranked(where), least)) for where in possible]
+    failing = [pair for pair, (_, place) in enumerate(found) if place is None and catalogue.metal[pair]]
+    if failing and catalogue.bounded:
+        search = FreeThicknesses(catalogue, Runs(search.runs.on_progress), NOT_KNOWN)
+        by_limit = _table(search) if least == PASSES and _has_free_layer(catalogue) else designs
+        for pair in failing:
+            where = by_limit.of_pair(pair)
+            found[pair] = by_limit, by_limit.first(where[~by_limit.known(where)], NOT_KNOWN, by_samples=False)
+    unlimited = _unlimited(designs, search) if any(place is None for _, place in found) else designs
     best_is_known = best is not None and bool(designs.known(np.array([best]))[0])
-    pairs = []
-    for index, (offer, place) in enumerate(zip(catalogue.offers, places, strict=True)):
+    pairs, few = [], len(catalogue.offers) <= MOST_SHOWN
+    for index, (offer, (table, place)) in enumerate(zip(catalogue.offers, found, strict=True)):
         if not catalogue.metal[index]:
             pairs.append(_unlike(catalogue, index))
             continue
         design, excess, ranked = None, None, True
         if place is None:
-            reason = _why_none(designs, unlimited, [index], least)
+            reason = _why_none(designs, unlimited, [index])
         else:
-            one_source = bool(designs.one_source[place])
-            untested = best_is_known and not designs.known(np.array([place]))[0]
+            one_source = bool(table.one_source[place])
+            untested = best_is_known and not table.known(np.array([place]))[0]
             ranked = not (one_source or untested)
-            design = _best(designs, place, named=one_source)
-            excess, words = _excess(catalogue.section, float(designs.values[place]), least_value, ranked=ranked)
+            design = _best(table, place, named=one_source or (few and catalogue.untested[index]))
+            excess, words = _excess(catalogue.section, float(table.values[place]), least_value, ranked=ranked)
             reason = ": ".join(filter(None, (ONE_SOURCE if one_source else UNTESTED if untested else "", words)))
         names = offer.ceramic.material, offer.backing.material
         pairs.append(Pair(*names, design, excess, reason, ranked, catalogue.untested[index]))
@@ -772,53 +793,26 @@ def _excess(section: DesignSection, value: float, least: float, *, ranked: bool)
     return excess, f"{runner_up}{excess:.1f} % {objective.more}"
 
 
-def _why_none(designs: Designs, unlimited: Designs, pairs: Sequence[int], least: int) -> str:
-    """Return why no design of some pairs passes: the constraints that it exceeds, or what it would have to stop."""
+def _why_none(designs: Designs, unlimited: Designs, pairs: Sequence[int]) -> str:
+    """Return why no design of some pairs passes: the limits that it exceeds, or what a pair or all designs lack."""
     catalogue, section = designs.catalogue, designs.catalogue.section
-    bounded, not_known = catalogue.bounded, least == NOT_KNOWN
     threats = catalogue.titles[0] if len(catalogue.titles) == 1 else "every threat"
     all_pairs = len(pairs) == len(catalogue.offers)
     pairs = [pair for pair in pairs if catalogue.metal[pair]]
-    where = ", where it is known" if bounded and not_known else ""
     asked = ["the margin"] if catalogue.margins_m_s.any() else []
-    asked += [f"the probability required{where}"] if bounded else []
-    required = f" with {joined_words(asked)}" if bounded else ""
-    first = unlimited.first(np.flatnonzero(np.isin(unlimited.columns.pair, pairs)), least, by_samples=False)
+    required = f" with {joined_words([*asked, 'the probability'])} required" if catalogue.bounded else ""
+    first = unlimited.first(np.flatnonzero(np.isin(unlimited.columns.pair, pairs)), NOT_KNOWN, by_samples=False)
     if first is not None and (exceeded := _exceeded(section, unlimited, first, threats + required)):
         return exceeded
-    offered = designs.offered[np.isin(designs.columns.pair[designs.offered], pairs)]
-    columns = designs.columns.at(offered)
-    if not len(offered):
-        thickest = [np.array([layer.thicknesses()[-1]]) for layer in catalogue.offers[pairs[0]][:2]]
-        columns = catalogue.candidates(pairs[0], *thickest)
-    table = designs if len(offered) else Designs(catalogue, columns, designs.runs)
-    unknown = ~table.known(offered if len(offered) else np.arange(len(columns.pair)))
-    unknown &= bounded and not not_known
-    if unknown.all():
-        against, why = _why_error_unknown(catalogue, columns)
-        # The table of pairs need not say in each row what can give the error.
-        return f"the model error is not known{against}: {why if all_pairs else why.removesuffix(f'; {REMEDY}')}"
-    hint = f"; if the model error is not known, {REMEDY}" if unknown.any() else ""
-    if catalogue.sampled and not catalogue.margins_m_s.any():
+    if catalogue.sampled and not (all_pairs and catalogue.margins_m_s.any()):
         runners_up = "" if all_pairs else f" within {section.runners_up_percent:g} % of the best"
-        return f"no design{runners_up} keeps the probability of perforation within the bound of every threat{hint}"
+        return f"no design{runners_up} keeps the probability of perforation within the bound of every threat"
+    if not all_pairs:
+        table = Designs(catalogue, _some_of_range(catalogue, pairs[0]), Runs(designs.runs.on_progress))
+        return lacking(_best(table, int(_nearest(table, most=0)[0])))
     constrained = any(getattr(section, objective.bound) is not None for objective in OBJECTIVES.values())
-    thicker = "; offer thicker layers in [design] or [optimise]" if all_pairs and not constrained else ""
-    return f"no design stops {threats} and all slower impacts{required}{hint}{thicker}"
-
-
-def _why_error_unknown(catalogue: Catalogue, designs: CandidateDesigns) -> tuple[str, str]:
-    """Return the threat, in words, against which the model error of designs is not known, "" for all, and why.
-
-    The reason is that for the pair whose error is known against the most threats.
-    """
-    one_of_each = designs.at(np.unique(designs.pair, return_index=True)[1])
-    rows = catalogue.against_each(one_of_each)
-    is_known = rows.errors.known.reshape(-1, len(catalogue.threats))
-    design = int(is_known.sum(axis=1).argmax())
-    threat = int(is_known[design].argmin())
-    against = f" against {catalogue.titles[threat]}" if is_known[design].any() else ""
-    return against, why_error_unknown(rows.at(np.array([design * len(catalogue.threats) + threat])))
+    thicker = "" if constrained else "; offer thicker layers in [design] or [optimise]"
+    return f"no design stops {threats} and all slower impacts{required}{thicker}"
 
 
 def _exceeded(section: DesignSection, unlimited: Designs, place: int, threats: str) -> str:

@@ -1,7 +1,9 @@
 """The tests that the model was compared with, shipped or the user's own, and where an armour lies outside them."""
 
+from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
+from math import log
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -49,6 +51,11 @@ class DataRange(NamedTuple):
         """Return the factor by which n armours are outside the range, at least 1; infinite for none against some."""
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.fmax(np.fmax(q[self.name] / self.high, self.low / q[self.name]), 1.0)
+
+    def ratio(self, q: Quantities) -> Any:
+        """Return the quantity of n armours over the nearer end of the range, 1 within it or for a NaN."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.nan_to_num(q[self.name] / q[self.name].clip(self.low, self.high), nan=1.0, posinf=np.inf)
 
     def containing(self, values: Any) -> "DataRange":
         """Return the range widened to contain further values, with a margin for rounding."""
@@ -379,6 +386,31 @@ def limits_outside(armours: Armours, velocities: Any) -> Iterator[Outside]:
                 yield Outside(key, f"the model was compared with {words}", np.flatnonzero(rows)[fails], numbers, brief)
 
 
+def outside_tests(armours: Armours, velocities: Any, threats: int = 1) -> list[dict[str, float]]:
+    """Return by which factors armours, each in a row per threat, lie outside the tests, by quantity, farthest first.
+
+    The farthest threat counts.  A factor is below 1 beneath the tests, and infinite for what none has, as a ceramic.
+    """
+    factors = defaultdict[str, Any](lambda: np.ones(len(velocities)))
+    for evidence, rows in armours.by_evidence():
+        members = armours.at(rows)
+        q, has_ceramic = members.quantities() | {"velocity_m_s": velocities[rows]}, bool(np.any(members.parameters.Hc0))
+        if not evidence.fits:  # results of the paper's program are no tests
+            evidence = next(tests for tests in shipped_evidence() if tests.fits and bool(tests.ceramic) == has_ceramic)
+        is_other = is_outside(evidence.kind[:2], q) & (not evidence.lot) & has_ceramic
+        for limits in (*evidence.kind, *evidence.measured, DataRange("velocity_m_s", *evidence.velocities_m_s)):
+            factors[limits.name][rows] = np.where(is_other & (limits.name in OF_CERAMIC), 1.0, limits.ratio(q))
+        law, angle = evidence.has_other_law(q) & ~is_other, evidence.fails_angle(members.cosines)
+        for name, is_far in (("ceramic", is_other), ("ceramic law", law), ("angle", angle)):
+            factors[name][rows] = np.where(is_far, np.inf, 1.0)
+    places = np.arange(len(velocities) // threats)
+    for name, values in factors.items():
+        by_armour = values.reshape(-1, threats)
+        factors[name] = by_armour[places, abs(np.log(by_armour)).argmax(axis=1)].tolist()
+    outside = ({name: each[place] for name, each in factors.items() if each[place] != 1.0} for place in places)
+    return [dict(sorted(each.items(), key=lambda item: -abs(log(item[1])))) for each in outside]
+
+
 def _check(limits: DataRange, q: Quantities, rows: Any = True) -> tuple[str, str, Any, str, str]:
     """Return a check of rows of armours, with the range of the numbers that fail in words."""
     fails = limits.fails(q) & ~np.isnan(q[limits.name]) & rows
@@ -406,11 +438,10 @@ def scenario_warnings(
     return (*cannot, *scenario.unused_threats(), *notes, *strengths)
 
 
-def threat_warnings(scenario: Scenario, armours: Armours, metals: Iterable[LibraryEntry]) -> Iterator[Note]:
+def threat_warnings(scenario: Scenario, armours: Armours) -> Iterator[Note]:
     """Yield the ways in which an armour and the threats of a scenario are unlike what the model was compared with.
 
-    The armour has a row against each threat; the metals are those that its back plate is chosen from.  A warning that
-    is not about all threats names those that it is about.
+    The armour has a row against each threat.  A warning that is not about all threats names those that it is about.
     """
     threats = scenario.threats()
     backings = [materials.backing for materials in armours.materials]
@@ -421,4 +452,5 @@ def threat_warnings(scenario: Scenario, armours: Armours, metals: Iterable[Libra
         key = f"threat[{outside.rows[0]}].{name if section == 'impact' else 'projectile'}" if is_of_threat else ""
         names = joined([threats[row].title for row in outside.rows])
         yield outside.note(key, f" against {names}" if len(outside.rows) < len(threats) else "")
-    yield from strength_notes(metals, bare=bool(np.all(armours.parameters.Hc0 == 0.0)))
+    metal = armours.materials[armours.material_of_row[0]].backing
+    yield from strength_notes([metal], bare=bool(np.all(armours.parameters.Hc0 == 0.0)))

@@ -11,14 +11,16 @@ import numpy as np
 
 from armour import __version__
 from armour.analysis.results import OnProgress, ignore_progress
-from armour.analysis.variants import Floats
+from armour.analysis.variants import Floats, outside_words
 from armour.core.state import Parameters
 from armour.design.catalogue import COST, NO_BOUND, Catalogue, catalogue_of
 from armour.design.map import DesignMap, design_map, limits_over_sources, thicknesses_tested, with_known_edges
 from armour.errors import InputError, Problem
 from armour.evidence.caveats import no_metal
 from armour.evidence.model_error import INTERLAYER, given_error
+from armour.evidence.tests import outside_tests
 from armour.reporting.formats import TEMPLATES, rendered
+from armour.reporting.views.design import in_common
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Layer
 from armour.units import MM
@@ -207,7 +209,18 @@ def _pair(catalogue: Catalogue, pair: int, grid: tuple[Floats, Floats], on_progr
             [list(layers["ceramic"]), list(layers["backing"])] if len(layers) == 2 else None for layers in tested
         ],
         "source": _source(catalogue, designs),
+        **_outside(catalogue, designs),
         **_numbers(designs),
+    }
+
+
+def _outside(catalogue: Catalogue, designs: DesignMap) -> dict[str, Any]:
+    """Return the designs inside the tests, and in what all designs lie outside; the velocities of a page may change."""
+    rows = catalogue.against_each(designs.candidates)
+    found = outside_tests(rows.armours, np.full_like(rows.velocities, np.nan), len(catalogue.threats))
+    return {
+        "inside": [place for place, outside in enumerate(found) if not outside],
+        "outside": outside_words(in_common(found)),
     }
 
 

@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 
 from armour import MODEL_VERSION, __version__
 from armour.analysis.results import installed
-from armour.errors import in_two_lines
 from armour.files import read_toml, shipped
 from armour.reporting.table import Column, Table
 from armour.scenario.scenario import Scenario
@@ -56,11 +55,6 @@ class Report:
     passed: bool | None = None  # None without requirements
     byline: tuple[tuple[str, str], ...] = ()  # such as the author: what it is, and its text
     text: str = ""  # after the verdict
-
-    @property
-    def in_short(self) -> str:
-        """The first lines of the warnings, which are folded."""
-        return in_two_lines(self.warnings, "below")[0]
 
 
 def origin_section(command: str, words: str = "", scenario: Scenario | None = None) -> ReportSection:

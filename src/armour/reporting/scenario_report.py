@@ -259,10 +259,10 @@ def _requirements(contents: Contents) -> Card:
 
 
 def _warnings(contents: Contents) -> Iterator[str]:
-    """Give all warnings, with words in place of the keys that they are about."""
+    """Give all warnings, those on the armour first, with words in place of the keys that they are about."""
+    others = [warning for warning in contents.warnings if not isinstance(warning, Note)]
     for warning in contents.warnings:
         if not isinstance(warning, Note):
-            yield warning
             continue
         name = warning.key.removeprefix("uncertainty.")
         words = warning.key
@@ -274,6 +274,7 @@ def _warnings(contents: Contents) -> Iterator[str]:
         yield Note(warning.text, words, warning.brief, said=warning.said)
     if error := contents.threat.model_error:
         yield from (f"the model error is {text}" for text in extrapolation(error))
+    yield from others
 
 
 def _sections(contents: Contents, command: str, map_command: str) -> Iterator[ReportSection]:
@@ -287,6 +288,7 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Re
     exact = ("With exact inputs.",) if contents.sampled else ()
     notes = flow_stress_notes(threat.flow_stress, threat.threat)
     notes[:1] = [f"{answer.armour_words()} {note}" for note in notes[:1]]
+    notes += design_view.outside_of_check(contents.check)
     tables = [_threats(contents)]
     if len(design_view.requirements_of(contents.check)) > len(contents.threats):
         tables.append(replace(design_view.requirement_table(contents.check), title="requirements"))
@@ -294,6 +296,7 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Re
     yield from _own_tests(answer)
     yield ReportSection("What if", exact, tables=tuple(what_ifs))
     if design is not None:
+        yield from _offer(design)
         hint = ("This command makes an interactive page of all designs:",) if map_command else ()
         # The title of the map is the answer, which the report begins with.
         yield ReportSection("Map of the designs", hint, map_command, "console", pictures=(partial(_map, design),))
@@ -362,19 +365,32 @@ def _threats(contents: Contents) -> Table:
         column_of("ballistic_limit_m_s"),
         (design_view.INTERVAL, lambda threat: interval(threat.interval_m_s, ".0f")),
         design_view.MARGIN,
+        design_view.outside_tests(contents.threats),
     )
+
+
+def _offer(design: DesignResult) -> Iterator[ReportSection]:
+    """Give the designs on offer or, if there are many, the best of each pair, with the margin against every threat."""
+    designs = design.every or design_view.best_of_pairs(design)
+    if len(designs) > 1:
+        table, notes = design_view.offer_table(design), design_view.outside_notes(designs)
+        notes += design_view.thin_designs(designs, design.question.get("scenario"))
+        heading = f"{table.title[:1].upper()}{table.title[1:]}"
+        yield ReportSection(heading, tuple(notes), tables=(table,), folded=not design.every)
 
 
 def _search(design: DesignResult) -> ReportSection:
     """Return how the best design compares with others."""
     heading, table = "Required ceramic for each back plate", design_view.frontier_table(design)
+    notes = design_view.outside_notes(design.frontier)
     if len(design.pairs) > 1:
         heading, table = "Pairs of materials", replace(design_view.pair_table(design), title="")
+        notes = design_view.pair_notes(design)
     tables = [table]
     if design.pareto:
         tables.append(design_view.design_table(design.pareto, "Pareto front"))
     pictures = (partial(_front, design),) if design.pareto else ()
-    return ReportSection(heading, pictures=pictures, tables=tuple(tables), folded=True)
+    return ReportSection(heading, tuple(notes), pictures=pictures, tables=tuple(tables), folded=True)
 
 
 def _map(design: DesignResult, sheet: Any) -> Any:

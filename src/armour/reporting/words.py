@@ -1,6 +1,7 @@
 """Words on the probability that an armour stops its threat, the model error and the flow stress of a ceramic."""
 
 from collections.abc import Callable, Iterable
+from functools import cache
 from math import ceil, floor
 from typing import Any
 
@@ -12,6 +13,7 @@ from armour.evidence.caveats import no_metal
 from armour.evidence.model_error import INTERLAYER, ModelError
 from armour.reporting.table import Column, Source, column_of
 from armour.reporting.text import interval, number, percent
+from armour.scenario.library import shipped_library
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import OBJECTIVES
 
@@ -153,15 +155,35 @@ def flow_stress_notes(needed: NeededFlowStress | None, against: str = "the threa
     if least is None:
         return [f"does not stop {against} with any flow stress of {needed.ceramic} up to 100 GPa{source_words}"]
     chance_words = percent(needed.probability)
-    likely_words = (
-        f"{rounded_up(likely)} GPa for {chance_words}" if likely else f"no value up to 100 GPa gives {chance_words}"
-    )
+    if likely is None:
+        likely_words = f"no value up to 100 GPa gives {chance_words}"
+    elif likely < least_flow_stress():
+        likely_words = f"also for {chance_words}"
+    else:
+        likely_words = f"{rounded_up(likely)} GPa for {chance_words}"
     words = f"stops {against} if the flow stress of {needed.ceramic} is {rounded_up(least)} GPa or more"
+    if least < least_flow_stress():
+        words = f"stops {against} with a flow stress of {needed.ceramic} less than any ceramic of the library has"
     words += f" ({likely_words}, with the error seen on AD85){source_words}"
     if not sources:
         return [words]
     over = "these sources" if len(sources) > 1 else "this source"
     return [words, f"ballistic limit over {over}: {' to '.join(f'{limit:.0f}' for limit in needed.limits_m_s)} m/s"]
+
+
+@cache
+def least_flow_stress() -> float:
+    """Return the least flow stress of a ceramic of the shipped library, by any source, GPa."""
+    ceramics = shipped_library().entries["ceramic"].values()
+    return min(stress for each in ceramics for stress in (each["flow_stress_GPa"], *each.flow_stress_sources_GPa))
+
+
+def needed_words(needed: NeededFlowStress | None) -> str | None:
+    """Return the needed flow stress of a ceramic without tests in a table, GPa."""
+    if needed is None or needed.needed_GPa is None:
+        return None if needed is None else "above 100"
+    # A number below all ceramics would say no more than that.
+    return "less than any" if needed.needed_GPa < least_flow_stress() else rounded_up(needed.needed_GPa)
 
 
 def rounded_up(number: float) -> str:

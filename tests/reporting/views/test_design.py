@@ -1,17 +1,24 @@
 from dataclasses import replace
+from math import inf
 from typing import Any
 
+from armour.analysis.ballistic_limit import NeededFlowStress
 from armour.analysis.estimates import Estimate
 from armour.design.optimise import DesignResult, Pair
 from armour.reporting.table import Table
 from armour.reporting.views.design import (
     best_table,
+    design_table,
     frontier_table,
     left_out,
     margin_table,
+    offer_table,
+    outside_notes,
     pair_table,
     tables_of_design,
+    thin_designs,
 )
+from armour.reporting.words import flow_stress_notes, needed_words
 from tests.design.results import OTHER, THREAT, best_design, best_of, design, design_result
 from tests.helpers.cases import scenario
 from tests.reporting.tables import headings, quantities
@@ -70,8 +77,8 @@ def test_pairs_of_materials_with_the_reasons_of_those_that_lose():
     table = pair_table(result)
     assert kinds(result) == ["armour", "pairs of materials"]
     assert [row[-1] for row in table.rows] == ["lightest", "4 % heavier", "stops nothing"]
-    assert table.texts()[2][2:-1] == [""] * 5
-    assert headings(table)[6] == "cost per m²"
+    assert table.texts()[2][1:-1] == [""] * 5
+    assert headings(table)[3] == "cost per m²"
     assert "cost per m²" not in headings(pair_table(replace(result, pairs=pairs[:1])))
 
 
@@ -117,3 +124,46 @@ def test_the_frontier_around_the_best_is_shown_unless_all_of_it_is_asked_for():
     for every_row in (False, True):
         titles = [item.title for item in tables_of_design(several.of(every_row=every_row)) if isinstance(item, Table)]
         assert ("AD85 on 6061-T6: thinnest ceramic for each back plate" in titles) == every_row
+
+
+def test_what_all_designs_have_in_common_outside_the_tests_is_told_once():
+    shared = {"ceramic": inf, "backing_strength_GPa": 1.5}
+    thin = replace(design("SiC", 3.0, 6.0, 30.0), outside_tests={"ceramic_thickness_ratio": 0.5, **shared})
+    others = replace(design("SiC", 8.0, 6.0, 45.0), outside_tests=shared)
+    table = design_table([thin, others], "designs")
+    assert [row[-1] for row in table.texts()] == ["ceramic thickness \N{MULTIPLICATION SIGN}0.50", ""]
+    [line] = outside_notes([thin, others])
+    assert line == "all lie outside the tests in ceramic, plate flow stress \N{MULTIPLICATION SIGN}1.50"
+    inside = design("AD85", 8.0, 6.0, 45.0)
+    assert [row[-1] for row in design_table([others, inside], "designs").texts()][1] == "inside"
+    assert "outside the tests in" not in headings(design_table([inside, inside], "designs"))
+    assert outside_notes([inside]) == []
+    # 3 mm are half of the least thickness tested, here over a diameter of 6.1 mm.
+    assert thin_designs([inside, others], scenario()) == []
+    [words] = thin_designs([thin, others], scenario())
+    diameter_mm = scenario().inputs()["projectile.penetrator_diameter_mm"]
+    assert words.startswith(
+        f"no ceramic thinner than {6.0 / diameter_mm:.2g} penetrator diameters, here 6 mm, was tested"
+    )
+
+
+def test_the_tiles_on_offer_have_a_margin_against_every_threat():
+    result = design_result(threats=(THREAT, OTHER))
+    tiles = (design("AD85", 8.0, 6.0, 43.0), design("AD85", 9.0, 6.0, 47.0))
+    margins = ({THREAT: 10.0, OTHER: -5.0}, {THREAT: 20.0, OTHER: 3.0})
+    table = offer_table(replace(result, every=tiles, margins_of_every_m_s=margins))
+    assert headings(table)[-2:] == [f"margin against {name}, m/s" for name in (THREAT, OTHER)]
+    assert [row[-2:] for row in table.texts()] == [["+10", "-5"], ["+20", "+3"]]
+
+
+def test_a_needed_flow_stress_below_that_of_all_ceramics_is_told_as_such():
+    def needed(least: float, likely: float) -> NeededFlowStress:
+        return NeededFlowStress("SiC", least, 0.9, likely, (), ())
+
+    assert flow_stress_notes(needed(0.5, 0.6), "x") == [
+        "stops x with a flow stress of SiC less than any ceramic of the library has (also for 90 %, with the error "
+        "seen on AD85)"
+    ]
+    assert "less than any ceramic of the library has (9 GPa for 90 %" in flow_stress_notes(needed(0.5, 9.0))[0]
+    assert "is 8 GPa or more (9 GPa for 90 %" in flow_stress_notes(needed(8.0, 9.0))[0]
+    assert (needed_words(needed(0.5, 9.0)), needed_words(needed(8.0, 9.0))) == ("less than any", "8")

@@ -20,6 +20,7 @@ from armour.design.map import (
     with_known_edges,
 )
 from armour.design.optimise import Design, DesignResult
+from armour.evidence.tests import outside_tests
 from armour.reporting.by_result import draw
 from armour.reporting.pictures import drawing
 from armour.reporting.table import grouped, in_words
@@ -35,6 +36,8 @@ MAX_PAIRS, MAX_LINES, NODES, MAX_DOTS = 12, 6, 25, 250
 USUAL = 0.95
 # Opacity of a tinted region.
 TINT = 0.14
+# Markers of designs inside and outside the tests.
+INSIDE, OUTSIDE = "o", "s"
 
 
 class _Panel(NamedTuple):
@@ -116,6 +119,8 @@ def _draw_lines(result: DesignResult, layer: str, maps: "Sequence[_Map]", sheet:
     if any(pair_map.over_sources is not None for pair_map in maps):
         stop = ", untested ones even with the least flow stress of their sources, which bands show"
     note = f"Filled dots are designs on offer that stop the threat{stop}."
+    if any(pair_map.is_outside(threat).any() for pair_map in maps for threat in range(len(result.threats))):
+        note += " Squares and dashed lines are outside the tests."
     picture = sheet.panels(view.design_title(result), *[drawing.PANEL] * len(result.threats), note=note, sharex=True)
     for place, (axes, threat) in enumerate(zip(picture.axes, catalogue.threats, strict=True)):
         for index, pair_map in enumerate(maps):
@@ -235,7 +240,8 @@ class _Map:
         if not np.isnan(self.grid.stopped_m_s[..., threat, :]).all():
             low, high = (self.grid.stopped_with(level)[..., threat].ravel() for level in (USUAL, 1.0 - USUAL))
             axes.fill_between(x, low, high, color=colour, **drawing.BAND)
-        axes.plot(x, limits, color=colour, label=drawing.legible(self.name(layer)))
+        is_outside = self.is_outside(threat)
+        drawing.curve(axes, x, limits, is_outside, color=colour, label=drawing.legible(self.name(layer)))
         offer = getattr(self.catalogue.offers[self.grid.pair], layer)
         if offer.free_range():
             return
@@ -247,10 +253,16 @@ class _Map:
             sure = self.grid.stopped_with(confidence)[..., threat].ravel()
             decided = ~np.isnan(sure) & (of_threat.margin_m_s == 0.0)
             stops = (stops | decided) & (np.isnan(sure) | (sure >= of_threat.velocity_m_s))
-        for filled in (True, False):
-            places = [place for place in offered.tolist() if stops[place] == filled]
+        for filled, marker in product((True, False), (INSIDE, OUTSIDE)):
+            places = [p for p in offered.tolist() if stops[p] == filled and is_outside[p] == (marker == OUTSIDE)]
             words = [f"{x[place]:g} mm: limit by the model {limits[place]:.0f} m/s" for place in places]
-            drawing.points(axes, x[places], limits[places], words, filled=filled, color=colour)
+            drawing.points(axes, x[places], limits[places], words, filled=filled, color=colour, marker=marker)
+
+    def is_outside(self, threat: int) -> Any:
+        """Return whether the designs of a grid along one layer lie outside the tests against a threat."""
+        rows = self.catalogue.against_each(self.grid.candidates)
+        rows = rows.at(np.arange(threat, len(rows.velocities), len(self.catalogue.threats)))
+        return np.array([bool(outside) for outside in outside_tests(rows.armours, rows.velocities)])
 
     def _marked(self) -> Iterator[tuple[Design, dict[str, Any]]]:
         """Yield the lightest designs: that stops half of the time, the refined one, and the one that is required."""
@@ -266,6 +278,7 @@ class _Map:
         if (best := self.result.shown) is not None:
             sure = view.least_probability(best)
             name = self._named(best, "probability unknown" if sure is None else f"{chance(sure)} stopped")
+            name += "\noutside the tests" if best.outside_tests else ""
             colour = drawing.VERMILION if self.result.reason else drawing.BLUE if any(self.confidences) else drawing.INK
             yield best, {**large, "name": name, "color": colour}
 
@@ -326,11 +339,13 @@ def _pairs_panel(result: DesignResult) -> _Panel:
 
     def draw_pairs(axes: Axes) -> None:
         drawing.name_rows(axes, names)
-        for tested, label in ((True, ""), (False, "no test of such an armour")):
-            places = [place for place, design in enumerate(shown) if (design.model_error is not None) == tested]
+        looks = {True: "", False: "outside the tests", None: "outside the tests, and no probability is known"}
+        standing = [not each.outside_tests if each.model_error is not None else None for each in shown]
+        for inside, label in looks.items():
+            places = [place for place, each in enumerate(standing) if each is inside]
             values = [getattr(shown[place], result.minimised) for place in places]
-            look: Any = {"filled": tested, "label": label, "markersize": 6.0, "color": drawing.BLUE}
-            drawing.points(axes, values, places, **look)
+            look: Any = {"filled": inside, "label": label, "markersize": 6.0, "color": drawing.BLUE}
+            drawing.points(axes, values, places, **look, marker=OUTSIDE if inside is None else INSIDE)
         axes.set_xlabel(view.CRITERIA[result.minimised].heading)
 
     note = f"The best {MAX_PAIRS} of {len(best)} pairs of materials are shown." if len(best) > MAX_PAIRS else ""
@@ -349,7 +364,8 @@ def _front_panel(result: DesignResult) -> _Panel:
 
     def draw_all(axes: Axes) -> None:
         for index, (name, designs) in enumerate(grouped(result.pareto, view.pair_words).items()):
-            draw_designs(axes, designs, name, filled=False, **drawing.look_of(index))
+            for tests, some in grouped(designs, _tests).items():
+                draw_designs(axes, some, name + tests, filled=not tests, **drawing.look_of(index))
         if result.shown is not None:
             name = "nearest" if result.reason else "best"
             draw_designs(axes, [result.shown], name, markersize=3.0, color=drawing.INK)
@@ -362,6 +378,10 @@ def _front_panel(result: DesignResult) -> _Panel:
     if view.COST.key in keys:
         notes.append("Costs are in the currency of the scenario.")
     return _Panel(drawing.PANEL, "Pareto front", draw_all, " ".join(notes))
+
+
+def _tests(design: Design) -> str:
+    return " (outside the tests)" if design.outside_tests else ""
 
 
 def _design_text(design: Design, *criteria: str) -> str:

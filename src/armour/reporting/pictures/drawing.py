@@ -253,6 +253,14 @@ def points(axes: Axes, x: Any, y: Any, words: Sequence[str] = (), *, filled: boo
         axes.autoscale_view()
 
 
+def curve(axes: Axes, x: Any, y: Any, is_outside: Any, **look: Any) -> None:
+    """Draw a curve, dashed and with hollow marks where it is outside the tests, (n,)."""
+    outside = {"markerfacecolor": "none", "linestyle": "--"} if is_outside.any() else {}
+    axes.plot(x, y, **look | outside)
+    if outside and not is_outside.all():
+        axes.plot(x, np.where(is_outside, np.nan, y), **look | {"label": "_nolegend_"})
+
+
 def ranges(axes: Axes, y: Any, ends: Sequence[Sequence[float]], colour: str) -> None:
     """Draw ranges along x at given y."""
     low, high = np.sort(np.array(ends, float), axis=1).T

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from armour.analysis.evaluate import outside_of
 from armour.errors import mistake
 from armour.reporting.by_result import draw
 from armour.reporting.pictures import drawing
@@ -53,6 +54,10 @@ def draw_columns(
     is_map = not named and len(keys) == 2
     if is_map and name in RESIDUALS and (stopped := np.count_nonzero(values == 0.0)):
         notes.append(f"White: {stopped} cases that are stopped.")
+    is_outside = outside_of(scenario, {key: table[key] for key in keys}, [name])
+    if is_outside.any():
+        count = f"{np.count_nonzero(is_outside)} of {len(values)} rows are outside the tests"
+        notes.append(f"{count}{'' if is_map or len(named) == len(keys) else ', hollow and dashed'}.")
     height = 1.2 * drawing.PANEL
     if len(named) == len(keys):
         height = drawing.rows_height(dict.fromkeys(table[named[0]].tolist()))
@@ -63,7 +68,7 @@ def draw_columns(
     elif is_map:
         _draw_map(axes, table, keys, answer, scenario)
     else:
-        _draw_curves(axes, table, next(key for key in keys if key not in named), named, answer)
+        _draw_curves(axes, table, next(key for key in keys if key not in named), named, answer, is_outside)
     return picture
 
 
@@ -78,15 +83,17 @@ def _draw_names(axes: Axes, table: Mapping[str, Any], named: Sequence[str], answ
     axes.set_xlabel(answer.heading)
 
 
-def _draw_curves(axes: Axes, table: Mapping[str, Any], key: str, named: Sequence[str], answer: Column) -> None:
-    """Draw values over a key of numbers, a curve for each name of another key."""
+def _draw_curves(
+    axes: Axes, table: Mapping[str, Any], key: str, named: Sequence[str], answer: Column, is_outside: Any
+) -> None:
+    """Draw values over a key of numbers, a curve for each name of another key; hollow outside the tests."""
     x, values = table[key], table[answer.key]
     for index, (label, mask) in enumerate(_by_name(table, named)):
         order = np.flatnonzero(mask)[np.argsort(x[mask], kind="stable")]
-        look = drawing.look_of(index) | {"markerfacecolor": "none", "label": drawing.legible(label)}
+        look = drawing.look_of(index) | {"label": drawing.legible(label)}
         if len(order) > MAX_MARKERS:
             look["marker"] = ""
-        axes.plot(x[order], values[order], **look)
+        drawing.curve(axes, x[order], values[order], is_outside[order], **look)
     axes.set(xlabel=in_words(key), ylabel=answer.heading)
     # The axis reaches rows without an answer too, and a single row has a point.
     if np.isnan(values).any() or len(set(x)) == 1:

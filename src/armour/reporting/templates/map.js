@@ -29,7 +29,7 @@ function decoded(pair) {
     (pair.densities[0] * pair.ceramics[floor(k / m)] + pair.densities[1] * pair.backings[k % m]) / 1000 + DATA.added.areal);
   const excluded = new Set(pair.excluded), rank = pair.areal.map(each => round(each * 1e9));
   pair.onOffer = pair.offered[0].flatMap(i => pair.offered[1].map(j => i * m + j));
-  // By areal density, of equals the first one first, so that searches end with the first that is found.
+  // By areal density; of equals, the first one is found first.
   pair.designs = pair.onOffer.filter(k => !excluded.has(k)).sort((a, b) => rank[a] - rank[b] || a - b);
   pair.said = pair.untested ? `${pair.ceramic} (untested)` : pair.ceramic;
   pair.name = pair.ceramic ? `${pair.said} on ${pair.backing}` : pair.backing;
@@ -103,7 +103,7 @@ const wanted = () => confidences().map(c => c && scoreOf(c));
 const required = t => state.velocities[t] + threats[t].margin;
 const anyAsked = () => wanted().some(z => z !== null);
 
-// Velocities that the designs stop with a score, of which the last are kept.
+// Velocities that designs stop with a score; the last are kept.
 function sure(pair, t, z) {
   const of = (pair.sure ??= {}), key = [t, z === 0];
   if (of[key]?.z !== z) of[key] = { z, values: pair.areal.map((_, k) => stopped(pair, k * T + t, z)) };
@@ -112,13 +112,13 @@ function sure(pair, t, z) {
 const scored = (pair, k, t) => score(pair, k * T + t, state.velocities[t]);
 const isKnown = (pair, k) => !pair.unknown[k];
 const light = (pair, k) => pair.areal[k] <= state.most + 1e-9;
-// A float of 32 bits is right to 1e-4 m/s.
+// 32-bit floats are right to 1e-4 m/s.
 const stops = (pair, k, t, z) =>
   (!limited(t, z) || pair.limits[k * T + t] >= required(t) - 1e-4) && (z === null || scored(pair, k, t) >= z - 1e-6);
 // Whether the computed limit decides: where a margin or no probability is asked for.
 const limited = (t, z) => z === null || threats[t].margin > 0;
 
-// Lightest design on offer that does what is asked: one of which the probability is known if there is one.
+// Lightest design that does what is asked, of known probability if there is one.
 function lightest(pair, asked = wanted()) {
   const key = [asked, state.velocities, state.most].join("|"), found = (pair.found ??= new Map());
   if (!found.has(key)) {
@@ -266,6 +266,7 @@ function headline(pair, { k, reason }) {
 function besides(pair, best, ring) {
   const words = [];
   const untested = threats.flatMap((_, t) => (pair.designs.some(k => !isNaN(scored(pair, k, t))) ? [] : [shot(t)]));
+  if (pair.outside) words.push(`Outside the tests in ${pair.outside}.`);
   if (untested.length) words.push(`No test like ${pair.name} against ${untested.length === T ? allThreats() : listed(untested)} is known, so that no probability is.`);
   if (ring !== null && best !== null && anyAsked() && pair.areal[best] > pair.areal[ring]) {
     const more = pair.areal[best] - pair.areal[ring];
@@ -313,6 +314,7 @@ function button(words, act) {
   return made;
 }
 const circle = (cx, cy, r, of) => svg("circle", { class: of, cx, cy, r });
+const square = (x, y, r, of) => svg("rect", { class: of, x: x - r, y: y - r, width: 5, height: 5 });
 const small = (width, height) => svg("svg", { viewBox: `0 0 ${width} ${height}`, "aria-hidden": "true" });
 const path = (points, of) => svg("path", { class: of, d: `M${points.map(p => `${p[0].toFixed(1)} ${p[1].toFixed(1)}`).join("L")}` });
 const text = (x, y, words, of, more) => svg("text", { x: x.toFixed(1), y: y.toFixed(1), class: of, "font-size": 12, ...more }, words);
@@ -570,7 +572,7 @@ function drawMap(pair, best, ring) {
     // Over one thickness, by the computed limit where no probability is known, with the least flow stress of sources.
     const reached = (k, t, z) => stops(pair, k, t, (view.line || !pair.known) && isNaN(scored(pair, k, t)) ? null : z) && (!pair.over || pair.over[0][k * T + t] >= required(t));
     const passing = new Set(pair.designs.filter(k => light(pair, k) && asked.every((z, t) => reached(k, t, z))));
-    for (const k of pair.onOffer) lines.append(circle(...placeOf(pair, k), 2.6, passing.has(k) ? "dot on" : "dot"));
+    for (const k of pair.onOffer) lines.append((pair.inside.includes(k) ? circle : square)(...placeOf(pair, k), 2.6, passing.has(k) ? "dot on" : "dot"));
   }
   const axes = svg("g");
   axes.append(svg("rect", { class: "frame", x: frame.left, y: frame.top, width: frame.right - frame.left, height: frame.bottom - frame.top }));
@@ -583,7 +585,7 @@ function drawMap(pair, best, ring) {
   box.replaceChildren(areas, lines, axes, marks, words, svg("g", { id: "over" }));
   const said = flat ? ["Dotted: equal areal density.", ...(state.lines === "none" ? [] : ["Thin: equal ballistic limit, m/s."])]
     : [`Lines: the computed limit against ${T > 1 ? "each threat" : "the threat"}, less the one required.`, ...(pair.over ? [`Band${T > 3 ? " of the threat that governs" : "s"}: over the flow stresses that sources give.`] : [])];
-  if (pair.onOffer.length <= 400) said.push(`Dots: on offer, filled where they ${flat || pair.known ? "do what is asked for" : `reach what is required by the computed limit${pair.over ? ", even with the least of these flow stresses" : ""}`}.`);
+  if (pair.onOffer.length <= 400) said.push(`Dots: on offer, filled where they ${flat || pair.known ? "do what is asked for" : `reach what is required by the computed limit${pair.over ? ", even with the least of these flow stresses" : ""}`}; squares: outside tests.`);
   $("options").style.display = flat ? "" : "none";
   said.push("Point at a design to read it, click to pin it. Keys: arrows move (Shift: five steps), Home goes to the lightest, Enter pins, Escape leaves.");
   $("keys").textContent = said.join(" ");

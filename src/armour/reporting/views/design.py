@@ -1,12 +1,16 @@
 """Design searches, and checks of one armour against each of its threats."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from itertools import zip_longest
 from math import inf
+from typing import Any
 from xml.etree.ElementTree import Element
 
+from armour.analysis.ballistic_limit import NeededFlowStress
+from armour.analysis.variants import outside_words
 from armour.design.check import CheckedThreat, CheckResult, WhatIf
-from armour.design.optimise import BestDesign, Design, DesignResult, Pair, armour_in_words
+from armour.design.optimise import BestDesign, Design, DesignResult, Pair, armour_in_words, short_words
 from armour.design.requirements import Requirement
 from armour.errors import counted, joined
 from armour.reporting.by_result import tables_of
@@ -21,6 +25,7 @@ from armour.reporting.words import (
     chance,
     error_note,
     flow_stress_notes,
+    needed_words,
     requirement_parts,
     requirement_words,
     risk,
@@ -44,8 +49,15 @@ GOVERNED_BY = Column("governed by", prose=True)
 # The margin of the armour itself depends on the model error.
 MARGIN_BY_MODEL = column_of("margin_m_s", "+.0f", "margin by the model")
 REQUIRED = Column("required margin", "m/s", "+.0f")
-TESTS = Column("tests", key="untested")
+OUTSIDE = Column("outside the tests in", prose=True, key="outside_tests")
+NEEDED = Column("flow stress needed", "GPa", ".1f")
+# The quantity that is below the tests for thin ceramics.
+THIN = "ceramic_thickness_ratio"
 SOURCES, METAL = "flow_stress_sources", "backing_density_kg_m3"
+METALS = (
+    "the model gives the strength of the back plate more effect than the paper has: do not rely on this comparison of "
+    "metals of different strength"
+)
 # Words on layers without ballistic effect.
 PLACES = {"front": "in front", "between": "between tile and back plate", "behind": "behind"}
 UNNAMED = "added for adhesive or cover"
@@ -78,6 +90,7 @@ def best_table(design: BestDesign, required: Mapping[str, float], title: str = "
         *threat,
         THICKNESS,
         (COST, design.cost_per_m2 or None),
+        (OUTSIDE, outside_words(design.outside_tests) if design.model_error is None else ""),
         title=title,
     )
 
@@ -95,7 +108,7 @@ def design_verdict(result: DesignResult) -> list[Table | str]:
         least = OBJECTIVES[result.minimised].least
         words = f"not known: {armour} is the {least} that stops {threats} by the computed limit"
         return [VerdictLine(words, good=False), *notes, result.explanation]
-    short = ", ".join(f"{_short(short)} m/s against {threat}" for threat, short in nearest.short_m_s.items() if short)
+    short = ", ".join(f"{short_words(short)} against {threat}" for threat, short in nearest.short_m_s.items() if short)
     unmet = [row for row in nearest.requirements if row.interval and row.verdict != "passes"]
     lacking = "; ".join(filter(None, (short, *map(requirement_words, unmet), *_excesses(nearest))))
     explanation = result.explanation
@@ -104,21 +117,22 @@ def design_verdict(result: DesignResult) -> list[Table | str]:
     return [VerdictLine(f"none passes: the nearest, {armour}, lacks {lacking}", good=False), explanation, *notes]
 
 
-def _short(short_m_s: float) -> str:
-    """Format a shortfall, such as "44"; never 0."""
-    return f"{short_m_s:.0f}" if short_m_s >= 0.5 else "less than 1"
-
-
 def _excesses(design: BestDesign) -> list[str]:
     """Return by how much a design exceeds limits."""
     units = {objective.bound: objective.unit for objective in OBJECTIVES.values()}
     return [f"{excess:.3g}{units[key]} more than design.{key} allows" for key, excess in design.exceeds.items()]
 
 
+def _needed(design: BestDesign) -> tuple[str, NeededFlowStress | None]:
+    """Return the threat against which the untested ceramic of a design needs the greatest flow stress, and that."""
+    threat = max(design.flow_stress, key=lambda threat: design.flow_stress[threat].needed_GPa or inf, default="")
+    return threat, design.flow_stress.get(threat)
+
+
 def _flow_stress_notes(design: BestDesign) -> list[str]:
     """Return what flow stress the untested ceramic of a design needs against the threat that needs the greatest."""
-    threat = max(design.flow_stress, key=lambda threat: design.flow_stress[threat].needed_GPa or inf, default="")
-    return flow_stress_notes(design.flow_stress.get(threat), threat)
+    threat, needed = _needed(design)
+    return flow_stress_notes(needed, threat)
 
 
 def _aligned(table: Table) -> Table:
@@ -151,6 +165,7 @@ def frontier_table(result: DesignResult) -> Table:
         AREAL_DENSITY,
         WHOLE,
         MARGIN_BY_MODEL,
+        outside_tests(result.frontier),
         (GOVERNED_BY, lambda design: governing[_thicknesses(design)] if several else None),
         (Column("note"), note),
         title=f"{pair_words(_shown(result))}: thinnest ceramic for each back plate" if len(result.pairs) > 1 else "",
@@ -201,15 +216,16 @@ def margin_table(result: DesignResult, required: Mapping[str, float]) -> Table:
 
 def pair_table(result: DesignResult) -> Table:
     """Return every pair of materials with its best design, or the reason why it has none."""
-    shown = [CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, COST]
+    shown = (AREAL_DENSITY, THICKNESS, COST, replace(BALLISTIC_LIMIT, label="limit"), MARGIN_BY_MODEL)
+    outside, outside_of = outside_tests(best_of_pairs(result))
     whole, value = WHOLE
     table = listing(
         result.pairs,
-        CERAMIC,
-        (TESTS, _tests),
-        BACKING,
+        (Column("armour", prose=True), lambda pair: armour_in_words(pair.best) if pair.best else pair_words(pair)),
         *((column, lambda pair, key=column.key: getattr(pair.best, key, None)) for column in shown),
         (whole, lambda pair: pair.best and value(pair.best)),
+        (NEEDED, lambda pair: pair.best and needed_words(_needed(pair.best)[1])),
+        (outside, lambda pair: pair.best and outside_of(pair.best)),
         (Column("result", prose=True), lambda pair: _result(result, pair)),
         title="pairs of materials",
         rest="--json",
@@ -217,14 +233,95 @@ def pair_table(result: DesignResult) -> Table:
     return _aligned(table)
 
 
-def design_table(designs: Sequence[Design], title: str = "") -> Table:
-    """Return designs, such as those of the Pareto front, a row each."""
-    columns = (BACKING, CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, WHOLE, THICKNESS, COST, MARGIN_BY_MODEL)
-    return _aligned(listing(designs, CERAMIC, (TESTS, _tests), *columns, title=title, rest="--csv FILE"))
+def design_table(designs: Sequence[Design], title: str, margins_m_s: Sequence[Mapping[str, float]] = ()) -> Table:
+    """Return designs, such as those of the Pareto front, a row each, with their margins against several threats."""
+    outside, outside_of = outside_tests(designs)
+
+    def of_design(column: Column) -> Source:
+        return column, lambda row: getattr(row[0], column.key)
+
+    def margin(threat: str) -> Source:
+        return Column(f"margin against {threat}", "m/s", "+.0f"), lambda row: row[1][threat]
+
+    threats = list(margins_m_s[0]) if margins_m_s else []
+    whole, value = WHOLE
+    table = listing(
+        zip_longest(designs, margins_m_s),
+        (Column("armour", prose=True), lambda row: armour_in_words(row[0])),
+        *map(of_design, (AREAL_DENSITY, THICKNESS, COST)),
+        (whole, lambda row: value(row[0])),
+        *(map(margin, threats) if len(threats) > 1 else [of_design(MARGIN_BY_MODEL)]),
+        (outside, lambda row: outside_of(row[0])),
+        title=title,
+        rest="--csv FILE",
+    )
+    return _aligned(table)
 
 
-def _tests(item: Design | Pair) -> str:
-    return "untested" if item.untested else ""
+def outside_tests(items: Sequence[Any]) -> tuple[Column, Callable[[Any], str]]:
+    """Return the column that says in what designs, or an armour against threats, lie outside the tests.
+
+    What they have in common is in `outside_notes`.
+    """
+    common, is_any = in_common([item.outside_tests for item in items]), any(item.outside_tests for item in items)
+
+    def words(item: Any) -> str:
+        own = {key: factor for key, factor in item.outside_tests.items() if key not in common}
+        return outside_words(own, most=2) if item.outside_tests or not is_any else "inside"
+
+    return OUTSIDE, words
+
+
+def best_of_pairs(result: DesignResult) -> list[BestDesign]:
+    """Return the best design of each pair of materials that has one."""
+    return [pair.best for pair in result.pairs if pair.best is not None]
+
+
+def pair_notes(result: DesignResult) -> list[str]:
+    """Return what flow stress ceramics of one source need, where all lie outside the tests, and a caveat on metals."""
+    best = best_of_pairs(result)
+    of_one_source = [each for each in best if any(row.quantity == SOURCES for row in each.requirements)]
+    notes = [f"{armour_in_words(each)} {note}" for each in of_one_source for note in _flow_stress_notes(each)[:1]]
+    notes += outside_notes(best) if len(best) > 1 else []
+    return notes + [METALS] * (len({each.backing for each in best if each.ceramic}) > 1)
+
+
+def offer_table(result: DesignResult) -> Table:
+    """Return the designs on offer or, if there are many, the best of each pair, with the margin against each threat."""
+    if result.every:
+        return design_table(result.every, "designs on offer", result.margins_of_every_m_s)
+    best = best_of_pairs(result)
+    return design_table(best, "best of each pair", [each.margins_m_s for each in best])
+
+
+def in_common(every: Sequence[Mapping[str, float]]) -> dict[str, float]:
+    """Return in what all of several designs lie outside the tests alike."""
+    first, *others = every or [{}]
+    return {key: factor for key, factor in first.items() if all(each.get(key) == factor for each in others)}
+
+
+def outside_notes(items: Sequence[Any]) -> list[str]:
+    """Return in what all designs of a table, or an armour against all of its threats, lie outside the tests."""
+    common = outside_words(in_common([item.outside_tests for item in items]))
+    return [f"{'all lie ' * (len(items) > 1)}outside the tests in {common}"] if common else []
+
+
+def thin_notes(ceramics: Iterable[tuple[float, Mapping[str, float]]], scenario: Scenario | None) -> list[str]:
+    """Return from which thickness on ceramics were tested, if one is thinner; given thicknesses, mm, and factors."""
+    tested_mm = [mm / outside[THIN] for mm, outside in ceramics if outside.get(THIN, 1.0) < 1.0]
+    if not tested_mm or scenario is None:
+        return []
+    threats = map(scenario.against, scenario.threats())
+    widest_mm = max(threat.inputs()["projectile.penetrator_diameter_mm"] * threat.cosine() for threat in threats)
+    return [
+        f"no ceramic thinner than {max(tested_mm) / widest_mm:.2g} penetrator diameters, here {max(tested_mm):.2g} mm, "
+        "was tested: do not rely on limits with less"
+    ]
+
+
+def thin_designs(designs: Iterable[Design], scenario: Scenario | None) -> list[str]:
+    """Return the same for designs."""
+    return thin_notes(((design.ceramic_thickness_mm, design.outside_tests) for design in designs), scenario)
 
 
 def _result(result: DesignResult, pair: Pair) -> str:
@@ -237,7 +334,10 @@ def _result(result: DesignResult, pair: Pair) -> str:
 
 def design_csv(result: DesignResult) -> str:
     """Return the Pareto front as CSV or, where none is asked for, the frontier; without one, every design."""
-    return csv_text(design_table(result.pareto or result.frontier or result.every))
+    untested = (Column("tests", key="untested"), lambda design: "untested" if design.untested else "")
+    columns = (BACKING, CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, COST, MARGIN_BY_MODEL)
+    outside = (OUTSIDE, lambda design: outside_words(design.outside_tests))
+    return csv_text(listing(result.pareto or result.frontier or result.every, CERAMIC, untested, *columns, outside))
 
 
 def _shown(result: DesignResult) -> BestDesign:
@@ -250,7 +350,7 @@ def _shown(result: DesignResult) -> BestDesign:
 def tables_of_design(result: DesignResult) -> list[Table | str]:
     """Return all tables of a design search: the frontier of a single pair of materials, or a row for each pair."""
     scenario: Scenario | None = result.question.get("scenario")
-    required, best = required_margins(scenario), result.shown
+    required, best, named = required_margins(scenario), result.shown, list[Design](best_of_pairs(result))
     shown: list[Table | str] = [*design_verdict(result), *said_of(result.warnings)]
     if best is not None:
         answer = None if scenario is None or best.model_error is not None else _answer(scenario, best)
@@ -270,20 +370,21 @@ def tables_of_design(result: DesignResult) -> list[Table | str]:
     verbose = result.question.get("every_row")
     if len(result.pairs) > 1 or not all(pair.ranked for pair in result.pairs):
         shown.append(pair_table(result))
-        unranked = [pair.best for pair in result.pairs if pair.best is not None and not pair.ranked]
-        shown += [f"{armour_in_words(best)} {note}" for best in unranked for note in _flow_stress_notes(best)[:1]]
+        shown += pair_notes(result)
     if result.every and (verbose or result.reason):
-        shown.append(design_table(result.every, "designs"))
+        shown += [offer_table(result), *outside_notes(result.every)]
+        named += result.every
     if result.frontier and (len(result.pairs) == 1 or verbose):
         part = result if verbose else _around_best(result)
-        shown.append(frontier_table(part))
+        shown += [frontier_table(part), *outside_notes(part.frontier)]
+        named += part.frontier
         if len(part.frontier) < len(result.frontier):
             shown.append(f"{len(result.frontier) - len(part.frontier)} more back plates with -v")
         if result.without_mm:
             shown.append(left_out(result))
     if result.pareto:
-        shown.append(design_table(result.pareto, "Pareto front"))
-    return [*shown, f"{counted(result.designs, 'design')} computed"]
+        shown += [design_table(result.pareto, "Pareto front"), *outside_notes(result.pareto)]
+    return [*shown, *thin_designs([*named, *result.pareto], scenario), f"{counted(result.designs, 'design')} computed"]
 
 
 def _answer(scenario: Scenario, best: BestDesign) -> Scenario:
@@ -323,7 +424,7 @@ def least_probability(design: BestDesign) -> float | None:
     return None if None in probabilities else min(p for p in probabilities if p is not None)
 
 
-def pair_words(design: Design) -> str:
+def pair_words(design: Design | Pair) -> str:
     """Return the materials of a design."""
     return f"{design.ceramic} on {design.backing}" if design.ceramic else design.backing
 
@@ -396,6 +497,7 @@ def threat_table(result: CheckResult) -> Table:
         MARGIN,
         (PROBABILITY, lambda threat: chance(threat.probability_of_stopping, threat.model_error)),
         (Column("verdict"), verdict),
+        outside_tests(result.threats),
     )
 
 
@@ -484,6 +586,7 @@ def tables_of_check(result: CheckResult) -> list[Table | str]:
         amounts(result),
         *layer_words(result.question["scenario"].armour.layer),
         threat_table(result),
+        *outside_of_check(result),
     ]
     if len(requirements_of(result)) > len(result.threats):
         shown.append(requirement_table(result))
@@ -496,6 +599,14 @@ def tables_of_check(result: CheckResult) -> list[Table | str]:
     if len(explained) < len(result.threats):
         shown.append("changes against the other threats with -v")
     return shown
+
+
+def outside_of_check(result: CheckResult) -> list[str]:
+    """Return in what an armour lies outside the tests against all of its threats."""
+    scenario: Scenario | None = result.question.get("scenario")
+    ceramic_mm = 0.0 if scenario is None else scenario.armour.ceramic_thickness_mm
+    thin = thin_notes(((ceramic_mm, threat.outside_tests) for threat in result.threats), scenario)
+    return [*outside_notes(result.threats), *thin]
 
 
 def check_summary(results: Mapping[str, CheckResult]) -> VerdictLine:

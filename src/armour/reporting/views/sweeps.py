@@ -1,10 +1,14 @@
 """Sweeps."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
+from armour.analysis.evaluate import outside_of
 from armour.reporting.by_result import tables_of
-from armour.reporting.table import Table, column_of
+from armour.reporting.table import Column, Table, column_of
+from armour.scenario.scenario import Scenario
 from armour.sweeps.sweep import SweepResult
 
 # Rows of a sweep that are shown.
@@ -15,14 +19,20 @@ SWEEP_ROWS = 20
 def tables_of_sweep(result: SweepResult) -> list[Table | str]:
     """Return the first rows of a sweep."""
     notes = [f"the first {SWEEP_ROWS} of {result.rows:,} rows"] if result.rows > SWEEP_ROWS else []
-    return [first_rows(result.columns), *notes]
+    return [first_rows(result.columns, result.scenario, result.keys), *notes]
 
 
-def first_rows(columns: Mapping[str, Any]) -> Table:
-    """Return the first rows of the columns of a sweep."""
-    shown = tuple(zip(*(values[:SWEEP_ROWS].tolist() for values in columns.values()), strict=True))
+def first_rows(columns: Mapping[str, Any], scenario: Scenario, keys: Sequence[str]) -> Table:
+    """Return the first rows of the columns of a sweep, and whether they are inside the tests if not all are."""
+    first = {name: values[:SWEEP_ROWS] for name, values in columns.items()}
+    quantities = [name for name in columns if name not in keys]
+    is_outside = outside_of(scenario, {key: first[key] for key in keys}, quantities)
     headings = [column_of(name, ".6g" if is_number(values) else "") for name, values in columns.items()]
-    return Table(tuple(headings), shown)
+    cells = [values.tolist() for values in first.values()]
+    if is_outside.any():
+        headings.append(Column("tests"))
+        cells.append(np.where(is_outside, "outside", "inside").tolist())
+    return Table(tuple(headings), tuple(zip(*cells, strict=True)))
 
 
 def is_number(values: Any) -> bool:
