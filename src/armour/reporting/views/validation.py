@@ -17,7 +17,8 @@ from armour.validation.comparison import Comparison
 from armour.validation.figures import Figure
 from armour.validation.formulas import FlorenceResult
 from armour.validation.rivals import Error
-from armour.validation.suite import CASES, Case
+from armour.validation.suite import Case
+from armour.validation.suite_sections import CASES
 from armour.validation.validate import FAILED, Check, SuiteResult, TableSummary
 
 
