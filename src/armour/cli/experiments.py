@@ -46,6 +46,7 @@ from armour.cli.runner import (
 from armour.cli.scenario_commands import LIMIT_READS, grid_of
 from armour.errors import mistake, restated
 from armour.files import shipped_tests
+from armour.reporting.table import csv_text, rows_csv
 from armour.scenario.keys import describe
 
 if TYPE_CHECKING:
@@ -158,7 +159,6 @@ def v50(
     exit code is 3 if it is not met or the shots do not decide it.
     """
     from armour.analysis.results import EachResult  # imports pydantic, which help does not need
-    from armour.reporting.table import rows_csv
 
     if scenario is not None and is_table(scenario):
         table, scenario = scenario, table
@@ -258,7 +258,6 @@ def calibrate(
     as_json: AsJson = False,
 ) -> None:
     """Fit model inputs to tests."""
-    from armour.reporting.table import rows_csv
     from armour.statistics.fitted_library import library_text, scenario_text
 
     if is_table(scenario):
@@ -656,7 +655,6 @@ def plan_tests(
     as_json: AsJson = False,
 ) -> None:
     """Choose the armours to test that best determine model inputs, or the ballistic limit of a design."""
-    from armour.reporting.table import csv_text
     from armour.reporting.views.planning import form_table
 
     loaded = read_scenario(scenario, changes, FIT + OF_PRIOR * prior)

@@ -15,7 +15,7 @@ from armour.cli.console import emit, say, show, show_json
 from armour.errors import ArmourError, InputError, Problem, in_two_lines, mistake, refuse, restated
 from armour.files import decoded, parse_toml, read_text, unwritable, write_file, wrong_ending
 from armour.scenario.inputs import VELOCITY
-from armour.scenario.keys import line_of, lines_of, upwards, values_by_key
+from armour.scenario.keys import changes_of, line_of, lines_of, upwards, values_by_key
 
 if TYPE_CHECKING:
     from armour.reporting.table import Table
@@ -125,7 +125,6 @@ def read_scenario(
     command in messages.  A wrong value of an option is a problem of the command line.
     """
     from armour.scenario.effect import check_effect
-    from armour.scenario.keys import changes_of
     from armour.scenario.scenario import parse_changed, scenario_file
 
     changes = changes_of(assignments or ())
@@ -154,7 +153,6 @@ def read_scenario(
 def accepted(changes: Iterable[str], reads: Collection[str]) -> list[str]:
     """Return those changes of ``--set`` that a command with such ``reads`` accepts."""
     from armour.scenario.effect import is_read
-    from armour.scenario.keys import changes_of
 
     return [change for change in changes if all(is_read(key, reads) for key in values_by_key(changes_of([change])))]
 

@@ -30,8 +30,9 @@ from armour.cli.options import (
 from armour.cli.runner import Files, check_outputs, picture, read_scenario, show_result, warnings_of, write
 from armour.errors import InputError, Problem, counted, duration, mistake, refuse
 from armour.files import read_toml, shipped_suites, wrong_ending
+from armour.reporting.table import rows_csv
 from armour.scenario.inputs import OF_ERROR, ROUND_AND_ARMOUR, VELOCITY
-from armour.scenario.keys import describe
+from armour.scenario.keys import changes_of, describe
 
 if TYPE_CHECKING:
     from armour.analysis.results import OnProgress
@@ -159,7 +160,6 @@ def check(
     ballistic limit by the model must reach the velocity. With several scenarios or a folder, --json prints an array.
     """
     from armour.reporting.junit import junit_xml
-    from armour.reporting.table import rows_csv
     from armour.reporting.views import design as view
     from armour.scenario.scenario import files_of
 
@@ -515,7 +515,6 @@ def report(
     from armour.reporting.formats import REPORT_ENDINGS, report_text
     from armour.reporting.scenario_report import contents_of, scenario_report
     from armour.reporting.views.validation import suite_report
-    from armour.scenario.keys import changes_of
     from armour.scenario.scenario import files_of, scenario_file
     from armour.validation.suite import load_suite, suite_files
     from armour.validation.validate import validate

@@ -16,6 +16,8 @@ from armour.cli.options import AsJson, Changes, Force, argument, file_option, op
 from armour.cli.runner import CHECK_FAILED, Files, check_outputs, mistakes_in, origin_of, picture, show_answer, write
 from armour.errors import Problem, mistake, refuse
 from armour.files import reason, suite_file
+from armour.reporting.table import csv_text
+from armour.scenario.keys import changes_of
 
 if TYPE_CHECKING:
     from armour.reporting.table import Table
@@ -50,7 +52,6 @@ def validate(
     """
     from armour.reporting.formats import markdown_report
     from armour.reporting.views import validation as view
-    from armour.scenario.keys import changes_of
     from armour.validation.suite import load_suite, suite_files
     from armour.validation.validate import kept_by_update
 
@@ -168,8 +169,6 @@ def figures(
 
 def _files_of(folder: Path, name: str, image: str, table: "Table", figure: Any) -> Files:
     """Return the files of a figure, with what makes their contents."""
-    from armour.reporting.table import csv_text
-
     return {
         folder / f"{name}.csv": lambda _: csv_text(table),
         folder / f"{name}.{image}": picture(lambda: figure, None),
