@@ -43,7 +43,7 @@ from armour.cli.runner import (
     write,
     wrong_option,
 )
-from armour.cli.scenario_commands import LIMIT_READS, grid_of
+from armour.cli.scenario_commands import LIMIT_READS, cases_of, grid_of
 from armour.errors import mistake, restated
 from armour.files import shipped_tests
 from armour.reporting.table import csv_text, rows_csv
@@ -464,6 +464,19 @@ def plan_shots(
         raise wrong_option("--velocity-m-s", f"must be a number, found {describe(velocity_m_s)}")
     if table is None and (where or each or sheet is not None):
         raise wrong_option("--where" if where else "--each" if each else "--sheet", "must be given with SHOTS")
+    if result is None:
+        if velocity_m_s is not None:
+            raise wrong_option("--velocity-m-s", "must be given with --result")
+        if each:
+            _refuse_with_each({"--plot": plot})
+    elif table is None:
+        raise wrong_option("--result", "must be given with SHOTS, to which it adds a shot")
+    elif simulate:
+        raise wrong_option("--result", "must not be given with --simulate: it records a shot that was fired")
+    elif each or sheet is not None:
+        raise wrong_option("--result", f"must not be given with {'--each' if each else '--sheet'}")
+    else:
+        check_outputs(plot=plot, updated=table, force=force)
     earlier_firings = [armour.read_shots(path) for path in earlier or ()]
     for path, firing in zip(earlier or (), earlier_firings, strict=True):
         tell(path, firing.read)
@@ -488,28 +501,16 @@ def plan_shots(
     with ExitStack() as stack:
         with progress("impacts", first="searching") as count, as_options("plan_shots", LIMITS):
             plan = partial(armour.plan_shots, loaded, on_progress=count, **options)
-            if result is None:
-                if velocity_m_s is not None:
-                    raise wrong_option("--velocity-m-s", "must be given with --result")
-                if each:
-                    _refuse_with_each({"--plot": plot})
+            files: Files = {}
+            warnings: Sequence[str] = ()
+            if result is None or table is None:
                 answer = _plan(plan, table, where, sheet, each=each)
-                warnings: Sequence[str] = answer.warnings
-                files: Files = {}
             else:
-                if table is None:
-                    raise wrong_option("--result", "must be given with SHOTS, to which it adds a shot")
-                if simulate:
-                    message = "must not be given with --simulate: it records a shot that was fired"
-                    raise wrong_option("--result", message)
-                check_outputs(plot=plot, updated=table, force=force)
-                if each or sheet is not None:
-                    raise wrong_option("--result", f"must not be given with {'--each' if each else '--sheet'}")
                 answer, warnings, content = _plan_after(plan, stack, table, result, velocity_m_s, chosen(where))
                 files = {table: content}
         show_result(answer, loaded, as_json=as_json, verbose=verbose)
         files = {**files, plot: picture(lambda: armour.plot(answer), loaded)}
-        write(files, warnings_of(loaded, warnings, verbose=verbose))
+        write(files, warnings_of(loaded, (*warnings, *answer.warnings), verbose=verbose))
 
 
 def _plan(
@@ -538,7 +539,10 @@ def _plan_after(
     velocity_m_s: float | None,
     where: dict[str, str],
 ) -> "tuple[ShotPlan, list[str], Callable[[Path], bytes]]":
-    """Plan the next shot after one that is added to a table, locked in a stack; also return its new content."""
+    """Plan the next shot after one that is added to a table, locked in a stack.
+
+    Also return warnings of the shot that is added, and what makes the new content of the table.
+    """
     from armour.columns import perforates
     from armour.csv_files import MUST_SAY, open_table
     from armour.planning.firing import far_from
@@ -575,7 +579,7 @@ def _plan_after(
             raise mistake(table, "", "cannot be written: it has changed since it was read; repeat the command")
         return content
 
-    return after, [*warnings, *after.warnings], content_with_shot
+    return after, warnings, content_with_shot
 
 
 def plan_tests(
@@ -689,7 +693,6 @@ def plan_tests(
 def _source(candidates: list[str]) -> "Grid | Cases":
     """Return the candidates."""
     from armour.planning.plan_tests import of_candidates
-    from armour.sweeps.cases import Cases
 
     if all("=" in text for text in candidates):
         with restated(of_candidates):
@@ -699,7 +702,4 @@ def _source(candidates: list[str]) -> "Grid | Cases":
     [file] = candidates
     if not file.endswith(".csv") and not exists(file):
         raise wrong_option("--candidates", f'must be KEY=VALUES or a CSV file, found "{file}"')
-    cases = Cases(file)
-    if cases.read:
-        say(f"read {file}: {cases.read}")
-    return cases
+    return cases_of(file)

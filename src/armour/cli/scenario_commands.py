@@ -1,7 +1,7 @@
 """Commands that answer a question about a scenario, or about many armours like it."""
 
 import shlex
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from time import perf_counter
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from armour.design.check import CheckResult
     from armour.design.optimise import BestDesign, DesignResult
     from armour.scenario.scenario import Scenario
-    from armour.sweeps.cases import Grid
+    from armour.sweeps.cases import Cases, Grid
     from armour.sweeps.sweep import Effort
 
 # Key of the probability that a design, a check and a report require.
@@ -385,7 +385,6 @@ def sweep(
     """Compute quantities over a grid or a table of cases; resume if interrupted."""
     from armour.reporting.views.sweeps import SWEEP_ROWS, first_rows
     from armour.scenario.scenario import heading
-    from armour.sweeps.cases import Cases
     from armour.sweeps.store import read_table
     from armour.sweeps.sweep import subject_of, write_sweep
 
@@ -400,9 +399,7 @@ def sweep(
     if plot is not None:
         _check_drawn(len(over or []), names[0])
     with runner.as_options("sweep"), ExitStack() as stack:
-        source = Cases(cases, sheet) if cases is not None else grid_of("--over", over or [])
-        if isinstance(source, Cases) and source.read:
-            say(f"read {cases}: {source.read}")
+        source = grid_of("--over", over or []) if cases is None else cases_of(cases, sheet)
         count = stack.enter_context(progress("rows", source.count))
 
         def on_chunk(rows: int, stored: bool) -> None:
@@ -431,13 +428,6 @@ def sweep(
     say(f"wrote {output}: {counted(rows, 'row')}", *_notes(names, drawn=plot is not None))
     lines = heading(subject_of(loaded, source, names), loaded.title)
 
-    def draw() -> Any:
-        from armour.reporting.pictures.drawing import Sheet, drawn
-        from armour.reporting.pictures.sweeps import draw_columns
-
-        table = read_table(output)
-        return drawn(lambda sheet: draw_columns(table, source.keys, names[0], loaded, sheet), Sheet(), lines).figure
-
     runner.show_answer(
         {"rows": rows, "output": str(output)},
         [first_rows(read_table(output))] if rows <= SWEEP_ROWS else (),
@@ -445,7 +435,17 @@ def sweep(
         heading=lines,
         scenario=loaded,
     )
-    write({plot: picture(draw, loaded)})
+    write({plot: picture(lambda: _drawn(read_table(output), source.keys, names[0], loaded, lines), loaded)})
+
+
+def _drawn(
+    table: Mapping[str, Any], keys: Sequence[str], quantity: str, scenario: "Scenario", heading: Sequence[str]
+) -> Any:
+    """Draw a quantity of a sweep over its keys."""
+    from armour.reporting.pictures.drawing import Sheet, drawn
+    from armour.reporting.pictures.sweeps import draw_columns
+
+    return drawn(lambda sheet: draw_columns(table, keys, quantity, scenario, sheet), Sheet(), heading).figure
 
 
 def _check_drawn(keys: int, quantity: str) -> None:
@@ -463,6 +463,16 @@ def _notes(names: list[str], *, drawn: bool) -> Iterator[str]:
         yield f"note: {', '.join(required)}: {REQUIRED}"
     if drawn and len(names) > 1:
         yield f"note: --plot draws {names[0]} alone, the first of --quantities"
+
+
+def cases_of(file: str | Path, sheet: str | None = None) -> "Cases":
+    """Return the cases of a table, and say how it was read."""
+    from armour.sweeps.cases import Cases
+
+    cases = Cases(file, sheet)
+    if cases.read:
+        say(f"read {file}: {cases.read}")
+    return cases
 
 
 def grid_of(option: str, texts: Sequence[str]) -> "Grid":
