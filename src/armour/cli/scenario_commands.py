@@ -12,7 +12,7 @@ import typer
 import armour
 from armour.analysis.quantities import DESIGNS, OF_WEIGHT, QUANTITIES, REQUIRED, reads_of
 from armour.cli import completion, runner
-from armour.cli.console import emit, progress, say, show, show_json
+from armour.cli.console import emit, progress, say, show
 from armour.cli.folders import MOST_FILES, scenario_paths
 from armour.cli.options import (
     AsJson,
@@ -189,15 +189,12 @@ def check(
     if not (as_json or is_one):
         emit("\n")
         show(view.check_summary({loaded.file: result for loaded, result in zip(scenarios, results, strict=True)}))
-    if as_json and is_one:
-        runner.show_answer(results[0].to_dict(), (), as_json=True, scenario=scenarios[0])
-    elif as_json:
-        show_json(
-            [
-                {"scenario": loaded.file, **result.to_dict(), "made_by": runner.origin_of(loaded)}
-                for loaded, result in zip(scenarios, results, strict=True)
-            ]
-        )
+    data = [
+        {"scenario": loaded.file, **result.to_dict(), "made_by": runner.origin_of(loaded)}
+        for loaded, result in zip(scenarios, results, strict=True)
+    ]
+    one = results[0].to_dict() if is_one else data
+    runner.show_answer(one, (), as_json=as_json, scenario=scenarios[0])
     files: Files = {
         junit: lambda _: junit_xml(suites),
         csv: lambda _: rows_csv(rows),
