@@ -49,8 +49,6 @@ def check_outputs(
     The files of the ``scenario`` are inputs too.  ``tables`` are those of the outputs that are CSV.  ``junit`` may
     replace a file that this program has written as JUnit XML.  ``updated`` is both an input and an output.
     """
-    from armour.scenario.scenario import files_of  # imports pydantic
-
     new = [path for path in (*outputs, junit, plot) if path is not None]
     refuse(Problem("-", "", "must be the name of a file to write") for path in new if str(path) == "-")
     problems = [] if plot is None else wrong_ending(plot, PLOT_ENDINGS)
@@ -61,7 +59,10 @@ def check_outputs(
     paths = new if updated is None else [*new, updated]
     problems += (problem for path in paths for problem in unwritable(path))
     sources = [0 if str(source) == "-" else source for source in inputs if source]  # the descriptor of standard input
-    sources += [] if scenario is None else files_of(scenario)
+    if scenario is not None:
+        from armour.scenario.scenario import files_of  # imports pydantic
+
+        sources += files_of(scenario)
     for path in filter(isfile, new):
         from armour.reporting.junit import is_junit_of_armour  # imports a parser of XML
 
