@@ -63,7 +63,7 @@ if TYPE_CHECKING:
 FIT = ("impact", "armour", "ballistic_limit")
 OF_PRIOR = ("uncertainty",)
 # Laws of the ceramic's flow stress.
-LAWS = ("constant", "ceramic", "backing", "product", "linear")
+LAW_NAMES = ("constant", "ceramic", "backing", "product", "linear")
 # Fraction by which a measured velocity may miss the planned one without a warning.
 FAR_FROM_PLAN = 0.1
 Where = Annotated[
@@ -222,7 +222,7 @@ def calibrate(
             "thickness), backing (a power of the back plate's thickness), product (a power of the product of both) or "
             "linear (in both); or all, to compare them and keep the one with the smallest leave-one-out error. By "
             "default the scenario's law.",
-            *LAWS,
+            *LAW_NAMES,
             "all",
             metavar="LAW",
         ),
@@ -601,7 +601,7 @@ def plan_tests(
         word_option(
             "Law of the ceramic's flow stress, as in calibrate, whose coefficients are determined too: constant, "
             "ceramic, backing, product or linear.",
-            *LAWS,
+            *LAW_NAMES,
             metavar="LAW",
         ),
     ] = None,

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from armour.sweeps.sweep import Effort
 
 # Key of the probability that a design, a check and a report require.
-CONFIDENCE = "design.confidence"
+CONFIDENCE_KEY = "design.confidence"
 # Keys of a design that a check reads: what it requires, what is added, and the costs of materials.
 CHECK = (
     *("design.confidence", "design.thickness_tolerance_mm"),
@@ -211,7 +211,7 @@ def _read_each(paths: Sequence[Path], changes: Sequence[str] | None, confidence:
     problems: list[Problem] = []
     for path in paths:
         try:
-            settings = {"--confidence": (CONFIDENCE, confidence)}
+            settings = {"--confidence": (CONFIDENCE_KEY, confidence)}
             scenarios.append(read_scenario(path, changes, CHECK_READS, settings, "the check"))
         except InputError as error:
             problems += error.problems
@@ -244,7 +244,7 @@ def optimise(
     from armour.design.optimise import effort
     from armour.reporting.views import design as view
 
-    settings = {"--confidence": (CONFIDENCE, confidence)}
+    settings = {"--confidence": (CONFIDENCE_KEY, confidence)}
     loaded = read_scenario(scenario, changes, DESIGNS, settings, "the design")
     check_outputs(page, csv, tables=[csv], inputs=[scenario], scenario=loaded, plot=plot, force=force)
     if page is not None:
@@ -289,7 +289,7 @@ def _map(
 def _check_of(scenario: "Scenario", best: "BestDesign", source: str, changes: Sequence[str]) -> str:
     """Return the command that checks the best design of a scenario."""
     values = best.changes_to(scenario)
-    replaced = {*values, CONFIDENCE}
+    replaced = {*values, CONFIDENCE_KEY}
     kept = [
         change for change in runner.accepted(changes, CHECK_READS) if change.partition("=")[0].strip() not in replaced
     ]
@@ -543,7 +543,7 @@ def report(
         inputs = suite_files(suite)
     else:
         reads = (*BYLINE, "armour", *(AS_IS if as_is else DESIGNS))
-        required = {"--confidence": (CONFIDENCE, confidence)}
+        required = {"--confidence": (CONFIDENCE_KEY, confidence)}
         scenario = read_scenario(source, changes, reads, required, computed="the report")
         inputs = [source, *files_of(scenario)]
     check_outputs(output, inputs=inputs, force=force)
