@@ -72,14 +72,6 @@ Where = Annotated[
 ]
 Sheet = Annotated[str | None, option("Sheet of a workbook, by default the first.", metavar="NAME")]
 Each = Annotated[bool, option("Give one answer for each value of the column of panels, targets or the like.", "--each")]
-LIMITS = {
-    "scenario": "SCENARIO",
-    "limits_m_s": "--lower-m-s, --upper-m-s",
-    "limits_m_s[0]": "--lower-m-s",
-    "limits_m_s[1]": "--upper-m-s",
-}
-
-
 RequirementFraction = Annotated[
     Any,
     number_option(
@@ -88,6 +80,13 @@ RequirementFraction = Annotated[
         share,
     ),
 ]
+# Options by the names in messages about limits of V50.
+LIMITS = {
+    "scenario": "SCENARIO",
+    "limits_m_s": "--lower-m-s, --upper-m-s",
+    "limits_m_s[0]": "--lower-m-s",
+    "limits_m_s[1]": "--upper-m-s",
+}
 
 
 def v50(
