@@ -16,7 +16,8 @@ from typing import Any, NamedTuple
 from scipy.optimize import least_squares
 
 from armour.scenario.scenario import Scenario
-from armour.validation.suite import Case, Subject, answer, load_suite
+from armour.validation.questions import Subject, answer
+from armour.validation.suite import Case, load_suite
 from armour.validation.validate import Check
 
 PAGE = Path(__file__).parents[1] / "docs" / "readings.md"

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from armour.cli import question
+from armour.cli import experiments, scenario_commands
 from armour.cli.app import app
 from armour.cli.console import progress, show_json
 from tests.helpers.cases import SCENARIOS
@@ -155,7 +155,8 @@ def test_searches_count_their_impacts(command: str, cli, monkeypatch: pytest.Mon
         assert first
         yield lambda count, _total=None: counted.append(count)
 
-    monkeypatch.setattr(question, "progress", progress)
+    for module in (scenario_commands, experiments):
+        monkeypatch.setattr(module, "progress", progress)
     result = cli(*command.split(), SCENARIOS / "wilkins.toml", "--json")
     assert result.exit_code == 0
     assert sum(counted) >= json.loads(result.stdout).get("runs", 8)

@@ -50,13 +50,13 @@ def test_the_examples_of_the_help_run(cli, folder: Path, example: str):
     assert result.exit_code == 0, result.output
 
 
-@pytest.mark.parametrize("command", [command.name for command in app.registered_commands])
+@pytest.mark.parametrize("columns", ["40", "60", "70"])
+@pytest.mark.parametrize("command", [*(command.name for command in app.registered_commands), "plan shots"])
 def test_the_help_shows_examples_and_is_not_cut_in_a_narrow_terminal(
-    cli, command: str, monkeypatch: pytest.MonkeyPatch
+    cli, command: str, columns: str, monkeypatch: pytest.MonkeyPatch
 ):
-    # --requirement-fraction, of 22 characters, needs more room.
-    monkeypatch.setenv("COLUMNS", "70" if command == "v50" else "60")
-    text = " ".join(cli(command, "--help").stdout.split())
+    monkeypatch.setenv("COLUMNS", columns)
+    text = " ".join(cli(*command.split(), "--help").stdout.split())
     assert "Examples:" in text
     assert f"armour {command}" in text
     assert "…" not in text

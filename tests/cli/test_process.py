@@ -141,7 +141,7 @@ main()
     assert (done.returncode, done.stderr) == (130, "interrupted\n")
 
 
-@pytest.mark.parametrize("module", ["armour.cli.app", "armour.reporting.show"])
+@pytest.mark.parametrize("module", ["armour.cli.app", "armour.scenario.scenario"])
 def test_terminated_it_ends_like_an_interrupted_one(module: str):
     code = f"""
 import os, signal, sys

@@ -74,6 +74,9 @@ def test_an_answer_for_each_panel(cli, folder: Path):
         assert cli.fails(2, *words, "--each", "--plot", "x.svg") == [
             "command line: --plot: must not be given with --each"
         ]
+    for option in ("--csv", "--curve"):
+        told = cli.fails(2, "v50", "t.csv", "--each", option, "x.csv")
+        assert told == [f"command line: {option}: must not be given with --each"]
     (folder / "one.csv").write_text("velocity_m_s,result\n700,P\n720,C\n")
     assert "must have a column panel, target, plate, lab or lot" in cli.fails(2, "v50", "one.csv", "--each")[0]
     assert cli.fails(2, "v50", "t.csv", "--where", "A") == [

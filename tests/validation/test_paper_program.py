@@ -5,7 +5,8 @@ from collections.abc import Iterable
 import pytest
 
 from armour.analysis.ballistic_limit import confidence
-from armour.validation.suite import Case, Subject, answer, load_suite
+from armour.validation.questions import Subject, answer
+from armour.validation.suite import Case, load_suite
 from armour.validation.validate import Check, SuiteResult, validate
 from tests.helpers.cases import shipped_scenario
 from tools.readings import TABLE_3, chi_square, deviation_of

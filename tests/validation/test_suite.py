@@ -8,7 +8,8 @@ from armour.analysis.evaluate import evaluate
 from armour.design.optimise import optimise
 from armour.errors import InputError, NoAnswerError
 from armour.scenario.scenario import Scenario
-from armour.validation.suite import QUESTIONS, Subject, answer, load_suite
+from armour.validation.questions import QUESTIONS, Subject, answer
+from armour.validation.suite import load_suite
 from tests.design.results import best_of
 from tests.helpers.cases import SCENARIOS, scenario
 from tests.helpers.suites import HEAD, TABLE, case, load

@@ -8,7 +8,9 @@ import pytest
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.reporting.views.validation import suite_junit, suite_tables
 from armour.validation.formulas import florence_ballistic_limit
-from armour.validation.suite import Between, Subject, load_suite, meets
+from armour.validation.questions import Subject
+from armour.validation.suite import load_suite
+from armour.validation.suite_sections import Between, meets
 from armour.validation.validate import Check, SuiteResult, kept_by_update, result_of, updated_file, updates_of, validate
 from tests.helpers.cases import scenario
 from tests.helpers.suites import TABLE, case, load, result

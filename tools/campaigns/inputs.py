@@ -305,7 +305,6 @@ def leaves(command: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[str, list
     for name, inner in getattr(command, "commands", {}).items():
         yield from leaves(inner, (*path, name))
     if path and (not hasattr(command, "commands") or command.invoke_without_command):
-        command.get_params(typer.Context(command))  # makes those that are made when they are asked for
         yield " ".join(path), list(command.params)
 
 

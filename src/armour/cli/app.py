@@ -1,24 +1,22 @@
 """The commands of the program, with examples; their help, and how they end."""
 
-import inspect
 import logging
 import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
+from shutil import get_terminal_size
 from typing import Annotated, Any
 
 import typer
 from typer.core import TyperCommand, TyperGroup
-from typer.main import get_command_from_info
-from typer.models import CommandInfo
 
 from armour import MODEL_VERSION, __version__
 from armour.analysis.quantities import QUANTITIES, REQUIRED
 from armour.cli.console import emit, say
 from armour.cli.experiments import calibrate, plan_shots, plan_tests, v50
 from armour.cli.library import KINDS, compile_, init, list_library, schema, section, show_entry
-from armour.cli.question import option
+from armour.cli.options import option
 from armour.cli.runner import NO_ANSWER, with_lines
 from armour.cli.scenario_commands import (
     ballistic_limit,
@@ -36,6 +34,8 @@ from armour.errors import MAX_PROBLEMS, ArmourError, InputError, NoAnswerError, 
 from armour.scenario.keys import describe
 
 WRONG_INPUT, INTERRUPTED = 2, 130
+# Least width of a terminal in which rich shows the longest names of options whole.
+LEAST_WIDTH = 70
 
 
 class _Helpful:
@@ -55,18 +55,14 @@ class _Helpful:
 
 
 class Command(_Helpful, TyperCommand):
-    """A command; the parameters of a `question` are made on their first use, since their imports are slow."""
+    """A command, whose help is plain in a terminal where rich would cut the names of options."""
 
-    def get_params(self, ctx: Any) -> list[Any]:
-        """Return the parameters."""
-        function: Any = vars(self.callback)["__wrapped__"]
-        if hasattr(function, "parameters") and not self.params:
-            function.__signature__ = inspect.Signature(function.parameters())
-            complete_command: Any = get_command_from_info(
-                CommandInfo(callback=function), pretty_exceptions_short=False, rich_markup_mode=None
-            )
-            self.params, self.callback = complete_command.params, complete_command.callback
-        return super().get_params(ctx)
+    def format_help(self, ctx: Any, formatter: Any) -> None:
+        """Print the help."""
+        if get_terminal_size().columns < LEAST_WIDTH:
+            super(TyperCommand, self).format_help(ctx, formatter)
+        else:
+            super().format_help(ctx, formatter)
 
 
 class Reporting(_Helpful, TyperGroup):

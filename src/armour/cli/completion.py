@@ -55,11 +55,6 @@ def inputs() -> list[str]:
     return list(INPUTS)
 
 
-def among(words: list[str]) -> Callable[[], list[str]]:
-    """Return the completion of one of some words."""
-    return lambda: words
-
-
 def quantities(incomplete: str) -> list[str]:
     """Return the names of quantities that can follow those in an incomplete list."""
     done, comma, _ = incomplete.rpartition(",")

@@ -2,30 +2,68 @@
 
 import shlex
 from contextlib import ExitStack
+from functools import partial
 from os.path import exists
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+import typer
+
 import armour
 from armour.cli import completion
-from armour.cli.console import say
-from armour.cli.question import Answer, Force, PlotFile, argument, number, option, question
-from armour.cli.runner import CHECK_FAILED, check_outputs, command_line, read_scenario, wrong_option
-from armour.cli.scenario_commands import LIMIT_READS, grid_of
-from armour.columns import perforates
-from armour.csv_files import MUST_SAY, TableRead
+from armour.cli.console import progress, say
+from armour.cli.options import (
+    AsJson,
+    Changes,
+    Force,
+    OptionalScenario,
+    PlotFile,
+    ScenarioFile,
+    Verbose,
+    argument,
+    file_option,
+    given,
+    inputs_option,
+    number_option,
+    option,
+    share,
+    word_option,
+)
+from armour.cli.runner import (
+    CHECK_FAILED,
+    Files,
+    as_options,
+    check_outputs,
+    command_line,
+    picture,
+    propose,
+    read_scenario,
+    show_result,
+    warnings_of,
+    write,
+    wrong_option,
+)
+from armour.cli.scenario_commands import LIMIT_READS, cases_of, grid_of
 from armour.errors import mistake, restated
+from armour.files import shipped_tests
+from armour.reporting.table import csv_text, rows_csv
 from armour.scenario.keys import describe
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
-    from armour.analysis.results import OnProgress
+    from armour.analysis.results import EachResult
+    from armour.csv_files import TableRead
+    from armour.planning.firing import ShotPlan
     from armour.scenario.scenario import Scenario
+    from armour.statistics.v50 import FiringResult
     from armour.sweeps.cases import Cases, Grid
 
-# Sections that a fit reads; its prior is in the distributions.
+# Sections that a fit reads, and one more with a prior.
 FIT = ("impact", "armour", "ballistic_limit")
+OF_PRIOR = ("uncertainty",)
+# Laws of the ceramic's flow stress.
+LAW_NAMES = ("constant", "ceramic", "backing", "product", "linear")
 # Fraction by which a measured velocity may miss the planned one without a warning.
 FAR_FROM_PLAN = 0.1
 Where = Annotated[
@@ -34,6 +72,15 @@ Where = Annotated[
 ]
 Sheet = Annotated[str | None, option("Sheet of a workbook, by default the first.", metavar="NAME")]
 Each = Annotated[bool, option("Give one answer for each value of the column of panels, targets or the like.", "--each")]
+RequirementFraction = Annotated[
+    Any,
+    number_option(
+        "Fraction of shots that may perforate at the required velocity, 0.001 to 0.999; 0.5 sets the requirement on "
+        "V50; by default 0.5.",
+        share,
+    ),
+]
+# Options by the names in messages about limits of V50.
 LIMITS = {
     "scenario": "SCENARIO",
     "limits_m_s": "--lower-m-s, --upper-m-s",
@@ -42,9 +89,7 @@ LIMITS = {
 }
 
 
-@question(LIMIT_READS, computed="the ballistic limit", first="fitting", tables=["csv", "curve"])
 def v50(
-    on_progress: "OnProgress",
     table: Annotated[
         Path,
         argument(
@@ -54,43 +99,107 @@ def v50(
             autocompletion=completion.tables,
         ),
     ],
-    scenario: "Scenario | None" = None,
-    csv: Annotated[Path | None, option("Write the fitted curves as CSV.", metavar="FILE")] = None,
-    curve: Annotated[
-        Path | None, option("Write the recommended curve with its confidence band as CSV.", metavar="FILE")
+    scenario: OptionalScenario = None,
+    pairs: Annotated[
+        Any,
+        number_option(
+            "Number of shots of each kind in the MIL-STD-662F mean, at least 1; by default the greatest of 5, 3 and 2 "
+            "whose span is allowed."
+        ),
     ] = None,
+    span_m_s: Annotated[
+        Any,
+        number_option(
+            "Greatest span of their velocities, m/s, at most 10,000; by default the usual one for 5, 3 or 2 shots of "
+            "each kind: 38.1, 27.4 or 18.3 (125, 90 or 60 ft/s). Required for other numbers of shots."
+        ),
+    ] = None,
+    confidence: Annotated[
+        Any, number_option("Confidence level of the intervals, 0.5 to 0.9999; by default 0.95.", share)
+    ] = None,
+    prior: Annotated[
+        bool,
+        option(
+            "Add the posterior of V50, whose prior is the scenario's ballistic limit with the model error.", "--prior"
+        ),
+    ] = False,
+    at_m_s: Annotated[
+        Any, number_option("Velocity, m/s, at which to give the probability of complete penetration.")
+    ] = None,
+    fraction: Annotated[
+        Any,
+        number_option(
+            "Fraction of shots, 0.001 to 0.999, for which to give the velocity at which it perforates; 0.01 gives V01.",
+            share,
+        ),
+    ] = None,
+    requirement_m_s: Annotated[
+        Any,
+        number_option(
+            "Required velocity, m/s: whether the armour's exceeds it is decided by the shots alone, by the one-sided "
+            "bounds, with a risk of about 1 minus the confidence."
+        ),
+    ] = None,
+    requirement_fraction: RequirementFraction = None,
+    csv: Annotated[Path | None, file_option("Write the fitted curves as CSV.")] = None,
+    curve: Annotated[Path | None, file_option("Write the recommended curve with its confidence band as CSV.")] = None,
     plot: PlotFile = None,
     where: Where = None,
     each: Each = False,
     sheet: Sheet = None,
-    **options: Any,
-) -> Answer:
+    force: Force = False,
+    changes: Changes = None,
+    verbose: Verbose = False,
+    as_json: AsJson = False,
+) -> None:
     """Estimate V50 from firing results.
 
     If a scenario with the same armour is given, its ballistic limit by the model is shown too. With a requirement, the
     exit code is 3 if it is not met or the shots do not decide it.
     """
-    from armour.reporting.table import rows_csv
+    from armour.analysis.results import EachResult  # imports pydantic, which help does not need
 
-    if each:
-        _refuse_with_each({"--csv": csv, "--plot": plot})
-        firings = _each(table, where, sheet, kinds=1 if options["prior"] else 2)
-        results = {name: armour.v50(fired, scenario, on_progress=on_progress, **options) for name, fired in firings}
-        codes = [CHECK_FAILED * (result.decision in ("not met", "not decided")) for result in results.values()]
-        from armour.analysis.results import EachResult  # imports pydantic, which help does not need
+    if scenario is not None and is_table(scenario):
+        table, scenario = scenario, table
+    loaded = _scenario_of(scenario, changes, computed="the ballistic limit")
+    inputs = [table, scenario]
+    check_outputs(csv, curve, tables=[csv, curve], inputs=inputs, scenario=loaded, plot=plot, force=force)
+    options = given(
+        pairs=pairs,
+        span_m_s=span_m_s,
+        confidence=confidence,
+        prior=prior,
+        at_m_s=at_m_s,
+        fraction=fraction,
+        requirement_m_s=requirement_m_s,
+        requirement_fraction=requirement_fraction,
+    )
+    result: EachResult | FiringResult
+    files: Files = {}
+    with progress("impacts", first="fitting") as count, as_options("v50"):
+        if each:
+            _refuse_with_each({"--csv": csv, "--curve": curve, "--plot": plot})
+            firings = _each(table, where, sheet, kinds=1 if prior else 2)
+            answers = {name: armour.v50(fired, loaded, on_progress=count, **options) for name, fired in firings}
+            result, file = EachResult(answers), str(table)
+        else:
+            fired = armour.read_shots(table, one_kind=prior, where=chosen(where), sheet=sheet)
+            tell(table, fired.read)
+            answer = armour.v50(fired, loaded, on_progress=count, **options)
+            answers = {"": answer}
+            result, file = answer, "" if loaded else fired.file
+            files = {
+                csv: lambda _: rows_csv(answer),
+                curve: lambda _: rows_csv(answer.band()),
+                plot: picture(lambda: armour.plot(answer), loaded),
+            }
+    show_result(result, loaded, as_json=as_json, verbose=verbose)
+    write(files, warnings_of(loaded, result.warnings, file, verbose=verbose))
+    if any(answer.decision in ("not met", "not decided") for answer in answers.values()):
+        raise typer.Exit(CHECK_FAILED)
 
-        return Answer(EachResult(results), file=str(table), exit_code=max(codes))
-    fired = armour.read_shots(table, one_kind=options["prior"], where=chosen(where), sheet=sheet)
-    tell(table, fired.read)
-    result = armour.v50(fired, scenario, on_progress=on_progress, **options)
-    exit_code = CHECK_FAILED if result.decision in ("not met", "not decided") else 0
-    contents = {csv: lambda: rows_csv(result), curve: lambda: rows_csv(result.band())}
-    return Answer(result, contents=contents, file="" if scenario else fired.file, exit_code=exit_code)
 
-
-@question(FIT, unit="tests", prior_reads=["uncertainty"], outputs=["library", "fitted"], tables=["csv"])
 def calibrate(
-    on_progress: "OnProgress",
     table: Annotated[
         Path,
         argument(
@@ -101,44 +210,96 @@ def calibrate(
             autocompletion=completion.tables,
         ),
     ],
-    scenario: "Scenario",
+    scenario: ScenarioFile,
+    fit: Annotated[
+        list[str] | None, inputs_option("Input to fit, or several; by default the ceramic's flow stress.")
+    ] = None,
+    law: Annotated[
+        str | None,
+        word_option(
+            "Law of the ceramic's flow stress, whose coefficients are fitted too: constant, ceramic (linear in its "
+            "thickness), backing (a power of the back plate's thickness), product (a power of the product of both) or "
+            "linear (in both); or all, to compare them and keep the one with the smallest leave-one-out error. By "
+            "default the scenario's law.",
+            *LAW_NAMES,
+            "all",
+            metavar="LAW",
+        ),
+    ] = None,
+    prior: Annotated[
+        bool,
+        option(
+            "Use the scenario's distributions of the fitted inputs as priors, normal or lognormal, with their "
+            "correlations. Estimates and intervals are then those of the posterior: the product of the likelihood and "
+            "the density of the inputs or, if lognormal, of their logarithms.",
+            "--prior",
+        ),
+    ] = False,
     library: Annotated[
-        Path | None, option("Write a library file with the fitted entries.", "--write", metavar="LIB.toml")
+        Path | None, file_option("Write a library file with the fitted entries.", "--write", metavar="LIB.toml")
     ] = None,
     fitted: Annotated[
         Path | None,
-        option(
+        file_option(
             "Write the scenario with the fitted entries and their uncertainty.", "--write-scenario", metavar="FILE.toml"
         ),
     ] = None,
     lot: Annotated[
         str | None, option("Lot tested, after which written entries are named; required with them.", metavar="NAME")
     ] = None,
-    csv: Annotated[Path | None, option("Write measured and computed values as CSV.", metavar="FILE")] = None,
+    csv: Annotated[Path | None, file_option("Write measured and computed values as CSV.")] = None,
     where: Where = None,
     sheet: Sheet = None,
-    **options: Any,
-) -> Answer:
+    plot: PlotFile = None,
+    force: Force = False,
+    changes: Changes = None,
+    verbose: Verbose = False,
+    as_json: AsJson = False,
+) -> None:
     """Fit model inputs to tests."""
-    from armour.reporting.table import rows_csv
     from armour.statistics.fitted_library import library_text, scenario_text
 
+    if is_table(scenario):
+        table, scenario = scenario, table
+    loaded = read_scenario(scenario, changes, FIT + OF_PRIOR * prior)
+    inputs = [table, scenario]
+    check_outputs(library, fitted, csv, tables=[csv], inputs=inputs, scenario=loaded, plot=plot, force=force)
     lot = (lot or "").strip()
     if (not lot) != (library is None and fitted is None):
         raise wrong_option("--lot", "must be given with --write or --write-scenario, and only then: the lot tested")
 
-    tests = armour.read_tests(table, scenario, where=chosen(where), sheet=sheet)
-    tell(table, tests.read)
-    result = armour.calibrate(tests, scenario, on_progress=on_progress, **options)
-    contents = {
-        csv: lambda: rows_csv(result),
-        library: lambda: library_text(result, tests, scenario, lot),
-        fitted: lambda: None if fitted is None else scenario_text(result, tests, scenario, lot, fitted),
+    with progress("tests") as count, as_options("calibrate"):
+        tests = armour.read_tests(table, loaded, where=chosen(where), sheet=sheet)
+        tell(table, tests.read)
+        result = armour.calibrate(tests, loaded, on_progress=count, **given(fit=fit, law=law, prior=prior))
+    show_result(result, loaded, as_json=as_json, verbose=verbose)
+    files: Files = {
+        csv: lambda _: rows_csv(result),
+        library: lambda _: library_text(result, tests, loaded, lot),
+        fitted: lambda path: scenario_text(result, tests, loaded, lot, path),
+        plot: picture(lambda: armour.plot(result), loaded),
     }
-    then = shlex.join(["armour", "check", str(fitted)]) if fitted else ""
-    if result.evidence is not None and library is None and fitted is None:
-        then = f"{command_line()} --write-scenario fitted.toml --lot 'lot 1'"
-    return Answer(result, contents=contents, file=tests.file, then=then)
+    write(files, warnings_of(loaded, result.warnings, tests.file, verbose=verbose))
+    if fitted is not None:
+        propose(shlex.join(["armour", "check", str(fitted)]))
+    elif result.evidence is not None and library is None:
+        propose(f"{command_line()} --write-scenario fitted.toml --lot 'lot 1'")
+
+
+def is_table(path: Path) -> bool:
+    """Return whether the name of a file is that of a table, which is given before or after a scenario."""
+    from armour.csv_files import WORKBOOKS  # help does not need what reads tables
+
+    return path.suffix.lower() in (".csv", ".tsv", ".txt", *WORKBOOKS) or path.as_posix() in shipped_tests()
+
+
+def _scenario_of(path: Path | None, changes: list[str] | None, computed: str = "the answer") -> "Scenario | None":
+    """Read the scenario of a ballistic limit, if there is one."""
+    if path is not None:
+        return read_scenario(path, changes, LIMIT_READS, computed=computed)
+    if changes:
+        raise wrong_option("--set", "must be given with a scenario")
+    return None
 
 
 def chosen(where: list[str] | None) -> dict[str, str]:
@@ -148,7 +309,7 @@ def chosen(where: list[str] | None) -> dict[str, str]:
     return {key.strip(): value.strip() for key, _, value in (text.partition("=") for text in where or ())}
 
 
-def tell(table: object, read: TableRead | None) -> None:
+def tell(table: object, read: "TableRead | None") -> None:
     """Say how a table was read, unless it is as plain as can be."""
     if read is not None and not read.plain:
         say(f"read {table}: {read.words}")
@@ -178,16 +339,8 @@ def _each(table: Path, where: list[str] | None, sheet: str | None, kinds: int) -
         raise wrong_option("--each", "must be given with shots of both results for one value at least")
 
 
-def limit_option(end: str) -> Any:
-    """Make the option of one end of the range in which V50 is expected."""
-    description = f"{end} limit of V50, m/s, for langlie and neyer, or without a scenario."
-    return option(description, metavar="NUMBER", parser=number)
-
-
-@question(LIMIT_READS, first="searching", named=LIMITS)
 def plan_shots(
-    on_progress: "OnProgress",
-    scenario: "Scenario | None" = None,
+    scenario: OptionalScenario = None,
     table: Annotated[
         Path | None,
         argument(
@@ -196,8 +349,77 @@ def plan_shots(
             autocompletion=completion.tables,
         ),
     ] = None,
-    lower_m_s: Annotated[Any, limit_option("Lower")] = None,
-    upper_m_s: Annotated[Any, limit_option("Upper")] = None,
+    procedure: Annotated[
+        str | None,
+        word_option(
+            "Rule for the next velocity: bayesian, neyer, langlie or up-and-down; by default bayesian.",
+            *("bayesian", "neyer", "langlie", "up-and-down"),
+            metavar="PROCEDURE",
+        ),
+    ] = None,
+    half_width_m_s: Annotated[
+        Any,
+        number_option(
+            "Half width of the interval of V50 at which the firing ends, 0.1 to 10,000 m/s; by default 15. The "
+            "up-and-down rule ends by default as in MIL-STD-662F, with three shots of each kind within 27.4 m/s."
+        ),
+    ] = None,
+    confidence: Annotated[
+        Any,
+        number_option(
+            "Confidence level of the interval, and of the requirement, 0.5 to 0.9999; by default 0.95.", share
+        ),
+    ] = None,
+    requirement_m_s: Annotated[
+        Any,
+        number_option(
+            "Required velocity, m/s. The Bayesian procedure then ends when the shots show that the requirement is met "
+            "or not met, with the consumer's and the producer's risk each at most 1 minus the confidence; the "
+            "up-and-down rule starts above it."
+        ),
+    ] = None,
+    requirement_fraction: RequirementFraction = None,
+    velocity_max_m_s: Annotated[
+        Any,
+        number_option("Greatest velocity that can be fired, m/s: no faster shot is planned; by default 10000.0."),
+    ] = None,
+    prior: Annotated[
+        bool,
+        option(
+            "Include the model's prediction in the decision on the requirement, which then uses the posterior and has "
+            "no stated risks.",
+            "--prior",
+        ),
+    ] = False,
+    scatter_percent: Annotated[
+        Any,
+        number_option(
+            "Expected scatter, the standard deviation of the response curve, 0.01 to 50 % of V50: the median of its "
+            "prior, and the initial guess of Neyer's procedure; by default 2.0."
+        ),
+    ] = None,
+    scatter_factor: Annotated[
+        Any,
+        number_option(
+            "Factor by which the scatter may differ from this, 1.01 to 10: one standard deviation of its logarithm; by "
+            "default 2.0."
+        ),
+    ] = None,
+    simulate: Annotated[bool, option("Simulate the rest of the firing, 100 shots at most.", "--simulate")] = False,
+    true_v50_m_s: Annotated[
+        Any,
+        number_option(
+            "True V50 of the simulated shots, m/s; by default V50 and the scatter are drawn from the posterior."
+        ),
+    ] = None,
+    true_scatter_m_s: Annotated[Any, number_option("True scatter of the simulated shots, m/s.")] = None,
+    seed: Annotated[Any, number_option("Seed of the simulation, at least 0; by default 0.")] = None,
+    lower_m_s: Annotated[
+        Any, number_option("Lower limit of V50, m/s, for langlie and neyer, or without a scenario.")
+    ] = None,
+    upper_m_s: Annotated[
+        Any, number_option("Upper limit of V50, m/s, for langlie and neyer, or without a scenario.")
+    ] = None,
     earlier: Annotated[
         list[Path] | None,
         option(
@@ -215,73 +437,113 @@ def plan_shots(
         ),
     ] = None,
     velocity_m_s: Annotated[
-        Any,
-        option("Measured velocity of this shot, m/s; by default the planned one.", metavar="NUMBER", parser=number),
+        Any, number_option("Measured velocity of this shot, m/s; by default the planned one.")
     ] = None,
     where: Where = None,
     each: Each = False,
     sheet: Sheet = None,
     plot: PlotFile = None,
     force: Force = False,
-    **options: Any,
-) -> Answer:
+    changes: Changes = None,
+    verbose: Verbose = False,
+    as_json: AsJson = False,
+) -> None:
     """Plan the next shot of a V50 firing, given the shots so far.
 
     The scenario's ballistic limit, with the model error, is the prior of V50. Without a scenario, V50 is expected
     within the limits given or, without these, within 30 % of the middle of the shots.
     """
+    if scenario is not None and is_table(scenario):
+        table, scenario = scenario, table
+    loaded = _scenario_of(scenario, changes)
+    check_outputs(inputs=[scenario, table, *(earlier or ())], scenario=loaded, plot=plot, force=force)
     if (lower_m_s is None) != (upper_m_s is None):
         raise wrong_option("--upper-m-s" if upper_m_s is None else "--lower-m-s", "must be given with the other limit")
     if isinstance(velocity_m_s, str):
         raise wrong_option("--velocity-m-s", f"must be a number, found {describe(velocity_m_s)}")
     if table is None and (where or each or sheet is not None):
         raise wrong_option("--where" if where else "--each" if each else "--sheet", "must be given with SHOTS")
-    options["earlier"] = [armour.read_shots(path) for path in earlier or []]
-    for path, firing in zip(earlier or [], options["earlier"], strict=True):
-        tell(path, firing.read)
-    if lower_m_s is not None:
-        options["limits_m_s"] = (lower_m_s, upper_m_s)
     if result is None:
         if velocity_m_s is not None:
             raise wrong_option("--velocity-m-s", "must be given with --result")
-        is_new = table is not None and table.suffix == ".csv" and not exists(table)
-        if is_new:
-            say(f"note: {table}: no such file, so no shot has been fired; --result makes the file")
         if each:
             _refuse_with_each({"--plot": plot})
-            firings = _each(table, where, sheet, kinds=1) if table else ()
-            plans = {
-                name: armour.plan_shots(scenario, fired, on_progress=on_progress, **options) for name, fired in firings
-            }
-            from armour.analysis.results import EachResult
-
-            return Answer(EachResult(plans))
-        fired = None
-        if table is not None and not is_new:
-            fired = armour.read_shots(table, one_kind=True, where=chosen(where), sheet=sheet)
-            tell(table, fired.read)
-        return Answer(armour.plan_shots(scenario, fired, on_progress=on_progress, **options))
-    if table is None:
+    elif table is None:
         raise wrong_option("--result", "must be given with SHOTS, to which it adds a shot")
-    if options["simulate"]:
+    elif simulate:
         raise wrong_option("--result", "must not be given with --simulate: it records a shot that was fired")
-    check_outputs(plot=plot, updated=table, force=force)
-    if each or sheet is not None:
+    elif each or sheet is not None:
         raise wrong_option("--result", f"must not be given with {'--each' if each else '--sheet'}")
-    return _with_result(scenario, on_progress, table, result, velocity_m_s, chosen(where), options)
+    else:
+        check_outputs(plot=plot, updated=table, force=force)
+    earlier_firings = [armour.read_shots(path) for path in earlier or ()]
+    for path, firing in zip(earlier or (), earlier_firings, strict=True):
+        tell(path, firing.read)
+    options = given(
+        procedure=procedure,
+        half_width_m_s=half_width_m_s,
+        confidence=confidence,
+        requirement_m_s=requirement_m_s,
+        requirement_fraction=requirement_fraction,
+        velocity_max_m_s=velocity_max_m_s,
+        prior=prior,
+        scatter_percent=scatter_percent,
+        scatter_factor=scatter_factor,
+        earlier=earlier_firings,
+        limits_m_s=None if lower_m_s is None else (lower_m_s, upper_m_s),
+        simulate=simulate,
+        true_v50_m_s=true_v50_m_s,
+        true_scatter_m_s=true_scatter_m_s,
+        seed=seed,
+    )
+    # A table to which a shot is added stays locked until it is written.
+    with ExitStack() as stack:
+        with progress("impacts", first="searching") as count, as_options("plan_shots", LIMITS):
+            plan = partial(armour.plan_shots, loaded, on_progress=count, **options)
+            files: Files = {}
+            warnings: Sequence[str] = ()
+            if result is None or table is None:
+                answer = _plan(plan, table, where, sheet, each=each)
+            else:
+                answer, warnings, content = _plan_after(plan, stack, table, result, velocity_m_s, chosen(where))
+                files = {table: content}
+        show_result(answer, loaded, as_json=as_json, verbose=verbose)
+        files = {**files, plot: picture(lambda: armour.plot(answer), loaded)}
+        write(files, warnings_of(loaded, (*warnings, *answer.warnings), verbose=verbose))
 
 
-def _with_result(
-    scenario: "Scenario | None",
-    on_progress: "OnProgress",
+def _plan(
+    plan: "Callable[..., ShotPlan]", table: Path | None, where: list[str] | None, sheet: str | None, *, each: bool
+) -> "EachResult | ShotPlan":
+    """Plan the next shot after those of a table, or after those at each target in it."""
+    is_new = table is not None and table.suffix == ".csv" and not exists(table)
+    if is_new:
+        say(f"note: {table}: no such file, so no shot has been fired; --result makes the file")
+    if table is not None and each:
+        from armour.analysis.results import EachResult
+
+        return EachResult({name: plan(fired) for name, fired in _each(table, where, sheet, kinds=1)})
+    fired = None
+    if table is not None and not is_new:
+        fired = armour.read_shots(table, one_kind=True, where=chosen(where), sheet=sheet)
+        tell(table, fired.read)
+    return plan(fired)
+
+
+def _plan_after(
+    plan: "Callable[..., ShotPlan]",
+    stack: ExitStack,
     table: Path,
     result: str,
     velocity_m_s: float | None,
     where: dict[str, str],
-    options: dict[str, Any],
-) -> Answer:
-    """Plan the next shot after one that is added to the table, which stays locked until it is written."""
-    from armour.csv_files import open_table
+) -> "tuple[ShotPlan, list[str], Callable[[Path], bytes]]":
+    """Plan the next shot after one that is added to a table, locked in a stack.
+
+    Also return warnings of the shot that is added, and what makes the new content of the table.
+    """
+    from armour.columns import perforates
+    from armour.csv_files import MUST_SAY, open_table
     from armour.planning.firing import far_from
     from armour.planning.shot_file import content_of, locked, with_shot
     from armour.statistics.v50 import is_of_shots, shots_of
@@ -289,41 +551,38 @@ def _with_result(
     if perforates(result) is None:
         raise wrong_option("--result", f"{MUST_SAY}, found {describe(result)}")
 
-    with ExitStack() as stack:
-        stack.enter_context(locked(table))
-        earlier_content = content_of(table)
-        fired = armour.Shots((), (), str(table))
-        if exists(table):
-            fired = armour.read_shots(table, one_kind=True, where=where)
-        before = armour.plan_shots(scenario, fired, on_progress=on_progress, **options)
-        planned, limit = before.next_velocity_m_s, before.prior.v50_m_s
-        velocity = planned if velocity_m_s is None else velocity_m_s
-        if velocity is None:
-            raise wrong_option("--velocity-m-s", "must be given: no further shot was planned")
-        if message := far_from(limit, velocity):
-            raise wrong_option("--velocity-m-s", message)
-        warnings = []
-        if planned is not None and abs(velocity - planned) > FAR_FROM_PLAN * planned:
-            warnings.append(f"the shot, at {velocity:g} m/s, is far from the planned velocity, {planned:g} m/s")
-        content = with_shot(table, velocity, result, where)
-        fired = shots_of(open_table(table, is_of_shots, content=content), one_kind=True, where=where)
-        tell(table, fired.read)
-        plan = armour.plan_shots(scenario, fired, on_progress=on_progress, **options)
-        if velocity_m_s is None:
-            say(f"note: {table}: records the planned {velocity:g} m/s")
+    stack.enter_context(locked(table))
+    earlier_content = content_of(table)
+    fired = armour.Shots((), (), str(table))
+    if exists(table):
+        fired = armour.read_shots(table, one_kind=True, where=where)
+    before = plan(fired)
+    planned, limit = before.next_velocity_m_s, before.prior.v50_m_s
+    velocity = planned if velocity_m_s is None else velocity_m_s
+    if velocity is None:
+        raise wrong_option("--velocity-m-s", "must be given: no further shot was planned")
+    if message := far_from(limit, velocity):
+        raise wrong_option("--velocity-m-s", message)
+    warnings = []
+    if planned is not None and abs(velocity - planned) > FAR_FROM_PLAN * planned:
+        warnings.append(f"the shot, at {velocity:g} m/s, is far from the planned velocity, {planned:g} m/s")
+    content = with_shot(table, velocity, result, where)
+    fired = shots_of(open_table(table, is_of_shots, content=content), one_kind=True, where=where)
+    tell(table, fired.read)
+    after = plan(fired)
+    if velocity_m_s is None:
+        say(f"note: {table}: records the planned {velocity:g} m/s")
 
-        def content_with_shot() -> bytes:
-            if content_of(table) != earlier_content:
-                raise mistake(table, "", "cannot be written: it has changed since it was read; repeat the command")
-            return content
+    def content_with_shot(_path: Path) -> bytes:
+        if content_of(table) != earlier_content:
+            raise mistake(table, "", "cannot be written: it has changed since it was read; repeat the command")
+        return content
 
-        return Answer(plan, (*warnings, *plan.warnings), contents={table: content_with_shot}, held=stack.pop_all())
+    return after, warnings, content_with_shot
 
 
-@question(FIT, unit="armours", prior_reads=["uncertainty"], named={"designs": "--design"}, tables=["csv"])
 def plan_tests(
-    scenario: "Scenario",
-    on_progress: "OnProgress",
+    scenario: ScenarioFile,
     candidates: Annotated[
         list[str],
         option(
@@ -333,6 +592,50 @@ def plan_tests(
             autocompletion=completion.numbers,
         ),
     ],
+    fit: Annotated[
+        list[str] | None, inputs_option("Input to determine, or several; by default the ceramic's flow stress.")
+    ] = None,
+    law: Annotated[
+        str | None,
+        word_option(
+            "Law of the ceramic's flow stress, as in calibrate, whose coefficients are determined too: constant, "
+            "ceramic, backing, product or linear.",
+            *LAW_NAMES,
+            metavar="LAW",
+        ),
+    ] = None,
+    number: Annotated[
+        Any,
+        number_option("Number of tests to plan, 1 to 200. A candidate may be tested several times. By default 4."),
+    ] = None,
+    criterion: Annotated[
+        str | None,
+        word_option(
+            '"D" minimises the joint confidence region of the inputs, "I" the mean variance of the designs\' ballistic '
+            "limits; by default D.",
+            *("D", "I"),
+            metavar="D|I",
+        ),
+    ] = None,
+    measure: Annotated[
+        str | None,
+        word_option(
+            "What a test measures: the ballistic limit, or whether one shot at impact.velocity_m_s perforates; by "
+            "default limit.",
+            *("limit", "outcome"),
+            metavar="limit|outcome",
+        ),
+    ] = None,
+    scatter_percent: Annotated[
+        Any,
+        number_option(
+            "Standard deviation of a test, % of the ballistic limit, 0.01 to 50; by default that of the earlier tests."
+        ),
+    ] = None,
+    cost: Annotated[Any, number_option("Cost of a test without its target.")] = None,
+    prior: Annotated[
+        bool, option("Use the scenario's distributions of the fitted inputs as priors.", "--prior")
+    ] = False,
     tests: Annotated[
         Path | None,
         option("CSV file of earlier tests.", metavar="FILE", autocompletion=completion.tables),
@@ -346,38 +649,57 @@ def plan_tests(
         ),
     ] = None,
     csv: Annotated[
-        Path | None,
-        option("Write the earlier tests and the planned ones, to be filled in, as CSV.", metavar="FILE"),
+        Path | None, file_option("Write the earlier tests and the planned ones, to be filled in, as CSV.")
     ] = None,
-    **options: Any,
-) -> Answer:
+    plot: PlotFile = None,
+    force: Force = False,
+    changes: Changes = None,
+    verbose: Verbose = False,
+    as_json: AsJson = False,
+) -> None:
     """Choose the armours to test that best determine model inputs, or the ballistic limit of a design.
 
     This command leaves with version 3: spread tests over the thicknesses that you will use, on two back plates at
     least.
     """
-    from armour.reporting.table import csv_text
     from armour.reporting.views.planning import form_table
 
-    source = _source(candidates)
-    earlier_tests = None if tests is None else armour.read_tests(tests, scenario)
-    if earlier_tests is not None:
-        tell(tests, earlier_tests.read)
-    designs = [read_scenario(path, None, FIT) for path in design or []]
-    result = armour.plan_tests(
-        scenario, source, tests=earlier_tests, designs=designs, on_progress=on_progress, **options
-    )
+    loaded = read_scenario(scenario, changes, FIT + OF_PRIOR * prior)
+    inputs = [scenario, tests, *candidates, *(design or ())]
+    check_outputs(csv, tables=[csv], inputs=inputs, scenario=loaded, plot=plot, force=force)
+    with progress("armours") as count, as_options("plan_tests", {"designs": "--design"}):
+        source = _source(candidates)
+        earlier_tests = None if tests is None else armour.read_tests(tests, loaded)
+        if earlier_tests is not None:
+            tell(tests, earlier_tests.read)
+        options = given(
+            fit=fit,
+            law=law,
+            number=number,
+            tests=earlier_tests,
+            criterion=criterion,
+            designs=[read_scenario(path, None, FIT) for path in design or ()],
+            measure=measure,
+            scatter_percent=scatter_percent,
+            cost=cost,
+            prior=prior,
+        )
+        result = armour.plan_tests(loaded, source, on_progress=count, **options)
     say(
         "note: plan tests leaves with version 3: spread tests over the thicknesses that you will use, "
         "on two back plates at least"
     )
-    return Answer(result, contents={csv: lambda: csv_text(form_table(result))})
+    show_result(result, loaded, as_json=as_json, verbose=verbose)
+    files: Files = {
+        csv: lambda _: csv_text(form_table(result)),
+        plot: picture(lambda: armour.plot(result), loaded),
+    }
+    write(files, warnings_of(loaded, result.warnings, verbose=verbose))
 
 
 def _source(candidates: list[str]) -> "Grid | Cases":
     """Return the candidates."""
     from armour.planning.plan_tests import of_candidates
-    from armour.sweeps.cases import Cases
 
     if all("=" in text for text in candidates):
         with restated(of_candidates):
@@ -387,7 +709,4 @@ def _source(candidates: list[str]) -> "Grid | Cases":
     [file] = candidates
     if not file.endswith(".csv") and not exists(file):
         raise wrong_option("--candidates", f'must be KEY=VALUES or a CSV file, found "{file}"')
-    cases = Cases(file)
-    if cases.read:
-        say(f"read {file}: {cases.read}")
-    return cases
+    return cases_of(file)

@@ -10,8 +10,8 @@ import typer
 from armour import __version__
 from armour.cli import completion
 from armour.cli.console import emit, say, show, show_json
-from armour.cli.question import AsJson, Force, argument, option
-from armour.cli.runner import check_outputs, respond, write
+from armour.cli.options import AsJson, Force, argument, option
+from armour.cli.runner import check_outputs, show_answer, write
 from armour.errors import choices, mistake, refuse
 from armour.files import shipped_files, shipped_notebooks, shipped_suites, shipped_tests, wrong_ending
 
@@ -64,7 +64,7 @@ def _list(kinds: Sequence[str], *, tested: bool, as_json: bool) -> None:
     tables["threat"] = threat_table(threats)
     if len(kinds) > 1:
         tables["metal"] = f"{len(data['metal'])} metals: armour library metals{' --tested' * tested}"
-    respond({kind: data[kind] for kind in kinds}, [tables[kind] for kind in kinds], as_json=as_json)
+    show_answer({kind: data[kind] for kind in kinds}, [tables[kind] for kind in kinds], as_json=as_json)
 
 
 def show_entry(
@@ -79,10 +79,12 @@ def show_entry(
     as_json = as_json or (ctx.parent is not None and ctx.parent.params["as_json"])
     if threat := named_threats().get(name):
         content = {"kind": "threat", "name": name, **threat.model_dump()}
-        respond(content, (threat_table({name: threat}), f"source: {threat.source}"), as_json=as_json, heading=[name])
+        show_answer(
+            content, (threat_table({name: threat}), f"source: {threat.source}"), as_json=as_json, heading=[name]
+        )
         return
     for entry in shipped_library().find(name):
-        respond(entry.to_dict(), entry_tables(entry), as_json=as_json, heading=[f"{entry.name} ({entry.kind})"])
+        show_answer(entry.to_dict(), entry_tables(entry), as_json=as_json, heading=[f"{entry.name} ({entry.kind})"])
 
 
 def init(
@@ -119,7 +121,7 @@ def init(
     hint = f"; to copy the shipped one: --from {file}" * (str(file) in shipped)
     refuse(problem._replace(message=problem.message + hint) for problem in wrong_ending(file, (ending,)))
     is_scenario = ending == ".toml" and source not in suites
-    write({file: SCHEMA_LINE * is_scenario + shipped[source].read_bytes()})
+    write({file: lambda _: SCHEMA_LINE * is_scenario + shipped[source].read_bytes()})
     if ending == ".toml":
         command = "check {}" if is_scenario else "validate {}" + " --update" * (source == "regression")
         say(f"next: armour {command.format(quote(str(file)))}")

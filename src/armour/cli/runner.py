@@ -11,11 +11,11 @@ from os.path import exists, isfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from armour.cli.console import say, show, show_json
+from armour.cli.console import emit, say, show, show_json
 from armour.errors import ArmourError, InputError, Problem, in_two_lines, mistake, refuse, restated
 from armour.files import decoded, parse_toml, read_text, unwritable, write_file, wrong_ending
 from armour.scenario.inputs import VELOCITY
-from armour.scenario.keys import line_of, lines_of, upwards, values_by_key
+from armour.scenario.keys import changes_of, line_of, lines_of, upwards, values_by_key
 
 if TYPE_CHECKING:
     from armour.reporting.table import Table
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 NO_ANSWER, CHECK_FAILED = 1, 3
 STANDARD_INPUT = "standard input"
 PLOT_ENDINGS = (".png", ".svg", ".pdf")
+# Files to write, None for one that is not asked for, with functions that make their contents, or None for nothing.
+Files = Mapping[Path | None, Callable[[Path], str | bytes | None]]
 
 
 def wrong_option(option: str, message: str) -> InputError:
@@ -34,17 +36,18 @@ def wrong_option(option: str, message: str) -> InputError:
 
 def check_outputs(
     *outputs: Path | None,
-    inputs: Iterable[str | Path] = (),
+    inputs: Iterable[str | Path | None] = (),
     tables: Iterable[Path | None] = (),
     junit: Path | None = None,
     plot: Path | None = None,
     updated: Path | None = None,
+    scenario: "Scenario | None" = None,
     force: bool = False,
 ) -> None:
     """Check that all outputs can be written, differ from each other and from inputs, and replace files only by force.
 
-    ``tables`` are those of the outputs that are CSV.  ``junit`` may replace a file that this program has written as
-    JUnit XML.  ``updated`` is both an input and an output.
+    The files of the ``scenario`` are inputs too.  ``tables`` are those of the outputs that are CSV.  ``junit`` may
+    replace a file that this program has written as JUnit XML.  ``updated`` is both an input and an output.
     """
     new = [path for path in (*outputs, junit, plot) if path is not None]
     refuse(Problem("-", "", "must be the name of a file to write") for path in new if str(path) == "-")
@@ -55,7 +58,11 @@ def check_outputs(
             problems += wrong_ending(table, (".csv",))
     paths = new if updated is None else [*new, updated]
     problems += (problem for path in paths for problem in unwritable(path))
-    sources = [0 if str(source) == "-" else source for source in inputs]  # the descriptor of standard input
+    sources = [0 if str(source) == "-" else source for source in inputs if source]  # the descriptor of standard input
+    if scenario is not None:
+        from armour.scenario.scenario import files_of  # imports pydantic
+
+        sources += files_of(scenario)
     for path in filter(isfile, new):
         from armour.reporting.junit import is_junit_of_armour  # imports a parser of XML
 
@@ -100,7 +107,8 @@ def mistakes_in(junit: Path | None, inputs: Sequence[Path], *, force: bool) -> I
             ]
             with suppress(InputError):
                 check_outputs(junit=junit, inputs=[*inputs, *(problem.file for problem in error.problems)], force=force)
-                write({junit: junit_xml([junit_suite("invalid input", cases, 0.0, origin_of())])})
+                suite = junit_suite("invalid input", cases, 0.0, origin_of())
+                write({junit: lambda _: junit_xml([suite])})
         raise
 
 
@@ -118,7 +126,6 @@ def read_scenario(
     command in messages.  A wrong value of an option is a problem of the command line.
     """
     from armour.scenario.effect import check_effect
-    from armour.scenario.keys import changes_of
     from armour.scenario.scenario import parse_changed, scenario_file
 
     changes = changes_of(assignments or ())
@@ -147,7 +154,6 @@ def read_scenario(
 def accepted(changes: Iterable[str], reads: Collection[str]) -> list[str]:
     """Return those changes of ``--set`` that a command with such ``reads`` accepts."""
     from armour.scenario.effect import is_read
-    from armour.scenario.keys import changes_of
 
     return [change for change in changes if all(is_read(key, reads) for key in values_by_key(changes_of([change])))]
 
@@ -171,40 +177,55 @@ def _blamed(problem: Problem, options: Mapping[str, str]) -> Problem:
     return problem
 
 
-def respond(
+def show_result(
+    result: Any, scenario: "Scenario | None", *, as_json: bool, verbose: bool, extra_data: Mapping[str, Any] = {}
+) -> None:
+    """Show a result as tables, or with ``extra_data`` as JSON."""
+    from armour.reporting.by_result import by_result, tables_of
+
+    result.of(every_row=verbose)
+    tables = () if as_json else by_result(tables_of, result)(result)
+    data = {**result.to_dict(), **extra_data} if as_json else {}
+    show_answer(data, tables, as_json=as_json, heading=result.heading(), scenario=scenario)
+
+
+def show_answer(
     data: Mapping[str, Any] | Sequence[Mapping[str, Any]],
     tables: "Iterable[Table | str]",
     *,
     as_json: bool,
     heading: Sequence[str] = (),
-    files: Iterable[tuple[Path | None, Callable[[], str | bytes | None]]] = (),
-    plot: Path | None = None,
-    draw: Callable[[], Any] | None = None,
-    warnings: Iterable[str] = (),
     scenario: "Scenario | None" = None,
 ) -> None:
-    """Show an answer as tables or JSON, write the files that are asked for, and warn.
-
-    ``files`` are paths with functions that make the contents, or None if there is nothing to write.  ``draw`` makes
-    the picture for ``plot``.  ``heading`` has the lines above the tables, which describe the computation.  JSON and
-    picture record their origin, with the ``scenario``.
-    """
-
-    def drawn() -> bytes | None:
-        if plot is None or draw is None:
-            return None
-        return drawing().saved(draw(), plot.suffix.lower(), json.dumps(origin_of(scenario)))
-
+    """Show an answer as tables below the lines of a heading, or as JSON, with its origin."""
     if as_json:
         show_json({**data, "made_by": origin_of(scenario)} if isinstance(data, Mapping) else data)
     elif shown := [*tables]:
         show(*heading[1:], *shown, title=heading[0] if heading else "")
+
+
+def write(files: Files, warnings: Iterable[str] = ()) -> None:
+    """Write the files that are asked for, each reported on standard error; whether or not they are written, warn."""
     try:
         # All are made before one is written.
-        contents = {path: content() for path, content in [*files, (plot, drawn)] if path is not None}
-        write({path: content for path, content in contents.items() if content is not None})
+        contents = [(path, content(path)) for path, content in files.items() if path is not None]
+        for path, content in contents:
+            if content is not None:
+                # A name of a file may have bytes that are not Unicode; they are escaped.
+                write_file(path, content.encode(errors="backslashreplace") if isinstance(content, str) else content)
+                say(f"wrote {path}")
     finally:
         say(*warnings)
+
+
+def picture(draw: Callable[[], Any], scenario: "Scenario | None") -> Callable[[Path], bytes]:
+    """Return what makes the content of a picture, which records its origin."""
+    return lambda path: drawing().saved(draw(), path.suffix.lower(), json.dumps(origin_of(scenario)))
+
+
+def propose(command: str) -> None:
+    """Name the command to go on with, in one line, so that it can be copied."""
+    emit(f"next: {command}\n", sys.stderr)
 
 
 def drawing() -> Any:
@@ -240,14 +261,6 @@ def _without_folders(word: str) -> str:
     if not path.is_absolute():
         return word
     return option + equals + (str(path.relative_to(Path.cwd())) if path.is_relative_to(Path.cwd()) else path.name)
-
-
-def write(contents: Mapping[Path, str | bytes]) -> None:
-    """Write outputs, and report each on standard error."""
-    for path, content in contents.items():
-        # A name of a file may have bytes that are not Unicode; they are escaped.
-        write_file(path, content.encode(errors="backslashreplace") if isinstance(content, str) else content)
-        say(f"wrote {path}")
 
 
 def warnings_of(scenario: "Scenario | None", warnings: Iterable[str], file: str = "", *, verbose: bool) -> list[str]:

@@ -1,7 +1,7 @@
 """Commands that answer a question about a scenario, or about many armours like it."""
 
 import shlex
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from time import perf_counter
@@ -14,35 +14,36 @@ from armour.analysis.quantities import DESIGNS, OF_WEIGHT, QUANTITIES, REQUIRED,
 from armour.cli import completion, runner
 from armour.cli.console import emit, progress, say, show
 from armour.cli.folders import MOST_FILES, scenario_paths
-from armour.cli.question import (
-    Answer,
+from armour.cli.options import (
     AsJson,
     Changes,
     Force,
     PlotFile,
+    RequiredProbability,
     ScenarioFile,
     Verbose,
     argument,
-    number,
+    file_option,
+    number_option,
     option,
-    question,
-    share,
 )
+from armour.cli.runner import Files, check_outputs, picture, read_scenario, show_result, warnings_of, write
 from armour.errors import InputError, Problem, counted, duration, mistake, refuse
 from armour.files import read_toml, shipped_suites, wrong_ending
-from armour.scenario.inputs import OF_ERROR, ROUND_AND_ARMOUR
-from armour.scenario.keys import describe
+from armour.reporting.table import rows_csv
+from armour.scenario.inputs import OF_ERROR, ROUND_AND_ARMOUR, VELOCITY
+from armour.scenario.keys import changes_of, describe
 
 if TYPE_CHECKING:
     from armour.analysis.results import OnProgress
     from armour.design.check import CheckResult
-    from armour.design.optimise import BestDesign
+    from armour.design.optimise import BestDesign, DesignResult
     from armour.scenario.scenario import Scenario
-    from armour.sweeps.cases import Grid
+    from armour.sweeps.cases import Cases, Grid
     from armour.sweeps.sweep import Effort
 
-# Probability that a check and a report require: the key, and the help of the option.
-CONFIDENCE_OPTION = ("design.confidence", "Required probability of stopping each threat, such as 0.95.")
+# Key of the probability that a design, a check and a report require.
+CONFIDENCE_KEY = "design.confidence"
 # Keys of a design that a check reads: what it requires, what is added, and the costs of materials.
 CHECK = (
     *("design.confidence", "design.thickness_tolerance_mm"),
@@ -58,50 +59,76 @@ IMPACT_READS = ("impact", "armour", "ballistic_limit", *OF_ERROR, *OF_WEIGHT)
 CHECK_READS = (*IMPACT_READS, "threat", "uncertainty", *CHECK)
 
 
-@question(
-    IMPACT_READS,
-    computed="the simulated impact",
-    first="computing",
-    tables=["history"],
-    velocity=("impact.velocity_m_s", "Impact velocity, m/s; by default the scenario's."),
-)
 def simulate(
-    scenario: "Scenario",
-    on_progress: "OnProgress",
-    history: Annotated[Path | None, option("Write the state over time as CSV.", metavar="FILE")] = None,
+    scenario: ScenarioFile,
+    history: Annotated[Path | None, file_option("Write the state over time as CSV.")] = None,
     plot: PlotFile = None,
-) -> Answer:
+    velocity: Annotated[Any, number_option("Impact velocity, m/s; by default the scenario's.")] = None,
+    force: Force = False,
+    changes: Changes = None,
+    verbose: Verbose = False,
+    as_json: AsJson = False,
+) -> None:
     """Simulate one impact."""
     # Imported here because other commands do not need numpy.
     from armour.evidence.tests import scenario_warnings
     from armour.reporting.views.analysis import history_csv
 
-    result = armour.simulate(scenario, history=history is not None or plot is not None)
-    on_progress(1, None)
-    confidence = armour.confidence(scenario, on_progress=on_progress)
+    settings = {"--velocity": (VELOCITY, velocity)}
+    loaded = read_scenario(scenario, changes, IMPACT_READS, settings, "the simulated impact")
+    check_outputs(history, tables=[history], inputs=[scenario], scenario=loaded, plot=plot, force=force)
+    with progress("impacts", first="computing") as count:
+        result = armour.simulate(loaded, history=history is not None or plot is not None)
+        count(1, None)
+        confidence = armour.confidence(loaded, on_progress=count)
     limit = confidence.ballistic_limit_m_s
-    of_limit = () if limit is None else scenario_warnings(scenario, limit, "ballistic_limit", said=True)
+    of_limit = () if limit is None else scenario_warnings(loaded, limit, "ballistic_limit", said=True)
     warnings = tuple(dict.fromkeys((*result.warnings, *of_limit, *confidence.warnings)))
     extra_data = {"warnings": list(warnings), "confidence": confidence.to_dict()}
-    return Answer(result.of(confidence=confidence), warnings, extra_data, {history: lambda: history_csv(result)})
+    result.of(confidence=confidence)
+    show_result(result, loaded, as_json=as_json, verbose=verbose, extra_data=extra_data)
+    files = {history: lambda _: history_csv(result), plot: picture(lambda: armour.plot(result), loaded)}
+    write(files, warnings_of(loaded, warnings, verbose=verbose))
 
 
-@question((*LIMIT_READS, *OF_WEIGHT), computed="the ballistic limit", first="searching")
-def ballistic_limit(scenario: "Scenario", on_progress: "OnProgress") -> Answer:
+def ballistic_limit(
+    scenario: ScenarioFile,
+    plot: PlotFile = None,
+    force: Force = False,
+    changes: Changes = None,
+    verbose: Verbose = False,
+    as_json: AsJson = False,
+) -> None:
     """Find the ballistic limit."""
     from armour.analysis.ballistic_limit import not_monotonic
 
-    result = armour.ballistic_limit(scenario, on_progress=on_progress)
-    return Answer(result, (*not_monotonic(result), *result.warnings))
+    loaded = read_scenario(scenario, changes, (*LIMIT_READS, *OF_WEIGHT), computed="the ballistic limit")
+    check_outputs(inputs=[scenario], scenario=loaded, plot=plot, force=force)
+    with progress("impacts", first="searching") as count:
+        result = armour.ballistic_limit(loaded, on_progress=count)
+    warnings = (*not_monotonic(result), *result.warnings)
+    show_result(result, loaded, as_json=as_json, verbose=verbose)
+    write({plot: picture(lambda: armour.plot(result), loaded)}, warnings_of(loaded, warnings, verbose=verbose))
 
 
-@question((*LIMIT_READS, *OF_WEIGHT), computed="the ballistic limit", first="searching")
-def compare(scenario: "Scenario", on_progress: "OnProgress") -> Answer:
+def compare(
+    scenario: ScenarioFile,
+    plot: PlotFile = None,
+    force: Force = False,
+    changes: Changes = None,
+    verbose: Verbose = False,
+    as_json: AsJson = False,
+) -> None:
     """Compare the model with simpler formulas."""
     from armour.analysis.ballistic_limit import not_monotonic
 
-    result = armour.compare(scenario, on_progress=on_progress)
-    return Answer(result, (*not_monotonic(result.limit), *result.limit.warnings))
+    loaded = read_scenario(scenario, changes, (*LIMIT_READS, *OF_WEIGHT), computed="the ballistic limit")
+    check_outputs(inputs=[scenario], scenario=loaded, plot=plot, force=force)
+    with progress("impacts", first="searching") as count:
+        result = armour.compare(loaded, on_progress=count)
+    warnings = (*not_monotonic(result.limit), *result.limit.warnings)
+    show_result(result, loaded, as_json=as_json, verbose=verbose)
+    write({plot: picture(lambda: armour.plot(result), loaded)}, warnings_of(loaded, warnings, verbose=verbose))
 
 
 def check(
@@ -114,13 +141,9 @@ def check(
             autocompletion=completion.scenarios,
         ),
     ],
-    junit: Annotated[
-        Path | None, option("Write the results as JUnit XML; such a file is replaced.", metavar="FILE")
-    ] = None,
-    csv: Annotated[
-        Path | None, option("Write the limits as CSV, as given and with each change.", metavar="FILE")
-    ] = None,
-    confidence: Annotated[Any, option(CONFIDENCE_OPTION[1], metavar="NUMBER", parser=share)] = None,
+    junit: Annotated[Path | None, file_option("Write the results as JUnit XML; such a file is replaced.")] = None,
+    csv: Annotated[Path | None, file_option("Write the limits as CSV, as given and with each change.")] = None,
+    confidence: RequiredProbability = None,
     plot: PlotFile = None,
     yes: Annotated[
         bool, option(f"Read folders even if they have more than {MOST_FILES:,} .toml files.", "--yes")
@@ -137,8 +160,6 @@ def check(
     ballistic limit by the model must reach the velocity. With several scenarios or a folder, --json prints an array.
     """
     from armour.reporting.junit import junit_xml
-    from armour.reporting.show import plot as plot_of
-    from armour.reporting.table import rows_csv
     from armour.reporting.views import design as view
     from armour.scenario.scenario import files_of
 
@@ -149,7 +170,7 @@ def check(
     with runner.mistakes_in(junit, paths, force=force):
         scenarios = _read_each(paths, changes, confidence)
     inputs = [*paths, *(file for loaded in scenarios for file in files_of(loaded))]
-    runner.check_outputs(csv, tables=[csv], junit=junit, inputs=inputs, plot=plot, force=force)
+    check_outputs(csv, tables=[csv], junit=junit, inputs=inputs, plot=plot, force=force)
     results: list[CheckResult] = []
     suites, warnings = [], []
     for loaded in scenarios:
@@ -163,26 +184,23 @@ def check(
             show(*other_lines, *view.tables_of_check(result), title=first if is_one else f"{loaded.file}: {first}")
         results.append(result)
         suites.append(view.check_junit(result, loaded, perf_counter() - start, runner.origin_of(loaded)))
-        warnings += runner.warnings_of(loaded, result.warnings, verbose=verbose)
+        warnings += warnings_of(loaded, result.warnings, verbose=verbose)
     rows = ({"scenario": loaded.file, **row} for loaded, found in zip(scenarios, results, strict=True) for row in found)
     if not (as_json or is_one):
         emit("\n")
         show(view.check_summary({loaded.file: result for loaded, result in zip(scenarios, results, strict=True)}))
-    runner.respond(
-        results[0].to_dict()
-        if is_one
-        else [
-            {"scenario": loaded.file, **result.to_dict(), "made_by": runner.origin_of(loaded)}
-            for loaded, result in zip(scenarios, results, strict=True)
-        ],
-        (),
-        as_json=as_json,
-        files=[(junit, lambda: junit_xml(suites)), (csv, lambda: rows_csv(rows))],
-        plot=plot,
-        draw=lambda: plot_of(results[0]),
-        warnings=warnings,
-        scenario=scenarios[0],
-    )
+    data = [
+        {"scenario": loaded.file, **result.to_dict(), "made_by": runner.origin_of(loaded)}
+        for loaded, result in zip(scenarios, results, strict=True)
+    ]
+    one = results[0].to_dict() if is_one else data
+    runner.show_answer(one, (), as_json=as_json, scenario=scenarios[0])
+    files: Files = {
+        junit: lambda _: junit_xml(suites),
+        csv: lambda _: rows_csv(rows),
+        plot: picture(lambda: armour.plot(results[0]), scenarios[0]),
+    }
+    write(files, warnings)
     if any(result.verdict != "passes" for result in results):
         raise typer.Exit(runner.CHECK_FAILED)
 
@@ -193,30 +211,31 @@ def _read_each(paths: Sequence[Path], changes: Sequence[str] | None, confidence:
     problems: list[Problem] = []
     for path in paths:
         try:
-            settings = {"--confidence": (CONFIDENCE_OPTION[0], confidence)}
-            scenarios.append(runner.read_scenario(path, changes, CHECK_READS, settings, "the check"))
+            settings = {"--confidence": (CONFIDENCE_KEY, confidence)}
+            scenarios.append(read_scenario(path, changes, CHECK_READS, settings, "the check"))
         except InputError as error:
             problems += error.problems
     refuse(dict.fromkeys(problems))
     return scenarios
 
 
-@question(DESIGNS, computed="the design", outputs=["page"], tables=["csv"], confidence=CONFIDENCE_OPTION)
 def optimise(
-    scenario: "Scenario",
-    on_progress: "OnProgress",
+    scenario: ScenarioFile,
+    refine: Annotated[
+        bool, option("Also find the best design with both layers free within their ranges.", "--refine")
+    ] = False,
     csv: Annotated[
         Path | None,
-        option(
-            "Write the Pareto front as CSV or, without one, the thinnest ceramic for each back plate.", metavar="FILE"
-        ),
+        file_option("Write the Pareto front as CSV or, without one, the thinnest ceramic for each back plate."),
     ] = None,
-    page: Annotated[
-        Path | None, option("Write an interactive map of all designs, .html.", "--map", metavar="FILE")
-    ] = None,
+    page: Annotated[Path | None, file_option("Write an interactive map of all designs, .html.", "--map")] = None,
     changes: Changes = None,
-    **options: Any,
-) -> Answer:
+    confidence: RequiredProbability = None,
+    plot: PlotFile = None,
+    force: Force = False,
+    verbose: Verbose = False,
+    as_json: AsJson = False,
+) -> None:
     """Find the lightest armour that stops the threat.
 
     The scenario may define several threats, a catalogue of materials, and a quantity other than weight to minimise.
@@ -224,36 +243,53 @@ def optimise(
     """
     from armour.design.optimise import effort
     from armour.reporting.views import design as view
-    from armour.reporting.words import tested_here
 
+    settings = {"--confidence": (CONFIDENCE_KEY, confidence)}
+    loaded = read_scenario(scenario, changes, DESIGNS, settings, "the design")
+    check_outputs(page, csv, tables=[csv], inputs=[scenario], scenario=loaded, plot=plot, force=force)
     if page is not None:
         refuse(wrong_ending(page, (".html",)))
-    designs, seconds = effort(scenario)
-    if seconds > ANNOUNCED_S:
-        threats = counted(len(scenario.threats()), "threat")
-        say(f"{counted(designs, 'design')} against {threats}; about {duration(seconds)}")
-    result = armour.optimise(scenario, on_progress=on_progress, **options)
-    source = "-" if scenario.file == runner.STANDARD_INPUT else runner.source_word(scenario.file)
-    map_page = ""
-    if page is not None:
-        from armour.reporting.design_page import design_page
+    source = "-" if loaded.file == runner.STANDARD_INPUT else runner.source_word(loaded.file)
+    with progress("impacts") as count, runner.as_options("optimise"):
+        designs, seconds = effort(loaded)
+        if seconds > ANNOUNCED_S:
+            threats = counted(len(loaded.threats()), "threat")
+            say(f"{counted(designs, 'design')} against {threats}; about {duration(seconds)}")
+        result = armour.optimise(loaded, refine=refine, on_progress=count)
+        map_page = "" if page is None else _map(result, loaded, source, changes or (), count)
+    show_result(result, loaded, as_json=as_json, verbose=verbose)
+    files: Files = {
+        csv: lambda _: view.design_csv(result),
+        page: lambda _: map_page,
+        plot: picture(lambda: armour.plot(result), loaded),
+    }
+    write(files, warnings_of(loaded, result.warnings, verbose=verbose))
+    if source != "-" and result.shown is not None:
+        runner.propose(_check_of(loaded, result.shown, source, changes or ()))
+    if result.reason:
+        raise typer.Exit(runner.NO_ANSWER)
 
-        command, needed = ["armour", "simulate", source], runner.accepted(changes or (), IMPACT_READS)
-        answer = [str(line) for line in view.design_verdict(result)]
-        if (best := result.best) is not None:  # what the page does not tell: sampled probabilities, and own tests
-            own_tests = tested_here(best.model_error) if best.model_error else []
-            answer = [view.design_title(result), *own_tests] if best.probabilities or own_tests else []
-        map_page = design_page(scenario, command, needed, on_progress, answer)
-    design = None if source == "-" else result.shown
-    then = "" if design is None else _check_of(scenario, design, source, changes or ())
-    contents = {csv: lambda: view.design_csv(result), page: lambda: map_page}
-    return Answer(result, contents=contents, then=then, exit_code=runner.NO_ANSWER if result.reason else 0)
+
+def _map(
+    result: "DesignResult", scenario: "Scenario", source: str, changes: Sequence[str], on_progress: "OnProgress"
+) -> str:
+    """Return the page of the map of all designs."""
+    from armour.reporting.design_page import design_page
+    from armour.reporting.views import design as view
+    from armour.reporting.words import tested_here
+
+    command, needed = ["armour", "simulate", source], runner.accepted(changes, IMPACT_READS)
+    answer = [str(line) for line in view.design_verdict(result)]
+    if (best := result.best) is not None:  # what the page does not tell: sampled probabilities, and own tests
+        own_tests = tested_here(best.model_error) if best.model_error else []
+        answer = [view.design_title(result), *own_tests] if best.probabilities or own_tests else []
+    return design_page(scenario, command, needed, on_progress, answer)
 
 
 def _check_of(scenario: "Scenario", best: "BestDesign", source: str, changes: Sequence[str]) -> str:
     """Return the command that checks the best design of a scenario."""
     values = best.changes_to(scenario)
-    replaced = {*values, CONFIDENCE_OPTION[0]}
+    replaced = {*values, CONFIDENCE_KEY}
     kept = [
         change for change in runner.accepted(changes, CHECK_READS) if change.partition("=")[0].strip() not in replaced
     ]
@@ -263,24 +299,44 @@ def _check_of(scenario: "Scenario", best: "BestDesign", source: str, changes: Se
     return shlex.join(["armour", "check", source, *confidence, *runner.set_options(kept)])
 
 
-@question(("impact", "armour", "ballistic_limit"), first="computing")
-def sensitivity(scenario: "Scenario", on_progress: "OnProgress") -> Answer:
+def sensitivity(
+    scenario: ScenarioFile,
+    plot: PlotFile = None,
+    force: Force = False,
+    changes: Changes = None,
+    verbose: Verbose = False,
+    as_json: AsJson = False,
+) -> None:
     """Rank the inputs by their effect on the answers.
 
     The effects are elasticities: the change of ballistic limit and residual velocity, in per cent, when an input grows
     by 1 %.
     """
-    return Answer(armour.sensitivity(scenario, on_progress=on_progress))
+    loaded = read_scenario(scenario, changes, ("impact", "armour", "ballistic_limit"))
+    check_outputs(inputs=[scenario], scenario=loaded, plot=plot, force=force)
+    with progress("impacts", first="computing") as count:
+        result = armour.sensitivity(loaded, on_progress=count)
+    show_result(result, loaded, as_json=as_json, verbose=verbose)
+    write({plot: picture(lambda: armour.plot(result), loaded)}, warnings_of(loaded, result.warnings, verbose=verbose))
 
 
-@question(
-    ("impact", "armour", "ballistic_limit", "uncertainty", *OF_ERROR),
-    unit="samples",
-    samples=("uncertainty.samples", "Number of samples, at least 128; by default the scenario's."),
-)
-def uncertainty(scenario: "Scenario", on_progress: "OnProgress") -> Answer:
+def uncertainty(
+    scenario: ScenarioFile,
+    samples: Annotated[Any, number_option("Number of samples, at least 128; by default the scenario's.")] = None,
+    plot: PlotFile = None,
+    force: Force = False,
+    changes: Changes = None,
+    verbose: Verbose = False,
+    as_json: AsJson = False,
+) -> None:
     """Propagate input uncertainty to the outcome and the ballistic limit."""
-    return Answer(armour.uncertainty(scenario, on_progress=on_progress))
+    reads = ("impact", "armour", "ballistic_limit", "uncertainty", *OF_ERROR)
+    loaded = read_scenario(scenario, changes, reads, {"--samples": ("uncertainty.samples", samples)})
+    check_outputs(inputs=[scenario], scenario=loaded, plot=plot, force=force)
+    with progress("samples") as count:
+        result = armour.uncertainty(loaded, on_progress=count)
+    show_result(result, loaded, as_json=as_json, verbose=verbose)
+    write({plot: picture(lambda: armour.plot(result), loaded)}, warnings_of(loaded, result.warnings, verbose=verbose))
 
 
 def sweep(
@@ -296,10 +352,9 @@ def sweep(
     ] = None,
     cases: Annotated[
         Path | None,
-        option(
+        file_option(
             "CSV file of cases, in place of --over: the header names the keys, such as armour.ceramic, and each row "
-            "gives their values, such as SiC.",
-            metavar="FILE",
+            "gives their values, such as SiC."
         ),
     ] = None,
     sheet: Annotated[str | None, option("Sheet of a workbook of cases, by default the first.", metavar="NAME")] = None,
@@ -313,9 +368,7 @@ def sweep(
     ] = "ballistic_limit_m_s",
     plot: PlotFile = None,
     force: Force = False,
-    threads: Annotated[
-        Any, option("Threads, at least 1; by default one per core.", metavar="NUMBER", parser=number)
-    ] = None,
+    threads: Annotated[Any, number_option("Threads, at least 1; by default one per core.")] = None,
     scheduler: Annotated[
         str,
         option('Compute on the Dask cluster at this address; "local" starts one on this machine.', metavar="ADDRESS"),
@@ -328,16 +381,14 @@ def sweep(
 ) -> None:
     """Compute quantities over a grid or a table of cases; resume if interrupted."""
     from armour.reporting.views.sweeps import SWEEP_ROWS, first_rows
-    from armour.scenario.scenario import files_of, heading
-    from armour.sweeps.cases import Cases
+    from armour.scenario.scenario import heading
     from armour.sweeps.store import read_table
     from armour.sweeps.sweep import subject_of, write_sweep
 
     names = [name.strip() for name in quantities.split(",")]
     reads = reads_of(name for name in names if name in QUANTITIES)
-    loaded = runner.read_scenario(scenario, changes, (*ROUND_AND_ARMOUR, *reads), computed="the sweep")
-    inputs = [scenario, *files_of(loaded), *([cases] if cases else [])]
-    runner.check_outputs(output, inputs=inputs, plot=plot, force=force)
+    loaded = read_scenario(scenario, changes, (*ROUND_AND_ARMOUR, *reads), computed="the sweep")
+    check_outputs(output, inputs=[scenario, cases], scenario=loaded, plot=plot, force=force)
     if (cases is None) == (not over):
         raise runner.wrong_option("--over", "must be given, or --cases, but not both")
     if threads is not None and not (type(threads) is int and threads > 0):
@@ -345,9 +396,7 @@ def sweep(
     if plot is not None:
         _check_drawn(len(over or []), names[0])
     with runner.as_options("sweep"), ExitStack() as stack:
-        source = Cases(cases, sheet) if cases is not None else grid_of("--over", over or [])
-        if isinstance(source, Cases) and source.read:
-            say(f"read {cases}: {source.read}")
+        source = grid_of("--over", over or []) if cases is None else cases_of(cases, sheet)
         count = stack.enter_context(progress("rows", source.count))
 
         def on_chunk(rows: int, stored: bool) -> None:
@@ -376,22 +425,24 @@ def sweep(
     say(f"wrote {output}: {counted(rows, 'row')}", *_notes(names, drawn=plot is not None))
     lines = heading(subject_of(loaded, source, names), loaded.title)
 
-    def draw() -> Any:
-        from armour.reporting.pictures.drawing import Sheet, drawn
-        from armour.reporting.pictures.sweeps import draw_columns
-
-        table = read_table(output)
-        return drawn(lambda sheet: draw_columns(table, source.keys, names[0], loaded, sheet), Sheet(), lines).figure
-
-    runner.respond(
+    runner.show_answer(
         {"rows": rows, "output": str(output)},
         [first_rows(read_table(output), loaded, source.keys)] if rows <= SWEEP_ROWS else (),
         as_json=as_json,
         heading=lines,
-        plot=plot,
-        draw=draw,
         scenario=loaded,
     )
+    write({plot: picture(lambda: _drawn(read_table(output), source.keys, names[0], loaded, lines), loaded)})
+
+
+def _drawn(
+    table: Mapping[str, Any], keys: Sequence[str], quantity: str, scenario: "Scenario", heading: Sequence[str]
+) -> Any:
+    """Draw a quantity of a sweep over its keys."""
+    from armour.reporting.pictures.drawing import Sheet, drawn
+    from armour.reporting.pictures.sweeps import draw_columns
+
+    return drawn(lambda sheet: draw_columns(table, keys, quantity, scenario, sheet), Sheet(), heading).figure
 
 
 def _check_drawn(keys: int, quantity: str) -> None:
@@ -409,6 +460,16 @@ def _notes(names: list[str], *, drawn: bool) -> Iterator[str]:
         yield f"note: {', '.join(required)}: {REQUIRED}"
     if drawn and len(names) > 1:
         yield f"note: --plot draws {names[0]} alone, the first of --quantities"
+
+
+def cases_of(file: str | Path, sheet: str | None = None) -> "Cases":
+    """Return the cases of a table, and say how it was read."""
+    from armour.sweeps.cases import Cases
+
+    cases = Cases(file, sheet)
+    if cases.read:
+        say(f"read {file}: {cases.read}")
+    return cases
 
 
 def grid_of(option: str, texts: Sequence[str]) -> "Grid":
@@ -450,7 +511,7 @@ def report(
     as_is: Annotated[
         bool, option("Report on the scenario's own armour even if the scenario asks for a design.", "--as-is")
     ] = False,
-    confidence: Annotated[Any, option(CONFIDENCE_OPTION[1], metavar="NUMBER", parser=share)] = None,
+    confidence: RequiredProbability = None,
     force: Force = False,
     changes: Changes = None,
 ) -> None:
@@ -461,7 +522,6 @@ def report(
     from armour.reporting.formats import REPORT_ENDINGS, report_text
     from armour.reporting.scenario_report import contents_of, scenario_report
     from armour.reporting.views.validation import suite_report
-    from armour.scenario.keys import changes_of
     from armour.scenario.scenario import files_of, scenario_file
     from armour.validation.suite import load_suite, suite_files
     from armour.validation.validate import validate
@@ -483,10 +543,10 @@ def report(
         inputs = suite_files(suite)
     else:
         reads = (*BYLINE, "armour", *(AS_IS if as_is else DESIGNS))
-        required = {"--confidence": (CONFIDENCE_OPTION[0], confidence)}
-        scenario = runner.read_scenario(source, changes, reads, required, computed="the report")
+        required = {"--confidence": (CONFIDENCE_KEY, confidence)}
+        scenario = read_scenario(source, changes, reads, required, computed="the report")
         inputs = [source, *files_of(scenario)]
-    runner.check_outputs(output, inputs=inputs, force=force)
+    check_outputs(output, inputs=inputs, force=force)
     refuse(wrong_ending(output, REPORT_ENDINGS))
     if is_suite:
         with progress("cases", len(suite.cases)) as count:
@@ -497,4 +557,4 @@ def report(
         content = scenario_report(contents, command, map_command)
     if output.suffix.lower() == ".html":
         runner.drawing()
-    runner.write({output: report_text(content, output)})
+    write({output: lambda path: report_text(content, path)})

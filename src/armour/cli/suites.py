@@ -1,24 +1,26 @@
 """Commands on suites of published values, and on the paper's figures."""
 
-import json
 import os
 from functools import partial
 from itertools import groupby, pairwise
 from operator import attrgetter
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
 from armour.cli import completion, runner
 from armour.cli.console import progress, say, show
-from armour.cli.question import AsJson, Changes, Force, argument, option
-from armour.cli.runner import CHECK_FAILED, check_outputs, mistakes_in, origin_of, respond, write
+from armour.cli.options import AsJson, Changes, Force, argument, file_option, option
+from armour.cli.runner import CHECK_FAILED, Files, check_outputs, mistakes_in, origin_of, picture, show_answer, write
 from armour.errors import Problem, mistake, refuse
 from armour.files import reason, suite_file
+from armour.reporting.table import csv_text
+from armour.scenario.keys import changes_of
 
 if TYPE_CHECKING:
+    from armour.reporting.table import Table
     from armour.validation.suite import Suite
     from armour.validation.validate import Check, SuiteResult
 
@@ -39,10 +41,8 @@ def validate(
         bool, option("Replace the suite's regression values with the computed ones.", "--update")
     ] = False,
     verbose: Annotated[bool, option("Show every case, and why some are not scored.", "--verbose", "-v")] = False,
-    markdown: Annotated[Path | None, option("Write the result as Markdown.", "--markdown", metavar="FILE")] = None,
-    junit: Annotated[
-        Path | None, option("Write the result as JUnit XML; such a file is replaced.", "--junit", metavar="FILE")
-    ] = None,
+    markdown: Annotated[Path | None, file_option("Write the result as Markdown.")] = None,
+    junit: Annotated[Path | None, file_option("Write the result as JUnit XML; such a file is replaced.")] = None,
     force: Force = False,
     as_json: AsJson = False,
 ) -> None:
@@ -52,7 +52,6 @@ def validate(
     """
     from armour.reporting.formats import markdown_report
     from armour.reporting.views import validation as view
-    from armour.scenario.keys import changes_of
     from armour.validation.suite import load_suite, suite_files
     from armour.validation.validate import kept_by_update
 
@@ -70,15 +69,14 @@ def validate(
         raise mistake(chosen.file, "regression", message)
     result, seconds = _computed(chosen, quiet=as_json)
     judged = kept_by_update(result) if update else result
-    respond(
-        result.to_dict(),
-        view.tables_of_suite(judged.of(every_row=verbose)) if judged.checks else (),
-        as_json=as_json,
-        files=[
-            (markdown, lambda: markdown_report(view.suite_report(result))),
-            (junit, lambda: view.suite_junit(result, seconds, origin_of())),
-            (updated, lambda: _updated(chosen.file, result)),
-        ],
+    tables = view.tables_of_suite(judged.of(every_row=verbose)) if judged.checks else ()
+    show_answer(result.to_dict(), tables, as_json=as_json)
+    write(
+        {
+            markdown: lambda _: markdown_report(view.suite_report(result)),
+            junit: lambda _: view.suite_junit(result, seconds, origin_of()),
+            updated: lambda _: _updated(chosen.file, result),
+        }
     )
     if not judged.passed:
         raise typer.Exit(CHECK_FAILED)
@@ -136,7 +134,6 @@ def figures(
     """
     drawing = runner.drawing()
     from armour.reporting.pictures import validation as pictures
-    from armour.reporting.table import csv_text
     from armour.reporting.views import validation as view
     from armour.validation.figures import PARITIES, compute_figure, paper_figures, parity, read_figures
 
@@ -164,7 +161,15 @@ def figures(
             else:
                 figures = [compute_figure(section, path.parent) for section in panels[name]]
                 table, draw = view.figure_table(figures), partial(pictures.draw_figure, figures)
-            drawn = drawing.saved(drawing.drawn(draw, drawing.Sheet()).figure, f".{image}", json.dumps(origin_of()))
+            figure = drawing.drawn(draw, drawing.Sheet()).figure
             folder.mkdir(parents=True, exist_ok=True)
-            write({folder / f"{name}.csv": csv_text(table), folder / f"{name}.{image}": drawn})
+            write(_files_of(folder, name, image, table, figure))
             count(1)
+
+
+def _files_of(folder: Path, name: str, image: str, table: "Table", figure: Any) -> Files:
+    """Return the files of a figure, with what makes their contents."""
+    return {
+        folder / f"{name}.csv": lambda _: csv_text(table),
+        folder / f"{name}.{image}": picture(lambda: figure, None),
+    }

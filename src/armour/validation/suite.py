@@ -1,300 +1,37 @@
-"""Suites: cases with expected values, listed in the suite or in files of tests, and the questions that they ask."""
+"""Suites: cases with expected values, listed in the suite or in files of tests."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from itertools import compress
-from math import inf
 from os import PathLike
 from os.path import exists
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, NamedTuple
+from typing import Any, NamedTuple
 
-from pydantic import (
-    AfterValidator,
-    BeforeValidator,
-    Discriminator,
-    Field,
-    Tag,
-    ValidationError,
-    field_validator,
-    model_validator,
-)
+from pydantic import ValidationError
 
-from armour.analysis.ballistic_limit import ballistic_limit
-from armour.analysis.evaluate import Answers, groups_of
-from armour.analysis.quantities import DESIGNS, OF_GRID, QUANTITIES, label_and_unit
-from armour.analysis.variants import Floats, Variants, grid_of
-from armour.columns import perforates
-from armour.csv_files import MUST_SAY, number, open_table
-from armour.design.optimise import BestDesign, optimise
-from armour.errors import InputError, NoAnswerError, Problem, choices, counted, mistake, refuse
+from armour.analysis.quantities import label_and_unit
+from armour.csv_files import open_table
+from armour.errors import InputError, Problem, counted, mistake, refuse
 from armour.files import located, named, read_toml, shipped_files, shipped_tests, suite_file
 from armour.scenario.checked import checked
 from armour.scenario.effect import check_columns, check_effect
 from armour.scenario.inputs import ROUND_AND_ARMOUR
-from armour.scenario.keys import KeyPath, canonical, describe, key_name, parts_of, values_by_key
+from armour.scenario.keys import KeyPath, canonical, key_name, parts_of, values_by_key
 from armour.scenario.scenario import Scenario, files_of, parse_changed
-from armour.scenario.sections import LIST_TAG, RANGE_TAG, NumberOrText, Section, every_problem
-from armour.statistics.measured import MEASURED, read_tests
-
-
-class Subject:
-    """A scenario and, if given, the same with a material replaced; nothing is computed twice."""
-
-    def __init__(self, scenario: Scenario, replacement: Scenario | None = None) -> None:
-        self.scenario, self.replacement = scenario, replacement
-
-    @cached_property
-    def answers(self) -> Answers:
-        """The engine's answers about the scenario: one row."""
-        return Answers(groups_of(self.scenario, {})[0].variants)
-
-    @cached_property
-    def lightest(self) -> BestDesign:
-        """The lightest design of the scenario's grid; a NoAnswerError says why there is none."""
-        result = optimise(self.scenario)
-        if result.best is None:
-            raise NoAnswerError(result.explanation)
-        return result.best
-
-    @cached_property
-    def required(self) -> tuple[Variants, Variants]:
-        """Armours with the least thickness of the layer whose material is replaced, before and after that."""
-        assert self.replacement is not None, "a suite gives replaced_by with SAVINGS"
-        before, after = self.answers, Subject(self.replacement).answers
-        if self.scenario.armour.ceramic != self.replacement.armour.ceramic:
-            return before.with_least_ceramic, after.with_least_ceramic
-        return before.with_least_backing, after.with_least_backing
-
-
-# Questions about the lightest design, named after its attributes.
-LIGHTEST = ("optimum_ceramic_thickness_mm", "optimum_backing_thickness_mm", "optimum_areal_density_kg_m2")
-# Questions about replacing a material by another: the quantity reduced, reported in per cent of its value.
-SAVINGS: dict[str, Callable[[Variants], Floats]] = {
-    "thickness_saved_percent": lambda armours: armours.ceramics_mm + armours.backings_mm,
-    "weight_saved_percent": lambda armours: armours.areal_densities_kg_m2(),
-}
-# All questions that a suite may ask, and the parts of a scenario that each depends on, see `armour.scenario.effect`.
-QUESTIONS: dict[str, tuple[str, ...]] = {
-    **{name: quantity.reads for name, quantity in QUANTITIES.items()},
-    **dict.fromkeys(LIGHTEST, DESIGNS),
-    **dict.fromkeys(SAVINGS, OF_GRID),
-}
-
-
-def answer(name: str, subject: Subject) -> float | str:
-    """Answer a question; raise NoAnswerError if it has no answer in the scenario's range."""
-    value: float | str
-    if name in LIGHTEST:
-        value = getattr(subject.lightest, name.removeprefix("optimum_"))
-    elif name in SAVINGS:
-        before, after = (float(SAVINGS[name](armours)[0]) for armours in subject.required)
-        value = 100.0 * (1.0 - after / before)
-    else:
-        value = QUANTITIES[name].compute(subject.answers)[0].item()
-    if value == value:
-        return value
-    if "optimise" not in QUESTIONS[name]:
-        ballistic_limit(subject.scenario)  # raises, with the reason
-    velocity = subject.scenario.impact.velocity_m_s
-    raise NoAnswerError(
-        f"no design: no thickness of the range stops the projectile at {velocity:g} m/s; "
-        "raise the max of optimise.ceramic_thickness_mm or of optimise.backing_thickness_mm"
-    )
-
-
-def check_answerable(name: str, scenario: Scenario, replacement: Scenario | None) -> None:
-    """Check that a scenario has the grid that a question needs, and that exactly one material is replaced."""
-    if "optimise" in QUESTIONS[name]:
-        grid_of(scenario)
-    if replacement is not None:
-        before, after = scenario.armour, replacement.armour
-        if (before.ceramic != after.ceramic) == (before.backing != after.backing):
-            raise mistake(scenario.file, "replaced_by", "must name another ceramic or another backing, and not both")
-
-
-Cells = Mapping[str, float | str]
-
-
-class Between(Section):
-    """Numbers from a minimum to below a maximum."""
-
-    min: float = -inf
-    below: float = inf
-
-
-# Condition on a cell: a number or text, a list of them, or a range.
-Condition = Annotated[
-    Annotated[list[NumberOrText], Tag(LIST_TAG)] | Annotated[Between, Tag(RANGE_TAG)],
-    Discriminator(lambda value: LIST_TAG if isinstance(value, list) else RANGE_TAG),
-    BeforeValidator(lambda value: value if isinstance(value, list | dict) else [value]),
-]
-
-
-def meets(cells: Cells, where: Mapping[str, Condition]) -> bool:
-    """Return whether the cells of a row, without the empty ones, meet every condition."""
-    return all(_meets(cells.get(column), condition) for column, condition in where.items())
-
-
-def _meets(cell: float | str | None, condition: Condition) -> bool:
-    value = number(str(cell))
-    if isinstance(condition, Between):
-        return value is not None and condition.min <= value < condition.below
-    return cell in condition or value in condition
-
-
-# Column of a table that holds the expected values.
-EXPECTED = "expected"
-# Column of a table that holds measured values; the expected values are then relative differences from these.
-MEASURED_COLUMN = "measured"
-# Largest number allowed, so that numbers computed from it are finite.
-LARGEST = 1e12
-Name = Annotated[str, Field(min_length=1)]
-Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
-Width = Annotated[float, Field(ge=0.0, le=LARGEST)]
-
-
-class GroupSection(Section):
-    """Rows of a table that are summarised together, with the bands of their relative deviations."""
-
-    name: Name
-    where: dict[str, Condition] = {}
-    mean_percent: Number = 0.0
-    mean_band_percent: Width | None = None
-    rms_band_percent: Width | None = None
-
-
-class _Expectation(Section):
-    """Keys shared by a case and a table of cases."""
-
-    name: Name
-    scenario: Name
-    set: dict[str, Any] = {}
-    quantity: str
-    band: Width | None = None
-    band_percent: Width | None = None
-    reason: str = ""
-    source: str = ""
-    regression: bool = False
-    not_scored: str = ""
-
-    @field_validator("quantity")
-    @classmethod
-    def _known(cls, quantity: str) -> str:
-        if quantity not in QUESTIONS:
-            raise ValueError(f'must name a quantity, found "{quantity}"{choices(quantity, list(QUESTIONS))}')
-        return quantity
-
-    @model_validator(mode="after")
-    def _one_band(self) -> "_Expectation":
-        bands = [key for key in ("band", "band_percent") if getattr(self, key) is not None]
-        if self.quantity == "outcome":
-            if bands:
-                raise ValueError(f"an outcome has no band, found {bands[0]}")
-        elif len(bands) == 2:
-            raise ValueError("must have band or band_percent, found both")
-        elif not bands and not self.not_scored and not getattr(self, "file", ""):
-            raise ValueError("must have a band or band_percent: how far the computed value may be from the expected")
-        return self
-
-
-def _outcome(expected: float | str) -> float | str:
-    """Return an outcome, which has several names, by its name in results."""
-    perforated = perforates(expected) if isinstance(expected, str) else None
-    return expected if perforated is None else "perforated" if perforated else "stopped"
-
-
-class CaseSection(_Expectation):
-    """A single case."""
-
-    expected: Annotated[NumberOrText, AfterValidator(_outcome)] | None = None
-    replaced_by: dict[str, Any] | None = None
-    measured: Annotated[float, Field(ge=1.0 / LARGEST, le=LARGEST)] | None = None
-    file: ClassVar = ""
-
-    @model_validator(mode="after")
-    def _fits_the_quantity(self) -> "CaseSection":
-        # A regression value has none until an update fills it in.
-        if self.expected is not None and self.quantity == "outcome":
-            if perforates(str(self.expected)) is None:
-                raise ValueError(f"expected {MUST_SAY}, found {describe(self.expected)}")
-        elif isinstance(self.expected, str) or abs(self.expected or 0.0) > LARGEST:
-            must = f"expected must be a number up to {LARGEST:g} for {self.quantity}"
-            raise ValueError(f"{must}, found {describe(self.expected)}")
-        if (self.quantity in SAVINGS) != (self.replaced_by is not None):
-            raise ValueError(f"replaced_by belongs to {' and '.join(SAVINGS)}, and to nothing else")
-        if self.quantity == "outcome" and self.measured is not None:
-            raise ValueError("an outcome has no difference from a measured value, found measured")
-        return self
-
-
-class TableSection(_Expectation, GroupSection):
-    """A table of cases that differ in some values of the scenario: rows of the suite, or of a CSV file of tests."""
-
-    columns: list[Name] = []
-    rows: Annotated[list[list[Number]], Field(min_length=1)] = []
-    file: str = ""
-    group: list[GroupSection] = []
-    rms_band: Width | None = None
-    rivals: list[Name] = []
-    replaced_by: ClassVar = None
-
-    @model_validator(mode="after")
-    def _shape(self) -> "TableSection":
-        if self.quantity in (*SAVINGS, "outcome"):
-            raise ValueError(f"a table must be of numbers that one scenario answers, found {self.quantity}")
-        if self.rms_band is not None and self.rms_band_percent is not None:
-            raise ValueError("must have rms_band or rms_band_percent, found both")
-        excluded = ("columns", "rows", "rivals", "rms_band") if self.file else ("where", "group", "mean_band_percent")
-        if wrong := [key for key in excluded if key in self.model_fields_set]:
-            raise ValueError(f"must not have {wrong[0]} {'with' if self.file else 'without'} a file")
-        if self.file:
-            if self.quantity not in MEASURED:
-                raise ValueError(f"quantity must be one of {', '.join(MEASURED)} with a file, found {self.quantity}")
-            return self
-        if not self.rows:
-            raise ValueError("must have rows, or a file that has them")
-        if len(set(self.columns)) != len(self.columns):
-            raise ValueError("columns must differ from each other")
-        if missing := [name for name in (EXPECTED, *self.rivals) if name not in self.columns]:
-            raise ValueError(f"columns must include {', '.join(missing)}")
-        for index, row in enumerate(self.rows):
-            if len(row) != len(self.columns):
-                must = f"every row must have the {len(self.columns)} numbers of the columns"
-                raise ValueError(f"{must}, found {len(row)} in rows[{index}]")
-            if self.compares and (value := row[self.columns.index(MEASURED_COLUMN)]) < 1.0 / LARGEST:
-                raise ValueError(f"measured must be at least {1.0 / LARGEST:g}, found {value:g} in rows[{index}]")
-        return self
-
-    @property
-    def compares(self) -> bool:
-        """Whether the expected values are differences from measured ones."""
-        return MEASURED_COLUMN in self.columns and MEASURED_COLUMN not in self.rivals
-
-
-# Name under which cases outside a table are listed.
-CASES = "cases"
-
-
-def _named_once(tables: list[TableSection]) -> list[TableSection]:
-    names = [table.name for table in tables]
-    for name in names:
-        if names.count(name) > 1 or name == CASES:
-            raise ValueError(f'must each have a name of its own, other than "{CASES}", found "{name}"')
-    return tables
-
-
-class SuiteSection(Section):
-    """The contents of a suite file."""
-
-    title: str = ""
-    description: str = ""
-    source: str = ""
-    regression: bool = False
-    notes: list[Name] = []
-    case: list[CaseSection] = []
-    table: Annotated[list[TableSection], AfterValidator(_named_once)] = []
+from armour.scenario.sections import every_problem
+from armour.statistics.measured import read_tests
+from armour.validation.questions import QUESTIONS, check_answerable
+from armour.validation.suite_sections import (
+    EXPECTED,
+    MEASURED_COLUMN,
+    CaseSection,
+    Cells,
+    SuiteSection,
+    TableSection,
+    is_regression,
+    meets,
+)
 
 
 @dataclass(frozen=True)
@@ -351,7 +88,7 @@ class Case:
 
     @property
     def quantity(self) -> str:
-        """One of `armour.validation.suite.QUESTIONS`."""
+        """One of `armour.validation.questions.QUESTIONS`."""
         return self.section.quantity
 
     @property
@@ -395,11 +132,6 @@ class Case:
 
 
 MISSING = "is missing and must be given; --update fills in only a regression value without a source"
-
-
-def is_regression(section: CaseSection | TableSection, suite: SuiteSection) -> bool:
-    """Return whether the expected values of a section are results of this program, not values with a source."""
-    return (section.regression or suite.regression) and not (section.source or suite.source)
 
 
 @dataclass(frozen=True, repr=False)

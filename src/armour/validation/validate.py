@@ -17,8 +17,10 @@ from armour.files import named, shipped_suites
 from armour.scenario.checked import checked
 from armour.scenario.inputs import INPUTS, NAMES
 from armour.scenario.sections import TINY
+from armour.validation.questions import Subject, answer
 from armour.validation.rivals import Error, errors_of
-from armour.validation.suite import Case, GroupSection, Subject, Suite, TableSection, answer, load_suite, meets
+from armour.validation.suite import Case, Suite, load_suite
+from armour.validation.suite_sections import GroupSection, TableSection, meets
 
 CheckStatus = Literal["within", "outside", "no answer", "no expected value", "not scored"]
 FAILED: tuple[CheckStatus, ...] = ("outside", "no answer", "no expected value")

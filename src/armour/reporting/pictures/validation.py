@@ -16,7 +16,7 @@ from armour.scenario.sections import TINY
 from armour.validation.comparison import Comparison
 from armour.validation.figures import Figure
 from armour.validation.formulas import residual_velocity
-from armour.validation.suite import CASES
+from armour.validation.suite_sections import CASES
 from armour.validation.validate import SuiteResult
 
 # Kinds of cases that are not drawn.

@@ -20,7 +20,8 @@ from armour.validation.comparison import Comparison, RuleResult
 from armour.validation.figures import Figure
 from armour.validation.formulas import FlorenceResult
 from armour.validation.rivals import Error
-from armour.validation.suite import CASES, Case
+from armour.validation.suite import Case
+from armour.validation.suite_sections import CASES
 from armour.validation.tested import MeasuredArmour
 from armour.validation.validate import FAILED, Check, SuiteResult, TableSummary
 

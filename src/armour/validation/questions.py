@@ -1,0 +1,87 @@
+"""The questions that a suite asks about a scenario, or about one with a material replaced, and their answers."""
+
+from collections.abc import Callable
+from functools import cached_property
+
+from armour.analysis.ballistic_limit import ballistic_limit
+from armour.analysis.evaluate import Answers, groups_of
+from armour.analysis.quantities import DESIGNS, OF_GRID, QUANTITIES
+from armour.analysis.variants import Floats, Variants, grid_of
+from armour.design.optimise import BestDesign, optimise
+from armour.errors import NoAnswerError, mistake
+from armour.scenario.scenario import Scenario
+
+
+class Subject:
+    """A scenario and, if given, the same with a material replaced; nothing is computed twice."""
+
+    def __init__(self, scenario: Scenario, replacement: Scenario | None = None) -> None:
+        self.scenario, self.replacement = scenario, replacement
+
+    @cached_property
+    def answers(self) -> Answers:
+        """The engine's answers about the scenario: one row."""
+        return Answers(groups_of(self.scenario, {})[0].variants)
+
+    @cached_property
+    def lightest(self) -> BestDesign:
+        """The lightest design of the scenario's grid; a NoAnswerError says why there is none."""
+        result = optimise(self.scenario)
+        if result.best is None:
+            raise NoAnswerError(result.explanation)
+        return result.best
+
+    @cached_property
+    def required(self) -> tuple[Variants, Variants]:
+        """Armours with the least thickness of the layer whose material is replaced, before and after that."""
+        assert self.replacement is not None, "a suite gives replaced_by with SAVINGS"
+        before, after = self.answers, Subject(self.replacement).answers
+        if self.scenario.armour.ceramic != self.replacement.armour.ceramic:
+            return before.with_least_ceramic, after.with_least_ceramic
+        return before.with_least_backing, after.with_least_backing
+
+
+# Questions about the lightest design, named after its attributes.
+LIGHTEST = ("optimum_ceramic_thickness_mm", "optimum_backing_thickness_mm", "optimum_areal_density_kg_m2")
+# Questions about replacing a material by another: the quantity reduced, reported in per cent of its value.
+SAVINGS: dict[str, Callable[[Variants], Floats]] = {
+    "thickness_saved_percent": lambda armours: armours.ceramics_mm + armours.backings_mm,
+    "weight_saved_percent": lambda armours: armours.areal_densities_kg_m2(),
+}
+# All questions that a suite may ask, and the parts of a scenario that each depends on, see `armour.scenario.effect`.
+QUESTIONS: dict[str, tuple[str, ...]] = {
+    **{name: quantity.reads for name, quantity in QUANTITIES.items()},
+    **dict.fromkeys(LIGHTEST, DESIGNS),
+    **dict.fromkeys(SAVINGS, OF_GRID),
+}
+
+
+def answer(name: str, subject: Subject) -> float | str:
+    """Answer a question; raise NoAnswerError if it has no answer in the scenario's range."""
+    value: float | str
+    if name in LIGHTEST:
+        value = getattr(subject.lightest, name.removeprefix("optimum_"))
+    elif name in SAVINGS:
+        before, after = (float(SAVINGS[name](armours)[0]) for armours in subject.required)
+        value = 100.0 * (1.0 - after / before)
+    else:
+        value = QUANTITIES[name].compute(subject.answers)[0].item()
+    if value == value:
+        return value
+    if "optimise" not in QUESTIONS[name]:
+        ballistic_limit(subject.scenario)  # raises, with the reason
+    velocity = subject.scenario.impact.velocity_m_s
+    raise NoAnswerError(
+        f"no design: no thickness of the range stops the projectile at {velocity:g} m/s; "
+        "raise the max of optimise.ceramic_thickness_mm or of optimise.backing_thickness_mm"
+    )
+
+
+def check_answerable(name: str, scenario: Scenario, replacement: Scenario | None) -> None:
+    """Check that a scenario has the grid that a question needs, and that exactly one material is replaced."""
+    if "optimise" in QUESTIONS[name]:
+        grid_of(scenario)
+    if replacement is not None:
+        before, after = scenario.armour, replacement.armour
+        if (before.ceramic != after.ceramic) == (before.backing != after.backing):
+            raise mistake(scenario.file, "replaced_by", "must name another ceramic or another backing, and not both")
