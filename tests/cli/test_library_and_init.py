@@ -62,7 +62,7 @@ def test_init_writes_a_scenario_that_works(cli, folder: Path):
 def test_what_the_template_shows_as_optional_is_valid(folder: Path):
     lines = (SCENARIOS / "template.toml").read_text().splitlines()
     shown = [line.removeprefix("# ") if line.startswith(("# [", '# "')) or " = " in line else line for line in lines]
-    text = "\n".join(line for line in shown if not line.startswith("files"))
+    text = "\n".join(line for line in shown if not line.startswith(("files", "existing")))
     (folder / "all.toml").write_text(text)
     scenario = load_scenario("all.toml")
     assert scenario.solver.time_step_us == 0.1

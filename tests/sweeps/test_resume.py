@@ -13,7 +13,7 @@ from armour.core import equations
 from armour.errors import InputError
 from armour.scenario.library import IN_COMMON, RESULTS, VARIED, OwnTests
 from armour.scenario.scenario import Scenario, load_scenario, parse_scenario
-from armour.scenario.schema import ModelSection
+from armour.scenario.schema import DesignSection, ModelSection
 from armour.scenario.sections import Section
 from armour.sweeps.cases import Cases, Grid
 from armour.sweeps.store import Chunk, Store, packed
@@ -68,6 +68,9 @@ WHOLE = data(
     ballistic_limit={},
     library=LIBRARY,
 )
+WHOLE["armour"]["layer"] = [
+    {"name": "cover", "place": "front", "thickness_mm": 1.5, "areal_density_kg_m2": 2.0, "cost_per_m2": 1.0}
+]
 # Values one of which every key may have in place of its own.
 OTHERS: list[Any] = [
     *(0.9, 1.1, 2.0, 30.0, 250.0, 700.0, 256, 5, 0.01, 0.2, False, True, "other", "projectile", "AD99.5", "C"),
@@ -76,11 +79,12 @@ OTHERS: list[Any] = [
     *([{"test": "1"}], [{"material": "SiC", "thickness_mm": [8.0]}], [{"slope": 0.5, "components": [[1.0] * 4]}]),
     *("NIJ 0101.06 type IV, M2 AP", {"N": {"based_on": "AD85"}}, {"N": {"based_on": "5083-H3"}}, {}, EVIDENCE),
     {"N": {"based_on": "7.62 mm AP"}},
-    "interface",
+    *("interface", "between"),
 ]
 # Keys that only go with others.
 LAW = {"fit": "backing", "computed_m_s": [710.0]}
 TABLES: dict[tuple[Any, ...], Any] = {
+    ("design",): {**WHOLE["design"], "backing": [{"material": "M", "thickness_mm": [6.0]}], "existing": "backing"},
     ("uncertainty", "model"): {"included": False},
     ("library", "ceramic", "C", "evidence", "law"): [LAW],
     ("library", "ceramic", "C", "evidence", "tests"): {**EVIDENCE["tests"], "velocity_m_s": [710.0]},
@@ -151,7 +155,11 @@ def changes_of_every_key(folder: Path) -> Iterator[tuple[str, Scenario]]:
                     break
     for parts, other in TABLES.items():
         yield str(parts), parse_scenario(put(WHOLE, parts, other), folder=folder)
-        seen |= {(name_of(ModelSection), "included"), (name_of(OwnTests), "tests")}
+        seen |= {
+            (name_of(ModelSection), "included"),
+            (name_of(OwnTests), "tests"),
+            (name_of(DesignSection), "existing"),
+        }
     missing = {(name_of(each), key) for each in classes_in(Scenario) for key in each.model_fields} - seen
     assert not missing, missing
 

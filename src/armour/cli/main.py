@@ -10,7 +10,7 @@ from io import TextIOWrapper
 from typing import Any
 
 # What is printed in place of the characters of rules and units, where an encoding lacks them.
-PLAIN = {"─": "-", "²": "2", "³": "3", "µ": "u", "±": "+-", "°": " deg"}
+PLAIN = {"\N{MULTIPLICATION SIGN}": "x", "─": "-", "²": "2", "³": "3", "µ": "u", "±": "+-", "°": " deg"}
 
 
 def main() -> None:

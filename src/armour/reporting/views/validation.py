@@ -14,7 +14,6 @@ from armour.reporting.table import Column, Table, column_of, deviation_percent, 
 from armour.reporting.text import VerdictLine, number
 from armour.reporting.views.analysis import caveat_lines
 from armour.reporting.words import BALLISTIC_LIMIT, WHOLE
-from armour.scenario.scenario import Scenario
 from armour.statistics.measured import LIMIT
 from armour.validation.comparison import Comparison, RuleResult
 from armour.validation.figures import Figure
@@ -383,10 +382,10 @@ def comparison_table(result: Comparison) -> Table:
 
 
 def weight_table(
-    scenario: Scenario, limit_m_s: float, rules: Sequence[RuleResult], measured: Sequence[MeasuredArmour]
+    areal_density_kg_m2: float, limit_m_s: float, rules: Sequence[RuleResult], measured: Sequence[MeasuredArmour]
 ) -> Table:
     """Return the areal density of an armour beside those of rules and of the tested armours nearest in limit."""
-    rows = [("this armour, by the model", scenario.areal_density_kg_m2(whole=True), limit_m_s)]
+    rows = [("this armour, by the model", areal_density_kg_m2, limit_m_s)]
     rows += [(f"areal density rule, p = {rule.p:.4g}", rule.areal_density_kg_m2, limit_m_s) for rule in rules]
     rows += [
         (f"measured: {each.armour}, {each.projectile}", each.areal_density_kg_m2, each.ballistic_limit_m_s)
@@ -446,7 +445,7 @@ def tables_of_comparison(result: Comparison) -> list[Table | str]:
         *([f"Florence's limit: none, without {', '.join(result.florence_missing)}"] if result.florence_missing else []),
         rule_note(result),
         record(result, column_of("areal_density_kg_m2"), WHOLE),
-        weight_table(result.question["scenario"], result.limit.ballistic_limit_m_s, result.rules, result.measured),
+        weight_table(result.whole_areal_density_kg_m2, result.limit.ballistic_limit_m_s, result.rules, result.measured),
         *([optimum_table(result)] if result.florence else []),
         *error_tables(result.errors),
         fit_table(result),
