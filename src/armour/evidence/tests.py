@@ -239,61 +239,80 @@ def armours_of(*scenarios: Scenario) -> Armours:
 def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
     """Return the evidence of an entry with own tests: that of the shipped tests, updated by them.
 
-    It holds for armours with the calibrated values; those with a ceramic that has no shipped tests must also be like
-    the armours of the own tests.  There is no fit if the entry must be calibrated again.
+    It holds for armours with the calibrated values.  There is no fit if the entry must be calibrated again.
     """
     if not own_tests.law:
-        return Evidence("", own_tests.reason or NO_LAW, (), (), (), (), (0.0, np.inf), (), lot=entry.name)
-    first, tested = own_tests.law[0], {name: np.array(column) for name, column in own_tests.tests.items()}
-    shipped = shipped_evidence_of(first.fit)
-    tested["tensile_MPa"] = np.full(len(tested["side"]), tensile_strength(entry))
+        return _without_fit(entry, own_tests.reason or NO_LAW)
     from scipy.special import softmax  # slow to import
 
-    calibrated = tuple(
-        DataRange(name, v - ROUNDING * abs(v), v + ROUNDING * abs(v)) for name, v in own_tests.calibrated.items()
-    )
-    kind = tuple(limits for limits in shipped.kind if limits.name not in ("tensile_ratio", *own_tests.calibrated))
-    between_lots = STRANGE * bool(shipped.ceramic) if not is_outside(kind, tested).any() else STRANGE_METAL
-    # Beyond the angles of the shipped tests, own tests hold for their own angle only.
-    paths = DataRange("path_ratio", np.inf, -np.inf).containing(tested["path_ratio"])
-    at_angle = (paths,) * (cosine_of(shipped.obliquity_max_deg) * paths.high > 1.0 + 2.0 * ROUNDING)
+    tested = {name: np.array(column) for name, column in own_tests.tests.items()}
+    tested["tensile_MPa"] = np.full(len(tested["side"]), tensile_strength(entry))
+    shipped = shipped_evidence_of(own_tests.law[0].fit)
     by_law = list(_by_law(own_tests, tested, "ceramic" if shipped.ceramic else "backing"))
     distances = np.min([_distances(fit, tests, level) for fit, tests, level in by_law], axis=0)
-    if len(implausible := np.flatnonzero(distances > IMPLAUSIBLE)):
-        return Evidence(
-            "", OF_NO_LOT, (), (), (), (), (0.0, np.inf), (), lot=entry.name, doubtful=tuple(implausible.tolist())
-        )
+    if (distances > IMPLAUSIBLE).any():
+        return _without_fit(entry, OF_NO_LOT, np.flatnonzero(distances > IMPLAUSIBLE))
+    is_strange = is_outside(_kept_kind(shipped, own_tests), tested).any()
+    between_lots = STRANGE_METAL if is_strange else STRANGE * bool(shipped.ceramic)
     updated = [fit.updated(tests, between_lots, level) for fit, tests, level in by_law]
     weights = softmax([fit.weight for fit in updated])
     velocities, doubtful = tested["velocity_m_s"], np.zeros(0, dtype=np.int64)
-    words = f"{counted(len(velocities), 'own test')} of this lot"
     if len(velocities) > 1:  # of a single test, another lot may be the cause
         farther = [fit.probabilities_of_farther(tests, between_lots, level) for fit, tests, level in by_law]
         doubtful = np.flatnonzero(np.max(farther, axis=0) * len(velocities) < FALSE_ALARMS)
-        words += f" ({len(doubtful)} out of line)" * bool(len(doubtful))
-    title = f"{shipped.title} and {words}"
-    columns = {name: np.append(column, own_tests.calibrated.get(name, [])) for name, column in tested.items()}
-    kind, measured = (
-        tuple(limits.containing(columns[limits.name]) for limits in ranges) for ranges in (kind, shipped.measured)
-    )
-    if first.level is not None:
-        title = f"{words}, taken to scatter like {shipped.title}"
-        around = [DataRange(name, np.inf, -np.inf).containing(tested[name]) for name in (*VARIED[:2], *IN_COMMON)]
-        alike = (DataRange(limits.name, limits.low / ALIKE, limits.high * ALIKE) for limits in around[2:])
-        kind = (*alike, *(limits for limits in kind if limits.name.startswith("rod_")))
-        measured = (*around[:2], *(limits for limits in measured if limits.name.startswith("rod_")))
+    words = f"{counted(len(velocities), 'own test')} of this lot"
+    words += f" ({len(doubtful)} out of line)" * bool(len(doubtful))
+    is_new = own_tests.law[0].level is not None
+    kind, measured = _ranges_with(own_tests, tested, shipped, is_new=is_new)
     return shipped._replace(
-        title=title,
+        title=f"{words}, taken to scatter like {shipped.title}" if is_new else f"{shipped.title} and {words}",
         laws=(),
-        kind=(*kind, *calibrated, *at_angle),
+        kind=kind,
         measured=measured,
-        compared=(*kind, *calibrated, *measured),
+        compared=(*kind, *measured),
         velocities_m_s=(min(shipped.velocities_m_s[0], *velocities), max(shipped.velocities_m_s[1], *velocities)),
         fits=tuple(fit._replace(weight=w) for fit, w in zip(updated, weights, strict=True)),
         obliquity_max_deg=max(shipped.obliquity_max_deg, *np.degrees(np.arccos(1.0 / tested["path_ratio"]))),
         lot=own_tests.lot or entry.name,
         doubtful=tuple(doubtful.tolist()),
     )
+
+
+def _without_fit(entry: LibraryEntry, reason: str, implausible: Any = ()) -> Evidence:
+    """Return the evidence of an entry whose own tests say nothing, and why."""
+    return Evidence(
+        "", reason, (), (), (), (), (0.0, np.inf), (), lot=entry.name, doubtful=tuple(map(int, implausible))
+    )
+
+
+def _kept_kind(shipped: Evidence, own_tests: OwnTests) -> tuple[DataRange, ...]:
+    """Return the kind of armour of the shipped tests, without what was calibrated."""
+    return tuple(limits for limits in shipped.kind if limits.name not in ("tensile_ratio", *own_tests.calibrated))
+
+
+def _ranges_with(
+    own_tests: OwnTests, tested: Mapping[str, Any], shipped: Evidence, *, is_new: bool
+) -> tuple[tuple[DataRange, ...], tuple[DataRange, ...]]:
+    """Return the kind of armour, and the ranges of the tests, for which own tests of a lot hold.
+
+    They are those of the shipped tests, widened.  A new ceramic, without shipped tests, must be in armour like that of
+    its own tests.
+    """
+    columns = {name: np.append(column, own_tests.calibrated.get(name, [])) for name, column in tested.items()}
+    kind, measured = (
+        tuple(limits.containing(columns[limits.name]) for limits in ranges)
+        for ranges in (_kept_kind(shipped, own_tests), shipped.measured)
+    )
+    if is_new:
+        around = [DataRange(name, np.inf, -np.inf).containing(tested[name]) for name in (*VARIED[:2], *IN_COMMON)]
+        alike = (DataRange(limits.name, limits.low / ALIKE, limits.high * ALIKE) for limits in around[2:])
+        kind = (*alike, *(limits for limits in kind if limits.name.startswith("rod_")))
+        measured = (*around[:2], *(limits for limits in measured if limits.name.startswith("rod_")))
+    calibrated = (DataRange(n, v - ROUNDING * abs(v), v + ROUNDING * abs(v)) for n, v in own_tests.calibrated.items())
+    # Beyond the angles of the shipped tests, own tests hold for their own angle only.
+    paths = DataRange("path_ratio", np.inf, -np.inf).containing(tested["path_ratio"])
+    at_angle = (paths,) * (cosine_of(shipped.obliquity_max_deg) * paths.high > 1.0 + 2.0 * ROUNDING)
+    return (*kind, *calibrated, *at_angle), measured
 
 
 def _by_law(
