@@ -278,6 +278,10 @@ def find_crossings(scenario: Scenario, points: int, on_progress: OnProgress) -> 
     scanned = velocities[search.first_scanned(armour, velocities) :]
     outcomes = outcomes_at(armour, scanned, options, points)
     runs = len(scanned)
+    if runs < points and outcomes[0] == Outcome.PERFORATED:  # as in `search.scanned_limit`
+        scanned = velocities
+        outcomes = outcomes_at(armour, scanned, options, points)
+        runs += points
     on_progress(runs, None)
     unresolved = np.flatnonzero(outcomes == Outcome.UNRESOLVED)
     if len(unresolved):

@@ -173,6 +173,8 @@ def scanned_limit(
     """Find the ballistic limit by runs of one kind, see `find_ballistic_limit`, after some runs."""
     first = first_scanned(p, velocities)
     below = impact(p, float(velocities[first]), solver)  # Python's own number, of an array too
+    if below.perforated and first > 0:  # the bound on the energy does not hold for equations that were edited
+        first, below = 0, impact(p, float(velocities[0]), solver)
     if below.perforated or not below.resolved:
         return SearchResult(-inf if below.resolved else below.V, below.V, runs + 1, below.resolved)
     for i in range(first + 1, len(velocities)):
