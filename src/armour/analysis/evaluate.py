@@ -30,7 +30,7 @@ from armour.analysis.variants import (
     variants_of,
     with_thicknesses,
 )
-from armour.core.equations import cross_section
+from armour.core import equations
 from armour.core.state import Outcome
 from armour.engine import batch
 from armour.errors import InputError, Problem, choices, refuse, restated
@@ -212,7 +212,7 @@ class Answers:
     @cached_property
     def residual_masses(self) -> Floats:
         """Residual masses of the penetrators, g."""
-        return self.fields.rho_p * cross_section(self.fields.D0) * self.impacts.L / G
+        return self.fields.rho_p * equations.cross_section(self.fields.D0) * self.impacts.L / G
 
     @property
     def fields(self) -> Any:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from armour.analysis.results import TableResult, by_column, same_columns
 from armour.core import stages
-from armour.core.equations import cross_section
+from armour.core import equations
 from armour.core.rk4 import state_within
 from armour.core.run import Instant, Run, run
 from armour.core.state import Outcome, Parameters, State
@@ -203,7 +203,7 @@ def impact_at(scenario: Scenario, velocity: float, *, history: bool = False) -> 
         outcome="perforated" if perforated else "stopped",
         impact_velocity_m_s=velocity,
         residual_velocity_m_s=end.y.V if perforated else 0.0,
-        residual_mass_g=armour.rho_p * cross_section(armour.D0) * end.y.L / G,
+        residual_mass_g=armour.rho_p * equations.cross_section(armour.D0) * end.y.L / G,
         residual_length_mm=end.y.L / MM,
         penetration_depth_mm=end.y.Z / MM,
         bulge_height_mm=end.y.h / MM,
@@ -262,7 +262,7 @@ def stage_records(trace: Sequence[Instant], armour: Parameters) -> tuple[StageRe
 
 def kinetic_energy(instant: Instant, armour: Parameters) -> float:
     """Return the kinetic energy of the projectile's rigid part, J."""
-    mass = armour.rho_p * cross_section(armour.D0) * instant.y.L
+    mass = armour.rho_p * equations.cross_section(armour.D0) * instant.y.L
     return mass * instant.y.V**2 / 2.0
 
 
@@ -304,7 +304,7 @@ def _lost(start: Instant, end: Instant, p: Parameters) -> list[float]:
 
 def _power(y: State, k: State, p: Parameters) -> tuple[float, float]:
     """Return the powers lost with eroded material and by braking, W, at a state with its rates."""
-    per_length = p.rho_p * cross_section(p.D0)
+    per_length = p.rho_p * equations.cross_section(p.D0)
     return -0.5 * per_length * k.L * y.V**2, -per_length * y.L * k.V * y.V
 
 

@@ -11,7 +11,7 @@ from matplotlib.transforms import offset_copy
 
 from armour.analysis.ballistic_limit import LimitResult, residual_velocity_curve
 from armour.analysis.impact import History, ImpactResult
-from armour.core.equations import crack_velocity
+from armour.core import equations
 from armour.core.state import Parameters
 from armour.errors import mistake
 from armour.reporting.by_result import draw
@@ -195,7 +195,7 @@ def _fragmented_us(p: Parameters, history: History) -> float:
     """Return when the crack meets the penetrator (7), µs, which begins no stage in dwell; infinite if it does not."""
     if not p.Hc0:
         return inf
-    crossed = history.depth_mm + history.time_us * 1e-6 * crack_velocity(p.Ec, p.rho_c) / MM
+    crossed = history.depth_mm + history.time_us * 1e-6 * equations.crack_velocity(p.Ec, p.rho_c) / MM
     return float(np.interp(p.Hc0 / MM, crossed, history.time_us, right=inf))
 
 
