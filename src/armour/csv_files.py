@@ -12,10 +12,25 @@ from itertools import chain, islice
 from math import inf, isfinite, nan
 from os import PathLike
 from pathlib import Path
+from shlex import quote
 from typing import Any, NamedTuple, Protocol
 from zipfile import ZipFile
 
-from armour.columns import BOUNDS, GROUPS, OUTCOMES, UNITS, Column, column_of, folded, is_unit, is_yes
+from armour.columns import (
+    BOUNDS,
+    COUNT_KEYS,
+    GROUPS,
+    OUTCOMES,
+    RESULT_KEYS,
+    UNITS,
+    YES_MEANS,
+    Column,
+    column_of,
+    is_summary,
+    is_unit,
+    is_yes,
+    letters,
+)
 from armour.errors import CHOOSE, InputError, Problem, counted, joined, listed, mistake, refuse, suggestion
 from armour.files import csv_value, located, named, reason, refuse_pipe, shipped_tests
 from armour.units import key_hint, words_and_unit
@@ -29,10 +44,9 @@ HEAD, LEAST_NAMES = 40, 2
 SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
 # Endings of workbooks; the greatest size of all their parts, unpacked, and number of columns.
 WORKBOOKS, MAX_UNPACKED, MAX_COLUMNS = (".xlsx", ".xlsm"), 100_000_000, 1000
-# Columns that tell which rows count, and those of results: their keys, and what yes means in the others.
-COUNTS, RESULT_KEYS, RESULT_COLUMNS = "counts", ("result", "outcome"), ("perforated", "stopped")
 # Units that messages suggest.
 USUAL_UNITS = ("m/s", "ft/s", "mm", "in", "g", "grain", "°")
+CROSS = "x"
 MUST_SAY = 'must be "stopped" or "perforated" (or partial or complete, P or C, PP or CP, no or yes)'
 # Bytes that are not UTF-8 text, as they are read.
 _UNDECODED = re.compile("[\udc80-\udcff]")
@@ -336,14 +350,20 @@ def read_rows(
     problems = [Problem(file, place, wrong_width(cells, header)) for place, cells in lines if len(cells) != len(header)]
     if not lines:
         problems = [Problem(file, "", "must have at least one row below its header")]
-    lines = _chosen(source, columns, [line for line in lines if len(line[1]) == len(header)], where or {})
-    lines, left_out = _that_count(source, columns, lines, problems)
+    lines = [line for line in lines if len(line[1]) == len(header)]
+    uncounted = _uncounted(source, columns, lines, texts[0], problems)
+    problems += _not_filled(source, columns, [line for line in lines if line[0] not in uncounted])
+    lines = _chosen(source, columns, lines, where or {})
+    left_out = tuple(place for place, _ in lines if place in uncounted)
+    lines = [line for line in lines if line[0] not in uncounted]
     rows = [CsvRow(place, {}, {}) for place, _ in lines]
     words, groups = [*source.form], dict[str, list[str]]()
     for index, (name, column) in enumerate(zip(header, columns, strict=True)):
         cells = [cells[index] for _, cells in lines]
-        if column.known and column.key in keys:
-            words += _fill(source, name, column, cells, rows, problems if column.key in numbers else None)
+        if column.known and column.key in numbers:
+            words += _fill_numbers(source, name, column, cells, rows, problems)
+        elif column.known and column.key in keys:
+            words += _fill_texts(source, name, column, cells, rows, problems)
         elif column.known and column.key in GROUPS:
             groups[name] = cells
     equal = _equal(file, texts[0], rows, lines, problems)
@@ -351,8 +371,8 @@ def read_rows(
         raise InputError(problems or [Problem(file, "", "must have rows that count")])
     ignored = tuple(name for name, column in zip(header, columns, strict=True) if name and not column.known)
     notes = [f"{name} {value}" for name, value in (where or {}).items()]
-    if ignored and "test" in texts:
-        notes.append(f"without the columns {', '.join(ignored)}")
+    if ignored:
+        notes.append(f"without {', '.join(ignored)}")
     if left_out:
         notes.append(f"without {listed(left_out)}, which {'does' if len(left_out) == 1 else 'do'} not count")
     if equal:
@@ -363,38 +383,57 @@ def read_rows(
     return CsvTable(file, rows, problems, TableRead(told, plain, left_out, ignored, source.digest.hexdigest()), groups)
 
 
-def _fill(
-    source: Source,
-    name: str,
-    column: Column,
-    cells: Sequence[str],
-    rows: Sequence[CsvRow],
-    problems: list[Problem] | None,
+def _fill_texts(
+    source: Source, name: str, column: Column, cells: Sequence[str], rows: Sequence[CsvRow], problems: list[Problem]
 ) -> list[str]:
-    """Fill the rows with the cells of a column, of numbers if there is a list for problems; return how."""
-    is_text = problems is None
-    for row, cell in zip(rows, cells, strict=True):
-        yes = None if column.yes is None else is_yes(cell)
-        if yes is not None:
-            row.texts[column.key] = OUTCOMES[0][yes == column.yes]
+    """Fill the rows with the cells of a column of texts, and return how."""
+    words = no_crosses(cells, column)
+    for row, cell in zip(rows, words, strict=True):
+        if column.key in RESULT_KEYS and is_yes(cell) is not None and column.yes is None and column.unit:
+            message = f'must be "stopped" or "perforated", found "{cell}", which may mean both'
+            problems.append(Problem(source.file, f"{row.place}: {name}", message))
+        if column.yes is not None and is_yes(cell) is not None:
+            row.texts[column.key] = OUTCOMES[0][column.says(cell) is True]
         elif cell:
-            row.texts[column.key] = csv_value(cell) if is_text else cell
-    if problems is None:
-        return []
-    mark = _read_numbers(source, name, column, rows, problems)
+            row.texts[column.key] = csv_value(cell)
+    return ["x for yes"] if words is not cells else []
+
+
+def _fill_numbers(
+    source: Source, name: str, column: Column, cells: Sequence[str], rows: Sequence[CsvRow], problems: list[Problem]
+) -> list[str]:
+    """Fill the rows with the cells of a column of numbers, and return how."""
+    mark = decimal_mark(cells, column, source.form)
+    for row, cell in zip(rows, cells, strict=True):
+        value = number_as(cell, mark or ".")
+        if cell:
+            row.texts[column.key] = cell
+        if mark is None and number_as(cell, ".") != number_as(cell, ","):
+            problems.append(Problem(source.file, f"{row.place}: {name}", two_meanings(cell)))
+        elif value is not None:
+            row.numbers[column.key] = value * column.factor
+        elif cell:
+            problems.append(Problem(source.file, f"{row.place}: {name}", f'must be a number, found "{cell}"'))
     commas = ["decimal commas"] if mark == "," and any("," in cell for cell in cells) else []
     return [*commas, *([f"{words_and_unit(column.key)[0]} in {column.unit}"] if column.unit else [])]
+
+
+def no_crosses(cells: Sequence[str], column: Column) -> Sequence[str]:
+    """Return the cells of a column of yes and no with yes for crosses and no for blanks, if it has nothing else."""
+    if column.yes is None or {cell.casefold() for cell in cells} - {""} != {CROSS}:
+        return cells
+    return ["yes" if cell else "no" for cell in cells]
 
 
 def columns_of(source: Source, keys: Sequence[str]) -> list[Column]:
     """Return the columns of a table by its header; a key itself goes before other names for it."""
     result = next((key for key in RESULT_KEYS if key in keys), "")
-    names = (*keys, COUNTS, *GROUPS, *(RESULT_COLUMNS if result else ()))
+    names = (*keys, *GROUPS, *(YES_MEANS if result else COUNT_KEYS))
     columns = []
     for name in source.header:
         column = column_of(name, names)
-        if column.key in RESULT_COLUMNS:
-            column = column._replace(key=result, yes=column.key == RESULT_COLUMNS[0])
+        if column.known and column.key in YES_MEANS:
+            column = column._replace(key=COUNT_KEYS[0] if column.key in COUNT_KEYS else result)
         if column.key in source.header and name != column.key:
             column = Column(name, known=False)
         columns.append(column)
@@ -411,7 +450,11 @@ def _wrong_columns(
     missing, several = [key for key in keys if key not in by_other_names], set[str]()
     for name, column in dict(zip(source.header, columns, strict=True)).items():
         if column.known and column.factor == 0.0:
-            units = UNITS[words_and_unit(column.key)[1]]
+            units = UNITS.get(words_and_unit(column.key)[1])
+            if units is None:
+                message = f'must agree with the words for results or yes and no, found "{column.unit}"'
+                yield Problem(source.file, name, message)
+                continue
             stem = re.sub(r"\s*[(\[].*", "", name)
             ways = joined([f'"{stem} ({unit})"' for unit in units if unit in USUAL_UNITS], "or")
             yield Problem(source.file, name, f"must have its unit, as {ways}: {column.key}")
@@ -443,25 +486,38 @@ def _chosen(source: Source, columns: Sequence[Column], lines: list[Line], where:
 def place_of(source: Source, columns: Sequence[Column], name: str) -> int:
     """Return the place of the column that a name means."""
     for place, (header, column) in enumerate(zip(source.header, columns, strict=True)):
-        if name == column.key or folded(name) == folded(header):
+        if name == column.key or letters(name) == letters(header):
             return place
     raise mistake(source.file, "where", f'must name a column, found "{name}"')
 
 
-def _that_count(
-    source: Source, columns: Sequence[Column], lines: list[Line], problems: list[Problem]
-) -> tuple[list[Line], tuple[str, ...]]:
-    """Return the lines that count, and the places of the others."""
-    index = next((place for place, column in enumerate(columns) if column.known and column.key == COUNTS), None)
+def _uncounted(
+    source: Source, columns: Sequence[Column], lines: Sequence[Line], naming: str, problems: list[Problem]
+) -> set[str]:
+    """Return the places of the lines that do not count, or whose name is that of a mean or the like."""
+    by_key = {column.key: place for place, column in enumerate(columns) if column.known}
+    name, index = by_key.get(naming), by_key.get(COUNT_KEYS[0])
+    places = {place for place, cells in lines if name is not None and is_summary(cells[name])}
     if index is None:
-        return lines, ()
-    counts = [(line, is_yes(line[1][index])) for line in lines]
-    problems += (
-        Problem(source.file, f"{place}: {source.header[index]}", f'must be yes or no, found "{cells[index]}"')
-        for (place, cells), yes in counts
-        if yes is None
-    )
-    return [line for line, yes in counts if yes], tuple(line[0] for line, yes in counts if yes is False)
+        return places
+    for (place, _), cell in zip(lines, no_crosses([cells[index] for _, cells in lines], columns[index]), strict=True):
+        counts = columns[index].says(cell)
+        if counts is None and place not in places:
+            problems.append(
+                Problem(source.file, f"{place}: {source.header[index]}", f'must be yes or no, found "{cell}"')
+            )
+        elif not counts:
+            places.add(place)
+    return places
+
+
+def _not_filled(source: Source, columns: Sequence[Column], lines: Sequence[Line]) -> Iterator[Problem]:
+    """Yield columns that tell targets apart in which some cells are blank, as in merged cells of a sheet."""
+    for index, (name, column) in enumerate(zip(source.header, columns, strict=True)):
+        blank = [place for place, cells in lines if not cells[index]]
+        if column.known and column.key in GROUPS and 0 < len(blank) < len(lines):
+            message = f"must be filled in every row that counts, found blank cells in {listed(blank)}"
+            yield Problem(source.file, name, message)
 
 
 def _equal(file: str, naming: str, rows: Sequence[CsvRow], lines: Sequence[Line], problems: list[Problem]) -> list[str]:
@@ -476,23 +532,6 @@ def _equal(file: str, naming: str, rows: Sequence[CsvRow], lines: Sequence[Line]
             message = f"repeats {first}; if both took place, name them in the column {naming}"
             problems.append(Problem(file, place, message))
     return equal
-
-
-def _read_numbers(
-    source: Source, name: str, column: Column, rows: Sequence[CsvRow], problems: list[Problem]
-) -> str | None:
-    """Read a column of numbers, and return the mark of its decimals."""
-    mark = decimal_mark([row.texts.get(column.key, "") for row in rows], column, source.form)
-    for row in rows:
-        cell = row.texts.get(column.key, "")
-        value = number_as(cell, mark or ".")
-        if mark is None and number_as(cell, ".") != number_as(cell, ","):
-            problems.append(Problem(source.file, f"{row.place}: {name}", two_meanings(cell)))
-        elif value is not None:
-            row.numbers[column.key] = value * column.factor
-        elif cell:
-            problems.append(Problem(source.file, f"{row.place}: {name}", f'must be a number, found "{cell}"'))
-    return mark
 
 
 def decimal_mark(cells: Iterable[str], column: Column, form: Collection[str]) -> str | None:
@@ -537,7 +576,8 @@ def check_one_target(table: CsvTable, perforated: Sequence[bool | None], or_each
     for name, values in table.groups.items():
         if len(found := targets_of(values, perforated)) > 1:
             shots = joined([f"{value} ({counted(values.count(value), 'shot')})" for value in found])
-            message = f"must be the same for all shots, found {shots}; choose one: --where {name}={found[0]}{or_each}"
+            choice = quote(f"{name}={found[0]}")
+            message = f"must be the same for all shots, found {shots}; choose one: --where {choice}{or_each}"
             raise mistake(table.file, name, message)
 
 

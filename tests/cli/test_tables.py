@@ -75,7 +75,9 @@ def test_an_answer_for_each_panel(cli, folder: Path):
             "command line: --plot: must not be given with --each"
         ]
     (folder / "one.csv").write_text("velocity_m_s,result\n700,P\n720,C\n")
-    assert "must have a column panel, target, plate, lab or lot" in cli.fails(2, "v50", "one.csv", "--each")[0]
+    assert (
+        "must have a column panel, target, plate, specimen, lab or lot" in cli.fails(2, "v50", "one.csv", "--each")[0]
+    )
     assert cli.fails(2, "v50", "t.csv", "--where", "A") == [
         'command line: --where: must be COLUMN=VALUE, found the text "A"'
     ]

@@ -4,9 +4,10 @@
 """
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
-from armour.columns import NAMES, OUTCOMES, UNITS
+from armour.columns import COUNTED, NAMES, OUTCOMES, UNITS, YES_OR_NO
 from armour.units import words_and_unit
 
 PAGE = Path(__file__).parents[2] / "docs" / "howto" / "tables.md"
@@ -24,13 +25,19 @@ def table_of_names() -> str:
     return "\n".join(lines)
 
 
-def table_of_results() -> str:
-    """The words for results, as a table."""
-    return "\n".join(["| stopped | perforated |", "|---|---|", *(f"| {no} | {yes} |" for no, yes in OUTCOMES)])
+def table_of_words(no: str, yes: str, pairs: Sequence[tuple[str, str]]) -> str:
+    """Pairs of words, as a table."""
+    return "\n".join([f"| {no} | {yes} |", "|---|---|", *(f"| {first} | {second} |" for first, second in pairs)])
 
 
 def with_tables(page: str) -> str:
-    for header, table in (("| key |", table_of_names()), ("| stopped |", table_of_results())):
+    tables = (
+        table_of_names(),
+        table_of_words("stopped", "perforated", OUTCOMES),
+        table_of_words("does not count", "counts", (*YES_OR_NO, *COUNTED)),
+    )
+    for table in tables:
+        header = table.partition(" |")[0]
         old = re.search(rf"^{re.escape(header)}.*\n(\|.*\n)+", page, re.MULTILINE)
         assert old is not None
         page = page.replace(old[0], f"{table}\n")

@@ -94,7 +94,7 @@ def test_what_an_export_holds(tmp_path: Path, name: str):
 
 def test_how_a_table_was_read_is_one_line(tmp_path: Path):
     for name, words in (
-        ("feet", "semicolons, decimal commas, velocity in ft/s, 3 shots"),
+        ("feet", "semicolons, decimal commas, velocity in ft/s, 3 shots, without Yaw"),
         ("titles", "semicolons, 2 lines above the header, 3 shots"),
         ("Windows-1252", "semicolons, Windows-1252, decimal commas, velocity in m/s, 3 shots"),
         ("trailing", "commas, 3 shots"),
@@ -138,6 +138,18 @@ def shots_of(folder: Path, text: str, **settings: object) -> armour.Shots:
         ("velocity_m_s,result\n700,0\n720,1\n", 'line 2: result: must be "stopped" or "perforated"'),
         ("velocity_m_s,result,valid\n700,P,yes\n720,C,perhaps\n", 'line 3: valid: must be yes or no, found "perhaps"'),
         ("velocity_m_s,result,valid\n700,P,no\n720,C,no\n", "must have rows that count"),
+        ("velocity_m_s,result,valid\n700,P,\n720,C,yes\n", 'line 2: valid: must be yes or no, found ""'),
+        (
+            "velocity_m_s,Result (protected yes/no)\n700,no\n720,yes\n",
+            'line 2: Result .*: must be "stopped" or "perforated", found "no", which may mean both',
+        ),
+        ("velocity_m_s,Result (P)\n700,no\n720,yes\n", 'found "no", which may mean both'),
+        (
+            "velocity_m_s,Result (P = perforated)\n700,P\n720,P\n",
+            'must agree with the words for results or yes and no, found "P = perforated"',
+        ),
+        ("velocity_m_s,Perforated (stopped?)\n700,no\n720,yes\n", 'must agree with .*, found "stopped[?]"'),
+        ("velocity_m_s,result,panel\n700,P,A\n720,C,\n", "panel: must be filled in every row .* in line 3"),
     ],
 )
 def test_what_may_mean_two_things_is_refused(tmp_path: Path, text: str, message: str):
@@ -153,13 +165,81 @@ def test_equal_rows_without_a_name_are_two_shots(tmp_path: Path):
         shots_of(tmp_path, "shot,velocity_m_s,result\n1,700,P\n1,700,P\n2,720,C\n")
 
 
-@pytest.mark.parametrize("name", ["fair hit", "Valid", "counts", "g\u00fcltig", "valable"])
-def test_rows_that_do_not_count_are_left_out(tmp_path: Path, name: str):
-    shots = shots_of(tmp_path, f"velocity_m_s,result,{name}\n700,P,yes\n9,?,no\n720,C,ja\n")
+@pytest.mark.parametrize(
+    ("name", "yes", "no"),
+    [
+        *(
+            (name, "yes", "no")
+            for name in ("fair hit", "FairHit", "Valid", "counts", "Accepted", "Used for V50", "Status")
+        ),
+        *(("G\u00fcltiger Schuss", "ja", "nein"), ("Coup retenu", "oui", "non"), ("Fair hit (Y/N)", "Y", "N")),
+        *(("Rejected", "no", "yes"), ("Excluded", "", "x"), ("ung\u00fcltig", "", "X"), ("valid", "x", "")),
+        *(("Status", "accepted", "rejected"), ("G\u00fcltigkeit", "i.O.", "n. i. O."), ("Valid (0 = yes)", "0", "1")),
+    ],
+)
+def test_rows_that_do_not_count_are_left_out(tmp_path: Path, name: str, yes: str, no: str):
+    shots = shots_of(tmp_path, f"velocity_m_s,result,{name}\n700,P,{yes}\n9,?,{no}\n720,C,{yes}\n")
     assert shots.velocities_m_s == (700.0, 720.0)
     assert shots.read is not None
     assert shots.read.left_out == ("line 3",)
     assert shots.read.words == "commas, 2 shots, without line 3, which does not count"
+
+
+def test_rows_that_sum_up_others_are_left_out(tmp_path: Path):
+    rows = "1;812,4;PP;yes\n2;846,9;CP;yes\nMittelwert;830,95;;\nStabw.;10,3;;\nV50 (1+1);829,7;CP;\n"
+    shots = shots_of(tmp_path, f"Shot;Velocity (m/s);Result;Valid\n{rows}")
+    assert (shots.names, shots.velocities_m_s) == (("1", "2"), (812.4, 846.9))
+    assert "without line 4, line 5, line 6, which do not count" in str(shots.read)
+
+
+@pytest.mark.parametrize(
+    ("name", "stopped", "perforated"),
+    [
+        *(("Result (stopped?)", "yes", "no"), ("R\u00e9sultat (non perfor\u00e9 oui/non)", "oui", "non")),
+        *(
+            ("Durchschlag (0 = ja, 1 = nein)", "1", "0"),
+            ("Perforated (1 = no)", "1", "0"),
+            ("Stopped (0 = yes)", "0", "1"),
+        ),
+        *(("Result (0 = perforated, 1 = stopped)", "1", "0"), ("Result (P = partial, C = complete)", "P", "C")),
+        *(("Result (witness plate)", "P.P.", "C.P."), ("Perforated (visual)", "no", "yes"), ("Durchschlag", "", "x")),
+    ],
+)
+def test_what_a_header_says_of_the_words_below_it(tmp_path: Path, name: str, stopped: str, perforated: str):
+    shots = shots_of(tmp_path, f'velocity_m_s,"{name}"\n700,{stopped}\n720,{perforated}\n710,{stopped}\n')
+    assert shots.complete == (False, True, False)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "Panel #",
+        "Panel-ID",
+        "Plattennr.",
+        "PlattenNr",
+        "Plaque n\u00b0",
+        "N\u00b0 de plaque",
+        "Ziel Nr.",
+        "Specimen",
+        "Batch",
+    ],
+)
+def test_names_of_panels_may_have_a_word_for_number(tmp_path: Path, name: str):
+    with pytest.raises(InputError, match=f"{name}: must be the same for all shots"):
+        shots_of(tmp_path, f"velocity_m_s,result,{name}\n700,P,1\n720,C,1\n800,P,2\n820,C,2\n")
+
+
+def test_tests_of_several_lots_are_not_one_lot(tmp_path: Path):
+    text = "Los Nr.;ballistic_limit_m_s;armour.ceramic_thickness_mm;Wetter\n7;700;8;nass\n8;760;8;nass\n"
+    (tmp_path / "t.csv").write_text(text)
+    with pytest.raises(
+        InputError, match=r"Los Nr\.: must be the same for all tests, found 7, 8; .* --where 'Los Nr\.=7'"
+    ):
+        armour.read_tests(tmp_path / "t.csv", scenario())
+    tests = armour.read_tests(tmp_path / "t.csv", scenario(), where={"lot": "8"})
+    assert [m.value for m in tests.measurements] == [760.0]
+    assert tests.read is not None
+    assert tests.read.words == "semicolons, 1 test, lot 8, without Wetter"
 
 
 def test_several_panels_are_not_pooled(tmp_path: Path):
@@ -266,4 +346,4 @@ def test_json_holds_the_shots_and_the_hash_of_their_table(tmp_path: Path):
         fired = json.loads(json.dumps(data))["fired"]
         assert fired["velocities_m_s"] == pytest.approx(EXPORTS["feet"][1])
         assert fired["read"]["sha256"] == sha256(content).hexdigest()
-        assert fired["read"]["words"] == "semicolons, decimal commas, velocity in ft/s, 3 shots"
+        assert fired["read"]["words"] == "semicolons, decimal commas, velocity in ft/s, 3 shots, without Yaw"

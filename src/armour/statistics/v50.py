@@ -14,7 +14,7 @@ from pydantic import Field
 from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
 from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
-from armour.columns import GROUPS, column_of, perforates
+from armour.columns import GROUPS, YES_MEANS, column_of, perforates
 from armour.csv_files import (
     MUST_SAY,
     Source,
@@ -25,7 +25,7 @@ from armour.csv_files import (
     read_rows,
     targets_of,
 )
-from armour.errors import Problem, counted, mistake, refuse
+from armour.errors import Problem, counted, joined, mistake, refuse
 from armour.scenario.checked import Table, checked
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.statistics.curves import (
@@ -58,7 +58,7 @@ MIN_VELOCITY_M_S, MAX_VELOCITY_M_S = 10.0, 1e4
 Velocity = Annotated[float, Field(ge=MIN_VELOCITY_M_S, le=MAX_VELOCITY_M_S)]
 # Columns of a table of shots, by any of which it is recognised.
 KEYS = ("velocity_m_s", "result")
-SHOT_COLUMNS = ("shot", "velocity_m_s", "result", "perforated", "stopped", "counts", *GROUPS)
+SHOT_COLUMNS = ("shot", "velocity_m_s", "result", *YES_MEANS, *GROUPS)
 Fraction = Annotated[float, Field(ge=0.001, le=0.999)]
 # Rounding error of a risk.
 ROUNDING = 1e-12
@@ -377,12 +377,13 @@ def firings_of(path: Table, where: Mapping[str, str], sheet: str | None) -> list
     """
     source = open_table(path, is_of_shots, sheet)
     table = read_rows(source, numbers=KEYS[:1], texts=("shot", "result"), needed=KEYS, noun="shot", where=where)
+    refuse(in_line_order(table.problems))
     results = [perforates(row.texts.get("result", "")) for row in table.rows]
     for name, values in table.groups.items():
         if found := targets_of(values, results):
             pairs = {*zip(values, results, strict=True)}
             return [(name, value, sum(value == other for other, _ in pairs)) for value in found]
-    message = "must have a column panel, target, plate, lab or lot, with several shots for each of its values"
+    message = f"must have a column {joined(GROUPS, 'or')}, with several shots for each of its values"
     raise mistake(source.file, "--each", message)
 
 
