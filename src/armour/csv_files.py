@@ -352,8 +352,7 @@ def read_rows(
         problems = [Problem(file, "", "must have at least one row below its header")]
     lines = [line for line in lines if len(line[1]) == len(header)]
     uncounted = _uncounted(source, columns, lines, texts[0], problems)
-    problems += _not_filled(source, columns, [line for line in lines if line[0] not in uncounted])
-    lines = _chosen(source, columns, lines, where or {})
+    lines = _chosen(source, columns, lines, where or {}, uncounted)
     left_out = tuple(place for place, _ in lines if place in uncounted)
     lines = [line for line in lines if line[0] not in uncounted]
     rows = [CsvRow(place, {}, {}) for place, _ in lines]
@@ -472,13 +471,18 @@ def _wrong_columns(
     yield from (Problem(source.file, key, "is missing and must be a column") for key in needed if key not in found)
 
 
-def _chosen(source: Source, columns: Sequence[Column], lines: list[Line], where: Mapping[str, str]) -> list[Line]:
+def _chosen(
+    source: Source, columns: Sequence[Column], lines: list[Line], where: Mapping[str, str], uncounted: Collection[str]
+) -> list[Line]:
     """Return the lines whose cells are those required, by column."""
     for name, value in where.items():
         index = place_of(source, columns, name)
         values = dict.fromkeys(cells[index] for _, cells in lines)
         if value not in values:
             raise mistake(source.file, f"where {name}", f'must be one of {", ".join(values)}, found "{value}"')
+        if columns[index].key in GROUPS:
+            blank = [place for place, cells in lines if not cells[index] and place not in uncounted]
+            refuse(_not_filled(source.file, source.header[index], blank))
         lines = [line for line in lines if line[1][index] == value]
     return lines
 
@@ -509,15 +513,6 @@ def _uncounted(
         elif not counts:
             places.add(place)
     return places
-
-
-def _not_filled(source: Source, columns: Sequence[Column], lines: Sequence[Line]) -> Iterator[Problem]:
-    """Yield columns that tell targets apart in which some cells are blank, as in merged cells of a sheet."""
-    for index, (name, column) in enumerate(zip(source.header, columns, strict=True)):
-        blank = [place for place, cells in lines if not cells[index]]
-        if column.known and column.key in GROUPS and 0 < len(blank) < len(lines):
-            message = f"must be filled in every row that counts, found blank cells in {listed(blank)}"
-            yield Problem(source.file, name, message)
 
 
 def _equal(file: str, naming: str, rows: Sequence[CsvRow], lines: Sequence[Line], problems: list[Problem]) -> list[str]:
@@ -574,19 +569,32 @@ def number_as(cell: str, mark: str) -> float | None:
 def check_one_target(table: CsvTable, perforated: Sequence[bool | None], or_each: str = "") -> None:
     """Raise an InputError if the shots are at several targets, by a column such as panel."""
     for name, values in table.groups.items():
-        if len(found := targets_of(values, perforated)) > 1:
+        if len(found := targets_of(table, name, perforated)) > 1:
             shots = joined([f"{value} ({counted(values.count(value), 'shot')})" for value in found])
             choice = quote(f"{name}={found[0]}")
             message = f"must be the same for all shots, found {shots}; choose one: --where {choice}{or_each}"
             raise mistake(table.file, name, message)
 
 
-def targets_of(values: Sequence[str], perforated: Sequence[bool | None]) -> list[str]:
-    """Return those values of a column that are no serial numbers: at least three shots have it, or both results."""
-    shots: dict[str, list[bool | None]] = {}
+def targets_of(table: CsvTable, name: str, perforated: Sequence[bool | None]) -> list[str]:
+    """Return those values of a column that are no serial numbers: at least three shots have it, or both results.
+
+    Blank cells, as in merged cells of a sheet, are such a value too, and refused if there are others.
+    """
+    values, shots = table.groups[name], dict[str, list[bool | None]]()
     for value, result in zip(values, perforated, strict=True):
         shots.setdefault(value, []).append(result)
-    return [value for value, results in shots.items() if value and (len(results) >= 3 or len({*results}) == 2)]
+    found = [value for value, results in shots.items() if len(results) >= 3 or len({*results}) == 2]
+    if found and len(shots) > 1:
+        blank = [row.place for row, value in zip(table.rows, values, strict=True) if not value]
+        refuse(_not_filled(table.file, name, blank))
+    return [*filter(None, found)]
+
+
+def _not_filled(file: str, name: str, blank: Sequence[str]) -> Iterator[Problem]:
+    """Yield what is wrong with a column that tells targets apart, given the rows in which it is blank."""
+    if blank:
+        yield Problem(file, name, f"must be filled in every row that counts, found blank cells in {listed(blank)}")
 
 
 def _cell(value: object) -> str:

@@ -149,7 +149,8 @@ def shots_of(folder: Path, text: str, **settings: object) -> armour.Shots:
             'must agree with the words for results or yes and no, found "P = perforated"',
         ),
         ("velocity_m_s,Perforated (stopped?)\n700,no\n720,yes\n", 'must agree with .*, found "stopped[?]"'),
-        ("velocity_m_s,result,panel\n700,P,A\n720,C,\n", "panel: must be filled in every row .* in line 3"),
+        ("velocity_m_s,result,panel\n700,P,A\n720,C,A\n800,P,\n", "panel: must be filled in every row .* in line 4"),
+        ("velocity_m_s,result,panel\n700,P,A\n720,C,\n710,P,\n800,P,B\n", "panel: must be filled .* in line 3, line 4"),
     ],
 )
 def test_what_may_mean_two_things_is_refused(tmp_path: Path, text: str, message: str):
@@ -249,6 +250,8 @@ def test_several_panels_are_not_pooled(tmp_path: Path):
     assert shots_of(tmp_path, text, where={"panel": "B"}).velocities_m_s == (800.0, 820.0)
     with pytest.raises(InputError, match='where panel: must be one of A, B, C, found "D"'):
         shots_of(tmp_path, text, where={"panel": "D"})
+    with pytest.raises(InputError, match="panel: must be filled in every row that counts, found blank cells in line 7"):
+        shots_of(tmp_path, text + "720,C,\n", where={"panel": "A"})
     with pytest.raises(InputError, match='where: must name a column, found "yaw"'):
         shots_of(tmp_path, text, where={"yaw": "1"})
     with pytest.raises(InputError, match="panel: must be the same"):

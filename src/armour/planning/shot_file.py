@@ -10,7 +10,7 @@ from pathlib import Path
 
 from filelock import FileLock, Timeout
 
-from armour.columns import COUNT_KEYS, COUNTED, OUTCOMES, YES_OR_NO, Column, letters, perforates
+from armour.columns import COUNT_KEYS, COUNTED, GROUPS, OUTCOMES, YES_OR_NO, Column, letters, perforates
 from armour.csv_files import SEPARATORS, columns_of, decimal_mark, no_crosses, open_table, place_of
 from armour.errors import mistake
 from armour.files import reason
@@ -61,6 +61,8 @@ def with_shot(path: Path, velocity_m_s: float, word: str, where: Mapping[str, st
         cells = [cells[place] for cells in shots]
         if column.known and column.key == "shot":
             row[place] = next_name(cells, len(shots))
+        elif column.known and column.key in GROUPS:
+            row[place] = cells[0] if len({*cells}) == 1 else ""
         elif column.known and column.key == "result":
             row[place] = _spelt(bool(perforates(word)), word, cells, column)
         elif column.known and column.key == COUNT_KEYS[0]:

@@ -187,8 +187,8 @@ def read_tests(
         check_one_target(table, [perforates(row.texts[OUTCOME]) for row in rows])
     for name, lots in table.groups.items():
         if len({*lots}) > 1 and column_of(name, ("lot",)).known:
-            message = f"must be the same for all tests, found {listed([*dict.fromkeys(lots)])}; choose one: --where "
-            raise mistake(file, name, f"{message}{quote(f'{name}={lots[0]}')}")
+            found, choice = listed([lot or "none" for lot in dict.fromkeys(lots)]), quote(f"{name}={lots[0]}")
+            raise mistake(file, name, f"must be the same for all tests, found {found}; choose one: --where {choice}")
     cells: list[dict[str, float | str]] = [{**row.texts, **row.numbers} for row in rows]
     places = tuple(row.place for row in rows)
     is_weighted = weighted == {True}

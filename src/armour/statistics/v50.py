@@ -380,7 +380,7 @@ def firings_of(path: Table, where: Mapping[str, str], sheet: str | None) -> list
     refuse(in_line_order(table.problems))
     results = [perforates(row.texts.get("result", "")) for row in table.rows]
     for name, values in table.groups.items():
-        if found := targets_of(values, results):
+        if found := targets_of(table, name, results):
             pairs = {*zip(values, results, strict=True)}
             return [(name, value, sum(value == other for other, _ in pairs)) for value in found]
     message = f"must have a column {joined(GROUPS, 'or')}, with several shots for each of its values"
