@@ -218,6 +218,28 @@ def test_own_tests_hold_for_the_named_entry_with_its_calibrated_value():
         assert of_a.model_error.source.endswith("and 1 own test of this lot")
 
 
+def test_own_tests_keep_their_names_and_the_limits_of_the_calibrated_entry():
+    case = shipped_scenario("wilkins")
+    rows = [
+        {"test": name, "laboratory": laboratory, CERAMIC: mm, "ballistic_limit_m_s": limit}
+        for name, laboratory, mm, limit in (
+            ("A1", "North", 6.0, 760.0),
+            ("A2", "North", 8.0, 850.0),
+            ("B1", "South", 6.0, 750.0),
+        )
+    ]
+    tests = read_tests(rows, case)
+    entry = scenario_of(tests, case, FLOW_STRESS).entry_of("ceramic")
+    assert entry is not None
+    assert entry.evidence is not None
+    own = predicted_tests(entry, entry.evidence)
+    assert [test.name for test in own] == ["A1, North", "A2, North", "B1, South"]
+    calibrated = scenario_of(tests, case, FLOW_STRESS)
+    limits = [confidence(calibrated.replaced({CERAMIC: mm})).ballistic_limit_m_s for mm in (6.0, 8.0, 6.0)]
+    assert [test.computed_m_s for test in own] == pytest.approx(limits, abs=0.1)
+    assert calibrate(tests, case, FLOW_STRESS).own_tests == own
+
+
 def test_an_entry_calibrated_by_version_1_is_recognised():
     old = {"source": "3 own tests in a.csv", "key": "flow_stress_GPa", "measured": {}, "law": [{"slope": 0.6}]}
     case = FRAGMENT.replaced({"library.metal.old": {"based_on": "M", "evidence": old}, "armour.backing": "old"})

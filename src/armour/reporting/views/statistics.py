@@ -210,6 +210,7 @@ def own_test_table(tests: Sequence[OwnTest]) -> Table:
     """Return own tests with the limits that are computed for them and predicted from the others."""
     return listing(
         tests,
+        (Column("test", prose=True), lambda test: test.name),
         column_of("ceramic_thickness_mm", "g"),
         column_of("backing_thickness_mm", "g"),
         column_of("obliquity_deg", ".0f"),
