@@ -170,6 +170,11 @@ class Column(NamedTuple):
     known: bool = True
     yes: bool | None = None  # whether yes means that a shot perforated, or counts, where the header says of what
 
+    @property
+    def in_unit(self) -> str:
+        """The quantity in its unit, in words, such as "velocity in ft/s"."""
+        return f"{words_and_unit(self.key)[0]} in {'inches' if self.unit == 'in' else self.unit}"
+
     def says(self, word: str) -> bool | None:
         """Return whether a word in the column says that a shot perforated, or counts; None if it says neither."""
         said = None if self.yes is None else is_yes(word)

@@ -3,6 +3,7 @@
 import csv
 import json
 import re
+from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
@@ -84,6 +85,7 @@ class Source:
     header: Sequence[str] = ()
     lines: Iterator[Line] = field(default_factory=lambda: iter(()))
     form: list[str] = field(default_factory=list)  # separator, encoding and the like, in words
+    sheets: Sequence[str] = ()  # of a workbook
     digest: Any = field(default_factory=sha256)  # of the content, once all lines are read
 
 
@@ -286,6 +288,7 @@ def _sheet_lines(path: Path, source: Source, sheet: str | None) -> Iterator[Line
             if sheet is not None and sheet not in names:
                 raise mistake(path, "", f"must have the sheet {sheet}, found {', '.join(names)}")
             name = names[0] if sheet is None else sheet
+            source.sheets = names
             source.form.append(f"sheet {name}")
             for number, row in enumerate(workbook[name].iter_rows(max_col=MAX_COLUMNS, values_only=True), 1):
                 cells = [_cell(value) for value in row]
@@ -331,12 +334,13 @@ def read_rows(
     noun: str,
     usual: str = "",
     where: Mapping[str, str] | None = None,
+    least: int = 1,
 ) -> CsvTable:
     """Read the rows of a table whose header names columns of numbers and of texts, at least those needed.
 
     The first column of texts names the row, and ``noun`` says what a row is.  Other columns are ignored, but if one is
     like one of these, the message lists the ``usual`` ones.  Rows are left out that do not count, or whose cells are
-    not those that ``where`` requires, by column.
+    not those that ``where`` requires, by column; at least so many rows must be left.
     """
     file, header, keys = source.file, source.header, (*numbers, *texts)
     if not source.place:
@@ -346,9 +350,13 @@ def read_rows(
     if len(lines) > MAX_ROWS:
         raise mistake(file, "", f"must have at most {MAX_ROWS} rows below its header, found more")
     columns = columns_of(source, keys)
+    if len(source.sheets) > 1 and not any(column.known for column in columns):
+        raise mistake(
+            file, "", f"must have {noun}s in the {source.form[0]}; --sheet chooses: {', '.join(source.sheets)}"
+        )
     refuse(_wrong_columns(source, columns, keys, needed, usual or ", ".join(keys)))
     problems = [Problem(file, place, wrong_width(cells, header)) for place, cells in lines if len(cells) != len(header)]
-    if not lines:
+    if len(lines) < least:
         problems = [Problem(file, "", "must have at least one row below its header")]
     lines = [line for line in lines if len(line[1]) == len(header)]
     uncounted = _uncounted(source, columns, lines, texts[0], problems)
@@ -359,6 +367,8 @@ def read_rows(
     words, groups = [*source.form], dict[str, list[str]]()
     for index, (name, column) in enumerate(zip(header, columns, strict=True)):
         cells = [cells[index] for _, cells in lines]
+        if source.sheets and column.key in needed and not any(cells):
+            raise mistake(file, name, "must have values, found none; save the workbook after its last calculation")
         if column.known and column.key in numbers:
             words += _fill_numbers(source, name, column, cells, rows, problems)
         elif column.known and column.key in keys:
@@ -366,12 +376,15 @@ def read_rows(
         elif column.known and column.key in GROUPS:
             groups[name] = cells
     equal = _equal(file, texts[0], rows, lines, problems)
-    if not rows:
+    if len(rows) < least:
         raise InputError(problems or [Problem(file, "", "must have rows that count")])
     ignored = tuple(name for name, column in zip(header, columns, strict=True) if name and not column.known)
     notes = [f"{name} {value}" for name, value in (where or {}).items()]
     if ignored:
         notes.append(f"without {', '.join(ignored)}")
+    names = Counter(row.texts.get(texts[0]) for row in rows)
+    if several := [name for name, count in names.items() if name and count > 1]:
+        notes.append(f"several {noun}s named {listed(several)}")
     if left_out:
         notes.append(f"without {listed(left_out)}, which {'does' if len(left_out) == 1 else 'do'} not count")
     if equal:
@@ -414,7 +427,7 @@ def _fill_numbers(
         elif cell:
             problems.append(Problem(source.file, f"{row.place}: {name}", f'must be a number, found "{cell}"'))
     commas = ["decimal commas"] if mark == "," and any("," in cell for cell in cells) else []
-    return [*commas, *([f"{words_and_unit(column.key)[0]} in {column.unit}"] if column.unit else [])]
+    return [*commas, *([column.in_unit] if column.unit else [])]
 
 
 def no_crosses(cells: Sequence[str], column: Column) -> Sequence[str]:
@@ -456,7 +469,7 @@ def _wrong_columns(
                 continue
             stem = re.sub(r"\s*[(\[].*", "", name)
             ways = joined([f'"{stem} ({unit})"' for unit in units if unit in USUAL_UNITS], "or")
-            yield Problem(source.file, name, f"must have its unit, as {ways}: {column.key}")
+            yield Problem(source.file, name, f"must have its unit, as {ways}")
         elif column.known and found.count(column.key) > 1 and column.key not in several:
             several.add(column.key)
             same = [name for name, other in zip(source.header, columns, strict=True) if other.key == column.key]

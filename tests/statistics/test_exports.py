@@ -164,6 +164,8 @@ def test_equal_rows_without_a_name_are_two_shots(tmp_path: Path):
     assert "line 3 equal to an earlier row, counted" in str(shots.read)
     with pytest.raises(InputError, match="line 3: repeats line 2"):
         shots_of(tmp_path, "shot,velocity_m_s,result\n1,700,P\n1,700,P\n2,720,C\n")
+    shots = shots_of(tmp_path, "shot,velocity_m_s,result\n1,700,P\n1,705,P\n2,720,C\n")
+    assert "several shots named 1" in str(shots.read)
 
 
 @pytest.mark.parametrize(
@@ -320,6 +322,13 @@ def test_a_workbook(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     assert armour.read_shots(path, sheet="second").velocities_m_s == (700.0, 720.0)
     with pytest.raises(InputError, match=r"t.xlsx: must have the sheet third, found Sheet, second"):
         armour.read_shots(path, sheet="third")
+    book.create_sheet("cover", 0).append(["Report"])
+    book["second"]["A2"] = book["second"]["A3"] = "=1*2"
+    book.save(path)
+    with pytest.raises(InputError, match="must have shots in the sheet cover; --sheet chooses: cover, Sheet, second"):
+        armour.read_shots(path)
+    with pytest.raises(InputError, match="velocity_m_s: must have values, found none; save the workbook after"):
+        armour.read_shots(path, sheet="second")
     monkeypatch.setattr("armour.csv_files.MAX_UNPACKED", 1000)
     with pytest.raises(InputError, match="must be at most 1,000 bytes long when it is unpacked"):
         armour.read_shots(path)

@@ -498,10 +498,13 @@ def test_an_answer_is_for_a_laboratory_that_did_not_test():
     ]
     header = f"test,laboratory,{CERAMIC},ballistic_limit_m_s"
     one = [row.replace("B", "A") for row in rows]
-    (low, high), (lowest, highest) = (
-        interval_of(scenario_of(table_of(case, header, *table), case, FLOW_STRESS)) for table in (one, rows)
-    )
+    of_one, of_two = (scenario_of(table_of(case, header, *table), case, FLOW_STRESS) for table in (one, rows))
+    (low, high), (lowest, highest) = interval_of(of_one), interval_of(of_two)
     assert highest / lowest > high / low
+    for calibrated, several in ((of_one, False), (of_two, True)):
+        error = confidence(calibrated).model_error
+        assert error is not None
+        assert error.source.endswith(", for another laboratory or series") == several
 
 
 def test_a_limit_that_is_only_known_to_be_above_or_below_is_an_outcome():

@@ -73,7 +73,7 @@ def v50(
     from armour.reporting.table import rows_csv
 
     if each:
-        _refuse_with_each({"--csv": csv, "--plot": plot})
+        _refuse_with_each({"--csv": csv, "--curve": curve, "--plot": plot})
         firings = _each(table, where, sheet, kinds=1 if options["prior"] else 2)
         results = {name: armour.v50(fired, scenario, on_progress=on_progress, **options) for name, fired in firings}
         codes = [CHECK_FAILED * (result.decision in ("not met", "not decided")) for result in results.values()]
@@ -304,7 +304,9 @@ def _with_result(
             raise wrong_option("--velocity-m-s", message)
         warnings = []
         if planned is not None and abs(velocity - planned) > FAR_FROM_PLAN * planned:
-            warnings.append(f"the shot, at {velocity:g} m/s, is far from the planned velocity, {planned:g} m/s")
+            warnings.append(
+                f"the shot added to {table}, at {velocity:g} m/s, is far from the planned velocity, {planned:g} m/s"
+            )
         content = with_shot(table, velocity, result, where)
         fired = shots_of(open_table(table, is_of_shots, content=content), one_kind=True, where=where)
         tell(table, fired.read)

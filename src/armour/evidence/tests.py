@@ -263,6 +263,7 @@ def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
         farther = [fit.probabilities_of_farther(tests, between_lots, level) for fit, tests, level in by_law]
         doubtful = np.flatnonzero(np.max(farther, axis=0) * len(velocities) < FALSE_ALARMS)
         words += f" ({len(doubtful)} out of line)" * bool(len(doubtful))
+    words += ", for another laboratory or series" * ("series" in tested)
     title = f"{shipped.title} and {words}"
     columns = {name: np.append(column, own_tests.calibrated.get(name, [])) for name, column in tested.items()}
     kind, measured = (

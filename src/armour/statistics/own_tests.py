@@ -121,7 +121,9 @@ def own_tests(tests: Tests, fitted: Mapping[str, float], computed_m_s: Sequence[
         source=f"{counted(len(tests.names), 'test')} of {Path(tests.file).name}",
         calibrated={name: float(values[name][0]) for name in QUANTITIES_OF_ROLE[role]},
         tests={name: _rounded(q[name]) for name in kept},
-        names=tuple(", ".join(filter(None, (tests.names[m.test], *of))) for m, of in zip(shots, series, strict=True)),
+        names=tuple(", ".join(filter(None, (tests.names[m.test], *of))) for m, of in zip(shots, series, strict=True))
+        if tests.names != tests.places or any(map(any, series))
+        else (),
         calibrated_m_s=_rounded(np.array(computed_m_s)),
         law=laws,
     )
