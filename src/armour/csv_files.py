@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from hashlib import sha256
 from io import BufferedReader, BytesIO, TextIOWrapper
 from itertools import chain, islice
-from math import inf, isfinite, nan
+from math import inf, isclose, isfinite, nan
 from os import PathLike
 from pathlib import Path
 from shlex import quote
@@ -48,6 +48,8 @@ WORKBOOKS, MAX_UNPACKED, MAX_COLUMNS = (".xlsx", ".xlsm"), 100_000_000, 1000
 # Units that messages suggest.
 USUAL_UNITS = ("m/s", "ft/s", "mm", "in", "g", "grain", "°")
 CROSS = "x"
+# Relative difference of two numbers that are rounded in different units.
+SAME = 1e-3
 MUST_SAY = 'must be "stopped" or "perforated" (or partial or complete, P or C, PP or CP, no or yes)'
 # Bytes that are not UTF-8 text, as they are read.
 _UNDECODED = re.compile("[\udc80-\udcff]")
@@ -349,18 +351,21 @@ def read_rows(
     lines = [*islice(source.lines, MAX_ROWS + 1)]
     if len(lines) > MAX_ROWS:
         raise mistake(file, "", f"must have at most {MAX_ROWS} rows below its header, found more")
-    columns = columns_of(source, keys)
+    columns, problems = columns_of(source, keys), list[Problem]()
+    whole = [line for line in lines if len(line[1]) == len(header)]
+    uncounted = _uncounted(source, columns, whole, texts[0], problems)
+    columns = _without_copies(source, columns, [line for line in whole if line[0] not in uncounted])
     if len(source.sheets) > 1 and not any(column.known for column in columns):
         raise mistake(
             file, "", f"must have {noun}s in the {source.form[0]}; --sheet chooses: {', '.join(source.sheets)}"
         )
     refuse(_wrong_columns(source, columns, keys, needed, usual or ", ".join(keys)))
-    problems = [Problem(file, place, wrong_width(cells, header)) for place, cells in lines if len(cells) != len(header)]
+    problems += (
+        Problem(file, place, wrong_width(cells, header)) for place, cells in lines if len(cells) != len(header)
+    )
     if len(lines) < least:
         problems = [Problem(file, "", "must have at least one row below its header")]
-    lines = [line for line in lines if len(line[1]) == len(header)]
-    uncounted = _uncounted(source, columns, lines, texts[0], problems)
-    lines = _chosen(source, columns, lines, where or {}, uncounted)
+    lines = _chosen(source, columns, whole, where or {}, uncounted)
     left_out = tuple(place for place, _ in lines if place in uncounted)
     lines = [line for line in lines if line[0] not in uncounted]
     rows = [CsvRow(place, {}, {}) for place, _ in lines]
@@ -450,6 +455,31 @@ def columns_of(source: Source, keys: Sequence[str]) -> list[Column]:
             column = Column(name, known=False)
         columns.append(column)
     return columns
+
+
+def _without_copies(source: Source, columns: list[Column], lines: Sequence[Line]) -> list[Column]:
+    """Return the columns without those that say the same as another in another unit, or in the opposite words."""
+    places: dict[str, list[int]] = {}
+    for place, column in enumerate(columns):
+        if column.known and column.factor and (column.unit or column.yes is not None) and column.key != COUNT_KEYS[0]:
+            places.setdefault(column.key, []).append(place)
+
+    def values(place: int) -> list[float]:
+        column, cells = columns[place], [cells[place] for _, cells in lines]
+        if column.yes is not None:
+            return [nan if (said := column.says(cell)) is None else said for cell in no_crosses(cells, column)]
+        mark = decimal_mark(cells, column, source.form) or "."
+        return [nan if (value := number_as(cell, mark)) is None else value * column.factor for cell in cells]
+
+    kept = [*columns]
+    for same in places.values():
+        first, *others = sorted(same, key=lambda place: columns[place].factor != 1.0)
+        for place in others:
+            is_other = (columns[first].unit, columns[first].yes) != (columns[place].unit, columns[place].yes)
+            pairs = zip(values(first), values(place), strict=True)
+            if is_other and all(isclose(*pair, rel_tol=SAME) for pair in pairs):
+                kept[place] = Column(source.header[place], known=False)
+    return kept
 
 
 def _wrong_columns(

@@ -60,6 +60,16 @@ EXPORTS = {
         [2415 * FEET, 2498 * FEET, 2451 * FEET],
         R,
     ),
+    "two units": (
+        b"Shot;Velocity (ft/s);V (m/s);Result\n1;2412,4;735,3;PP\n2;2498,0;761,4;CP\n3;2460,6;750,0;PP\n",
+        V,
+        R,
+    ),
+    "two columns of results": (
+        b"Shot;v (m/s);Partial;Complete;Valid\n1;735,3;x;;x\n2;761,4;;x;x\n4;700;;;\n3;750,0;x;;x\n",
+        V,
+        R,
+    ),
     "thousandths": (b"velocity (m/s);result\n735,300;P\n761,400;C\n750,000;P\n", V, R),
     "quoted": (
         b'"Velocity (ft/s)","Result"\n"2,415.3","partial penetration"\n"2,498.7",complete penetration\n"2,451.0",PP\n',
@@ -143,6 +153,8 @@ def shots_of(folder: Path, text: str, **settings: object) -> armour.Shots:
             "velocity_m_s,Result (protected yes/no)\n700,no\n720,yes\n",
             'line 2: Result .*: must be "stopped" or "perforated", found "no", which may mean both',
         ),
+        ("V (m/s),v (ft/s),result\n700,2300,P\n720,2362,C\n", r"found several: V \(m/s\) and v"),
+        ("velocity_m_s,stopped,perforated\n700,yes,yes\n720,no,yes\n", "found several: stopped and perforated"),
         ("velocity_m_s,Result (P)\n700,no\n720,yes\n", 'found "no", which may mean both'),
         (
             "velocity_m_s,Result (P = perforated)\n700,P\n720,P\n",
