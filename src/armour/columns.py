@@ -152,9 +152,10 @@ BOUNDS = {
 _BRACKETS = re.compile(r"[(\[{]([^)\]}]*)[)\]}]")
 # What a header says of codes, as in "1 = perforated", and words between which cells choose, as in "yes/no".
 _CODES = re.compile(r"([^\W_]+)\s*[=:]\s*([^\W\d_]+(?: [^\W\d_]+)*)")
+_OR = r"(?:[/,]|\bor\b|\boder\b|\bou\b)"
+_EITHER = re.compile(rf"([^\W_]+)\s*{_OR}\s*([^\W_]+)")
 # Letters of a code, such as PP, which does not say what yes means.
 LONGEST_CODE = 3
-_EITHER = re.compile(r"([^\W_]+)\s*(?:/|,|\bor\b|\boder\b|\bou\b)\s*([^\W_]+)")
 
 
 class Column(NamedTuple):
@@ -199,7 +200,9 @@ def _by_word(pairs: Sequence[tuple[str, str]]) -> dict[str, bool]:
 
 
 _UNIT_NAMES = {folded(unit): unit for units in UNITS.values() for unit in units}
-PERFORATED, _COUNTED, _YES = _by_word(OUTCOMES), _by_word(COUNTED), _by_word(YES_OR_NO)
+PERFORATED, _COUNTED = _by_word(OUTCOMES), _by_word(COUNTED)
+# Exactly, as "-1" is not 1.
+_YES = {word: place == 1 for pair in YES_OR_NO for place, word in enumerate(pair)}
 _SUMMARIES = {*map(letters, SUMMARIES)}
 
 
@@ -210,7 +213,7 @@ def perforates(word: str) -> bool | None:
 
 def is_yes(word: str) -> bool | None:
     """Return whether a word says yes; None if it says neither yes nor no."""
-    return _YES.get(letters(word))
+    return _YES.get(word.casefold())
 
 
 def is_summary(name: str) -> bool:
@@ -280,7 +283,7 @@ def _of_words(key: str, header: str) -> Column:
             return of_yes if has_yes else column
         return of_yes._replace(yes=not of_yes.yes) if same == {False} and has_yes else Column(key, 0.0, note)
     rest = _EITHER.sub(lambda two: two[0] if None in map(is_yes, two.groups()) else " ", note)
-    said = [column._replace(yes=None).says(word) for word in re.split(r"[/,]|\bor\b|\boder\b|\bou\b", rest)]
+    said = [column._replace(yes=None).says(word) for word in re.split(_OR, rest)]
     if len(said) > 1 or not letters(rest) or (column.yes is not None and said == [None]):
         return column
     if said == [None] or len(letters(rest)) <= LONGEST_CODE:

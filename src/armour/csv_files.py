@@ -436,8 +436,13 @@ def _fill_numbers(
 
 
 def no_crosses(cells: Sequence[str], column: Column) -> Sequence[str]:
-    """Return the cells of a column of yes and no with yes for crosses and no for blanks, if it has nothing else."""
-    if column.yes is None or {cell.casefold() for cell in cells} - {""} != {CROSS}:
+    """Return the cells of a column of yes and no with yes for crosses and no for blanks, if it has nothing else.
+
+    Without any cross, only a column of rows to leave out says so.
+    """
+    words = {cell.casefold() for cell in cells} - {""}
+    leaves_out = column.key == COUNT_KEYS[0] and column.yes is False
+    if column.yes is None or words - {CROSS} or not (words or leaves_out):
         return cells
     return ["yes" if cell else "no" for cell in cells]
 

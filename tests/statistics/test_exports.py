@@ -148,6 +148,7 @@ def shots_of(folder: Path, text: str, **settings: object) -> armour.Shots:
         ("velocity_m_s,result\n700,0\n720,1\n", 'line 2: result: must be "stopped" or "perforated"'),
         ("velocity_m_s,result,valid\n700,P,yes\n720,C,perhaps\n", 'line 3: valid: must be yes or no, found "perhaps"'),
         ("velocity_m_s,result,valid\n700,P,no\n720,C,no\n", "must have rows that count"),
+        ("velocity_m_s,result,valid\n700,P,-1\n720,C,1\n", 'line 2: valid: must be yes or no, found "-1"'),
         ("velocity_m_s,result,valid\n700,P,\n720,C,yes\n", 'line 2: valid: must be yes or no, found ""'),
         (
             "velocity_m_s,Result (protected yes/no)\n700,no\n720,yes\n",
@@ -198,6 +199,14 @@ def test_rows_that_do_not_count_are_left_out(tmp_path: Path, name: str, yes: str
     assert shots.read is not None
     assert shots.read.left_out == ("line 3",)
     assert shots.read.words == "commas, 2 shots, without line 3, which does not count"
+
+
+def test_no_row_is_left_out_without_a_cross(tmp_path: Path):
+    assert shots_of(tmp_path, "velocity_m_s,result,Rejected\n700,P,\n720,C,\n").velocities_m_s == (700.0, 720.0)
+    with pytest.raises(InputError, match='Accepted: must be yes or no, found ""'):
+        shots_of(tmp_path, "velocity_m_s,result,Accepted\n700,P,\n720,C,\n")
+    with pytest.raises(InputError, match="line 2: result: must be"):
+        shots_of(tmp_path, "velocity_m_s,perforated\n700,\n720,\n", one_kind=True)
 
 
 def test_rows_that_sum_up_others_are_left_out(tmp_path: Path):

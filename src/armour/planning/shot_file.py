@@ -62,7 +62,7 @@ def with_shot(path: Path, velocity_m_s: float, word: str, where: Mapping[str, st
         if column.known and column.key == "shot":
             row[place] = next_name(cells, len(shots))
         elif column.known and column.key in GROUPS:
-            row[place] = cells[0] if len({*cells}) == 1 else ""
+            row[place] = filled.pop() if len(filled := {*filter(None, cells)}) == 1 else ""
         elif column.known and column.key == "result":
             row[place] = _spelt(bool(perforates(word)), word, cells, column)
         elif column.known and column.key == COUNT_KEYS[0]:
