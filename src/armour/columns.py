@@ -152,7 +152,7 @@ BOUNDS = {
 _BRACKETS = re.compile(r"[(\[{]([^)\]}]*)[)\]}]")
 # What a header says of codes, as in "1 = perforated", and words between which cells choose, as in "yes/no".
 _CODES = re.compile(r"([^\W_]+)\s*[=:]\s*([^\W\d_]+(?: [^\W\d_]+)*)")
-_OR = r"(?:[/,]|\bor\b|\boder\b|\bou\b)"
+_OR = r"(?:/|\bor\b|\boder\b|\bou\b)"
 _EITHER = re.compile(rf"([^\W_]+)\s*{_OR}\s*([^\W_]+)")
 # Letters of a code, such as PP, which does not say what yes means.
 LONGEST_CODE = 3
@@ -283,9 +283,9 @@ def _of_words(key: str, header: str) -> Column:
             return of_yes if has_yes else column
         return of_yes._replace(yes=not of_yes.yes) if same == {False} and has_yes else Column(key, 0.0, note)
     rest = _EITHER.sub(lambda two: two[0] if None in map(is_yes, two.groups()) else " ", note)
-    said = [column._replace(yes=None).says(word) for word in re.split(_OR, rest)]
-    if len(said) > 1 or not letters(rest) or (column.yes is not None and said == [None]):
+    said = {column._replace(yes=None).says(words) for words in re.split(f"[,;]|{_OR}", rest) if letters(words)}
+    if said in (set(), {False, True}) or (column.yes is not None and None in said):
         return column
-    if said == [None] or len(letters(rest)) <= LONGEST_CODE:
+    if None in said or len(letters(rest)) <= LONGEST_CODE:
         return Column(key, unit=note)
-    return column._replace(yes=said[0]) if column.yes in (None, *said) else Column(key, 0.0, note)
+    return column._replace(yes=said == {True}) if column.yes in (None, *said) else Column(key, 0.0, note)

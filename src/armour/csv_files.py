@@ -372,7 +372,7 @@ def read_rows(
     words, groups = [*source.form], dict[str, list[str]]()
     for index, (name, column) in enumerate(zip(header, columns, strict=True)):
         cells = [cells[index] for _, cells in lines]
-        if source.sheets and column.key in needed and not any(cells):
+        if source.sheets and column.key in needed and cells and not any(cells):
             raise mistake(file, name, "must have values, found none; save the workbook after its last calculation")
         if column.known and column.key in numbers:
             words += _fill_numbers(source, name, column, cells, rows, problems)
@@ -406,10 +406,11 @@ def _fill_texts(
     """Fill the rows with the cells of a column of texts, and return how."""
     words = no_crosses(cells, column)
     for row, cell in zip(rows, words, strict=True):
-        if column.key in RESULT_KEYS and is_yes(cell) is not None and column.yes is None and column.unit:
+        is_word = is_yes(cell) is not None
+        if is_word and column.unit:
             message = f'must be "stopped" or "perforated", found "{cell}", which may mean both'
             problems.append(Problem(source.file, f"{row.place}: {name}", message))
-        if column.yes is not None and is_yes(cell) is not None:
+        if is_word and column.yes is not None:
             row.texts[column.key] = OUTCOMES[0][column.says(cell) is True]
         elif cell:
             row.texts[column.key] = csv_value(cell)

@@ -156,7 +156,10 @@ def shots_of(folder: Path, text: str, **settings: object) -> armour.Shots:
         ),
         ("V (m/s),v (ft/s),result\n700,2300,P\n720,2362,C\n", r"found several: V \(m/s\) and v"),
         ("velocity_m_s,stopped,perforated\n700,yes,yes\n720,no,yes\n", "found several: stopped and perforated"),
-        ("velocity_m_s,Result (P)\n700,no\n720,yes\n", 'found "no", which may mean both'),
+        *(
+            (f'velocity_m_s,"Result ({said})"\n700,no\n720,yes\n', 'found "no", which may mean both')
+            for said in ("P", "Schutz, ja/nein", "PP/CP, visual", "protected: yes", "pass/fail", "stopped, visual")
+        ),
         (
             "velocity_m_s,Result (P = perforated)\n700,P\n720,P\n",
             'must agree with the words for results or yes and no, found "P = perforated"',
