@@ -218,7 +218,7 @@ def is_yes(word: str) -> bool | None:
 
 def is_summary(name: str) -> bool:
     """Return whether the name of a row says that it sums up others, as "V50 (3 + 3)" does."""
-    return letters(_BRACKETS.sub("", name)) in _SUMMARIES
+    return not name.isdecimal() and letters(_BRACKETS.sub("", name)) in _SUMMARIES
 
 
 def is_unit(text: str) -> bool:

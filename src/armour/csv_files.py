@@ -47,6 +47,7 @@ SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
 WORKBOOKS, MAX_UNPACKED, MAX_COLUMNS = (".xlsx", ".xlsm"), 100_000_000, 1000
 # Units that messages suggest.
 USUAL_UNITS = ("m/s", "ft/s", "mm", "in", "g", "grain", "°")
+# Yes, in a column of crosses and blanks.
 CROSS = "x"
 # Relative difference of two numbers that are rounded in different units.
 SAME = 1e-3
