@@ -45,9 +45,12 @@ def test_every_mistake_at_once(tmp_path: Path):
 @pytest.mark.parametrize(
     ("header", "found"),
     [
-        ("velocity,result", ['velocity: must have its unit, as "velocity (m/s)" or "velocity (ft/s)": velocity_m_s']),
-        ("V (km/h),result", ['V (km/h): must have its unit, as "V (m/s)" or "V (ft/s)": velocity_m_s']),
-        ("v (m/s),V (ft/s),result", ["line 1: v (m/s): must be the name of one column, found several: v (m/s) and V"]),
+        ("velocity,result", ['velocity: must have its unit, as "velocity (m/s)" or "velocity (ft/s)"']),
+        ("V (km/h),result", ['V (km/h): must have its unit, as "V (m/s)" or "V (ft/s)"']),
+        (
+            "v (m/s),V (ft/s),result\n700,700,P",
+            ["line 1: v (m/s): must be the name of one column, found several: v (m/s) and V"],
+        ),
         ("velocity_m_s,resul", ['resul: unknown column; did you mean "result"?', "result: is missing"]),
         ("velocity_m_s,result,result", ["line 1: result: must be the name of one column, found several"]),
         (

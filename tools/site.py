@@ -22,7 +22,7 @@ from typer.testing import CliRunner
 
 import armour
 from armour.analysis.quantities import label_and_unit
-from armour.columns import NAMES, OUTCOMES, UNITS
+from armour.columns import COUNTED, NAMES, OUTCOMES, UNITS, YES_OR_NO
 from armour.reporting.formats import markdown_table
 from armour.reporting.table import in_words
 from armour.reporting.views.library import entry_table, entry_tables, library_table, threat_table
@@ -184,6 +184,12 @@ def result_words() -> str:
     return "\n".join(["| stopped | perforated |", "|---|---|", *(f"| {no} | {yes} |" for no, yes in OUTCOMES)])
 
 
+def count_words() -> str:
+    """Return a table of the words for shots that count and those that do not."""
+    pairs = (*YES_OR_NO, *COUNTED)
+    return "\n".join(["| does not count | counts |", "|---|---|", *(f"| {no} | {yes} |" for no, yes in pairs)])
+
+
 def library(kind: Any) -> str:
     """Return a table of the entries of a kind, with what each was tested with and links to the values."""
     table = threat_table(named_threats()) if kind == "threat" else library_table(armour.shipped_library(), kind)
@@ -246,7 +252,7 @@ def scene(command: str, name: str) -> str:
 
 
 NAMED = (
-    *(api, column_names, commands, described, entries, inputs, keys),
+    *(api, column_names, commands, count_words, described, entries, inputs, keys),
     *(library, references, result_words, scenario, scene, threats),
 )
 PARTS = {part.__name__: part for part in NAMED}

@@ -2,44 +2,52 @@
 
 import re
 import unicodedata
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache, lru_cache
 from typing import NamedTuple
 
 from armour.units import words_and_unit
 
 VELOCITIES = (
-    *("velocity", "v", "impact velocity", "striking velocity", "strike velocity", "shot velocity", "speed"),
-    *("Geschwindigkeit", "Auftreffgeschwindigkeit", "vitesse", "vitesse d'impact"),
+    *("velocity", "v", "impact velocity", "striking velocity", "strike velocity", "shot velocity", "speed", "vel"),
+    *("impact vel", "striking vel", "strike vel", "V impact", "Geschwindigkeit", "Auftreffgeschwindigkeit", "Geschw."),
+    *("vitesse", "vitesse impact", "vitesse d'impact"),
 )
-RESULTS = ("result", "outcome", "penetration", "Ergebnis", "Resultat", "Befund", "résultat", "résultat du tir")
-SHOT_NAMES = (
-    *("shot", "shot #", "shot no", "shot number", "shot id", "no", "nr", "#", "number", "round no"),
-    *("Schuss", "Schuss-Nr.", "Schussnummer", "Nummer", "lfd. Nr.", "tir", "tir n°", "n° de tir", "n°", "numéro"),
+RESULTS = (
+    *("result", "test result", "outcome", "penetration", "PP/CP", "CP/PP", "P/C", "Ergebnis", "Resultat", "Befund"),
+    *("résultat", "résultat du tir"),
 )
-# Usual names of columns by key, without the unit, whose letters, spaces and punctuation do not matter.
+SHOT_NAMES = ("shot", "no", "nr", "#", "number", "round no", "Schuss", "Nummer", "lfd. Nr.", "tir", "n°", "numéro")
+# Usual names of columns by key, without the unit: their letters and digits, whatever the case.
 NAMES: dict[str, tuple[str, ...]] = {
     "shot": SHOT_NAMES,
     "velocity_m_s": VELOCITIES,
     "result": RESULTS,
     "perforated": (
-        *("perforated", "perforation", "complete", "complete penetration"),
-        *("Durchschlag", "durchschlagen", "perforé", "perforation complète"),
+        *("perforated", "perforation", "complete", "complete penetration", "CP"),
+        *("Durchschlag", "durchschlagen", "Durchschuss", "perforé", "perforation complète"),
     ),
-    "stopped": ("stopped", "partial", "partial penetration", "gestoppt", "gehalten", "arrêté", "non perforé"),
+    "stopped": ("stopped", "partial", "partial penetration", "PP", "gestoppt", "gehalten", "arrêté", "non perforé"),
     "counts": (
-        *("counts", "fair", "fair hit", "valid", "valid hit", "valid shot"),
-        *("gültig", "gewertet", "zählt", "valable", "valide", "coup valable"),
+        *("counts", "counted", "fair", "fair hit", "fair impact", "valid", "valid hit", "valid shot", "accepted"),
+        *("include", "included", "used", "used for V50", "status", "gültig", "gültiger Schuss", "Treffer gültig"),
+        *("Gültigkeit", "gewertet", "Wertung", "zählt", "valable", "coup valable", "tir valable", "valide", "validité"),
+        *("retenu", "coup retenu"),
     ),
-    "panel": ("panel", "panel no", "panneau"),
-    "target": ("target", "target no", "Ziel", "cible"),
-    "plate": ("plate", "plate no", "Platte", "Platten-Nr.", "plaque"),
+    "excluded": (
+        *("excluded", "exclude", "rejected", "disregard", "disregarded", "invalid", "unfair", "ungültig"),
+        *("nicht gewertet", "exclu", "écarté", "rejeté"),
+    ),
+    "panel": ("panel", "test panel", "panneau"),
+    "target": ("target", "Ziel", "cible"),
+    "plate": ("plate", "Platte", "Platten", "plaque"),
+    "specimen": ("specimen", "sample", "Prüfling", "Prüfmuster", "Muster", "Probe", "échantillon", "éprouvette"),
     "lab": ("lab", "laboratory", "Labor", "laboratoire"),
-    "lot": ("lot", "lot no", "Los"),
+    "lot": ("lot", "batch", "Los", "Charge", "Chargen"),
     "laboratory": ("laboratory", "lab", "Labor", "laboratoire"),
     "series": ("series", "test series", "Serie", "série"),
     "date": ("date", "Datum"),
-    "test": ("test", "test no", "Versuch", "Versuch-Nr.", "essai", *SHOT_NAMES),
+    "test": ("test", "Versuch", "essai", *SHOT_NAMES),
     "impact.velocity_m_s": VELOCITIES,
     "outcome": RESULTS,
     "impact.projectile": ("projectile", "Projektil", "Geschoss"),
@@ -62,10 +70,20 @@ NAMES: dict[str, tuple[str, ...]] = {
     "residual_mass_uncertainty_g": ("residual mass uncertainty",),
 }
 # Columns of text that tell the targets of shots apart.
-GROUPS = ("panel", "target", "plate", "lab", "lot")
+GROUPS = ("panel", "target", "plate", "specimen", "lab", "lot")
+# Columns whose names may have a word for "number" before or behind them.
+NUMBERED = ("shot", "test", "panel", "target", "plate", "specimen", "lot")
+_NUMBER = "(?:number|nummer|numero|no|nr|n°|#|id)"
+# Columns of results, and columns of yes and no: whether yes means that a shot perforated, or that it counts.
+RESULT_KEYS = ("result", "outcome")
+COUNT_KEYS = ("counts", "excluded")
+YES_MEANS = {"perforated": True, "stopped": False, "counts": True, "excluded": False}
 # Factors to the units of keys, by the units that people write.
 UNITS = {
-    "m/s": {"m/s": 1.0, "m s-1": 1.0, "ms-1": 1.0, "mps": 1.0, "ft/s": 0.3048, "fps": 0.3048, "f/s": 0.3048},
+    "m/s": {
+        **dict.fromkeys(("m/s", "m/sec", "m s-1", "ms-1", "mps"), 1.0),
+        **dict.fromkeys(("ft/s", "ft/sec", "fps", "f/s"), 0.3048),
+    },
     "mm": {"mm": 1.0, "cm": 10.0, "in": 25.4, "inch": 25.4, "inches": 25.4},
     "g": {"g": 1.0, "kg": 1000.0, "grain": 0.06479891, "grains": 0.06479891, "gr": 0.06479891},
     "°": {"°": 1.0, "deg": 1.0, "degrees": 1.0},
@@ -78,12 +96,14 @@ OUTCOMES = (
     ("pp", "cp"),
     ("no", "yes"),
     ("stop", "perforate"),
+    ("stop", "perf"),
     ("defeated", "perforated"),
     ("not perforated", "perforated"),
     ("no perforation", "perforation"),
     ("partial penetration", "complete penetration"),
     ("partial perforation", "complete perforation"),
     ("incomplete penetration", "complete penetration"),
+    ("no penetration", "complete penetration"),
     ("kein Durchschlag", "Durchschlag"),
     ("nicht durchschlagen", "durchschlagen"),
     ("kein Durchschuss", "Durchschuss"),
@@ -93,6 +113,7 @@ OUTCOMES = (
     ("aufgehalten", "durchschlagen"),
     ("Steckschuss", "Durchschuss"),
     ("KD", "D"),
+    ("KDS", "DS"),
     ("nein", "ja"),
     ("non perforé", "perforé"),
     ("pas de perforation", "perforation"),
@@ -109,6 +130,18 @@ YES_OR_NO = (
     *(("no", "yes"), ("n", "y"), ("false", "true"), ("0", "1")),
     *(("nein", "ja"), ("n", "j"), ("falsch", "wahr"), ("non", "oui"), ("n", "o"), ("faux", "vrai")),
 )
+# Pairs of words for a shot that does not count and for one that does, besides no and yes.
+COUNTED = (
+    *(("rejected", "accepted"), ("unfair", "fair"), ("invalid", "valid"), ("not valid", "valid")),
+    *(("excluded", "included"), ("not ok", "ok"), ("ungültig", "gültig"), ("nicht gewertet", "gewertet")),
+    *(("n.i.O.", "i.O."), ("non valable", "valable"), ("non valide", "valide"), ("invalide", "valide")),
+    *(("écarté", "retenu"), ("rejeté", "accepté")),
+)
+# Names of rows that are no shots or tests but sum them up.
+SUMMARIES = (
+    *("mean", "average", "standard deviation", "st. dev.", "std", "V50", "Mittelwert", "Mittel", "Standardabweichung"),
+    *("Stabw.", "moyenne", "écart-type"),
+)
 # What the numbers of a key can be, by key or else by unit: the bounds tell 1,234 from 1.234.
 BOUNDS = {
     **dict.fromkeys(("velocity_m_s", "impact.velocity_m_s", "ballistic_limit_m_s"), (10.0, 1e4)),
@@ -117,16 +150,37 @@ BOUNDS = {
     "°": (0.0, 60.0),
 }
 _BRACKETS = re.compile(r"[(\[{]([^)\]}]*)[)\]}]")
+# What a header says of codes, as in "1 = perforated", and words between which cells choose, as in "yes/no".
+_CODES = re.compile(r"([^\W_]+)\s*[=:]\s*([^\W\d_]+(?: [^\W\d_]+)*)")
+_OR = r"(?:/|\bor\b|\boder\b|\bou\b)"
+_EITHER = re.compile(rf"([^\W_]+)\s*{_OR}\s*([^\W_]+)")
+# Letters of a code, such as PP, which does not say what yes means.
+LONGEST_CODE = 3
 
 
 class Column(NamedTuple):
-    """A column: its key, or its name if it has none, the factor to the key's unit, and the unit as it is written."""
+    """A column: its key, or its name if it has none, the factor to the key's unit, and the unit as it is written.
+
+    Of a column of results or of yes and no, the unit is what its header says in brackets and is not understood; the
+    factor is 0 if that contradicts the words for results.
+    """
 
     key: str
     factor: float = 1.0
     unit: str = ""  # "" if the header is the key itself, or has no unit
     known: bool = True
-    yes: bool | None = None  # whether yes means that the armour was perforated, where the header says of what
+    yes: bool | None = None  # whether yes means that a shot perforated, or counts, where the header says of what
+
+    @property
+    def in_unit(self) -> str:
+        """The quantity in its unit, in words, such as "velocity in ft/s"."""
+        return f"{words_and_unit(self.key)[0]} in {'inches' if self.unit == 'in' else self.unit}"
+
+    def says(self, word: str) -> bool | None:
+        """Return whether a word in the column says that a shot perforated, or counts; None if it says neither."""
+        said = None if self.yes is None else is_yes(word)
+        words = _COUNTED if self.key in COUNT_KEYS else PERFORATED
+        return words.get(letters(word)) if said is None else said == self.yes
 
 
 def folded(text: str) -> str:
@@ -135,20 +189,36 @@ def folded(text: str) -> str:
     return "_".join(re.findall(r"[^\W_]+|[#°]", "".join(c for c in plain if not unicodedata.combining(c))))
 
 
-_UNIT_NAMES = {folded(unit): unit for units in UNITS.values() for unit in units}
-PERFORATED = {folded(word): place == 1 for pair in OUTCOMES for place, word in enumerate(pair)}
-_YES = {word: place == 1 for pair in YES_OR_NO for place, word in enumerate(pair)}
-
-
 @lru_cache
+def letters(text: str) -> str:
+    """Return the letters and digits of a text, without accents and case."""
+    return folded(text).replace("_", "")
+
+
+def _by_word(pairs: Sequence[tuple[str, str]]) -> dict[str, bool]:
+    return {letters(word): place == 1 for pair in pairs for place, word in enumerate(pair)}
+
+
+_UNIT_NAMES = {folded(unit): unit for units in UNITS.values() for unit in units}
+PERFORATED, _COUNTED = _by_word(OUTCOMES), _by_word(COUNTED)
+# Exactly, as "-1" is not 1.
+_YES = {word: place == 1 for pair in YES_OR_NO for place, word in enumerate(pair)}
+_SUMMARIES = {*map(letters, SUMMARIES)}
+
+
 def perforates(word: str) -> bool | None:
     """Return whether a word says that an armour was perforated; None if it says neither."""
-    return PERFORATED.get(folded(word))
+    return PERFORATED.get(letters(word))
 
 
 def is_yes(word: str) -> bool | None:
     """Return whether a word says yes; None if it says neither yes nor no."""
     return _YES.get(word.casefold())
+
+
+def is_summary(name: str) -> bool:
+    """Return whether the name of a row says that it sums up others, as "V50 (3 + 3)" does."""
+    return not name.isdecimal() and letters(_BRACKETS.sub("", name)) in _SUMMARIES
 
 
 def is_unit(text: str) -> bool:
@@ -158,12 +228,21 @@ def is_unit(text: str) -> bool:
 
 @cache
 def _keys(columns: tuple[str, ...]) -> dict[str, str]:
-    """Return the keys of columns by their folded names without units."""
-    keys = {folded(name): key for key in reversed(columns) for name in NAMES.get(key, ())}
+    """Return the keys of columns by the letters of their names without units."""
+    keys = {letters(name): key for key in reversed(columns) for name in NAMES.get(key, ())}
     for key in columns:
         unit = words_and_unit(key)[1]
-        keys[folded(key).removesuffix(f"_{folded(unit)}" if unit in UNITS else "")] = key
+        keys[letters(folded(key).removesuffix(f"_{folded(unit)}" if unit in UNITS else ""))] = key
     return keys
+
+
+def _key_of(name: str, keys: Mapping[str, str]) -> str | None:
+    """Return the key of a folded name, which may have a word for "number" at an end; None if it has none."""
+    name = letters(name)
+    if (key := keys.get(name)) is not None:
+        return key
+    key = keys.get(re.sub(f"^{_NUMBER}(?:de|du)?|{_NUMBER}$", "", name))
+    return key if key in NUMBERED else None
 
 
 def column_of(header: str, columns: Sequence[str]) -> Column:
@@ -172,30 +251,41 @@ def column_of(header: str, columns: Sequence[str]) -> Column:
     The factor is 0 if the unit is missing or is none of the key's.
     """
     if header in columns:
-        return Column(header)
-    if by_yes := _of_yes(header, columns):
-        return by_yes
+        return Column(header, yes=YES_MEANS.get(header))
     keys = _keys(tuple(columns))
     name = _BRACKETS.sub(lambda bracket: bracket[0] if is_unit(bracket[1]) else " ", header)
     for text in map(folded, (header, name)):
         ending = max((unit for unit in _UNIT_NAMES if text.endswith(f"_{unit}")), key=len, default="")
         stem = re.sub("_(in|en)$", "", text.removesuffix(f"_{ending}")) if ending else text
-        key = keys.get(stem) or keys.get(text)
+        whole = _key_of(text, keys)
+        key = _key_of(stem, keys) or whole
         if key is None:
             continue
         units = UNITS.get(words_and_unit(key)[1])
         if units is None:
-            return Column(key) if text in keys else Column(header, known=False)
+            return _of_words(key, header) if whole else Column(header, known=False)
         unit = _UNIT_NAMES.get(ending, "")
         return Column(key, units.get(unit, 0.0), unit)
     return Column(header, known=False)
 
 
-def _of_yes(header: str, columns: Sequence[str]) -> Column | None:
-    """Return the column of a header such as "Result (1 = perforated)", if it is one."""
-    meaning = re.search(r"\b([01])\s*[=:]\s*([^\W\d]+(?: [^\W\d]+)*)", header)
-    result = None if meaning is None else perforates(meaning[2])
-    if meaning is None or result is None or folded(_BRACKETS.sub("", header)) not in map(folded, RESULTS):
-        return None
-    key = "perforated" if result == (meaning[1] == "1") else "stopped"
-    return Column(key) if key in columns else None
+def _of_words(key: str, header: str) -> Column:
+    """Return a column of texts: of results, and of yes and no, by what its header says in brackets."""
+    column = Column(key, yes=YES_MEANS.get(key))
+    note = " ".join(_BRACKETS.findall(header))
+    if key not in (*RESULT_KEYS, *YES_MEANS) or not note:
+        return column
+    of_yes = column._replace(yes=column.yes is not False)
+    if codes := [(code, word) for code, word in _CODES.findall(note) if of_yes.says(code) is not None]:
+        same = {None if of_yes.says(word) is None else of_yes.says(code) == of_yes.says(word) for code, word in codes}
+        has_yes = all(is_yes(code) is not None for code, _ in codes)
+        if same == {True}:
+            return of_yes if has_yes else column
+        return of_yes._replace(yes=not of_yes.yes) if same == {False} and has_yes else Column(key, 0.0, note)
+    rest = _EITHER.sub(lambda two: two[0] if None in map(is_yes, two.groups()) else " ", note)
+    said = {column._replace(yes=None).says(words) for words in re.split(f"[,;]|{_OR}", rest) if letters(words)}
+    if said in (set(), {False, True}) or (column.yes is not None and None in said):
+        return column
+    if None in said or len(letters(rest)) <= LONGEST_CODE:
+        return Column(key, unit=note)
+    return column._replace(yes=said == {True}) if column.yes in (None, *said) else Column(key, 0.0, note)

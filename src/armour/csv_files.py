@@ -3,19 +3,35 @@
 import csv
 import json
 import re
+from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
 from hashlib import sha256
 from io import BufferedReader, BytesIO, TextIOWrapper
 from itertools import chain, islice
-from math import inf, isfinite, nan
+from math import inf, isclose, isfinite, nan
 from os import PathLike
 from pathlib import Path
+from shlex import quote
 from typing import Any, NamedTuple, Protocol
 from zipfile import ZipFile
 
-from armour.columns import BOUNDS, GROUPS, OUTCOMES, UNITS, Column, column_of, folded, is_unit, is_yes
+from armour.columns import (
+    BOUNDS,
+    COUNT_KEYS,
+    GROUPS,
+    OUTCOMES,
+    RESULT_KEYS,
+    UNITS,
+    YES_MEANS,
+    Column,
+    column_of,
+    is_summary,
+    is_unit,
+    is_yes,
+    letters,
+)
 from armour.errors import CHOOSE, InputError, Problem, counted, joined, listed, mistake, refuse, suggestion
 from armour.files import csv_value, located, named, reason, refuse_pipe, shipped_tests
 from armour.units import key_hint, words_and_unit
@@ -29,10 +45,12 @@ HEAD, LEAST_NAMES = 40, 2
 SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
 # Endings of workbooks; the greatest size of all their parts, unpacked, and number of columns.
 WORKBOOKS, MAX_UNPACKED, MAX_COLUMNS = (".xlsx", ".xlsm"), 100_000_000, 1000
-# Columns that tell which rows count, and those of results: their keys, and what yes means in the others.
-COUNTS, RESULT_KEYS, RESULT_COLUMNS = "counts", ("result", "outcome"), ("perforated", "stopped")
 # Units that messages suggest.
 USUAL_UNITS = ("m/s", "ft/s", "mm", "in", "g", "grain", "°")
+# Yes, in a column of crosses and blanks.
+CROSS = "x"
+# Relative difference of two numbers that are rounded in different units.
+SAME = 1e-3
 MUST_SAY = 'must be "stopped" or "perforated" (or partial or complete, P or C, PP or CP, no or yes)'
 # Bytes that are not UTF-8 text, as they are read.
 _UNDECODED = re.compile("[\udc80-\udcff]")
@@ -70,6 +88,7 @@ class Source:
     header: Sequence[str] = ()
     lines: Iterator[Line] = field(default_factory=lambda: iter(()))
     form: list[str] = field(default_factory=list)  # separator, encoding and the like, in words
+    sheets: Sequence[str] = ()  # of a workbook
     digest: Any = field(default_factory=sha256)  # of the content, once all lines are read
 
 
@@ -272,6 +291,7 @@ def _sheet_lines(path: Path, source: Source, sheet: str | None) -> Iterator[Line
             if sheet is not None and sheet not in names:
                 raise mistake(path, "", f"must have the sheet {sheet}, found {', '.join(names)}")
             name = names[0] if sheet is None else sheet
+            source.sheets = names
             source.form.append(f"sheet {name}")
             for number, row in enumerate(workbook[name].iter_rows(max_col=MAX_COLUMNS, values_only=True), 1):
                 cells = [_cell(value) for value in row]
@@ -317,12 +337,13 @@ def read_rows(
     noun: str,
     usual: str = "",
     where: Mapping[str, str] | None = None,
+    least: int = 1,
 ) -> CsvTable:
     """Read the rows of a table whose header names columns of numbers and of texts, at least those needed.
 
     The first column of texts names the row, and ``noun`` says what a row is.  Other columns are ignored, but if one is
     like one of these, the message lists the ``usual`` ones.  Rows are left out that do not count, or whose cells are
-    not those that ``where`` requires, by column.
+    not those that ``where`` requires, by column; at least so many rows must be left.
     """
     file, header, keys = source.file, source.header, (*numbers, *texts)
     if not source.place:
@@ -331,28 +352,45 @@ def read_rows(
     lines = [*islice(source.lines, MAX_ROWS + 1)]
     if len(lines) > MAX_ROWS:
         raise mistake(file, "", f"must have at most {MAX_ROWS} rows below its header, found more")
-    columns = columns_of(source, keys)
+    columns, problems = columns_of(source, keys), list[Problem]()
+    whole = [line for line in lines if len(line[1]) == len(header)]
+    uncounted = _uncounted(source, columns, whole, texts[0], problems)
+    columns = _without_copies(source, columns, [line for line in whole if line[0] not in uncounted])
+    if len(source.sheets) > 1 and not any(column.known for column in columns):
+        raise mistake(
+            file, "", f"must have {noun}s in the {source.form[0]}; --sheet chooses: {', '.join(source.sheets)}"
+        )
     refuse(_wrong_columns(source, columns, keys, needed, usual or ", ".join(keys)))
-    problems = [Problem(file, place, wrong_width(cells, header)) for place, cells in lines if len(cells) != len(header)]
-    if not lines:
+    problems += (
+        Problem(file, place, wrong_width(cells, header)) for place, cells in lines if len(cells) != len(header)
+    )
+    if len(lines) < least:
         problems = [Problem(file, "", "must have at least one row below its header")]
-    lines = _chosen(source, columns, [line for line in lines if len(line[1]) == len(header)], where or {})
-    lines, left_out = _that_count(source, columns, lines, problems)
+    lines = _chosen(source, columns, whole, where or {}, uncounted)
+    left_out = tuple(place for place, _ in lines if place in uncounted)
+    lines = [line for line in lines if line[0] not in uncounted]
     rows = [CsvRow(place, {}, {}) for place, _ in lines]
     words, groups = [*source.form], dict[str, list[str]]()
     for index, (name, column) in enumerate(zip(header, columns, strict=True)):
         cells = [cells[index] for _, cells in lines]
-        if column.known and column.key in keys:
-            words += _fill(source, name, column, cells, rows, problems if column.key in numbers else None)
+        if source.sheets and column.key in needed and cells and not any(cells):
+            raise mistake(file, name, "must have values, found none; save the workbook after its last calculation")
+        if column.known and column.key in numbers:
+            words += _fill_numbers(source, name, column, cells, rows, problems)
+        elif column.known and column.key in keys:
+            words += _fill_texts(source, name, column, cells, rows, problems)
         elif column.known and column.key in GROUPS:
             groups[name] = cells
     equal = _equal(file, texts[0], rows, lines, problems)
-    if not rows:
+    if len(rows) < least:
         raise InputError(problems or [Problem(file, "", "must have rows that count")])
     ignored = tuple(name for name, column in zip(header, columns, strict=True) if name and not column.known)
     notes = [f"{name} {value}" for name, value in (where or {}).items()]
-    if ignored and "test" in texts:
-        notes.append(f"without the columns {', '.join(ignored)}")
+    if ignored:
+        notes.append(f"without {', '.join(ignored)}")
+    names = Counter(row.texts.get(texts[0]) for row in rows)
+    if several := [name for name, count in names.items() if name and count > 1]:
+        notes.append(f"several {noun}s named {listed(several)}")
     if left_out:
         notes.append(f"without {listed(left_out)}, which {'does' if len(left_out) == 1 else 'do'} not count")
     if equal:
@@ -363,42 +401,92 @@ def read_rows(
     return CsvTable(file, rows, problems, TableRead(told, plain, left_out, ignored, source.digest.hexdigest()), groups)
 
 
-def _fill(
-    source: Source,
-    name: str,
-    column: Column,
-    cells: Sequence[str],
-    rows: Sequence[CsvRow],
-    problems: list[Problem] | None,
+def _fill_texts(
+    source: Source, name: str, column: Column, cells: Sequence[str], rows: Sequence[CsvRow], problems: list[Problem]
 ) -> list[str]:
-    """Fill the rows with the cells of a column, of numbers if there is a list for problems; return how."""
-    is_text = problems is None
-    for row, cell in zip(rows, cells, strict=True):
-        yes = None if column.yes is None else is_yes(cell)
-        if yes is not None:
-            row.texts[column.key] = OUTCOMES[0][yes == column.yes]
+    """Fill the rows with the cells of a column of texts, and return how."""
+    words = no_crosses(cells, column)
+    for row, cell in zip(rows, words, strict=True):
+        is_word = is_yes(cell) is not None
+        if is_word and column.unit:
+            message = f'must be "stopped" or "perforated", found "{cell}", which may mean both'
+            problems.append(Problem(source.file, f"{row.place}: {name}", message))
+        if is_word and column.yes is not None:
+            row.texts[column.key] = OUTCOMES[0][column.says(cell) is True]
         elif cell:
-            row.texts[column.key] = csv_value(cell) if is_text else cell
-    if problems is None:
-        return []
-    mark = _read_numbers(source, name, column, rows, problems)
+            row.texts[column.key] = csv_value(cell)
+    return ["x for yes"] if words is not cells else []
+
+
+def _fill_numbers(
+    source: Source, name: str, column: Column, cells: Sequence[str], rows: Sequence[CsvRow], problems: list[Problem]
+) -> list[str]:
+    """Fill the rows with the cells of a column of numbers, and return how."""
+    mark = decimal_mark(cells, column, source.form)
+    for row, cell in zip(rows, cells, strict=True):
+        value = number_as(cell, mark or ".")
+        if cell:
+            row.texts[column.key] = cell
+        if mark is None and number_as(cell, ".") != number_as(cell, ","):
+            problems.append(Problem(source.file, f"{row.place}: {name}", two_meanings(cell)))
+        elif value is not None:
+            row.numbers[column.key] = value * column.factor
+        elif cell:
+            problems.append(Problem(source.file, f"{row.place}: {name}", f'must be a number, found "{cell}"'))
     commas = ["decimal commas"] if mark == "," and any("," in cell for cell in cells) else []
-    return [*commas, *([f"{words_and_unit(column.key)[0]} in {column.unit}"] if column.unit else [])]
+    return [*commas, *([column.in_unit] if column.unit else [])]
+
+
+def no_crosses(cells: Sequence[str], column: Column) -> Sequence[str]:
+    """Return the cells of a column of yes and no with yes for crosses and no for blanks, if it has nothing else.
+
+    Without any cross, only a column of rows to leave out says so.
+    """
+    words = {cell.casefold() for cell in cells} - {""}
+    leaves_out = column.key == COUNT_KEYS[0] and column.yes is False
+    if column.yes is None or words - {CROSS} or not (words or leaves_out):
+        return cells
+    return ["yes" if cell else "no" for cell in cells]
 
 
 def columns_of(source: Source, keys: Sequence[str]) -> list[Column]:
     """Return the columns of a table by its header; a key itself goes before other names for it."""
     result = next((key for key in RESULT_KEYS if key in keys), "")
-    names = (*keys, COUNTS, *GROUPS, *(RESULT_COLUMNS if result else ()))
+    names = (*keys, *GROUPS, *(YES_MEANS if result else COUNT_KEYS))
     columns = []
     for name in source.header:
         column = column_of(name, names)
-        if column.key in RESULT_COLUMNS:
-            column = column._replace(key=result, yes=column.key == RESULT_COLUMNS[0])
+        if column.known and column.key in YES_MEANS:
+            column = column._replace(key=COUNT_KEYS[0] if column.key in COUNT_KEYS else result)
         if column.key in source.header and name != column.key:
             column = Column(name, known=False)
         columns.append(column)
     return columns
+
+
+def _without_copies(source: Source, columns: list[Column], lines: Sequence[Line]) -> list[Column]:
+    """Return the columns without those that say the same as another in another unit, or in the opposite words."""
+    places: dict[str, list[int]] = {}
+    for place, column in enumerate(columns):
+        if column.known and column.factor and (column.unit or column.yes is not None) and column.key != COUNT_KEYS[0]:
+            places.setdefault(column.key, []).append(place)
+
+    def values(place: int) -> list[float]:
+        column, cells = columns[place], [cells[place] for _, cells in lines]
+        if column.yes is not None:
+            return [nan if (said := column.says(cell)) is None else said for cell in no_crosses(cells, column)]
+        mark = decimal_mark(cells, column, source.form) or "."
+        return [nan if (value := number_as(cell, mark)) is None else value * column.factor for cell in cells]
+
+    kept = [*columns]
+    for same in places.values():
+        first, *others = sorted(same, key=lambda place: columns[place].factor != 1.0)
+        for place in others:
+            is_other = (columns[first].unit, columns[first].yes) != (columns[place].unit, columns[place].yes)
+            pairs = zip(values(first), values(place), strict=True)
+            if is_other and all(isclose(*pair, rel_tol=SAME) for pair in pairs):
+                kept[place] = Column(source.header[place], known=False)
+    return kept
 
 
 def _wrong_columns(
@@ -411,10 +499,14 @@ def _wrong_columns(
     missing, several = [key for key in keys if key not in by_other_names], set[str]()
     for name, column in dict(zip(source.header, columns, strict=True)).items():
         if column.known and column.factor == 0.0:
-            units = UNITS[words_and_unit(column.key)[1]]
+            units = UNITS.get(words_and_unit(column.key)[1])
+            if units is None:
+                message = f'must agree with the words for results or yes and no, found "{column.unit}"'
+                yield Problem(source.file, name, message)
+                continue
             stem = re.sub(r"\s*[(\[].*", "", name)
             ways = joined([f'"{stem} ({unit})"' for unit in units if unit in USUAL_UNITS], "or")
-            yield Problem(source.file, name, f"must have its unit, as {ways}: {column.key}")
+            yield Problem(source.file, name, f"must have its unit, as {ways}")
         elif column.known and found.count(column.key) > 1 and column.key not in several:
             several.add(column.key)
             same = [name for name, other in zip(source.header, columns, strict=True) if other.key == column.key]
@@ -429,13 +521,18 @@ def _wrong_columns(
     yield from (Problem(source.file, key, "is missing and must be a column") for key in needed if key not in found)
 
 
-def _chosen(source: Source, columns: Sequence[Column], lines: list[Line], where: Mapping[str, str]) -> list[Line]:
+def _chosen(
+    source: Source, columns: Sequence[Column], lines: list[Line], where: Mapping[str, str], uncounted: Collection[str]
+) -> list[Line]:
     """Return the lines whose cells are those required, by column."""
     for name, value in where.items():
         index = place_of(source, columns, name)
         values = dict.fromkeys(cells[index] for _, cells in lines)
         if value not in values:
             raise mistake(source.file, f"where {name}", f'must be one of {", ".join(values)}, found "{value}"')
+        if columns[index].key in GROUPS:
+            blank = [place for place, cells in lines if not cells[index] and place not in uncounted]
+            refuse(_not_filled(source.file, source.header[index], blank))
         lines = [line for line in lines if line[1][index] == value]
     return lines
 
@@ -443,25 +540,29 @@ def _chosen(source: Source, columns: Sequence[Column], lines: list[Line], where:
 def place_of(source: Source, columns: Sequence[Column], name: str) -> int:
     """Return the place of the column that a name means."""
     for place, (header, column) in enumerate(zip(source.header, columns, strict=True)):
-        if name == column.key or folded(name) == folded(header):
+        if name == column.key or letters(name) == letters(header):
             return place
     raise mistake(source.file, "where", f'must name a column, found "{name}"')
 
 
-def _that_count(
-    source: Source, columns: Sequence[Column], lines: list[Line], problems: list[Problem]
-) -> tuple[list[Line], tuple[str, ...]]:
-    """Return the lines that count, and the places of the others."""
-    index = next((place for place, column in enumerate(columns) if column.known and column.key == COUNTS), None)
+def _uncounted(
+    source: Source, columns: Sequence[Column], lines: Sequence[Line], naming: str, problems: list[Problem]
+) -> set[str]:
+    """Return the places of the lines that do not count, or whose name is that of a mean or the like."""
+    by_key = {column.key: place for place, column in enumerate(columns) if column.known}
+    name, index = by_key.get(naming), by_key.get(COUNT_KEYS[0])
+    places = {place for place, cells in lines if name is not None and is_summary(cells[name])}
     if index is None:
-        return lines, ()
-    counts = [(line, is_yes(line[1][index])) for line in lines]
-    problems += (
-        Problem(source.file, f"{place}: {source.header[index]}", f'must be yes or no, found "{cells[index]}"')
-        for (place, cells), yes in counts
-        if yes is None
-    )
-    return [line for line, yes in counts if yes], tuple(line[0] for line, yes in counts if yes is False)
+        return places
+    for (place, _), cell in zip(lines, no_crosses([cells[index] for _, cells in lines], columns[index]), strict=True):
+        counts = columns[index].says(cell)
+        if counts is None and place not in places:
+            problems.append(
+                Problem(source.file, f"{place}: {source.header[index]}", f'must be yes or no, found "{cell}"')
+            )
+        elif not counts:
+            places.add(place)
+    return places
 
 
 def _equal(file: str, naming: str, rows: Sequence[CsvRow], lines: Sequence[Line], problems: list[Problem]) -> list[str]:
@@ -476,23 +577,6 @@ def _equal(file: str, naming: str, rows: Sequence[CsvRow], lines: Sequence[Line]
             message = f"repeats {first}; if both took place, name them in the column {naming}"
             problems.append(Problem(file, place, message))
     return equal
-
-
-def _read_numbers(
-    source: Source, name: str, column: Column, rows: Sequence[CsvRow], problems: list[Problem]
-) -> str | None:
-    """Read a column of numbers, and return the mark of its decimals."""
-    mark = decimal_mark([row.texts.get(column.key, "") for row in rows], column, source.form)
-    for row in rows:
-        cell = row.texts.get(column.key, "")
-        value = number_as(cell, mark or ".")
-        if mark is None and number_as(cell, ".") != number_as(cell, ","):
-            problems.append(Problem(source.file, f"{row.place}: {name}", two_meanings(cell)))
-        elif value is not None:
-            row.numbers[column.key] = value * column.factor
-        elif cell:
-            problems.append(Problem(source.file, f"{row.place}: {name}", f'must be a number, found "{cell}"'))
-    return mark
 
 
 def decimal_mark(cells: Iterable[str], column: Column, form: Collection[str]) -> str | None:
@@ -535,18 +619,32 @@ def number_as(cell: str, mark: str) -> float | None:
 def check_one_target(table: CsvTable, perforated: Sequence[bool | None], or_each: str = "") -> None:
     """Raise an InputError if the shots are at several targets, by a column such as panel."""
     for name, values in table.groups.items():
-        if len(found := targets_of(values, perforated)) > 1:
+        if len(found := targets_of(table, name, perforated)) > 1:
             shots = joined([f"{value} ({counted(values.count(value), 'shot')})" for value in found])
-            message = f"must be the same for all shots, found {shots}; choose one: --where {name}={found[0]}{or_each}"
+            choice = quote(f"{name}={found[0]}")
+            message = f"must be the same for all shots, found {shots}; choose one: --where {choice}{or_each}"
             raise mistake(table.file, name, message)
 
 
-def targets_of(values: Sequence[str], perforated: Sequence[bool | None]) -> list[str]:
-    """Return those values of a column that are no serial numbers: at least three shots have it, or both results."""
-    shots: dict[str, list[bool | None]] = {}
+def targets_of(table: CsvTable, name: str, perforated: Sequence[bool | None]) -> list[str]:
+    """Return those values of a column that are no serial numbers: at least three shots have it, or both results.
+
+    Blank cells, as in merged cells of a sheet, are such a value too, and refused if there are others.
+    """
+    values, shots = table.groups[name], dict[str, list[bool | None]]()
     for value, result in zip(values, perforated, strict=True):
         shots.setdefault(value, []).append(result)
-    return [value for value, results in shots.items() if value and (len(results) >= 3 or len({*results}) == 2)]
+    found = [value for value, results in shots.items() if len(results) >= 3 or len({*results}) == 2]
+    if found and len(shots) > 1:
+        blank = [row.place for row, value in zip(table.rows, values, strict=True) if not value]
+        refuse(_not_filled(table.file, name, blank))
+    return [*filter(None, found)]
+
+
+def _not_filled(file: str, name: str, blank: Sequence[str]) -> Iterator[Problem]:
+    """Yield what is wrong with a column that tells targets apart, given the rows in which it is blank."""
+    if blank:
+        yield Problem(file, name, f"must be filled in every row that counts, found blank cells in {listed(blank)}")
 
 
 def _cell(value: object) -> str:

@@ -78,7 +78,9 @@ def test_an_answer_for_each_panel(cli, folder: Path):
         told = cli.fails(2, "v50", "t.csv", "--each", option, "x.csv")
         assert told == [f"command line: {option}: must not be given with --each"]
     (folder / "one.csv").write_text("velocity_m_s,result\n700,P\n720,C\n")
-    assert "must have a column panel, target, plate, lab or lot" in cli.fails(2, "v50", "one.csv", "--each")[0]
+    assert (
+        "must have a column panel, target, plate, specimen, lab or lot" in cli.fails(2, "v50", "one.csv", "--each")[0]
+    )
     assert cli.fails(2, "v50", "t.csv", "--where", "A") == [
         'command line: --where: must be COLUMN=VALUE, found the text "A"'
     ]
@@ -115,3 +117,13 @@ def test_options_of_tables_need_one(cli, folder: Path):
     assert cli.fails(2, "v50", "t.csv", "--sheet", "x") == [
         "t.csv: must be a workbook (.xlsx) for a sheet to be chosen"
     ]
+
+
+def test_a_sheet_with_only_a_header_is_a_firing_without_shots(cli, folder: Path):
+    (folder / "t.csv").write_text("Schuss;Geschwindigkeit (m/s);Ergebnis\n")
+    cli("plan", "shots", "wilkins", "t.csv")
+    cli("plan", "shots", "wilkins", "t.csv", "--result", "P", "--velocity-m-s", "720.5")
+    assert (folder / "t.csv").read_text() == "Schuss;Geschwindigkeit (m/s);Ergebnis\n1;720,5;P\n"
+    (folder / "t.csv").write_text("velocity_m_s,result\n")
+    assert cli.fails(2, "v50", "t.csv") == ["t.csv: must have at least one row below its header"]
+    assert cli.fails(2, "v50", "t.csv", "wilkins", "--prior") == ["t.csv: must have at least one shot, found none"]

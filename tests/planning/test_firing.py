@@ -74,6 +74,9 @@ def test_swapped_results_are_named_and_not_planned_on():
     for settings in ({"shots": SWAPPED}, {"shots": SHOTS, "earlier": [SWAPPED]}):
         with pytest.raises(InputError, match=r"fired\.csv: result: must have complete .* are the results swapped\?"):
             plan_shots(scenario(), **settings)
+    results = (True, False, True, False, False, True)
+    shots = Shots((720.0, 740.0, 725.0, 735.0, 722.0, 731.0), results)
+    assert any("are the results swapped?" in warning for warning in plan_shots(scenario(), shots).warnings)
     # Two shots in this order are no sign of it.
     assert plan_shots(scenario(), Shots((740.0, 720.0), (False, True))).next_velocity_m_s
 

@@ -53,6 +53,12 @@ def test_a_shot_that_repeats_another_is_another_shot(tmp_path: Path):
         ("n\u00b0;V (m/s);r\u00e9sultat\n1;735,5;non perfor\u00e9\n", "cp1252", "2;750;perfor\u00e9\n"),
         ("sep=;\nv (m/s);perforated;valid\n735.5;0;ja\n", "utf-8", "750;1;ja\n"),
         ("velocity_m_s,stopped\n735.5,yes\n", "utf-8", "750,no\n"),
+        ('Shot;Velocity (ft/s);Result\n1;"2,757.7";PP\n', "utf-8", "2;2460.62992;CP\n"),
+        ('Shot,Velocity (ft/s),Result\n1,"2,757",PP\n', "utf-8", "2,2460.62992,CP\n"),
+        ("v (ft/s);Ergebnis\n2.757;Kein Durchschlag\n", "utf-8", "2460,62992;Durchschlag\n"),
+        ("v (m/s);Durchschlag;valid;Panel\n735,5;;x;A\n755,5;x;x;A\n", "utf-8", "750;x;x;A\n"),
+        ("v (m/s),v (ft/s),PP,CP\n700,2296.6,x,\n800,2624.7,,x\n", "utf-8", "750,2460.62992,,x\n"),
+        ("v (m/s);Ergebnis;ung\u00fcltig\n735,5;kein Durchschlag;nein\n", "utf-8", "750;Durchschlag;nein\n"),
     ],
 )
 def test_a_shot_is_written_as_the_others_are(tmp_path: Path, text: str, encoding: str, row: str):
@@ -62,8 +68,8 @@ def test_a_shot_is_written_as_the_others_are(tmp_path: Path, text: str, encoding
     assert made.decode(encoding) == (text + row).removeprefix("\ufeff" if encoding == "utf-16" else "")
     path.write_bytes(made)
     shots = read_shots(path)
-    assert shots.complete == (False, True)
-    assert shots.velocities_m_s[1] == pytest.approx(750.0, rel=1e-8)
+    assert (shots.complete[0], shots.complete[-1]) == (False, True)
+    assert shots.velocities_m_s[-1] == pytest.approx(750.0, rel=1e-8)
 
 
 def test_a_shot_at_one_of_several_panels(tmp_path: Path):

@@ -60,6 +60,16 @@ EXPORTS = {
         [2415 * FEET, 2498 * FEET, 2451 * FEET],
         R,
     ),
+    "two units": (
+        b"Shot;Velocity (ft/s);V (m/s);Result\n1;2412,4;735,3;PP\n2;2498,0;761,4;CP\n3;2460,6;750,0;PP\n",
+        V,
+        R,
+    ),
+    "two columns of results": (
+        b"Shot;v (m/s);Partial;Complete;Valid\n1;735,3;x;;x\n2;761,4;;x;x\n4;700;;;\n3;750,0;x;;x\n",
+        V,
+        R,
+    ),
     "thousandths": (b"velocity (m/s);result\n735,300;P\n761,400;C\n750,000;P\n", V, R),
     "quoted": (
         b'"Velocity (ft/s)","Result"\n"2,415.3","partial penetration"\n"2,498.7",complete penetration\n"2,451.0",PP\n',
@@ -94,7 +104,7 @@ def test_what_an_export_holds(tmp_path: Path, name: str):
 
 def test_how_a_table_was_read_is_one_line(tmp_path: Path):
     for name, words in (
-        ("feet", "semicolons, decimal commas, velocity in ft/s, 3 shots"),
+        ("feet", "semicolons, decimal commas, velocity in ft/s, 3 shots, without Yaw"),
         ("titles", "semicolons, 2 lines above the header, 3 shots"),
         ("Windows-1252", "semicolons, Windows-1252, decimal commas, velocity in m/s, 3 shots"),
         ("trailing", "commas, 3 shots"),
@@ -138,6 +148,25 @@ def shots_of(folder: Path, text: str, **settings: object) -> armour.Shots:
         ("velocity_m_s,result\n700,0\n720,1\n", 'line 2: result: must be "stopped" or "perforated"'),
         ("velocity_m_s,result,valid\n700,P,yes\n720,C,perhaps\n", 'line 3: valid: must be yes or no, found "perhaps"'),
         ("velocity_m_s,result,valid\n700,P,no\n720,C,no\n", "must have rows that count"),
+        ("velocity_m_s,result,valid\n700,P,-1\n720,C,1\n", 'line 2: valid: must be yes or no, found "-1"'),
+        ("velocity_m_s,result,valid\n700,P,\n720,C,yes\n", 'line 2: valid: must be yes or no, found ""'),
+        (
+            "velocity_m_s,Result (protected yes/no)\n700,no\n720,yes\n",
+            'line 2: Result .*: must be "stopped" or "perforated", found "no", which may mean both',
+        ),
+        ("V (m/s),v (ft/s),result\n700,2300,P\n720,2362,C\n", r"found several: V \(m/s\) and v"),
+        ("velocity_m_s,stopped,perforated\n700,yes,yes\n720,no,yes\n", "found several: stopped and perforated"),
+        *(
+            (f'velocity_m_s,"Result ({said})"\n700,no\n720,yes\n', 'found "no", which may mean both')
+            for said in ("P", "Schutz, ja/nein", "PP/CP, visual", "protected: yes", "pass/fail", "stopped, visual")
+        ),
+        (
+            "velocity_m_s,Result (P = perforated)\n700,P\n720,P\n",
+            'must agree with the words for results or yes and no, found "P = perforated"',
+        ),
+        ("velocity_m_s,Perforated (stopped?)\n700,no\n720,yes\n", 'must agree with .*, found "stopped[?]"'),
+        ("velocity_m_s,result,panel\n700,P,A\n720,C,A\n800,P,\n", "panel: must be filled in every row .* in line 4"),
+        ("velocity_m_s,result,panel\n700,P,A\n720,C,\n710,P,\n800,P,B\n", "panel: must be filled .* in line 3, line 4"),
     ],
 )
 def test_what_may_mean_two_things_is_refused(tmp_path: Path, text: str, message: str):
@@ -151,15 +180,93 @@ def test_equal_rows_without_a_name_are_two_shots(tmp_path: Path):
     assert "line 3 equal to an earlier row, counted" in str(shots.read)
     with pytest.raises(InputError, match="line 3: repeats line 2"):
         shots_of(tmp_path, "shot,velocity_m_s,result\n1,700,P\n1,700,P\n2,720,C\n")
+    shots = shots_of(tmp_path, "shot,velocity_m_s,result\n1,700,P\n1,705,P\n2,720,C\n")
+    assert "several shots named 1" in str(shots.read)
 
 
-@pytest.mark.parametrize("name", ["fair hit", "Valid", "counts", "g\u00fcltig", "valable"])
-def test_rows_that_do_not_count_are_left_out(tmp_path: Path, name: str):
-    shots = shots_of(tmp_path, f"velocity_m_s,result,{name}\n700,P,yes\n9,?,no\n720,C,ja\n")
+@pytest.mark.parametrize(
+    ("name", "yes", "no"),
+    [
+        *(
+            (name, "yes", "no")
+            for name in ("fair hit", "FairHit", "Valid", "counts", "Accepted", "Used for V50", "Status")
+        ),
+        *(("G\u00fcltiger Schuss", "ja", "nein"), ("Coup retenu", "oui", "non"), ("Fair hit (Y/N)", "Y", "N")),
+        *(("Rejected", "no", "yes"), ("Excluded", "", "x"), ("ung\u00fcltig", "", "X"), ("valid", "x", "")),
+        *(("Status", "accepted", "rejected"), ("G\u00fcltigkeit", "i.O.", "n. i. O."), ("Valid (0 = yes)", "0", "1")),
+    ],
+)
+def test_rows_that_do_not_count_are_left_out(tmp_path: Path, name: str, yes: str, no: str):
+    shots = shots_of(tmp_path, f"velocity_m_s,result,{name}\n700,P,{yes}\n9,?,{no}\n720,C,{yes}\n")
     assert shots.velocities_m_s == (700.0, 720.0)
     assert shots.read is not None
     assert shots.read.left_out == ("line 3",)
     assert shots.read.words == "commas, 2 shots, without line 3, which does not count"
+
+
+def test_no_row_is_left_out_without_a_cross(tmp_path: Path):
+    assert shots_of(tmp_path, "velocity_m_s,result,Rejected\n700,P,\n720,C,\n").velocities_m_s == (700.0, 720.0)
+    with pytest.raises(InputError, match='Accepted: must be yes or no, found ""'):
+        shots_of(tmp_path, "velocity_m_s,result,Accepted\n700,P,\n720,C,\n")
+    with pytest.raises(InputError, match="line 2: result: must be"):
+        shots_of(tmp_path, "velocity_m_s,perforated\n700,\n720,\n", one_kind=True)
+
+
+def test_rows_that_sum_up_others_are_left_out(tmp_path: Path):
+    rows = "1;812,4;PP;yes\n2;846,9;CP;yes\nMittelwert;830,95;;\nStabw.;10,3;;\nV50 (1+1);829,7;CP;\n"
+    shots = shots_of(tmp_path, f"Shot;Velocity (m/s);Result;Valid\n{rows}")
+    assert (shots.names, shots.velocities_m_s) == (("1", "2"), (812.4, 846.9))
+    assert "without line 4, line 5, line 6, which do not count" in str(shots.read)
+
+
+@pytest.mark.parametrize(
+    ("name", "stopped", "perforated"),
+    [
+        *(("Result (stopped?)", "yes", "no"), ("R\u00e9sultat (non perfor\u00e9 oui/non)", "oui", "non")),
+        *(
+            ("Durchschlag (0 = ja, 1 = nein)", "1", "0"),
+            ("Perforated (1 = no)", "1", "0"),
+            ("Stopped (0 = yes)", "0", "1"),
+        ),
+        *(("Result (0 = perforated, 1 = stopped)", "1", "0"), ("Result (P = partial, C = complete)", "P", "C")),
+        *(("Result (witness plate)", "P.P.", "C.P."), ("Perforated (visual)", "no", "yes"), ("Durchschlag", "", "x")),
+    ],
+)
+def test_what_a_header_says_of_the_words_below_it(tmp_path: Path, name: str, stopped: str, perforated: str):
+    shots = shots_of(tmp_path, f'velocity_m_s,"{name}"\n700,{stopped}\n720,{perforated}\n710,{stopped}\n')
+    assert shots.complete == (False, True, False)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "Panel #",
+        "Panel-ID",
+        "Plattennr.",
+        "PlattenNr",
+        "Plaque n\u00b0",
+        "N\u00b0 de plaque",
+        "Ziel Nr.",
+        "Specimen",
+        "Batch",
+    ],
+)
+def test_names_of_panels_may_have_a_word_for_number(tmp_path: Path, name: str):
+    with pytest.raises(InputError, match=f"{name}: must be the same for all shots"):
+        shots_of(tmp_path, f"velocity_m_s,result,{name}\n700,P,1\n720,C,1\n800,P,2\n820,C,2\n")
+
+
+def test_tests_of_several_lots_are_not_one_lot(tmp_path: Path):
+    text = "Los Nr.;ballistic_limit_m_s;armour.ceramic_thickness_mm;Wetter\n7;700;8;nass\n8;760;8;nass\n"
+    (tmp_path / "t.csv").write_text(text)
+    with pytest.raises(
+        InputError, match=r"Los Nr\.: must be the same for all tests, found 7, 8; .* --where 'Los Nr\.=7'"
+    ):
+        armour.read_tests(tmp_path / "t.csv", scenario())
+    tests = armour.read_tests(tmp_path / "t.csv", scenario(), where={"lot": "8"})
+    assert [m.value for m in tests.measurements] == [760.0]
+    assert tests.read is not None
+    assert tests.read.words == "semicolons, 1 test, lot 8, without Wetter"
 
 
 def test_several_panels_are_not_pooled(tmp_path: Path):
@@ -169,6 +276,8 @@ def test_several_panels_are_not_pooled(tmp_path: Path):
     assert shots_of(tmp_path, text, where={"panel": "B"}).velocities_m_s == (800.0, 820.0)
     with pytest.raises(InputError, match='where panel: must be one of A, B, C, found "D"'):
         shots_of(tmp_path, text, where={"panel": "D"})
+    with pytest.raises(InputError, match="panel: must be filled in every row that counts, found blank cells in line 7"):
+        shots_of(tmp_path, text + "720,C,\n", where={"panel": "A"})
     with pytest.raises(InputError, match='where: must name a column, found "yaw"'):
         shots_of(tmp_path, text, where={"yaw": "1"})
     with pytest.raises(InputError, match="panel: must be the same"):
@@ -237,6 +346,13 @@ def test_a_workbook(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     assert armour.read_shots(path, sheet="second").velocities_m_s == (700.0, 720.0)
     with pytest.raises(InputError, match=r"t.xlsx: must have the sheet third, found Sheet, second"):
         armour.read_shots(path, sheet="third")
+    book.create_sheet("cover", 0).append(["Report"])
+    book["second"]["A2"] = book["second"]["A3"] = "=1*2"
+    book.save(path)
+    with pytest.raises(InputError, match="must have shots in the sheet cover; --sheet chooses: cover, Sheet, second"):
+        armour.read_shots(path)
+    with pytest.raises(InputError, match="velocity_m_s: must have values, found none; save the workbook after"):
+        armour.read_shots(path, sheet="second")
     monkeypatch.setattr("armour.csv_files.MAX_UNPACKED", 1000)
     with pytest.raises(InputError, match="must be at most 1,000 bytes long when it is unpacked"):
         armour.read_shots(path)
@@ -266,4 +382,4 @@ def test_json_holds_the_shots_and_the_hash_of_their_table(tmp_path: Path):
         fired = json.loads(json.dumps(data))["fired"]
         assert fired["velocities_m_s"] == pytest.approx(EXPORTS["feet"][1])
         assert fired["read"]["sha256"] == sha256(content).hexdigest()
-        assert fired["read"]["words"] == "semicolons, decimal commas, velocity in ft/s, 3 shots"
+        assert fired["read"]["words"] == "semicolons, decimal commas, velocity in ft/s, 3 shots, without Yaw"

@@ -218,6 +218,28 @@ def test_own_tests_hold_for_the_named_entry_with_its_calibrated_value():
         assert of_a.model_error.source.endswith("and 1 own test of this lot")
 
 
+def test_own_tests_keep_their_names_and_the_limits_of_the_calibrated_entry():
+    case = shipped_scenario("wilkins")
+    rows = [
+        {"test": name, "laboratory": laboratory, CERAMIC: mm, "ballistic_limit_m_s": limit}
+        for name, laboratory, mm, limit in (
+            ("A1", "North", 6.0, 760.0),
+            ("A2", "North", 8.0, 850.0),
+            ("B1", "South", 6.0, 750.0),
+        )
+    ]
+    tests = read_tests(rows, case)
+    entry = scenario_of(tests, case, FLOW_STRESS).entry_of("ceramic")
+    assert entry is not None
+    assert entry.evidence is not None
+    own = predicted_tests(entry, entry.evidence)
+    assert [test.name for test in own] == ["A1, North", "A2, North", "B1, South"]
+    calibrated = scenario_of(tests, case, FLOW_STRESS)
+    limits = [confidence(calibrated.replaced({CERAMIC: mm})).ballistic_limit_m_s for mm in (6.0, 8.0, 6.0)]
+    assert [test.computed_m_s for test in own] == pytest.approx(limits, abs=0.1)
+    assert calibrate(tests, case, FLOW_STRESS).own_tests == own
+
+
 def test_an_entry_calibrated_by_version_1_is_recognised():
     old = {"source": "3 own tests in a.csv", "key": "flow_stress_GPa", "measured": {}, "law": [{"slope": 0.6}]}
     case = FRAGMENT.replaced({"library.metal.old": {"based_on": "M", "evidence": old}, "armour.backing": "old"})
@@ -476,10 +498,13 @@ def test_an_answer_is_for_a_laboratory_that_did_not_test():
     ]
     header = f"test,laboratory,{CERAMIC},ballistic_limit_m_s"
     one = [row.replace("B", "A") for row in rows]
-    (low, high), (lowest, highest) = (
-        interval_of(scenario_of(table_of(case, header, *table), case, FLOW_STRESS)) for table in (one, rows)
-    )
+    of_one, of_two = (scenario_of(table_of(case, header, *table), case, FLOW_STRESS) for table in (one, rows))
+    (low, high), (lowest, highest) = interval_of(of_one), interval_of(of_two)
     assert highest / lowest > high / low
+    for calibrated, several in ((of_one, False), (of_two, True)):
+        error = confidence(calibrated).model_error
+        assert error is not None
+        assert error.source.endswith(", for another laboratory or series") == several
 
 
 def test_a_limit_that_is_only_known_to_be_above_or_below_is_an_outcome():

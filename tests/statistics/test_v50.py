@@ -109,6 +109,16 @@ def test_the_further_result_bounds_v50_as_it_says_and_better_than_others():
     assert nearest.confidence == 0.5
 
 
+@pytest.mark.parametrize("far", [512.0, 8386.0])
+def test_the_further_result_is_near_most_shots(far: float):
+    near = [(812.0, 0), (847.0, 1), (829.0, 0), (839.0, 1), (824.0, 0), (834.0, 1), (827.0, 1), (835.0, 0)]
+    velocities, results = zip(*near, (far, far > 1000.0), strict=True)
+    shots = Shots(velocities, [bool(result) for result in results])
+    further = v50(shots).further
+    assert further is not None
+    assert 650.0 < further.velocity_m_s < 1000.0
+
+
 def test_points_of_the_recommended_curve():
     fit = of_mixed().recommended
     assert fit is not None

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from armour.analysis.results import TableResult, by_column, same_columns
-from armour.core import stages
-from armour.core import equations
+from armour.core import equations, stages
 from armour.core.rk4 import state_within
 from armour.core.run import Instant, Run, run
 from armour.core.state import Outcome, Parameters, State

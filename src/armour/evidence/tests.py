@@ -262,6 +262,7 @@ def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
         doubtful = np.flatnonzero(np.max(farther, axis=0) * len(velocities) < FALSE_ALARMS)
     words = f"{counted(len(velocities), 'own test')} of this lot"
     words += f" ({len(doubtful)} out of line)" * bool(len(doubtful))
+    words += ", for another laboratory or series" * ("series" in tested)
     is_new = own_tests.law[0].level is not None
     kind, measured = _ranges_with(own_tests, tested, shipped, is_new=is_new)
     return shipped._replace(

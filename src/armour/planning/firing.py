@@ -54,6 +54,7 @@ from armour.statistics.v50 import (
     Velocity,
     check_not_swapped,
     check_shots,
+    swapped_note,
 )
 from armour.units import feet_note
 
@@ -398,6 +399,7 @@ def plan_shots(
         scatter_factor=scatter_factor,
         warnings=(
             *_far_shots(shots, expectation, limit),
+            *swapped_note(shots),
             *contradictions,
             *(langlie_doubts(fired, settings) if procedure == "langlie" and aim else ()),
             *([NOT_ENDED] if simulate and aim else ()),

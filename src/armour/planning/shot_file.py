@@ -5,12 +5,13 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from io import StringIO
+from itertools import chain
 from pathlib import Path
 
 from filelock import FileLock, Timeout
 
-from armour.columns import OUTCOMES, YES_OR_NO, folded, is_yes, perforates
-from armour.csv_files import COUNTS, SEPARATORS, columns_of, open_table, place_of
+from armour.columns import COUNT_KEYS, COUNTED, GROUPS, OUTCOMES, YES_OR_NO, Column, letters, perforates
+from armour.csv_files import SEPARATORS, columns_of, decimal_mark, no_crosses, open_table, place_of
 from armour.errors import mistake
 from armour.files import reason
 from armour.statistics.v50 import Shots, is_of_shots
@@ -58,16 +59,18 @@ def with_shot(path: Path, velocity_m_s: float, word: str, where: Mapping[str, st
     row = [""] * len(columns)
     for place, column in enumerate(columns):
         cells = [cells[place] for cells in shots]
-        last = next((cell for cell in reversed(cells) if cell), "")
         if column.known and column.key == "shot":
             row[place] = next_name(cells, len(shots))
+        elif column.known and column.key in GROUPS:
+            row[place] = filled.pop() if len(filled := {*filter(None, cells)}) == 1 else ""
         elif column.known and column.key == "result":
-            row[place] = _spelt(word, last, column.yes)
-        elif column.known and column.key == COUNTS:
-            row[place] = next(cell for cell in (*reversed(cells), "yes") if is_yes(cell))
+            row[place] = _spelt(bool(perforates(word)), word, cells, column)
+        elif column.known and column.key == COUNT_KEYS[0]:
+            row[place] = _spelt(True, "no" if column.yes is False else "yes", cells, column)
         elif column.known and column.key == "velocity_m_s":
-            has_commas = "," in "".join(cells) or ("semicolons" in source.form and "." not in "".join(cells))
-            row[place] = _number(velocity_m_s, column.factor).replace(".", "," if has_commas else ".")
+            usual = "," if "semicolons" in source.form else "."
+            mark = decimal_mark(cells, column, source.form) if {",", "."} & {*"".join(cells)} else usual
+            row[place] = _number(velocity_m_s, column.factor).replace(".", mark or ".")
     for name, value in (where or {}).items():
         row[place_of(source, columns, name)] = value
     utf16 = {b"\xff\xfe": "utf-16-le", b"\xfe\xff": "utf-16-be"}.get(content[:2])
@@ -86,14 +89,17 @@ def _number(velocity_m_s: float, factor: float) -> str:
     return f"{value:.9g}" if factor != 1.0 else f"{value:g}" if float(f"{value:g}") == value else repr(value)
 
 
-def _spelt(word: str, example: str, yes: bool | None) -> str:
-    """Return a word for a result from the pair to which an example belongs, capitalised like the example."""
-    is_second = bool(perforates(word))
-    pairs: Sequence[tuple[str, str]] = OUTCOMES
-    if yes is not None and is_yes(example) is not None:
-        pairs, is_second = YES_OR_NO, is_second == yes
-    word = next((pair for pair in pairs if folded(example) in map(folded, pair)), (word, word))[is_second]
-    return word.upper() if example.isupper() else word.capitalize() if example.istitle() else word
+def _spelt(says: bool, word: str, cells: Sequence[str], column: Column) -> str:
+    """Return a word that says so, as a column has it, or else of the pair of its last word, capitalised like it."""
+    meant = no_crosses(cells, column)
+    if same := [cell for cell, text in zip(cells, meant, strict=True) if column.says(text) == says]:
+        return same[-1]
+    if meant is not cells:
+        return ""
+    example = next((cell for cell in reversed(cells) if cell), "")
+    pairs = [pair for pair in (*YES_OR_NO, *OUTCOMES, *COUNTED) if letters(example) in map(letters, pair)]
+    word = next(text for text in (*chain(*pairs), word, *OUTCOMES[0]) if column.says(text) == says)
+    return word.upper() if example.isupper() else word[0].upper() + word[1:] if example[:1].isupper() else word
 
 
 def next_name(names: Sequence[str], count: int) -> str:

@@ -152,6 +152,10 @@ class OwnTests(Section):
     tests: dict[str, Items[float]] = {}
     """Quantities of the armours tested, with thicknesses along the line of fire over the penetrator's diameter, and
     what was measured; a side is 1 where the limit is above the velocity of a shot, -1 below, and 0 of a limit."""
+    names: Items[str] = ()
+    """Names of the tests, with their laboratories and series."""
+    calibrated_m_s: Items[Annotated[float, Field(gt=0.0)]] = ()
+    """Ballistic limits computed with the calibrated values."""
     law: Items[LawTests] = ()
     """Laws that the limits were computed with; none if the tests do not determine the model error."""
     reason: str = ""
@@ -169,7 +173,9 @@ class OwnTests(Section):
     def _complete(self) -> "OwnTests":
         if not self.law:
             return self
-        counts = {len(column) for column in (*self.tests.values(), *(law.computed_m_s for law in self.law))}
+        optional = filter(None, (self.names, self.calibrated_m_s))
+        columns = (*self.tests.values(), *(law.computed_m_s for law in self.law), *optional)
+        counts = {len(column) for column in columns}
         if {*self.tests} - {SERIES} != {*VARIED, *IN_COMMON, *RESULTS} or len(counts) > 1 or 0 in counts:
             raise ValueError("must be as armour calibrate writes it: a number for each test in each of its lists")
         for name, column in self.tests.items():

@@ -316,7 +316,8 @@ def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str
         values = {name: scenario.inputs()[name] for name in inputs}
         notes = [f"{name} stays at {value:g}: the tests do not identify it" for name, value in values.items()]
     entry = scenario.entry_of(inputs[0].partition(".")[0])
-    kept = own_tests(tests, values) if len(values) == len(result.coefficients) else None
+    computed = [r.computed for r in result.residuals if r.quantity == LIMIT]
+    kept = own_tests(tests, values, computed) if len(values) == len(result.coefficients) else None
     implausible, doubtful = list[str](), set[int]()
     if kept is not None and entry is not None:
         evidence = own_evidence(entry, kept)

@@ -150,7 +150,7 @@ class ShotLikelihood:
         if not has_curve(partial, complete):
             raise NoAnswerError(
                 f"no V50: the complete penetrations were no faster on average ({np.mean(complete):.1f} m/s) than the "
-                f"partial ones ({np.mean(partial):.1f} m/s)"
+                f"partial ones ({np.mean(partial):.1f} m/s); are the results swapped?"
             )
         velocities = np.array([*partial, *complete])
         self.mean, self.deviation = float(velocities.mean()), float(velocities.std())

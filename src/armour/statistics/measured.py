@@ -4,6 +4,7 @@ import re
 from collections import Counter
 from collections.abc import Container, Mapping, Sequence
 from dataclasses import replace
+from shlex import quote
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +12,7 @@ import numpy as np
 from armour.analysis.variants import Floats, Ints, Variants, variants_of
 from armour.columns import column_of, perforates
 from armour.csv_files import MUST_SAY, CsvRow, Source, TableRead, check_one_target, in_line_order, open_table, read_rows
-from armour.errors import InputError, Problem, counted, refuse
+from armour.errors import InputError, Problem, counted, listed, mistake, refuse
 from armour.scenario.checked import Names, Table, checked
 from armour.scenario.inputs import INPUTS, NAMES, ROLES, VELOCITY
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
@@ -184,6 +185,10 @@ def read_tests(
     refuse(in_line_order([*problems, *group_problems]))
     if all(LIMIT not in row.texts and OUTCOME in row.texts for row in rows):
         check_one_target(table, [perforates(row.texts[OUTCOME]) for row in rows])
+    for name, lots in table.groups.items():
+        if len({*lots}) > 1 and column_of(name, ("lot",)).known:
+            found, choice = listed([lot or "none" for lot in dict.fromkeys(lots)]), quote(f"{name}={lots[0]}")
+            raise mistake(file, name, f"must be the same for all tests, found {found}; choose one: --where {choice}")
     cells: list[dict[str, float | str]] = [{**row.texts, **row.numbers} for row in rows]
     places = tuple(row.place for row in rows)
     is_weighted = weighted == {True}

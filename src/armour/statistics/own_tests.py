@@ -1,6 +1,6 @@
 """Own tests of a lot as stored in a calibrated entry: their armours, and their ballistic limits by each law."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -81,8 +81,8 @@ def _identity(cells: Mapping[str, float | str], usual: Mapping[str, float]) -> t
     return tuple(float(values.get(key, usual.get(key, 0.0))) for key in IDENTITY)
 
 
-def own_tests(tests: Tests, fitted: Mapping[str, float]) -> OwnTests | None:
-    """Return the tests as stored in a calibrated entry, given its fitted values by name of input.
+def own_tests(tests: Tests, fitted: Mapping[str, float], computed_m_s: Sequence[float] = ()) -> OwnTests | None:
+    """Return the tests as stored in a calibrated entry, given its fitted values by name of input, and limits with them.
 
     None if they do not determine the model error: there is no limit or outcome, something else than a strength of
     ceramic or back plate was fitted, settings differ from those of the shipped tests, there are no shipped tests of
@@ -114,13 +114,17 @@ def own_tests(tests: Tests, fitted: Mapping[str, float]) -> OwnTests | None:
     values = armours_of(calibrated).quantities()
     scatter = [abs(m.side) * SHOT_SCATTER * m.value if m.uncertainty is None else m.uncertainty for m in shots]
     q |= {"velocity_m_s": velocities, "uncertainty_m_s": np.array(scatter), "side": sides}
-    names = [series_of(tests, shot.test) for shot in shots]
-    kept = (*VARIED, *IN_COMMON, *RESULTS, *[SERIES] * (len({*names}) > 1))
-    q[SERIES] = np.array([float(sorted({*names}).index(name)) for name in names])
+    series = [series_of(tests, shot.test) for shot in shots]
+    kept = (*VARIED, *IN_COMMON, *RESULTS, *[SERIES] * (len({*series}) > 1))
+    q[SERIES] = np.array([float(sorted({*series}).index(name)) for name in series])
     return OwnTests(
         source=f"{counted(len(tests.names), 'test')} of {Path(tests.file).name}",
         calibrated={name: float(values[name][0]) for name in QUANTITIES_OF_ROLE[role]},
         tests={name: _rounded(q[name]) for name in kept},
+        names=tuple(", ".join(filter(None, (tests.names[m.test], *of))) for m, of in zip(shots, series, strict=True))
+        if tests.names != tests.places or any(map(any, series))
+        else (),
+        calibrated_m_s=_rounded(np.array(computed_m_s)),
         law=laws,
     )
 
@@ -131,13 +135,15 @@ class OwnTest:
 
     Attributes
     ----------
+    name : str
+        Its name, with its laboratory and series; empty if it is not kept.
     ceramic_thickness_mm, backing_thickness_mm, obliquity_deg, penetrator_diameter_mm : float
     bound : {"", "at least", "at most"}
         Bound on the limit that a shot gives; empty for a measured limit.
     measured_m_s, uncertainty_m_s : float
         The limit, or the velocity of a shot, and its standard deviation, m/s.
-    computed_m_s : float
-        Ballistic limit by the model, m/s: by the first law of the fits.
+    computed_m_s : float or None
+        Ballistic limit by the model with the entry as it is calibrated, m/s; None if it is not kept.
     predicted_m_s : float
         Ballistic limit that the armour exceeds with a probability of 50 %, given the other tests, m/s.
     interval_m_s : tuple of float
@@ -146,6 +152,7 @@ class OwnTest:
         Whether the test is out of line with the others.
     """
 
+    name: str
     ceramic_thickness_mm: float
     backing_thickness_mm: float
     obliquity_deg: float
@@ -153,7 +160,7 @@ class OwnTest:
     bound: str
     measured_m_s: float
     uncertainty_m_s: float
-    computed_m_s: float
+    computed_m_s: float | None
     predicted_m_s: float
     interval_m_s: tuple[float, float]
     out_of_line: bool
@@ -177,6 +184,7 @@ def predicted_tests(entry: LibraryEntry, kept: OwnTests) -> tuple[OwnTest, ...]:
         diameter, path = values["rod_diameter_mm"], values["path_ratio"]
         found.append(
             OwnTest(
+                name=kept.names[place] if kept.names else "",
                 ceramic_thickness_mm=values["ceramic_thickness_ratio"] * diameter / path,
                 backing_thickness_mm=values["backing_thickness_ratio"] * diameter / path,
                 obliquity_deg=float(np.degrees(np.arccos(1.0 / path))),
@@ -184,7 +192,7 @@ def predicted_tests(entry: LibraryEntry, kept: OwnTests) -> tuple[OwnTest, ...]:
                 bound=("", "at least", "at most")[int(side)],
                 measured_m_s=values["velocity_m_s"],
                 uncertainty_m_s=values["uncertainty_m_s"],
-                computed_m_s=float(computed[0, place]),
+                computed_m_s=kept.calibrated_m_s[place] if kept.calibrated_m_s else None,
                 predicted_m_s=median,
                 interval_m_s=(low, high),
                 out_of_line=place in evidence.doubtful,

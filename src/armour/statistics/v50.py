@@ -14,7 +14,7 @@ from pydantic import Field
 from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
 from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
-from armour.columns import GROUPS, column_of, perforates
+from armour.columns import GROUPS, YES_MEANS, column_of, perforates
 from armour.csv_files import (
     MUST_SAY,
     Source,
@@ -25,7 +25,7 @@ from armour.csv_files import (
     read_rows,
     targets_of,
 )
-from armour.errors import Problem, counted, mistake, refuse
+from armour.errors import Problem, counted, joined, mistake, refuse
 from armour.scenario.checked import Table, checked
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.statistics.curves import (
@@ -50,6 +50,8 @@ SpanRule = Literal["usual span", "given span", "no usual rule"]
 LOWER_LEVELS = (0.9, 0.8, 0.5)
 # Velocities of a further shot that are tried, from the range of the shots below them to as much above.
 FURTHER = 19
+# Greatest part of that range, as a multiple of the median distance of the shots from their median.
+WIDEST = 10.0
 # Velocities of a curve with its band.
 BAND_POINTS = 201
 Decision = Literal["met", "not met", "not decided", ""]
@@ -58,7 +60,7 @@ MIN_VELOCITY_M_S, MAX_VELOCITY_M_S = 10.0, 1e4
 Velocity = Annotated[float, Field(ge=MIN_VELOCITY_M_S, le=MAX_VELOCITY_M_S)]
 # Columns of a table of shots, by any of which it is recognised.
 KEYS = ("velocity_m_s", "result")
-SHOT_COLUMNS = ("shot", "velocity_m_s", "result", "perforated", "stopped", "counts", *GROUPS)
+SHOT_COLUMNS = ("shot", "velocity_m_s", "result", *YES_MEANS, *GROUPS)
 Fraction = Annotated[float, Field(ge=0.001, le=0.999)]
 # Rounding error of a risk.
 ROUNDING = 1e-12
@@ -316,7 +318,8 @@ def read_shots(
         PP or CP, no or yes, in letters of any case), optionally ``shot`` and ``counts`` (yes or no); the page "Tables"
         has other names and units.  Other columns are ignored, but one like a misspelling of these is an error.
     one_kind : bool
-        Whether all penetrations may be partial, or all complete, which is enough for a plan and for a posterior.
+        Whether all penetrations may be partial, or all complete, which is enough for a plan and for a posterior, or
+        there is none yet.
     where : mapping of str to str, optional
         Columns, such as ``panel``, and the values of the rows to read; others are left out.  It must be given if a
         column of panels, targets, plates, laboratories or lots divides the shots into several firings.
@@ -348,7 +351,8 @@ def shots_of(source: Source, *, one_kind: bool = False, where: Mapping[str, str]
             "must be a table of shots (velocity_m_s and result), found tests; armour calibrate fits inputs to them"
         )
         raise mistake(source.file, "", message)
-    table = read_rows(source, numbers=KEYS[:1], texts=("shot", "result"), needed=KEYS, noun="shot", where=where)
+    naming = ("shot", "result")
+    table = read_rows(source, numbers=KEYS[:1], texts=naming, needed=KEYS, noun="shot", where=where, least=not one_kind)
     file, rows, problems = table.file, table.rows, table.problems
     velocities = [row.numbers.get("velocity_m_s", MIN_VELOCITY_M_S) for row in rows]
     words = [row.texts.get("result", "") for row in rows]
@@ -366,7 +370,7 @@ def shots_of(source: Source, *, one_kind: bool = False, where: Mapping[str, str]
     check_one_target(table, results, ", or --each for one answer each")
     names = tuple(row.texts.get("shot", "") for row in rows)
     shots = Shots((*velocities,), (*map(bool, results),), file, names if any(names) else (), table.read)
-    check_shots(shots, kinds=1 if one_kind else 2)
+    check_shots(shots, kinds=0 if one_kind else 2)
     return shots
 
 
@@ -377,12 +381,13 @@ def firings_of(path: Table, where: Mapping[str, str], sheet: str | None) -> list
     """
     source = open_table(path, is_of_shots, sheet)
     table = read_rows(source, numbers=KEYS[:1], texts=("shot", "result"), needed=KEYS, noun="shot", where=where)
+    refuse(in_line_order(table.problems))
     results = [perforates(row.texts.get("result", "")) for row in table.rows]
     for name, values in table.groups.items():
-        if found := targets_of(values, results):
+        if found := targets_of(table, name, results):
             pairs = {*zip(values, results, strict=True)}
             return [(name, value, sum(value == other for other, _ in pairs)) for value in found]
-    message = "must have a column panel, target, plate, lab or lot, with several shots for each of its values"
+    message = f"must have a column {joined(GROUPS, 'or')}, with several shots for each of its values"
     raise mistake(source.file, "--each", message)
 
 
@@ -537,9 +542,12 @@ def _bounded(shots: ShotLikelihood, confidence: float) -> tuple[float, tuple[flo
 
 def _further(partial: Sequence[float], complete: Sequence[float], confidence: float) -> FurtherShot:
     """Return the further result, of any velocity near the shots, that leaves a constant probability least likely."""
-    lowest, highest = min(partial[0], complete[0]), max(partial[-1], complete[-1])
-    reach, best = highest - lowest, None
-    ends = max(lowest - reach, MIN_VELOCITY_M_S), min(highest + reach, MAX_VELOCITY_M_S)
+    velocities = np.sort([*partial, *complete])
+    middle, best = median(velocities), None
+    # Shots far from most others do not widen the range.
+    reach = min(velocities[-1] - velocities[0], WIDEST * median(abs(velocities - middle)))
+    near = velocities[abs(velocities - middle) <= reach]
+    ends = max(near[0] - reach, MIN_VELOCITY_M_S), min(near[-1] + reach, MAX_VELOCITY_M_S)
     for velocity in np.linspace(*ends, FURTHER).round().tolist():
         for stopped, perforated in (([*partial, velocity], complete), (partial, [*complete, velocity])):
             if has_curve(stopped, perforated):
@@ -608,9 +616,24 @@ def check_shots(shots: Shots, *, kinds: int = 2) -> None:
         present = f"only {'complete' if shots.complete[0] else 'partial'} ones" if count else "none"
         least = "partial and one complete penetration" if kinds == 2 else "shot"
         message = f"must have at least one {least}, found {present}"
-        message += f"; armour plan shots {shots.file} gives the next velocity" if count else ""
+        message += f"; armour plan shots {shots.file} gives the next velocity, or decides a requirement" * (count > 0)
     if message:
         raise mistake(shots.file, "", message)
+
+
+def swapped_note(shots: Shots) -> Iterator[str]:
+    """Yield a warning if the complete penetrations were no faster on average than the partial ones, of three each."""
+    partial, complete = shots.of(complete=False), shots.of(complete=True)
+    if (
+        partial
+        and complete
+        and not has_curve(partial, complete)
+        and comb(len(shots.complete), len(complete)) >= SWAPPED
+    ):
+        yield (
+            f"the complete penetrations were no faster on average ({np.mean(complete):.1f} m/s) than the partial ones "
+            f"({np.mean(partial):.1f} m/s); are the results swapped?"
+        )
 
 
 def check_not_swapped(shots: Shots) -> None:

@@ -32,7 +32,6 @@ from armour.scenario.inputs import INPUTS, NAMES, NAMING
 from armour.scenario.keys import describe, key_name, parts_of
 from armour.scenario.schema import Steps
 from armour.scenario.sections import validated
-from armour.units import words_and_unit
 
 # Cases are kept in memory, at 8 bytes per number.
 MAX_CASES = 10_000_000
@@ -144,7 +143,7 @@ class Cases:
             content.update(json.dumps([key, column.dtype.str, self.count]).encode())
             content.update(column.tobytes())
         self.digest = content.hexdigest()
-        units = [f"{words_and_unit(column.key)[0]} in {column.unit}" for column in columns if column.unit]
+        units = [column.in_unit for column in columns if column.unit]
         commas = ["decimal commas"] if "," in marks else []
         words = [*source.form, *commas, *units, counted(self.count, "row")]
         self.read = "" if words[:-1] in ([], ["commas"]) else ", ".join(words)

@@ -377,6 +377,13 @@ def test_the_region_and_the_order_of_a_firing_are_drawn_except_in_a_users_axes()
     assert alone.axes == [order]
 
 
+def test_a_requirement_of_a_v50_is_named_on_the_axis_or_in_the_note():
+    near = picture_of(v50(SHOTS, requirement_m_s=VELOCITIES[0], requirement_fraction=0.05))
+    assert f"not decided: V05 required {VELOCITIES[0]:.1f} m/s" in labels(near.axes[0])
+    far = picture_of(v50(SHOTS, requirement_m_s=300.0))
+    assert "The velocity required, 300 m/s, lies outside the axis" in far.note
+
+
 def test_the_posterior_of_a_v50_is_drawn():
     found = v50(SHOTS, shipped_scenario("wilkins"), prior=True)
     picture = picture_of(found.of(shots=SHOTS))

@@ -12,7 +12,7 @@ from armour.reporting.by_result import draw
 from armour.reporting.pictures import drawing
 from armour.reporting.table import deviation_percent, grouped, in_words
 from armour.reporting.text import interval, percent
-from armour.reporting.views.statistics import MEANS
+from armour.reporting.views.statistics import MEANS, velocity_name
 from armour.reporting.words import risk
 from armour.scenario.inputs import VELOCITY
 from armour.statistics.calibration import CalibrationResult, Residual
@@ -196,6 +196,8 @@ def draw_firing(result: FiringResult, sheet: drawing.Sheet) -> drawing.Picture:
         notes.append(f"Posterior, with the model as prior: {level} interval {after_ends} m/s.")
     if model is not None and not low <= model <= high:
         notes.append(f"The model's ballistic limit, {model:.1f} m/s, lies outside the axis.")
+    if (required := result.requirement_m_s) is not None and not low <= required <= high:
+        notes.append(f"The velocity required, {required:g} m/s, lies outside the axis: {result.decision}.")
     if result.extrapolated:
         words = "V50 not bounded by these shots"
     picture = sheet.panels(words, *panels, note=" ".join(notes))
@@ -219,8 +221,10 @@ def draw_firing(result: FiringResult, sheet: drawing.Sheet) -> drawing.Picture:
         drawing.points(axes, [after.v50_m_s], [POSTERIOR], marker="D", color=drawing.PURPLE, label=name)
     if result.mean is not None:
         drawing.velocities(axes, [(MEANS[result.mean.rule], result.mean.v50_m_s, drawing.SOFT, "-")])
-    required = (f"{result.decision}: required", result.requirement_m_s, drawing.VERMILION, "--")
-    drawing.velocities(axes, [required, ("limit by this model", model, drawing.INK, ":")])
+    name = f"{result.decision}: {velocity_name(result.requirement_fraction)} required"
+    drawing.velocities(
+        axes, [(name, required, drawing.VERMILION, "--"), ("limit by this model", model, drawing.INK, ":")]
+    )
     if len(panels) > 1:
         _draw_region(picture.axes[1], fit, shots, result.confidence, (low, high))
         _draw_order(picture.axes[2], shots, ends if bounded else None)

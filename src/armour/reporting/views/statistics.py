@@ -210,6 +210,7 @@ def own_test_table(tests: Sequence[OwnTest]) -> Table:
     """Return own tests with the limits that are computed for them and predicted from the others."""
     return listing(
         tests,
+        (Column("test", prose=True), lambda test: test.name),
         column_of("ceramic_thickness_mm", "g"),
         column_of("backing_thickness_mm", "g"),
         column_of("obliquity_deg", ".0f"),
@@ -250,8 +251,8 @@ def v50_table(result: FiringResult) -> Table:
         rule = [
             (Column("V50, MIL-STD-662F" if mean.rule == "usual span" else "V50, mean", "m/s", ".0f"), mean.v50_m_s),
             (Column("shots averaged"), f"{mean.pairs} partial and {mean.pairs} complete"),
-            (Column("span of these shots", "m/s", ".0f"), mean.span_m_s),
-            (Column("span allowed", "m/s", ".0f"), mean.span_allowed_m_s),
+            (Column("span of these shots", "m/s", ".4g"), mean.span_m_s),
+            (Column("span allowed", "m/s", ".4g"), mean.span_allowed_m_s),
         ]
     return record(
         result,
@@ -330,7 +331,7 @@ def answer(result: FiringResult) -> str:
     if mean is not None:
         parts.append(
             f"{MEANS[mean.rule]}: {mean.v50_m_s:.0f} m/s from {mean.pairs} + {mean.pairs} shots within "
-            f"{mean.span_m_s:.0f} m/s"
+            f"{mean.span_m_s:.4g} m/s"
         )
     return "; ".join(parts)
 
