@@ -311,21 +311,31 @@ def shipped_rows(name: str) -> list[dict[str, str]]:
     return [dict(zip(source.header, cells, strict=True)) for _, cells in source.lines]
 
 
+def _different(names: Iterable[Any]) -> list[Any]:
+    """Return names, or raise a ValueError if two are the same."""
+    every = [*names]
+    if len({*every}) < len(every):
+        raise ValueError
+    return every
+
+
 def _of_rows(table: Any) -> Source:
     """Return the source of rows as mappings, of columns by name, or of a data frame."""
     columns = getattr(table, "columns", table if isinstance(table, Mapping) else None)
     try:
         # A data frame gives its columns, and anything else its rows.
-        records = table if columns is None else zip(*(table[name] for name in columns), strict=True)
+        records = table if columns is None else zip(*(table[name] for name in _different(columns)), strict=True)
         rows = [dict(row) if columns is None else dict(zip(columns, row, strict=True)) for row in records]
     except (TypeError, ValueError):
-        message = f"must be a path, rows as mappings, or a data frame, found a {type(table).__name__}"
-        raise mistake("rows", "", message) from None
+        message = "must be a path, rows as mappings, columns of equal length, or a data frame with different names"
+        raise mistake("rows", "", f"{message}, found a {type(table).__name__}") from None
     names = [*dict.fromkeys(name for row in rows for name in row)]
     lines = [(f"row {place}", [_cell(row.get(name)) for name in names]) for place, row in enumerate(rows, 1)]
-    filled, header = [line for line in lines if any(line[1])], [*map(str, names)]
-    digest = sha256(json.dumps([header, *(cells for _, cells in filled)]).encode())
-    return Source("rows", "header" if header else "", header, iter(filled), digest=digest)
+    while lines and not any(lines[-1][1]):
+        lines.pop()
+    header = [*map(str, names)]
+    digest = sha256(json.dumps([header, *(cells for _, cells in lines)]).encode())
+    return Source("rows", "header" if header else "", header, iter(lines), digest=digest)
 
 
 def read_rows(
@@ -525,7 +535,7 @@ def _chosen(
     source: Source, columns: Sequence[Column], lines: list[Line], where: Mapping[str, str], uncounted: Collection[str]
 ) -> list[Line]:
     """Return the lines whose cells are those required, by column."""
-    for name, value in where.items():
+    for name, value in ((name, str(value)) for name, value in where.items()):
         index = place_of(source, columns, name)
         values = dict.fromkeys(cells[index] for _, cells in lines)
         if value not in values:
@@ -648,8 +658,11 @@ def _not_filled(file: str, name: str, blank: Sequence[str]) -> Iterator[Problem]
 
 
 def _cell(value: object) -> str:
-    """Return a value as the text of a cell, which is empty for None and NaN."""
-    return "" if value is None or value != value else str(value).strip()
+    """Return a value as the text of a cell, which is empty for None, NaN and NA."""
+    try:
+        return "" if value is None or value != value else str(value).strip()
+    except TypeError:  # pandas.NA is neither equal to itself nor not
+        return ""
 
 
 def in_line_order(problems: Iterable[Problem]) -> list[Problem]:

@@ -317,6 +317,25 @@ def test_columns_by_name_and_frames_are_tables_too():
     assert by_columns["armour.ceramic_thickness_mm"].tolist() == [4.0, 6.0]
 
 
+class NotAvailable:
+    """Like pandas.NA, which compares to nothing."""
+
+    def __ne__(self, _other: object) -> bool:
+        raise TypeError
+
+
+@pytest.mark.parametrize("nothing", [None, float("nan"), NotAvailable()])
+def test_a_row_without_values_is_no_row_that_may_be_left_out(nothing: object):
+    columns = {"armour.ceramic_thickness_mm": [5.0, nothing, 7.0]}
+    with pytest.raises(InputError, match="row 2: armour.ceramic_thickness_mm: must be a number"):
+        armour.sweep(scenario(), cases=columns)
+
+
+def test_columns_of_different_lengths_are_refused():
+    with pytest.raises(InputError, match="columns of equal length"):
+        armour.read_shots({"velocity_m_s": [700.0, 720.0], "result": ["P"]})
+
+
 def test_cases_of_a_spreadsheet(tmp_path: Path):
     (tmp_path / "t.csv").write_bytes(
         b"\xef\xbb\xbfDicke Keramik [mm];backing thickness (in);\r\n6,35;0,25;\r\n8;0,5;\r\n"

@@ -565,7 +565,9 @@ def _plan_after(
         raise wrong_option("--velocity-m-s", message)
     warnings = []
     if planned is not None and abs(velocity - planned) > FAR_FROM_PLAN * planned:
-        warnings.append(f"the shot, at {velocity:g} m/s, is far from the planned velocity, {planned:g} m/s")
+        warnings.append(
+            f"the shot added to {table}, at {velocity:g} m/s, is far from the planned velocity, {planned:g} m/s"
+        )
     content = with_shot(table, velocity, result, where)
     fired = shots_of(open_table(table, is_of_shots, content=content), one_kind=True, where=where)
     tell(table, fired.read)

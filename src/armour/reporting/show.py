@@ -67,8 +67,12 @@ CalibrationResult, FiringResult, PlannedTests, ShotPlan, SuiteResult or SweepRes
     """
     if not isinstance(result, Result) or by_result(draw, result) is None:
         raise mistake("plot", "result", f"must be one that is drawn, found {type(result).__name__}")
+    from matplotlib.axes import Axes  # slow to import
+
     from armour.reporting.pictures.drawing import Sheet, drawn
 
+    if not isinstance(ax, Axes | None):
+        raise mistake("plot", "ax", f"must be axes of matplotlib, found {type(ax).__name__}")
     question = result.question
     if scenario is not None and "scenario" in question and not _same(scenario, question["scenario"]):
         raise mistake("plot", "scenario", "must be the scenario of the result, found another; it can be left out")

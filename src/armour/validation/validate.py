@@ -200,7 +200,7 @@ def validate(suite: Suite | str | PathLike[str], *, on_check: OnCheck | None = N
     Parameters
     ----------
     suite : Suite or path-like
-        A suite, or what `load_suite` reads: a TOML file, or the name of a shipped suite, "paper" or "plates".
+        A suite, or what `load_suite` reads: a TOML file, or the name of a shipped suite, such as "paper".
     on_check : callable, optional
         Called after each case with its check and the number of cases.
 
