@@ -109,7 +109,7 @@ def suite_file(path: str | PathLike[str]) -> Path:
 
 
 def reason(error: OSError | ValueError) -> str:
-    """Return the message of the operating system, or of an invalid path, in lower case."""
+    """Return why an operation on a file failed, in lower case."""
     return (getattr(error, "strerror", None) or str(error)).lower()
 
 

@@ -26,7 +26,7 @@ def test_the_recorded_digest_is_that_of_the_core():
         ("    v = V - W\n", "    v = V - W\n    v = V + W\n", True),
         ("    v = V - W\n", '    """Text."""\n\n    v = V - W  # relative\n', False),
         ("    v = V - W\n", "    v = (\n        V - W)\n", True),
-        ("PROJECTILE, CONOID = 0, 1\n", "\n\nPROJECTILE,  CONOID = 0, 1\r\n", False),
+        ("STRENGTH, INTERFACE = 0, 1\n", "\n\nSTRENGTH,  INTERFACE = 0, 1\r\n", False),
         ("    ", "  ", False),
     ],
 )

@@ -37,7 +37,9 @@ class Result:
     Attributes
     ----------
     question : mapping
-        What was computed, in words, and its scenario or shots, for tables and figures; not part of the data.
+        What tables and figures show beside the data: ``computed``, what was computed, in words; ``scenario``;
+        ``shots``; ``confidence``, the result that has the probability of an impact; ``every_row``, whether to show all
+        rows.  Each may be missing.
     """
 
     # Makes the tables of a result as HTML.  They belong to a layer above; `armour/__init__.py` sets this.

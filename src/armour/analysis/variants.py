@@ -137,9 +137,9 @@ def concatenated(parts: Sequence[Variants]) -> Variants:
 
 
 def outside_limits(variants: Variants, *, velocities: bool = True) -> Iterator[tuple[str, int]]:
-    """Yield the limits of the tested range that some rows lie outside, and the number of these rows."""
+    """Yield warnings, each with its number of rows: caveats, values outside the tests, and doubtful strengths."""
     speeds = variants.velocities if velocities else np.full_like(variants.velocities, np.nan)
-    metals = [materials.backing for materials in variants.materials] * variants.own_strength
+    metals = [materials.backing for materials in variants.materials] if variants.own_strength else []
     for note, rows in caveats(variants.armours.parameters, metals, said=False):
         yield note, int(np.count_nonzero(rows))
     for limit in limits_outside(variants.armours, speeds):

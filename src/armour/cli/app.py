@@ -86,7 +86,7 @@ class Reporting(_Helpful, TyperGroup):
 
 
 def _check_time() -> None:
-    """Check the time in the environment, on which libraries that draw fail, though no output contains it."""
+    """Refuse a SOURCE_DATE_EPOCH that is no time, on which matplotlib would fail."""
     time = os.environ.get("SOURCE_DATE_EPOCH")
     try:
         datetime.fromtimestamp(int(time or 0), UTC)

@@ -184,7 +184,7 @@ def v50(
             result, file = EachResult(answers), str(table)
         else:
             fired = armour.read_shots(table, one_kind=prior, where=chosen(where), sheet=sheet)
-            tell(table, fired.read)
+            tell_how_read(table, fired.read)
             answer = armour.v50(fired, loaded, on_progress=count, **options)
             answers = {"": answer}
             result, file = answer, "" if loaded else fired.file
@@ -270,7 +270,7 @@ def calibrate(
 
     with progress("tests") as count, as_options("calibrate"):
         tests = armour.read_tests(table, loaded, where=chosen(where), sheet=sheet)
-        tell(table, tests.read)
+        tell_how_read(table, tests.read)
         result = armour.calibrate(tests, loaded, on_progress=count, **given(fit=fit, law=law, prior=prior))
     show_result(result, loaded, as_json=as_json, verbose=verbose)
     files: Files = {
@@ -309,7 +309,7 @@ def chosen(where: list[str] | None) -> dict[str, str]:
     return {key.strip(): value.strip() for key, _, value in (text.partition("=") for text in where or ())}
 
 
-def tell(table: object, read: "TableRead | None") -> None:
+def tell_how_read(table: object, read: "TableRead | None") -> None:
     """Say how a table was read, unless it is as plain as can be."""
     if read is not None and not read.plain:
         say(f"read {table}: {read.words}")
@@ -332,7 +332,7 @@ def _each(table: Path, where: list[str] | None, sheet: str | None, kinds: int) -
             say(f"note: {table}: {name} {value}: left out, as its shots have only one result")
             continue
         fired = armour.read_shots(table, one_kind=kinds == 1, where={**chosen(where), name: value}, sheet=sheet)
-        tell(table, fired.read)
+        tell_how_read(table, fired.read)
         is_any = True
         yield f"{name} {value}", fired
     if not is_any:
@@ -478,7 +478,7 @@ def plan_shots(
         check_outputs(plot=plot, updated=table, force=force)
     earlier_firings = [armour.read_shots(path) for path in earlier or ()]
     for path, firing in zip(earlier or (), earlier_firings, strict=True):
-        tell(path, firing.read)
+        tell_how_read(path, firing.read)
     options = given(
         procedure=procedure,
         half_width_m_s=half_width_m_s,
@@ -526,7 +526,7 @@ def _plan(
     fired = None
     if table is not None and not is_new:
         fired = armour.read_shots(table, one_kind=True, where=chosen(where), sheet=sheet)
-        tell(table, fired.read)
+        tell_how_read(table, fired.read)
     return plan(fired)
 
 
@@ -570,7 +570,7 @@ def _plan_after(
         )
     content = with_shot(table, velocity, result, where)
     fired = shots_of(open_table(table, is_of_shots, content=content), one_kind=True, where=where)
-    tell(table, fired.read)
+    tell_how_read(table, fired.read)
     after = plan(fired)
     if velocity_m_s is None:
         say(f"note: {table}: records the planned {velocity:g} m/s")
@@ -673,7 +673,7 @@ def plan_tests(
         source = _source(candidates)
         earlier_tests = None if tests is None else armour.read_tests(tests, loaded)
         if earlier_tests is not None:
-            tell(tests, earlier_tests.read)
+            tell_how_read(tests, earlier_tests.read)
         options = given(
             fit=fit,
             law=law,

@@ -49,7 +49,7 @@ def file_option(description: str, *names: str, metavar: str = "FILE") -> Any:
 
 
 def word_option(description: str, *words: str, metavar: str) -> Any:
-    """Make an option of one of some words."""
+    """Make an option that completes to one of the words; others are refused later."""
     return option(description, metavar=metavar, autocompletion=lambda: words)
 
 

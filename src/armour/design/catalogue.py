@@ -242,7 +242,7 @@ class Catalogue:
 
     @cached_property
     def costed(self) -> list[bool]:
-        """Whether the cost of each pair is complete: given for each of its materials."""
+        """For each pair, whether both materials have a cost; an existing back plate needs none."""
         counted = 1 + self.scenario.counts_backing
         layers = ((offer.ceramic, offer.backing)[:counted] for offer in self.offers)
         return [all(layer.has_cost() for layer in of_pair if layer.material) for of_pair in layers]

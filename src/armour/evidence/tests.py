@@ -53,7 +53,7 @@ class DataRange(NamedTuple):
             return np.fmax(np.fmax(q[self.name] / self.high, self.low / q[self.name]), 1.0)
 
     def ratio(self, q: Quantities) -> Any:
-        """Return the quantity of n armours over the nearer end of the range, 1 within it or for a NaN."""
+        """Return the value over the end of the range that n armours are beyond, 1 inside the range and for a NaN."""
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.nan_to_num(q[self.name] / q[self.name].clip(self.low, self.high), nan=1.0, posinf=np.inf)
 

@@ -543,7 +543,7 @@ def _fitted(fit: InputFit, scatter: float) -> _Knowledge:
 
 
 def _given_scatter(tests: Tests) -> float | None:
-    """Return the root mean square of the relative uncertainties of limits and outcomes; None without any."""
+    """Return the root mean square of the uncertainties of measured limits over the limits; None if none is given."""
     relative = [m.uncertainty / m.value for m in tests.measurements if m.quantity == LIMIT and m.uncertainty]
     return sqrt(sum(part**2 for part in relative) / len(relative)) if relative else None
 

@@ -77,7 +77,7 @@ def design_page(
 
 
 def _question(catalogue: Catalogue) -> dict[str, Any]:
-    """Return the question of the scenario, and what the page does not show."""
+    """Return what the page needs of the scenario beside the designs: requirements, own armour, threats, notes."""
     from scipy.special import ndtri  # slow to import
 
     section, scenario = catalogue.section, catalogue.scenario

@@ -674,7 +674,7 @@ def _completed(kind: Kind, name: str, entry: Entry, base: LibraryEntry | None, f
 
 
 def _mistakes(entry: LibraryEntry) -> dict[str, str]:
-    """Return what is wrong with an entry, by key."""
+    """Return messages by key: what an entry lacks, or that its projectile is no slender rod."""
     if missing := [key for key in VALUE_KEYS[entry.kind] if key not in (*entry.values, *OPTIONAL)]:
         return dict.fromkeys(missing, "is missing and must be given, or based_on an entry that has it")
     if entry.kind != "projectile" or is_slender(inputs_of_entry("projectile", entry)):

@@ -469,6 +469,7 @@ class DesignSection(Section):
     @field_validator("existing")
     @classmethod
     def _one_that_exists(cls, existing: str | None, info: ValidationInfo) -> str | None:
+        """Refuse ``existing`` where several back plates are on offer."""
         if existing and sum(len(layer.thicknesses()) for layer in info.data.get("backing", ())) > 1:
             raise ValueError(f'must be left out if there are several back plates to choose from, found "{existing}"')
         return existing
@@ -526,7 +527,7 @@ class Distribution(Section):
 
     @property
     def placed(self) -> bool:
-        """Whether the distribution has a fixed location or truncation, independent of the scenario's value."""
+        """Whether a mean, min or max is given, so that the distribution does not follow the scenario's value."""
         return (self.mean, self.min, self.max) != (None, None, None)
 
     @property

@@ -637,7 +637,10 @@ def swapped_note(shots: Shots) -> Iterator[str]:
 
 
 def check_not_swapped(shots: Shots) -> None:
-    """Raise an InputError if all complete penetrations were slower than all partial ones, and not by chance."""
+    """Raise an InputError if every complete penetration was slower than every partial one: the results are swapped.
+
+    So few shots that this happens by chance are taken as they are.
+    """
     partial, complete = shots.of(complete=False), shots.of(complete=True)
     if partial and complete and complete[-1] < partial[0] and comb(len(shots.complete), len(complete)) >= SWAPPED:
         message = (

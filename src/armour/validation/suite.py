@@ -286,7 +286,7 @@ def _rows(suite: SuiteSection) -> Iterator[_Row]:
 
 
 def _cases(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, object]) -> list[Case]:
-    """Return the case of a row, or those of a file."""
+    """Make the case of a row of a suite; a row that names a file of tests gives a case for each test."""
     section, file = row.section, _file(folder, row.section.scenario)
     scenario = _scenario(file, section.set, row.inputs, changes)
     replacement = None

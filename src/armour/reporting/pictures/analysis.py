@@ -201,7 +201,7 @@ def _fragmented_us(p: Parameters, history: History) -> float:
 
 @draw.register
 def draw_limit(result: LimitResult, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw both over the impact velocity; without a model error, draw the residual velocity alone."""
+    """Draw the probability of stopping, if it is known, and the residual velocity over the impact velocity."""
     scenario, limit = drawing.recorded(result, "scenario"), result.ballistic_limit_m_s
     threat, error, ends = scenario.impact.velocity_m_s, result.model_error, result.interval_m_s
     curve = residual_velocity_curve(scenario, result)

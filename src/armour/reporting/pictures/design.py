@@ -51,7 +51,7 @@ class _Panel(NamedTuple):
 
 @draw.register
 def draw_design(result: DesignResult, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw limits over the one thickness that varies, or else a map of the best pair, the best pairs and the front."""
+    """Draw the limits if one thickness varies, else a map of the best pair; below it the pairs and the Pareto front."""
     panels = []
     if sum(pair.best is not None for pair in result.pairs) > 1:
         panels.append(_pairs_panel(result))

@@ -95,7 +95,7 @@ WORDS = {"": "measured", "at least": "stopped at", "at most": "perforated at"}
 
 @draw.register
 def draw_calibration(result: CalibrationResult, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw both for each quantity that was measured."""
+    """Draw the computed over the measured values, and the deviations, for each quantity that was measured."""
     title = f"Calibration to {len({residual.test for residual in result.residuals})} tests"
     if result.mean_error_percent is not None:
         title += f": mean error {result.mean_error_percent:.1f} %"
@@ -129,7 +129,7 @@ def draw_calibration(result: CalibrationResult, sheet: drawing.Sheet) -> drawing
 
 
 def _farthest(result: CalibrationResult) -> list[tuple[str, OwnTest]]:
-    """Return the names and own tests that are farthest from what the others predict."""
+    """Return the own tests that deviate most from the prediction by the others, each with its name."""
     names = [residual.test for residual in result.residuals if residual.quantity == LIMIT]
     pairs = list(zip(names, result.own_tests, strict=False))
     return sorted(pairs, key=lambda pair: -abs(pair[1].measured_m_s / pair[1].predicted_m_s - 1.0))[:MAX_ROWS]

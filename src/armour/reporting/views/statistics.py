@@ -391,14 +391,14 @@ def requirement_verdict(result: FiringResult) -> list[str]:
         return [VerdictLine(f"{result.decision}: {required}; no curve fits the shots", good=False)]
     allowed = percent(round(1.0 - result.confidence, 12))
     risks = (
-        f"accepting it now has a risk (consumer's) of {risk_of(result.consumers_risk)}, rejecting it (producer's) of "
-        f"{risk_of(result.producers_risk)}; {allowed} decides"
+        f"accepting it now has a risk (consumer's) of {rounded_risk(result.consumers_risk)}, rejecting it (producer's) "
+        f"of {rounded_risk(result.producers_risk)}; {allowed} decides"
     )
     return [VerdictLine(f"{result.decision}: {required}; {risks}", good=result.decision == "met"), FIXED]
 
 
-def risk_of(risk: float) -> str:
-    """Return a risk, rounded up to a tenth of a per cent."""
+def rounded_risk(risk: float) -> str:
+    """Format a risk in per cent, rounded up to a tenth."""
     return "below 0.1 %" if risk < 1e-3 else f"{rounded_up(100.0 * risk)} %"
 
 
