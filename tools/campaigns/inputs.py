@@ -38,6 +38,7 @@ import typer
 
 from armour.engine.batch import available_cores
 from armour.reporting.junit import BEGINNING
+from tests.helpers.spreadsheets import export
 from tools.campaigns.trials import ERROR, forked
 from tools.campaigns.verdict import verdict
 
@@ -80,6 +81,7 @@ ASSIGNMENTS = [
     *("solver.arrest_velocity_m_s={}", "ballistic_limit.velocity_min_m_s={}", "ballistic_limit.velocity_max_m_s={}"),
     *("ballistic_limit.tolerance_m_s={}", "model.shear_perimeter={}", "optimise.ceramic_thickness_mm.step={}"),
     *("optimise.backing_thickness_mm.max={}", "library.ceramic.AD85.flow_stress_GPa={}", "armour.ceramic.x={}"),
+    *("model.plate_drive={}", "design.existing={}", "armour.layer={}", "design.areal_density_max_kg_m2={}"),
     *("ceramic.flow_stress_GPa={}", "{}=1", "design={}", "threat={}", "uncertainty.samples={}", "title={}", "{}"),
 ]
 
@@ -236,6 +238,11 @@ class Maker:
         """Return the name of a mutated table."""
         return self.file(name, mutated(content, self.dice, table=True))
 
+    def shots(self) -> str:
+        """Return the name of a table of shots: the shipped one, or an export of a spreadsheet."""
+        content = SHOTS.read_bytes() if self.dice.random() < 0.5 else export(self.dice).content
+        return self.table("shots.csv", content)
+
     def tests(self) -> str:
         """Return the name of tests, mostly those of the scenario."""
         return self.table("t.csv", TESTS.get(self.suited, TESTS["wilkins"]).read_bytes())
@@ -333,7 +340,7 @@ VALUES: dict[str, Callable[[Maker], str]] = {
     "scenario": Maker.scenario,
     "source": lambda maker: maker.scenario() if maker.dice.random() < 0.7 else maker.suite(),
     "suite": Maker.suite,
-    "table": read("shots.csv", SHOTS),
+    "table": Maker.shots,
     "calibrate table": Maker.tests,
     "--lot": of("2026-03", *TEXTS),
     "name": of(*TEXTS, "STANAG 4569 level 3, B32", "HHA Class 1"),
@@ -382,6 +389,12 @@ VALUES: dict[str, Callable[[Maker], str]] = {
     "--upper-m-s": ends(800.0, 1500.0),
     "--result": of("partial", "complete", "p", "cp"),
     "--velocity-m-s": ends(500.0, 1000.0),
+    "--velocity-max-m-s": ends(600.0, 1500.0),
+    "--at-m-s": ends(500.0, 1000.0),
+    "--fraction": ends(0.01, 0.99),
+    "--where": of("panel=A", "panel=1", "remark=x", "x", *TEXTS),
+    "--sheet": of("Sheet1", *TEXTS),
+    "--curve": to("k.csv"),
     "--number": of(1, 2, 4, 8),
     "--criterion": of("D", "I"),
     "--measure": of("limit", "outcome"),
