@@ -28,7 +28,7 @@ def on(density: float, **sections: object) -> Scenario:
     return scenario("7.62 mm AP", "AD85", "X", 8.0, 15.0, library=library, **sections)
 
 
-def said(result: armour.CheckResult | armour.ImpactResult) -> list[str]:
+def said(result: armour.CheckResult | armour.DesignResult | armour.ImpactResult) -> list[str]:
     return [note.text for note in result.warnings if isinstance(note, Note) and note.said]
 
 
@@ -125,3 +125,29 @@ def test_answers_name_doubtful_values_and_own_values_are_not_doubted():
     [words] = said(armour.check(marked))
     assert words.startswith("the values of MARS500 are doubtful: ")
     assert said(armour.check(own)) == []
+
+
+def test_a_ceramic_thinner_than_any_tested_is_named_in_the_line_of_every_answer():
+    """Against 12.7 mm APM2 of 10.9 mm, tests begin at 0.89 diameters, 9.7 mm."""
+    words = (
+        "no ceramic thinner than 0.89 penetrator diameters, here 9.7 mm, was tested: do not rely on limits with less"
+    )
+    rounds = [{"projectile": name, "velocity_m_s": 500.0} for name in ("7.62 mm APM2", "12.7 mm APM2")]
+    thin = scenario("12.7 mm APM2", "SiC", "6061-T6", 3.0, 40.0, velocity=500.0)
+    impact, checked = armour.simulate(thin), armour.check(thin)
+    assert outcome(checked).endswith(f"; {words}")
+    assert tables_of_impact(impact)[0] == f"stopped; {words}"
+    assert tables_of_limit(armour.ballistic_limit(thin))[0] == words
+    assert words in scenario_report(contents_of(thin), "").lead.replace("No ceramic", "no ceramic")
+    assert not any("0.61" in warning for warning in (*impact.warnings, *checked.warnings))
+    # 9 mm is thicker than tested against one round and too thin for the other.
+    layers = {
+        "ceramic": [{"material": "SiC", "thickness_mm": 9.0}],
+        "backing": [{"material": "6061-T6", "thickness_mm": 40.0}],
+    }
+    found = armour.optimise(thin.replaced({"threat": rounds, "design": layers}))
+    assert found.best is not None
+    assert found.best.outside_tests["ceramic_thickness_ratio"] == pytest.approx(9.0 / 9.7, abs=0.01)
+    assert [words in tables_of_design(found), said(found)] == [True, [words]]
+    thick = armour.check(thin.replaced({"armour.ceramic_thickness_mm": 10.0}))
+    assert said(thick) == []

@@ -29,6 +29,14 @@ def no_metal(density_kg_m3: float) -> str:
     return f"a back plate of {density_kg_m3:,.0f} kg/m³ is no metal: {NOT_MODELLED} ({DENSITIES})"
 
 
+def too_thin(ratio: float, thickness_mm: float) -> str:
+    """Return below which thickness, also over the penetrator's diameter, no ceramic was tested."""
+    return (
+        f"no ceramic thinner than {ratio:.2g} penetrator diameters, here {thickness_mm:.2g} mm, was tested: do not rely "
+        "on limits with less"
+    )
+
+
 def caveats(armour: Parameters, metals: Iterable[LibraryEntry], *, said: bool = True) -> Iterator[tuple[Note, Any]]:
     """Yield what the model cannot do for n armours, and which of the metals have doubtful values.
 

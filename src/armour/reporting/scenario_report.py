@@ -288,7 +288,7 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Re
     exact = ("With exact inputs.",) if contents.sampled else ()
     notes = flow_stress_notes(threat.flow_stress, threat.threat)
     notes[:1] = [f"{answer.armour_words()} {note}" for note in notes[:1]]
-    notes += design_view.outside_of_check(contents.check)
+    notes += design_view.outside_notes(contents.check.threats)
     tables = [_threats(contents)]
     if len(design_view.requirements_of(contents.check)) > len(contents.threats):
         tables.append(replace(design_view.requirement_table(contents.check), title="requirements"))

@@ -13,6 +13,8 @@ from armour.design.check import CheckedThreat, CheckResult, WhatIf
 from armour.design.optimise import BestDesign, Design, DesignResult, Pair, armour_in_words, short_words
 from armour.design.requirements import Requirement
 from armour.errors import counted, joined
+from armour.evidence.caveats import too_thin
+from armour.evidence.tests import THIN
 from armour.reporting.by_result import tables_of
 from armour.reporting.junit import TestCase, junit_suite
 from armour.reporting.table import Column, Source, Table, column_of, csv_text, listing, record
@@ -51,8 +53,6 @@ MARGIN_BY_MODEL = column_of("margin_m_s", "+.0f", "margin by the model")
 REQUIRED = Column("required margin", "m/s", "+.0f")
 OUTSIDE = Column("outside the tests in", prose=True, key="outside_tests")
 NEEDED = Column("flow stress needed", "GPa", ".1f")
-# The quantity that is below the tests for thin ceramics.
-THIN = "ceramic_thickness_ratio"
 SOURCES, METAL = "flow_stress_sources", "backing_density_kg_m3"
 METALS = (
     "the model gives the strength of the back plate more effect than the paper has: do not rely on this comparison of "
@@ -306,22 +306,15 @@ def outside_notes(items: Sequence[Any]) -> list[str]:
     return [f"{'all lie ' * (len(items) > 1)}outside the tests in {common}"] if common else []
 
 
-def thin_notes(ceramics: Iterable[tuple[float, Mapping[str, float]]], scenario: Scenario | None) -> list[str]:
-    """Return from which thickness on ceramics were tested, if one is thinner; given thicknesses, mm, and factors."""
-    tested_mm = [mm / outside[THIN] for mm, outside in ceramics if outside.get(THIN, 1.0) < 1.0]
+def thin_designs(designs: Iterable[Design], scenario: Scenario | None) -> list[str]:
+    """Return from which thickness on ceramics were tested, if that of a design is thinner."""
+    ceramics = ((design.ceramic_thickness_mm, design.outside_tests.get(THIN, 1.0)) for design in designs)
+    tested_mm = [mm / factor for mm, factor in ceramics if factor < 1.0]
     if not tested_mm or scenario is None:
         return []
     threats = map(scenario.against, scenario.threats())
     widest_mm = max(threat.inputs()["projectile.penetrator_diameter_mm"] * threat.cosine() for threat in threats)
-    return [
-        f"no ceramic thinner than {max(tested_mm) / widest_mm:.2g} penetrator diameters, here {max(tested_mm):.2g} mm, "
-        "was tested: do not rely on limits with less"
-    ]
-
-
-def thin_designs(designs: Iterable[Design], scenario: Scenario | None) -> list[str]:
-    """Return the same for designs."""
-    return thin_notes(((design.ceramic_thickness_mm, design.outside_tests) for design in designs), scenario)
+    return [too_thin(max(tested_mm) / widest_mm, max(tested_mm))]
 
 
 def _result(result: DesignResult, pair: Pair) -> str:
@@ -384,7 +377,8 @@ def tables_of_design(result: DesignResult) -> list[Table | str]:
             shown.append(left_out(result))
     if result.pareto:
         shown += [design_table(result.pareto, "Pareto front"), *outside_notes(result.pareto)]
-    return [*shown, *thin_designs([*named, *result.pareto], scenario), f"{counted(result.designs, 'design')} computed"]
+    thin = [words for words in thin_designs([*named, *result.pareto], scenario) if words not in shown]
+    return [*shown, *thin, f"{counted(result.designs, 'design')} computed"]
 
 
 def _answer(scenario: Scenario, best: BestDesign) -> Scenario:
@@ -586,7 +580,7 @@ def tables_of_check(result: CheckResult) -> list[Table | str]:
         amounts(result),
         *layer_words(result.question["scenario"].armour.layer),
         threat_table(result),
-        *outside_of_check(result),
+        *outside_notes(result.threats),
     ]
     if len(requirements_of(result)) > len(result.threats):
         shown.append(requirement_table(result))
@@ -599,14 +593,6 @@ def tables_of_check(result: CheckResult) -> list[Table | str]:
     if len(explained) < len(result.threats):
         shown.append("changes against the other threats with -v")
     return shown
-
-
-def outside_of_check(result: CheckResult) -> list[str]:
-    """Return in what an armour lies outside the tests against all of its threats."""
-    scenario: Scenario | None = result.question.get("scenario")
-    ceramic_mm = 0.0 if scenario is None else scenario.armour.ceramic_thickness_mm
-    thin = thin_notes(((ceramic_mm, threat.outside_tests) for threat in result.threats), scenario)
-    return [*outside_notes(result.threats), *thin]
 
 
 def check_summary(results: Mapping[str, CheckResult]) -> VerdictLine:
