@@ -12,6 +12,7 @@ from armour.errors import Note
 from armour.reporting.scenario_report import contents_of, scenario_report
 from armour.reporting.views.analysis import tables_of_impact, tables_of_limit
 from armour.reporting.views.design import check_junit, outcome, tables_of_design
+from armour.reporting.words import said_of
 from armour.scenario.scenario import Scenario
 from tests.helpers.cases import scenario
 
@@ -76,6 +77,20 @@ def test_up_to_2100_the_answer_asks_whether_it_is_a_metal(density: float, questi
     checked = armour.check(on(density))
     assert (checked.verdict == "not known") is (question is None)
     assert outcome(checked).count("a metal?") == bool(question)
+
+
+def test_a_search_asks_it_of_pairs_that_it_does_not_name_first():
+    grid = {"min": 6.0, "max": 12.0, "step": 1.0}
+    layers = {
+        "ceramic": [{"material": "AD85", "thickness_mm": grid}],
+        "backing": [{"material": name, "thickness_mm": grid} for name in ("X", "6061-T6")],
+    }
+    found = armour.optimise(on(1440.0, design={**layers, "confidence": 0.6}))
+    assert found.best is not None
+    assert found.best.backing == "6061-T6"
+    tables = [words for words in tables_of_design(found) if isinstance(words, str)]
+    assert [words for words in tables if words.startswith("is a back plate of 1,440 kg/m³ a metal?")]
+    assert not said_of(found.warnings)
 
 
 def test_long_rods_are_named_with_the_depth_that_the_equations_give():

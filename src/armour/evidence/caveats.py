@@ -32,8 +32,8 @@ def no_metal(density_kg_m3: float) -> str:
 def too_thin(ratio: float, thickness_mm: float) -> str:
     """Return below which thickness, also over the penetrator's diameter, no ceramic was tested."""
     return (
-        f"no ceramic thinner than {ratio:.2g} penetrator diameters, here {thickness_mm:.2g} mm, was tested: do not rely "
-        "on limits with less"
+        f"no ceramic thinner than {ratio:.2g} penetrator diameters, here {thickness_mm:.2g} mm, was tested: "
+        "do not rely on limits with less"
     )
 
 

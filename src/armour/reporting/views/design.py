@@ -10,7 +10,7 @@ from xml.etree.ElementTree import Element
 from armour.analysis.ballistic_limit import NeededFlowStress
 from armour.analysis.variants import outside_words
 from armour.design.check import CheckedThreat, CheckResult, WhatIf
-from armour.design.optimise import BestDesign, Design, DesignResult, Pair, armour_in_words, short_words
+from armour.design.optimise import BY_LIMIT, BestDesign, Design, DesignResult, Pair, armour_in_words, short_words
 from armour.design.requirements import Requirement
 from armour.errors import counted, joined
 from armour.evidence.caveats import too_thin
@@ -113,7 +113,10 @@ def design_verdict(result: DesignResult) -> list[Table | str]:
     lacking = "; ".join(filter(None, (short, *map(requirement_words, unmet), *_excesses(nearest))))
     explanation = result.explanation
     if unlimited is not None and unlimited.exceeds:
-        explanation = f"{armour_in_words(unlimited)} would stop {threats}, but has {'; '.join(_excesses(unlimited))}"
+        by_limit = BY_LIMIT * (unlimited.model_error is None)
+        explanation = (
+            f"{armour_in_words(unlimited)} would stop {threats}{by_limit}, but has {'; '.join(_excesses(unlimited))}"
+        )
     return [VerdictLine(f"none passes: the nearest, {armour}, lacks {lacking}", good=False), explanation, *notes]
 
 
@@ -283,6 +286,7 @@ def pair_notes(result: DesignResult) -> list[str]:
     of_one_source = [each for each in best if any(row.quantity == SOURCES for row in each.requirements)]
     notes = [f"{armour_in_words(each)} {note}" for each in of_one_source for note in _flow_stress_notes(each)[:1]]
     notes += outside_notes(best) if len(best) > 1 else []
+    notes += said_of(result.warnings, "pairs")
     return notes + [METALS] * (len({each.backing for each in best if each.ceramic}) > 1)
 
 
