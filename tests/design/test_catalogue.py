@@ -119,9 +119,12 @@ def test_a_catalogue_of_bare_plates_needs_no_grid():
 
 
 def test_a_limit_that_is_exceeded_claims_no_probability_that_is_unknown():
-    ceramics = [{"material": "SiC", "thickness_mm": [8.0, 10.0]}]
-    search = catalogue(ceramic=ceramics, confidence=0.9, thickness_max_mm=5.0)
-    assert "the lightest design that stops every threat by the computed limit has" in optimise(search).explanation
+    layers = {
+        "ceramic": [{"material": "SiC", "thickness_mm": [8.0]}],
+        "backing": [{"material": "6061-T6", "thickness_mm": 8.0}],
+    }
+    found = optimise(scenario(design={**layers, "confidence": 0.9, "thickness_max_mm": 5.0}))
+    assert "the lightest design that stops 7.62 mm AP at 800 m/s by the computed limit has" in found.explanation
 
 
 def test_nothing_on_offer():
