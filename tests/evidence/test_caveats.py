@@ -1,6 +1,7 @@
 """What the model cannot do, said in the answers."""
 
 from collections.abc import Callable
+from typing import Any
 from xml.etree.ElementTree import tostring
 
 import pytest
@@ -103,6 +104,40 @@ def test_long_rods_are_named_with_the_depth_that_the_equations_give():
     assert "3.0 times its length into this plate, 2.0 times the hydrodynamic depth" in words
     assert words in outcome(armour.check(rod))
     assert said(armour.simulate(core)) == []
+
+
+@pytest.mark.parametrize(
+    ("ceramic", "plate", "density", "verdict"),
+    [
+        (None, "RHA Class 1", 17600.0, "not known"),
+        (None, "RHA Class 1", 2700.0, "fails"),
+        ("AD85", "RHA Class 1", 17600.0, "fails"),
+        (None, "5083-H3", 17600.0, "fails"),
+    ],
+)
+def test_nothing_fails_by_a_limit_that_is_known_to_be_too_low(
+    ceramic: str | None, plate: str, density: float, verdict: str
+):
+    rods = {"rod": ROD | {"density_kg_m3": density, "penetrator_mass_g": 138.2 * density / 17600.0}}
+    hc = 5.0 if ceramic else 0.0
+    rod = scenario("rod", ceramic, plate, hc, 10.0, library={"projectile": rods}, velocity=1500.0)
+    is_too_low, checked, impact = verdict == "not known", armour.check(rod), armour.simulate(rod)
+    assert impact.outcome == "perforated"
+    assert (checked.verdict, armour.check(rod.replaced({"design": {"confidence": 0.9}})).verdict) == (verdict, verdict)
+    assert outcome(checked).endswith("the limit is too low") is is_too_low
+    assert str(tables_of_impact(impact)[0]).startswith("not known: perforated by the model, but") is is_too_low
+    layers: dict[str, Any] = {"backing": [{"material": plate, "thickness_mm": [8.0, 10.0]}]}
+    layers |= {"ceramic": [{"material": ceramic, "thickness_mm": hc}]} if ceramic else {}
+    found = armour.optimise(rod.replaced({"design": layers}))
+    assert found.reason == ("not known" if is_too_low else "none passes")
+    assert str(tables_of_design(found)[0]).startswith("not known, as the limit is too low: the near") is is_too_low
+    stopped = rod.replaced({"impact.velocity_m_s": 50.0})
+    assert armour.check(stopped).verdict == "passes"
+
+
+def test_no_flow_stress_is_named_with_which_a_ceramic_stops_a_long_rod():
+    rod = scenario("rod", "SiC", "RHA Class 1", 40.0, 60.0, library={"projectile": {"rod": ROD}}, velocity=1400.0)
+    assert armour.confidence(rod).flow_stress is None
 
 
 @pytest.mark.parametrize(("velocity", "of_fluxes", "of_halves"), [(1000.0, 1.57, 0.75), (1500.0, 2.44, 1.18)])

@@ -15,11 +15,11 @@ from armour.analysis.variants import Ints, distributions, outside_words, why_err
 from armour.design.catalogue import FIRST_VALUES, MARGIN, NO_BOUND, CandidateDesigns, Catalogue, catalogue_of
 from armour.design.designs import NOT_KNOWN, PASSES, Designs, Runs, asked_of, stopped, verdicts_of
 from armour.design.reliability import Reliability
-from armour.design.requirements import Requirement, against_threat, of_armour
+from armour.design.requirements import Requirement, against_threat, of_armour, verdict_of
 from armour.design.search import FreeThicknesses, candidates_of, joined, pareto
 from armour.errors import Note, Problem, listed, refuse
 from armour.errors import joined as joined_words
-from armour.evidence.caveats import caveats, no_metal
+from armour.evidence.caveats import caveats, is_limit_too_low, no_metal
 from armour.evidence.mixture import Mixture
 from armour.evidence.model_error import INTERLAYER, REMEDY, ModelError, error_of
 from armour.evidence.tests import threat_warnings
@@ -179,7 +179,7 @@ class DesignResult(TableResult):
         None if no design is known to pass.
     reason : {"", "none passes", "not known"}
         Why there is no best design: none passes, or it is not known whether one does, as the probability is not known
-        for any design whose ballistic limit by the model is high enough.
+        for any design whose ballistic limit by the model is high enough, or as that limit is known to be too low.
     explanation : str
         The same in a sentence; empty if there is one.
     nearest : BestDesign or None
@@ -352,6 +352,9 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
             *_least_of_the_range(catalogue, pair, as_results(designs, frontier), ends["ceramic_min_mm"]),
             *_changing(search, changing),
         ]
+    is_not_known = shown is not None and verdict_of(row.verdict for row in shown.requirements) == "not known"
+    if reason == "none passes" and is_not_known:
+        reason, explanation = "not known", f"by the computed limit, {explanation}"
     every = order if len(order) <= MOST_SHOWN else order[:0]
     margins = designs.margins_m_s(every).tolist()
     return DesignResult(
@@ -673,6 +676,7 @@ def _best(designs: Designs, place: int, *, named: bool = False) -> BestDesign:
     stopping = _of_stopping(catalogue, of_limits, sampled)
     required = rows.velocities + catalogue.margins_m_s
     stops = stopped(rows._replace(velocities=required), Runs()).tolist()
+    is_too_low = is_limit_too_low(rows.armours.parameters).tolist()
     requirements = [
         row
         for i, threat in enumerate(catalogue.threats)
@@ -687,6 +691,7 @@ def _best(designs: Designs, place: int, *, named: bool = False) -> BestDesign:
             stops=stops[i],
             tolerance_m_s=searched.tolerance_m_s,
             interlayers=catalogue.scenario.interlayers,
+            limit_too_low=is_too_low[i],
         )
     ]
     short = {threat: max(-float(spare), 0.0) for threat, spare in zip(catalogue.titles, slack, strict=True)}

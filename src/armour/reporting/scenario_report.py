@@ -235,7 +235,7 @@ def _armour(contents: Contents) -> Card:
     if design is not None and design.shown is not None:
         subject = f"{OBJECTIVES[design.minimised].least.capitalize()} design"
         if design.reason:
-            subject = "Nearest design" if design.reason == "none passes" else f"{subject} by the computed limit"
+            subject = "Nearest design" if any(design.shown.short_m_s.values()) else f"{subject} by the computed limit"
     details = [design_view.amounts(contents.check)]
     if (limit := contents.threat.ballistic_limit_m_s) is not None:
         near = [each for each in nearest_measured(contents.answer, limit) if each.is_near(limit)]

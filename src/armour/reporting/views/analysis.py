@@ -77,10 +77,14 @@ def tables_of_impact(result: ImpactResult) -> list[Table | str]:
 
 def verdict(result: ImpactResult) -> VerdictLine:
     """Return the outcome in a line, with what the model cannot do."""
-    stopped, unknown = result.outcome == "stopped", said_of(result.warnings, "not known")
+    stopped = result.outcome == "stopped"
+    unknown = said_of(result.warnings, "not known", *([] if stopped else ["too low"]))
     residual = "" if stopped else f", residual velocity {result.residual_velocity_m_s:.0f} m/s"
     words = [f"not known: {result.outcome} by the model, but {reason}" for reason in unknown]
-    words = [*(words or [result.outcome + residual]), *said_of(result.warnings)]
+    words = [
+        *(words or [result.outcome + residual]),
+        *(each for each in said_of(result.warnings) if each not in unknown),
+    ]
     return VerdictLine("; ".join(words), good=stopped and not unknown)
 
 

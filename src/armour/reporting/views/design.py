@@ -104,11 +104,11 @@ def design_verdict(result: DesignResult) -> list[Table | str]:
         return [VerdictLine(f"{result.reason}: {result.explanation}", good=False)]
     armour, notes = armour_in_words(nearest), _flow_stress_notes(nearest)
     threats = "every threat" if len(result.threats) > 1 else result.threats[0]
-    if result.reason == "not known":
+    short = ", ".join(f"{short_words(short)} against {threat}" for threat, short in nearest.short_m_s.items() if short)
+    if result.reason == "not known" and not short:
         least = OBJECTIVES[result.minimised].least
         words = f"not known: {armour} is the {least} that stops {threats} by the computed limit"
         return [VerdictLine(words, good=False), *notes, result.explanation]
-    short = ", ".join(f"{short_words(short)} against {threat}" for threat, short in nearest.short_m_s.items() if short)
     unmet = [row for row in nearest.requirements if row.interval and row.verdict != "passes"]
     lacking = "; ".join(filter(None, (short, *map(requirement_words, unmet), *_excesses(nearest))))
     explanation = result.explanation
@@ -117,7 +117,8 @@ def design_verdict(result: DesignResult) -> list[Table | str]:
         explanation = (
             f"{armour_in_words(unlimited)} would stop {threats}{by_limit}, but has {'; '.join(_excesses(unlimited))}"
         )
-    return [VerdictLine(f"none passes: the nearest, {armour}, lacks {lacking}", good=False), explanation, *notes]
+    known = result.reason if result.reason == "none passes" else "not known, as the limit is too low"
+    return [VerdictLine(f"{known}: the nearest, {armour}, lacks {lacking}", good=False), explanation, *notes]
 
 
 def _excesses(design: BestDesign) -> list[str]:
