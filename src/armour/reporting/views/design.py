@@ -287,8 +287,13 @@ def pair_notes(result: DesignResult) -> list[str]:
     of_one_source = [each for each in best if any(row.quantity == SOURCES for row in each.requirements)]
     notes = [f"{armour_in_words(each)} {note}" for each in of_one_source for note in _flow_stress_notes(each)[:1]]
     notes += outside_notes(best) if len(best) > 1 else []
-    notes += said_of(result.warnings, "pairs")
-    return notes + [METALS] * (len({each.backing for each in best if each.ceramic}) > 1)
+    return notes + pair_caveats(result)
+
+
+def pair_caveats(result: DesignResult) -> list[str]:
+    """Return what the model cannot do for pairs that are not named first, and for metals of different strength."""
+    metals = {each.backing for each in best_of_pairs(result) if each.ceramic}
+    return said_of(result.warnings, "pairs") + [METALS] * (len(metals) > 1)
 
 
 def offer_table(result: DesignResult) -> Table:
