@@ -67,7 +67,8 @@ class Note(str):
     brief : str
         What lies outside the tests of the model, in a few words; empty for other warnings.
     said : str
-        "caveat" if the answer itself contains the text, "not known" if it is the answer; else empty.
+        "caveat" if the answer itself contains the text, "too low" if the armour may stop more than the answer says,
+        "not known" if it is the answer, "pairs" if the table of pairs of materials contains it; else empty.
     """
 
     key: str

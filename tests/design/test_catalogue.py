@@ -118,6 +118,15 @@ def test_a_catalogue_of_bare_plates_needs_no_grid():
     assert (best.ceramic_thickness_mm, best.backing_thickness_mm) == (0.0, 40.0)
 
 
+def test_a_limit_that_is_exceeded_claims_no_probability_that_is_unknown():
+    layers = {
+        "ceramic": [{"material": "SiC", "thickness_mm": [8.0]}],
+        "backing": [{"material": "6061-T6", "thickness_mm": 8.0}],
+    }
+    found = optimise(scenario(design={**layers, "confidence": 0.9, "thickness_max_mm": 5.0}))
+    assert "the lightest design that stops 7.62 mm AP at 800 m/s by the computed limit has" in found.explanation
+
+
 def test_nothing_on_offer():
     lightest = best_of(optimise(catalogue())).thickness_mm
     least = f"the lightest design that stops every threat has {lightest:.4g} mm, at most 5 mm is allowed"

@@ -1,6 +1,7 @@
 """What the model cannot do, said in the answers."""
 
 from collections.abc import Callable
+from typing import Any
 from xml.etree.ElementTree import tostring
 
 import pytest
@@ -12,6 +13,7 @@ from armour.errors import Note
 from armour.reporting.scenario_report import contents_of, scenario_report
 from armour.reporting.views.analysis import tables_of_impact, tables_of_limit
 from armour.reporting.views.design import check_junit, outcome, tables_of_design
+from armour.reporting.words import said_of
 from armour.scenario.scenario import Scenario
 from tests.helpers.cases import scenario
 
@@ -28,7 +30,7 @@ def on(density: float, **sections: object) -> Scenario:
     return scenario("7.62 mm AP", "AD85", "X", 8.0, 15.0, library=library, **sections)
 
 
-def said(result: armour.CheckResult | armour.ImpactResult) -> list[str]:
+def said(result: armour.CheckResult | armour.DesignResult | armour.ImpactResult) -> list[str]:
     return [note.text for note in result.warnings if isinstance(note, Note) and note.said]
 
 
@@ -78,6 +80,20 @@ def test_up_to_2100_the_answer_asks_whether_it_is_a_metal(density: float, questi
     assert outcome(checked).count("a metal?") == bool(question)
 
 
+def test_a_search_asks_it_of_pairs_that_it_does_not_name_first():
+    grid = {"min": 6.0, "max": 12.0, "step": 1.0}
+    layers = {
+        "ceramic": [{"material": "AD85", "thickness_mm": grid}],
+        "backing": [{"material": name, "thickness_mm": grid} for name in ("X", "6061-T6")],
+    }
+    found = armour.optimise(on(1440.0, design={**layers, "confidence": 0.6}))
+    assert found.best is not None
+    assert found.best.backing == "6061-T6"
+    tables = [words for words in tables_of_design(found) if isinstance(words, str)]
+    assert [words for words in tables if words.startswith("is a back plate of 1,440 kg/m³ a metal?")]
+    assert not said_of(found.warnings)
+
+
 def test_long_rods_are_named_with_the_depth_that_the_equations_give():
     """Without strengths, V (V - U) = 0.446 U^2 gives U / (V - U) = 2.99 lengths; the hydrodynamic depth is 1.50."""
     rods = {"rod": ROD, "core": ROD | {"penetrator_mass_g": 80.0}}
@@ -88,6 +104,40 @@ def test_long_rods_are_named_with_the_depth_that_the_equations_give():
     assert "3.0 times its length into this plate, 2.0 times the hydrodynamic depth" in words
     assert words in outcome(armour.check(rod))
     assert said(armour.simulate(core)) == []
+
+
+@pytest.mark.parametrize(
+    ("ceramic", "plate", "density", "verdict"),
+    [
+        (None, "RHA Class 1", 17600.0, "not known"),
+        (None, "RHA Class 1", 2700.0, "fails"),
+        ("AD85", "RHA Class 1", 17600.0, "fails"),
+        (None, "5083-H3", 17600.0, "fails"),
+    ],
+)
+def test_nothing_fails_by_a_limit_that_is_known_to_be_too_low(
+    ceramic: str | None, plate: str, density: float, verdict: str
+):
+    rods = {"rod": ROD | {"density_kg_m3": density, "penetrator_mass_g": 138.2 * density / 17600.0}}
+    hc = 5.0 if ceramic else 0.0
+    rod = scenario("rod", ceramic, plate, hc, 10.0, library={"projectile": rods}, velocity=1500.0)
+    is_too_low, checked, impact = verdict == "not known", armour.check(rod), armour.simulate(rod)
+    assert impact.outcome == "perforated"
+    assert (checked.verdict, armour.check(rod.replaced({"design": {"confidence": 0.9}})).verdict) == (verdict, verdict)
+    assert outcome(checked).endswith("the limit is too low") is is_too_low
+    assert str(tables_of_impact(impact)[0]).startswith("not known: perforated by the model, but") is is_too_low
+    layers: dict[str, Any] = {"backing": [{"material": plate, "thickness_mm": [8.0, 10.0]}]}
+    layers |= {"ceramic": [{"material": ceramic, "thickness_mm": hc}]} if ceramic else {}
+    found = armour.optimise(rod.replaced({"design": layers}))
+    assert found.reason == ("not known" if is_too_low else "none passes")
+    assert str(tables_of_design(found)[0]).startswith("not known, as the limit is too low: the near") is is_too_low
+    stopped = rod.replaced({"impact.velocity_m_s": 50.0})
+    assert armour.check(stopped).verdict == "passes"
+
+
+def test_no_flow_stress_is_named_with_which_a_ceramic_stops_a_long_rod():
+    rod = scenario("rod", "SiC", "RHA Class 1", 40.0, 60.0, library={"projectile": {"rod": ROD}}, velocity=1400.0)
+    assert armour.confidence(rod).flow_stress is None
 
 
 @pytest.mark.parametrize(("velocity", "of_fluxes", "of_halves"), [(1000.0, 1.57, 0.75), (1500.0, 2.44, 1.18)])
@@ -125,3 +175,29 @@ def test_answers_name_doubtful_values_and_own_values_are_not_doubted():
     [words] = said(armour.check(marked))
     assert words.startswith("the values of MARS500 are doubtful: ")
     assert said(armour.check(own)) == []
+
+
+def test_a_ceramic_thinner_than_any_tested_is_named_in_the_line_of_every_answer():
+    """Against 12.7 mm APM2 of 10.9 mm, tests begin at 0.89 diameters, 9.7 mm."""
+    words = (
+        "no ceramic thinner than 0.89 penetrator diameters, here 9.7 mm, was tested: do not rely on limits with less"
+    )
+    rounds = [{"projectile": name, "velocity_m_s": 500.0} for name in ("7.62 mm APM2", "12.7 mm APM2")]
+    thin = scenario("12.7 mm APM2", "SiC", "6061-T6", 3.0, 40.0, velocity=500.0)
+    impact, checked = armour.simulate(thin), armour.check(thin)
+    assert outcome(checked).endswith(f"; {words}")
+    assert tables_of_impact(impact)[0] == f"stopped; {words}"
+    assert tables_of_limit(armour.ballistic_limit(thin))[0] == words
+    assert words in scenario_report(contents_of(thin), "").lead.replace("No ceramic", "no ceramic")
+    assert not any("0.61" in warning for warning in (*impact.warnings, *checked.warnings))
+    # 9 mm is thicker than tested against one round and too thin for the other.
+    layers = {
+        "ceramic": [{"material": "SiC", "thickness_mm": 9.0}],
+        "backing": [{"material": "6061-T6", "thickness_mm": 40.0}],
+    }
+    found = armour.optimise(thin.replaced({"threat": rounds, "design": layers}))
+    assert found.best is not None
+    assert found.best.outside_tests["ceramic_thickness_ratio"] == pytest.approx(9.0 / 9.7, abs=0.01)
+    assert [words in tables_of_design(found), said(found)] == [True, [words]]
+    thick = armour.check(thin.replaced({"armour.ceramic_thickness_mm": 10.0}))
+    assert said(thick) == []

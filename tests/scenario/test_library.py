@@ -293,6 +293,12 @@ def test_a_threat_like_a_wrong_name_has_its_round_or_calibre(name: str, like: li
     assert threats_like(name) == like
 
 
+@pytest.mark.parametrize("name", ["M993", "7.62 x 51 M993"])
+def test_a_round_of_a_template_has_that_template(name: str):
+    with pytest.raises(InputError, match="armour init --from templates/m993"):
+        shipped_library().find(name)
+
+
 def test_a_round_like_a_wrong_name_has_its_calibre():
     for name, like in (
         ("B32 12.7", []),

@@ -24,7 +24,7 @@ from armour.analysis.variants import (
 from armour.core import search
 from armour.core.state import Outcome
 from armour.errors import InputError, NoLimitError
-from armour.evidence.caveats import is_no_metal
+from armour.evidence.caveats import is_long_rod, is_no_metal
 from armour.evidence.fit import fits
 from armour.evidence.mixture import Mixture
 from armour.evidence.model_error import ModelError, error_of, other_settings
@@ -79,7 +79,8 @@ def needed_flow_stress(
 ) -> NeededFlowStress | None:
     """Return the flow stress that a ceramic without tests needs; None without such a ceramic, or without a metal.
 
-    It is None, too, with a layer between, and with other settings of the model than those used to compute the tests.
+    It is None, too, with a layer between, for long rods, and with other settings of the model than those used to
+    compute the tests.
 
     Parameters
     ----------
@@ -92,7 +93,8 @@ def needed_flow_stress(
     ceramic = scenario.entry_of("ceramic")
     if ceramic is None or not scenario.armour.ceramic_thickness_mm or not is_untested(ceramic) or scenario.interlayers:
         return None
-    if is_no_metal(scenario.core_armour().rho_B) or other_settings(scenario):
+    core = scenario.core_armour()
+    if is_no_metal(core.rho_B) or is_long_rod(core) or other_settings(scenario):
         return None
     required, sources = probability or USUAL_PROBABILITY, ceramic.flow_stress_sources_GPa
     likely_m_s = scenario.impact.velocity_m_s / float(constant_law_error().quantile(1.0 - required))

@@ -14,11 +14,10 @@ from armour.core.search import DENSE_SCAN_POINTS, SCAN_POINTS, find_ballistic_li
 from armour.core.state import Outcome, Parameters
 from armour.engine import batch, cache
 from armour.errors import mistake
-from armour.evidence.caveats import caveats
 from armour.evidence.fit import shipped_data
 from armour.evidence.mixture import Mixture
 from armour.evidence.model_error import LAW_FIELDS, Errors, errors_of, given_error, why_unknown
-from armour.evidence.tests import Armours, Materials, armours_of, is_unusual, limits_outside
+from armour.evidence.tests import Armours, Materials, armours_of, is_unusual, limits_of_model, limits_outside
 from armour.scenario.inputs import OBLIQUITY, VELOCITY, YIELD, cosine_of, fields_of
 from armour.scenario.library import DEFAULTS, strength_notes
 from armour.scenario.scenario import Scenario
@@ -140,7 +139,7 @@ def outside_limits(variants: Variants, *, velocities: bool = True) -> Iterator[t
     """Yield warnings, each with its number of rows: caveats, values outside the tests, and doubtful strengths."""
     speeds = variants.velocities if velocities else np.full_like(variants.velocities, np.nan)
     metals = [materials.backing for materials in variants.materials] if variants.own_strength else []
-    for note, rows in caveats(variants.armours.parameters, metals, said=False):
+    for note, rows in limits_of_model(variants.armours, metals, said=False):
         yield note, int(np.count_nonzero(rows))
     for limit in limits_outside(variants.armours, speeds):
         yield f"{limit.key}: {limit.words}", len(limit.rows)

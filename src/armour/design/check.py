@@ -18,6 +18,7 @@ from armour.analysis.perforation import is_sampled, misplaced, probability_of_pe
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.analysis.variants import limits_anywhere, lowest_limits, variants_of
 from armour.design.requirements import Requirement, Verdict, against_threat, of_armour, verdict_of
+from armour.evidence.caveats import is_limit_too_low
 from armour.evidence.model_error import ModelError
 from armour.evidence.tests import armours_of, outside_tests, threat_warnings
 from armour.scenario.checked import checked
@@ -245,6 +246,7 @@ def _checked(
             stops=simulate(against.replaced({VELOCITY: threat.required_m_s})).outcome == "stopped",
             tolerance_m_s=against.ballistic_limit.tolerance_m_s,
             interlayers=against.interlayers,
+            limit_too_low=is_limit_too_low(against.core_armour()),
         )
     )
     what_ifs = []

@@ -15,11 +15,11 @@ from armour.analysis.variants import Ints, distributions, outside_words, why_err
 from armour.design.catalogue import FIRST_VALUES, MARGIN, NO_BOUND, CandidateDesigns, Catalogue, catalogue_of
 from armour.design.designs import NOT_KNOWN, PASSES, Designs, Runs, asked_of, stopped, verdicts_of
 from armour.design.reliability import Reliability
-from armour.design.requirements import Requirement, against_threat, of_armour
+from armour.design.requirements import Requirement, against_threat, of_armour, verdict_of
 from armour.design.search import FreeThicknesses, candidates_of, joined, pareto
-from armour.errors import Problem, listed, refuse
+from armour.errors import Note, Problem, listed, refuse
 from armour.errors import joined as joined_words
-from armour.evidence.caveats import no_metal
+from armour.evidence.caveats import caveats, is_limit_too_low, no_metal
 from armour.evidence.mixture import Mixture
 from armour.evidence.model_error import INTERLAYER, REMEDY, ModelError, error_of
 from armour.evidence.tests import threat_warnings
@@ -32,6 +32,8 @@ from armour.units import MM
 # Words that begin the reason of a pair of materials: without tests, if others have them; with a single source of the
 # ceramic's flow stress; and nearly as good as the best.
 UNTESTED, ONE_SOURCE, RUNNER_UP = "no test", "one source of its flow stress", "runner-up: "
+# What is known of a design without a probability.
+BY_LIMIT = " by the computed limit"
 # Most designs that a result lists, or pairs whose needed flow stresses it has, and most to compare in the search for
 # the one nearest to passing.
 MOST_SHOWN, MOST_COMPARED = 25, 20_000
@@ -177,7 +179,7 @@ class DesignResult(TableResult):
         None if no design is known to pass.
     reason : {"", "none passes", "not known"}
         Why there is no best design: none passes, or it is not known whether one does, as the probability is not known
-        for any design whose ballistic limit by the model is high enough.
+        for any design whose ballistic limit by the model is high enough, or as that limit is known to be too low.
     explanation : str
         The same in a sentence; empty if there is one.
     nearest : BestDesign or None
@@ -332,6 +334,7 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
     warnings = [*scenario.unused_impact(), *catalogue.omissions()]
     if place is not None:
         warnings += threat_warnings(scenario, designs.rows_of(place).armours)
+        warnings += _of_other_pairs(catalogue, warnings)
     warnings += [] if catalogue.sampled else scenario.unused_distributions()
     criteria = tuple(catalogue.section.pareto or ())
     frontier, ends = np.empty(0, dtype=np.int64), dict[str, Any]()
@@ -349,6 +352,9 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
             *_least_of_the_range(catalogue, pair, as_results(designs, frontier), ends["ceramic_min_mm"]),
             *_changing(search, changing),
         ]
+    is_not_known = shown is not None and verdict_of(row.verdict for row in shown.requirements) == "not known"
+    if reason == "none passes" and is_not_known:
+        reason, explanation = "not known", f"by the computed limit, {explanation}"
     every = order if len(order) <= MOST_SHOWN else order[:0]
     margins = designs.margins_m_s(every).tolist()
     return DesignResult(
@@ -501,6 +507,15 @@ def _short_pairs(designs: Designs, order: Ints) -> tuple[Pair, ...]:
         reason = ": ".join([ONE_SOURCE] * one_source + [lacking(best)] * any(best.short_m_s.values()))
         pairs.append(Pair(best.ceramic, best.backing, None, None, reason, not one_source, best.untested))
     return (*pairs, *(_unlike(designs.catalogue, pair) for pair in np.flatnonzero(~designs.catalogue.metal).tolist()))
+
+
+def _of_other_pairs(catalogue: Catalogue, warnings: Sequence[str]) -> Iterator[Note]:
+    """Yield what the model cannot do for other pairs of materials than the one that warnings are about."""
+    for pair in np.flatnonzero(catalogue.metal).tolist():
+        rows = catalogue.against_each(catalogue.candidates(pair, np.ones(1), np.ones(1)))
+        for note, _ in caveats(rows.armours.parameters, [catalogue.materials[pair].backing]):
+            if note not in warnings:
+                yield Note(note.text, note.key, said="pairs")
 
 
 def _unlike(catalogue: Catalogue, pair: int) -> Pair:
@@ -661,6 +676,7 @@ def _best(designs: Designs, place: int, *, named: bool = False) -> BestDesign:
     stopping = _of_stopping(catalogue, of_limits, sampled)
     required = rows.velocities + catalogue.margins_m_s
     stops = stopped(rows._replace(velocities=required), Runs()).tolist()
+    is_too_low = is_limit_too_low(rows.armours.parameters).tolist()
     requirements = [
         row
         for i, threat in enumerate(catalogue.threats)
@@ -675,6 +691,7 @@ def _best(designs: Designs, place: int, *, named: bool = False) -> BestDesign:
             stops=stops[i],
             tolerance_m_s=searched.tolerance_m_s,
             interlayers=catalogue.scenario.interlayers,
+            limit_too_low=is_too_low[i],
         )
     ]
     short = {threat: max(-float(spare), 0.0) for threat, spare in zip(catalogue.titles, slack, strict=True)}
@@ -802,8 +819,10 @@ def _why_none(designs: Designs, unlimited: Designs, pairs: Sequence[int]) -> str
     asked = ["the margin"] if catalogue.margins_m_s.any() else []
     required = f" with {joined_words([*asked, 'the probability'])} required" if catalogue.bounded else ""
     first = unlimited.first(np.flatnonzero(np.isin(unlimited.columns.pair, pairs)), NOT_KNOWN, by_samples=False)
-    if first is not None and (exceeded := _exceeded(section, unlimited, first, threats + required)):
-        return exceeded
+    if first is not None:
+        is_known = unlimited.verdicts(np.array([first]))[0] == PASSES
+        if exceeded := _exceeded(section, unlimited, first, threats + (required if is_known else BY_LIMIT)):
+            return exceeded
     if catalogue.sampled and not (all_pairs and catalogue.margins_m_s.any()):
         runners_up = "" if all_pairs else f" within {section.runners_up_percent:g} % of the best"
         return f"no design{runners_up} keeps the probability of perforation within the bound of every threat"

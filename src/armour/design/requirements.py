@@ -68,12 +68,13 @@ def against_threat(
     stops: bool,
     tolerance_m_s: float,
     interlayers: int,
+    limit_too_low: bool,
 ) -> Iterator[Requirement]:
     """Yield what is required of an armour against a threat.
 
     A margin is required where the scenario gives one, and of at least 0 where it requires no probability.  A
-    probability that is not known fails where the ballistic limit by the model is too low.  Of a back plate that is no
-    metal nothing else is known.
+    probability that is not known fails where the ballistic limit by the model does not reach.  Nothing fails by a limit
+    that is known to be too low.  Of a back plate that is no metal nothing else is known.
 
     Parameters
     ----------
@@ -95,6 +96,8 @@ def against_threat(
         Tolerance of the limit: the projectile may perforate within it.
     interlayers : int
         Layers between tile and back plate: no test with one is known.
+    limit_too_low : bool
+        Whether the limit by the model is known to be below that of the armour, see `evidence.caveats`.
     """
     if is_no_metal(backing_density_kg_m3):
         metal = "backing_density_kg_m3"
@@ -104,8 +107,9 @@ def against_threat(
     if margin_m_s >= threat.margin_m_s and not stops:
         margin_m_s -= tolerance_m_s
     reaches = margin_m_s >= threat.margin_m_s
+    short: Verdict = "not known" if limit_too_low else "fails"
     if threat.margin_m_s > 0.0 or bound is None:
-        verdict: Verdict = "passes" if reaches else "fails"
+        verdict: Verdict = "passes" if reaches else short
         yield Requirement("margin_m_s", threat.title, threat.margin_m_s, margin_m_s, verdict)
     if ceramic is not None and ceramic.has_one_source:
         yield Requirement("flow_stress_sources", threat.title, SOURCES, 1.0, "not known")
@@ -120,7 +124,7 @@ def against_threat(
     elif probability is not None:
         verdict = "passes" if probability >= 1.0 - bound else "fails"
     else:
-        verdict = "not known" if reaches else "fails"
+        verdict = "not known" if reaches else short
     yield Requirement("probability_of_stopping", threat.title, 1.0 - bound, probability, verdict, interval)
 
 

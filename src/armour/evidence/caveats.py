@@ -14,8 +14,9 @@ from armour.scenario.library import NOT_MODELLED, LibraryEntry
 # Densities below which a back plate is no metal, and from which on it is one, kg/m³: magnesium begins at 1,740, glass
 # laminates end at 2,000.
 LEAST_METAL_KG_M3, SURELY_METAL_KG_M3 = 1300.0, 2100.0
-# Length over diameter from which on a penetrator is a long rod: the cores of bullets have up to 6.
-LONG_ROD = 8.0
+# Length over diameter from which on a penetrator is a long rod: the cores of bullets have up to 6; and the density from
+# which on rods and plates are at least as dense as steel, kg/m³.
+LONG_ROD, DENSE_KG_M3 = 8.0, 7000.0
 DENSITIES = "glass laminates reach 2,000 kg/m³, magnesium begins at 1,740"
 
 
@@ -27,6 +28,25 @@ def is_no_metal(density_kg_m3: Any) -> Any:
 def no_metal(density_kg_m3: float) -> str:
     """Return why the model does not describe a back plate that is no metal."""
     return f"a back plate of {density_kg_m3:,.0f} kg/m³ is no metal: {NOT_MODELLED} ({DENSITIES})"
+
+
+def is_long_rod(armour: Parameters) -> Any:
+    """Return whether the projectiles of armours are long rods; a bool or an array."""
+    return armour.L0 / armour.D0 >= LONG_ROD
+
+
+def is_limit_too_low(armour: Parameters) -> Any:
+    """Return whether the ballistic limit is known to be too low: that of bare steel against dense long rods."""
+    is_dense = (armour.rho_p >= DENSE_KG_M3) & (armour.rho_B >= DENSE_KG_M3)
+    return is_long_rod(armour) & is_dense & (armour.Hc0 == 0.0)
+
+
+def too_thin(ratio: float, thickness_mm: float) -> str:
+    """Return below which thickness, also over the penetrator's diameter, no ceramic was tested."""
+    return (
+        f"no ceramic thinner than {ratio:.2g} penetrator diameters, here {thickness_mm:.2g} mm, was tested: "
+        "do not rely on limits with less"
+    )
 
 
 def caveats(armour: Parameters, metals: Iterable[LibraryEntry], *, said: bool = True) -> Iterator[tuple[Note, Any]]:
@@ -42,12 +62,12 @@ def caveats(armour: Parameters, metals: Iterable[LibraryEntry], *, said: bool = 
     if doubted.any():
         question = f"is a back plate of {density[doubted].min():,.0f} kg/m³ a metal? {NOT_MODELLED} ({DENSITIES})"
         yield (Note(question, key, said=caveat), doubted)
-    slenderness = np.atleast_1d(armour.L0 / armour.D0)
-    long = ~unlike & (slenderness >= LONG_ROD)
-    if long.any():
-        place = int(np.argmax(long))
-        words = long_rod(slenderness[place], float(density[place]), float(np.atleast_1d(armour.rho_p)[place]))
-        yield (Note(words, "projectile", said=caveat), long)
+    long, too_low = ~unlike & is_long_rod(armour), np.atleast_1d(is_limit_too_low(armour))
+    for rows, more, kind in ((long & too_low, "; the limit is too low", "too low"), (long & ~too_low, "", "caveat")):
+        if rows.any():
+            place = int(np.argmax(rows))
+            numbers = (float(np.atleast_1d(each)[place]) for each in (armour.L0 / armour.D0, density, armour.rho_p))
+            yield (Note(long_rod(*numbers) + more, "projectile", said=kind * said), rows)
     for name, reason in {metal.name: metal.doubtful for metal in metals if metal.doubtful}.items():
         yield (Note(f"the values of {name} are doubtful: {reason}", "armour.backing", said=caveat), ~unlike)
 
@@ -58,5 +78,5 @@ def long_rod(slenderness: float, plate_kg_m3: float, rod_kg_m3: float) -> str:
     depth, hydrodynamic = speed / (1.0 - speed), sqrt(rod_kg_m3 / plate_kg_m3)
     return (
         f"a long rod, {slenderness:.3g} diameters: these equations drive a fast one {depth:.1f} times its length into "
-        f"this plate, {depth / hydrodynamic:.1f} times the hydrodynamic depth; the limit is too low"
+        f"this plate, {depth / hydrodynamic:.1f} times the hydrodynamic depth"
     )

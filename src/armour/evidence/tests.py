@@ -10,12 +10,15 @@ import numpy as np
 
 from armour.core.state import Parameters
 from armour.errors import Note, counted, joined
-from armour.evidence.caveats import caveats
+from armour.evidence.caveats import caveats, too_thin
 from armour.evidence.fit import Fit, LotTests, Quantities, fits, law_parameters, quantities, shipped_data
-from armour.scenario.inputs import OBLIQUITY, VELOCITY, cosine_of
+from armour.scenario.inputs import CERAMIC, OBLIQUITY, VELOCITY, cosine_of
 from armour.scenario.library import IN_COMMON, VARIED, LibraryEntry, OwnTests, strength_notes, tensile_strength
 from armour.scenario.scenario import Scenario
+from armour.units import MM
 
+# The quantity of which less than tested is said in the answer.
+THIN = "ceramic_thickness_ratio"
 # Factor by which a quantity of an unusual armour lies outside of all that the model was compared with.
 FAR = 2.0
 # Factors outside the ranges of the tests beyond which the error is not known: of bare plates and with a ceramic.
@@ -409,14 +412,14 @@ def limits_outside(armours: Armours, velocities: Any) -> Iterator[Outside]:
 def outside_tests(armours: Armours, velocities: Any, threats: int = 1) -> list[dict[str, float]]:
     """Return by which factors armours, each in a row per threat, lie outside the tests, by quantity, farthest first.
 
-    The farthest threat counts.  A factor is below 1 beneath the tests, and infinite for what none has, as a ceramic.
+    The farthest threat counts, of ceramics one that they are too thin for.  A factor is below 1 beneath the tests, and
+    infinite for what none has, as a ceramic.
     """
     factors = defaultdict[str, Any](lambda: np.ones(len(velocities)))
     for evidence, rows in armours.by_evidence():
         members = armours.at(rows)
         q, has_ceramic = members.quantities() | {"velocity_m_s": velocities[rows]}, bool(np.any(members.parameters.Hc0))
-        if not evidence.fits:  # results of the paper's program are no tests
-            evidence = next(tests for tests in shipped_evidence() if tests.fits and bool(tests.ceramic) == has_ceramic)
+        evidence = _tests_of(evidence, has_ceramic=has_ceramic)
         is_other = is_outside(evidence.kind[:2], q) & (not evidence.lot) & has_ceramic
         for limits in (*evidence.kind, *evidence.measured, DataRange("velocity_m_s", *evidence.velocities_m_s)):
             factors[limits.name][rows] = np.where(is_other & (limits.name in OF_CERAMIC), 1.0, limits.ratio(q))
@@ -426,14 +429,40 @@ def outside_tests(armours: Armours, velocities: Any, threats: int = 1) -> list[d
     places = np.arange(len(velocities) // threats)
     for name, values in factors.items():
         by_armour = values.reshape(-1, threats)
-        factors[name] = by_armour[places, abs(np.log(by_armour)).argmax(axis=1)].tolist()
+        distances = np.where((name == THIN) & (by_armour < 1.0), np.inf, abs(np.log(by_armour)))
+        factors[name] = by_armour[places, distances.argmax(axis=1)].tolist()
     outside = ({name: each[place] for name, each in factors.items() if each[place] != 1.0} for place in places)
     return [dict(sorted(each.items(), key=lambda item: -abs(log(item[1])))) for each in outside]
+
+
+def _tests_of(evidence: Evidence, *, has_ceramic: bool) -> Evidence:
+    """Return the evidence, or the tests of such armour where it has none: results of the paper's program are none."""
+    if evidence.fits:
+        return evidence
+    return next(tests for tests in shipped_evidence() if tests.fits and bool(tests.ceramic) == has_ceramic)
+
+
+def limits_of_model(
+    armours: Armours, metals: Iterable[LibraryEntry], *, said: bool = True
+) -> Iterator[tuple[Note, Any]]:
+    """Yield `caveats` of n armours, and of ceramics that are thinner than any that was tested."""
+    p, least = armours.parameters, np.zeros(len(armours.cosines))
+    yield from caveats(p, metals, said=said)
+    for evidence, rows in armours.by_evidence():
+        ranges = _tests_of(evidence, has_ceramic=bool(np.any(armours.at(rows).parameters.Hc0))).measured
+        least[rows] = sum(limits.low for limits in ranges if limits.name == THIN)
+    is_thin = p.Hc0 / p.D0 < least
+    if is_thin.any():
+        least_mm = is_thin * least * p.D0 * armours.cosines / MM
+        worst = int(least_mm.argmax())
+        yield Note(too_thin(least[worst], least_mm[worst]), CERAMIC, said="caveat" * said), is_thin
 
 
 def _check(limits: DataRange, q: Quantities, rows: Any = True) -> tuple[str, str, Any, str, str]:
     """Return a check of rows of armours, with the range of the numbers that fail in words."""
     fails = limits.fails(q) & ~np.isnan(q[limits.name]) & rows
+    if limits.name == THIN:  # `limits_of_model` has what is too thin
+        fails &= q[THIN] > limits.low
     failing = q[limits.name][fails]
     least, greatest = failing.min(initial=np.inf), failing.max(initial=-np.inf)
     ends = " to ".join(dict.fromkeys(f"{end:{'.0f' if end >= 100.0 else '.3g'}}" for end in (least, greatest)))
@@ -454,7 +483,7 @@ def scenario_warnings(
     notes = (limit.note(key if limit.key == VELOCITY else "") for limit in outside)
     metals = [scenario.entry("metal", scenario.armour.backing)]
     strengths = strength_notes(metals, bare=not scenario.armour.ceramic_thickness_mm)
-    cannot = (note for note, _ in caveats(armours.parameters, metals, said=said))
+    cannot = (note for note, _ in limits_of_model(armours, metals, said=said))
     return (*cannot, *scenario.unused_threats(), *notes, *strengths)
 
 
@@ -465,7 +494,7 @@ def threat_warnings(scenario: Scenario, armours: Armours) -> Iterator[Note]:
     """
     threats = scenario.threats()
     backings = [materials.backing for materials in armours.materials]
-    yield from (note for note, _ in caveats(armours.parameters, backings))
+    yield from (note for note, _ in limits_of_model(armours, backings))
     for outside in limits_outside(armours, np.array([threat.velocity_m_s for threat in threats])):
         section, _, name = outside.key.partition(".")
         is_of_threat = scenario.threat and section in ("impact", "projectile")

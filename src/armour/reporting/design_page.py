@@ -11,16 +11,16 @@ import numpy as np
 
 from armour import __version__
 from armour.analysis.results import OnProgress, ignore_progress
-from armour.analysis.variants import Floats, outside_words
+from armour.analysis.variants import Floats, Variants, outside_words
 from armour.core.state import Parameters
-from armour.design.catalogue import COST, NO_BOUND, Catalogue, catalogue_of
+from armour.design.catalogue import COST, NO_BOUND, CandidateDesigns, Catalogue, catalogue_of
 from armour.design.map import DesignMap, design_map, limits_over_sources, thicknesses_tested, with_known_edges
 from armour.errors import InputError, Problem
-from armour.evidence.caveats import no_metal
+from armour.evidence.caveats import is_limit_too_low, no_metal
 from armour.evidence.model_error import INTERLAYER, given_error
-from armour.evidence.tests import outside_tests
+from armour.evidence.tests import limits_of_model, outside_tests
 from armour.reporting.formats import TEMPLATES, rendered
-from armour.reporting.views.design import in_common
+from armour.reporting.views.design import METALS, in_common
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Layer
 from armour.units import MM
@@ -219,8 +219,26 @@ def _outside(catalogue: Catalogue, designs: DesignMap) -> dict[str, Any]:
     rows = catalogue.against_each(designs.candidates)
     found = outside_tests(rows.armours, np.full_like(rows.velocities, np.nan), len(catalogue.threats))
     return {
+        **_caveats(catalogue, rows, designs.candidates),
         "inside": [place for place, outside in enumerate(found) if not outside],
         "outside": outside_words(in_common(found)),
+    }
+
+
+def _caveats(catalogue: Catalogue, rows: Variants, candidates: CandidateDesigns) -> dict[str, Any]:
+    """Return sentences on designs up to a ceramic thickness, mm, and the threats against which limits are too low."""
+    ceramic_mm, metal = np.repeat(candidates.ceramic_mm, len(catalogue.threats)), rows.materials[0].backing
+    found = [
+        (note.text, float(ceramic_mm[where].max()))
+        for note, where in limits_of_model(rows.armours, [metal])
+        if note.said != "not known"
+    ]
+    if len({offer.backing.material for offer in catalogue.offers}) > 1:
+        found += [(METALS, float(ceramic_mm.max()))] * bool(ceramic_mm.any())
+    too_low = is_limit_too_low(rows.armours.parameters)[: len(catalogue.threats)]
+    return {
+        "caveats": [(f"{words[:1].upper()}{words[1:]}.", most_mm) for words, most_mm in found],
+        "low": too_low.tolist(),
     }
 
 

@@ -235,7 +235,7 @@ def _armour(contents: Contents) -> Card:
     if design is not None and design.shown is not None:
         subject = f"{OBJECTIVES[design.minimised].least.capitalize()} design"
         if design.reason:
-            subject = "Nearest design" if design.reason == "none passes" else f"{subject} by the computed limit"
+            subject = "Nearest design" if any(design.shown.short_m_s.values()) else f"{subject} by the computed limit"
     details = [design_view.amounts(contents.check)]
     if (limit := contents.threat.ballistic_limit_m_s) is not None:
         near = [each for each in nearest_measured(contents.answer, limit) if each.is_near(limit)]
@@ -288,7 +288,7 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Re
     exact = ("With exact inputs.",) if contents.sampled else ()
     notes = flow_stress_notes(threat.flow_stress, threat.threat)
     notes[:1] = [f"{answer.armour_words()} {note}" for note in notes[:1]]
-    notes += design_view.outside_of_check(contents.check)
+    notes += design_view.outside_notes(contents.check.threats)
     tables = [_threats(contents)]
     if len(design_view.requirements_of(contents.check)) > len(contents.threats):
         tables.append(replace(design_view.requirement_table(contents.check), title="requirements"))

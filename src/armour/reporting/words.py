@@ -83,9 +83,10 @@ def requirement_words(row: Requirement) -> str:
     return f"{name} {found}, {asked} {'allowed' if row.quantity in OBJECTIVES else 'required'}"
 
 
-def said_of(warnings: Iterable[str], kind: str = "caveat") -> list[str]:
-    """Return what the model cannot do, as far as the warnings say that the answer contains it."""
-    return list(dict.fromkeys(note.text for note in warnings if isinstance(note, Note) and note.said == kind))
+def said_of(warnings: Iterable[str], *kinds: str) -> list[str]:
+    """Return what the model cannot do, as far as the warnings say that the answer contains it; by default caveats."""
+    kinds = kinds or ("caveat", "too low")
+    return list(dict.fromkeys(note.text for note in warnings if isinstance(note, Note) and note.said in kinds))
 
 
 def error_note(error: ModelError | None, scenario: Scenario | None) -> str:

@@ -25,7 +25,7 @@ from pydantic import (
 )
 
 from armour.errors import CHOOSE, MAX_WORDS, InputError, Note, Problem, listed, mistake, refuse, suggestion
-from armour.files import read_toml, shipped
+from armour.files import read_toml, shipped, shipped_files
 from armour.scenario.checked import checked
 from armour.scenario.inputs import INPUTS, ROD, YIELD, Kind, length_mm
 from armour.scenario.keys import describe, in_nfc, key_name, look_of, nfc
@@ -423,6 +423,9 @@ def hint(name: str, entries: Iterable[LibraryEntry], names: Iterable[str]) -> st
         ]
     if same := [known for known in names if look_of(known) == look_of(name)]:
         return suggestion(name, same)
+    for template in shipped_files("scenarios/templates", ".toml"):
+        if all(part in "".join(name.casefold().split()) for part in template.split("_")):
+            return f"; for this round there is a template: armour init --from templates/{template}"
     if NO_METAL.search(name) and not _named(name, entries):
         return f"; it is neither metal nor ceramic: {NOT_MODELLED}, see {PAGE}"
     first_part = re.split("[ -]", name)[0]

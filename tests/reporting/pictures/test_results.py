@@ -15,7 +15,9 @@ from matplotlib.contour import ContourSet
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
+from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.impact import simulate
+from armour.design.check import check
 from armour.design.optimise import DesignResult, optimise
 from armour.planning.firing import plan_shots
 from armour.planning.plan_tests import PlannedTests, plan_tests
@@ -570,3 +572,18 @@ def test_without_a_model_error_the_prior_is_no_models():
     plan = plan_shots(unknown, FIVE, procedure="up-and-down", half_width_m_s=100.0, requirement_m_s=730.0)
     shown = labels(*picture_of(plan).axes)
     assert {"prior", "requirement 730.0 m/s"} <= set(shown)
+
+
+def test_the_titles_of_pictures_say_what_the_model_cannot_do():
+    thin = scenario("12.7 mm APM2", "SiC", "6061-T6", 3.0, 40.0, velocity=500.0)
+    tiles = {"ceramic": [{"material": "SiC", "thickness_mm": [3.0]}]}
+    metals = [{"material": name, "thickness_mm": [40.0, 45.0]} for name in ("6061-T6", "7075-T6")]
+    of_metals = picture_of(optimise(thin.replaced({"design": {**tiles, "backing": metals}})))
+    found = simulate(thin, history=True), ballistic_limit(thin), check(thin)
+    for picture in (*map(picture_of, found), of_metals):
+        assert "o ceramic thinner than 0.89 penetrator diameters" in picture.title
+    # No interval is known.
+    assert "ballistic limit" in marks(picture_of(check(thin)).axes[0])
+    library = {"metal": {"X": {"density_kg_m3": 980.0, "static_yield_strength_MPa": 900.0}}}
+    laminate = simulate(scenario("7.62 mm AP", "AD85", "X", 8.0, 15.0, library=library), history=True)
+    assert picture_of(laminate).title.startswith("Not known: stopped by the model, but a back plate of 980 kg/m³")

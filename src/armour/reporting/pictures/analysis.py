@@ -17,7 +17,7 @@ from armour.errors import mistake
 from armour.reporting.by_result import draw
 from armour.reporting.pictures import drawing
 from armour.reporting.text import interval, wrapped
-from armour.reporting.views.analysis import STAGES
+from armour.reporting.views.analysis import STAGES, caveat_lines, verdict_words
 from armour.reporting.words import chance
 from armour.units import MM
 
@@ -57,9 +57,11 @@ def draw_impact(result: ImpactResult, sheet: drawing.Sheet) -> drawing.Picture:
     # Below 5 % of the impact velocity the projectile hardly moves; 1.5 times the time until then is shown.
     slow = history.time_us[history.velocity_m_s <= 0.05 * result.impact_velocity_m_s]
     shown = min(result.duration_us, 1.5 * float(slow[0])) if slow.size else result.duration_us
-    title = f"Stopped at a depth of {result.penetration_depth_mm:.3g} mm"
+    words = f"stopped at a depth of {result.penetration_depth_mm:.3g} mm"
     if result.outcome == "perforated":
-        title = f"Perforated: residual velocity {result.residual_velocity_m_s:.0f} m/s"
+        words = f"perforated: residual velocity {result.residual_velocity_m_s:.0f} m/s"
+    words = verdict_words(result, words)
+    title = words[:1].upper() + words[1:]
     note = f"Drawn up to {shown:.3g} µs of {result.duration_us:.3g} µs." if shown < result.duration_us else ""
     # A result that is made by hand has no scenario, and so no armour to draw.
     scene = _Scene(result, history) if "scenario" in result.question else None
@@ -210,6 +212,7 @@ def draw_limit(result: LimitResult, sheet: drawing.Sheet) -> drawing.Picture:
     residual_alone = error is None or ends is None
     title = f"Ballistic limit {limit:.0f} m/s"
     title += "" if residual_alone else f", 95 % interval {interval(ends, '.0f')} m/s"
+    title = "; ".join([title, *map(str, caveat_lines(result))])
     picture = sheet.panels(title, *[drawing.PANEL] * (1 if residual_alone else 2), sharex=True)
     if error is not None and ends is not None:
         likely, velocities = picture.axes[0], np.linspace(*reach, 200)

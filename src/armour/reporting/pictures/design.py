@@ -26,7 +26,7 @@ from armour.reporting.pictures import drawing
 from armour.reporting.table import grouped, in_words
 from armour.reporting.text import percent
 from armour.reporting.views import design as view
-from armour.reporting.words import chance
+from armour.reporting.words import chance, said_of
 from armour.scenario.schema import OBJECTIVES
 
 # Largest numbers of pairs of materials that are shown as points and as lines; nodes of the grid along an axis; largest
@@ -65,7 +65,12 @@ def draw_map_of_design(result: DesignResult, sheet: drawing.Sheet, below: Sequen
     layer, maps = _maps(result)
     if layer:
         return _draw_lines(result, layer, maps, sheet)
-    return _draw_panels(view.design_title(result), [maps[0].panel(), *below], sheet)
+    return _draw_panels(_title(result), [maps[0].panel(), *below], sheet)
+
+
+def _title(result: DesignResult) -> str:
+    """Return the best design, and what the model cannot do for it."""
+    return "; ".join([view.design_title(result), *said_of(result.warnings)])
 
 
 def draw_front_of_design(result: DesignResult, sheet: drawing.Sheet) -> drawing.Picture:
@@ -121,7 +126,7 @@ def _draw_lines(result: DesignResult, layer: str, maps: "Sequence[_Map]", sheet:
     note = f"Filled dots are designs on offer that stop the threat{stop}."
     if any(pair_map.is_outside(threat).any() for pair_map in maps for threat in range(len(result.threats))):
         note += " Squares and dashed lines are outside the tests."
-    picture = sheet.panels(view.design_title(result), *[drawing.PANEL] * len(result.threats), note=note, sharex=True)
+    picture = sheet.panels(_title(result), *[drawing.PANEL] * len(result.threats), note=note, sharex=True)
     for place, (axes, threat) in enumerate(zip(picture.axes, catalogue.threats, strict=True)):
         for index, pair_map in enumerate(maps):
             pair_map.draw_line(axes, layer, place, drawing.COLOURS[index % len(drawing.COLOURS)])
@@ -348,7 +353,8 @@ def _pairs_panel(result: DesignResult) -> _Panel:
             drawing.points(axes, values, places, **look, marker=OUTSIDE if inside is None else INSIDE)
         axes.set_xlabel(view.CRITERIA[result.minimised].heading)
 
-    note = f"The best {MAX_PAIRS} of {len(best)} pairs of materials are shown." if len(best) > MAX_PAIRS else ""
+    notes = [f"The best {MAX_PAIRS} of {len(best)} pairs of materials are shown."] * (len(best) > MAX_PAIRS)
+    note = " ".join([*notes, *(f"{words[:1].upper()}{words[1:]}." for words in view.pair_caveats(result))])
     heading = f"{OBJECTIVES[result.minimised].least.capitalize()} design of each pair of materials"
     return _Panel(drawing.rows_height(names, titled=True), heading, draw_pairs, note)
 
@@ -406,7 +412,7 @@ def draw_check(result: CheckResult, sheet: drawing.Sheet) -> drawing.Picture:
         # An unknown interval is drawn as the limit alone.
         ends = [row.interval_m_s or (limit, limit) for row, limit in zip(what_ifs, limits, strict=True)]
         drawing.ranges(axes, places, ends, drawing.BLUE)
-        label = "ballistic limit, 95 % interval" if last else ""
+        label = f"ballistic limit{', 95 % interval' * any(row.interval_m_s for row in what_ifs)}" if last else ""
         drawing.points(axes, limits, places, color=drawing.BLUE, label=label)
         velocities = [row.velocity_m_s for row in what_ifs]
         label = "velocity of the round" if last else ""

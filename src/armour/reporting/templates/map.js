@@ -151,7 +151,8 @@ function answer(pair) {
     const lacks = max(...threats.map((_, t) => lack(pair, k, t)));
     if (lacks < least) [nearest, least] = [k, lacks];
   }
-  return { k: nearest, reason: "none passes" };
+  const low = within.length && threats.every((_, t) => pair.low[t] || lack(pair, nearest, t) <= 0);
+  return { k: nearest, reason: low ? "low limit" : "none passes" };
 }
 // What the limit lacks to the one that is asked for, m/s.
 function lack(pair, k, t) {
@@ -250,10 +251,10 @@ const plus = margins ? " plus the margin" : "";
 function headline(pair, { k, reason }) {
   if (k === null) return `No ${pair.name} is on offer within the limits of the scenario.`;
   const named = `${armour(pair, k)}, ${weight(pair, k)},`, lead = `${named} is the lightest`;
-  if (reason === "none passes") {
+  if (/none|low/.test(reason)) {
     const lacks = threats.map((_, t) => [lack(pair, k, t), t]).filter(([by]) => by > 0).map(([by, t]) => `${round(by) || "less than 1"} m/s against ${threats[t].name}`);
     const over = light(pair, k) ? [] : [`${areal(pair.areal[k] - state.most)} kg/m² too much`];
-    return `None passes: the nearest, ${named} lacks ${listed([...lacks, ...over])}.`;
+    return `${reason === "low limit" ? "Not known, as the limit is too low" : "None passes"}: the nearest, ${named} lacks ${listed([...lacks, ...over])}.`;
   }
   if (reason === "single") return `One source alone gives the flow stress of ${pair.ceramic}, so that no design of it is named lightest. By it, ${named} reaches ${allThreats()}${plus}.`;
   if (reason === "no metal") return `Not known: ${pair.unlike}.`;
@@ -266,11 +267,12 @@ function headline(pair, { k, reason }) {
 function besides(pair, best, ring) {
   const words = [];
   const untested = threats.flatMap((_, t) => (pair.designs.some(k => !isNaN(scored(pair, k, t))) ? [] : [shot(t)]));
-  if (pair.outside) words.push(`Outside the tests in ${pair.outside}.`);
-  if (untested.length) words.push(`No test like ${pair.name} against ${untested.length === T ? allThreats() : listed(untested)} is known, so that no probability is.`);
+  if (best !== null) words.push(...pair.caveats.filter(each => thicknesses(pair, best)[0] <= each[1]).map(each => each[0]));
+  if (pair.outside) words.push(`All lie outside the tests in ${pair.outside}.`);
+  if (untested.length) words.push(`No test like ${pair.name} against ${untested.length === T ? allThreats() : listed(untested)} is known, so no probability is known.`);
   if (ring !== null && best !== null && anyAsked() && pair.areal[best] > pair.areal[ring]) {
     const more = pair.areal[best] - pair.areal[ring];
-    words.push(`${short(pair, ring)}, ${areal(pair.areal[ring])} kg/m², stops more often than not: what is asked for costs ${areal(more)} kg/m², ${round(100 * more / pair.areal[ring])} % more.`);
+    words.push(`${short(pair, ring)}, ${areal(pair.areal[ring])} kg/m², stops more often than not: what is asked for weighs ${areal(more)} kg/m² (${round(100 * more / pair.areal[ring])} %) more.`);
   }
   const own = best === null ? Infinity : pair.areal[best];
   const rival = DATA.pairs.map(p => [p, lightest(p)]).filter(([p, k]) => k !== null && p !== pair && !p.single && !DATA.interlayer && p.areal[k] < own - 1e-9 && (isKnown(p, k) || !pair.known))
@@ -634,7 +636,7 @@ function drawPairs() {
     if (places.length === 2) picture.append(path([[places[0], 9], [places[1], 9]], "frame"));
     if (ring !== null) picture.append(circle(at(pair.areal[ring]), 9, 4, "even"));
     if (best !== null) picture.append(circle(at(pair.areal[best]), 9, 5, isKnown(pair, best) && !answer(pair).reason ? "best" : "cursor"));
-    const { k, reason } = answer(pair), words = { "": "", "not known": "not known", single: "one source", "no metal": "no metal", "none passes": "none" }[reason];
+    const { k, reason } = answer(pair), words = { single: "one source", "none passes": "none" }[reason] ?? reason;
     const said = reason === "none passes" ? words : `${areal(pair.areal[k])}${words || isKnown(pair, k) ? "" : ", unknown"}${words && `, ${words}`}`;
     picture.append(text(places.length ? max(...places) + 9 : 8, 13, said, "small"));
     return html("div", { class: "pair" }, html("label", {}, input, ` ${pair.name}`), picture);

@@ -77,11 +77,17 @@ def tables_of_impact(result: ImpactResult) -> list[Table | str]:
 
 def verdict(result: ImpactResult) -> VerdictLine:
     """Return the outcome in a line, with what the model cannot do."""
-    stopped, unknown = result.outcome == "stopped", said_of(result.warnings, "not known")
+    stopped = result.outcome == "stopped"
     residual = "" if stopped else f", residual velocity {result.residual_velocity_m_s:.0f} m/s"
-    words = [f"not known: {result.outcome} by the model, but {reason}" for reason in unknown]
-    words = [*(words or [result.outcome + residual]), *said_of(result.warnings)]
-    return VerdictLine("; ".join(words), good=stopped and not unknown)
+    words = verdict_words(result, result.outcome + residual)
+    return VerdictLine(words, good=stopped and not words.startswith("not known"))
+
+
+def verdict_words(result: ImpactResult, outcome: str) -> str:
+    """Return the outcome, given in words, with what the model cannot do, or why it is not known."""
+    unknown = said_of(result.warnings, "not known", *(["too low"] if result.outcome == "perforated" else []))
+    words = [f"not known: {result.outcome} by the model, but {reason}" for reason in unknown] or [outcome]
+    return "; ".join([*words, *(caveat for caveat in said_of(result.warnings) if caveat not in unknown)])
 
 
 def caveat_lines(result: LimitResult) -> list[Table | str]:

@@ -10,9 +10,11 @@ from xml.etree.ElementTree import Element
 from armour.analysis.ballistic_limit import NeededFlowStress
 from armour.analysis.variants import outside_words
 from armour.design.check import CheckedThreat, CheckResult, WhatIf
-from armour.design.optimise import BestDesign, Design, DesignResult, Pair, armour_in_words, short_words
+from armour.design.optimise import BY_LIMIT, BestDesign, Design, DesignResult, Pair, armour_in_words, short_words
 from armour.design.requirements import Requirement
 from armour.errors import counted, joined
+from armour.evidence.caveats import too_thin
+from armour.evidence.tests import THIN
 from armour.reporting.by_result import tables_of
 from armour.reporting.junit import TestCase, junit_suite
 from armour.reporting.table import Column, Source, Table, column_of, csv_text, listing, record
@@ -51,8 +53,6 @@ MARGIN_BY_MODEL = column_of("margin_m_s", "+.0f", "margin by the model")
 REQUIRED = Column("required margin", "m/s", "+.0f")
 OUTSIDE = Column("outside the tests in", prose=True, key="outside_tests")
 NEEDED = Column("flow stress needed", "GPa", ".1f")
-# The quantity that is below the tests for thin ceramics.
-THIN = "ceramic_thickness_ratio"
 SOURCES, METAL = "flow_stress_sources", "backing_density_kg_m3"
 METALS = (
     "the model gives the strength of the back plate more effect than the paper has: do not rely on this comparison of "
@@ -104,17 +104,21 @@ def design_verdict(result: DesignResult) -> list[Table | str]:
         return [VerdictLine(f"{result.reason}: {result.explanation}", good=False)]
     armour, notes = armour_in_words(nearest), _flow_stress_notes(nearest)
     threats = "every threat" if len(result.threats) > 1 else result.threats[0]
-    if result.reason == "not known":
+    short = ", ".join(f"{short_words(short)} against {threat}" for threat, short in nearest.short_m_s.items() if short)
+    if result.reason == "not known" and not short:
         least = OBJECTIVES[result.minimised].least
         words = f"not known: {armour} is the {least} that stops {threats} by the computed limit"
         return [VerdictLine(words, good=False), *notes, result.explanation]
-    short = ", ".join(f"{short_words(short)} against {threat}" for threat, short in nearest.short_m_s.items() if short)
     unmet = [row for row in nearest.requirements if row.interval and row.verdict != "passes"]
     lacking = "; ".join(filter(None, (short, *map(requirement_words, unmet), *_excesses(nearest))))
     explanation = result.explanation
     if unlimited is not None and unlimited.exceeds:
-        explanation = f"{armour_in_words(unlimited)} would stop {threats}, but has {'; '.join(_excesses(unlimited))}"
-    return [VerdictLine(f"none passes: the nearest, {armour}, lacks {lacking}", good=False), explanation, *notes]
+        by_limit = BY_LIMIT * (unlimited.model_error is None)
+        explanation = (
+            f"{armour_in_words(unlimited)} would stop {threats}{by_limit}, but has {'; '.join(_excesses(unlimited))}"
+        )
+    known = result.reason if result.reason == "none passes" else "not known, as the limit is too low"
+    return [VerdictLine(f"{known}: the nearest, {armour}, lacks {lacking}", good=False), explanation, *notes]
 
 
 def _excesses(design: BestDesign) -> list[str]:
@@ -283,7 +287,13 @@ def pair_notes(result: DesignResult) -> list[str]:
     of_one_source = [each for each in best if any(row.quantity == SOURCES for row in each.requirements)]
     notes = [f"{armour_in_words(each)} {note}" for each in of_one_source for note in _flow_stress_notes(each)[:1]]
     notes += outside_notes(best) if len(best) > 1 else []
-    return notes + [METALS] * (len({each.backing for each in best if each.ceramic}) > 1)
+    return notes + pair_caveats(result)
+
+
+def pair_caveats(result: DesignResult) -> list[str]:
+    """Return what the model cannot do for pairs that are not named first, and for metals of different strength."""
+    metals = {each.backing for each in best_of_pairs(result) if each.ceramic}
+    return said_of(result.warnings, "pairs") + [METALS] * (len(metals) > 1)
 
 
 def offer_table(result: DesignResult) -> Table:
@@ -306,22 +316,15 @@ def outside_notes(items: Sequence[Any]) -> list[str]:
     return [f"{'all lie ' * (len(items) > 1)}outside the tests in {common}"] if common else []
 
 
-def thin_notes(ceramics: Iterable[tuple[float, Mapping[str, float]]], scenario: Scenario | None) -> list[str]:
-    """Return from which thickness on ceramics were tested, if one is thinner; given thicknesses, mm, and factors."""
-    tested_mm = [mm / outside[THIN] for mm, outside in ceramics if outside.get(THIN, 1.0) < 1.0]
+def thin_designs(designs: Iterable[Design], scenario: Scenario | None) -> list[str]:
+    """Return from which thickness on ceramics were tested, if that of a design is thinner."""
+    ceramics = ((design.ceramic_thickness_mm, design.outside_tests.get(THIN, 1.0)) for design in designs)
+    tested_mm = [mm / factor for mm, factor in ceramics if factor < 1.0]
     if not tested_mm or scenario is None:
         return []
     threats = map(scenario.against, scenario.threats())
     widest_mm = max(threat.inputs()["projectile.penetrator_diameter_mm"] * threat.cosine() for threat in threats)
-    return [
-        f"no ceramic thinner than {max(tested_mm) / widest_mm:.2g} penetrator diameters, here {max(tested_mm):.2g} mm, "
-        "was tested: do not rely on limits with less"
-    ]
-
-
-def thin_designs(designs: Iterable[Design], scenario: Scenario | None) -> list[str]:
-    """Return the same for designs."""
-    return thin_notes(((design.ceramic_thickness_mm, design.outside_tests) for design in designs), scenario)
+    return [too_thin(max(tested_mm) / widest_mm, max(tested_mm))]
 
 
 def _result(result: DesignResult, pair: Pair) -> str:
@@ -384,7 +387,8 @@ def tables_of_design(result: DesignResult) -> list[Table | str]:
             shown.append(left_out(result))
     if result.pareto:
         shown += [design_table(result.pareto, "Pareto front"), *outside_notes(result.pareto)]
-    return [*shown, *thin_designs([*named, *result.pareto], scenario), f"{counted(result.designs, 'design')} computed"]
+    thin = [words for words in thin_designs([*named, *result.pareto], scenario) if words not in shown]
+    return [*shown, *thin, f"{counted(result.designs, 'design')} computed"]
 
 
 def _answer(scenario: Scenario, best: BestDesign) -> Scenario:
@@ -586,7 +590,7 @@ def tables_of_check(result: CheckResult) -> list[Table | str]:
         amounts(result),
         *layer_words(result.question["scenario"].armour.layer),
         threat_table(result),
-        *outside_of_check(result),
+        *outside_notes(result.threats),
     ]
     if len(requirements_of(result)) > len(result.threats):
         shown.append(requirement_table(result))
@@ -599,14 +603,6 @@ def tables_of_check(result: CheckResult) -> list[Table | str]:
     if len(explained) < len(result.threats):
         shown.append("changes against the other threats with -v")
     return shown
-
-
-def outside_of_check(result: CheckResult) -> list[str]:
-    """Return in what an armour lies outside the tests against all of its threats."""
-    scenario: Scenario | None = result.question.get("scenario")
-    ceramic_mm = 0.0 if scenario is None else scenario.armour.ceramic_thickness_mm
-    thin = thin_notes(((ceramic_mm, threat.outside_tests) for threat in result.threats), scenario)
-    return [*outside_notes(result.threats), *thin]
 
 
 def check_summary(results: Mapping[str, CheckResult]) -> VerdictLine:
