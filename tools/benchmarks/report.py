@@ -29,8 +29,7 @@ The numerical code is compiled when it is first needed and kept in your cache fo
 
 ## What grows
 
-The time of a command consists of a fixed part and a part proportional to the work: a sweep of 500,000 ballistic limits
-takes {_example(command)}. Up to the numbers of the examples, such sums differ by at most
+A sweep of 500,000 ballistic limits takes {_example(command)}. Up to the numbers of the examples, such sums differ by at most
 {100 * max(g.error for g in command.growth):.0f} % from the times measured.
 
 {_growth(command)}
@@ -54,7 +53,7 @@ Ratios are those to the engine.
 *Plain Python* runs the same functions without compiling them. LSODA, by scipy's `solve_ivp`, has a tolerance of
 {methods.TOLERANCE_OF_LSODA:g} and steps of at most {methods.LONGEST_STEP:g} diameters: with looser ones, its limits
 are off by more than 0.002 m/s, and with longer steps by up to 10 m/s. The [campaigns](evidence/campaigns.md#numbers)
-measure the engine's accuracy; [numerics.md](numerics.md) describes steps and searches.
+measure the engine's accuracy.
 """
     parts = text.split("\n\n")
     filled = (part if part.startswith(("#", "|")) else fill(part, 120, break_on_hyphens=False) for part in parts)
