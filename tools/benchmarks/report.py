@@ -29,8 +29,8 @@ The numerical code is compiled when it is first needed and kept in your cache fo
 
 ## What grows
 
-A sweep of 500,000 ballistic limits takes {_example(command)}. Up to the numbers of the examples, such sums differ by at most
-{100 * max(g.error for g in command.growth):.0f} % from the times measured.
+A sweep of 500,000 ballistic limits takes {_example(command)}. Up to the numbers of the examples, such sums differ by at
+most {100 * max(g.error for g in command.growth):.0f} % from the times measured.
 
 {_growth(command)}
 

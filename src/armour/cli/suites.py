@@ -30,8 +30,9 @@ def validate(
         Path | None,
         argument(
             "SUITE",
-            "Suite file (TOML), or a shipped suite, such as paper (the default) or plates. A [[case]] has name, scenario, "
-            "quantity, expected, and band or band_percent. `armour init FILE.toml --from regression` writes one.",
+            "Suite file (TOML), or a shipped suite, such as paper (the default) or plates. A [[case]] has name, "
+            "scenario, quantity, expected, and band or band_percent. `armour init FILE.toml --from regression` writes "
+            "one.",
             autocompletion=completion.suites,
         ),
     ] = None,
