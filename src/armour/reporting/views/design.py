@@ -419,6 +419,7 @@ def design_title(result: DesignResult) -> str:
     probability = least_probability(best)
     stops = "" if probability is None else f", stops with {chance(probability)}"
     value = CRITERIA[result.minimised].with_unit(getattr(best, result.minimised))
+    value = f"cost {value} per m²" if result.minimised == COST.key else value
     return f"{OBJECTIVES[result.minimised].least.capitalize()}: {armour_in_words(best)}, {value}{stops}"
 
 
@@ -476,12 +477,17 @@ def finding(threat: CheckedThreat) -> str:
 
 def requirement_table(result: CheckResult) -> Table:
     """Return all that is required of an armour, and what it has."""
+
+    def found(row: Requirement) -> str:
+        by_limit = row.quantity == "probability_of_stopping" and row.found is None and row.verdict == "fails"
+        return requirement_parts(row)[2] + ", and the limit does not suffice" * by_limit
+
     return listing(
         requirements_of(result),
         (Column("required", prose=True), lambda row: requirement_parts(row)[0]),
         (Column("against", prose=True), lambda row: row.threat if len(result.threats) > 1 else ""),
         (Column("asked for"), lambda row: requirement_parts(row)[1]),
-        (Column("found"), lambda row: requirement_parts(row)[2]),
+        (Column("found"), found),
         (Column("verdict"), lambda row: VERDICTS[row.verdict]),
     )
 
@@ -548,16 +554,16 @@ def _outcome(result: CheckResult) -> str:
     return "; ".join([f"{VERDICTS[result.verdict]}: {words[0]}", *words[1:]] if len(words) == len(unmet) else words)
 
 
-def standing(threat: CheckedThreat) -> tuple[int, float]:
-    """Return a key that sorts threats, those most likely to perforate first.
+def standing(threat: CheckedThreat) -> tuple[int, float, float]:
+    """Return a key that sorts threats, those most likely to perforate first, of equals that of the least margin.
 
     A threat of unknown probability comes first if it perforates by the model, and last otherwise.
     """
-    if threat.probability_of_stopping is not None:
-        return 1, threat.probability_of_stopping
     unlimited = -inf if threat.verdict == "fails" else inf
     margin = unlimited if threat.margin_m_s is None else threat.margin_m_s - threat.required_margin_m_s
-    return (0 if margin < 0.0 else 2), margin
+    if threat.probability_of_stopping is not None:
+        return 1, threat.probability_of_stopping, margin
+    return (0 if margin < 0.0 else 2), margin, 0.0
 
 
 def amounts(result: CheckResult) -> str:
