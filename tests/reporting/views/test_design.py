@@ -7,6 +7,7 @@ from armour.analysis.ballistic_limit import NeededFlowStress
 from armour.analysis.estimates import Estimate
 from armour.design.check import check
 from armour.design.optimise import DesignResult, Pair, optimise
+from armour.reporting.scenario_report import contents_of, scenario_report
 from armour.reporting.table import Table
 from armour.reporting.views.design import (
     best_table,
@@ -20,6 +21,7 @@ from armour.reporting.views.design import (
     pair_table,
     requirement_table,
     standing,
+    tables_of_check,
     tables_of_design,
     thin_designs,
 )
@@ -198,3 +200,24 @@ def test_every_metal_that_is_compared_is_named_for_its_kind_of_strength():
     assert best_of(found).backing == "6061-T6"
     assert any("the yield strength of ARMOX500 is static" in warning for warning in found.warnings)
     assert re.search(r", cost \d+\.\d\d per m²", design_title(found))
+
+
+def test_answers_say_of_a_named_threat_that_its_standard_was_not_read():
+    named = "STANAG 4569 level 3, B32"
+    of = scenario(
+        threat=[{"threat": named, "velocity_m_s": 600.0}, {"projectile": "7.62 mm AP", "velocity_m_s": 500.0}]
+    )
+    words = f"{named}: unconfirmed, [STANAG4569] as secondary sources quote it"
+    layers = {
+        "ceramic": [{"material": "AD85", "thickness_mm": [12.0]}],
+        "backing": [{"material": "6061-T6", "thickness_mm": 15.0}],
+    }
+    searched = optimise(of.replaced({"design": layers}))
+    for tables in (tables_of_check(check(of)), tables_of_design(searched)):
+        assert len([line for line in tables if isinstance(line, str) and line.startswith(words)]) == 1
+    sections = [
+        (section.heading, str((section.paragraphs, section.notes)))
+        for section in scenario_report(contents_of(of), "").sections
+    ]
+    assert [heading for heading, notes in sections if words in notes] == ["Threats"]
+    assert [heading for heading, notes in sections if "'STANAG4569'" in notes] == ["References"]

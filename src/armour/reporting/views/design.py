@@ -32,6 +32,7 @@ from armour.reporting.words import (
     requirement_words,
     risk,
     said_of,
+    threat_notes,
     with_error,
 )
 from armour.scenario.scenario import Scenario
@@ -388,7 +389,7 @@ def tables_of_design(result: DesignResult) -> list[Table | str]:
     if result.pareto:
         shown += [design_table(result.pareto, "Pareto front"), *outside_notes(result.pareto)]
     thin = [words for words in thin_designs([*named, *result.pareto], scenario) if words not in shown]
-    return [*shown, *thin, f"{counted(result.designs, 'design')} computed"]
+    return [*shown, *thin, *threat_notes(scenario), f"{counted(result.designs, 'design')} computed"]
 
 
 def _answer(scenario: Scenario, best: BestDesign) -> Scenario:
@@ -597,6 +598,7 @@ def tables_of_check(result: CheckResult) -> list[Table | str]:
         *layer_words(result.question["scenario"].armour.layer),
         threat_table(result),
         *outside_notes(result.threats),
+        *threat_notes(result.question.get("scenario")),
     ]
     if len(requirements_of(result)) > len(result.threats):
         shown.append(requirement_table(result))
