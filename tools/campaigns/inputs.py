@@ -240,8 +240,12 @@ class Maker:
 
     def shots(self) -> str:
         """Return the name of a table of shots: the shipped one, or an export of a spreadsheet."""
-        content = SHOTS.read_bytes() if self.dice.random() < 0.5 else export(self.dice).content
-        return self.table("shots.csv", content)
+        if self.dice.random() < 0.5:
+            return self.table("shots.csv", SHOTS.read_bytes())
+        content = bytearray(export(self.dice).content)
+        if not self.dice.gentle:
+            content[self.dice.randrange(len(content))] = self.dice.randrange(256)
+        return self.file("shots.csv", bytes(content))
 
     def tests(self) -> str:
         """Return the name of tests, mostly those of the scenario."""

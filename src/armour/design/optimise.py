@@ -333,7 +333,8 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
 
     warnings = [*scenario.unused_impact(), *catalogue.omissions()]
     if place is not None:
-        warnings += threat_warnings(scenario, designs.rows_of(place).armours)
+        metals = [catalogue.materials[pair].backing for pair in np.flatnonzero(catalogue.metal)]
+        warnings += threat_warnings(scenario, designs.rows_of(place).armours, metals)
         warnings += _of_other_pairs(catalogue, warnings)
     warnings += [] if catalogue.sampled else scenario.unused_distributions()
     criteria = tuple(catalogue.section.pareto or ())

@@ -95,7 +95,7 @@ def against_threat(
     tolerance_m_s : float
         Tolerance of the limit: the projectile may perforate within it.
     interlayers : int
-        Layers between tile and back plate: no test with one is known.
+        Layers between tile and back plate: no shipped test has one.
     limit_too_low : bool
         Whether the limit by the model is known to be below that of the armour, see `evidence.caveats`.
     """

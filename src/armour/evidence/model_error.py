@@ -32,7 +32,7 @@ DOUBTED = ("backing_thickness_ratio", "backing_strength_GPa", "rod_mass_ratio")
 NUMERICAL = "time_step_us"
 NO_TEST = "no test of such an armour is known"
 INTERLAYER = (
-    "no test with a layer between tile and back plate is known, and a compliant one may lower the ballistic limit"
+    "no shipped test has a layer between tile and back plate, and a compliant one may lower the ballistic limit"
 )
 REMEDY = "own tests (armour calibrate) or [uncertainty.model] can give it"
 

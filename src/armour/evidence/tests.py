@@ -487,10 +487,13 @@ def scenario_warnings(
     return (*cannot, *scenario.unused_threats(), *notes, *strengths)
 
 
-def threat_warnings(scenario: Scenario, armours: Armours) -> Iterator[Note]:
+def threat_warnings(
+    scenario: Scenario, armours: Armours, metals: Sequence[LibraryEntry] | None = None
+) -> Iterator[Note]:
     """Yield the ways in which an armour and the threats of a scenario are unlike what the model was compared with.
 
-    The armour has a row against each threat.  A warning that is not about all threats names those that it is about.
+    The armour has a row against each threat; the strength of other metals may be compared with that of its own.  A
+    warning that is not about all threats names those that it is about.
     """
     threats = scenario.threats()
     backings = [materials.backing for materials in armours.materials]
@@ -501,5 +504,5 @@ def threat_warnings(scenario: Scenario, armours: Armours) -> Iterator[Note]:
         key = f"threat[{outside.rows[0]}].{name if section == 'impact' else 'projectile'}" if is_of_threat else ""
         names = joined([threats[row].title for row in outside.rows])
         yield outside.note(key, f" against {names}" if len(outside.rows) < len(threats) else "")
-    metal = armours.materials[armours.material_of_row[0]].backing
-    yield from strength_notes([metal], bare=bool(np.all(armours.parameters.Hc0 == 0.0)))
+    own = armours.materials[armours.material_of_row[0]].backing
+    yield from strength_notes(metals or [own], bare=bool(np.all(armours.parameters.Hc0 == 0.0)))

@@ -35,6 +35,7 @@ from armour.reporting.words import (
     requirement_words,
     said_of,
     tested_here,
+    threat_notes,
 )
 from armour.scenario.inputs import INPUTS, NAMES, ROLES
 from armour.scenario.scenario import Scenario
@@ -288,7 +289,7 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Re
     exact = ("With exact inputs.",) if contents.sampled else ()
     notes = flow_stress_notes(threat.flow_stress, threat.threat)
     notes[:1] = [f"{answer.armour_words()} {note}" for note in notes[:1]]
-    notes += design_view.outside_notes(contents.check.threats)
+    notes += [*design_view.outside_notes(contents.check.threats), *(said := threat_notes(scenario))]
     tables = [_threats(contents)]
     if len(design_view.requirements_of(contents.check)) > len(contents.threats):
         tables.append(replace(design_view.requirement_table(contents.check), title="requirements"))
@@ -305,7 +306,7 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Re
     [(evidence, _)] = armours_of(answer).by_evidence()
     tests = evidence.source if threat.model_error is not None and given_error(answer) is None else ""
     values = [value.source for entry in entries for value in entry.values.values()]
-    yield ReportSection("References", notes=reference_notes(("[Paper]", tests, *values)))
+    yield ReportSection("References", notes=reference_notes(("[Paper]", tests, *values, *said)))
     if design is not None:
         yield _search(design)
     if (sampled := contents.uncertainty) is not None:

@@ -13,7 +13,7 @@ from armour.evidence.caveats import no_metal
 from armour.evidence.model_error import INTERLAYER, ModelError
 from armour.reporting.table import Column, Source, column_of
 from armour.reporting.text import interval, number, percent
-from armour.scenario.library import shipped_library
+from armour.scenario.library import named_threats, shipped_library
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import OBJECTIVES
 
@@ -87,6 +87,13 @@ def said_of(warnings: Iterable[str], *kinds: str) -> list[str]:
     """Return what the model cannot do, as far as the warnings say that the answer contains it; by default caveats."""
     kinds = kinds or ("caveat", "too low")
     return list(dict.fromkeys(note.text for note in warnings if isinstance(note, Note) and note.said in kinds))
+
+
+def threat_notes(scenario: Scenario | None) -> list[str]:
+    """Return what the library says of threats named by a standard that was not read itself."""
+    names = dict.fromkeys(threat.threat for threat in scenario.threats()) if scenario else {}
+    found = [(name, named_threats()[name]) for name in names if name]
+    return [f"{name}: {threat.status}, {threat.source}" for name, threat in found if threat.status == "unconfirmed"]
 
 
 def error_note(error: ModelError | None, scenario: Scenario | None) -> str:

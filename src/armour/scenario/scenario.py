@@ -250,7 +250,7 @@ class Scenario(Section):
 
     @property
     def interlayers(self) -> int:
-        """Number of layers between tile and back plate: no test with one is known."""
+        """Number of layers between tile and back plate: no shipped test has one."""
         return sum(layer.place == "between" for layer in self.armour.layer)
 
     @property

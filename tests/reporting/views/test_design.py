@@ -1,20 +1,27 @@
+import re
 from dataclasses import replace
 from math import inf
 from typing import Any
 
 from armour.analysis.ballistic_limit import NeededFlowStress
 from armour.analysis.estimates import Estimate
-from armour.design.optimise import DesignResult, Pair
+from armour.design.check import check
+from armour.design.optimise import DesignResult, Pair, optimise
+from armour.reporting.scenario_report import contents_of, scenario_report
 from armour.reporting.table import Table
 from armour.reporting.views.design import (
     best_table,
     design_table,
+    design_title,
     frontier_table,
     left_out,
     margin_table,
     offer_table,
     outside_notes,
     pair_table,
+    requirement_table,
+    standing,
+    tables_of_check,
     tables_of_design,
     thin_designs,
 )
@@ -167,3 +174,50 @@ def test_a_needed_flow_stress_below_that_of_all_ceramics_is_told_as_such():
     assert "less than any ceramic of the library has (9 GPa for 90 %" in flow_stress_notes(needed(0.5, 9.0))[0]
     assert "is 8 GPa or more (9 GPa for 90 %" in flow_stress_notes(needed(8.0, 9.0))[0]
     assert (needed_words(needed(0.5, 9.0)), needed_words(needed(8.0, 9.0))) == ("less than any", "8")
+
+
+def test_of_threats_that_are_stopped_alike_the_least_margin_stands_first():
+    threats = [{"projectile": "7.62 mm AP", "velocity_m_s": velocity} for velocity in (500.0, 600.0)]
+    near, far = sorted(check(scenario(threat=threats)).threats, key=lambda threat: threat.velocity_m_s, reverse=True)
+    alike = [replace(threat, probability_of_stopping=1.0) for threat in (far, near)]
+    assert min(alike, key=standing).velocity_m_s == 600.0
+
+
+def test_a_probability_that_is_unknown_says_that_the_limit_fails():
+    of = scenario("7.62 mm AP", "SiC", "6061-T6", 5.0, 5.0, velocity=900.0, design={"confidence": 0.9})
+    found = check(of)
+    assert (found.verdict, requirement_table(found).texts()[0][-2:]) == (
+        "fails",
+        ["unknown, and the limit does not suffice", "FAILS"],
+    )
+
+
+def test_every_metal_that_is_compared_is_named_for_its_kind_of_strength():
+    costs = {"thickness_mm": [12.0], "cost_per_kg": 5.0}
+    metals = [{"material": name, **costs} for name in ("6061-T6", "ARMOX500")]
+    layers = {"ceramic": [{"material": "AD85", **costs}], "backing": metals}
+    found = optimise(scenario(velocity=500.0, design={**layers, "minimise": "cost_per_m2"}))
+    assert best_of(found).backing == "6061-T6"
+    assert any("the yield strength of ARMOX500 is static" in warning for warning in found.warnings)
+    assert re.search(r", cost \d+\.\d\d per m²", design_title(found))
+
+
+def test_answers_say_of_a_named_threat_that_its_standard_was_not_read():
+    named = "STANAG 4569 level 3, B32"
+    of = scenario(
+        threat=[{"threat": named, "velocity_m_s": 600.0}, {"projectile": "7.62 mm AP", "velocity_m_s": 500.0}]
+    )
+    words = f"{named}: unconfirmed, [STANAG4569] as secondary sources quote it"
+    layers = {
+        "ceramic": [{"material": "AD85", "thickness_mm": [12.0]}],
+        "backing": [{"material": "6061-T6", "thickness_mm": 15.0}],
+    }
+    searched = optimise(of.replaced({"design": layers}))
+    for tables in (tables_of_check(check(of)), tables_of_design(searched)):
+        assert len([line for line in tables if isinstance(line, str) and line.startswith(words)]) == 1
+    sections = [
+        (section.heading, str((section.paragraphs, section.notes)))
+        for section in scenario_report(contents_of(of), "").sections
+    ]
+    assert [heading for heading, notes in sections if words in notes] == ["Threats"]
+    assert [heading for heading, notes in sections if "'STANAG4569'" in notes] == ["References"]

@@ -32,6 +32,7 @@ from armour.reporting.words import (
     requirement_words,
     risk,
     said_of,
+    threat_notes,
     with_error,
 )
 from armour.scenario.scenario import Scenario
@@ -388,7 +389,7 @@ def tables_of_design(result: DesignResult) -> list[Table | str]:
     if result.pareto:
         shown += [design_table(result.pareto, "Pareto front"), *outside_notes(result.pareto)]
     thin = [words for words in thin_designs([*named, *result.pareto], scenario) if words not in shown]
-    return [*shown, *thin, f"{counted(result.designs, 'design')} computed"]
+    return [*shown, *thin, *threat_notes(scenario), f"{counted(result.designs, 'design')} computed"]
 
 
 def _answer(scenario: Scenario, best: BestDesign) -> Scenario:
@@ -419,6 +420,7 @@ def design_title(result: DesignResult) -> str:
     probability = least_probability(best)
     stops = "" if probability is None else f", stops with {chance(probability)}"
     value = CRITERIA[result.minimised].with_unit(getattr(best, result.minimised))
+    value = f"cost {value} per m²" if result.minimised == COST.key else value
     return f"{OBJECTIVES[result.minimised].least.capitalize()}: {armour_in_words(best)}, {value}{stops}"
 
 
@@ -476,12 +478,17 @@ def finding(threat: CheckedThreat) -> str:
 
 def requirement_table(result: CheckResult) -> Table:
     """Return all that is required of an armour, and what it has."""
+
+    def found(row: Requirement) -> str:
+        by_limit = row.quantity == "probability_of_stopping" and row.found is None and row.verdict == "fails"
+        return requirement_parts(row)[2] + ", and the limit does not suffice" * by_limit
+
     return listing(
         requirements_of(result),
         (Column("required", prose=True), lambda row: requirement_parts(row)[0]),
         (Column("against", prose=True), lambda row: row.threat if len(result.threats) > 1 else ""),
         (Column("asked for"), lambda row: requirement_parts(row)[1]),
-        (Column("found"), lambda row: requirement_parts(row)[2]),
+        (Column("found"), found),
         (Column("verdict"), lambda row: VERDICTS[row.verdict]),
     )
 
@@ -548,16 +555,16 @@ def _outcome(result: CheckResult) -> str:
     return "; ".join([f"{VERDICTS[result.verdict]}: {words[0]}", *words[1:]] if len(words) == len(unmet) else words)
 
 
-def standing(threat: CheckedThreat) -> tuple[int, float]:
-    """Return a key that sorts threats, those most likely to perforate first.
+def standing(threat: CheckedThreat) -> tuple[int, float, float]:
+    """Return a key that sorts threats, those most likely to perforate first, of equals that of the least margin.
 
     A threat of unknown probability comes first if it perforates by the model, and last otherwise.
     """
-    if threat.probability_of_stopping is not None:
-        return 1, threat.probability_of_stopping
     unlimited = -inf if threat.verdict == "fails" else inf
     margin = unlimited if threat.margin_m_s is None else threat.margin_m_s - threat.required_margin_m_s
-    return (0 if margin < 0.0 else 2), margin
+    if threat.probability_of_stopping is not None:
+        return 1, threat.probability_of_stopping, margin
+    return (0 if margin < 0.0 else 2), margin, 0.0
 
 
 def amounts(result: CheckResult) -> str:
@@ -591,6 +598,7 @@ def tables_of_check(result: CheckResult) -> list[Table | str]:
         *layer_words(result.question["scenario"].armour.layer),
         threat_table(result),
         *outside_notes(result.threats),
+        *threat_notes(result.question.get("scenario")),
     ]
     if len(requirements_of(result)) > len(result.threats):
         shown.append(requirement_table(result))
