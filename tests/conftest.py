@@ -23,10 +23,10 @@ def compiled(tmp_path_factory: pytest.TempPathFactory) -> None:
     from filelock import FileLock
 
     from armour.engine.cache import kernel
-    from armour.engine.loops import NAMES
+    from armour.engine.loops import LOOP_NAMES
 
     with FileLock(tmp_path_factory.getbasetemp().parent / "compiling.lock"):
-        for name in NAMES:
+        for name in LOOP_NAMES:
             kernel(name)
 
 

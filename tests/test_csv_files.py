@@ -70,7 +70,7 @@ def test_wrong_columns(tmp_path: Path, header: str, found: list[str]):
 
 
 def test_tables_of_no_and_of_too_many_rows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(csv_files, "MAX_ROWS", 2)
+    monkeypatch.setattr(csv_files, "MAX_TABLE_ROWS", 2)
     rows = "velocity_m_s,result\n700,partial\n710,partial\n"
     assert messages(tmp_path, rows) == []
     assert messages(tmp_path, "") == ["t.csv: must have a header with velocity_m_s and result, found an empty file"]

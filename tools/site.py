@@ -22,7 +22,7 @@ from typer.testing import CliRunner
 
 import armour
 from armour.analysis.quantities import label_and_unit
-from armour.columns import COUNTED, NAMES, OUTCOMES, UNITS, YES_OR_NO
+from armour.columns import COUNTED, OUTCOME_WORDS, UNITS, USUAL_NAMES, YES_OR_NO
 from armour.reporting.formats import markdown_table
 from armour.reporting.table import in_words
 from armour.reporting.views.library import entry_table, entry_tables, library_table, threat_table
@@ -170,9 +170,9 @@ def inputs() -> str:
 def column_names() -> str:
     """Return a table of the names and units of columns of tables that people write."""
     lines = ["| key | names | units |", "|---|---|---|"]
-    for key, names in NAMES.items():
+    for key, names in USUAL_NAMES.items():
         # Tests may have the names of shots.
-        own = [name for name in names if key != "test" or name not in NAMES["shot"]]
+        own = [name for name in names if key != "test" or name not in USUAL_NAMES["shot"]]
         units = UNITS.get(words_and_unit(key)[1], {})
         if key not in ("impact.velocity_m_s", "outcome"):
             lines.append(f"| `{key}` | {', '.join(dict.fromkeys(own))} | {', '.join(units)} |")
@@ -181,7 +181,7 @@ def column_names() -> str:
 
 def result_words() -> str:
     """Return a table of the words for results."""
-    return "\n".join(["| stopped | perforated |", "|---|---|", *(f"| {no} | {yes} |" for no, yes in OUTCOMES)])
+    return "\n".join(["| stopped | perforated |", "|---|---|", *(f"| {no} | {yes} |" for no, yes in OUTCOME_WORDS)])
 
 
 def count_words() -> str:

@@ -13,16 +13,16 @@ VELOCITIES = (
     *("impact vel", "striking vel", "strike vel", "V impact", "Geschwindigkeit", "Auftreffgeschwindigkeit", "Geschw."),
     *("vitesse", "vitesse impact", "vitesse d'impact"),
 )
-RESULTS = (
+RESULT_NAMES = (
     *("result", "test result", "outcome", "penetration", "PP/CP", "CP/PP", "P/C", "Ergebnis", "Resultat", "Befund"),
     *("résultat", "résultat du tir"),
 )
 SHOT_NAMES = ("shot", "no", "nr", "#", "number", "round no", "Schuss", "Nummer", "lfd. Nr.", "tir", "n°", "numéro")
 # Usual names of columns by key, without the unit: their letters and digits, whatever the case.
-NAMES: dict[str, tuple[str, ...]] = {
+USUAL_NAMES: dict[str, tuple[str, ...]] = {
     "shot": SHOT_NAMES,
     "velocity_m_s": VELOCITIES,
-    "result": RESULTS,
+    "result": RESULT_NAMES,
     "perforated": (
         *("perforated", "perforation", "complete", "complete penetration", "CP"),
         *("Durchschlag", "durchschlagen", "Durchschuss", "perforé", "perforation complète"),
@@ -49,7 +49,7 @@ NAMES: dict[str, tuple[str, ...]] = {
     "date": ("date", "Datum"),
     "test": ("test", "Versuch", "essai", *SHOT_NAMES),
     "impact.velocity_m_s": VELOCITIES,
-    "outcome": RESULTS,
+    "outcome": RESULT_NAMES,
     "impact.projectile": ("projectile", "Projektil", "Geschoss"),
     "impact.obliquity_deg": ("obliquity", "NATO angle", "Auftreffwinkel NATO"),
     "armour.ceramic": ("ceramic", "Keramik", "céramique"),
@@ -89,7 +89,7 @@ UNITS = {
     "°": {"°": 1.0, "deg": 1.0, "degrees": 1.0},
 }
 # Pairs of words for an armour that stopped a shot and for one that was perforated.
-OUTCOMES = (
+OUTCOME_WORDS = (
     ("stopped", "perforated"),
     ("partial", "complete"),
     ("p", "c"),
@@ -200,7 +200,7 @@ def _by_word(pairs: Sequence[tuple[str, str]]) -> dict[str, bool]:
 
 
 _UNIT_NAMES = {folded(unit): unit for units in UNITS.values() for unit in units}
-PERFORATED, _COUNTED = _by_word(OUTCOMES), _by_word(COUNTED)
+PERFORATED, _COUNTED = _by_word(OUTCOME_WORDS), _by_word(COUNTED)
 # Exactly, as "-1" is not 1.
 _YES = {word: place == 1 for pair in YES_OR_NO for place, word in enumerate(pair)}
 _SUMMARIES = {*map(letters, SUMMARIES)}
@@ -229,7 +229,7 @@ def is_unit(text: str) -> bool:
 @cache
 def _keys(columns: tuple[str, ...]) -> dict[str, str]:
     """Return the keys of columns by the letters of their names without units."""
-    keys = {letters(name): key for key in reversed(columns) for name in NAMES.get(key, ())}
+    keys = {letters(name): key for key in reversed(columns) for name in USUAL_NAMES.get(key, ())}
     for key in columns:
         unit = words_and_unit(key)[1]
         keys[letters(folded(key).removesuffix(f"_{folded(unit)}" if unit in UNITS else ""))] = key

@@ -21,7 +21,7 @@ from armour.columns import (
     BOUNDS,
     COUNT_KEYS,
     GROUPS,
-    OUTCOMES,
+    OUTCOME_WORDS,
     RESULT_KEYS,
     UNITS,
     YES_MEANS,
@@ -37,7 +37,7 @@ from armour.files import csv_value, located, named, reason, refuse_pipe, shipped
 from armour.units import key_hint, words_and_unit
 
 # Greatest number of rows, more than anyone has tests or shots; a fit to so many takes about a minute.
-MAX_ROWS = 100_000
+MAX_TABLE_ROWS = 100_000
 # Greatest length of a line; a device such as /dev/zero has no end of line.
 MAX_LINE = 100_000
 # Number of lines among which the header is, and the names that it must have to be below others.
@@ -359,9 +359,9 @@ def read_rows(
     if not source.place:
         needed_columns = f" with {' and '.join(needed)}" if needed else ""
         raise mistake(file, "", f"must have a header{needed_columns}, found an empty file")
-    lines = [*islice(source.lines, MAX_ROWS + 1)]
-    if len(lines) > MAX_ROWS:
-        raise mistake(file, "", f"must have at most {MAX_ROWS} rows below its header, found more")
+    lines = [*islice(source.lines, MAX_TABLE_ROWS + 1)]
+    if len(lines) > MAX_TABLE_ROWS:
+        raise mistake(file, "", f"must have at most {MAX_TABLE_ROWS} rows below its header, found more")
     columns, problems = columns_of(source, keys), list[Problem]()
     whole = [line for line in lines if len(line[1]) == len(header)]
     uncounted = _uncounted(source, columns, whole, texts[0], problems)
@@ -422,7 +422,7 @@ def _fill_texts(
             message = f'must be "stopped" or "perforated", found "{cell}", which may mean both'
             problems.append(Problem(source.file, f"{row.place}: {name}", message))
         if is_word and column.yes is not None:
-            row.texts[column.key] = OUTCOMES[0][column.says(cell) is True]
+            row.texts[column.key] = OUTCOME_WORDS[0][column.says(cell) is True]
         elif cell:
             row.texts[column.key] = csv_value(cell)
     return ["x for yes"] if words is not cells else []

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit
-from armour.analysis.evaluate import Answers
+from armour.analysis.evaluate import QuantityValues
 from armour.analysis.variants import (
     Variants,
     ballistic_limits,
@@ -79,7 +79,7 @@ def inside_the_data(count: int) -> list[Scenario]:
 
 @pytest.mark.parametrize("of", [*inside_the_data(3), *random_wide_designs(3, 1)])
 def test_the_limit_of_a_row_is_that_of_a_single_search(of: Scenario):
-    [limit] = Answers(alone(of)).ballistic_limits.tolist()
+    [limit] = QuantityValues(alone(of)).ballistic_limits.tolist()
     assert limit == pytest.approx(limit_of(of), rel=0.0, abs=0.0, nan_ok=True)
 
 
@@ -88,7 +88,7 @@ def test_limits_outside_the_range():
     assert ballistic_limits(variants, (20.0, 100.0)).tolist() == [np.inf, np.inf]
     assert ballistic_limits(variants, (1500.0, 4000.0)).tolist() == [-np.inf, -np.inf]
     fast = alone(case().replaced({"ballistic_limit": {"velocity_min_m_s": 1500.0}}))
-    assert np.isnan(Answers(fast).ballistic_limits).all()
+    assert np.isnan(QuantityValues(fast).ballistic_limits).all()
     assert limits_anywhere(fast) == pytest.approx(ballistic_limits(alone(case())), abs=0.02)
 
 

@@ -6,7 +6,7 @@ from matplotlib.text import Text
 from typer.testing import Result
 
 from armour.engine.cache import kernel
-from armour.engine.loops import NAMES
+from armour.engine.loops import LOOP_NAMES
 from tests.helpers.commands import invoke
 
 
@@ -35,7 +35,7 @@ class Cli:
 @pytest.fixture(autouse=True, scope="session")
 def silent(compiled: None) -> None:  # noqa: ARG001 (in this order)
     """Compile the engine before the first command, which would say so."""
-    for name in NAMES:
+    for name in LOOP_NAMES:
         kernel(name)
 
 
@@ -51,7 +51,7 @@ def described(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -
     tests/reporting writes them whole.
     """
     if "drawn" not in request.fixturenames:
-        monkeypatch.setattr("armour.reporting.design_page.NODES", ((0, 13),))
+        monkeypatch.setattr("armour.reporting.design_page.PAGE_NODES", ((0, 13),))
         monkeypatch.setattr("armour.reporting.pictures.drawing.saved", words_in)
         monkeypatch.setattr("armour.reporting.formats.inline_svg", lambda _, __, name: f'<svg id="{name}"></svg>')
         request.getfixturevalue("not_laid_out")

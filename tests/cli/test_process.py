@@ -15,7 +15,7 @@ from armour import MODEL_VERSION, __version__
 from armour.cli.app import app
 from armour.cli.main import _plain
 from armour.engine import cache
-from armour.engine.loops import NAMES
+from armour.engine.loops import LOOP_NAMES
 from tests.helpers.cases import SCENARIOS
 
 pytestmark = pytest.mark.slow
@@ -240,7 +240,7 @@ def test_every_encoding_has_characters_for_what_is_printed():
 def test_only_a_use_that_compiles_says_so(
     cli, tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch, kept: bool
 ):
-    loops = {name: cache.kernel(name) for name in NAMES}
+    loops = {name: cache.kernel(name) for name in LOOP_NAMES}
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
     monkeypatch.setattr("armour.engine.kernels.compiled", lambda name, _folder: loops[name])
     monkeypatch.setattr(cache, "is_compiled", lambda _name: kept)

@@ -304,7 +304,7 @@ def test_another_processor_is_another_folder(monkeypatch: pytest.MonkeyPatch):
 def test_a_change_of_any_file_of_the_core_and_another_installation_are_another_folder(tmp_path: Path):
     package = tmp_path / "armour"
     for name in ("core", "engine"):
-        shutil.copytree(cache.PACKAGE / name, package / name)
+        shutil.copytree(cache.PACKAGE_FOLDER / name, package / name)
     before = cache.digest(package)
     assert before != cache.digest()
     engine = package / "engine"

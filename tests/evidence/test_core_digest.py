@@ -7,7 +7,7 @@ import pytest
 
 import armour
 from armour.evidence import model_error
-from armour.evidence.core_digest import CORE, core_digest
+from armour.evidence.core_digest import CORE_FOLDER, core_digest
 from armour.evidence.fit import shipped_data
 
 
@@ -31,7 +31,7 @@ def test_the_recorded_digest_is_that_of_the_core():
     ],
 )
 def test_what_changes_the_digest(tmp_path: Path, old: str, new: str, counts: bool):
-    changed = copytree(CORE, tmp_path / "core", ignore=lambda *_: ["__pycache__"]) / "equations.py"
+    changed = copytree(CORE_FOLDER, tmp_path / "core", ignore=lambda *_: ["__pycache__"]) / "equations.py"
     text = changed.read_text(encoding="utf-8")
     assert old in text
     changed.write_text(text.replace(old, new), encoding="utf-8", newline="")

@@ -24,7 +24,7 @@ from armour.planning.procedures import (
     stopped_bayesian,
     stopped_up_and_down,
 )
-from armour.statistics.posterior import NODES, FiringPrior, Posterior, posterior_of
+from armour.statistics.posterior import GRID_NODES, FiringPrior, Posterior, posterior_of
 from armour.statistics.v50 import Shots
 from tools.experiments.firings import simulate
 
@@ -40,7 +40,7 @@ UP_AND_DOWN = ShotSettings(prior_of(720.0, 15.0))
 
 def test_gains_do_not_depend_on_the_number_of_threads():
     """Libraries of linear algebra divide sums over more than 10,000 numbers among threads."""
-    assert max(prod(NODES), prod(FUTURE_NODES)) <= 10_000
+    assert max(prod(GRID_NODES), prod(FUTURE_NODES)) <= 10_000
 
 
 def test_the_first_shot_is_at_the_estimate_or_above_the_requirement():

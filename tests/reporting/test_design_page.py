@@ -102,13 +102,13 @@ def test_a_page_is_small_and_asks_for_nothing():
 
 
 def test_more_than_a_page_can_hold_is_refused(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(module, "MOST", 500)
+    monkeypatch.setattr(module, "MOST_DESIGNS", 500)
     with pytest.raises(InputError, match="must offer at most 500 designs times threats to draw them on a page"):
         design_page(offered(), COMMAND)
 
 
 def test_a_page_that_would_be_large_has_fewer_nodes_between_those_on_offer(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(module, "MOST", 620)
+    monkeypatch.setattr(module, "MOST_DESIGNS", 620)
     pairs = data_of(design_page(offered(), COMMAND))["pairs"]
     assert all(pair["coarser"] for pair in pairs)
     assert [len(pair["ceramics"]) for pair in pairs] == [len(pair["offered"][0]) for pair in pairs]
@@ -326,7 +326,7 @@ def told(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     }
     show = 'return $("headline").textContent + $("beside").textContent;'
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(module, "NODES", module.NODES[-1:])  # they are on designs on offer
+        patch.setattr(module, "PAGE_NODES", module.PAGE_NODES[-1:])  # they are on designs on offer
         questions |= {words: Question(page_with(changes), show) for changes, words in SENTENCES}
     return dict(zip(questions, browsed(tmp_path_factory.mktemp("pages"), list(questions.values())), strict=True))
 

@@ -6,7 +6,7 @@ import pytest
 
 from armour.errors import InputError
 from armour.sweeps import cases
-from armour.sweeps.cases import Axis, Cases, axis_of
+from armour.sweeps.cases import Axis, SweepCases, axis_of
 from tests.helpers.cases import csv_file, sweep_grid
 
 
@@ -66,16 +66,16 @@ def test_a_grid_of_more_rows_than_can_be_numbered():
 
 def test_rows_of_cases(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     rows = np.random.default_rng(3).uniform(0.0, 1.0, (57, 2))
-    source = Cases(csv_file(tmp_path / "cases.csv", "a,b", *(f"{a!r},{b!r}" for a, b in rows.tolist())))
+    source = SweepCases(csv_file(tmp_path / "cases.csv", "a,b", *(f"{a!r},{b!r}" for a, b in rows.tolist())))
     assert (source.keys, source.count) == (("a", "b"), 57)
     found = source.rows(np.arange(50, 57))
     for column, key in enumerate(source.keys):
         np.testing.assert_array_equal(found[key], rows[50:, column])
-    spaced = Cases(csv_file(tmp_path / "spaced.csv", '"a"', "1.0", "", " 2"))
-    assert spaced.digest == Cases(csv_file(tmp_path / "same.csv", "a", "1", "2")).digest != source.digest
+    spaced = SweepCases(csv_file(tmp_path / "spaced.csv", '"a"', "1.0", "", " 2"))
+    assert spaced.digest == SweepCases(csv_file(tmp_path / "same.csv", "a", "1", "2")).digest != source.digest
     monkeypatch.setattr(cases, "MAX_CASES", 56)
     with pytest.raises(InputError, match="must have at most 56 rows, found more"):
-        Cases(tmp_path / "cases.csv")
+        SweepCases(tmp_path / "cases.csv")
 
 
 @pytest.mark.parametrize(
@@ -94,18 +94,18 @@ def test_rows_of_cases(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
 def test_wrong_tables(tmp_path: Path, text: str, message: str):
     (tmp_path / "cases.csv").write_text(text)
     with pytest.raises(InputError, match=message):
-        Cases(tmp_path / "cases.csv")
+        SweepCases(tmp_path / "cases.csv")
 
 
 def test_names_stand_beside_numbers(tmp_path: Path):
     lines = ('AD85, 1,"6061-T6"', '"AD99.5",2.5, 5083-H3', "B4C,3,6061-T6")
-    source = Cases(csv_file(tmp_path / "cases.csv", "armour.ceramic,a,armour.backing", *lines))
+    source = SweepCases(csv_file(tmp_path / "cases.csv", "armour.ceramic,a,armour.backing", *lines))
     assert {key: column.tolist() for key, column in source.rows(np.arange(3)).items()} == {
         "armour.ceramic": ["AD85", "AD99.5", "B4C"],
         "a": [1.0, 2.5, 3.0],
         "armour.backing": ["6061-T6", "5083-H3", "6061-T6"],
     }
-    only = Cases(csv_file(tmp_path / "names.csv", "armour.ceramic", "AD85", "B4C"))
+    only = SweepCases(csv_file(tmp_path / "names.csv", "armour.ceramic", "AD85", "B4C"))
     assert (only.keys, only.count) == (("armour.ceramic",), 2)
 
 
@@ -119,4 +119,4 @@ def test_names_stand_beside_numbers(tmp_path: Path):
 )
 def test_wrong_lines_with_names(tmp_path: Path, line: str, message: str):
     with pytest.raises(InputError, match=message):
-        Cases(csv_file(tmp_path / "cases.csv", "armour.ceramic,a", "AD85,1", line))
+        SweepCases(csv_file(tmp_path / "cases.csv", "armour.ceramic,a", "AD85,1", line))

@@ -11,11 +11,11 @@ from pydantic import BaseModel
 
 from armour.core import equations
 from armour.errors import InputError
-from armour.scenario.library import IN_COMMON, RESULTS, VARIED, OwnTests
+from armour.scenario.library import IN_COMMON, TEST_RESULTS, VARIED, OwnTests
 from armour.scenario.scenario import Scenario, load_scenario, parse_scenario
 from armour.scenario.schema import DesignSection, ModelSection
 from armour.scenario.sections import Section
-from armour.sweeps.cases import Cases, Grid
+from armour.sweeps.cases import Grid, SweepCases
 from armour.sweeps.store import Chunk, Store, packed
 from armour.sweeps.sweep import job_of, sweep, write_sweep
 from tests.helpers.cases import CERAMICS, METALS, THREATS, csv_file, data, sweep_grid
@@ -27,7 +27,7 @@ EVIDENCE: dict[str, Any] = {
     "lot": "lot 7",
     "source": "1 own test in t.csv",
     "calibrated": {"ceramic_strength_GPa": 5.2},
-    "tests": {key: [1.0] for key in (*VARIED, *IN_COMMON, *RESULTS)},
+    "tests": {key: [1.0] for key in (*VARIED, *IN_COMMON, *TEST_RESULTS)},
     "law": [{"fit": "constant", "values": {"flow_stress_GPa": 5.2}, "level": [0.0, 0.1], "computed_m_s": [700.0]}],
 }
 LIBRARY = {
@@ -169,7 +169,7 @@ def name_of(section: type[BaseModel]) -> str:
     return section.__name__.split("[")[0]
 
 
-def interrupt(scenario: Scenario, source: Grid | Cases, output: Path) -> None:
+def interrupt(scenario: Scenario, source: Grid | SweepCases, output: Path) -> None:
     """Begin a sweep, and end it after its first chunk."""
 
     def stop(_rows: int, _stored: bool) -> None:
@@ -179,7 +179,7 @@ def interrupt(scenario: Scenario, source: Grid | Cases, output: Path) -> None:
         write_sweep(scenario, source, QUANTITIES, output, size=1, threads=1, on_chunk=stop)
 
 
-def table_of(scenario: Scenario, source: Grid | Cases, output: Path) -> bytes | str:
+def table_of(scenario: Scenario, source: Grid | SweepCases, output: Path) -> bytes | str:
     """Return the table of a sweep, or why there is none."""
     try:
         write_sweep(scenario, source, QUANTITIES, output, size=1, threads=1)
@@ -191,7 +191,7 @@ def table_of(scenario: Scenario, source: Grid | Cases, output: Path) -> bytes | 
 REFUSED = "contains rows of another sweep, which differs in "
 
 
-def check_resumed(scenario: Scenario, source: Grid | Cases, begun: Path, what: str) -> bool:
+def check_resumed(scenario: Scenario, source: Grid | SweepCases, begun: Path, what: str) -> bool:
     """Check what the rest of a sweep gives that was begun with another question; return whether it is refused."""
     folder = begun.parent / "again"
     shutil.copytree(begun.with_name(begun.name + ".parts"), folder / "a.csv.parts")
@@ -214,7 +214,7 @@ def test_every_key_of_the_scenario(folder: Path):
 
 
 def test_a_library_file_whose_ceramic_only_cases_name(folder: Path):
-    cases = Cases(csv_file(folder / "c.csv", "armour.ceramic", "F", "AD85", "F"))
+    cases = SweepCases(csv_file(folder / "c.csv", "armour.ceramic", "F", "AD85", "F"))
     content = data(library={"files": ["lib.toml"]}, optimise=WHOLE["optimise"])
     interrupt(parse_scenario(content, folder=folder), cases, folder / "a.csv")
     (folder / "lib.toml").write_text('[ceramic.F]\nbased_on = "AD85"\nflow_stress_GPa = 6.0\n')
@@ -226,10 +226,10 @@ def test_cases_of_the_same_bytes(folder: Path):
     header, one, two = "armour.ceramic", Path("one.csv"), Path("two.csv")
     library = {"ceramic": {name: {"based_on": "AD85"} for name in ("a", "b", "ab")}}
     made = parse_scenario(data(library=library, optimise=WHOLE["optimise"]))
-    begun = Cases(csv_file(folder / one, header, "a", "b"))
+    begun = SweepCases(csv_file(folder / one, header, "a", "b"))
     interrupt(made, begun, folder / "a.csv")
-    assert check_resumed(made, Cases(csv_file(folder / two, header, "ab")), folder / "a.csv", "cases")
-    assert not check_resumed(made, Cases(folder / one), folder / "a.csv", "the same cases")
+    assert check_resumed(made, SweepCases(csv_file(folder / two, header, "ab")), folder / "a.csv", "cases")
+    assert not check_resumed(made, SweepCases(folder / one), folder / "a.csv", "the same cases")
 
 
 def test_a_scenario_of_the_same_heading_in_python(folder: Path):

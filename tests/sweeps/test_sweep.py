@@ -13,7 +13,7 @@ from armour.analysis.impact import simulate
 from armour.analysis.quantities import QUANTITIES
 from armour.errors import InputError, duration
 from armour.sweeps import sweep as sweeps
-from armour.sweeps.cases import Cases
+from armour.sweeps.cases import SweepCases
 from armour.sweeps.store import read_table
 from armour.sweeps.sweep import job_of, write_sweep
 from armour.sweeps.sweep import sweep as sweep_in_python
@@ -55,7 +55,7 @@ def test_a_question_without_an_answer_leaves_its_field_empty(tmp_path: Path):
 def test_a_sweep_is_resumed_as_often_as_it_is_interrupted(tmp_path: Path):
     grid = sweep_grid("armour.ceramic_thickness_mm=2:12:0.1", "impact.velocity_m_s=700:900:50")
     lines = (f"{c},{v}" for c, v in np.column_stack(list(grid.rows(np.arange(grid.count)).values())).tolist())
-    cases = Cases(csv_file(tmp_path / "c.csv", ",".join(grid.keys), *lines))
+    cases = SweepCases(csv_file(tmp_path / "c.csv", ",".join(grid.keys), *lines))
     case, whole, after = sweep_scenario(), list[str](), list[bool]()
     write_sweep(case, grid, ["outcome"], tmp_path / "whole.csv", tell=whole.append)
     assert whole

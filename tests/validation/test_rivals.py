@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import least_squares
 from scipy.stats import linregress, t
 
-from armour.validation.comparison import TESTS
+from armour.validation.comparison import COMPARED_TESTS
 from armour.validation.formulas import fit_areal_density_rule
 from armour.validation.rivals import Error
 from armour.validation.suite import load_suite
@@ -25,7 +25,7 @@ NAMES = ["this model, flow stress refitted", "areal density rule, p = 1", "areal
 
 @pytest.fixture(scope="module")
 def wilkins() -> SuiteResult:
-    return validate(load_suite(paper_suite()).only(TESTS))
+    return validate(load_suite(paper_suite()).only(COMPARED_TESTS))
 
 
 @pytest.fixture(scope="module")

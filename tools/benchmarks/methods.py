@@ -72,11 +72,11 @@ class InC:
         getattr(self.library, name)(*pointers[:-2], c_long(len(rows)), *search, *solver, *pointers[-2:])
         return counts, ends
 
-    def impacts(self, rows: np.ndarray, velocities: np.ndarray) -> batch.Impacts:
+    def impacts(self, rows: np.ndarray, velocities: np.ndarray) -> batch.ImpactBatch:
         """Compute the same as `armour.engine.batch.impacts`."""
         counts, ends = self._computed("impacts", [rows, velocities], [], 6)
         t, Z, L, V, W, h = ends.T
-        return batch.Impacts(counts[:, 0], t, Z, L, V, W, h, counts[:, 1])
+        return batch.ImpactBatch(counts[:, 0], t, Z, L, V, W, h, counts[:, 1])
 
     def ballistic_limits(self, rows: np.ndarray) -> batch.Brackets:
         """Compute the same as `armour.engine.batch.ballistic_limits`."""

@@ -18,7 +18,7 @@ import numpy as np
 from scipy.stats import t
 
 from armour.analysis.variants import Bools, Floats
-from armour.evidence.fit import CONSTRAINT, CORE
+from armour.evidence.fit import CONSTRAINT, USUAL_MASS_RATIO
 from armour.evidence.mixture import Mixture
 from armour.evidence.model_error import DOUBTED
 from armour.reporting.pictures.drawing import BLUE, PANEL, RULE, VERMILION, Picture, Sheet, drawn, points, saved
@@ -243,7 +243,7 @@ def picture(sheet: Sheet) -> Picture:
     plates = plates_of(group.kind, group.metal)
     of, fit = plates.quantities, fitted(group, plates)
     x = np.linspace(of["backing_thickness_ratio"].min(), of["backing_thickness_ratio"].max(), 121)
-    usual = {"backing_strength_GPa": 0.3 * CONSTRAINT, "rod_mass_ratio": CORE, "path_ratio": 1.0}
+    usual = {"backing_strength_GPa": 0.3 * CONSTRAINT, "rod_mass_ratio": USUAL_MASS_RATIO, "path_ratio": 1.0}
     q = {name: np.full(len(x), value) for name, value in usual.items()} | {"backing_thickness_ratio": x}
     location, scale, _ = fit.predicted(q, {})
     half = t.ppf(0.975, fit.degrees_of_freedom) * scale

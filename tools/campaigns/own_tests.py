@@ -28,7 +28,7 @@ from armour.scenario.inputs import BACKING, CERAMIC, FLOW_STRESS
 from armour.scenario.scenario import load_scenario
 from armour.statistics.calibration import with_ceramic
 from armour.statistics.measured import LIMIT, read_tests
-from armour.statistics.own_tests import SHOT_SCATTER, UNTESTED, own_tests
+from armour.statistics.own_tests import SHOT_SCATTER, UNTESTED_DEVIATION, own_tests
 from tools.campaigns.evidence import NAMES, ranges_of, table, write_tables
 from tools.campaigns.verdict import verdict
 from tools.evidence import GROUPS, LAWS, ROOT, SERIES, Plates, Tiles, fitted, fitted_law, plates_of, tiles_of
@@ -294,7 +294,7 @@ def untested(own: int, scatter: float, dice: Any) -> dict[str, Outcome]:
     for _ in range(SAMPLES // 8):
         law = shipped_data()["fit"][list(LAWS)[int(dice.integers(len(LAWS)))]]["flow_stress"]
         values = {key: value for key, value in law.items() if value}
-        values["flow_stress_GPa"] *= nominal / 5.2 * np.exp(dice.normal(0.0, UNTESTED))
+        values["flow_stress_GPa"] *= nominal / 5.2 * np.exp(dice.normal(0.0, UNTESTED_DEVIATION))
         true = ballistic_limits(variants_of(with_ceramic(scenario, values), columns, len(armours)))
         tested = true[:own] * np.exp(scatter * dice.normal(size=own))
         rows = [

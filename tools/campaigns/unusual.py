@@ -27,7 +27,7 @@ from armour.core.search import DENSE_SCAN_POINTS, SCAN_POINTS, scan
 from armour.core.state import Outcome, Parameters
 from armour.engine import batch
 from armour.errors import InputError
-from armour.evidence.tests import FAR, armours_of, is_unusual, shipped_evidence
+from armour.evidence.tests import UNUSUAL_FACTOR, armours_of, is_unusual, shipped_evidence
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import DRIVE_LAWS, SHEAR_LAWS
 from tests.helpers.exotic import WIDE, random_wide_designs
@@ -180,7 +180,7 @@ def main() -> int:
     asked = parser.parse_args()
     unusual = unusual_designs(asked.designs, seed=24)
     wrong, told = compare_limits("unusual armours", unusual)
-    nearly, told_nearly = compare_limits("nearly unusual ones", designs_within(FAR, asked.nearly, unusual))
+    nearly, told_nearly = compare_limits("nearly unusual ones", designs_within(UNUSUAL_FACTOR, asked.nearly, unusual))
     usual, told_usual = compare_limits("within the ranges", designs_within(1.0, asked.nearly, unusual))
     thicknesses = compare_thicknesses(unusual.at(slice(asked.thicknesses)))
     return verdict(

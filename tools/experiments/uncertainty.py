@@ -17,7 +17,7 @@ from armour.analysis.samples import by_laws, columns_of, own_errors, own_values,
 from armour.analysis.variants import Floats, Ints, ballistic_limits
 from armour.scenario.inputs import ERROR, VELOCITY
 from armour.scenario.scenario import Scenario, load_scenario
-from armour.statistics.uncertainty import LEFT_OUT_TAIL, QUANTILES, SAMPLES_AT_A_TIME, sample_limits, uncertainty
+from armour.statistics.uncertainty import LEFT_OUT_TAIL, SAMPLES_AT_A_TIME, V_P, sample_limits, uncertainty
 from tools.experiments.share import Share
 
 SHIPPED = Path(__file__).resolve().parents[2] / "scenarios" / "uncertain.toml"
@@ -53,7 +53,7 @@ def truths(scenario: Scenario) -> dict[str, float]:
             of_law = errors.of_law(law).times(ballistic_limits(by_laws(exact, errors, np.full(count, law))))
             stopping[part] += weight * of_law.probability_above(exact.velocities)
     found = {"probability": float(1.0 - stopping.mean()), "mean": float(limits.mean())}
-    found |= {name: float(np.quantile(limits, chance)) for name, chance in QUANTILES.items()}
+    found |= {name: float(np.quantile(limits, chance)) for name, chance in V_P.items()}
     columns = columns_of(section, own, points)
     found |= {name: explained(values, limits) for name, values in columns.items() if name not in (VELOCITY, ERROR)}
     laws = np.searchsorted(own_errors(scenario).ratio.weights.ravel().cumsum(), columns[ERROR])

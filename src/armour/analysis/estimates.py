@@ -13,7 +13,7 @@ from armour.analysis.variants import Floats
 CONFIDENCE = 0.95
 Confidence = Annotated[float, Field(ge=0.5, le=0.9999)]
 # Probability beyond each end of an interval.
-TAIL = 0.5 * (1.0 - CONFIDENCE)
+INTERVAL_TAIL = 0.5 * (1.0 - CONFIDENCE)
 
 
 @dataclass(frozen=True)
@@ -37,8 +37,8 @@ def proportion(hits: int, samples: int) -> Estimate:
     from scipy.special import betaincinv  # slow to import
 
     misses = samples - hits
-    low = float(betaincinv(hits, misses + 1, TAIL)) if hits else 0.0
-    high = float(betaincinv(hits + 1, misses, 1.0 - TAIL)) if misses else 1.0
+    low = float(betaincinv(hits, misses + 1, INTERVAL_TAIL)) if hits else 0.0
+    high = float(betaincinv(hits + 1, misses, 1.0 - INTERVAL_TAIL)) if misses else 1.0
     return Estimate(hits / samples, low, high)
 
 
@@ -47,7 +47,7 @@ def mean_of_replicates(values: Floats) -> Estimate:
     from scipy.special import stdtrit  # slow to import
 
     mean, count = float(values.mean()), len(values)
-    half = float(stdtrit(count - 1, 1.0 - TAIL) * values.std(ddof=1)) / sqrt(count)
+    half = float(stdtrit(count - 1, 1.0 - INTERVAL_TAIL) * values.std(ddof=1)) / sqrt(count)
     return Estimate(mean, mean - half, mean + half)
 
 
@@ -62,7 +62,7 @@ def proportion_of_replicates(hits: Sequence[int], sizes: Sequence[int]) -> Estim
         return plain
     mean = mean_of_replicates(np.divide(hits, sizes))
     # Replicates may agree to the last hit; their spread does not resolve less than one hit in all of them.
-    half = max(mean.high - mean.value, -log(TAIL) / samples)
+    half = max(mean.high - mean.value, -log(INTERVAL_TAIL) / samples)
     return Estimate(plain.value, max(0.0, plain.value - half), min(1.0, plain.value + half))
 
 

@@ -132,7 +132,7 @@ def evaluate_groups(
     groups: Sequence[Group], quantities: Sequence[str], threads: int | None = None
 ) -> tuple[dict[str, Any], Counter[str]]:
     """Evaluate quantities for groups of rows, see `evaluate`; return them, and warnings with their numbers of rows."""
-    answers = [Answers(group.variants._replace(threads=threads)) for group in groups]
+    answers = [QuantityValues(group.variants._replace(threads=threads)) for group in groups]
     order = np.argsort(np.concatenate([group.where for group in groups]), kind="stable")
     columns = {
         name: np.concatenate([QUANTITIES[name].compute(answer) for answer in answers])[order] for name in quantities
@@ -159,10 +159,10 @@ def outside_of(scenario: Scenario, columns: Mapping[str, Any], quantities: Seque
 AGAIN = "the outcome changes more than once with the impact velocity, and the lowest change is taken"
 THICKER = "a thicker {} is perforated at a velocity that a thinner one stops"
 # Searches of least thicknesses by layer; both in proportion for the armour.
-LEAST = {"ceramic": least_ceramics_mm, "back plate": least_backings_mm, "armour": least_totals_mm}
+LEAST_LAYERS = {"ceramic": least_ceramics_mm, "back plate": least_backings_mm, "armour": least_totals_mm}
 
 
-class Answers:
+class QuantityValues:
     """Answers about n variants, arrays of shape (n,); NaN where a question has no answer.
 
     Each computation is done once, when it is first needed.
@@ -173,7 +173,7 @@ class Answers:
         self._least_by_layer: dict[str, Least] = {}
 
     @cached_property
-    def impacts(self) -> batch.Impacts:
+    def impacts(self) -> batch.ImpactBatch:
         """Ends of the impacts."""
         return impacts(self.variants)
 
@@ -191,7 +191,7 @@ class Answers:
     def least(self, layer: str) -> Least:
         """Return the least thicknesses of a layer, a key of `LEAST`, that stop the impacts."""
         if layer not in self._least_by_layer:
-            self._least_by_layer[layer] = LEAST[layer](self.variants)
+            self._least_by_layer[layer] = LEAST_LAYERS[layer](self.variants)
         return self._least_by_layer[layer]
 
     @cached_property

@@ -19,7 +19,7 @@ from armour.analysis.samples import (
 )
 from armour.analysis.variants import Floats, Variants, limits_anywhere, perforated
 from armour.errors import Note
-from armour.evidence.model_error import Errors
+from armour.evidence.model_error import ErrorRows
 from armour.scenario.inputs import CERAMIC
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Distribution, Uncertainty
@@ -29,7 +29,7 @@ FIRST_SAMPLES, GROWTH = 1, 4
 # Half the width of an interval that needs no more samples, and how many half widths away from a bound decide before.
 PRECISE, CLEARLY = 5e-4, 3.0
 # Samples computed at a time, to bound the memory.
-SAMPLES_AT_A_TIME = 2**12
+SAMPLES_OF_ONE_PASS = 2**12
 
 
 def probability_of_perforation(
@@ -76,7 +76,7 @@ def probability_of_perforation(
         if layers.get(CERAMIC) == 0.0:
             columns.pop(CERAMIC, None)  # an absent layer has no thickness to vary
         rows = sampled(scenario, {**{key: np.full(count, mm) for key, mm in layers.items()}, **columns}, count).variants
-        added = [_chances(rows.at(part), errors) for part in portions(count, SAMPLES_AT_A_TIME)]
+        added = [_chances(rows.at(part), errors) for part in portions(count, SAMPLES_OF_ONE_PASS)]
         on_progress(count, None)
         ends = np.cumsum([len(part) for part in parts])[:-1]
         added = np.split(np.concatenate(added), ends)
@@ -108,7 +108,7 @@ def misplaced(distributions: Mapping[str, Distribution], scenario: Scenario, ans
     return tuple(notes)
 
 
-def _chances(rows: Variants, errors: Errors) -> Floats:
+def _chances(rows: Variants, errors: ErrorRows) -> Floats:
     """Return the probabilities that samples are perforated, (n,), given the error of their armour; 0 or 1 without."""
     if not errors.known.all():
         return perforated(rows).astype(np.float64)

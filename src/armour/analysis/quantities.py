@@ -12,7 +12,7 @@ from armour.scenario.keys import parts_of
 from armour.units import MM, US, words_and_unit
 
 # Description of the quantities on the grid.
-REQUIRED = (
+REQUIRED_QUANTITIES = (
     "the least thickness in its range of [optimise] that stops the projectile with the scenario's other layer (total: "
     "both in proportion; areal density: of that ceramic on the scenario's back plate); none if no thickness does"
 )

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from armour.analysis.variants import Floats, Ints, Variants, variants_of
 from armour.engine import batch
 from armour.errors import Problem, mistake, refuse
-from armour.evidence.model_error import LAW_FIELDS, Errors
+from armour.evidence.model_error import LAW_FIELDS, ErrorRows
 from armour.scenario.inputs import ERROR
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Distribution, Uncertainty, correlation_matrix
@@ -29,7 +29,7 @@ class Samples(NamedTuple):
     factor: Any  # ballistic limit of the armour divided by that of the model, (n,) or a number
 
 
-def own_errors(scenario: Scenario, layers: Mapping[str, float] | None = None) -> Errors:
+def own_errors(scenario: Scenario, layers: Mapping[str, float] | None = None) -> ErrorRows:
     """Return the model error for a scenario's armour, with other thicknesses of its layers by name of input."""
     columns = {name: np.array([value]) for name, value in (layers or {}).items()}
     return variants_of(scenario, columns, 1).errors
@@ -62,7 +62,7 @@ def own_values(scenario: Scenario) -> dict[str, float]:
     return {**scenario.inputs(), ERROR: 0.5}
 
 
-def sampled(scenario: Scenario, columns: Mapping[str, Floats], count: int, errors: Errors | None = None) -> Samples:
+def sampled(scenario: Scenario, columns: Mapping[str, Floats], count: int, errors: ErrorRows | None = None) -> Samples:
     """Return n samples of values, which the scenario must allow.
 
     An armour whose ballistic limit is the model's times a factor is perforated if the model perforates at the impact
@@ -85,7 +85,7 @@ def sampled(scenario: Scenario, columns: Mapping[str, Floats], count: int, error
     return Samples(variants._replace(velocities=variants.velocities / factor), factor)
 
 
-def by_laws(variants: Variants, errors: Errors, laws: Ints) -> Variants:
+def by_laws(variants: Variants, errors: ErrorRows, laws: Ints) -> Variants:
     """Return samples, each with one of the laws of the error of their armour; the errors have one row.
 
     The first law is the samples' own.  Parameters by the others are scaled in proportion to the samples' own.

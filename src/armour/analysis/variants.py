@@ -16,7 +16,7 @@ from armour.engine import batch, cache
 from armour.errors import mistake
 from armour.evidence.fit import shipped_data
 from armour.evidence.mixture import Mixture
-from armour.evidence.model_error import LAW_FIELDS, Errors, errors_of, given_error, why_unknown
+from armour.evidence.model_error import LAW_FIELDS, ErrorRows, errors_of, given_error, why_unknown
 from armour.evidence.tests import Armours, Materials, armours_of, is_unusual, limits_of_model, limits_outside
 from armour.scenario.inputs import OBLIQUITY, VELOCITY, YIELD, cosine_of, fields_of
 from armour.scenario.library import DEFAULTS, strength_notes
@@ -65,7 +65,7 @@ class Variants(NamedTuple):
         return grid_of(self.scenario)
 
     @property
-    def errors(self) -> Errors:
+    def errors(self) -> ErrorRows:
         """Errors of the model; not known where the numerical settings move the limit too far."""
         errors = errors_of(self.scenario, self.armours)
         if given_error(self.scenario) is None:
@@ -79,7 +79,7 @@ class Variants(NamedTuple):
         """The armours of the rows."""
         return Armours(batch.fields(self.parameters), self.cosines, self.material_of_row, self.materials)
 
-    def by_law(self, law: int, errors: Errors) -> "Variants":
+    def by_law(self, law: int, errors: ErrorRows) -> "Variants":
         """Return the variants with the parameters of a law of their errors."""
         return self.with_fields(dict(zip(LAW_FIELDS, errors.parameters[law], strict=True)))
 
@@ -177,7 +177,7 @@ def grid_of(scenario: Scenario) -> Optimise:
     return section
 
 
-def impacts(variants: Variants) -> batch.Impacts:
+def impacts(variants: Variants) -> batch.ImpactBatch:
     """Simulate the impact of each row."""
     ends = batch.impacts(variants.parameters, variants.velocities, variants.options)
     check_resolved(ends.outcome != Outcome.UNRESOLVED, variants)
@@ -290,7 +290,7 @@ def lowest_limits(variants: Variants, limits: Floats, on_progress: OnProgress = 
     return np.where(dense < limits - section.tolerance_m_s, dense.clip(range_m_s[0]), limits)
 
 
-def limits_by_law(variants: Variants, errors: Errors, own_limits: Floats) -> Floats:
+def limits_by_law(variants: Variants, errors: ErrorRows, own_limits: Floats) -> Floats:
     """Return the ballistic limits by each law of the rows' errors, m/s, (laws, n), given those of the rows.
 
     They are searched for beyond the range of the section too.  A row without a limit, NaN, has none by any law.

@@ -12,10 +12,10 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 
 from armour import MODEL_VERSION, __version__
-from armour.analysis.quantities import QUANTITIES, REQUIRED
+from armour.analysis.quantities import QUANTITIES, REQUIRED_QUANTITIES
 from armour.cli.console import emit, say
 from armour.cli.experiments import calibrate, plan_shots, plan_tests, v50
-from armour.cli.library import KINDS, compile_, init, list_library, schema, section, show_entry
+from armour.cli.library import LISTED_KINDS, compile_, init, list_library, schema, section, show_entry
 from armour.cli.options import option
 from armour.cli.runner import NO_ANSWER, with_lines
 from armour.cli.scenario_commands import (
@@ -167,7 +167,7 @@ def _plan() -> None:
     """Plan tests: the next shot of a V50 firing, or which armours to test."""
 
 
-W, P = "wilkins", "paper"
+W, PAPER = "wilkins", "paper"
 CERAMICS, PLATES = "armour.ceramic_thickness_mm=4:12:1", "armour.backing_thickness_mm=4:10:1"
 
 # Commands by the heading of the help, each with examples, which the tests run.
@@ -179,8 +179,11 @@ COMMANDS: dict[str, dict[Callable[..., None], tuple[str, ...]]] = {
         sweep: (f"sweep {W} --over armour.ceramic_thickness_mm=4:12:0.1 -o limits.csv --plot limits.svg",),
     },
     "Design": {
-        optimise: (f"optimise {P}/optimum_7.62mm_AP --refine", "optimise catalogue --plot study.svg --csv front.csv"),
-        report: (f"report {P}/optimum_7.62mm_AP -o report.html", "report paper -o suite.html"),
+        optimise: (
+            f"optimise {PAPER}/optimum_7.62mm_AP --refine",
+            "optimise catalogue --plot study.svg --csv front.csv",
+        ),
+        report: (f"report {PAPER}/optimum_7.62mm_AP -o report.html", "report paper -o suite.html"),
     },
     "Judge the answer": {
         uncertainty: ("uncertainty uncertain --plot uncertainty.svg",),
@@ -214,14 +217,14 @@ COMMANDS: dict[str, dict[Callable[..., None], tuple[str, ...]]] = {
 library = typer.Typer(cls=Reporting, invoke_without_command=True, no_args_is_help=False)
 library.callback()(list_library)
 library.command("show", cls=Command)(show_entry)
-for _kind in KINDS:
+for _kind in LISTED_KINDS:
     library.command(f"{_kind}s", cls=Command)(section(_kind))
 for _panel, _commands in COMMANDS.items():
     for _command, _examples in _commands.items():
         _parts = ["Examples:", *(f"`armour {example}`" for example in _examples)]
         if _command is sweep:
             # As a text, since the column of descriptions is too narrow for the names.
-            _parts[:0] = [f"Quantities: {', '.join(QUANTITIES)}.", f"required_...: {REQUIRED}."]
+            _parts[:0] = [f"Quantities: {', '.join(QUANTITIES)}.", f"required_...: {REQUIRED_QUANTITIES}."]
         _name, _epilog = _command.__name__.strip("_").replace("_", "-"), "\n\n".join(_parts)
         if _command in (plan_shots, plan_tests):
             plan.command(_name.removeprefix("plan-"), cls=Command, epilog=_epilog)(_command)

@@ -57,7 +57,7 @@ if TYPE_CHECKING:
     from armour.planning.firing import ShotPlan
     from armour.scenario.scenario import Scenario
     from armour.statistics.v50 import FiringResult
-    from armour.sweeps.cases import Cases, Grid
+    from armour.sweeps.cases import Grid, SweepCases
 
 # Sections that a fit reads, and one more with a prior.
 FIT = ("impact", "armour", "ballistic_limit")
@@ -699,7 +699,7 @@ def plan_tests(
     write(files, warnings_of(loaded, result.warnings, verbose=verbose))
 
 
-def _source(candidates: list[str]) -> "Grid | Cases":
+def _source(candidates: list[str]) -> "Grid | SweepCases":
     """Return the candidates."""
     from armour.planning.plan_tests import of_candidates
 

@@ -20,19 +20,19 @@ from armour.files import printable
 from armour.reporting.table import Column, Table
 from armour.reporting.text import VerdictLine, unbroken
 
-GAP = 2
+COLUMN_GAP = 2
 # Width of output to a pipe, where each row of a table stays on one line.
 UNLIMITED = 1_000_000
 # Most rows on a terminal of a table whose rest is found elsewhere.
 MOST_ROWS = 25
 # Ways to make a table fit, tried one after the other.
-PLAIN, STACKED, NARROW = range(3)
+PLAIN_LAYOUT, STACKED, NARROW = range(3)
 # Least width of a column of prose before the table becomes blocks.
 PROSE_WIDTH = 16
 # For a space that does not break, at which rich would end a line: a character that no printable text has.
 STAND_IN = "\ue000"
 # A table has a line below its headings, and no others.
-RULE = Box("    \n    \n ── \n    \n    \n    \n    \n    \n")
+ROW_RULE = Box("    \n    \n ── \n    \n    \n    \n    \n    \n")
 
 
 def rendered(items: Iterable[Table | str], room: int, title: str = "", colours: Any = None) -> str:
@@ -87,11 +87,11 @@ def _parts(console: Console, table: Table, room: int) -> Iterator[Grid | Text | 
 def _rows(table: Table, room: int) -> Iterator[Grid | str]:
     """Yield the rows of a table under their headings or, where it does not fit or is a record, as blocks."""
     texts = [[_unbroken(text) for text in row] for row in table.texts()]
-    for fit in () if table.record else (PLAIN, STACKED, NARROW):
+    for fit in () if table.record else (PLAIN_LAYOUT, STACKED, NARROW):
         headings = [_heading(column, fit) for column in table.columns]
         cells = [[row[index] for row in texts] for index in range(len(headings))]
         limits = [_limits(*column, fit) for column in zip(table.columns, headings, cells, strict=True)]
-        gap = GAP if fit != NARROW else 1
+        gap = COLUMN_GAP if fit != NARROW else 1
         widths = _shared(limits, room, gap)
         if widths is not None:
             yield _grid(texts, widths, [column.numeric for column in table.columns], gap, headings)
@@ -107,7 +107,7 @@ def _heading(column: Column, fit: int) -> str:
 
 def _limits(column: Column, heading: str, cells: Sequence[str], fit: int) -> tuple[int, int]:
     """Return the least and the greatest width that a column can use."""
-    longest, stacked = _longest(cells), fit != PLAIN
+    longest, stacked = _longest(cells), fit != PLAIN_LAYOUT
     least = max(_longest_word(cells), min(longest, PROSE_WIDTH)) if column.prose else longest
     if fit == NARROW and not column.numeric:
         least = _longest_word(cells)
@@ -124,7 +124,7 @@ def _longest_word(texts: Iterable[str]) -> int:
     return _longest(word for text in texts for word in text.split())
 
 
-def _shared(limits: Sequence[tuple[int, int]], room: int, gap: int = GAP) -> list[int] | None:
+def _shared(limits: Sequence[tuple[int, int]], room: int, gap: int = COLUMN_GAP) -> list[int] | None:
     """Return the widths of columns, giving room first to those that need least; None if there is too little room."""
     widths = [least for least, _ in limits]
     spare = room - sum(widths) - gap * (len(widths) - 1)
@@ -143,11 +143,11 @@ def _grid(
     rows: Iterable[Sequence[str]],
     widths: Sequence[int],
     right: Sequence[bool],
-    gap: int = GAP,
+    gap: int = COLUMN_GAP,
     headings: Sequence[str] = (),
 ) -> Grid:
     """Lay rows out in columns, under their headings if there are any."""
-    grid = Grid(box=RULE, show_header=bool(headings), show_edge=False, pad_edge=False, padding=(0, gap - 1, 0, 0))
+    grid = Grid(box=ROW_RULE, show_header=bool(headings), show_edge=False, pad_edge=False, padding=(0, gap - 1, 0, 0))
     for index, width in enumerate(widths):
         heading = Text(headings[index]) if headings else ""
         grid.add_column(heading, width=width, justify="right" if right[index] else "left", overflow="fold")

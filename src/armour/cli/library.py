@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from armour.reporting.table import Table
 
 # Kinds that the library lists, each by a command of its own, in the plural.
-KINDS = ("projectile", "ceramic", "threat", "metal")
+LISTED_KINDS = ("projectile", "ceramic", "threat", "metal")
 # Line by which editors find the schema to complete and check a scenario; see docs/howto/schema.md.
 SCHEMA_LINE = b"#:schema ./scenario.schema.json\n"
 Tested = Annotated[bool, option("List only entries for which tests provide a model error.", "--tested")]
@@ -28,7 +28,7 @@ Tested = Annotated[bool, option("List only entries for which tests provide a mod
 def list_library(ctx: typer.Context, tested: Tested = False, as_json: AsJson = False) -> None:
     """List projectiles, ceramics and threats; `armour library metals` lists the metals, which are many."""
     if ctx.invoked_subcommand is None:
-        _list(KINDS, tested=tested, as_json=as_json)
+        _list(LISTED_KINDS, tested=tested, as_json=as_json)
 
 
 def section(kind: str) -> Callable[..., None]:
@@ -135,16 +135,16 @@ def compile_() -> None:
     In it, a container image or the next run in CI finds the compiled code.
     """
     from armour.engine import cache
-    from armour.engine.loops import NAMES
+    from armour.engine.loops import LOOP_NAMES
 
     if reason := cache.obstacle():
         raise mistake("compile", "", reason)
     path, hindrance = cache.folder()
-    if path is None or (hindrance and not all(map(cache.is_compiled, NAMES))):
+    if path is None or (hindrance and not all(map(cache.is_compiled, LOOP_NAMES))):
         raise mistake("compile", "", f"compiled code cannot be kept {hindrance}; XDG_CACHE_HOME names another folder")
-    for name in NAMES:
+    for name in LOOP_NAMES:
         cache.kernel(name)
-    if not all(map(cache.is_compiled, NAMES)):
+    if not all(map(cache.is_compiled, LOOP_NAMES)):
         raise mistake("compile", "", f"compiled code has not been kept in {path.parent}")
     emit(f"{path.parent}\n")
 

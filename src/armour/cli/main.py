@@ -10,7 +10,7 @@ from io import TextIOWrapper
 from typing import Any
 
 # What is printed in place of the characters of rules and units, where an encoding lacks them.
-PLAIN = {"\N{MULTIPLICATION SIGN}": "x", "─": "-", "²": "2", "³": "3", "µ": "u", "±": "+-", "°": " deg"}
+REPLACEMENTS = {"\N{MULTIPLICATION SIGN}": "x", "─": "-", "²": "2", "³": "3", "µ": "u", "±": "+-", "°": " deg"}
 
 
 def main() -> None:
@@ -59,7 +59,7 @@ def _plain(error: UnicodeError) -> tuple[str, int]:
     """Return plain characters for those that the encoding of an output lacks."""
     if not isinstance(error, UnicodeEncodeError):
         raise error
-    return "".join(PLAIN.get(character, "?") for character in error.object[error.start : error.end]), error.end
+    return "".join(REPLACEMENTS.get(character, "?") for character in error.object[error.start : error.end]), error.end
 
 
 def _when_interrupted(act: Any) -> None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 import armour
-from armour.analysis.quantities import DESIGNS, OF_WEIGHT, QUANTITIES, REQUIRED, reads_of
+from armour.analysis.quantities import DESIGNS, OF_WEIGHT, QUANTITIES, REQUIRED_QUANTITIES, reads_of
 from armour.cli import completion, runner
 from armour.cli.console import emit, progress, say, show
 from armour.cli.folders import MOST_FILES, scenario_paths
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from armour.design.check import CheckResult
     from armour.design.optimise import BestDesign, DesignResult
     from armour.scenario.scenario import Scenario
-    from armour.sweeps.cases import Cases, Grid
+    from armour.sweeps.cases import Grid, SweepCases
     from armour.sweeps.sweep import Effort
 
 # Key of the probability that a design, a check and a report require.
@@ -457,16 +457,16 @@ def _notes(names: list[str], *, drawn: bool) -> Iterator[str]:
     """Yield notes on the meaning of the quantities of a sweep, and on the one drawn."""
     required = [name for name in names if QUANTITIES[name].on_grid]
     if required:
-        yield f"note: {', '.join(required)}: {REQUIRED}"
+        yield f"note: {', '.join(required)}: {REQUIRED_QUANTITIES}"
     if drawn and len(names) > 1:
         yield f"note: --plot draws {names[0]} alone, the first of --quantities"
 
 
-def cases_of(file: str | Path, sheet: str | None = None) -> "Cases":
+def cases_of(file: str | Path, sheet: str | None = None) -> "SweepCases":
     """Return the cases of a table, and say how it was read."""
-    from armour.sweeps.cases import Cases
+    from armour.sweeps.cases import SweepCases
 
-    cases = Cases(file, sheet)
+    cases = SweepCases(file, sheet)
     if cases.read:
         say(f"read {file}: {cases.read}")
     return cases

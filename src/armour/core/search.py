@@ -70,7 +70,7 @@ def least_energy_of_plate(p: Parameters) -> float:
 # width, m/s, to which they narrow it.
 ROUGH, ROUGH_ERROR, ROUGH_WIDTH = 1e-4, 1e-3, 1.0
 # Least energy that a stopped projectile lacks, as a fraction of its own, so that the sign is that of the outcome.
-SMALL = 1e-14
+LEAST_SHORTFALL = 1e-14
 # Number of velocities of a scan.
 SCAN_POINTS = 33
 # Number of velocities where the outcome is likely to change more than once.
@@ -129,7 +129,7 @@ def residual_energy(end: Run, p: Parameters, V: float, V_arrest: float) -> float
     if end.outcome == Outcome.PERFORATED:
         return max(f, 0.0)
     if end.constant_dV < 0.0:
-        return min(f + 2.0 * end.constant_dV * remaining, -SMALL * V * V)
+        return min(f + 2.0 * end.constant_dV * remaining, -LEAST_SHORTFALL * V * V)
     return -V * V * max(remaining / (p.Hc0 + p.Hb), 1e-3)
 
 

@@ -17,7 +17,7 @@ from armour.analysis.variants import (
     with_thicknesses,
 )
 from armour.core.state import Parameters
-from armour.design.requirements import ROUNDING
+from armour.design.requirements import SLACK_ROUNDING
 from armour.engine import batch
 from armour.errors import Problem, refuse
 from armour.evidence.caveats import is_no_metal
@@ -38,19 +38,19 @@ from armour.scenario.schema import (
 )
 from armour.units import MM
 
-COST = "cost_per_m2"
+COST_COLUMN = "cost_per_m2"
 # Probability of perforation that stands for no bound.
 NO_BOUND = 1.0
 # Words of the layers by their names in keys.
 LAYER_WORDS = {"ceramic": "ceramic", "backing": "back plate"}
 # Criterion that is not a column of the candidates.
-MARGIN = "margin_m_s"
+MARGIN_COLUMN = "margin_m_s"
 # Number of back plate thicknesses tried first if both layers are free: in a range without a step, and at most with one.
 FIRST_VALUES, MOST_VALUES = 41, 100
 # Decimals to which areal densities, thicknesses and costs are rounded, so that equal sums compare equal.
-DIGITS = 9
+SUM_DECIMALS = 9
 # Greatest numbers of pairs of materials, and of designs times threats, whose impacts take about a minute.
-MAX_PAIRS = 10_000
+MAX_MATERIAL_PAIRS = 10_000
 MAX_IMPACTS = 10_000_000
 
 
@@ -200,9 +200,9 @@ class Catalogue:
             np.full(len(ceramic_mm), pair),
             ceramic_mm,
             backing_mm,
-            np.round(ceramic_mass + backing_mass + inert("areal_density_kg_m2"), DIGITS),
-            np.round(ceramic_mm + counted_mm + inert("thickness_mm"), DIGITS),
-            np.round(inert("cost_per_m2") + ceramic_cost + backing_cost, DIGITS),
+            np.round(ceramic_mass + backing_mass + inert("areal_density_kg_m2"), SUM_DECIMALS),
+            np.round(ceramic_mm + counted_mm + inert("thickness_mm"), SUM_DECIMALS),
+            np.round(inert("cost_per_m2") + ceramic_cost + backing_cost, SUM_DECIMALS),
         )
 
     def violations(self, candidates: CandidateDesigns) -> Floats:
@@ -210,7 +210,7 @@ class Catalogue:
         violations = np.where(np.isnan(candidates.thickness_mm), np.inf, 0.0)
         for name, words in OBJECTIVES.items():
             if (most := getattr(self.section, words.bound)) is not None:
-                violations = np.fmax(violations, getattr(candidates, name) / most - 1.0 - ROUNDING)
+                violations = np.fmax(violations, getattr(candidates, name) / most - 1.0 - SLACK_ROUNDING)
         return violations
 
     def objective(self, candidates: CandidateDesigns) -> Floats:
@@ -298,7 +298,7 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
 
 def _wrong_layers(file: str, section: DesignSection, *, sampled: bool) -> Iterator[Problem]:
     """Yield the layers listed twice, and those that lack a step that sampling needs, or a cost that is asked for."""
-    costs = COST in (section.minimise, *(section.pareto or ())) or section.cost_max_per_m2 is not None
+    costs = COST_COLUMN in (section.minimise, *(section.pareto or ())) or section.cost_max_per_m2 is not None
     for role in LAYER_WORDS:
         layers = getattr(section, role)
         for i, layer in enumerate(layers):
@@ -320,8 +320,8 @@ def _too_many(file: str, section: DesignSection, threats: int) -> Iterator[Probl
     pairs = len(section.ceramic) * len(section.backing)
     ceramics, backings = (sum(len(layer.thicknesses()) for layer in layers) for layers in roles)
     designs = ceramics * backings
-    if pairs > MAX_PAIRS:
-        yield Problem(file, "design", f"must contain at most {MAX_PAIRS} pairs of materials, found {pairs}")
+    if pairs > MAX_MATERIAL_PAIRS:
+        yield Problem(file, "design", f"must contain at most {MAX_MATERIAL_PAIRS} pairs of materials, found {pairs}")
     if designs > MAX_DESIGNS:
         yield Problem(file, "design", f"must contain at most {MAX_DESIGNS} designs, found {designs}")
     elif designs * threats > MAX_IMPACTS:

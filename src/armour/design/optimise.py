@@ -12,7 +12,7 @@ from armour.analysis.ballistic_limit import NeededFlowStress, needed_flow_stress
 from armour.analysis.estimates import Estimate
 from armour.analysis.results import OnProgress, TableResult, data_frame, ignore_progress
 from armour.analysis.variants import Ints, distributions, outside_words, why_error_unknown
-from armour.design.catalogue import FIRST_VALUES, MARGIN, NO_BOUND, CandidateDesigns, Catalogue, catalogue_of
+from armour.design.catalogue import FIRST_VALUES, MARGIN_COLUMN, NO_BOUND, CandidateDesigns, Catalogue, catalogue_of
 from armour.design.designs import NOT_KNOWN, PASSES, Designs, Runs, asked_of, stopped, verdicts_of
 from armour.design.reliability import Reliability
 from armour.design.requirements import Requirement, against_threat, of_armour, verdict_of
@@ -31,7 +31,7 @@ from armour.units import MM
 
 # Words that begin the reason of a pair of materials: without tests, if others have them; with a single source of the
 # ceramic's flow stress; and nearly as good as the best.
-UNTESTED, ONE_SOURCE, RUNNER_UP = "no test", "one source of its flow stress", "runner-up: "
+NO_TEST_KNOWN, ONE_SOURCE, RUNNER_UP = "no test", "one source of its flow stress", "runner-up: "
 # What is known of a design without a probability.
 BY_LIMIT = " by the computed limit"
 # Most designs that a result lists, or pairs whose needed flow stresses it has, and most to compare in the search for
@@ -630,7 +630,7 @@ def _pareto(designs: Designs, search: FreeThicknesses, criteria: Sequence[str], 
     """Return the Pareto front, with free thicknesses refined for every criterion."""
     if _has_free_layer(designs.catalogue):
         designs = _table(search, criteria=criteria)
-    return as_results(designs, pareto(designs, criteria, least), with_margins=MARGIN in criteria)
+    return as_results(designs, pareto(designs, criteria, least), with_margins=MARGIN_COLUMN in criteria)
 
 
 def _refined(designs: Designs, search: FreeThicknesses, first: int) -> BestDesign:
@@ -784,7 +784,7 @@ def _pairs(designs: Designs, search: FreeThicknesses, best: int | None, least: i
             ranked = not (one_source or untested)
             design = _best(table, place, named=one_source or (few and catalogue.untested[index]))
             excess, words = _excess(catalogue.section, float(table.values[place]), least_value, ranked=ranked)
-            reason = ": ".join(filter(None, (ONE_SOURCE if one_source else UNTESTED if untested else "", words)))
+            reason = ": ".join(filter(None, (ONE_SOURCE if one_source else NO_TEST_KNOWN if untested else "", words)))
         names = offer.ceramic.material, offer.backing.material
         pairs.append(Pair(*names, design, excess, reason, ranked, catalogue.untested[index]))
     return tuple(sorted(pairs, key=_rank))

@@ -3,7 +3,7 @@
 from functools import lru_cache
 from math import ceil, log, log1p
 
-from armour.analysis.estimates import TAIL, Estimate, proportion
+from armour.analysis.estimates import INTERVAL_TAIL, Estimate, proportion
 from armour.analysis.perforation import is_sampled, points_within, probability_of_perforation
 from armour.analysis.results import OnProgress, ignore_progress
 from armour.analysis.samples import section_of
@@ -55,7 +55,7 @@ def _check(catalogue: Catalogue, section: Uncertainty) -> None:
     bound = float(catalogue.bounds.min())
     if catalogue.scenario.excludes_error() and proportion(0, section.samples).high > bound:
         # Without a perforation, the upper end of the Clopper-Pearson interval is 1 - (tail)^(1/n).
-        needed = ceil(log(TAIL) / log1p(-bound))
+        needed = ceil(log(INTERVAL_TAIL) / log1p(-bound))
         message = f"must be at least {needed} to show a probability of perforation of {bound:g}"
         too_many = f" (at most {MAX_SAMPLES} are allowed: raise the bound)" if needed > MAX_SAMPLES else ""
         problems.append(Problem(file, "uncertainty.samples", f"{message}{too_many}, found {section.samples}"))

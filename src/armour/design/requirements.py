@@ -11,9 +11,9 @@ from armour.scenario.schema import OBJECTIVES, DesignSection, Threat
 
 Verdict = Literal["passes", "fails", "not known"]
 # Largest relative excess that is rounding.
-ROUNDING = 1e-12
+SLACK_ROUNDING = 1e-12
 # Least number of sources of a flow stress on which a verdict is based.
-SOURCES = 2
+LEAST_SOURCES = 2
 
 
 @dataclass(frozen=True)
@@ -112,7 +112,7 @@ def against_threat(
         verdict: Verdict = "passes" if reaches else short
         yield Requirement("margin_m_s", threat.title, threat.margin_m_s, margin_m_s, verdict)
     if ceramic is not None and ceramic.has_one_source:
-        yield Requirement("flow_stress_sources", threat.title, SOURCES, 1.0, "not known")
+        yield Requirement("flow_stress_sources", threat.title, LEAST_SOURCES, 1.0, "not known")
     if interlayers:
         yield Requirement("interlayers", threat.title, 0.0, interlayers, "not known")
     if bound is None:
@@ -138,5 +138,5 @@ def of_armour(section: DesignSection, amounts: Mapping[str, float | None]) -> It
         if most is not None:
             verdict: Verdict = "not known"
             if found is not None:
-                verdict = "passes" if found <= most * (1.0 + ROUNDING) else "fails"
+                verdict = "passes" if found <= most * (1.0 + SLACK_ROUNDING) else "fails"
             yield Requirement(key, "", most, found, verdict)

@@ -12,12 +12,12 @@ import numpy as np
 
 from armour.analysis.variants import Bools, Floats, Ints, Least, least_values_mm, limits_anywhere, unusual
 from armour.core.search import SCAN_POINTS
-from armour.design.catalogue import COST, MARGIN, CandidateDesigns, Catalogue, first_backings
+from armour.design.catalogue import COST_COLUMN, MARGIN_COLUMN, CandidateDesigns, Catalogue, first_backings
 from armour.design.designs import PASSES, Designs, Runs, measured, verdicts_of
 from armour.scenario.schema import FreeRange, Range
 
 # Differences of criteria that matter on a Pareto front: kg/m², mm and, for costs, as a fraction of the lowest.
-RESOLUTION = {"areal_density_kg_m2": 0.01, "thickness_mm": 0.01, COST: 0.001}
+RESOLUTION = {"areal_density_kg_m2": 0.01, "thickness_mm": 0.01, COST_COLUMN: 0.001}
 # Largest distance of the back plate thicknesses of the last round, mm.
 BACKING_TOLERANCE_MM = 1e-3
 # Ratio of the distances of the back plate thicknesses of one round and the next.
@@ -81,10 +81,10 @@ def candidates_of(search: FreeThicknesses, criteria: Sequence[str] = (), *, refi
     refined by each of them; if one is the margin, there are also designs with more margin, up to the thickest.
     """
     catalogue = search.catalogue
-    columns = [name for name in dict.fromkeys((catalogue.section.minimise, *criteria)) if name != MARGIN]
+    columns = [name for name in dict.fromkeys((catalogue.section.minimise, *criteria)) if name != MARGIN_COLUMN]
     pairs = range(len(catalogue.offers))
     parts = [_of_pair(search, pair, columns, refine=refine) for pair in pairs]
-    if MARGIN in criteria:
+    if MARGIN_COLUMN in criteria:
         parts += [part for pair in pairs for part in _with_more_margin(search, pair, columns)]
     return joined(parts)
 
@@ -216,15 +216,15 @@ def pareto(designs: Designs, criteria: Sequence[str], least: int) -> Ints:
     remaining = designs.offered[designs.verdicts(designs.offered) >= least]
     columns = designs.columns._asdict()
     margins = np.zeros(len(designs.values))
-    if MARGIN in criteria:
+    if MARGIN_COLUMN in criteria:
         margins[remaining] = designs.quick_margins_m_s(remaining).min(axis=1)
     while True:
-        columns[MARGIN] = -margins
+        columns[MARGIN_COLUMN] = -margins
         costs = np.column_stack([columns[name][remaining] for name in criteria])
         front = remaining[distinct(costs, undominated(costs), _resolutions(designs.catalogue, costs, criteria))]
         passing = [place for place in front[designs.passes(front, least)] if designs.sampled(place) >= least]
         verified = designs.margins_m_s(front).min(axis=1)
-        if len(passing) == len(front) and (MARGIN not in criteria or np.array_equal(margins[front], verified)):
+        if len(passing) == len(front) and (MARGIN_COLUMN not in criteria or np.array_equal(margins[front], verified)):
             return front
         margins[front] = verified
         remaining = np.setdiff1d(remaining, np.setdiff1d(front, passing))
@@ -232,8 +232,8 @@ def pareto(designs: Designs, criteria: Sequence[str], least: int) -> Ints:
 
 def _resolutions(catalogue: Catalogue, costs: Floats, criteria: Sequence[str]) -> Floats:
     """Return the least difference of each criterion that matters; that of limits is their tolerance."""
-    resolutions = {**RESOLUTION, MARGIN: catalogue.scenario.ballistic_limit.tolerance_m_s}
-    scales = (costs[:, i].min(initial=np.inf) if name == COST else 1.0 for i, name in enumerate(criteria))
+    resolutions = {**RESOLUTION, MARGIN_COLUMN: catalogue.scenario.ballistic_limit.tolerance_m_s}
+    scales = (costs[:, i].min(initial=np.inf) if name == COST_COLUMN else 1.0 for i, name in enumerate(criteria))
     return np.array([resolutions[name] * scale for name, scale in zip(criteria, scales, strict=True)])
 
 

@@ -19,7 +19,7 @@ Ints = NDArray[np.int64]
 PORTIONS = {"impacts": 256, "ballistic_limits": 32}
 
 
-class Impacts(NamedTuple):
+class ImpactBatch(NamedTuple):
     """Results of n impacts, an array of shape (n,) each."""
 
     outcome: Ints  # an Outcome
@@ -66,11 +66,11 @@ def fields(rows: Floats) -> Any:
     return Parameters(*rows.T)
 
 
-def impacts(rows: Floats, velocities: Floats, options: SolverOptions = DEFAULT_OPTIONS) -> Impacts:
+def impacts(rows: Floats, velocities: Floats, options: SolverOptions = DEFAULT_OPTIONS) -> ImpactBatch:
     """Compute the impacts of n armours, see `packed`, at n velocities, m/s; see `armour.core.run.run`."""
     counts, ends = _computed("impacts", [rows, velocities], options[:3], 6, options.threads)
     t, Z, L, V, W, h = ends.T
-    return Impacts(counts[:, 0], t, Z, L, V, W, h, counts[:, 1])
+    return ImpactBatch(counts[:, 0], t, Z, L, V, W, h, counts[:, 1])
 
 
 def ballistic_limits(

@@ -28,7 +28,7 @@ from armour.files import exchangeable, is_trusted, reason
 
 Kernel = Callable[..., None]
 
-PACKAGE = Path(__file__).resolve().parent.parent
+PACKAGE_FOLDER = Path(__file__).resolve().parent.parent
 COMPILING = "compiling the numerical code, which takes about ten seconds"
 # Lines of /proc/cpuinfo on the type of a processor, on several architectures.
 TYPE = re.compile(r"(vendor_id|cpu family|model|flags|CPU [a-z]+|Features|cpu|isa|uarch)\s*:")
@@ -43,7 +43,7 @@ _kernels: dict[str, Kernel] = {}
 _logged: set[str] = set()
 
 
-def digest(package: Path = PACKAGE) -> str:
+def digest(package: Path = PACKAGE_FOLDER) -> str:
     """Return a hash of the core and the loops, their location, the versions of the compiler, and the processor."""
     from importlib.metadata import version  # slow to import
 

@@ -6,7 +6,7 @@ from armour.core.run import run
 from armour.core.search import find_ballistic_limit
 from armour.core.state import Parameters
 
-NAMES = "impacts", "ballistic_limits"
+LOOP_NAMES = "impacts", "ballistic_limits"
 
 
 def parameters_at(rows: Any, i: int) -> Parameters:

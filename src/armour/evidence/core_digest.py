@@ -6,11 +6,11 @@ from pathlib import Path
 
 from armour.core import state
 
-CORE = Path(state.__file__).parent
+CORE_FOLDER = Path(state.__file__).parent
 
 
 @cache
-def core_digest(core: Path = CORE) -> str:
+def core_digest(core: Path = CORE_FOLDER) -> str:
     """Return a hash of the code of the core; comments, docstrings and the layout of the lines do not count.
 
     Without the sources it is that of no code, which the tests were not computed with.

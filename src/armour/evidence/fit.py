@@ -22,7 +22,7 @@ from armour.units import GPA, MM, MPA
 # Ratio of flow stress to yield strength of a plate.
 CONSTRAINT = DEFAULTS["flow_stress_GPa"][0] * GPA / MPA
 # m/D^3 of a usual core, g/mm3.
-CORE = 0.0215
+USUAL_MASS_RATIO = 0.0215
 # Least standard deviation of a test that is assumed for own tests, as it differs between lots.
 LEAST_REST = 0.04
 # Standard deviation between repeated tests of an armour of a lot, and the distance at which what armours share in their
@@ -44,7 +44,7 @@ ARMOUR = (
     "backing_strength_GPa",
     "backing_density_kg_m3",
 )
-TINY = 1e-9
+TINY_RATIO = 1e-9
 # Quantities that distinguish rounds.
 RODS = ("rod_diameter_mm", "rod_length_ratio", "rod_density_kg_m3", "rod_strength_GPa")
 # Values of n armours by name, (n,).
@@ -88,7 +88,7 @@ TERMS: dict[str, Callable[[Quantities, Sequence[float]], Any]] = {
     "h": lambda q, reference: _thickness(q, reference).clip(min=0.0),
     "Y": lambda q, reference: np.log(q["backing_strength_GPa"] * GPA / MPA / CONSTRAINT / reference[1]),
     "u": lambda q, _: np.log(q["tensile_MPa"] / (q["backing_strength_GPa"] * GPA / MPA / CONSTRAINT)),
-    "s": lambda q, _: np.log(q["rod_mass_ratio"] / CORE),
+    "s": lambda q, _: np.log(q["rod_mass_ratio"] / USUAL_MASS_RATIO),
     "o": lambda q, _: q["path_ratio"] - 1.0,
     "cb": lambda q, _: np.log(q["ceramic_thickness_ratio"] * q["backing_thickness_ratio"]),
 }
@@ -349,7 +349,7 @@ def is_same_armour(q: Quantities, tested: Quantities) -> Any:
 
 def distances(q: Quantities, tested: Quantities) -> Floats:
     """Return how far n armours are from m others, (n, m), in logarithms of what makes an armour."""
-    logs = [np.log(np.maximum([each[name] for name in ARMOUR], TINY)) for each in (q, tested)]
+    logs = [np.log(np.maximum([each[name] for name in ARMOUR], TINY_RATIO)) for each in (q, tested)]
     return np.sqrt(((logs[0][:, :, None] - logs[1][:, None]) ** 2).sum(axis=0))
 
 

@@ -13,9 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 Floats = NDArray[np.float64]
 
 # Tolerance of a quantile, or of its logarithm, and the most steps to it; ten are usual.
-TOLERANCE, MOST_STEPS = 1e-12, 200
+QUANTILE_TOLERANCE, MOST_STEPS = 1e-12, 200
 # Greatest count of numbers of one armour to compute without scipy.
-MOST = 1000
+MOST_WITHOUT_SCIPY = 1000
 
 
 class Mixture(NamedTuple):
@@ -46,7 +46,7 @@ class Mixture(NamedTuple):
 
     def _many(self, values: Floats) -> bool:
         """Return whether to compute by scipy: for n armours whatever n is, and for many numbers of one armour."""
-        return self.weights.ndim > 1 or values.size > MOST
+        return self.weights.ndim > 1 or values.size > MOST_WITHOUT_SCIPY
 
     def times(self, limits: ArrayLike) -> "Mixture":
         """Return the distribution of a ratio times limits by the model, m/s, (k, ...) or one for all."""
@@ -90,7 +90,7 @@ class Mixture(NamedTuple):
                 new = places + (chances - below) * np.exp(-self._log_density(places))
                 new = np.where((new >= low) & (new <= high), new, 0.5 * (low + high))
                 last, places = places, np.where(moving, np.where(low == high, low, new), places)
-                moving &= np.abs(places - last) > TOLERANCE * np.maximum(1.0, np.abs(places))
+                moving &= np.abs(places - last) > QUANTILE_TOLERANCE * np.maximum(1.0, np.abs(places))
             if not moving.any():
                 break
         return np.exp(places) if self.logarithmic else places
@@ -141,9 +141,9 @@ class Mixture(NamedTuple):
 # Quadrature, exact to 1e-12 for two and a half degrees of freedom or more, and the standard deviations it covers.
 _OFF_DIAGONAL = np.arange(1.0, 64.0) / np.sqrt(4.0 * np.arange(1.0, 64.0) ** 2 - 1.0)
 # Gauss-Legendre by Golub and Welsch: numpy's own function would import all of numpy.polynomial.
-NODES, _VECTORS = np.linalg.eigh(np.diag(_OFF_DIAGONAL, 1) + np.diag(_OFF_DIAGONAL, -1))
-WEIGHTS = 2.0 * _VECTORS[0] ** 2
-COVERED = 9.0
+ANGLE_NODES, _VECTORS = np.linalg.eigh(np.diag(_OFF_DIAGONAL, 1) + np.diag(_OFF_DIAGONAL, -1))
+ANGLE_WEIGHTS = 2.0 * _VECTORS[0] ** 2
+COVERED_DEVIATIONS = 9.0
 # Tolerance of an angle, and the most steps to it; ten are usual.
 ANGLE_TOLERANCE, MOST_ANGLES = 1e-14, 100
 # Least density to divide by, far beyond any probability of use.
@@ -187,9 +187,9 @@ def _below(freedom: Floats, constants: Floats, angle: Floats) -> Floats:
 
     The density over the angle is a constant times the power freedom - 1 of its cosine.
     """
-    reach = np.minimum(np.abs(angle), COVERED / np.sqrt(freedom))[..., None]
-    log_cosines = 0.5 * np.log1p(-(np.sin(0.5 * reach * (1.0 + NODES)) ** 2))
-    integral = (0.5 * reach * WEIGHTS * np.exp((freedom[..., None] - 1.0) * log_cosines)).sum(axis=-1)
+    reach = np.minimum(np.abs(angle), COVERED_DEVIATIONS / np.sqrt(freedom))[..., None]
+    log_cosines = 0.5 * np.log1p(-(np.sin(0.5 * reach * (1.0 + ANGLE_NODES)) ** 2))
+    integral = (0.5 * reach * ANGLE_WEIGHTS * np.exp((freedom[..., None] - 1.0) * log_cosines)).sum(axis=-1)
     return 0.5 + np.sign(angle) * constants * integral
 
 

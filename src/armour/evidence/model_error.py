@@ -23,7 +23,7 @@ from armour.scenario.schema import Model, Solver
 # Degrees of freedom at which Student's t distribution is practically normal.
 NORMAL = 1e6
 # Probabilities of the quantiles that results give.
-QUANTILES = (0.025, 0.05, 0.5, 0.95, 0.975)
+ERROR_QUANTILES = (0.025, 0.05, 0.5, 0.95, 0.975)
 # Parameters of the core that a law of the limits may replace.
 LAW_FIELDS = ("Yc0", "n_B", "n_cB", "a_c", "a_B", "YB", "tau", "Hc0", "Hb")
 # Quantities of bare plates whose trend is uncertain beyond the tests.
@@ -109,8 +109,8 @@ class ModelError:
         if has_weight.sum() == 1:
             [mean], [scale], [freedom] = (array[has_weight].tolist() for array in ratio[1:4])
             mean, scale = 100.0 * (expm1(mean) if ratio.logarithmic else mean - 1.0), 100.0 * scale
-        quantiles = (100.0 * (ratio.quantile(QUANTILES) - 1.0)).tolist()
-        by_probability = dict(zip(map(str, QUANTILES), quantiles, strict=True))
+        quantiles = (100.0 * (ratio.quantile(ERROR_QUANTILES) - 1.0)).tolist()
+        by_probability = dict(zip(map(str, ERROR_QUANTILES), quantiles, strict=True))
         error = cls(mean, scale, freedom, source, outside, by_probability, **others)
         vars(error)["ratio"] = ratio
         return error
@@ -149,7 +149,7 @@ class ModelError:
         return self.ratio.probability_above(np.asarray(velocity_m_s) / limit_m_s)
 
 
-class Errors(NamedTuple):
+class ErrorRows(NamedTuple):
     """Distributions of the model error for n armours: mixtures over the laws used to compute ballistic limits.
 
     The first law is that of the armour itself; it may have a probability of 0.
@@ -159,16 +159,16 @@ class Errors(NamedTuple):
     parameters: Floats  # of the core, by law, see `LAW_FIELDS`, (laws, fields, n)
 
     @classmethod
-    def unknown(cls, count: int, laws: int = 1) -> "Errors":
+    def unknown(cls, count: int, laws: int = 1) -> "ErrorRows":
         """Return n errors that are not known."""
         shape = (laws, count)
         nothing, ones = np.zeros(shape), np.ones(shape)
         ratio = Mixture(np.full(shape, np.nan), nothing, ones, ones.copy(), narrowed=ones.copy())
         return cls(ratio, np.zeros((laws, len(LAW_FIELDS), count)))
 
-    def at(self, where: Any) -> "Errors":
+    def at(self, where: Any) -> "ErrorRows":
         """Return the errors of some armours."""
-        return Errors(self.ratio.mapped(lambda array: array[..., where]), self.parameters[..., where])
+        return ErrorRows(self.ratio.mapped(lambda array: array[..., where]), self.parameters[..., where])
 
     @property
     def known(self) -> Any:
@@ -202,17 +202,17 @@ def other_settings(scenario: Scenario) -> str:
     return ", ".join(others)
 
 
-def errors_of(scenario: Scenario, armours: Armours) -> Errors:
+def errors_of(scenario: Scenario, armours: Armours) -> ErrorRows:
     """Return the errors of the model for n armours under the settings of a scenario.
 
     They come from the own tests of the library entries, or else from the shipped tests.
     """
     count, error = len(armours.material_of_row), given_error(scenario)
     if scenario.excludes_error() or (error is None and (scenario.interlayers or other_settings(scenario))):
-        return Errors.unknown(count)
+        return ErrorRows.unknown(count)
     if error is not None:
         repeated = error.ratio.mapped(lambda array: np.repeat(array[:, None], count, axis=1))
-        return Errors(repeated, np.zeros((1, len(LAW_FIELDS), count)))
+        return ErrorRows(repeated, np.zeros((1, len(LAW_FIELDS), count)))
     parts, as_at_normal = [], scenario.design is not None and scenario.design.angles_as_at_normal_incidence
     for evidence, rows in armours.by_evidence():
         oblique = evidence.fails_angle(armours.cosines)
@@ -222,7 +222,7 @@ def errors_of(scenario: Scenario, armours: Armours) -> Errors:
         for members, at_normal in ((rows & ~oblique, False), (rows & is_bounded, True)):
             if evidence.fits and members.any():
                 parts.append((int(at_normal or evidence.lot != ""), evidence, np.flatnonzero(members), at_normal))
-    errors = Errors.unknown(count, max([1, *(first + len(evidence.fits) for first, evidence, *_ in parts)]))
+    errors = ErrorRows.unknown(count, max([1, *(first + len(evidence.fits) for first, evidence, *_ in parts)]))
     for first, evidence, where, at_normal in parts:
         members = armours.at(where)
         errors.parameters[0][:, where] = law_of(members.parameters)
@@ -230,7 +230,7 @@ def errors_of(scenario: Scenario, armours: Armours) -> Errors:
     return errors
 
 
-def _set_errors(errors: Errors, first: int, evidence: Evidence, where: Any, armours: Armours) -> None:
+def _set_errors(errors: ErrorRows, first: int, evidence: Evidence, where: Any, armours: Armours) -> None:
     """Set the errors, from a first law on, of those of n armours for which evidence holds.
 
     With a ceramic, the law of the armour comes first, and the others have the flow stress in proportion to it.

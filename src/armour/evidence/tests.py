@@ -20,11 +20,11 @@ from armour.units import MM
 # The quantity of which less than tested is said in the answer.
 THIN = "ceramic_thickness_ratio"
 # Factor by which a quantity of an unusual armour lies outside of all that the model was compared with.
-FAR = 2.0
+UNUSUAL_FACTOR = 2.0
 # Factors outside the ranges of the tests beyond which the error is not known: of bare plates and with a ceramic.
 FARTHEST_BARE, FARTHEST_CERAMIC = float(np.exp(0.5)), 2.0
 # The factor for quantities that own tests of a ceramic without shipped tests have in common.
-ALIKE = 1.1
+ALIKE_FACTOR = 1.1
 # Standard deviations between lots of a ceramic beyond those of the shipped tests, also on another metal than theirs.
 STRANGE, STRANGE_METAL = 0.10, 0.15
 # Properties that identify a ceramic.
@@ -36,7 +36,7 @@ IMPLAUSIBLE = 6.0
 OF_NO_LOT = "an own test has a limit that no lot of such armour can have"
 NO_LAW = "no limit of its own tests says how exact the model is"
 # More differences than any armour can have, and the relative size of rounding.
-MOST, ROUNDING = 1000, 1e-6
+BY_CERAMIC, ROUNDING = 1000, 1e-6
 
 
 class DataRange(NamedTuple):
@@ -105,7 +105,7 @@ class Evidence(NamedTuple):
 
     def differences(self, q: Quantities) -> Any:
         """Return the number of respects in which n armours differ from the tests; a ceramic or none outweighs all."""
-        by_ceramic = MOST * (bool(self.ceramic) == (q["ceramic_thickness_ratio"] == 0.0))
+        by_ceramic = BY_CERAMIC * (bool(self.ceramic) == (q["ceramic_thickness_ratio"] == 0.0))
         return sum((limits.fails(q) for limits in self.kind), start=by_ceramic) + self.has_other_law(q)
 
     def has_other_law(self, q: Quantities) -> Any:
@@ -139,7 +139,7 @@ def outside(ranges: Iterable[DataRange], q: Quantities) -> tuple[str, ...]:
     return tuple(str(limits) for limits in ranges if limits.fails(q).any())
 
 
-PLAIN = ("title", "source", "ceramic", "obliquity_max_deg", "at_least_deg", "at_least")
+AS_GIVEN = ("title", "source", "ceramic", "obliquity_max_deg", "at_least_deg", "at_least")
 
 
 def _ranges(data: Mapping[str, Sequence[float]]) -> tuple[DataRange, ...]:
@@ -161,7 +161,7 @@ def shipped_evidence() -> tuple[Evidence, ...]:
             compared=_ranges(compared),
             velocities_m_s=tuple(data["velocities_m_s"]),
             fits=tuple(fits()[name]._replace(weight=1.0 / len(data["fits"])) for name in data["fits"]),
-            **{key: data[key] for key in PLAIN if key in data},
+            **{key: data[key] for key in AS_GIVEN if key in data},
         )
         if "tensile_fit" in data:
             ratio = DataRange("tensile_ratio", *data["tensile_ratio"])
@@ -309,7 +309,7 @@ def _ranges_with(
     )
     if is_new:
         around = [DataRange(name, np.inf, -np.inf).containing(tested[name]) for name in (*VARIED[:2], *IN_COMMON)]
-        alike = (DataRange(limits.name, limits.low / ALIKE, limits.high * ALIKE) for limits in around[2:])
+        alike = (DataRange(limits.name, limits.low / ALIKE_FACTOR, limits.high * ALIKE_FACTOR) for limits in around[2:])
         kind = (*alike, *(limits for limits in kind if limits.name.startswith("rod_")))
         measured = (*around[:2], *(limits for limits in measured if limits.name.startswith("rod_")))
     calibrated = (DataRange(n, v - ROUNDING * abs(v), v + ROUNDING * abs(v)) for n, v in own_tests.calibrated.items())
@@ -365,7 +365,7 @@ def is_unusual(armour: Parameters) -> Any:
     ranges = {(bool(evidence.ceramic), limits) for evidence in shipped_evidence() for limits in evidence.compared}
     for has_ceramic, limits in ranges:
         key = has_ceramic, limits.name
-        is_far[key] = is_far.get(key, True) & (limits.factor(q) > FAR)
+        is_far[key] = is_far.get(key, True) & (limits.factor(q) > UNUSUAL_FACTOR)
     return np.any([rows & (has_ceramic == (armour.Hc0 > 0.0)) for (has_ceramic, _), rows in is_far.items()], axis=0)
 
 

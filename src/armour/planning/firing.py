@@ -64,7 +64,7 @@ LIMITED = ("langlie", "neyer")
 HALF_WIDTH_M_S = 15.0
 # Probability of V50 within the limits of Langlie's and Neyer's procedures, unless they are given.
 LIMITS_PROBABILITY = 0.99
-CURVE_POINTS = 201
+PLAN_POINTS = 201
 # Without a model error, V50 is expected with a probability of 95 % within this fraction of the model's limit, or of the
 # middle of the shots; the second number is the quantile of the normal distribution for that probability.
 WIDE, WITHIN = 0.3, 1.96
@@ -491,7 +491,7 @@ def _curve(prior: Posterior, posterior: Posterior, fired: Shots) -> PlanCurve:
     """Return the curves over the velocities at which they change."""
     low, high = prior.grid.v50_quantiles(prior.weights, (0.005, 0.995))[0].tolist()
     shown = (low, high, *fired.velocities_m_s)
-    velocities = np.linspace(min(shown), max(shown), CURVE_POINTS)
+    velocities = np.linspace(min(shown), max(shown), PLAN_POINTS)
     probability = expected(posterior.grid.response(velocities), posterior.weights)
     columns = (velocities, prior.density(velocities), posterior.density(velocities), probability)
     return PlanCurve(*(tuple(column.tolist()) for column in columns))

@@ -20,7 +20,7 @@ SINGULAR = 1e-3
 # Two sets whose losses differ by less than this, relatively, are equally good; the first candidate is then chosen.
 TIE = 1e-9
 # Accuracy of the efficiency of the continuous design.
-GAP = 1e-4
+OPTIMALITY_GAP = 1e-4
 
 
 class Task(NamedTuple):
@@ -190,7 +190,7 @@ def continuous_design(task: Task, cost: float) -> tuple[Floats, float]:
         information = task.base + (rows * shares[:, None]).T @ rows
         slopes = at_full_cost.sensitivities(information)
         gap = float(slopes.max()) - float(shares @ slopes)
-        if gap < GAP:
+        if gap < OPTIMALITY_GAP:
             break
         shares = shares * slopes**power
         shares /= shares.sum()

@@ -35,14 +35,14 @@ from armour.statistics.calibration import (
 )
 from armour.statistics.likelihood import InputFit, Likelihood
 from armour.statistics.measured import LIMIT, MaterialGroup, Tests, with_scatter
-from armour.sweeps.cases import Cases, Grid, source_of
+from armour.sweeps.cases import Grid, SweepCases, source_of
 
 # Column of the cost of a candidate.
-COST = "cost"
+COST_CRITERION = "cost"
 MAX_CANDIDATES, MAX_COST = 10_000, 1e12
 
 Measure = Literal["limit", "outcome"]
-Choice = Mapping[str, object] | str | PathLike[str] | Grid | Cases
+Choice = Mapping[str, object] | str | PathLike[str] | Grid | SweepCases
 MAX_NUMBER = 200
 
 Criterion = Literal["D", "I"]
@@ -196,19 +196,19 @@ def of_candidates(problem: Problem) -> Problem:
 @restated(of_candidates)
 def candidates_of(scenario: Scenario, choice: Choice, measure: Measure, cost: float | None) -> Candidates:
     """Return the candidates of a choice, checked; they have costs if the choice has, or if a test has a cost."""
-    source = choice if isinstance(choice, Grid | Cases) else source_of(choice)
-    file = source.file if isinstance(source, Cases) else "candidates"
+    source = choice if isinstance(choice, Grid | SweepCases) else source_of(choice)
+    file = source.file if isinstance(source, SweepCases) else "candidates"
     count = source.count
     if count > MAX_CANDIDATES:
         raise mistake(file, "", f"must be at most {MAX_CANDIDATES:,} candidates, found {count:,}")
     columns = source.rows(np.arange(count))
-    costs = columns.pop(COST, None)
+    costs = columns.pop(COST_CRITERION, None)
     columns = dict(zip(canonical(columns, file), columns.values(), strict=True))
     _check_columns(scenario, columns, measure, file)
     if costs is not None:
         invalid = np.flatnonzero(~((costs > 0.0) & (costs <= MAX_COST)))[:MAX_PROBLEMS]
         message = f"must be greater than 0 and at most {MAX_COST:g}, found"
-        refuse(source.place(0, int(row), Problem(file, COST, f"{message} {costs[row]:g}")) for row in invalid)
+        refuse(source.place(0, int(row), Problem(file, COST_CRITERION, f"{message} {costs[row]:g}")) for row in invalid)
     if costs is not None or cost is not None:
         costs = (0.0 if costs is None else costs) + np.full(count, cost or 0.0)
     if measure == "outcome" and VELOCITY not in columns:
@@ -227,7 +227,7 @@ def _check_columns(scenario: Scenario, columns: Mapping[str, Any], measure: Meas
     """Check that the columns are keys that a test may have and that have an effect."""
     allowed = (*INPUTS, *NAMES.values())
     refuse(
-        Problem(file, key, f"must be an input or a name that a test has{choices(key, (*allowed, COST))}")
+        Problem(file, key, f"must be an input or a name that a test has{choices(key, (*allowed, COST_CRITERION))}")
         for key in columns
         if key not in allowed
     )

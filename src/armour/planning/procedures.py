@@ -19,7 +19,7 @@ from scipy.special import ndtri
 from armour.analysis.variants import Bools, Floats, Ints
 from armour.statistics.curves import LOG_INFORMATION, FittedCurve, ShotLikelihood, fit_curve, has_curve
 from armour.statistics.posterior import (
-    NODES,
+    GRID_NODES,
     PLAUSIBLE,
     FiringPrior,
     Posterior,
@@ -33,8 +33,8 @@ from armour.statistics.v50 import MAX_VELOCITY_M_S, MIN_VELOCITY_M_S, SPANS_M_S,
 
 # Nodes of the distance between the velocity in question and the required one, and of the scatter.  The distance, in
 # scatters, is the hyperbolic sine of a normal variable with the standard deviation SPREAD, up to FARTHEST; the scatter
-# is log-normal, up to DEVIATIONS.
-DEMAND_NODES, SPREAD, FARTHEST, DEVIATIONS = (30, 7), 1.6, 4.2, 2.4
+# is log-normal, up to SCATTER_DEVIATIONS.
+DEMAND_NODES, SPREAD, FARTHEST, SCATTER_DEVIATIONS = (30, 7), 1.6, 4.2, 2.4
 # Curves that just meet the requirement: nodes of their scatter, its range in units of the required velocity, and the
 # weight of each curve, negligible in the average.
 EDGE_NODES, EDGE_SCATTERS, EDGE_WEIGHT = 41, (1e-3, 0.5), 1e-12
@@ -72,7 +72,7 @@ class Demand(NamedTuple):
 def demand_of(requirement_m_s: float, fraction: float, scatter_m_s: float, scatter_factor: float) -> Demand:
     """Return the curves for a requirement; the expected scatter affects only how many shots are needed."""
     position = np.linspace(-FARTHEST, FARTHEST, DEMAND_NODES[0])
-    deviation = np.linspace(-DEVIATIONS, DEVIATIONS, DEMAND_NODES[1])
+    deviation = np.linspace(-SCATTER_DEVIATIONS, SCATTER_DEVIATIONS, DEMAND_NODES[1])
     distance = np.append(np.repeat(np.sinh(position), DEMAND_NODES[1]), np.zeros(EDGE_NODES))
     edge_scatters = requirement_m_s * np.geomspace(*EDGE_SCATTERS, EDGE_NODES)
     scatter = np.append(np.tile(scatter_m_s * np.exp(log(scatter_factor) * deviation), DEMAND_NODES[0]), edge_scatters)
@@ -297,7 +297,7 @@ OTHER_CONFIDENCE = 0.9
 FIRINGS, DISTANCES = 100, (-3.0, -2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0, 3.0)
 
 
-def posterior(shots: Shots, settings: ShotSettings, nodes: tuple[int, int] = NODES) -> Posterior:
+def posterior(shots: Shots, settings: ShotSettings, nodes: tuple[int, int] = GRID_NODES) -> Posterior:
     """Return the posterior given the shots, or without the prior if the requirement is decided from shots alone."""
     if demand := settings.demand():
         return demand.posterior(shots.velocities_m_s, shots.complete)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from filelock import FileLock, Timeout
 
-from armour.columns import COUNT_KEYS, COUNTED, GROUPS, OUTCOMES, YES_OR_NO, Column, letters, perforates
+from armour.columns import COUNT_KEYS, COUNTED, GROUPS, OUTCOME_WORDS, YES_OR_NO, Column, letters, perforates
 from armour.csv_files import SEPARATORS, columns_of, decimal_mark, no_crosses, open_table, place_of
 from armour.errors import mistake
 from armour.files import reason
@@ -97,8 +97,8 @@ def _spelt(says: bool, word: str, cells: Sequence[str], column: Column) -> str:
     if meant is not cells:
         return ""
     example = next((cell for cell in reversed(cells) if cell), "")
-    pairs = [pair for pair in (*YES_OR_NO, *OUTCOMES, *COUNTED) if letters(example) in map(letters, pair)]
-    word = next(text for text in (*chain(*pairs), word, *OUTCOMES[0]) if column.says(text) == says)
+    pairs = [pair for pair in (*YES_OR_NO, *OUTCOME_WORDS, *COUNTED) if letters(example) in map(letters, pair)]
+    word = next(text for text in (*chain(*pairs), word, *OUTCOME_WORDS[0]) if column.says(text) == says)
     return word.upper() if example.isupper() else word[0].upper() + word[1:] if example[:1].isupper() else word
 
 

@@ -23,12 +23,12 @@ def draw(result: Result, sheet: Any) -> Any:
 
 
 # Packages with a module for each package of results: views/design.py shows those of armour/design.
-PACKAGES = {tables_of: "views", draw: "pictures"}
+VIEW_PACKAGES = {tables_of: "views", draw: "pictures"}
 
 
 def by_result(function: Any, result: object) -> Any:
     """Return one of the functions above for the class of a result, from a module that is imported now; None without."""
-    import_module(f"armour.reporting.{PACKAGES[function]}.{type(result).__module__.split('.')[1]}")
+    import_module(f"armour.reporting.{VIEW_PACKAGES[function]}.{type(result).__module__.split('.')[1]}")
     chosen = function.dispatch(type(result))
     return None if chosen is function.dispatch(object) else chosen
 

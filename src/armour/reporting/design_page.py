@@ -13,7 +13,7 @@ from armour import __version__
 from armour.analysis.results import OnProgress, ignore_progress
 from armour.analysis.variants import Floats, Variants, outside_words
 from armour.core.state import Parameters
-from armour.design.catalogue import COST, NO_BOUND, CandidateDesigns, Catalogue, catalogue_of
+from armour.design.catalogue import COST_COLUMN, NO_BOUND, CandidateDesigns, Catalogue, catalogue_of
 from armour.design.map import DesignMap, design_map, limits_over_sources, thicknesses_tested, with_known_edges
 from armour.errors import InputError, Problem
 from armour.evidence.caveats import is_limit_too_low, no_metal
@@ -29,10 +29,10 @@ from armour.units import MM
 # of 1 to 99 % are right to 0.002, also where the laws of the evidence are far apart.
 PROBABILITIES = (0.99, 0.975, 0.95, 0.9, 0.85, 0.77, 0.68, 0.59, 0.5, 0.41, 0.32, 0.23, 0.15, 0.08, 0.04, 0.02, 0.01)
 # Designs times threats up to which a page takes less than 1.5 MB.
-MOST = 25_000
+MOST_DESIGNS = 25_000
 # Nodes along an axis of given thicknesses, 0 for no more than these, and of a free range: the first pair of numbers
 # with which the page is not too large is used.
-NODES = ((31, 61), (21, 41), (13, 25), (0, 13))
+PAGE_NODES = ((31, 61), (21, 41), (13, 25), (0, 13))
 
 
 def design_page(
@@ -134,7 +134,7 @@ def _notes(catalogue: Catalogue) -> Iterator[str]:
     """Give what the page does not show."""
     section = catalogue.section
     if section.minimise != "areal_density_kg_m2":
-        objective = "cost" if section.minimise == COST else "thickness"
+        objective = "cost" if section.minimise == COST_COLUMN else "thickness"
         yield f"The scenario asks for the least {objective}; this page compares areal densities."
     if section.pareto:
         yield "The Pareto front of the scenario is not shown; armour optimise lists it."
@@ -153,18 +153,18 @@ def _notes(catalogue: Catalogue) -> Iterator[str]:
 def _pairs(catalogue: Catalogue, on_progress: OnProgress) -> list[dict[str, Any]]:
     """Return the designs of every pair of materials, on the finest grids that are not too much for a page."""
     offers = [offer[:2] for offer in catalogue.offers]
-    for nodes, free in NODES:
+    for nodes, free in PAGE_NODES:
         grids = [(_nodes(ceramic, nodes, free), _nodes(backing, nodes, free)) for ceramic, backing in offers]
         count = sum(len(ceramics) * len(backings) for ceramics, backings in grids) * len(catalogue.threats)
-        if count <= MOST:
+        if count <= MOST_DESIGNS:
             break
     else:
         message = (
-            f"must offer at most {MOST} designs times threats to draw them on a page, found {count}; "
+            f"must offer at most {MOST_DESIGNS} designs times threats to draw them on a page, found {count}; "
             "widen the steps, or offer fewer materials"
         )
         raise InputError([Problem(catalogue.scenario.file, "design", message)])
-    coarser = (nodes, free) != NODES[0]
+    coarser = (nodes, free) != PAGE_NODES[0]
     return [_pair(catalogue, pair, grid, on_progress) | {"coarser": coarser} for pair, grid in enumerate(grids)]
 
 

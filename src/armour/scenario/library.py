@@ -127,16 +127,16 @@ IN_COMMON = (
     "backing_shear_ratio",
 )
 # Quantities of the results: a side is 1 if the limit is above the velocity of a shot, -1 if below, and 0 for a limit.
-RESULTS = ("velocity_m_s", "uncertainty_m_s", "side")
+TEST_RESULTS = ("velocity_m_s", "uncertainty_m_s", "side")
 # Number of the laboratory or series of a test, where several are named.
-SERIES = "series"
+SERIES_KEY = "series"
 # Least and greatest possible values of these quantities; all others are above 0.
 BOUNDS_OF_TESTS = {
     **dict.fromkeys(("ceramic_thickness_ratio", "ceramic_density_kg_m3", "ceramic_modulus_GPa"), (0.0, inf)),
     "path_ratio": (1.0, inf),
     "uncertainty_m_s": (0.0, inf),
     "side": (-1.0, 1.0),
-    SERIES: (0.0, inf),
+    SERIES_KEY: (0.0, inf),
 }
 
 
@@ -176,7 +176,7 @@ class OwnTests(Section):
         optional = filter(None, (self.names, self.calibrated_m_s))
         columns = (*self.tests.values(), *(law.computed_m_s for law in self.law), *optional)
         counts = {len(column) for column in columns}
-        if {*self.tests} - {SERIES} != {*VARIED, *IN_COMMON, *RESULTS} or len(counts) > 1 or 0 in counts:
+        if {*self.tests} - {SERIES_KEY} != {*VARIED, *IN_COMMON, *TEST_RESULTS} or len(counts) > 1 or 0 in counts:
             raise ValueError("must be as armour calibrate writes it: a number for each test in each of its lists")
         for name, column in self.tests.items():
             low, high = BOUNDS_OF_TESTS.get(name, (TINY, inf))
@@ -288,8 +288,8 @@ FLOW_STRESS_LAW = (
 )
 STATIC, DYNAMIC = "static_yield_strength_MPa", "dynamic_yield_strength_MPa"
 # Keys that an entry may lack.
-SOURCES = "flow_stress_sources_GPa"
-OPTIONAL = (*UNUSED, *FLOW_STRESS_LAW, STATIC, SOURCES)
+SOURCES_KEY = "flow_stress_sources_GPa"
+OPTIONAL = (*UNUSED, *FLOW_STRESS_LAW, STATIC, SOURCES_KEY)
 
 # Defaults for metals: multiples of the static yield strength, or else of the dynamic one, in MPa, and their source.
 DEFAULTS = {
@@ -386,14 +386,14 @@ class LibraryEntry:
             "derived": sorted(self.derived),
             "evidence": self.evidence and self.evidence.model_dump(),
             "aliases": self.aliases,
-            SOURCES: self.flow_stress_sources_GPa,
+            SOURCES_KEY: self.flow_stress_sources_GPa,
         }
 
     def to_dict(self) -> dict[str, Any]:
         """Return the entry as plain data."""
         values = {key: value.model_dump() for key, value in self.values.items()}
         aliases = {"aliases": list(self.aliases)} if self.aliases else {}
-        sources = {SOURCES: list(self.flow_stress_sources_GPa)} if self.flow_stress_sources_GPa else {}
+        sources = {SOURCES_KEY: list(self.flow_stress_sources_GPa)} if self.flow_stress_sources_GPa else {}
         doubtful = {"doubtful": self.doubtful} if self.doubtful else {}
         texts = {"kind": self.kind, "name": self.name, "description": self.description, **doubtful}
         return {**texts, **aliases, **values, **sources}
@@ -671,7 +671,7 @@ def _completed(kind: Kind, name: str, entry: Entry, base: LibraryEntry | None, f
         entry.aliases,
         entry.evidence or base.evidence,
         base.origin,
-        getattr(entry, SOURCES, ()) or base.flow_stress_sources_GPa,
+        getattr(entry, SOURCES_KEY, ()) or base.flow_stress_sources_GPa,
         entry.doubtful or base.doubtful * (not entry.values()),
     )
 

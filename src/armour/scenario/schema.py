@@ -210,7 +210,7 @@ class BallisticLimitSection(Section):
     """Width of the bracket at which the search ends."""
 
 
-class Steps(Section):
+class ThicknessSteps(Section):
     """Evenly spaced values from min; max is included if it is a whole number of steps away."""
 
     min: float
@@ -241,7 +241,7 @@ class Steps(Section):
         return f"the last value is {last:g}, since {self.max:g} is not a whole number of steps away" if omitted else ""
 
 
-class Range(Steps):
+class Range(ThicknessSteps):
     """Evenly spaced thicknesses from min; max is included if it is a whole number of steps away."""
 
     min: ThicknessOrNone
@@ -491,7 +491,7 @@ MAX_HYPERCUBE = 2**21
 # Fewer samples give no confidence interval for the 5 % quantile.
 MIN_SAMPLES = 128
 # Standard deviations within which the scenario's own value is near a given mean.
-NEAR = 3.0
+NEAR_DEVIATIONS = 3.0
 
 
 class Distribution(Section):
@@ -544,7 +544,7 @@ class Distribution(Section):
         """Return whether the scenario's value lies between min and max and, if a mean is given, near it."""
         low, high = self.ends
         mean, deviation = self.moments(value)
-        return low <= value <= high and abs(value - mean) <= NEAR * deviation
+        return low <= value <= high and abs(value - mean) <= NEAR_DEVIATIONS * deviation
 
     def mean_problem(self, value: float) -> str:
         """Return why the distribution cannot have its mean, by default the scenario's value; "" if it can."""
@@ -558,7 +558,7 @@ class Distribution(Section):
 
 
 # Distribution of the probabilities at which the model error is drawn.
-CHANCES = Distribution(distribution="uniform", min=0.0, max=1.0)
+UNIFORM_CHANCES = Distribution(distribution="uniform", min=0.0, max=1.0)
 
 
 def _distributions(section: str, subject: str) -> type[Section]:
@@ -648,7 +648,7 @@ class Uncertainty(Section):
         """Return the distributions by name of input, such as "ceramic.flow_stress_GPa"."""
         slots = {name: getattr(getattr(self, entry.section), entry.key) for name, entry in INPUTS.items()}
         distributions = {name: distribution for name, distribution in slots.items() if distribution is not None}
-        return {**distributions, ERROR: CHANCES} if self._error else distributions
+        return {**distributions, ERROR: UNIFORM_CHANCES} if self._error else distributions
 
     @field_validator("samples")
     @classmethod

@@ -62,7 +62,7 @@ NOT_TINY = AfterValidator(_not_tiny)
 
 
 # Type of pydantic's error for an unknown key.
-UNKNOWN = "extra_forbidden"
+UNKNOWN_KEY = "extra_forbidden"
 # Requirements by type of pydantic's error.
 _REQUIREMENTS = {
     "greater_than": "must be greater than {gt:g}",
@@ -86,7 +86,7 @@ _REQUIREMENTS = {
 
 
 # Hints for keys that must be given even if that is not obvious.
-MISSING = {"impact": ", even if there is a [[threat]]", "armour.ceramic_thickness_mm": "; 0 for a bare plate"}
+MISSING_HINTS = {"impact": ", even if there is a [[threat]]", "armour.ceramic_thickness_mm": "; 0 for a bare plate"}
 
 
 def problems_of(error: ValidationError, model: type[Section], file: str) -> list[Problem]:
@@ -97,13 +97,13 @@ def problems_of(error: ValidationError, model: type[Section], file: str) -> list
         context = detail.get("ctx", {})
         if "expected" in context:
             context["expected"] = context["expected"].replace("'", '"')
-        if detail["type"] == UNKNOWN:
+        if detail["type"] == UNKNOWN_KEY:
             keys = _known_keys(model, parts[:-1])
             word, paths = str(parts[-1]), [*keys, *(_paths(model) if len(parts) == 1 else ())]
             hint = key_hint(word, paths) or suggestion(word, paths) or choices(word, keys)
             message = f"unknown key{hint}"
         elif detail["type"] == "missing":
-            message = f"is missing and must be given{MISSING.get(key_name(parts), '')}"
+            message = f"is missing and must be given{MISSING_HINTS.get(key_name(parts), '')}"
         elif detail["type"] == "value_error":
             message = str(context["error"])
         else:
@@ -119,7 +119,7 @@ def problems_of(error: ValidationError, model: type[Section], file: str) -> list
 def _parts(detail: Any) -> list[str | int]:
     """Return the parts of the key of an error; pydantic adds the tag of a union's member."""
     parts = [part for part in detail["loc"] if part not in TAGS]
-    return parts[:-1] if parts[-1:] == [NUMBER] and detail["type"] != UNKNOWN else parts
+    return parts[:-1] if parts[-1:] == [NUMBER] and detail["type"] != UNKNOWN_KEY else parts
 
 
 def every_problem(
@@ -130,7 +130,7 @@ def every_problem(
     rest, tables, removed = deepcopy(data), set[str](), False
     for detail in error.errors():
         *above, last = _parts(detail) or [""]
-        if detail["type"] != UNKNOWN:
+        if detail["type"] != UNKNOWN_KEY:
             tables |= {*upwards(key_name(above))}
         with suppress(KeyError, TypeError):  # of a table that has gone with another mistake
             table: Any = reduce(getitem, above, rest)

@@ -31,7 +31,7 @@ from armour.statistics.likelihood import (
     likelihood_of,
     without,
 )
-from armour.statistics.measured import LIMIT, ORIGINS, SERIES, Tests, common_of, subject_of, with_scatter
+from armour.statistics.measured import LIMIT, ORIGINS, SERIES_COLUMNS, Tests, common_of, subject_of, with_scatter
 from armour.statistics.own_tests import NOTHING_OF_ERROR, OwnTest, own_tests, predicted_tests, repeated
 from armour.units import feet_note
 
@@ -80,7 +80,7 @@ ONE_SIDED = "all shots have the same outcome: if shots with the other one were l
 # Number of random orders of deviations with which those of the tests are compared.
 PERMUTATIONS = 4999
 # Least difference of a computed value from a bound that counts: half of the last digit shown.
-EQUAL = 0.005
+AT_BOUND = 0.005
 
 
 @dataclass(frozen=True)
@@ -116,7 +116,7 @@ class Residual:
     @property
     def met(self) -> bool:
         """Whether the computed value meets the bound, to a hundredth."""
-        return self.missed_by <= EQUAL
+        return self.missed_by <= AT_BOUND
 
 
 @dataclass(frozen=True)
@@ -491,7 +491,7 @@ def _split(tests: Tests, residuals: Sequence[Residual]) -> Iterator[str]:
             means = 100.0 * (np.exp(of_name @ deviations / counts) - 1.0)
             by_name = [f"{name or 'none'} {mean:+.1f} %" for name, mean in zip(np.unique(names), means, strict=True)]
             remedy = "the probabilities allow for it, but the intervals of the fitted inputs do not"
-            if column not in SERIES:
+            if column not in SERIES_COLUMNS:
                 remedy = "find out what differed, and make it a column"
             yield (
                 f"the deviations differ by {column}: {joined(by_name)}; chance alone does this in {100.0 * chance:.2g} "

@@ -25,7 +25,7 @@ Velocities = Sequence[float]
 Interval = tuple[float | None, float | None]
 # Distribution functions of the links, the normal and the logistic one, and their inverses.
 CDFS: dict[Link, Callable[[Any], Any]] = {"probit": ndtr, "logit": expit}
-QUANTILES: dict[Link, Callable[[float], Any]] = {"probit": ndtri, "logit": logit}
+INVERSE_CDFS: dict[Link, Callable[[float], Any]] = {"probit": ndtri, "logit": logit}
 # Logarithms of the distribution functions, and of the Fisher information of a shot on their argument.
 LOG_CDFS: dict[Link, Callable[[Floats], Floats]] = {"probit": log_ndtr, "logit": log_expit}
 LOG_INFORMATION: dict[Link, Callable[[Floats], Floats]] = {
@@ -33,7 +33,7 @@ LOG_INFORMATION: dict[Link, Callable[[Floats], Floats]] = {
     "logit": lambda z: log_expit(z) + log_expit(-z),
 }
 # Argument of the distribution function at probability 0.95.
-Z95: dict[Link, float] = {link: float(quantile(0.95)) for link, quantile in QUANTILES.items()}
+Z95: dict[Link, float] = {link: float(quantile(0.95)) for link, quantile in INVERSE_CDFS.items()}
 # Slopes, per standard deviation of the velocities, to search along a line, and the one that stands for an infinite one.
 SLOPES, STEEP = np.geomspace(1e-6, 5e3, 81), 2.0**20
 # Range of the search for intercepts, as arguments of F beyond the shots, and their number.
@@ -172,7 +172,7 @@ class ShotLikelihood:
         if self.separated:
             # Any velocity in the gap is as likely, and any probability at a velocity that both kinds share.
             share = (signs[x == lowest] > 0.0).mean() if lowest == highest else 0.5
-            self.mode = self._curve(np.array([QUANTILES[link](share) - STEEP * self.middle, STEEP]))
+            self.mode = self._curve(np.array([INVERSE_CDFS[link](share) - STEEP * self.middle, STEEP]))
         else:
             self.mode = self._likeliest()
             if len(x) > MANY and self.mode.slope > 0.0:

@@ -21,7 +21,7 @@ from armour.statistics.measured import LIMIT, MEASURED, OUTCOME, Tests
 from armour.statistics.own_tests import NOTHING_OF_ERROR
 
 # A list of numbers, each on a separate line.
-NUMBERS = re.compile(r"\[\n((?:\s+[-+.\deE]+,\n)+)\s*\]")
+NUMBER_LIST = re.compile(r"\[\n((?:\s+[-+.\deE]+,\n)+)\s*\]")
 
 
 @checked
@@ -135,7 +135,7 @@ def _compact(text: str) -> str:
     """Return a TOML file with each list of numbers on one line; names of files and lots may be no text."""
     if wrong := next((line for line in text.split("\n") if printable(line) != line), ""):
         raise mistake("calibrate", "", f"must be given names in UTF-8, found {printable(wrong)}")
-    return NUMBERS.sub(lambda numbers: f"[{', '.join(numbers[1].replace(',', ' ').split())}]", text)
+    return NUMBER_LIST.sub(lambda numbers: f"[{', '.join(numbers[1].replace(',', ' ').split())}]", text)
 
 
 def _usable(scenario_of: Callable[[], Scenario]) -> Scenario:

@@ -11,7 +11,7 @@ from scipy.optimize import approx_fprime, least_squares, minimize_scalar
 from scipy.special import chdtrc, log_ndtr, ndtri, stdtrit
 
 from armour.analysis.estimates import CONFIDENCE
-from armour.analysis.evaluate import Answers
+from armour.analysis.evaluate import QuantityValues
 from armour.analysis.results import OnProgress
 from armour.analysis.samples import centre_and_width
 from armour.analysis.variants import Bools, Floats, Ints, Variants, ballistic_limits
@@ -86,7 +86,7 @@ def prior_of(scenario: Scenario, names: Sequence[str], units: Floats) -> Prior:
 
 
 # Bounds of an input in units of the scenario's own value; of a coefficient of a law, which may be negative.
-MIN_RATIO, MAX_RATIO, MAX_COEFFICIENT = 0.1, 10.0, 3.0
+MIN_RATIO, MAX_VALUE_RATIO, MAX_COEFFICIENT = 0.1, 10.0, 3.0
 # Tolerance of ballistic limits, m/s, and change of inputs for the derivatives.
 LIMIT_TOLERANCE_M_S = 1e-9
 DIFFERENCE = 1e-4
@@ -95,9 +95,9 @@ FIT_TOLERANCE, COMPARED_TOLERANCE = 1e-10, 1e-5
 # Change of inputs, in their units, up to which a fit to fewer tests is linearised.
 SMALL_CHANGE = 1e-3
 # Values this close to each other are equal.
-EQUAL = 1e-3
+CLOSE = 1e-3
 # Range of the scatter.
-SCATTERS = 1e-6, 1.0
+SCATTER_BOUNDS = 1e-6, 1.0
 # Least p value at which the given uncertainties are taken to explain the deviations.
 MIN_P_VALUE = 0.05
 
@@ -200,7 +200,7 @@ def _limits(variants: Variants) -> Floats:
 
 def _residual_velocities(variants: Variants) -> Floats:
     """Return residual velocities, m/s; of a stopped test, the impact velocity less the ballistic limit."""
-    answers = Answers(variants)
+    answers = QuantityValues(variants)
     residual = answers.impacts.V.copy()
     stopped = np.flatnonzero(~answers.perforated)
     if len(stopped):
@@ -212,7 +212,7 @@ def _residual_velocities(variants: Variants) -> Floats:
 MODELS: dict[str, Callable[[Variants], Floats]] = {
     LIMIT: _limits,
     RESIDUAL: _residual_velocities,
-    MASS: lambda variants: Answers(variants).residual_masses,
+    MASS: lambda variants: QuantityValues(variants).residual_masses,
 }
 
 
@@ -286,7 +286,7 @@ def fit_inputs(likelihood: Likelihood) -> InputFit:
         prior_shares=_prior_shares(likelihood.prior, best, precision),
         aicc=None if len(likelihood.prior.where) else _aicc(likelihood, best),
         starts=len(ends),
-        starts_agreeing=sum(np.allclose(end.x, best.x, rtol=EQUAL, atol=EQUAL) for end in ends),
+        starts_agreeing=sum(np.allclose(end.x, best.x, rtol=CLOSE, atol=CLOSE) for end in ends),
     )
 
 
@@ -297,7 +297,7 @@ def likelihood_of(tests: Tests, inputs: Sequence[str], on_progress: OnProgress, 
     of_law = np.array([_is_of_law(name) for name in inputs])
     units = units_of(first, inputs)
     lower = np.where(of_law, -MAX_COEFFICIENT, MIN_RATIO)
-    upper = np.where(of_law, MAX_COEFFICIENT, MAX_RATIO)
+    upper = np.where(of_law, MAX_COEFFICIENT, MAX_VALUE_RATIO)
     kept = np.ones(len(tests.measurements), dtype=bool)
     distributions = prior_of(first, inputs, units) if prior else NO_PRIOR
     return Likelihood(tests, tuple(inputs), units, lower, upper, kept, on_progress, distributions)
@@ -359,11 +359,11 @@ def search(
         return loss(move(exp(log_scatter)), exp(log_scatter))
 
     if scatter_matters and not likelihood.tests.weighted and scatter is None:
-        ends = log(SCATTERS[0]), log(SCATTERS[1])
+        ends = log(SCATTER_BOUNDS[0]), log(SCATTER_BOUNDS[1])
         scatter = exp(minimize_scalar(profile, bounds=ends, options={"xatol": 1e-3}).x)
     deviations = move(scatter if scatter and scatter_matters else 1.0)
     if scatter is None:
-        scatter = 1.0 if likelihood.tests.weighted else float(np.clip(np.sqrt(np.mean(deviations**2)), *SCATTERS))
+        scatter = 1.0 if likelihood.tests.weighted else float(np.clip(np.sqrt(np.mean(deviations**2)), *SCATTER_BOUNDS))
     return Point(x, scatter, loss(deviations, scatter))
 
 
@@ -508,7 +508,7 @@ def _end(fit: InputFit, index: int, bound: float, error: float) -> tuple[float |
 
     step = min(max(1.8 * error, DIFFERENCE), 1.0)
     end = profile_end(deviance, float(best.x[index]), bound, sqrt(fit.threshold), step, 1e-3 * step)
-    return end, end is None and deviance(bound) < EQUAL
+    return end, end is None and deviance(bound) < CLOSE
 
 
 def without(fit: InputFit, kept: Bools) -> Floats:

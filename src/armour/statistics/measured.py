@@ -25,8 +25,8 @@ MEASURED = {
     MASS: "residual_mass_uncertainty_g",
 }
 # Columns that say where and when a test was made: those of its laboratory or series, and others.
-SERIES = ("laboratory", "series")
-ORIGINS = (*SERIES, "date")
+SERIES_COLUMNS = ("laboratory", "series")
+ORIGINS = (*SERIES_COLUMNS, "date")
 # A limit that is only known to lie on one side of a velocity.
 BOUND = re.compile(r"(?:(>=?|≥|above|at least)|(<=?|≤|below|at most)) *(.+)")
 # Columns of numbers.
@@ -219,7 +219,7 @@ def with_bounds(source: Source) -> Source:
 
 def series_of(tests: Tests, test: int) -> tuple[str, ...]:
     """Return the laboratory and the series of a test, in the order of their columns; empty texts where not named."""
-    return tuple(str(tests.cells[test].get(name, "")) for name in SERIES)
+    return tuple(str(tests.cells[test].get(name, "")) for name in SERIES_COLUMNS)
 
 
 def _mistakes(row: CsvRow, repeated_names: Container[str]) -> list[tuple[str, str]]:

@@ -23,8 +23,8 @@ from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, cosine_of
 from armour.scenario.library import (
     FLOW_STRESS_LAW,
     IN_COMMON,
-    RESULTS,
-    SERIES,
+    SERIES_KEY,
+    TEST_RESULTS,
     VARIED,
     LawTests,
     LibraryEntry,
@@ -36,10 +36,10 @@ from armour.statistics.measured import LIMIT, Tests, series_of
 # Relative standard deviation of the velocity at which shots perforate an armour, if none is given.
 SHOT_SCATTER = 0.02
 # Standard deviation of the logarithm of the flow stress of a ceramic without shipped tests, about its entry's value.
-UNTESTED = 0.40
+UNTESTED_DEVIATION = 0.40
 # Greatest factor between the fitted flow stress of such a ceramic and its entry's value, number of steps to it, and the
 # change of its logarithm for a derivative, which is 0.35 to 0.62 for most armours, and its least value.
-FACTOR, STEPS, CHANGE, LEAST_SLOPE = 8.0, 6, 0.05, 0.3
+FACTOR, STEPS, STEP, LEAST_SLOPE = 8.0, 6, 0.05, 0.3
 # Greatest number of own tests of which each is predicted from the others.
 MOST_PREDICTED = 60
 # Reason why calibrated entries without usable tests have no model error.
@@ -51,7 +51,7 @@ NOTHING_OF_ERROR = (
 PENETRATOR = ("projectile.penetrator_diameter_mm", "projectile.penetrator_mass_g")
 IDENTITY = (CERAMIC, BACKING, OBLIQUITY, *PENETRATOR, "ballistic_limit_m_s")
 # What can be calibrated to own tests, by role: keys of the entry, and quantities.
-KEYS = {"ceramic": ("flow_stress_GPa", *FLOW_STRESS_LAW), "backing": ("flow_stress_GPa", "shear_strength_MPa")}
+FITTED_KEYS = {"ceramic": ("flow_stress_GPa", *FLOW_STRESS_LAW), "backing": ("flow_stress_GPa", "shear_strength_MPa")}
 QUANTITIES_OF_ROLE = {
     "ceramic": ("ceramic_strength_GPa", "backing_exponent", "product_exponent", "slopes"),
     "backing": ("backing_strength_GPa", "backing_shear_ratio"),
@@ -91,7 +91,7 @@ def own_tests(tests: Tests, fitted: Mapping[str, float], computed_m_s: Sequence[
     shots = [m for m in tests.measurements if m.quantity == LIMIT]
     role, *other_roles = {name.partition(".")[0] for name in fitted}
     keys = {name.partition(".")[2] for name in fitted} - {"dynamic_yield_strength_MPa"}
-    if other_roles or not shots or not keys <= {*KEYS.get(role, ())} or other_settings(tests.scenario):
+    if other_roles or not shots or not keys <= {*FITTED_KEYS.get(role, ())} or other_settings(tests.scenario):
         return None
     scenario = tests.groups[0].scenario
     places = np.argsort(np.concatenate([group.where for group in tests.groups]))
@@ -115,8 +115,8 @@ def own_tests(tests: Tests, fitted: Mapping[str, float], computed_m_s: Sequence[
     scatter = [abs(m.side) * SHOT_SCATTER * m.value if m.uncertainty is None else m.uncertainty for m in shots]
     q |= {"velocity_m_s": velocities, "uncertainty_m_s": np.array(scatter), "side": sides}
     series = [series_of(tests, shot.test) for shot in shots]
-    kept = (*VARIED, *IN_COMMON, *RESULTS, *[SERIES] * (len({*series}) > 1))
-    q[SERIES] = np.array([float(sorted({*series}).index(name)) for name in series])
+    kept = (*VARIED, *IN_COMMON, *TEST_RESULTS, *[SERIES_KEY] * (len({*series}) > 1))
+    q[SERIES_KEY] = np.array([float(sorted({*series}).index(name)) for name in series])
     return OwnTests(
         source=f"{counted(len(tests.names), 'test')} of {Path(tests.file).name}",
         calibrated={name: float(values[name][0]) for name in QUANTITIES_OF_ROLE[role]},
@@ -216,7 +216,7 @@ def _laws_of_plates(rows: Variants, entry: LibraryEntry) -> tuple[LawTests, ...]
     (evidence, members), *_ = rows.armours.by_evidence()
     if not (members & evidence.holds(rows.armours.quantities())).all():
         return ()
-    values = {key: float(f"{entry[key]:.7g}") for key in KEYS["backing"]}
+    values = {key: float(f"{entry[key]:.7g}") for key in FITTED_KEYS["backing"]}
     computed = _rounded(_limits(rows, "backing", values))
     return tuple(LawTests(fit=fit.name, values=values, computed_m_s=computed) for fit in evidence.fits)
 
@@ -240,11 +240,11 @@ def _laws_of_ceramic(rows: Variants, entry: LibraryEntry, measured: Floats) -> t
 
         shift, slope = 0.0, 1.0
         for _ in range(0 if has_tests else STEPS):
-            slope = max(float((limits(shift + CHANGE) - limits(shift - CHANGE)).mean()) / (2.0 * CHANGE), LEAST_SLOPE)
+            slope = max(float((limits(shift + STEP) - limits(shift - STEP)).mean()) / (2.0 * STEP), LEAST_SLOPE)
             if not np.isnan(measured).all():
                 deviation = float(np.nanmean(np.log(measured) - limits(shift)))
                 shift = float(np.clip(shift + deviation / slope, -np.log(FACTOR), np.log(FACTOR)))
         fitted = {**values, "flow_stress_GPa": float(f"{values['flow_stress_GPa'] * ratio * np.exp(shift):.7g}")}
-        level = None if has_tests else (-slope * shift, slope * UNTESTED)
+        level = None if has_tests else (-slope * shift, slope * UNTESTED_DEVIATION)
         by_law.append(LawTests(fit=name, values=fitted, level=level, computed_m_s=_rounded(np.exp(limits(shift)))))
     return tuple(by_law)

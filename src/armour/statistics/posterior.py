@@ -23,16 +23,16 @@ from armour.scenario.scenario import Scenario
 # Median of the prior of the scatter, per cent of V50, and the factor of one standard deviation of its logarithm.
 SCATTER_PERCENT, SCATTER_FACTOR = 2.0, 2.0
 # Probability of V50 beyond each end of the first grid, and the multiples of the limit that bound its ends.
-TAIL, LEAST, MOST = 1e-9, 0.01, 10.0
+GRID_TAIL, LEAST_MULTIPLE, GREATEST_MULTIPLE = 1e-9, 0.01, 10.0
 # Factor by which the first grid reaches beyond the shots.
-BEYOND = 2.0
+GRID_BEYOND = 2.0
 # Probability of the interval of the prior beyond which a posterior contradicts it.
 PLAUSIBLE = 0.99
 # Ends of the first grid of the logarithm of the scatter, in its standard deviations.
-DEVIATIONS = 7.0
+SCATTER_ENDS = 7.0
 # Nodes of V50 and of the scatter; greatest number of narrowings of the grid to the nodes where the logarithm of the
 # posterior is within a depth of its maximum; and the fraction of such nodes at which the grid is narrow enough.
-NODES, NARROWINGS, DEPTH, ENOUGH = (201, 31), 6, 12.0, 0.75
+GRID_NODES, GRID_NARROWINGS, DEPTH, ENOUGH = (201, 31), 6, 12.0, 0.75
 
 
 def _normal(probabilities: Floats) -> Floats:
@@ -97,7 +97,7 @@ def pooled_scatter(
     unknown: the likelihood of each firing is its mean over all of them.
     """
     middle, deviation = log(percent / 100.0), log(factor) * (1.0 - FRACTION**2) ** 0.5
-    log_ratio = middle + np.linspace(-DEVIATIONS, DEVIATIONS, POOL_NODES[1]) * log(factor)
+    log_ratio = middle + np.linspace(-SCATTER_ENDS, SCATTER_ENDS, POOL_NODES[1]) * log(factor)
     between = BETWEEN[:, None, None] * FRACTION * log(factor)
     # Probabilities of the scatter by the standard deviation between firings and the median.
     spread = np.exp(-0.5 * ((log_ratio[:, None] - log_ratio) / between) ** 2)
@@ -215,17 +215,17 @@ def no_prior(scenario: Scenario) -> InputError:
 
 
 def posterior_of(
-    prior: FiringPrior, velocities_m_s: Sequence[float], complete: Sequence[bool], nodes: tuple[int, int] = NODES
+    prior: FiringPrior, velocities_m_s: Sequence[float], complete: Sequence[bool], nodes: tuple[int, int] = GRID_NODES
 ) -> Posterior:
     """Return the posterior given shots, of which there may be none."""
     limit, velocities = prior.limit_m_s, np.array(velocities_m_s)
-    low, high = prior.error.interval(limit, TAIL)
+    low, high = prior.error.interval(limit, GRID_TAIL)
     # The first range of V50 includes shots far from the prior.
-    low = max((velocities / BEYOND).min(initial=low), LEAST * limit)
-    high = (velocities * BEYOND).max(initial=min(high, MOST * limit))
-    reach, middle = DEVIATIONS * log(prior.scatter_factor), log(prior.scatter_percent / 100.0)
+    low = max((velocities / GRID_BEYOND).min(initial=low), LEAST_MULTIPLE * limit)
+    high = (velocities * GRID_BEYOND).max(initial=min(high, GREATEST_MULTIPLE * limit))
+    reach, middle = SCATTER_ENDS * log(prior.scatter_factor), log(prior.scatter_percent / 100.0)
     ranges = [(low, high), (middle - reach, middle + reach)]
-    for _ in range(NARROWINGS):
+    for _ in range(GRID_NARROWINGS):
         v50, log_ratio = (np.linspace(*ends, count) for ends, count in zip(ranges, nodes, strict=True))
         grid = V50Grid.over(v50, log_ratio)
         logarithm = prior.log_density(grid.v50_m_s, np.tile(log_ratio, nodes[0]))

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from armour.analysis.evaluate import Answers
+from armour.analysis.evaluate import QuantityValues
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.analysis.variants import ballistic_limits, concatenated, variants_of
 from armour.errors import NoAnswerError, counted
@@ -20,7 +20,7 @@ from armour.statistics.measured import LIMIT, RESIDUAL
 # Relative change of an input in either direction.
 CHANGE = 0.005
 # Tolerance of the ballistic limits that are subtracted, m/s.
-LIMIT_TOLERANCE_M_S = 1e-7
+DIFFERENCE_TOLERANCE_M_S = 1e-7
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         for name, value in inputs.items()
     ]
     variants = concatenated([variants_of(scenario, {}, 1), *changed])
-    impacts, limits = Answers(variants), ballistic_limits(variants, tolerance=LIMIT_TOLERANCE_M_S)
+    impacts, limits = QuantityValues(variants), ballistic_limits(variants, tolerance=DIFFERENCE_TOLERANCE_M_S)
     limits[:1] = ballistic_limits(variants.at(np.arange(1)))  # the scenario's own has the usual tolerance
     limits[np.isinf(limits)] = np.nan
     on_progress(len(limits), len(limits))

@@ -31,7 +31,7 @@ from armour.analysis.samples import (
 )
 from armour.analysis.variants import Bools, Floats, ballistic_limits
 from armour.errors import NoLimitError, Note
-from armour.evidence.model_error import Errors, ModelError
+from armour.evidence.model_error import ErrorRows, ModelError
 from armour.evidence.tests import scenario_warnings
 from armour.scenario.checked import checked
 from armour.scenario.inputs import ERROR, VELOCITY
@@ -44,7 +44,7 @@ DEGREE = 8
 # with the whole tails the variance would be infinite.
 LEFT_OUT_TAIL = 1e-4
 # Probabilities whose quantiles give the moments of the model error between its tails.
-CHANCES = LEFT_OUT_TAIL + (1.0 - 2.0 * LEFT_OUT_TAIL) * (np.arange(100_000) + 0.5) / 100_000
+SHARE_CHANCES = LEFT_OUT_TAIL + (1.0 - 2.0 * LEFT_OUT_TAIL) * (np.arange(100_000) + 0.5) / 100_000
 
 
 def first_order_indices(section: Uncertainty, points: Floats, values: Floats) -> list[Estimate]:
@@ -109,15 +109,15 @@ def _sums(values: Floats) -> Floats:
 
 
 # Quantiles of the ballistic limit.
-QUANTILES = {"V05": 0.05, "V50": 0.5, "V95": 0.95}
+V_P = {"V05": 0.05, "V50": 0.5, "V95": 0.95}
 # Probabilities of the ends between which an input is varied.
 ENDS = (0.05, 0.95)
 # Points of the curve of the probability of perforation.
-CURVE_POINTS = 121
+PROBABILITY_POINTS = 121
 # Samples computed at a time, to bound the memory.
 SAMPLES_AT_A_TIME = 2**12
 
-UNKNOWN = Note("the model error is not known for such an armour, and not included", "uncertainty.model")
+ERROR_UNKNOWN = Note("the model error is not known for such an armour, and not included", "uncertainty.model")
 
 
 @dataclass(frozen=True)
@@ -261,7 +261,7 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         method=section.method,
         confidence=CONFIDENCE,
         probability_of_perforation=probability_of_perforation(scenario),
-        ballistic_limit_m_s={name: quantile(limits, probability) for name, probability in QUANTILES.items()},
+        ballistic_limit_m_s={name: quantile(limits, probability) for name, probability in V_P.items()},
         mean_m_s=mean.value,
         mean_interval_m_s=(mean.low, mean.high),
         # 0 of equal limits, whatever their mean rounds to
@@ -271,7 +271,7 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         inputs=influences(scenario, points, limits, error, on_samples),
         warnings=(
             *_misplaced(section, scenario.inputs()),
-            *([] if error or scenario.excludes_error() else [UNKNOWN]),
+            *([] if error or scenario.excludes_error() else [ERROR_UNKNOWN]),
             *scenario_warnings(scenario, deterministic, "ballistic_limit"),
         ),
         model_error=error,
@@ -336,7 +336,7 @@ def probability_curve(limits: Floats) -> ProbabilityCurve:
     """Estimate the probability of perforation over velocity, with pointwise intervals."""
     lowest, highest = limits.min(), limits.max()
     margin = 0.05 * (highest - lowest) + 1.0
-    velocities = np.linspace(lowest - margin, highest + margin, CURVE_POINTS)
+    velocities = np.linspace(lowest - margin, highest + margin, PROBABILITY_POINTS)
     estimates = [_share(limits <= velocity) for velocity in velocities]
     rows = ([getattr(estimate, key) for estimate in estimates] for key in ("value", "low", "high"))
     return ProbabilityCurve(tuple(velocities.tolist()), *map(tuple, rows))
@@ -412,7 +412,7 @@ def _at_least(first: Estimate, total: Estimate) -> Estimate:
     return Estimate(*map(max, ends))
 
 
-def _laws(errors: Errors) -> list[int]:
+def _laws(errors: ErrorRows) -> list[int]:
     """Return the laws of the flow stress over which the error of an armour is a mixture."""
     return np.flatnonzero((errors.ratio.weights > 0.0).all(axis=1)).tolist()
 
@@ -449,13 +449,13 @@ def error_indices(
     return jackknife(lambda sums: shares(sums)[0], sums), jackknife(lambda sums: shares(sums)[1], sums)
 
 
-def _ratio_moments(errors: Errors) -> Floats:
+def _ratio_moments(errors: ErrorRows) -> Floats:
     """Return the probabilities of the laws times the mean of the ratio by each, and times its mean square, (2, laws).
 
     The tails of the ratio are left out.
     """
     moments = np.zeros((2, len(errors.ratio.weights)))
     for law in _laws(errors):
-        ratios = errors.of_law(law).one().quantile(CHANCES)
+        ratios = errors.of_law(law).one().quantile(SHARE_CHANCES)
         moments[:, law] = errors.ratio.weights[law].sum() * np.array([ratios.mean(), (ratios**2).mean()])
     return moments

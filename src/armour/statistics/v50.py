@@ -30,7 +30,7 @@ from armour.scenario.checked import Table, checked
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.statistics.curves import (
     CDFS,
-    QUANTILES,
+    INVERSE_CDFS,
     FittedCurve,
     Interval,
     ShotLikelihood,
@@ -63,7 +63,7 @@ KEYS = ("velocity_m_s", "result")
 SHOT_COLUMNS = ("shot", "velocity_m_s", "result", *YES_MEANS, *GROUPS)
 Fraction = Annotated[float, Field(ge=0.001, le=0.999)]
 # Rounding error of a risk.
-ROUNDING = 1e-12
+VELOCITY_ROUNDING = 1e-12
 # Factor between a velocity and the median of the shots from which on it is probably a mistake.
 FAR_FACTOR = 2.0
 # Orders of the results from which on the one with all complete penetrations below the partial ones is no chance.
@@ -468,7 +468,7 @@ def v50(
         chances = likelihood.probability_interval(at_m_s, confidence)
         at = ProbabilityAt(at_m_s, recommended.probability(at_m_s), chances)
     if likelihood and recommended and fraction is not None:
-        z = float(QUANTILES[likelihood.link](fraction))
+        z = float(INVERSE_CDFS[likelihood.link](fraction))
         velocity = bounded(recommended.v50_m_s + z * recommended.scale_m_s)
         ends, lower = likelihood.velocity_interval(z, confidence), likelihood.lower_bound(z, confidence)
         velocity_of = VelocityOf(fraction, velocity, ends, lower)
@@ -570,8 +570,8 @@ def decided(
         return "", None, None
     if shots is None:
         return "not decided", None, None
-    accepting = shots.chance_below(float(QUANTILES[shots.link](fraction)), requirement_m_s)
-    risk = 1.0 - confidence + ROUNDING
+    accepting = shots.chance_below(float(INVERSE_CDFS[shots.link](fraction)), requirement_m_s)
+    risk = 1.0 - confidence + VELOCITY_ROUNDING
     decision: Decision = "met" if accepting <= risk else "not met" if 1.0 - accepting <= risk else "not decided"
     return decision, accepting, 1.0 - accepting
 

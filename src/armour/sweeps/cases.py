@@ -30,7 +30,7 @@ from armour.errors import Problem, counted, mistake, refuse, restated
 from armour.files import csv_value
 from armour.scenario.inputs import INPUTS, NAMES, NAMING
 from armour.scenario.keys import describe, key_name, parts_of
-from armour.scenario.schema import Steps
+from armour.scenario.schema import ThicknessSteps
 from armour.scenario.sections import validated
 
 # Cases are kept in memory, at 8 bytes per number.
@@ -40,7 +40,7 @@ MAX_COMBINATIONS = 10**18
 # Greatest length of the name of a projectile or material.
 MAX_NAME = 200
 # Number of characters of an invalid value that a message shows.
-MAX_SHOWN = 60
+MAX_VALUE_SHOWN = 60
 # Number of rows to read or check at a time.
 BLOCK = 10_000
 # Keys of columns that may have other names and units.
@@ -96,7 +96,7 @@ class Grid:
         return Problem("sweep", f"over {', '.join(values)}", f"{problem.key}: {problem.message}")
 
 
-class Cases:
+class SweepCases:
     """Rows of a table whose header names keys of the scenario: numbers, and names of projectiles and materials.
 
     A file is read once.
@@ -215,20 +215,20 @@ def axis_of(text: str) -> Axis:
     cells = values.split(":" if is_range else ",")
     numbers = [value for cell in cells if (value := number(cell)) is not None]
     if len(numbers) < len(cells) or (is_range and len(numbers) != 3):
-        message = f'must be MIN:MAX:STEP or VALUE,VALUE,... of finite numbers, found "{values[:MAX_SHOWN]}"'
+        message = f'must be MIN:MAX:STEP or VALUE,VALUE,... of finite numbers, found "{values[:MAX_VALUE_SHOWN]}"'
         raise mistake("sweep", f"over {key}", message)
     return axis(key, dict(zip(("min", "max", "step"), numbers, strict=True)) if is_range else numbers)
 
 
 def source_of(
     over: Mapping[str, object] | str | PathLike[str] | None, cases: str | PathLike[str] | Rows | None = None
-) -> Grid | Cases:
+) -> Grid | SweepCases:
     """Return the rows of a sweep: a grid of a mapping, or cases."""
     table = over if isinstance(over, str | PathLike) else cases
     if (over is None) == (cases is None):
         raise mistake("sweep", "over", "must be given, or cases, but not both")
     if table is not None:
-        return Cases(table)
+        return SweepCases(table)
     if not isinstance(over, Mapping) or not over:
         raise mistake("sweep", "over", "must contain at least one key with its values, found none")
     return Grid(tuple(axis(key, values) for key, values in over.items()))
@@ -239,7 +239,7 @@ def axis(key: str, values: object) -> Axis:
     is_name = key in NAMING
     if isinstance(values, Mapping) and not is_name:
         with restated(lambda problem: Problem("sweep", f"over {key}", str(problem))):
-            steps = validated(Steps, dict(values), "")
+            steps = validated(ThicknessSteps, dict(values), "")
         return Axis(key, steps.values(), steps.omission())
     array = np.asarray(values)
     if array.ndim == 1 and array.size and array.dtype.kind in ("U" if is_name else "iuf"):
@@ -248,5 +248,5 @@ def axis(key: str, values: object) -> Axis:
         if np.isfinite(array).all():
             return Axis(key, tuple(array.astype(np.float64).tolist()))
     must = f"must be a sequence of {'names' if is_name else 'finite numbers, or a range with min, max and step'}"
-    shown = describe(values) if isinstance(values, str) else repr(values)[:MAX_SHOWN]
+    shown = describe(values) if isinstance(values, str) else repr(values)[:MAX_VALUE_SHOWN]
     raise mistake("sweep", f"over {key}", f"{must}, found {shown}")

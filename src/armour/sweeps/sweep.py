@@ -31,7 +31,7 @@ from armour.scenario.checked import Names, Table, checked
 from armour.scenario.keys import describe
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.scenario.schema import FASTEST_M_S
-from armour.sweeps.cases import BLOCK, Cases, Grid, source_of
+from armour.sweeps.cases import BLOCK, Grid, SweepCases, source_of
 from armour.sweeps.store import RESUME, Chunk, Store, csv_of, read_table
 
 # Greatest number of rows in memory; more need a file.
@@ -48,10 +48,10 @@ MANY_ROWS = 10**8
 
 # What rows from a file may have: the greatest values by unit, but for rounding, and the outcomes in words.
 GREATEST = {"m/s": FASTEST_M_S, "%": 100.0, "": 1.0}
-ROUNDING = 1e-9
-OUTCOMES = ("perforated", "stopped")
+GRID_ROUNDING = 1e-9
+OUTCOME_VALUES = ("perforated", "stopped")
 
-PACKAGE = Path(__file__).resolve().parent.parent
+CODE_FOLDER = Path(__file__).resolve().parent.parent
 LIBRARIES = ("numba", "numpy")
 
 # Columns of values by key.
@@ -227,7 +227,7 @@ def sweep(
 
 def write_sweep(
     scenario: Scenario,
-    source: Grid | Cases,
+    source: Grid | SweepCases,
     quantities: Sequence[str],
     output: Path,
     *,
@@ -285,7 +285,7 @@ def write_sweep(
     return source.count
 
 
-def blocks_of(source: Grid | Cases, size: int, start: int = 0) -> Iterator[tuple[int, Rows]]:
+def blocks_of(source: Grid | SweepCases, size: int, start: int = 0) -> Iterator[tuple[int, Rows]]:
     """Yield the number of the first row of each block of a source, and the rows of the block."""
     for first in range(start, source.count, size):
         yield first, source.rows(np.arange(first, min(first + size, source.count)))
@@ -297,7 +297,7 @@ def chunk_of(scenario: Scenario, rows: Rows, quantities: Sequence[str], threads:
     return Chunk({**rows, **results}, warnings)
 
 
-def is_part_of(source: Grid | Cases, quantities: Sequence[str], start: int, chunk: Chunk) -> bool:
+def is_part_of(source: Grid | SweepCases, quantities: Sequence[str], start: int, chunk: Chunk) -> bool:
     """Return whether a chunk from a file has rows of a source, from one on, and possible values of its quantities."""
     names = list(dict.fromkeys([*source.keys, *quantities]))
     if [*chunk.columns] != names or start + chunk.rows > source.count:
@@ -312,12 +312,12 @@ def is_part_of(source: Grid | Cases, quantities: Sequence[str], start: int, chun
 def is_possible(quantity: str, values: NDArray[Any]) -> bool:
     """Return whether a column has values that a quantity can have."""
     if quantity == "outcome":
-        return bool(np.isin(values, OUTCOMES).all())
+        return bool(np.isin(values, OUTCOME_VALUES).all())
     if values.dtype.kind != "f":
         return False
     known = values[~np.isnan(values)]
     greatest = GREATEST.get(QUANTITIES[quantity].unit, np.finfo(np.float64).max)
-    return bool(((known >= -ROUNDING) & (known <= greatest + ROUNDING)).all())
+    return bool(((known >= -GRID_ROUNDING) & (known <= greatest + GRID_ROUNDING)).all())
 
 
 def computed(blocks: Iterator[Rows], compute: Callable[[Rows], Chunk], workers: Workers) -> Generator[Chunk]:
@@ -337,7 +337,7 @@ def computed(blocks: Iterator[Rows], compute: Callable[[Rows], Chunk], workers: 
             future.cancel()
 
 
-def check(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -> None:
+def check(scenario: Scenario, source: Grid | SweepCases, quantities: Sequence[str]) -> None:
     """Check the quantities, and that every key has an effect."""
     check_quantities(scenario, quantities, "sweep")
     if len(set(source.keys)) != len(source.keys):
@@ -357,7 +357,7 @@ def general_warnings(scenario: Scenario, quantities: Sequence[str]) -> list[str]
     ]
 
 
-def check_rows(scenario: Scenario, source: Grid | Cases) -> None:
+def check_rows(scenario: Scenario, source: Grid | SweepCases) -> None:
     """Check all rows before the first chunk is computed."""
     for start, rows in blocks_of(source, BLOCK):
         for _ in scenarios_of(scenario, rows, partial(source.place, start)):
@@ -371,7 +371,7 @@ def row_warnings(warnings: Mapping[str, int], rows: int) -> list[str]:
 
 def effort_of(
     scenario: Scenario,
-    source: Grid | Cases,
+    source: Grid | SweepCases,
     quantities: Sequence[str],
     output: Path,
     threads: int | None = None,
@@ -420,12 +420,12 @@ def program() -> str:
 def _program() -> str:
     """Return a hash of this program, of its data, and of the versions of the libraries that compute."""
     content = sha256(json.dumps(installed(LIBRARIES)).encode())
-    for path in [*sorted(PACKAGE.rglob("*.py")), *sorted(shipped("configs").glob("*.toml"))]:
+    for path in [*sorted(CODE_FOLDER.rglob("*.py")), *sorted(shipped("configs").glob("*.toml"))]:
         content.update(sha256(path.name.encode() + b"\n" + path.read_bytes()).digest())
     return content.hexdigest()
 
 
-def job_of(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -> dict[str, str]:
+def job_of(scenario: Scenario, source: Grid | SweepCases, quantities: Sequence[str]) -> dict[str, str]:
     """Return the job of a sweep: the content of everything on which its rows depend."""
     return {
         "version": armour.__version__,
@@ -436,7 +436,7 @@ def job_of(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) 
     }
 
 
-def subject_of(scenario: Scenario, source: Grid | Cases, quantities: Sequence[str]) -> str:
+def subject_of(scenario: Scenario, source: Grid | SweepCases, quantities: Sequence[str]) -> str:
     """Return the armours and rounds of a sweep, such as "AD85 on 6.35 mm 6061-T6 against 7.62 mm AP"."""
     varied = {**dict.fromkeys(source.keys, ()), **{axis.key: axis.values for axis in source.axes}}
     return scenario.subject(varied if "impact" in reads_of(quantities) else {**ANY_VELOCITY, **varied})

@@ -29,7 +29,7 @@ from armour.validation.tested import MeasuredArmour, nearest_measured
 from armour.validation.validate import paper_suite, validate
 
 # Table of the paper's suite to which the areal density rule is fitted.
-TESTS = "table 3, Wilkins' measurements"
+COMPARED_TESTS = "table 3, Wilkins' measurements"
 
 
 @dataclass(frozen=True)
@@ -192,7 +192,7 @@ def compare(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) ->
 @cache
 def _tests() -> Suite:
     """Return the measured ballistic limits to which the areal density rule is fitted."""
-    return load_suite(paper_suite()).only(TESTS)
+    return load_suite(paper_suite()).only(COMPARED_TESTS)
 
 
 @cache
@@ -205,7 +205,7 @@ def _tests_in_words(cases: Sequence[Case]) -> str:
     projectile, ceramic, backing = (cases[0].scenario.name_of(role) for role in ROLES)
     densities = areal_densities(cases)
     span = f"{densities.min():.1f} to {densities.max():.1f} kg/m²"
-    return f"{len(cases)} tests of {projectile} on {ceramic} and {backing}, {span} ({TESTS})"
+    return f"{len(cases)} tests of {projectile} on {ceramic} and {backing}, {span} ({COMPARED_TESTS})"
 
 
 def areal_density_rules(scenario: Scenario, limit_m_s: float) -> tuple[RuleResult, ...]:

@@ -23,7 +23,7 @@ from armour.units import MM, MPA, G
 # Range of the exponent of Lambert and Jonas.
 EXPONENTS = (1.0, 20.0)
 # Largest ratio of residual to impact velocity far above the limit; a larger one would create energy.
-MAX_RATIO = 1.0
+MAX_VELOCITY_RATIO = 1.0
 # Range of the exponent of the areal density.
 MAX_POWER = 4.0
 
@@ -175,7 +175,7 @@ def _fit_ratio(
     """Fit the ratio for a given exponent."""
     shape = [residual_velocity(V, limit, 1.0, exponent) for V in impact]
     ratio = sum(s * v for s, v in zip(shape, residual, strict=True)) / sum(s * s for s in shape)
-    ratio = min(max(ratio, 0.0), MAX_RATIO)
+    ratio = min(max(ratio, 0.0), MAX_VELOCITY_RATIO)
     squares = sum((ratio * s - v) ** 2 for s, v in zip(shape, residual, strict=True))
     return ResidualVelocityFit(name, ratio, exponent, sqrt(squares / len(shape)))
 

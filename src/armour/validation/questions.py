@@ -4,7 +4,7 @@ from collections.abc import Callable
 from functools import cached_property
 
 from armour.analysis.ballistic_limit import ballistic_limit
-from armour.analysis.evaluate import Answers, groups_of
+from armour.analysis.evaluate import QuantityValues, groups_of
 from armour.analysis.quantities import DESIGNS, OF_GRID, QUANTITIES
 from armour.analysis.variants import Floats, Variants, grid_of
 from armour.design.optimise import BestDesign, optimise
@@ -19,9 +19,9 @@ class Subject:
         self.scenario, self.replacement = scenario, replacement
 
     @cached_property
-    def answers(self) -> Answers:
+    def answers(self) -> QuantityValues:
         """The engine's answers about the scenario: one row."""
-        return Answers(groups_of(self.scenario, {})[0].variants)
+        return QuantityValues(groups_of(self.scenario, {})[0].variants)
 
     @cached_property
     def lightest(self) -> BestDesign:

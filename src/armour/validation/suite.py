@@ -131,7 +131,7 @@ class Case:
         return 100.0 * abs(value / self.measured - 1.0)
 
 
-MISSING = "is missing and must be given; --update fills in only a regression value without a source"
+MUST_BE_GIVEN = "is missing and must be given; --update fills in only a regression value without a source"
 
 
 @dataclass(frozen=True, repr=False)
@@ -231,7 +231,7 @@ def _cases_of_suite(suite: SuiteSection, path: Path, changes: Mapping[str, objec
     if not suite.case and not suite.table:
         raise mistake(path, "case", "is missing: a suite must have at least one case or table")
     unexpected = [
-        Problem(str(path), key_name(["case", index, EXPECTED]), MISSING)
+        Problem(str(path), key_name(["case", index, EXPECTED]), MUST_BE_GIVEN)
         for index, case in enumerate(suite.case)
         if case.expected is None and not is_regression(case, suite)
     ]

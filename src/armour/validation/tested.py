@@ -16,7 +16,7 @@ from armour.statistics.measured import LIMIT
 from armour.units import MM
 
 # Relative difference up to which cores, in diameter, mass and density, and limits are alike.
-ALIKE = 0.1
+ALIKE_PART = 0.1
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class MeasuredArmour:
 
     def is_near(self, limit_m_s: float) -> bool:
         """Return whether the measured limit is near another one."""
-        return abs(self.ballistic_limit_m_s / limit_m_s - 1.0) <= ALIKE
+        return abs(self.ballistic_limit_m_s / limit_m_s - 1.0) <= ALIKE_PART
 
 
 def nearest_measured(scenario: Scenario, limit_m_s: float) -> tuple[MeasuredArmour, ...]:
@@ -47,7 +47,7 @@ def nearest_measured(scenario: Scenario, limit_m_s: float) -> tuple[MeasuredArmo
     core = [scenario.inputs()[name] for name in ROD]
     nearest: dict[str, MeasuredArmour] = {}
     for kind, values, measured in _measured() if not scenario.impact.obliquity_deg else ():
-        if all(abs(value / own - 1.0) <= ALIKE for value, own in zip(values, core, strict=True)):
+        if all(abs(value / own - 1.0) <= ALIKE_PART for value, own in zip(values, core, strict=True)):
             distance = abs(log(measured.ballistic_limit_m_s / limit_m_s))
             if kind not in nearest or distance < abs(log(nearest[kind].ballistic_limit_m_s / limit_m_s)):
                 nearest[kind] = measured

@@ -343,14 +343,14 @@ def _summary(table: TableSection, bands: GroupSection, rows: Sequence[Check]) ->
 
 
 # Number of significant digits in the values that an update writes.
-DIGITS = 8
+UPDATE_DIGITS = 8
 
 
 def updates_of(result: SuiteResult) -> list[Check]:
     """Return the checks of regression values that differ from the computed ones, rounded as they are written."""
     updates = []
     for check in result.checks:
-        computed = float(f"{check.computed:.{DIGITS}g}") if isinstance(check.computed, float) else check.computed
+        computed = float(f"{check.computed:.{UPDATE_DIGITS}g}") if isinstance(check.computed, float) else check.computed
         if check.case.regression and not check.case.not_scored and computed not in (None, check.case.expected):
             updates.append(replace(check, computed=computed))
     return updates

@@ -118,7 +118,7 @@ def test_an_impact():
     # At every end of a stage the rod is where the history has it.
     assert found.history is not None
     boxes = [patch for patch in scene.patches if isinstance(patch, Rectangle)]
-    rods = [box.get_width() for box in boxes if to_hex(box.get_facecolor()) == analysis.ROD]
+    rods = [box.get_width() for box in boxes if to_hex(box.get_facecolor()) == analysis.ROD_COLOUR]
     assert rods[1:] == pytest.approx(
         [np.interp(stage.end_us, found.history.time_us, found.history.length_mm) for stage in found.stages]
     )
@@ -220,15 +220,15 @@ def test_designs_of_which_no_probability_is_known_have_the_line_of_the_limit():
 
 def test_beside_the_map_are_the_best_of_every_pair_up_to_a_limit_and_the_front():
     found = optimise(shipped_scenario("catalogue"))
-    count = design.MAX_PAIRS + 5
+    count = design.MAX_PAIRS_DRAWN + 5
     [first, *_] = (pair for pair in found.pairs if pair.best is not None)
     picture = picture_of(replace(found, pairs=(first,) * count).of(scenario=shipped_scenario("catalogue")))
     _, pairs, front = picture.axes
     assert (pairs.get_title(), front.get_title()) == ("Lightest design of each pair of materials", "Pareto front")
-    assert len(rows_of(pairs)) == design.MAX_PAIRS
+    assert len(rows_of(pairs)) == design.MAX_PAIRS_DRAWN
     [points] = marks(pairs).values()
-    assert len(x_of(points)) == design.MAX_PAIRS
-    assert f"The best {design.MAX_PAIRS} of {count} pairs of materials are shown." in picture.note
+    assert len(x_of(points)) == design.MAX_PAIRS_DRAWN
+    assert f"The best {design.MAX_PAIRS_DRAWN} of {count} pairs of materials are shown." in picture.note
 
 
 def test_designs_of_a_front_are_not_joined():
@@ -318,7 +318,7 @@ def test_a_calibration_to_tests_with_uncertainties_has_error_bars():
 
 def test_a_calibration_to_many_tests_shows_the_largest_deviations():
     _, deviations = picture_of(calibrated(60)).axes
-    assert len(rows_of(deviations)) == statistics.MAX_ROWS
+    assert len(rows_of(deviations)) == statistics.MAX_TESTS
     assert deviations.get_title() == "Deviation of the computed ballistic limit, the 40 largest of 60"
     assert rows_of(deviations)[0] == "test 59"
 

@@ -35,7 +35,7 @@ PANELS: Any = (
     ("penetrator length L, mm", 0.75 * drawing.PANEL, {"": "length_mm"}),
     ("depth, bulge, mm", 0.75 * drawing.PANEL, {"depth Z": "depth_mm", "bulge h": "bulge_height_mm"}),
 )
-CERAMIC, METAL, ROD = "#d9c48f", "#a9b8c6", "#5c6875"
+CERAMIC_COLOUR, METAL_COLOUR, ROD_COLOUR = "#d9c48f", "#a9b8c6", "#5c6875"
 EDGE: Any = {"edgecolor": drawing.INK, "linewidth": 0.5}
 # Pictures of an impact at most, the least height of armour that they show, in diameters of the penetrator and as a part
 # of their length, and the scale drawn, mm.
@@ -92,12 +92,12 @@ def _name_stages(axes: Axes, result: ImpactResult, shown: float, inches: float) 
     for stage in result.stages:
         if stage.start_us < shown:
             start, end = stage.start_us, min(stage.end_us, shown)
-            room = int((end - start) / shown * inches * 72.0 / (drawing.CHARACTER * drawing.SMALL))
+            room = int((end - start) / shown * inches * 72.0 / (drawing.CHARACTER * drawing.SMALL_FONT))
             words = STAGES[stage.stage].name
             fits = max(map(len, words.split())) <= room
             lines = [stage.stage, *wrapped(words, room)] if fits else [stage.stage] * (len(stage.stage) <= room)
             place: Any = {"transform": axes.get_xaxis_transform(), "ha": "center", "va": "bottom"}
-            axes.text(0.5 * (start + end), 1.01, "\n".join(lines), fontsize=drawing.SMALL, **place)
+            axes.text(0.5 * (start + end), 1.01, "\n".join(lines), fontsize=drawing.SMALL_FONT, **place)
             text = f"stage {stage.stage}: {STAGES[stage.stage].words}\n{stage.start_us:.4g} to {stage.end_us:.4g} µs"
             drawing.points(axes, [0.5 * (start + end)], [high], [text], marker="None")
 
@@ -131,7 +131,7 @@ class _Scene:
     def high_inches(self, inches: float) -> float:
         """Return the height of the pictures in a width, inches."""
         lines = max(words.count("\n") + 1 for words in self.words)
-        return (inches - 0.1) * 2.05 * self.high / self.width + (1.3 * lines + BELOW) * drawing.SMALL / 72.0
+        return (inches - 0.1) * 2.05 * self.high / self.width + (1.3 * lines + BELOW) * drawing.SMALL_FONT / 72.0
 
     def draw(self, axes: Axes, inches: float) -> None:
         """Draw the pictures in a width, inches."""
@@ -142,17 +142,20 @@ class _Scene:
             self._draw_moment(axes, start, *state, broken=time >= self.fragmented_us - AT_ONCE_US)
         longest = max(len(line) for words in self.words for line in [*words.splitlines(), "penetrator"])
         room = 72.0 * inches / self.width * np.diff(self.middles).min(initial=self.width)
-        look: Any = {"ha": "center", "fontsize": min(drawing.SMALL, room / (drawing.CHARACTER * (longest + 1)))}
+        look: Any = {"ha": "center", "fontsize": min(drawing.SMALL_FONT, room / (drawing.CHARACTER * (longest + 1)))}
         rods = [self.starts[0] - 0.5 * self.rod, *self.middles[1:]]
         for middle, words, rod, length in zip(self.middles, self.words, rods, self.lengths, strict=True):
             axes.text(middle, high, words, va="bottom", **look)
             axes.text(rod, -1.05 * high, f"penetrator\n{length:.3g} mm", va="top", **look)
         # Below the words, whose height is no length.
         figure: Any = axes.figure
-        below = offset_copy(axes.transData, figure, y=-(BELOW - 0.5) * drawing.SMALL, units="points")
+        below = offset_copy(axes.transData, figure, y=-(BELOW - 0.5) * drawing.SMALL_FONT, units="points")
         axes.plot([0.0, SCALE_MM], [-1.05 * high] * 2, color=drawing.INK, linewidth=1.0, transform=below, clip_on=False)
         axes.text(0.5 * SCALE_MM, -1.05 * high, f"{SCALE_MM:g} mm", va="bottom", transform=below, **look)
-        for colour, thickness, name in ((CERAMIC, self.ceramic, "ceramic"), (METAL, self.backing, "plate")):
+        for colour, thickness, name in (
+            (CERAMIC_COLOUR, self.ceramic, "ceramic"),
+            (METAL_COLOUR, self.backing, "plate"),
+        ):
             if thickness:
                 axes.fill([], [], facecolor=colour, label=name, **EDGE)
         axes.set(xlim=(0.0, self.width), ylim=(-1.05 * high, high), aspect="equal")
@@ -164,8 +167,8 @@ class _Scene:
         """Draw what is seen of layers and penetrator; one of a broken material is hatched."""
         half, high, total = 0.5 * self.diameter, self.high, self.ceramic + self.backing
         for colour, near, far, hatch in (
-            (CERAMIC, 0.0, self.ceramic, "xxx" if broken else None),
-            (METAL, self.ceramic, total, None),
+            (CERAMIC_COLOUR, 0.0, self.ceramic, "xxx" if broken else None),
+            (METAL_COLOUR, self.ceramic, total, None),
         ):
             ahead = max(near + (bulge if near else 0.0), depth)
             beside = [(near, far, -high, -half), (near, far, half, high)]
@@ -174,7 +177,7 @@ class _Scene:
                     corner = start + first, low
                     axes.add_patch(Rectangle(corner, last - first, top - low, facecolor=colour, hatch=hatch, **EDGE))
         if length > 0.0:
-            axes.add_patch(Rectangle((start + depth - length, -half), length, 2.0 * half, facecolor=ROD, **EDGE))
+            axes.add_patch(Rectangle((start + depth - length, -half), length, 2.0 * half, facecolor=ROD_COLOUR, **EDGE))
 
 
 def _moments(result: ImpactResult, fragmented_us: float) -> list[tuple[float, str]]:

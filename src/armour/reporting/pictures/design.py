@@ -31,13 +31,13 @@ from armour.scenario.schema import OBJECTIVES
 
 # Largest numbers of pairs of materials that are shown as points and as lines; nodes of the grid along an axis; largest
 # number of designs on offer that are shown as dots.
-MAX_PAIRS, MAX_LINES, NODES, MAX_DOTS = 12, 6, 25, 250
+MAX_PAIRS_DRAWN, MAX_LINES, MAP_NODES, MAX_DOTS = 12, 6, 25, 250
 # Probability that a map shows if the scenario requires no confidence.
-USUAL = 0.95
+USUAL_CHANCE = 0.95
 # Opacity of a tinted region.
 TINT = 0.14
 # Markers of designs inside and outside the tests.
-INSIDE, OUTSIDE = "o", "s"
+INSIDE, OUTSIDE_WORDS = "o", "s"
 
 
 class _Panel(NamedTuple):
@@ -95,7 +95,9 @@ def _maps(result: DesignResult) -> "tuple[str, list[_Map]]":
     design = result.reported
     best = 0 if design is None else names.index((design.ceramic, design.backing))
     confidences = tuple(1.0 - bound if bound < NO_BOUND else None for bound in catalogue.bounds.tolist())
-    probabilities = tuple({1.0 - USUAL, 0.5, USUAL, *(level for level in confidences if level is not None)})
+    probabilities = tuple(
+        {1.0 - USUAL_CHANCE, 0.5, USUAL_CHANCE, *(level for level in confidences if level is not None)}
+    )
 
     def pair_map(pair: int) -> _Map:
         layers = (np.array(layer.thicknesses()) for layer in catalogue.offers[pair][:2])
@@ -113,8 +115,8 @@ def _maps(result: DesignResult) -> "tuple[str, list[_Map]]":
 
 def _nodes(offered: Any) -> Any:
     """Return nodes of a map between the thicknesses on offer, which are among them where these are few."""
-    even = np.linspace(offered[0], offered[-1], NODES) if len(offered) > 1 else offered
-    return np.union1d(even, offered) if len(offered) <= NODES else even
+    even = np.linspace(offered[0], offered[-1], MAP_NODES) if len(offered) > 1 else offered
+    return np.union1d(even, offered) if len(offered) <= MAP_NODES else even
 
 
 def _draw_lines(result: DesignResult, layer: str, maps: "Sequence[_Map]", sheet: drawing.Sheet) -> drawing.Picture:
@@ -167,7 +169,7 @@ class _Map:
     @cached_property
     def frontiers(self) -> list[_Frontier]:
         """Where half of the armours stop the threat, where as many as required do, and where the limit suffices."""
-        largest = max((level for level in self.confidences if level is not None), default=USUAL)
+        largest = max((level for level in self.confidences if level is not None), default=USUAL_CHANCE)
         even = self.surely_m_s([0.5] * len(self.confidences))
         required = self.surely_m_s([largest if level is None else level for level in self.confidences])
         margins_m_s = self.catalogue.margins_m_s
@@ -201,7 +203,7 @@ class _Map:
         unknown = np.isnan(self.grid.stopped_m_s).any(axis=(-2, -1))
         if not unknown.all():
             _tint(axes, x, y, unknown, 1e-3, np.inf, "probability unknown: too unlike tests", color=drawing.SOFT)
-        column = view.CRITERIA[self.result.minimised]
+        column = view.OBJECTIVE_WORDS[self.result.minimised]
         objective = self.catalogue.objective(self.grid.candidates).reshape(len(y), len(x))
         limits = self.grid.limits_m_s[..., self.governing]
         against = f" against {self.result.threats[self.governing]}" if len(self.result.threats) > 1 else ""
@@ -243,7 +245,9 @@ class _Map:
         if ends is not None and len(ends) > 1:
             axes.fill_between(x, ends[0], ends[-1], color=colour, **drawing.BAND)
         if not np.isnan(self.grid.stopped_m_s[..., threat, :]).all():
-            low, high = (self.grid.stopped_with(level)[..., threat].ravel() for level in (USUAL, 1.0 - USUAL))
+            low, high = (
+                self.grid.stopped_with(level)[..., threat].ravel() for level in (USUAL_CHANCE, 1.0 - USUAL_CHANCE)
+            )
             axes.fill_between(x, low, high, color=colour, **drawing.BAND)
         is_outside = self.is_outside(threat)
         drawing.curve(axes, x, limits, is_outside, color=colour, label=drawing.legible(self.name(layer)))
@@ -258,8 +262,8 @@ class _Map:
             sure = self.grid.stopped_with(confidence)[..., threat].ravel()
             decided = ~np.isnan(sure) & (of_threat.margin_m_s == 0.0)
             stops = (stops | decided) & (np.isnan(sure) | (sure >= of_threat.velocity_m_s))
-        for filled, marker in product((True, False), (INSIDE, OUTSIDE)):
-            places = [p for p in offered.tolist() if stops[p] == filled and is_outside[p] == (marker == OUTSIDE)]
+        for filled, marker in product((True, False), (INSIDE, OUTSIDE_WORDS)):
+            places = [p for p in offered.tolist() if stops[p] == filled and is_outside[p] == (marker == OUTSIDE_WORDS)]
             words = [f"{x[place]:g} mm: limit by the model {limits[place]:.0f} m/s" for place in places]
             drawing.points(axes, x[places], limits[places], words, filled=filled, color=colour, marker=marker)
 
@@ -290,7 +294,7 @@ class _Map:
     def _named(self, design: Design, sure: str) -> str:
         """Return the name of a design: thicknesses, objective, and probability of stopping."""
         thicknesses = f"{design.ceramic_thickness_mm:.4g} on " if design.ceramic else ""
-        objective = view.CRITERIA[self.result.minimised].with_unit(getattr(design, self.result.minimised))
+        objective = view.OBJECTIVE_WORDS[self.result.minimised].with_unit(getattr(design, self.result.minimised))
         return f"{thicknesses}{design.backing_thickness_mm:.4g} mm\n{objective}, {sure}"
 
     def _draw_offered(self, axes: Axes) -> None:
@@ -339,7 +343,7 @@ def _tint(axes: Axes, x: Any, y: Any, values: Any, low: float, high: float, labe
 def _pairs_panel(result: DesignResult) -> _Panel:
     """Return the panel of the best design of each pair of materials."""
     best = [pair.best for pair in result.pairs if pair.best is not None]
-    shown = best[:MAX_PAIRS]
+    shown = best[:MAX_PAIRS_DRAWN]
     names = [view.pair_words(design) for design in shown]
 
     def draw_pairs(axes: Axes) -> None:
@@ -350,10 +354,10 @@ def _pairs_panel(result: DesignResult) -> _Panel:
             places = [place for place, each in enumerate(standing) if each is inside]
             values = [getattr(shown[place], result.minimised) for place in places]
             look: Any = {"filled": inside, "label": label, "markersize": 6.0, "color": drawing.BLUE}
-            drawing.points(axes, values, places, **look, marker=OUTSIDE if inside is None else INSIDE)
-        axes.set_xlabel(view.CRITERIA[result.minimised].heading)
+            drawing.points(axes, values, places, **look, marker=OUTSIDE_WORDS if inside is None else INSIDE)
+        axes.set_xlabel(view.OBJECTIVE_WORDS[result.minimised].heading)
 
-    notes = [f"The best {MAX_PAIRS} of {len(best)} pairs of materials are shown."] * (len(best) > MAX_PAIRS)
+    notes = [f"The best {MAX_PAIRS_DRAWN} of {len(best)} pairs of materials are shown."] * (len(best) > MAX_PAIRS_DRAWN)
     note = " ".join([*notes, *(f"{words[:1].upper()}{words[1:]}." for words in view.pair_caveats(result))])
     heading = f"{OBJECTIVES[result.minimised].least.capitalize()} design of each pair of materials"
     return _Panel(drawing.rows_height(names, titled=True), heading, draw_pairs, note)
@@ -375,13 +379,13 @@ def _front_panel(result: DesignResult) -> _Panel:
         if result.shown is not None:
             name = "nearest" if result.reason else "best"
             draw_designs(axes, [result.shown], name, markersize=3.0, color=drawing.INK)
-        axes.set(xlabel=view.CRITERIA[keys[0]].heading, ylabel=view.CRITERIA[keys[1]].heading)
+        axes.set(xlabel=view.OBJECTIVE_WORDS[keys[0]].heading, ylabel=view.OBJECTIVE_WORDS[keys[1]].heading)
 
     notes = []
     if len(result.criteria) > 2:
-        hidden = " and ".join(view.CRITERIA[key].label for key in result.criteria[2:])
+        hidden = " and ".join(view.OBJECTIVE_WORDS[key].label for key in result.criteria[2:])
         notes.append(f"Designs that others beat in both criteria drawn are better in {hidden}.")
-    if view.COST.key in keys:
+    if view.COST_COLUMN_SHOWN.key in keys:
         notes.append("Costs are in the currency of the scenario.")
     return _Panel(drawing.PANEL, "Pareto front", draw_all, " ".join(notes))
 
@@ -392,7 +396,10 @@ def _tests(design: Design) -> str:
 
 def _design_text(design: Design, *criteria: str) -> str:
     """Return the thicknesses of a design and its values of criteria."""
-    values = (f"{view.CRITERIA[key].label} {view.CRITERIA[key].with_unit(getattr(design, key))}" for key in criteria)
+    values = (
+        f"{view.OBJECTIVE_WORDS[key].label} {view.OBJECTIVE_WORDS[key].with_unit(getattr(design, key))}"
+        for key in criteria
+    )
     return ", ".join([f"{design.ceramic_thickness_mm:.4g} on {design.backing_thickness_mm:.4g} mm", *values])
 
 

@@ -28,7 +28,7 @@ COLOURS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, INK)
 STYLES: Any = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (8, 2)))
 MARKERS = "os^DvP"
 # Sizes of text, points.
-FONT, TITLE, NAME, SMALL = 9.0, 10.5, 8.0, 7.0
+FONT, TITLE, NAME, SMALL_FONT = 9.0, 10.5, 8.0, 7.0
 STYLE: Any = {
     "axes.axisbelow": True,
     "axes.edgecolor": INK,
@@ -308,7 +308,7 @@ def contours(
         )
         if at is not None:
             places = [_on_diagonal(path.vertices, axes, at) for path in lines.get_paths() if len(path)]
-            axes.clabel(lines, fontsize=SMALL, fmt="%g", manual=list(filter(None, places)))
+            axes.clabel(lines, fontsize=SMALL_FONT, fmt="%g", manual=list(filter(None, places)))
     if label:
         axes.plot([], [], label=label, **style)
 

@@ -23,7 +23,10 @@ from armour.statistics.sensitivity import SensitivityResult
 from armour.statistics.uncertainty import UncertaintyResult
 from armour.statistics.v50 import FiringResult, Shots
 
-KINDS = (("partial penetration", False, drawing.GREEN, "o"), ("complete penetration", True, drawing.VERMILION, "^"))
+PENETRATIONS = (
+    ("partial penetration", False, drawing.GREEN, "o"),
+    ("complete penetration", True, drawing.VERMILION, "^"),
+)
 # Probabilities between which the curve is shown whole.
 SHOWN_PROBABILITY = 0.002
 
@@ -89,7 +92,7 @@ def draw_sensitivity(result: SensitivityResult, sheet: drawing.Sheet) -> drawing
 
 
 # Rows of deviations.
-MAX_ROWS = 40
+MAX_TESTS = 40
 WORDS = {"": "measured", "at least": "stopped at", "at most": "perforated at"}
 
 
@@ -132,7 +135,7 @@ def _farthest(result: CalibrationResult) -> list[tuple[str, OwnTest]]:
     """Return the own tests that deviate most from the prediction by the others, each with its name."""
     names = [residual.test for residual in result.residuals if residual.quantity == LIMIT]
     pairs = list(zip(names, result.own_tests, strict=False))
-    return sorted(pairs, key=lambda pair: -abs(pair[1].measured_m_s / pair[1].predicted_m_s - 1.0))[:MAX_ROWS]
+    return sorted(pairs, key=lambda pair: -abs(pair[1].measured_m_s / pair[1].predicted_m_s - 1.0))[:MAX_TESTS]
 
 
 def _draw_own_tests(axes: Axes, own: Sequence[tuple[str, OwnTest]]) -> None:
@@ -148,14 +151,14 @@ def _draw_own_tests(axes: Axes, own: Sequence[tuple[str, OwnTest]]) -> None:
 
 def _largest(residuals: Sequence[Residual]) -> list[Residual]:
     """Return the residuals with the largest deviations from measured values."""
-    return sorted(residuals, key=lambda r: -abs(deviation_percent(r.computed, r.measured) or 0.0))[:MAX_ROWS]
+    return sorted(residuals, key=lambda r: -abs(deviation_percent(r.computed, r.measured) or 0.0))[:MAX_TESTS]
 
 
 def _draw_deviations(axes: Axes, quantity: str, residuals: Sequence[Residual]) -> None:
     """Draw deviations from measured values; of many tests those with the largest."""
     title, shown = f"Deviation of the computed {label_and_unit(quantity)[0]}", _largest(residuals)
     if len(shown) < len(residuals):
-        title += f", the {MAX_ROWS} largest of {len(residuals)}"
+        title += f", the {MAX_TESTS} largest of {len(residuals)}"
     values = {
         "fitted": [deviation_percent(residual.computed, residual.measured) for residual in shown],
         "leave-one-out": [deviation_percent(residual.left_out, residual.measured) for residual in shown],
@@ -254,7 +257,7 @@ def _draw_region(axes: Axes, fit: FittedCurve, shots: Shots, confidence: float, 
 
 def _draw_order(axes: Axes, shots: Shots, ends: tuple[float | None, float | None] | None) -> None:
     """Draw the shots in their order, with the interval of V50."""
-    for kind, complete, colour, marker in KINDS:
+    for kind, complete, colour, marker in PENETRATIONS:
         numbers = [number for number, result in enumerate(shots.complete, start=1) if result == complete]
         fired = [shots.velocities_m_s[number - 1] for number in numbers]
         drawing.points(axes, numbers, fired, marker=marker, label=kind, color=colour)
@@ -271,6 +274,6 @@ def _draw_order(axes: Axes, shots: Shots, ends: tuple[float | None, float | None
 
 def draw_shots(axes: Axes, shots: Shots) -> None:
     """Draw the shots of each kind, as points at their probabilities, 0 and 1."""
-    for kind, complete, colour, marker in KINDS:
+    for kind, complete, colour, marker in PENETRATIONS:
         if velocities := shots.of(complete=complete):
             drawing.points(axes, velocities, [complete] * len(velocities), marker=marker, label=kind, color=colour)

@@ -43,11 +43,11 @@ LOW, ASK = 0.75, "--confidence 0.95 designs for 95 %"
 # Rows of the frontier that are shown unless all are asked for.
 FRONTIER_ROWS = 5
 AREAL_DENSITY = column_of("areal_density_kg_m2")
-CERAMIC, BACKING = column_of("ceramic"), column_of("backing")
+CERAMIC_NAME, BACKING_NAME = column_of("ceramic"), column_of("backing")
 # Thicknesses are shown with at most 3 decimals, and with no more than those of a table need.
 CERAMIC_THICKNESS, BACKING_THICKNESS = (column_of(f"{layer}_thickness_mm", ".3f") for layer in ("ceramic", "backing"))
 THICKNESS = column_of("thickness_mm", ".4g", "total thickness")
-COST = column_of("cost_per_m2", ".0f")
+COST_COLUMN_SHOWN = column_of("cost_per_m2", ".0f")
 GOVERNED_BY = Column("governed by", prose=True)
 # The margin of the armour itself depends on the model error.
 MARGIN_BY_MODEL = column_of("margin_m_s", "+.0f", "margin by the model")
@@ -90,7 +90,7 @@ def best_table(design: BestDesign, required: Mapping[str, float], title: str = "
         *limit,
         *threat,
         THICKNESS,
-        (COST, design.cost_per_m2 or None),
+        (COST_COLUMN_SHOWN, design.cost_per_m2 or None),
         (OUTSIDE, outside_words(design.outside_tests) if design.model_error is None else ""),
         title=title,
     )
@@ -221,7 +221,7 @@ def margin_table(result: DesignResult, required: Mapping[str, float]) -> Table:
 
 def pair_table(result: DesignResult) -> Table:
     """Return every pair of materials with its best design, or the reason why it has none."""
-    shown = (AREAL_DENSITY, THICKNESS, COST, replace(BALLISTIC_LIMIT, label="limit"), MARGIN_BY_MODEL)
+    shown = (AREAL_DENSITY, THICKNESS, COST_COLUMN_SHOWN, replace(BALLISTIC_LIMIT, label="limit"), MARGIN_BY_MODEL)
     outside, outside_of = outside_tests(best_of_pairs(result))
     whole, value = WHOLE
     table = listing(
@@ -253,7 +253,7 @@ def design_table(designs: Sequence[Design], title: str, margins_m_s: Sequence[Ma
     table = listing(
         zip_longest(designs, margins_m_s),
         (Column("armour", prose=True), lambda row: armour_in_words(row[0])),
-        *map(of_design, (AREAL_DENSITY, THICKNESS, COST)),
+        *map(of_design, (AREAL_DENSITY, THICKNESS, COST_COLUMN_SHOWN)),
         (whole, lambda row: value(row[0])),
         *(map(margin, threats) if len(threats) > 1 else [of_design(MARGIN_BY_MODEL)]),
         (outside, lambda row: outside_of(row[0])),
@@ -339,9 +339,19 @@ def _result(result: DesignResult, pair: Pair) -> str:
 def design_csv(result: DesignResult) -> str:
     """Return the Pareto front as CSV or, where none is asked for, the frontier; without one, every design."""
     untested = (Column("tests", key="untested"), lambda design: "untested" if design.untested else "")
-    columns = (BACKING, CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, COST, MARGIN_BY_MODEL)
+    columns = (
+        BACKING_NAME,
+        CERAMIC_THICKNESS,
+        BACKING_THICKNESS,
+        AREAL_DENSITY,
+        THICKNESS,
+        COST_COLUMN_SHOWN,
+        MARGIN_BY_MODEL,
+    )
     outside = (OUTSIDE, lambda design: outside_words(design.outside_tests))
-    return csv_text(listing(result.pareto or result.frontier or result.every, CERAMIC, untested, *columns, outside))
+    return csv_text(
+        listing(result.pareto or result.frontier or result.every, CERAMIC_NAME, untested, *columns, outside)
+    )
 
 
 def _shown(result: DesignResult) -> BestDesign:
@@ -405,9 +415,14 @@ def margin_notes(best: BestDesign) -> list[str]:
 
 
 # What designs are compared by, named as in their tables.
-CRITERIA = {
+OBJECTIVE_WORDS = {
     column.key: replace(column, spec=spec)
-    for column, spec in ((AREAL_DENSITY, ".2f"), (THICKNESS, ".5g"), (COST, ".2f"), (MARGIN_BY_MODEL, "+.1f"))
+    for column, spec in (
+        (AREAL_DENSITY, ".2f"),
+        (THICKNESS, ".5g"),
+        (COST_COLUMN_SHOWN, ".2f"),
+        (MARGIN_BY_MODEL, "+.1f"),
+    )
 }
 
 
@@ -419,8 +434,8 @@ def design_title(result: DesignResult) -> str:
     best = _shown(result)
     probability = least_probability(best)
     stops = "" if probability is None else f", stops with {chance(probability)}"
-    value = CRITERIA[result.minimised].with_unit(getattr(best, result.minimised))
-    value = f"cost {value} per m²" if result.minimised == COST.key else value
+    value = OBJECTIVE_WORDS[result.minimised].with_unit(getattr(best, result.minimised))
+    value = f"cost {value} per m²" if result.minimised == COST_COLUMN_SHOWN.key else value
     return f"{OBJECTIVES[result.minimised].least.capitalize()}: {armour_in_words(best)}, {value}{stops}"
 
 
@@ -437,7 +452,7 @@ def pair_words(design: Design | Pair) -> str:
 
 PROBABILITY = Column("probability", prose=True)
 INTERVAL = Column("95 % interval", "m/s", prose=True)
-LIMIT = column_of("ballistic_limit_m_s", label="limit")
+LIMIT_COLUMN = column_of("ballistic_limit_m_s", label="limit")
 MARGIN = column_of("margin_m_s", "+.0f")
 # Words of the verdicts, of which one that is overlooked does harm.
 VERDICTS = {"passes": "passes", "fails": "FAILS", "not known": "not known"}
@@ -503,7 +518,7 @@ def threat_table(result: CheckResult) -> Table:
     return listing(
         result.threats,
         column_of("threat", prose=True),
-        LIMIT,
+        LIMIT_COLUMN,
         (replace(INTERVAL, label="interval"), lambda threat: interval(threat.interval_m_s, ".0f")),
         MARGIN,
         (PROBABILITY, lambda threat: chance(threat.probability_of_stopping, threat.model_error)),
@@ -522,7 +537,7 @@ def what_if_tables(threat: CheckedThreat, title: str) -> list[Table]:
     table = listing(
         (as_given, *threat.what_ifs),
         (Column("if", prose=True), lambda what_if: what_if.change),
-        LIMIT,
+        LIMIT_COLUMN,
         (INTERVAL, lambda what_if: interval(what_if.interval_m_s, ".0f")),
         (MARGIN, lambda what_if: None if is_known else _margin(what_if)),
         (PROBABILITY, lambda what_if: chance(what_if.probability_of_stopping) if is_known else ""),
@@ -569,7 +584,7 @@ def standing(threat: CheckedThreat) -> tuple[int, float, float]:
 
 def amounts(result: CheckResult) -> str:
     """Return areal density, thickness and cost of an armour, also of the whole one if a part exists already."""
-    cost = f", cost {COST.text(result.cost_per_m2)} per m²" if result.cost_per_m2 else ""
+    cost = f", cost {COST_COLUMN_SHOWN.text(result.cost_per_m2)} per m²" if result.cost_per_m2 else ""
     words = f"{AREAL_DENSITY.text(result.areal_density_kg_m2)} kg/m², {round(result.thickness_mm, 3):g} mm thick{cost}"
     if result.whole_thickness_mm == result.thickness_mm:
         return words

@@ -13,7 +13,7 @@ Tested = Mapping[tuple[Kind, str], Sequence[str]]
 # Numbers of a threat.
 VALUES = ("velocity_m_s", "tolerance_m_s", "obliquity_deg")
 # Shipped tables of tests, which have no title, and what they are for.
-TESTS = {
+TABLES_OF_TESTS = {
     "tests/plates": "ballistic limits of 1,084 bare plates, for armour validate plates",
     "tests/shots": "firing results on one armour, for armour v50",
     "tests/unknown_ceramic": "simulated ballistic limits of 4 armours, for armour calibrate --prior",
@@ -70,7 +70,7 @@ def shipped_tables() -> list[Table | str]:
         kind: {name: str(read_toml(path)["title"]) for name, path in files.items()} for kind, files in titled.items()
     }
     shown["scenario"]["template"] = "Every key with a comment: what armour init copies by default"
-    shown["table of tests"] = TESTS
+    shown["table of tests"] = TABLES_OF_TESTS
     shown["notebook"] = {"study.ipynb": "A study in Python, for Jupyter"}
     return [Table((Column(kind), Column("contents", prose=True)), tuple(rows.items())) for kind, rows in shown.items()]
 

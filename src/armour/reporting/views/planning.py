@@ -145,13 +145,13 @@ def _shot_table(plan: ShotPlan) -> Table:
     )
 
 
-CRITERIA = {
+CRITERION_WORDS = {
     "D": "D, the smallest confidence region of the fitted inputs",
     "I": "I, the least mean variance of the limits of the designs",
 }
 
 
-SOURCES = {
+PRIOR_SOURCES = {
     "given": "given",
     "uncertainties": "from the uncertainties of the tests made before",
     "residuals": "estimated from the residuals of the tests made before",
@@ -167,7 +167,7 @@ NOTE = (
 )
 
 
-SLOPES = "slope: relative change of the flow stress per projectile diameter of layer thickness"
+SLOPE_NOTE = "slope: relative change of the flow stress per projectile diameter of layer thickness"
 
 
 def plan_table(result: PlannedTests) -> Table:
@@ -179,10 +179,10 @@ def plan_table(result: PlannedTests) -> Table:
     efficient = f"none: {why}"
     if result.efficiency is not None:
         efficient = f"at least {percent(int(1000.0 * result.efficiency) / 1000.0)}"
-    scatter = f"{result.scatter_percent:.3g} % of the {relative_to}, {SOURCES[result.scatter_source]}"
+    scatter = f"{result.scatter_percent:.3g} % of the {relative_to}, {PRIOR_SOURCES[result.scatter_source]}"
     return record(
         result,
-        (Column("criterion"), CRITERIA[result.criterion]),
+        (Column("criterion"), CRITERION_WORDS[result.criterion]),
         (Column("candidates", spec="d"), len(next(iter(result.candidates.values())))),
         (Column("measured"), measured),
         (Column("scatter of a test"), scatter),
@@ -227,7 +227,7 @@ def step_table(result: PlannedTests) -> Table:
 @tables_of.register
 def tables_of_planned_tests(result: PlannedTests) -> list[Table | str]:
     """Return all tables of planned tests."""
-    slopes = [SLOPES] if any(name.endswith("_slope") for name in result.values) else []
+    slopes = [SLOPE_NOTE] if any(name.endswith("_slope") for name in result.values) else []
     return [step_table(result), NOTE, *slopes, plan_table(result)]
 
 

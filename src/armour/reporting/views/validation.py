@@ -162,12 +162,12 @@ def failed_table(name: str, checks: Sequence[Check]) -> list[Table]:
 
 
 # Deviations below this, in any unit, say no more than that they are small.
-SMALL = 0.01
+SMALL_DEVIATION = 0.01
 
 
 def _magnitude(value: float, unit: str) -> str:
     """Return the magnitude of a deviation in words."""
-    return f"below {SMALL:g} {unit}" if 0.0 < value < SMALL else f"{value:.3g} {unit}"
+    return f"below {SMALL_DEVIATION:g} {unit}" if 0.0 < value < SMALL_DEVIATION else f"{value:.3g} {unit}"
 
 
 def overview_table(result: SuiteResult) -> Table:
@@ -247,7 +247,7 @@ def drawn_checks(result: SuiteResult) -> list[Check]:
 
 
 # Part of the tests whose limits an allowance covers.
-COVERED = 0.95
+COVERED_PART = 0.95
 USABLE = (
     "A result within its band has not changed since the band was set; it need not be close to the tests. Lowered by "
     "the allowance, 95 % of the computed limits do not exceed the measured ones. A probability of stopping the "
@@ -284,7 +284,7 @@ def allowance_percent(checks: Sequence[Check]) -> float | None:
     errors = sorted((check.deviation_percent for check in checks if check.deviation_percent is not None), reverse=True)
     if not errors:
         return None
-    error = errors[int((1.0 - COVERED) * len(errors))]
+    error = errors[int((1.0 - COVERED_PART) * len(errors))]
     return max(0.0, 100.0 * error / (100.0 + error))
 
 
