@@ -513,7 +513,8 @@ def _short_pairs(designs: Designs, order: Ints) -> tuple[Pair, ...]:
 def _of_other_pairs(catalogue: Catalogue, warnings: Sequence[str]) -> Iterator[Note]:
     """Yield what the model cannot do for other pairs of materials than the one that warnings are about."""
     for pair in np.flatnonzero(catalogue.metal).tolist():
-        rows = catalogue.against_each(catalogue.candidates(pair, np.ones(1), np.ones(1)))
+        ceramic_mm = np.array([float(bool(catalogue.offers[pair].ceramic.material))])
+        rows = catalogue.against_each(catalogue.candidates(pair, ceramic_mm, np.ones(1)))
         for note, _ in caveats(rows.armours.parameters, [catalogue.materials[pair].backing]):
             if note not in warnings:
                 yield Note(note.text, note.key, said="pairs")
