@@ -7,7 +7,7 @@ The public names are those in the stub file ``__init__.pyi``; each is imported o
 'perforated'
 """
 
-__version__ = "2.0.0"
+__version__ = "2.1.0"
 # First number: the equations and their interpretation. Second number: any change of the computed digits.
 MODEL_VERSION = "1.5"
 

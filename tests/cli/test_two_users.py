@@ -105,7 +105,7 @@ def test_rows_of_a_sweep_in_a_folder_that_he_can_write_to(shared: Path, tmp_path
         parts.rename(aside)
         parts.symlink_to(hers)
 
-    over = "armour.ceramic_thickness_mm=4:12:0.008"
+    over = "armour.ceramic_thickness_mm=6:14:0.008"
     with other_user(exchange):
         result = run("sweep", "wilkins", "--over", over, "-o", "a.csv", "--threads", 1, folder=shared)
     assert [path.read_text() for path in hers.iterdir()] == ["hers"] * 4

@@ -229,7 +229,7 @@ def test_the_rows_of_pairs_and_threats_are_those_of_their_scenarios(ceramic: str
 @pytest.mark.parametrize(
     ("most", "message"),
     [
-        ({"MAX_PAIRS": 3}, "design: must contain at most 3 pairs of materials, found 4"),
+        ({"MAX_MATERIAL_PAIRS": 3}, "design: must contain at most 3 pairs of materials, found 4"),
         ({"MAX_DESIGNS": 143}, "design: must contain at most 143 designs, found 144"),
         ({"MAX_IMPACTS": 200}, "threat: must list at most 1 threats for 144 designs, found 2"),
     ],
