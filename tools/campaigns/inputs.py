@@ -564,7 +564,7 @@ def malformed(path: Path) -> list[str]:
         text = path.read_text(errors="replace")
         faults = ["a script of the input"] if path.suffix == ".html" and SCRIPT in text else []
         # In a cell or after a key, and in the data of a map.
-        if re.search(r"[>|=] *-?(nan|inf)\b|(?:[\[,]|":) ?-?(NaN|Infinity)[,\]}]", text):
+        if re.search(r"[>|=] *-?(nan|inf)\b|(?:[\[,]|\x22:) ?-?(NaN|Infinity)[,\]}]", text):
             faults.append("nan or inf")
         return [f"{path.name}: {fault}" for fault in faults]
     if path.suffix == ".ipynb":
