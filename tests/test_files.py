@@ -115,6 +115,19 @@ def test_a_symbolic_link_stays_one(tmp_path: Path):
     assert (tmp_path / "real").read_bytes() == b"new"
 
 
+def test_a_link_to_another_folder_is_not_followed(tmp_path: Path):
+    (tmp_path / "hers").write_bytes(b"old")
+    (tmp_path / "his").mkdir()
+    link = tmp_path / "his" / "link"
+    link.symlink_to("../hers")
+    with pytest.raises(InputError, match="is a link to another folder"):
+        write_file(link, b"new")
+    assert (tmp_path / "hers").read_bytes() == b"old"
+    (tmp_path / "folder").symlink_to("his")
+    write_file(tmp_path / "folder" / "new", b"new")
+    assert (tmp_path / "his" / "new").read_bytes() == b"new"
+
+
 def test_a_pipe_is_not_replaced(tmp_path: Path):
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)

@@ -219,6 +219,8 @@ def _obstacle(path: Path) -> str:
     folder = Path(os.path.realpath(path)).parent
     if not path.exists() and not folder.is_dir():
         return f"there is no folder {path.parent}"
+    if path.is_symlink() and folder != Path(os.path.realpath(path.parent)) and not _is_stream(path):
+        return f"is a link to another folder, {folder}"  # which a stranger may have made
     needed = [*([path] if path.exists() else []), *([] if _is_stream(path) else [folder])]
     return "" if all(os.access(name, os.W_OK) for name in needed) else "permission denied"
 
@@ -231,7 +233,7 @@ def _is_stream(path: Path) -> bool:
 def write_file(path: Path, content: bytes) -> None:
     """Write a file completely or not at all, under another name at first; raise an InputError if it cannot be written.
 
-    The target of a symbolic link is replaced, and the new file keeps its permissions.  Devices and pipes are written
+    The target of a symbolic link within a folder is replaced, and the new file keeps its permissions.  Devices and pipes are written
     to directly.
     """
     refuse(unwritable(path))
