@@ -233,8 +233,8 @@ def _is_stream(path: Path) -> bool:
 def write_file(path: Path, content: bytes) -> None:
     """Write a file completely or not at all, under another name at first; raise an InputError if it cannot be written.
 
-    The target of a symbolic link within a folder is replaced, and the new file keeps its permissions.  Devices and pipes are written
-    to directly.
+    The target of a symbolic link within a folder is replaced, and the new file keeps its permissions.  Devices and
+    pipes are written to directly.
     """
     refuse(unwritable(path))
     target = Path(os.path.realpath(path))
