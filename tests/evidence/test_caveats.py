@@ -8,8 +8,10 @@ import pytest
 from scipy.optimize import brentq
 
 import armour
+from armour.core import equations
 from armour.core.state import Parameters
 from armour.errors import Note
+from armour.evidence.caveats import long_rod
 from armour.reporting.scenario_report import contents_of, scenario_report
 from armour.reporting.views.analysis import tables_of_impact, tables_of_limit
 from armour.reporting.views.design import check_junit, outcome, tables_of_design
@@ -201,3 +203,10 @@ def test_a_ceramic_thinner_than_any_tested_is_named_in_the_line_of_every_answer(
     assert [words in tables_of_design(found), said(found)] == [True, [words]]
     thick = armour.check(thin.replaced({"armour.ceramic_thickness_mm": 10.0}))
     assert said(thick) == []
+
+
+def test_the_depth_of_a_long_rod_is_by_the_equation_as_it_is(monkeypatch: pytest.MonkeyPatch):
+    original = equations.penetration_velocity
+    assert "drive a fast one 3.0 times its length" in long_rod(10.0, 7850.0, 17600.0)
+    monkeypatch.setattr(equations, "penetration_velocity", lambda *args: 0.5 * original(*args))
+    assert "drive a fast one 0.6 times its length" in long_rod(10.0, 7850.0, 17600.0)

@@ -163,7 +163,7 @@ LEAST_LAYERS = {"ceramic": least_ceramics_mm, "back plate": least_backings_mm, "
 
 
 class QuantityValues:
-    """Answers about n variants, arrays of shape (n,); NaN where a question has no answer.
+    """Values of quantities of n variants, arrays of shape (n,); NaN where a quantity has no value.
 
     Each computation is done once, when it is first needed.
     """
@@ -189,7 +189,7 @@ class QuantityValues:
         return np.where(np.isfinite(limits), limits, np.nan)
 
     def least(self, layer: str) -> Least:
-        """Return the least thicknesses of a layer, a key of `LEAST`, that stop the impacts."""
+        """Return the least thicknesses of a layer, a key of `LEAST_LAYERS`, that stop the impacts."""
         if layer not in self._least_by_layer:
             self._least_by_layer[layer] = LEAST_LAYERS[layer](self.variants)
         return self._least_by_layer[layer]

@@ -30,7 +30,7 @@ class Quantity(NamedTuple):
     unit: str
     spec: str  # format specification in tables
     reads: tuple[str, ...]
-    compute: Callable[[Any], Any]  # its column, of `armour.analysis.evaluate.Answers`
+    compute: Callable[[Any], Any]  # its column, of `armour.analysis.evaluate.QuantityValues`
     least: str = ""  # the layer whose least thickness it is, or follows from
 
     @property

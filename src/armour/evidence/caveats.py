@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from armour.core.equations import penetration_velocity
+from armour.core import equations
 from armour.core.state import Parameters
 from armour.errors import Note
 from armour.scenario.library import NOT_MODELLED, LibraryEntry
@@ -74,7 +74,7 @@ def caveats(armour: Parameters, metals: Iterable[LibraryEntry], *, said: bool = 
 
 def long_rod(slenderness: float, plate_kg_m3: float, rod_kg_m3: float) -> str:
     """Return how far the momentum fluxes of the paper drive a long rod into a plate, without strengths."""
-    speed = penetration_velocity(0.0, plate_kg_m3, 0.0, rod_kg_m3, 1.0, 0.0)
+    speed = equations.penetration_velocity(0.0, plate_kg_m3, 0.0, rod_kg_m3, 1.0, 0.0)
     depth, hydrodynamic = speed / (1.0 - speed), sqrt(rod_kg_m3 / plate_kg_m3)
     return (
         f"a long rod, {slenderness:.3g} diameters: these equations drive a fast one {depth:.1f} times its length into "
