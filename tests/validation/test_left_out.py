@@ -5,7 +5,7 @@ from itertools import islice
 import pytest
 
 from tests.helpers.cases import SCENARIOS
-from tools.campaigns.evidence import bands, series, study, table
+from tools.campaigns.evidence import bands, beyond_the_limit, series, study, table
 
 pytestmark = pytest.mark.slow
 
@@ -21,6 +21,8 @@ def test_alloys_left_out():
     plates, found, rows = study("fragments_aluminium")
     assert are_shown(rows)
     assert are_shown([*bands("fragments_aluminium", plates, found)])
+    assert are_shown(of_limits := [*beyond_the_limit("fragments_aluminium", found)])
+    assert all(float(stopped) >= float(stated) for _, stated, *_, stopped in of_limits if float(stated) >= 90.0)
     assert found.within(0.95) >= 93.0
     assert found.above(0.95) >= 92.0
     # Better than the mean and standard deviation of all, and than a rule without mechanics.

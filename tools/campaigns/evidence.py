@@ -49,6 +49,8 @@ NAMES = {
 DENSITIES = np.array([3.43, 2.75])
 # Part of the tests at each end of a range that is left out.
 END = 0.15
+# Probabilities of stopping that are asked for.
+ASKED = (0.95, 0.9, 0.8)
 # Least tests of a band that is listed.
 LEAST = 25
 # Least share of the tests of a group that must lie within their 95 % intervals.
@@ -77,10 +79,13 @@ class Predicted(NamedTuple):
         half = t.ppf(0.5 + 0.5 * probability, self.degrees_of_freedom) * self.scale
         return float(100.0 * np.mean(np.abs(self.error - self.location) <= half))
 
+    def least(self, probability: float) -> Floats:
+        """Return the values that the tests exceed with a probability."""
+        return self.location + t.ppf(1.0 - probability, self.degrees_of_freedom) * self.scale
+
     def above(self, probability: float) -> float:
         """Return the share of tests above the value that they exceed with a probability, per cent."""
-        least = self.location + t.ppf(1.0 - probability, self.degrees_of_freedom) * self.scale
-        return float(100.0 * np.mean(self.error >= least))
+        return float(100.0 * np.mean(self.error >= self.least(probability)))
 
     def row(self) -> list[str]:
         """Return the number of tests, RMS, score and coverages."""
@@ -183,6 +188,16 @@ def bands(name: str, plates: Plates, found: Predicted) -> Iterator[list[str]]:
             yield [NAMES[name], words, ends, f"{where.sum()}", *(f"{share:.0f}" for share in shares)]
 
 
+def beyond_the_limit(name: str, found: Predicted) -> Iterator[list[str]]:
+    """Give the tests that stop a velocity above the computed limit, of those stated to with a probability."""
+    for probability in ASKED:
+        least = found.least(probability)
+        some = least > 0.0
+        if count := int(some.sum()):
+            held = int((found.error >= least)[some].sum())
+            yield [NAMES[name], f"{100.0 * probability:.0f}", f"{count}", f"{held}", f"{100.0 * held / count:.0f}"]
+
+
 def ends(name: str) -> Iterator[list[str]]:
     """Give the coverage of the tests at the ends of a range that are left out."""
     group = GROUPS[name]
@@ -272,11 +287,13 @@ def main() -> int:
     methods: list[list[str]] = []
     of_bands: list[list[str]] = []
     of_ends: list[list[str]] = []
+    of_limits: list[list[str]] = []
     within: list[float] = []
     for name in NAMES:
         plates, found, rows = study(name)
         methods += rows
         within.append(found.within(0.95))
+        of_limits += beyond_the_limit(name, found)
         if name != "cores_aluminium":
             of_bands += bands(name, plates, found)
             of_ends += ends(name)
@@ -289,6 +306,7 @@ def main() -> int:
         PAGE,
         table(("tests of", "method", *numbers), methods),
         table(("tests of", "property", "band", "tests", "within 95", "95 true", "stated", "observed"), of_bands),
+        table(("tests of", "probability, %", "tests", "stopped", "stopped, %"), of_limits),
         table(("tests of", "left out", *numbers), of_ends),
         table(
             ("plate", "round", "thickness, mm", "angle, degrees", "limit, m/s", "at 0 degrees, m/s", "more, %"), angles
