@@ -177,16 +177,17 @@ main()
     assert (done.returncode, done.stderr) == (130, "interrupted\n")
 
 
-def test_interrupted_in_a_serializer_of_pydantic():
+def test_interrupted_where_a_library_makes_its_own_error_of_it():
     code = """
-from pydantic import BaseModel, model_serializer
-from armour.cli import main
-class Section(BaseModel):
-    @model_serializer
-    def interrupted(self):
-        raise KeyboardInterrupt
-main._run = Section().model_dump
-main.main()
+import os, signal, sys, types
+def app(**_):
+    try:
+        os.kill(os.getpid(), signal.SIGINT)
+    except KeyboardInterrupt:
+        raise ValueError("no schema") from None
+sys.modules["armour.cli.app"] = types.SimpleNamespace(app=app)
+from armour.cli.main import main
+main()
 """
     done = process("-c", code)
     assert (done.returncode, done.stderr) == (130, "interrupted\n")

@@ -6,6 +6,7 @@ import gc
 import os
 import signal
 import sys
+from collections.abc import Callable
 from io import TextIOWrapper
 from typing import Any
 
@@ -18,17 +19,23 @@ def main() -> None:
     # Before and after a command there is nothing to clean up, and an exception could be lost in an import.
     _when_interrupted(_end)
     sys.unraisablehook = _end_if_interrupted
+    interruptions = []
+
+    def interrupt(number: int, _frame: object) -> None:
+        interruptions.append(number)
+        raise KeyboardInterrupt
+
     try:
-        _run()
+        _run(interrupt)
     except KeyboardInterrupt:
         _end()
-    except Exception as error:
-        if isinstance(error.__cause__, KeyboardInterrupt):  # pydantic makes its own error of one in a serializer
+    except Exception:
+        if interruptions:  # pydantic, where it builds a schema or serializes, makes its own error of one
             _end()
         raise
 
 
-def _run() -> None:
+def _run(interrupt: Callable[[int, object], None]) -> None:
     """Run the command line; an interruption may come anywhere."""
     try:
         _open_streams()
@@ -47,7 +54,7 @@ def _run() -> None:
         atexit.register(gc.freeze)
         from armour.cli.app import app
 
-        _when_interrupted(signal.default_int_handler)
+        _when_interrupted(interrupt)
         app(prog_name="armour")
     except OSError as error:
         _give_up(error)
