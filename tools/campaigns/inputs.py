@@ -10,6 +10,7 @@ The commands and their options are those of the program; one without a value in 
 """
 
 import argparse
+import codecs
 import csv
 import gc
 import json
@@ -570,8 +571,9 @@ def malformed(path: Path) -> list[str]:
     if path.suffix == ".ipynb":
         return not_strict_json(path.read_text())
     if path.suffix == ".csv":
-        with path.open(newline="") as file:
-            cells = {cell.strip().lower() for row in csv.reader(file) for cell in row}
+        table = path.read_bytes()  # one of shots keeps its encoding
+        lines = table.decode("utf-16" if table.startswith(codecs.BOM_UTF16_LE) else "utf-8-sig").splitlines()
+        cells = {cell.strip().lower() for row in csv.reader(lines) for cell in row}
         if cells & {"nan", "inf", "-inf", "infinity", "-infinity"}:
             return [f"{path.name}: nan or inf"]
     return []
