@@ -572,7 +572,7 @@ def malformed(path: Path) -> list[str]:
         return not_strict_json(path.read_text())
     if path.suffix == ".csv":
         table = path.read_bytes()  # one of shots keeps its encoding
-        lines = table.decode("utf-16" if table.startswith(codecs.BOM_UTF16_LE) else "utf-8-sig").splitlines()
+        lines = table.decode("utf-16" if table.startswith(codecs.BOM_UTF16_LE) else "utf-8", "replace").splitlines()
         cells = {cell.strip().lower() for row in csv.reader(lines) for cell in row}
         if cells & {"nan", "inf", "-inf", "infinity", "-infinity"}:
             return [f"{path.name}: nan or inf"]
