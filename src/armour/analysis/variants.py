@@ -17,7 +17,7 @@ from armour.errors import mistake
 from armour.evidence.fit import shipped_data
 from armour.evidence.mixture import Mixture
 from armour.evidence.model_error import LAW_FIELDS, ErrorRows, errors_of, given_error, why_unknown
-from armour.evidence.tests import Armours, Materials, armours_of, is_unusual, limits_of_model, limits_outside
+from armour.evidence.tests import Armours, Materials, is_unusual, limits_of_model, limits_outside, materials_of
 from armour.scenario.inputs import OBLIQUITY, VELOCITY, YIELD, cosine_of, fields_of
 from armour.scenario.library import DEFAULTS, strength_notes
 from armour.scenario.scenario import Scenario
@@ -125,8 +125,13 @@ def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -
         getattr(batch.fields(rows), name)[:] = values
     velocities = np.array(np.broadcast_to(inputs[VELOCITY], count), dtype=np.float64)
     own_strength = columns.keys().isdisjoint((YIELD, "backing.flow_stress_GPa"))
-    materials, material_of_row = tuple(armours_of(scenario).materials), np.zeros(count, dtype=np.int64)
-    return Variants(rows, velocities, cosines, material_of_row, scenario, materials, own_strength)
+    material_of_row = np.zeros(count, dtype=np.int64)
+    return Variants(rows, velocities, cosines, material_of_row, scenario, (materials_of(scenario),), own_strength)
+
+
+def row_of(scenario: Scenario) -> Variants:
+    """Return a scenario itself as a single row."""
+    return variants_of(scenario, {}, 1)
 
 
 def concatenated(parts: Sequence[Variants]) -> Variants:

@@ -7,7 +7,7 @@ import numpy as np
 
 from armour.analysis.ballistic_limit import (
     NeededFlowStress,
-    confidence_alone,
+    confidence_in,
     limit_and_error,
     needed_flow_stress,
     probability_of_stopping,
@@ -16,7 +16,7 @@ from armour.analysis.estimates import Estimate
 from armour.analysis.impact import simulate
 from armour.analysis.perforation import is_sampled, misplaced, probability_of_perforation
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
-from armour.analysis.variants import limits_anywhere, lowest_limits, variants_of
+from armour.analysis.variants import limits_anywhere, lowest_limits, row_of
 from armour.design.requirements import Requirement, Verdict, against_threat, of_armour, verdict_of
 from armour.evidence.caveats import is_limit_too_low
 from armour.evidence.model_error import ModelError
@@ -224,13 +224,13 @@ def _checked(
     against: Scenario, threat: Threat, section: DesignSection, on_progress: OnProgress, *, sample: bool
 ) -> CheckedThreat:
     """Return the armour of a scenario against a threat, which is its impact; `sample` its distributions, if asked."""
-    result = confidence_alone(against, on_progress)
+    row = row_of(against)
+    result = confidence_in(row, on_progress)
     limit, error, bound = result.ballistic_limit_m_s, result.model_error, section.bound(threat)
     probability, sampled = result.probability_of_stopping, None
     if bound is not None and sample and is_sampled(against):
         sampled = probability_of_perforation(against, bound, on_progress=lambda count, _: on_progress(count, None))
         probability = 1.0 - sampled.value
-    row = variants_of(against, {}, 1)
     reached = limits_anywhere(row) if limit is None else np.array([limit])
     if reached >= threat.required_m_s:
         reached = lowest_limits(row, reached)
@@ -253,7 +253,7 @@ def _checked(
     for change, values in _changes(against, section.thickness_tolerance_mm):
         changed, changed_limit, changed_error = against.replaced(values), limit, error
         if VELOCITY not in values:  # the limit does not depend on the velocity
-            changed_limit, changed_error, _ = limit_and_error(changed, on_progress)
+            changed_limit, changed_error, _ = limit_and_error(row_of(changed), on_progress)
         interval = None if changed_limit is None or changed_error is None else changed_error.interval(changed_limit)
         chance = probability_of_stopping(changed, changed_limit, changed_error)
         what_ifs.append(WhatIf(change, changed.impact.velocity_m_s, changed_limit, interval, chance))

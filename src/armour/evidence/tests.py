@@ -230,13 +230,16 @@ class Armours(NamedTuple):
                 yield evidence, rows
 
 
+def materials_of(scenario: Scenario) -> Materials:
+    """Return the entries of the library in the armour of a scenario."""
+    return Materials(scenario.entry_of("ceramic"), scenario.entry("metal", scenario.armour.backing))
+
+
 def armours_of(*scenarios: Scenario) -> Armours:
     """Return the armours of n scenarios with the same materials."""
-    first, *_ = scenarios
-    materials = Materials(first.entry_of("ceramic"), first.entry("metal", first.armour.backing))
     parameters = Parameters._make(np.array([scenario.core_armour() for scenario in scenarios]).T)
     cosines = np.array([scenario.cosine() for scenario in scenarios])
-    return Armours(parameters, cosines, np.zeros(len(scenarios), dtype=np.int64), [materials])
+    return Armours(parameters, cosines, np.zeros(len(scenarios), dtype=np.int64), [materials_of(scenarios[0])])
 
 
 def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
@@ -471,17 +474,17 @@ def _check(limits: DataRange, q: Quantities, rows: Any = True) -> tuple[str, str
 
 
 def scenario_warnings(
-    scenario: Scenario, velocity: float, key: str = VELOCITY, *, said: bool = False
+    scenario: Scenario, velocity: float, key: str = VELOCITY, *, armours: Armours | None = None, said: bool = False
 ) -> tuple[Note, ...]:
     """Return warnings of threats that are not used, and of ways in which the model was not compared with the scenario.
 
-    `velocity` is the impact velocity, m/s, or the ballistic limit; `key` is its key; `said` says whether the answer
-    itself contains what the model cannot do.
+    `velocity` is the impact velocity, m/s, or the ballistic limit; `key` is its key; `armours` is the scenario's
+    armour, where it is made already; `said` says whether the answer itself contains what the model cannot do.
     """
-    armours = armours_of(scenario)
+    armours = armours or armours_of(scenario)
     outside = limits_outside(armours, np.array([velocity]))
     notes = (limit.note(key if limit.key == VELOCITY else "") for limit in outside)
-    metals = [scenario.entry("metal", scenario.armour.backing)]
+    metals = [armours.materials[0].backing]
     strengths = strength_notes(metals, bare=not scenario.armour.ceramic_thickness_mm)
     cannot = (note for note, _ in limits_of_model(armours, metals, said=said))
     return (*cannot, *scenario.unused_threats(), *notes, *strengths)

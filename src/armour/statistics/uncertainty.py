@@ -252,8 +252,9 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         on_progress(count, total)
 
     limits = np.concatenate([sample_limits(samples) for samples in _in_portions(scenario, points, on_samples)])
-    deterministic = float(sample_limits(sampled(scenario, {}, 1))[0])
-    error = model_error(scenario, deterministic)
+    exact = sampled(scenario, {}, 1)
+    deterministic = float(sample_limits(exact)[0])
+    error = model_error(exact.variants, deterministic)
     mean = mean_of_replicates(np.array([part.mean() for part in np.array_split(limits, REPLICATES)]))
     return UncertaintyResult(
         samples=section.samples,
