@@ -8,14 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from armour.analysis.variants import (
-    Bools,
-    Floats,
-    Ints,
-    Variants,
-    grid_of,
-    with_thicknesses,
-)
+from armour.analysis.variants import Bools, Floats, Ints, Variants, grid_of, with_thicknesses
 from armour.core.state import Parameters
 from armour.design.requirements import SLACK_ROUNDING
 from armour.engine import batch
@@ -125,6 +118,11 @@ class Catalogue:
     def bounded(self) -> bool:
         """Whether the probability of perforation of a threat is bounded."""
         return bool((self.bounds < NO_BOUND).any())
+
+    @cached_property
+    def has_free_layer(self) -> bool:
+        """Whether a thickness is free."""
+        return any(layer.free_range() for offer in self.offers for layer in offer[:2])
 
     @cached_property
     def exact_bounds(self) -> Floats:

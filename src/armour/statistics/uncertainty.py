@@ -12,7 +12,6 @@ from scipy.special import ndtri
 
 from armour.analysis.ballistic_limit import model_error
 from armour.analysis.estimates import CONFIDENCE, Estimate, jackknife, mean_of_replicates, proportion_of_replicates
-from armour.analysis.perforation import probability_of_perforation
 from armour.analysis.results import OnProgress, TableResult, ignore_progress, portions
 from armour.analysis.samples import (
     REPLICATES,
@@ -24,6 +23,7 @@ from armour.analysis.samples import (
     own_errors,
     own_values,
     points_of,
+    probability_of_perforation,
     quantiles,
     replicated_points,
     sampled,
