@@ -10,9 +10,7 @@ from armour.analysis.variants import (
     ballistic_limits,
     bisect_rows,
     changes_above,
-    least_backings_mm,
-    least_ceramics_mm,
-    least_totals_mm,
+    least_thicknesses,
     limits_anywhere,
     perforated,
     variants_of,
@@ -57,7 +55,7 @@ def test_no_armour_in_proportion():
         "backing_thickness_mm": {"min": 10.0, "max": 20.0, "step": 0.5},
     }
     for of in (case(velocity=3000.0), case().replaced({"optimise": apart})):
-        assert np.isnan(least_totals_mm(alone(of)).mm).all()
+        assert np.isnan(least_thicknesses(alone(of), "armour").mm).all()
 
 
 def test_a_bare_plate_in_proportion():
@@ -67,7 +65,9 @@ def test_a_bare_plate_in_proportion():
         velocity=500.0,
         optimise={**WIDE, "ceramic_thickness_mm": {"min": 0.0, "max": 0.0, "step": 1.0}},
     )
-    assert least_totals_mm(alone(bare)).mm == pytest.approx(least_backings_mm(alone(bare)).mm, abs=2e-6)
+    assert least_thicknesses(alone(bare), "armour").mm == pytest.approx(
+        least_thicknesses(alone(bare), "back plate").mm, abs=2e-6
+    )
 
 
 def inside_the_data(count: int) -> list[Scenario]:
@@ -123,7 +123,7 @@ def test_limits_of_unusual_rows_are_searched_densely_and_in_place():
 def test_the_thinnest_layer_that_stops_an_impact_that_a_thicker_one_does_not():
     velocities = np.array([359.086, 320.0])
     variants = variants_of(narrow_ranges(), {"impact.velocity_m_s": velocities}, 2)
-    least = least_ceramics_mm(variants)
+    least = least_thicknesses(variants, "ceramic")
     assert least.mm[0] == pytest.approx(9.546, abs=1e-3)
     values = np.linspace(0.5, 60.0, 500)
     for i, thickness in enumerate(least.mm):
@@ -131,4 +131,4 @@ def test_the_thinnest_layer_that_stops_an_impact_that_a_thicker_one_does_not():
         stops = ~perforated(many)
         assert not stops[values < thickness].any()
         assert least.changes_again[i] == (~stops[values > thickness]).any()
-    assert not least_ceramics_mm(alone(case())).changes_again[0]
+    assert not least_thicknesses(alone(case()), "ceramic").changes_again[0]

@@ -19,7 +19,7 @@ from armour.analysis.variants import (
     Ints,
     Variants,
     ballistic_limits,
-    least_ceramics_mm,
+    least_thicknesses,
     perforated,
     with_thicknesses,
 )
@@ -152,7 +152,7 @@ def compare_thicknesses(designs: Variants) -> int:
     same = told = several = unresolved = 0
     for i in range(len(designs.velocities)):
         try:
-            least = least_ceramics_mm(designs.at(np.array([i])))
+            least = least_thicknesses(designs.at(np.array([i])), "ceramic")
         except InputError:  # a run of more steps than a command takes
             unresolved += 1
             continue

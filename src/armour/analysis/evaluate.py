@@ -16,16 +16,14 @@ from armour.analysis.variants import (
     Bools,
     Floats,
     Ints,
-    Least,
+    LeastThicknesses,
     Variants,
     ballistic_limits,
     changes_above,
     distributions,
     grid_of,
     impacts,
-    least_backings_mm,
-    least_ceramics_mm,
-    least_totals_mm,
+    least_thicknesses,
     outside_limits,
     variants_of,
     with_thicknesses,
@@ -158,8 +156,6 @@ def outside_of(scenario: Scenario, columns: Mapping[str, Any], quantities: Seque
 
 AGAIN = "the outcome changes more than once with the impact velocity, and the lowest change is taken"
 THICKER = "a thicker {} is perforated at a velocity that a thinner one stops"
-# Searches of least thicknesses by layer; both in proportion for the armour.
-LEAST_LAYERS = {"ceramic": least_ceramics_mm, "back plate": least_backings_mm, "armour": least_totals_mm}
 
 
 class QuantityValues:
@@ -170,7 +166,7 @@ class QuantityValues:
 
     def __init__(self, variants: Variants) -> None:
         self.variants = variants
-        self._least_by_layer: dict[str, Least] = {}
+        self._least_by_layer: dict[str, LeastThicknesses] = {}
 
     @cached_property
     def impacts(self) -> batch.ImpactBatch:
@@ -188,10 +184,10 @@ class QuantityValues:
         limits = ballistic_limits(self.variants)
         return np.where(np.isfinite(limits), limits, np.nan)
 
-    def least(self, layer: str) -> Least:
-        """Return the least thicknesses of a layer, a key of `LEAST_LAYERS`, that stop the impacts."""
+    def least(self, layer: str) -> LeastThicknesses:
+        """Return the least thicknesses of a layer, or of the armour, that stop the impacts."""
         if layer not in self._least_by_layer:
-            self._least_by_layer[layer] = LEAST_LAYERS[layer](self.variants)
+            self._least_by_layer[layer] = least_thicknesses(self.variants, layer)
         return self._least_by_layer[layer]
 
     @cached_property

@@ -21,7 +21,7 @@ from armour.evidence.tests import Armours, Materials, is_unusual, limits_of_mode
 from armour.scenario.inputs import OBLIQUITY, VELOCITY, YIELD, cosine_of, fields_of
 from armour.scenario.library import DEFAULTS, strength_notes
 from armour.scenario.scenario import Scenario
-from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S, BallisticLimitSection, Optimise, Range
+from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S, BallisticLimitSection, Optimise
 from armour.units import MM
 
 Floats = NDArray[np.float64]
@@ -58,11 +58,6 @@ class Variants(NamedTuple):
         """Options of the engine."""
         solver = self.scenario.solver
         return batch.SolverOptions(solver.arrest_velocity_m_s, solver.time_step, solver.max_steps, self.threads)
-
-    @property
-    def grid(self) -> Optimise:
-        """Ranges of thicknesses."""
-        return grid_of(self.scenario)
 
     @property
     def errors(self) -> ErrorRows:
@@ -208,8 +203,8 @@ def with_thicknesses(
     return variants.with_fields({key: mm / variants.cosines * MM for key, mm in layers.items() if mm is not None})
 
 
-class Least(NamedTuple):
-    """Least thicknesses of n rows."""
+class LeastThicknesses(NamedTuple):
+    """LeastThicknesses thicknesses of n rows."""
 
     mm: Floats  # NaN where none is found
     changes_again: Bools  # a thicker layer is known to be perforated; looked for where a row is unusual
@@ -376,29 +371,25 @@ def bisect_rows(holds: RowCondition, rows: Ints, low: Floats, high: Floats) -> F
         low[places[~is_met]] = values[~is_met]
 
 
-def least_ceramics_mm(variants: Variants) -> Least:
-    """Return the least ceramic thickness of the grid's range that stops each impact, mm; NaN if none does."""
-    return _least_of_layer(variants, "ceramic_mm", variants.grid.ceramic_thickness_mm)
+def least_thicknesses(variants: Variants, layer: str) -> LeastThicknesses:
+    """Return the least thickness of the "ceramic" or the "back plate", in its range of the grid, that stops the impact.
 
-
-def least_backings_mm(variants: Variants) -> Least:
-    """Return the least back plate thickness of the grid's range that stops each impact, mm; NaN if none does."""
-    return _least_of_layer(variants, "backing_mm", variants.grid.backing_thickness_mm)
-
-
-def _least_of_layer(variants: Variants, layer: str, of_range: Range) -> Least:
-    """Return the least thickness of a layer, an argument of `with_thicknesses`."""
-    count = len(variants.velocities)
-    conditions = _conditions(lambda values, rows: with_thicknesses(variants.at(rows), **{layer: values}))
+    That of the "armour" is of both layers together, which keep their proportion and are within their ranges.
+    """
+    grid, count = grid_of(variants.scenario), len(variants.velocities)
+    if layer == "armour":
+        return _least_totals(variants, grid)
+    name, of_range = {
+        "ceramic": ("ceramic_mm", grid.ceramic_thickness_mm),
+        "back plate": ("backing_mm", grid.backing_thickness_mm),
+    }[layer]
+    conditions = _conditions(lambda values, rows: with_thicknesses(variants.at(rows), **{name: values}))
     return least_values_mm(*conditions, np.full(count, of_range.min), np.full(count, of_range.max))
 
 
-def least_totals_mm(variants: Variants) -> Least:
-    """Return the least thickness of both layers together that stops each impact, mm; NaN if none does.
-
-    The layers keep their proportion and are within the grid's ranges.
-    """
-    grid, ceramics, backings = variants.grid, variants.ceramics_mm, variants.backings_mm
+def _least_totals(variants: Variants, grid: Optimise) -> LeastThicknesses:
+    """Return the least thickness of both layers together."""
+    ceramics, backings = variants.ceramics_mm, variants.backings_mm
     totals = ceramics + backings
     low, high = grid.backing_thickness_mm.min / backings, grid.backing_thickness_mm.max / backings
     layered = ceramics > 0.0
@@ -411,7 +402,7 @@ def least_totals_mm(variants: Variants) -> Least:
         ceramic_mm, backing_mm = (values * layer[places] / totals[places] for layer in (ceramics, backings))
         return with_thicknesses(variants.at(places), ceramic_mm=ceramic_mm, backing_mm=backing_mm)
 
-    least = Least(np.full(len(totals), np.nan), np.zeros(len(totals), dtype=bool))
+    least = LeastThicknesses(np.full(len(totals), np.nan), np.zeros(len(totals), dtype=bool))
     ends = low[where] * totals[where], high[where] * totals[where]
     least.mm[where], least.changes_again[where] = least_values_mm(*_conditions(scaled), *ends)
     return least
@@ -424,7 +415,7 @@ def _conditions(thick: Callable[[Floats, Ints], Variants]) -> tuple[RowCondition
 
 def least_values_mm(
     stops: RowCondition, is_unusual: RowCondition, low: Floats, high: Floats, points: int = DENSE_SCAN_POINTS
-) -> Least:
+) -> LeastThicknesses:
     """Return the least thickness from low to high, mm, that stops the threat in each row, by bisection or scan.
 
     The outcome is taken to change once at most.  Rows that are unusual, by the least thickness found or, if that is
@@ -445,4 +436,4 @@ def least_values_mm(
         upper = bisect_rows(stops, rows, values[numbers, np.maximum(first - 1, 0)], values[numbers, first])
         least[rows] = np.where(stopped.any(axis=1), upper, np.nan)
         changes_again[rows] = (stopped[:, :-1] > stopped[:, 1:]).any(axis=1)
-    return Least(least, changes_again)
+    return LeastThicknesses(least, changes_again)

@@ -260,11 +260,12 @@ def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
         return _without_fit(entry, OF_NO_LOT, np.flatnonzero(distances > IMPLAUSIBLE))
     is_strange = is_outside(_kept_kind(shipped, own_tests), tested).any()
     between_lots = STRANGE_METAL if is_strange else STRANGE * bool(shipped.ceramic)
-    updated = [fit.updated(tests, between_lots, level) for fit, tests, level in by_law]
+    lots = [(fit.of_lot(between_lots, level), tests) for fit, tests, level in by_law]
+    updated = [lot.given(tests) for lot, tests in lots]
     weights = softmax([fit.weight for fit in updated])
     velocities, doubtful = tested["velocity_m_s"], np.zeros(0, dtype=np.int64)
     if len(velocities) > 1:  # of a single test, another lot may be the cause
-        farther = [fit.probabilities_of_farther(tests, between_lots, level) for fit, tests, level in by_law]
+        farther = [lot.probabilities_of_farther(tests) for lot, tests in lots]
         doubtful = np.flatnonzero(np.max(farther, axis=0) * len(velocities) < FALSE_ALARMS)
     words = f"{counted(len(velocities), 'own test')} of this lot"
     words += f" ({len(doubtful)} out of line)" * bool(len(doubtful))
