@@ -11,10 +11,7 @@ from armour.analysis.variants import (
     bisect_rows,
     changes_above,
     least_thicknesses,
-    limits_anywhere,
-    perforated,
     variants_of,
-    with_thicknesses,
 )
 from armour.errors import InputError, NoLimitError
 from armour.scenario.scenario import Scenario
@@ -89,7 +86,7 @@ def test_limits_outside_the_range():
     assert ballistic_limits(variants, (1500.0, 4000.0)).tolist() == [-np.inf, -np.inf]
     fast = alone(case().replaced({"ballistic_limit": {"velocity_min_m_s": 1500.0}}))
     assert np.isnan(QuantityValues(fast).ballistic_limits).all()
-    assert limits_anywhere(fast) == pytest.approx(ballistic_limits(alone(case())), abs=0.02)
+    assert fast.limits_anywhere() == pytest.approx(ballistic_limits(alone(case())), abs=0.02)
 
 
 def test_an_unresolved_search_names_its_velocity(monkeypatch: pytest.MonkeyPatch):
@@ -127,8 +124,8 @@ def test_the_thinnest_layer_that_stops_an_impact_that_a_thicker_one_does_not():
     assert least.mm[0] == pytest.approx(9.546, abs=1e-3)
     values = np.linspace(0.5, 60.0, 500)
     for i, thickness in enumerate(least.mm):
-        many = with_thicknesses(variants.at(np.full(500, i)), ceramic_mm=values)
-        stops = ~perforated(many)
+        many = variants.at(np.full(500, i)).with_thicknesses(ceramic_mm=values)
+        stops = ~many.perforated()
         assert not stops[values < thickness].any()
         assert least.changes_again[i] == (~stops[values > thickness]).any()
     assert not least_thicknesses(alone(case()), "ceramic").changes_again[0]

@@ -20,7 +20,7 @@ from unittest.mock import patch
 
 import numpy as np
 
-from armour.analysis.variants import Floats, ballistic_limits, distributions, variants_of
+from armour.analysis.variants import Floats, ballistic_limits, variants_of
 from armour.evidence.fit import Fit, LotTests, distances, fits, mixture_of, shipped_data
 from armour.evidence.mixture import Mixture
 from armour.evidence.tests import FALSE_ALARMS, STRANGE, STRANGE_METAL, Materials
@@ -306,7 +306,7 @@ def untested(own: int, scatter: float, dice: Any) -> dict[str, Outcome]:
         made = variants_of(scenario, columns, len(armours))
         made = made._replace(materials=(Materials(entry, made.materials[0].backing),))
         by_own = ballistic_limits(made)
-        found = distributions(made, by_own).times(1.0 / by_own)
+        found = made.limit_distributions(by_own).times(1.0 / by_own)
         for place, design in enumerate(DESIGNS, start=own):
             error = np.log(true[[place]] / by_own[[place]])
             parts[design].append(Outcome.of(error, found.mapped(partial(np.take, indices=[place], axis=1))))

@@ -16,13 +16,10 @@ from armour.analysis.variants import (
     Variants,
     ballistic_limits,
     limit_brackets,
-    limits_anywhere,
     limits_by_law,
     outcomes_at,
     row_of,
-    unusual,
     variants_of,
-    why_error_unknown,
 )
 from armour.core import search
 from armour.core.state import Outcome
@@ -233,7 +230,7 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
     """
     section, row = scenario.ballistic_limit, row_of(scenario)
     low, high = section.velocity_min_m_s, section.velocity_max_m_s
-    points = search.DENSE_SCAN_POINTS if unusual(row).all() else search.SCAN_POINTS
+    points = search.DENSE_SCAN_POINTS if row.is_unusual().all() else search.SCAN_POINTS
     crossings, runs, lowest_perforates = find_crossings(row, points, on_progress)
     if lowest_perforates or not crossings:
         raise NoLimitError(_no_limit(crossings, lowest_perforates, points, low, high), above=not lowest_perforates)
@@ -430,13 +427,13 @@ def confidence_in(row: Variants, on_progress: OnProgress = ignore_progress) -> C
     at_normal = None
     if row.scenario.impact.obliquity_deg and row.scenario.armour.ceramic_thickness_mm:
         at_normal = confidence_in(row_of(row.scenario.replaced({OBLIQUITY: 0.0}))).probability_of_stopping
-    return ConfidenceResult(None, limit, None, why_error_unknown(row), probability_at_normal_incidence=at_normal)
+    return ConfidenceResult(None, limit, None, row.why_error_unknown(), probability_at_normal_incidence=at_normal)
 
 
 def limit_and_error(row: Variants, on_progress: OnProgress) -> tuple[float | None, ModelError | None, str]:
     """Return the ballistic limit of an armour, m/s, the model error, and why there is no limit; None for no limit."""
     try:
-        [limit] = limits_anywhere(row, on_progress).tolist()
+        [limit] = row.limits_anywhere(on_progress).tolist()
     except InputError as error:
         return None, None, str(error)
     if limit >= FASTEST_M_S:
@@ -462,4 +459,4 @@ def probability_of_stopping(scenario: Scenario, limit_m_s: float | None, error: 
 
 def no_error(scenario: Scenario) -> str:
     """Return why the model error is not known, or not included, for a scenario that has none."""
-    return why_error_unknown(row_of(scenario))
+    return row_of(scenario).why_error_unknown()

@@ -20,13 +20,10 @@ from armour.analysis.variants import (
     Variants,
     ballistic_limits,
     changes_above,
-    distributions,
     grid_of,
-    impacts,
     least_thicknesses,
     outside_limits,
     variants_of,
-    with_thicknesses,
 )
 from armour.core import equations
 from armour.core.state import Outcome
@@ -171,7 +168,7 @@ class QuantityValues:
     @cached_property
     def impacts(self) -> batch.ImpactBatch:
         """Ends of the impacts."""
-        return impacts(self.variants)
+        return self.variants.impacts()
 
     @cached_property
     def perforated(self) -> Bools:
@@ -193,12 +190,12 @@ class QuantityValues:
     @cached_property
     def with_least_ceramic(self) -> Variants:
         """The variants with the least ceramic thickness that stops the impact."""
-        return with_thicknesses(self.variants, ceramic_mm=self.least("ceramic").mm)
+        return self.variants.with_thicknesses(ceramic_mm=self.least("ceramic").mm)
 
     @cached_property
     def with_least_backing(self) -> Variants:
         """The variants with the least back plate thickness that stops the impact."""
-        return with_thicknesses(self.variants, backing_mm=self.least("back plate").mm)
+        return self.variants.with_thicknesses(backing_mm=self.least("back plate").mm)
 
     @cached_property
     def residual_velocities(self) -> Floats:
@@ -238,7 +235,7 @@ class QuantityValues:
     @property
     def probabilities_of_stopping(self) -> Floats:
         """Probabilities of stopping the projectile, given the model error."""
-        return distributions(self.variants, self.ballistic_limits).probability_above(self.variants.velocities)
+        return self.variants.limit_distributions(self.ballistic_limits).probability_above(self.variants.velocities)
 
     def changes(self, quantities: Sequence[str]) -> dict[str, int]:
         """Return warnings that the outcome changes more than once, each with the number of rows concerned."""

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from armour.analysis.estimates import Estimate, mean_of_replicates, proportion_of_replicates
 from armour.analysis.results import OnProgress, ignore_progress, portions
-from armour.analysis.variants import Floats, Ints, Variants, limits_anywhere, perforated, variants_of
+from armour.analysis.variants import Floats, Ints, Variants, variants_of
 from armour.engine import batch
 from armour.errors import Note, Problem, mistake, refuse
 from armour.evidence.model_error import LAW_FIELDS, ErrorRows
@@ -70,11 +70,11 @@ def own_values(scenario: Scenario) -> dict[str, float]:
     return {**scenario.inputs(), ERROR: 0.5}
 
 
-def sampled(scenario: Scenario, columns: Mapping[str, Floats], count: int, errors: ErrorRows | None = None) -> Samples:
+def sampled(scenario: Scenario, columns: Mapping[str, Floats], count: int) -> Samples:
     """Return n samples of values, which the scenario must allow.
 
     An armour whose ballistic limit is the model's times a factor is perforated if the model perforates at the impact
-    velocity divided by the factor.  The model error, by default that of the scenario's armour, is the quantile at the
+    velocity divided by the factor.  The model error, that of the scenario's armour, is the quantile at the
     probabilities in its column; each sample has the law of the flow stress that its error is drawn from.
     """
     problems = []
@@ -86,7 +86,7 @@ def sampled(scenario: Scenario, columns: Mapping[str, Floats], count: int, error
     variants = variants_of(scenario, inputs, count)
     if ERROR not in columns:
         return Samples(variants, 1.0)
-    errors = own_errors(scenario) if errors is None else errors
+    errors = own_errors(scenario)
     law, factor = errors.ratio.one().drawn(columns[ERROR])
     factor = factor.clip(min=LEAST_RATIO)
     variants = by_laws(variants, errors, law)
@@ -260,11 +260,11 @@ def misplaced(distributions: Mapping[str, Distribution], scenario: Scenario, ans
 def _chances(rows: Variants, errors: ErrorRows) -> Floats:
     """Return the probabilities that samples are perforated, (n,), given the error of their armour; 0 or 1 without."""
     if not errors.known.all():
-        return perforated(rows).astype(np.float64)
+        return rows.perforated().astype(np.float64)
     stopping = np.zeros(len(rows.velocities))
     for law, [weight] in enumerate(errors.ratio.weights.tolist()):
         if weight > 0.0:
-            limits = limits_anywhere(by_laws(rows, errors, np.full(len(stopping), law)))
+            limits = by_laws(rows, errors, np.full(len(stopping), law)).limits_anywhere()
             stopping += weight * errors.of_law(law).times(limits).probability_above(rows.velocities)
     return 1.0 - stopping
 

@@ -100,6 +100,65 @@ class Variants(NamedTuple):
         p, counts = batch.fields(self.parameters), whole or self.scenario.counts_backing
         return (p.rho_c * p.Hc0 + p.rho_B * p.Hb * counts) * self.cosines + self.scenario.inert("areal_density_kg_m2")
 
+    def is_unusual(self) -> Bools:
+        """Return which rows are far from all tests that the model was compared with."""
+        return is_unusual(batch.fields(self.parameters))
+
+    def impacts(self) -> batch.ImpactBatch:
+        """Simulate the impact of each row."""
+        ends = batch.impacts(self.parameters, self.velocities, self.options)
+        check_resolved(ends.outcome != Outcome.UNRESOLVED, self)
+        return ends
+
+    def perforated(self) -> Bools:
+        """Return whether the impact of each row perforates."""
+        return self.impacts().outcome == Outcome.PERFORATED
+
+    def with_thicknesses(
+        self, *, ceramic_mm: Floats | float | None = None, backing_mm: Floats | float | None = None
+    ) -> "Variants":
+        """Return the variants with other thicknesses, mm."""
+        layers = {"Hc0": ceramic_mm, "Hb": backing_mm}
+        return self.with_fields({key: mm / self.cosines * MM for key, mm in layers.items() if mm is not None})
+
+    def limits_anywhere(self, on_progress: OnProgress = ignore_progress) -> Floats:
+        """Return the ballistic limit of each row, m/s, also outside the range of the section.
+
+        It is then searched for from 20 to 10,000 m/s; a limit beyond this range is replaced by the nearer end.
+        """
+        slowest = min(self.scenario.ballistic_limit.velocity_min_m_s, SLOWEST_M_S)
+        limits = ballistic_limits(self, on_progress=on_progress)
+        outside = np.flatnonzero(np.isinf(limits))
+        if len(outside):
+            limits[outside] = ballistic_limits(self.at(outside), (slowest, FASTEST_M_S), on_progress=on_progress)
+        return limits.clip(slowest, FASTEST_M_S)
+
+    def lowest_limits(self, limits: Floats, on_progress: OnProgress = ignore_progress) -> Floats:
+        """Return the ballistic limits of rows, m/s, or lower ones that a denser scan finds."""
+        section = self.scenario.ballistic_limit
+        range_m_s = min(section.velocity_min_m_s, SLOWEST_M_S), FASTEST_M_S
+        dense = ballistic_limits(self, range_m_s, points=DENSE_SCAN_POINTS, on_progress=on_progress)
+        # Two limits of one change are within the tolerance of each other.
+        return np.where(dense < limits - section.tolerance_m_s, dense.clip(range_m_s[0]), limits)
+
+    def why_error_unknown(self) -> str:
+        """Return why the model error is not known, or not included, for a single row, and what can provide it."""
+        if self.scenario.excludes_error():
+            return "uncertainty.model excludes the model error"
+        [moved] = moved_m_s(self)
+        if abs(moved) <= MOST_MOVED_M_S or not errors_of(self.scenario, self.armours).known.all():
+            return why_unknown(self.scenario, self.armours)
+        step_us, tolerance = self.scenario.solver.time_step_us, self.scenario.ballistic_limit.tolerance_m_s
+        settings = [] if step_us is None else [f"solver.time_step_us = {step_us}"]
+        settings += [f"ballistic_limit.tolerance_m_s = {tolerance}"] * (tolerance > MOST_MOVED_M_S)
+        moves = f"moves the ballistic limit by {moved:+.3g} m/s, more than {MOST_MOVED_M_S:g} m/s"
+        return f"{' and '.join(settings)} {moves}; [uncertainty.model] can give it"
+
+    def limit_distributions(self, limits: Floats) -> Mixture:
+        """Return the distributions of the ballistic limits of n armours, given those of the model, m/s, (n,)."""
+        errors = self.errors
+        return errors.ratio.times(limits_by_law(self, errors, limits))
+
 
 def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -> Variants:
     """Return n variants of a scenario with given values, (n,), of some of its named inputs.
@@ -159,11 +218,6 @@ def outside_words(outside_tests: Mapping[str, float], most: int = 100) -> str:
     return ", ".join(words[:most]) + (f" and {len(words) - most} more" if len(words) > most else "")
 
 
-def unusual(variants: Variants) -> Bools:
-    """Return which rows are far from all tests that the model was compared with."""
-    return is_unusual(batch.fields(variants.parameters))
-
-
 def grid_of(scenario: Scenario) -> Optimise:
     """Return the grid of designs of a scenario; it must have one, and a ceramic if the grid has."""
     section = scenario.optimise
@@ -177,34 +231,14 @@ def grid_of(scenario: Scenario) -> Optimise:
     return section
 
 
-def impacts(variants: Variants) -> batch.ImpactBatch:
-    """Simulate the impact of each row."""
-    ends = batch.impacts(variants.parameters, variants.velocities, variants.options)
-    check_resolved(ends.outcome != Outcome.UNRESOLVED, variants)
-    return ends
-
-
-def perforated(variants: Variants) -> Bools:
-    """Return whether the impact of each row perforates."""
-    return impacts(variants).outcome == Outcome.PERFORATED
-
-
 def check_resolved(resolved: Bools, variants: Variants) -> None:
     """Raise an InputError that names the key at fault if the run of a row does not end."""
     if not resolved.all():
         raise unresolved_error(variants.scenario, float(variants.velocities[int(np.argmin(resolved))]))
 
 
-def with_thicknesses(
-    variants: Variants, *, ceramic_mm: Floats | float | None = None, backing_mm: Floats | float | None = None
-) -> Variants:
-    """Return the variants with other thicknesses, mm."""
-    layers = {"Hc0": ceramic_mm, "Hb": backing_mm}
-    return variants.with_fields({key: mm / variants.cosines * MM for key, mm in layers.items() if mm is not None})
-
-
 class LeastThicknesses(NamedTuple):
-    """LeastThicknesses thicknesses of n rows."""
+    """Least thicknesses of n rows."""
 
     mm: Floats  # NaN where none is found
     changes_again: Bools  # a thicker layer is known to be perforated; looked for where a row is unusual
@@ -228,7 +262,7 @@ def ballistic_limits(
     range_m_s = range_m_s or (section.velocity_min_m_s, section.velocity_max_m_s)
     tolerance = section.tolerance_m_s if tolerance is None else tolerance
     limits = np.empty(len(variants.velocities))
-    dense = unusual(variants) if points is None else np.zeros(len(limits), dtype=bool)
+    dense = variants.is_unusual() if points is None else np.zeros(len(limits), dtype=bool)
     for rows, number in ((~dense, points or SCAN_POINTS), (dense, DENSE_SCAN_POINTS)):
         if rows.any():
             brackets = limit_brackets(variants.parameters[rows], *range_m_s, tolerance, variants.options, number)
@@ -268,28 +302,6 @@ def outcomes_at(armour: Parameters, velocities: Sequence[float], options: batch.
     return np.array([run(armour, velocity, time_step, V_arrest, max_steps).outcome for velocity in velocities])
 
 
-def limits_anywhere(variants: Variants, on_progress: OnProgress = ignore_progress) -> Floats:
-    """Return the ballistic limit of each row, m/s, also outside the range of the section.
-
-    It is then searched for from 20 to 10,000 m/s; a limit beyond this range is replaced by the nearer end.
-    """
-    slowest = min(variants.scenario.ballistic_limit.velocity_min_m_s, SLOWEST_M_S)
-    limits = ballistic_limits(variants, on_progress=on_progress)
-    outside = np.flatnonzero(np.isinf(limits))
-    if len(outside):
-        limits[outside] = ballistic_limits(variants.at(outside), (slowest, FASTEST_M_S), on_progress=on_progress)
-    return limits.clip(slowest, FASTEST_M_S)
-
-
-def lowest_limits(variants: Variants, limits: Floats, on_progress: OnProgress = ignore_progress) -> Floats:
-    """Return the ballistic limits of rows, m/s, or lower ones that a denser scan finds."""
-    section = variants.scenario.ballistic_limit
-    range_m_s = min(section.velocity_min_m_s, SLOWEST_M_S), FASTEST_M_S
-    dense = ballistic_limits(variants, range_m_s, points=DENSE_SCAN_POINTS, on_progress=on_progress)
-    # Two limits of one change are within the tolerance of each other.
-    return np.where(dense < limits - section.tolerance_m_s, dense.clip(range_m_s[0]), limits)
-
-
 def limits_by_law(variants: Variants, errors: ErrorRows, own_limits: Floats) -> Floats:
     """Return the ballistic limits by each law of the rows' errors, m/s, (laws, n), given those of the rows.
 
@@ -299,7 +311,7 @@ def limits_by_law(variants: Variants, errors: ErrorRows, own_limits: Floats) -> 
     for law in range(1, len(limits)):
         rows = np.flatnonzero((errors.ratio.weights[law] > 0.0) & ~np.isnan(own_limits))
         if len(rows):
-            limits[law, rows] = limits_anywhere(variants.by_law(law, errors).at(rows))
+            limits[law, rows] = variants.by_law(law, errors).at(rows).limits_anywhere()
     return limits
 
 
@@ -316,41 +328,19 @@ def moved_m_s(variants: Variants) -> Floats:
     solver = scenario.solver.model_copy(update={"time_step_us": None})
     section = scenario.ballistic_limit.model_copy(update={"tolerance_m_s": usual})
     default = scenario.model_copy(update={"solver": solver, "ballistic_limit": section})
-    return limits_anywhere(variants) - limits_anywhere(variants._replace(scenario=default))
-
-
-def why_error_unknown(variants: Variants) -> str:
-    """Return why the model error is not known, or not included, for a single row, and what can provide it."""
-    if variants.scenario.excludes_error():
-        return "uncertainty.model excludes the model error"
-    [moved] = moved_m_s(variants)
-    if abs(moved) <= MOST_MOVED_M_S or not errors_of(variants.scenario, variants.armours).known.all():
-        return why_unknown(variants.scenario, variants.armours)
-    step_us, tolerance = variants.scenario.solver.time_step_us, variants.scenario.ballistic_limit.tolerance_m_s
-    settings = [] if step_us is None else [f"solver.time_step_us = {step_us}"]
-    settings += [f"ballistic_limit.tolerance_m_s = {tolerance}"] * (tolerance > MOST_MOVED_M_S)
-    return (
-        f"{' and '.join(settings)} moves the ballistic limit by {moved:+.3g} m/s, more than {MOST_MOVED_M_S:g} m/s; "
-        "[uncertainty.model] can give it"
-    )
-
-
-def distributions(variants: Variants, limits: Floats) -> Mixture:
-    """Return the distributions of the ballistic limits of n armours, given those of the model, m/s, (n,)."""
-    errors = variants.errors
-    return errors.ratio.times(limits_by_law(variants, errors, limits))
+    return variants.limits_anywhere() - variants._replace(scenario=default).limits_anywhere()
 
 
 def changes_above(variants: Variants, limits: Floats) -> Bools:
     """Return which unusual rows are seen to stop an impact faster than their ballistic limit, (n,)."""
     section, changes_again = variants.scenario.ballistic_limit, np.zeros(len(limits), dtype=bool)
     velocities = np.array(scan(section.velocity_min_m_s, section.velocity_max_m_s, DENSE_SCAN_POINTS))
-    where = np.flatnonzero(unusual(variants) & np.isfinite(limits))
+    where = np.flatnonzero(variants.is_unusual() & np.isfinite(limits))
     for start in range(0, len(where), SCANS_AT_A_TIME):
         part = where[start : start + SCANS_AT_A_TIME]
         row, place = np.nonzero(velocities > limits[part, None])
         faster = variants.at(part[row])._replace(velocities=velocities[place])
-        changes_again[part[row[~perforated(faster)]]] = True
+        changes_again[part[row[~faster.perforated()]]] = True
     return changes_again
 
 
@@ -383,7 +373,7 @@ def least_thicknesses(variants: Variants, layer: str) -> LeastThicknesses:
         "ceramic": ("ceramic_mm", grid.ceramic_thickness_mm),
         "back plate": ("backing_mm", grid.backing_thickness_mm),
     }[layer]
-    conditions = _conditions(lambda values, rows: with_thicknesses(variants.at(rows), **{name: values}))
+    conditions = _conditions(lambda values, rows: variants.at(rows).with_thicknesses(**{name: values}))
     return least_values_mm(*conditions, np.full(count, of_range.min), np.full(count, of_range.max))
 
 
@@ -400,7 +390,7 @@ def _least_totals(variants: Variants, grid: Optimise) -> LeastThicknesses:
     def scaled(values: Floats, rows: Ints) -> Variants:
         places = where[rows]
         ceramic_mm, backing_mm = (values * layer[places] / totals[places] for layer in (ceramics, backings))
-        return with_thicknesses(variants.at(places), ceramic_mm=ceramic_mm, backing_mm=backing_mm)
+        return variants.at(places).with_thicknesses(ceramic_mm=ceramic_mm, backing_mm=backing_mm)
 
     least = LeastThicknesses(np.full(len(totals), np.nan), np.zeros(len(totals), dtype=bool))
     ends = low[where] * totals[where], high[where] * totals[where]
@@ -410,7 +400,7 @@ def _least_totals(variants: Variants, grid: Optimise) -> LeastThicknesses:
 
 def _conditions(thick: Callable[[Floats, Ints], Variants]) -> tuple[RowCondition, RowCondition]:
     """Return whether rows with other thicknesses stop the impact, and whether they are unusual."""
-    return lambda *at: ~perforated(thick(*at)), lambda *at: unusual(thick(*at))
+    return lambda *at: ~thick(*at).perforated(), lambda *at: thick(*at).is_unusual()
 
 
 def least_values_mm(

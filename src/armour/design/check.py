@@ -16,7 +16,7 @@ from armour.analysis.estimates import Estimate
 from armour.analysis.impact import simulate
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.analysis.samples import is_sampled, misplaced, probability_of_perforation
-from armour.analysis.variants import limits_anywhere, lowest_limits, row_of
+from armour.analysis.variants import row_of
 from armour.design.requirements import Requirement, Verdict, against_threat, of_armour, verdict_of
 from armour.evidence.model_error import ModelError
 from armour.evidence.tests import armours_of, outside_tests, threat_warnings
@@ -228,9 +228,9 @@ def _checked(against: Scenario, threat: Threat, on_progress: OnProgress, *, samp
     if bound is not None and sample and is_sampled(against):
         sampled = probability_of_perforation(against, bound, on_progress=lambda count, _: on_progress(count, None))
         probability = 1.0 - sampled.value
-    reached = limits_anywhere(row) if limit is None else np.array([limit])
+    reached = row.limits_anywhere() if limit is None else np.array([limit])
     if reached >= threat.required_m_s:
-        reached = lowest_limits(row, reached)
+        reached = row.lowest_limits(reached)
     requirements = tuple(
         against_threat(
             against,

@@ -11,16 +11,14 @@ import numpy as np
 from armour.analysis.ballistic_limit import NeededFlowStress, needed_flow_stress
 from armour.analysis.estimates import Estimate
 from armour.analysis.results import OnProgress, TableResult, data_frame, ignore_progress
-from armour.analysis.variants import Ints, distributions, outside_words, why_error_unknown
+from armour.analysis.variants import Ints, outside_words
 from armour.core.state import Parameters
 from armour.design.catalogue import FIRST_VALUES, MARGIN_COLUMN, NO_BOUND, CandidateDesigns, Catalogue, catalogue_of
-from armour.design.designs import NOT_KNOWN, PASSES, Designs, Reliability, Runs, asked_of, stopped, verdicts_of
+from armour.design.designs import NOT_KNOWN, PASSES, Designs, Reliability, Runs, required_of, stopped, verdicts_of
 from armour.design.requirements import Requirement, against_threat, of_armour, verdict_of
-from armour.design.search import FreeThicknesses, candidates_of, joined, pareto
-from armour.errors import Note, Problem, listed, refuse
-from armour.errors import joined as joined_words
+from armour.design.search import FreeThicknesses, candidates_of, pareto
+from armour.errors import Note, Problem, joined, listed, refuse
 from armour.evidence.caveats import caveats, no_metal
-from armour.evidence.mixture import Mixture
 from armour.evidence.model_error import INTERLAYER, REMEDY, ModelError, error_of
 from armour.evidence.tests import threat_warnings
 from armour.scenario.checked import checked
@@ -321,7 +319,9 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
     if reason == "none passes" and catalogue.metal.any():
         explanation, without_limits = _failure(designs, search)
         if catalogue.has_free_layer:
-            columns = joined([_some_of_range(catalogue, pair) for pair in range(len(catalogue.offers))])
+            columns = CandidateDesigns.joined(
+                [_some_of_range(catalogue, pair) for pair in range(len(catalogue.offers))]
+            )
             designs = Designs(catalogue, columns, designs.runs, designs.reliability)
         order = _nearest(designs)
         place, pairs = int(order[0]), _short_pairs(designs, order)
@@ -336,7 +336,7 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
         warnings += threat_warnings(scenario, designs.rows_of(place).armours, metals)
         warnings += _of_other_pairs(catalogue, warnings)
     warnings += [] if catalogue.sampled else scenario.unused_distributions()
-    has_frontier = place is not None and reason != "none passes"
+    has_frontier = reason != "none passes"
     is_not_known = shown is not None and verdict_of(row.verdict for row in shown.requirements) == "not known"
     if reason == "none passes" and is_not_known:
         reason, explanation = "not known", f"by the computed limit, {explanation}"
@@ -353,7 +353,7 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
         pairs=pairs,
         criteria=tuple(catalogue.section.pareto or ()),
         designs=len(order),
-        runs=0,
+        runs=search.runs.count,
         warnings=tuple(warnings),
     )
     if place is not None and has_frontier:
@@ -563,14 +563,14 @@ def _why_not_known(designs: Designs, place: int | None) -> str:
             "add a second source to its entry, flow_stress_sources_GPa, or own tests (armour calibrate)"
         )
     rows = designs.rows_of(place)
-    unknown = np.flatnonzero(asked_of(catalogue, rows).unknown).tolist()
+    unknown = np.flatnonzero(required_of(catalogue, rows).unknown).tolist()
     if not unknown:
         return "the interval of a sampled probability contains the one required; raise uncertainty.samples"
     if catalogue.scenario.interlayers:
         return INTERLAYER
     # The reason is that of the governing threat, if its probability is unknown.
     threat = min(unknown, key=designs.slack_m_s(np.array([place]))[0].__getitem__)
-    why = why_error_unknown(rows.at(np.array([threat])))
+    why = rows.at(np.array([threat])).why_error_unknown()
     titles = [catalogue.titles[place] for place in unknown]
     threats = "every threat" if len(titles) == len(catalogue.titles) > 1 else listed(titles)
     return f"probability of stopping {threats}: unknown, {why}"
@@ -668,38 +668,37 @@ def as_results(designs: Designs, where: Ints, *, with_margins: bool = False) -> 
 
 def _best(designs: Designs, place: int, *, named: bool = False) -> BestDesign:
     """Return a design with its ballistic limits and, if the result names it first, with the flow stress needed."""
-    where, catalogue = np.array([place]), designs.catalogue
-    [design] = as_results(designs, where, with_margins=True)
+    where, catalogue, pair = np.array([place]), designs.catalogue, int(designs.columns.pair[place])
+    [design], offer = as_results(designs, where, with_margins=True), catalogue.offers[pair]
     [limits], [slack], [governing] = designs.limits_m_s(where), designs.slack_m_s(where), _governing(designs, where)
-    pair = int(designs.columns.pair[place])
-    offer, searched = catalogue.offers[pair], catalogue.scenario.ballistic_limit
-    limit = float(limits[governing])
-    sampled = designs.reliability.probabilities(designs.columns, place, quick=False) if designs.reliability else {}
     rows = designs.rows_of(place)
-    of_limits = distributions(rows, limits)
-    ratio = of_limits.one(governing).times(1.0 / limit)
-    stopping = _of_stopping(catalogue, of_limits, sampled)
-    required = rows.velocities + catalogue.margins_m_s
-    stops = stopped(rows._replace(velocities=required), Runs()).tolist()
-    requirements = [
-        row
-        for i, threat in enumerate(catalogue.threats)
-        for row in against_threat(
-            catalogue.scenario,
-            threat,
-            Parameters(*rows.parameters[i].tolist()),
-            catalogue.materials[pair].ceramic,
-            float(limits[i]),
-            stopping[threat.title],
-            sampled.get(threat.title),
-            stops=stops[i],
+    of_limits, limit = rows.limit_distributions(limits), float(limits[governing])
+    stops = stopped(rows._replace(velocities=rows.velocities + catalogue.margins_m_s), Runs()).tolist()
+    sampled = designs.reliability.probabilities(designs.columns, place, quick=False) if designs.reliability else {}
+    requirements: list[Requirement] = []
+    stopping: dict[str, float | None] = {}
+    short: dict[str, float] = {}
+    flow_stress: dict[str, NeededFlowStress] = {}
+    for i, (threat, limit_m_s) in enumerate(zip(catalogue.threats, limits.tolist(), strict=True)):
+        title, estimate = threat.title, sampled.get(threat.title)
+        # One by one: for several at once scipy would be imported.
+        by_error = float(of_limits.one(i).probability_above(threat.velocity_m_s))
+        chance = (None if isnan(by_error) else by_error) if estimate is None else 1.0 - estimate.value
+        armour, ceramic = Parameters(*rows.parameters[i].tolist()), catalogue.materials[pair].ceramic
+        required = list(
+            against_threat(catalogue.scenario, threat, armour, ceramic, limit_m_s, chance, estimate, stops=stops[i])
         )
-    ]
+        lacks = (row.required - row.found for row in required if row.quantity == "margin_m_s" and row.found is not None)
+        requirements += required
+        stopping[title], short[title] = chance, max(-float(slack[i]), 0.0, *lacks)
+        if named and chance is None and catalogue.untested[pair]:
+            layers = {CERAMIC: design.ceramic_thickness_mm, BACKING: design.backing_thickness_mm}
+            scenario, bound = catalogue.against(pair, i).replaced(layers), float(catalogue.bounds[i])
+            needed = needed_flow_stress(scenario, threat.required_m_s, 1.0 - bound if bound < NO_BOUND else None)
+            flow_stress |= {} if needed is None else {title: needed}
     weight = tuple(of_armour(catalogue.section, vars(design)))
-    short = {threat: max(-float(spare), 0.0) for threat, spare in zip(catalogue.titles, slack, strict=True)}
-    for row in requirements:
-        if row.quantity == "margin_m_s" and row.found is not None:
-            short[row.threat] = max(short[row.threat], row.required - row.found)
+    searched = catalogue.scenario.ballistic_limit
+    ratio = of_limits.one(governing).times(1.0 / limit)
     return BestDesign(
         **asdict(design),
         ballistic_limit_m_s=limit if searched.velocity_min_m_s < limit <= searched.velocity_max_m_s else None,
@@ -717,31 +716,8 @@ def _best(designs: Designs, place: int, *, named: bool = False) -> BestDesign:
             if row.found is not None and row.verdict == "fails"
         },
         requirements=(*requirements, *weight),
-        flow_stress=dict(_flow_stress(designs, place, stopping)) if named else {},
+        flow_stress=flow_stress,
     )
-
-
-def _flow_stress(
-    designs: Designs, place: int, stopping: dict[str, float | None]
-) -> Iterator[tuple[str, NeededFlowStress]]:
-    """Yield the flow stress with which the ceramic of a design stops each threat whose probability is unknown."""
-    catalogue, (pair, ceramic, backing) = designs.catalogue, (column[place].item() for column in designs.columns[:3])
-    for i, (title, threat) in enumerate(zip(catalogue.titles, catalogue.threats, strict=True)):
-        if stopping[title] is None and catalogue.untested[pair]:
-            scenario = catalogue.against(pair, i).replaced({CERAMIC: ceramic, BACKING: backing})
-            bound = float(catalogue.bounds[i])
-            needed = needed_flow_stress(scenario, threat.required_m_s, 1.0 - bound if bound < NO_BOUND else None)
-            if needed is not None:
-                yield title, needed
-
-
-def _of_stopping(catalogue: Catalogue, distributions: Mixture, sampled: dict[str, Estimate]) -> dict[str, float | None]:
-    """Return the probabilities that a design stops each threat, from the samples or else from the model error."""
-    # One by one: for several at once scipy would be imported.
-    velocities = catalogue.velocities_m_s.tolist()
-    chances = [float(distributions.one(i).probability_above(velocity)) for i, velocity in enumerate(velocities)]
-    by_error = {title: None if isnan(p) else p for title, p in zip(catalogue.titles, chances, strict=True)}
-    return by_error | {title: 1.0 - estimate.value for title, estimate in sampled.items()}
 
 
 def _pairs(designs: Designs, search: FreeThicknesses, best: int | None, least: int) -> tuple[Pair, ...]:
@@ -812,7 +788,7 @@ def _why_none(designs: Designs, unlimited: Designs, pair: int | None = None) -> 
     catalogue, section = designs.catalogue, designs.catalogue.section
     threats = catalogue.titles[0] if len(catalogue.titles) == 1 else "every threat"
     asked = ["the margin"] if catalogue.margins_m_s.any() else []
-    required = f" with {joined_words([*asked, 'the probability'])} required" if catalogue.bounded else ""
+    required = f" with {joined([*asked, 'the probability'])} required" if catalogue.bounded else ""
     places = np.flatnonzero((unlimited.columns.pair == pair) | (pair is None))
     if (first := unlimited.first(places, NOT_KNOWN, by_samples=False)) is not None:
         is_known = unlimited.verdicts(np.array([first]))[0] == PASSES

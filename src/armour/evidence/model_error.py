@@ -167,10 +167,6 @@ class ErrorRows(NamedTuple):
         ratio = Mixture(np.full(shape, np.nan), nothing, ones, ones.copy(), narrowed=ones.copy())
         return cls(ratio, np.zeros((laws, len(LAW_FIELDS), count)))
 
-    def at(self, where: Any) -> "ErrorRows":
-        """Return the errors of some armours."""
-        return ErrorRows(self.ratio.mapped(lambda array: array[..., where]), self.parameters[..., where])
-
     @property
     def known(self) -> Any:
         """Whether the error is known, (n,)."""

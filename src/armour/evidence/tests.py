@@ -88,14 +88,14 @@ class Evidence(NamedTuple):
     The error applies to armours of the kind, and is extrapolated outside the ranges of the tests.
     """
 
-    title: str
-    source: str  # its key of the bibliography is in brackets
-    laws: tuple[tuple[DataRange, ...], ...]  # of the ceramic's flow stress, one of which an armour has
-    kind: tuple[DataRange, ...]  # of armour and penetrator
-    measured: tuple[DataRange, ...]  # ranges of the tests
-    compared: tuple[DataRange, ...]  # outside them, an armour is like none that was compared
-    velocities_m_s: tuple[float, float]
-    fits: tuple[Fit, ...]  # of the error, one for each law; none of results of the paper's program
+    title: str = ""
+    source: str = ""  # its key of the bibliography is in brackets
+    laws: tuple[tuple[DataRange, ...], ...] = ()  # of the ceramic's flow stress, one of which an armour has
+    kind: tuple[DataRange, ...] = ()  # of armour and penetrator
+    measured: tuple[DataRange, ...] = ()  # ranges of the tests
+    compared: tuple[DataRange, ...] = ()  # outside them, an armour is like none that was compared
+    velocities: DataRange = DataRange("velocity_m_s", 0.0, np.inf)
+    fits: tuple[Fit, ...] = ()  # of the error, one for each law; none of results of the paper's program
     ceramic: str = ""  # empty of bare plates
     obliquity_max_deg: float = 0.0  # greatest angle of the tests
     at_least_deg: float = 0.0  # greatest angle at which plates are known to have at least the limit at normal incidence
@@ -159,7 +159,7 @@ def shipped_evidence() -> tuple[Evidence, ...]:
             kind=_ranges(kind),
             measured=_ranges(data["measured"]),
             compared=_ranges(compared),
-            velocities_m_s=tuple(data["velocities_m_s"]),
+            velocities=DataRange("velocity_m_s", *data["velocities_m_s"]),
             fits=tuple(fits()[name]._replace(weight=1.0 / len(data["fits"])) for name in data["fits"]),
             **{key: data[key] for key in AS_GIVEN if key in data},
         )
@@ -270,7 +270,7 @@ def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
     words = f"{counted(len(velocities), 'own test')} of this lot"
     words += f" ({len(doubtful)} out of line)" * bool(len(doubtful))
     words += ", for another laboratory or series" * ("series" in tested)
-    is_new = own_tests.law[0].level is not None
+    is_new, (_, low, high) = own_tests.law[0].level is not None, shipped.velocities
     kind, measured = _ranges_with(own_tests, tested, shipped, is_new=is_new)
     return shipped._replace(
         title=f"{words}, taken to scatter like {shipped.title}" if is_new else f"{shipped.title} and {words}",
@@ -278,7 +278,7 @@ def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
         kind=kind,
         measured=measured,
         compared=(*kind, *measured),
-        velocities_m_s=(min(shipped.velocities_m_s[0], *velocities), max(shipped.velocities_m_s[1], *velocities)),
+        velocities=DataRange(shipped.velocities.name, min(low, *velocities), max(high, *velocities)),
         fits=tuple(fit._replace(weight=w) for fit, w in zip(updated, weights, strict=True)),
         obliquity_max_deg=max(shipped.obliquity_max_deg, *np.degrees(np.arccos(1.0 / tested["path_ratio"]))),
         lot=own_tests.lot or entry.name,
@@ -288,9 +288,7 @@ def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
 
 def _without_fit(entry: LibraryEntry, reason: str, implausible: Any = ()) -> Evidence:
     """Return the evidence of an entry whose own tests say nothing, and why."""
-    return Evidence(
-        "", reason, (), (), (), (), (0.0, np.inf), (), lot=entry.name, doubtful=tuple(map(int, implausible))
-    )
+    return Evidence(source=reason, lot=entry.name, doubtful=tuple(map(int, implausible)))
 
 
 def _kept_kind(shipped: Evidence, own_tests: OwnTests) -> tuple[DataRange, ...]:
@@ -394,7 +392,7 @@ def limits_outside(armours: Armours, velocities: Any) -> Iterator[Outside]:
     """
     ceramics = ", ".join(dict.fromkeys(tests.ceramic for tests in shipped_evidence() if tests.ceramic))
     for evidence, rows in armours.by_evidence():
-        members, speeds, (low, high) = armours.at(rows), velocities[rows], evidence.velocities_m_s
+        members = armours.at(rows)
         q, ceramic = members.quantities(), members.materials[members.material_of_row[0]].ceramic
         name, is_shipped = f', found "{ceramic.name}"' if ceramic else "", not evidence.lot
         no_test = f"{ceramic.name if ceramic else ''} (no test)"
@@ -402,7 +400,7 @@ def limits_outside(armours: Armours, velocities: Any) -> Iterator[Outside]:
         is_other = is_outside(evidence.kind[:2], q) & is_shipped & bool(evidence.ceramic)
         checks = [
             (OBLIQUITY, evidence.angles(), evidence.fails_angle(members.cosines), "", angle),
-            _check(DataRange("velocity_m_s", low, high), {"velocity_m_s": speeds}),
+            _check(evidence.velocities, {"velocity_m_s": velocities[rows]}),
             ("armour.ceramic", "no test by such a law of the flow stress", evidence.has_other_law(q), name, no_test),
             ("armour.ceramic", f"tests or results of the paper's program of {ceramics} only", is_other, name, no_test),
             ("armour.ceramic", evidence.title, ~is_other & (not evidence.fits) & is_shipped, name, no_test),
@@ -422,10 +420,9 @@ def outside_tests(armours: Armours, velocities: Any, threats: int = 1) -> list[d
     factors = defaultdict[str, Any](lambda: np.ones(len(velocities)))
     for evidence, rows in armours.by_evidence():
         members = armours.at(rows)
-        q, has_ceramic = members.quantities() | {"velocity_m_s": velocities[rows]}, bool(np.any(members.parameters.Hc0))
-        evidence = _tests_of(evidence, has_ceramic=has_ceramic)
-        is_other = is_outside(evidence.kind[:2], q) & (not evidence.lot) & has_ceramic
-        for limits in (*evidence.kind, *evidence.measured, DataRange("velocity_m_s", *evidence.velocities_m_s)):
+        q, evidence = members.quantities() | {"velocity_m_s": velocities[rows]}, _tests_of(evidence, members)
+        is_other = is_outside(evidence.kind[:2], q) & (not evidence.lot) & bool(evidence.ceramic)
+        for limits in (*evidence.kind, *evidence.measured, evidence.velocities):
             factors[limits.name][rows] = np.where(is_other & (limits.name in OF_CERAMIC), 1.0, limits.ratio(q))
         law, angle = evidence.has_other_law(q) & ~is_other, evidence.fails_angle(members.cosines)
         for name, is_far in (("ceramic", is_other), ("ceramic law", law), ("angle", angle)):
@@ -439,10 +436,11 @@ def outside_tests(armours: Armours, velocities: Any, threats: int = 1) -> list[d
     return [dict(sorted(each.items(), key=lambda item: -abs(log(item[1])))) for each in outside]
 
 
-def _tests_of(evidence: Evidence, *, has_ceramic: bool) -> Evidence:
+def _tests_of(evidence: Evidence, armours: Armours) -> Evidence:
     """Return the evidence, or the tests of such armour where it has none: results of the paper's program are none."""
     if evidence.fits:
         return evidence
+    has_ceramic = bool(np.any(armours.parameters.Hc0))
     return next(tests for tests in shipped_evidence() if tests.fits and bool(tests.ceramic) == has_ceramic)
 
 
@@ -453,7 +451,7 @@ def limits_of_model(
     p, least = armours.parameters, np.zeros(len(armours.cosines))
     yield from caveats(p, metals, said=said)
     for evidence, rows in armours.by_evidence():
-        ranges = _tests_of(evidence, has_ceramic=bool(np.any(armours.at(rows).parameters.Hc0))).measured
+        ranges = _tests_of(evidence, armours.at(rows)).measured
         least[rows] = sum(limits.low for limits in ranges if limits.name == THIN)
     is_thin = p.Hc0 / p.D0 < least
     if is_thin.any():
