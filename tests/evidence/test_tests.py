@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from armour.analysis.variants import outside_limits, variants_of
+from armour.analysis.variants import variants_of
 from armour.engine import batch
 from armour.errors import InputError
 from armour.evidence.fit import quantities
@@ -142,7 +142,7 @@ CASES = (
 @pytest.mark.parametrize("case", CASES, ids=str)
 def test_rows_are_judged_like_scenarios(case: Scenario):
     words = [warning.partition(", found ")[0] for warning in scenario_warnings(case, case.impact.velocity_m_s)]
-    assert sorted(outside_limits(variants_of(case, {}, 2))) == sorted((warning, 2) for warning in words)
+    assert sorted(variants_of(case, {}, 2).outside_limits()) == sorted((warning, 2) for warning in words)
 
 
 @pytest.mark.parametrize(

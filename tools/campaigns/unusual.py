@@ -13,7 +13,7 @@ import sys
 
 import numpy as np
 
-from armour.analysis.variants import Bools, Floats, Ints, Variants, ballistic_limits, least_thicknesses
+from armour.analysis.variants import Bools, Floats, Ints, Variants, ballistic_limits
 from armour.core.search import DENSE_SCAN_POINTS, SCAN_POINTS, scan
 from armour.core.state import Outcome, Parameters
 from armour.engine import batch
@@ -143,7 +143,7 @@ def compare_thicknesses(designs: Variants) -> int:
     same = told = several = unresolved = 0
     for i in range(len(designs.velocities)):
         try:
-            least = least_thicknesses(designs.at(np.array([i])), "ceramic")
+            least = designs.at(np.array([i])).least_thicknesses("ceramic")
         except InputError:  # a run of more steps than a command takes
             unresolved += 1
             continue

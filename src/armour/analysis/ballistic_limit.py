@@ -11,22 +11,13 @@ import numpy as np
 
 from armour.analysis.impact import ImpactResult, impact_at, unresolved_error
 from armour.analysis.results import OnProgress, Result, ignore_progress
-from armour.analysis.variants import (
-    Floats,
-    Variants,
-    ballistic_limits,
-    limit_brackets,
-    limits_by_law,
-    outcomes_at,
-    row_of,
-    variants_of,
-)
+from armour.analysis.variants import Variants, ballistic_limits, limit_brackets, outcomes_at, row_of, variants_of
 from armour.core import search
 from armour.core.state import Outcome
 from armour.errors import InputError, NoLimitError
 from armour.evidence.caveats import is_long_rod, is_no_metal
 from armour.evidence.fit import fits
-from armour.evidence.mixture import Mixture
+from armour.evidence.mixture import Floats, Mixture
 from armour.evidence.model_error import ModelError, error_of, other_settings
 from armour.evidence.tests import is_untested, scenario_warnings
 from armour.scenario.checked import checked
@@ -262,7 +253,7 @@ def model_error(row: Variants, limit_m_s: float) -> ModelError | None:
     """
     errors = row.errors
     # The ratio by its own law is exactly 1.
-    ratio = errors.ratio.times(limits_by_law(row, errors, np.array([limit_m_s])) / limit_m_s).one()
+    ratio = errors.ratio.times(row.limits_by_law(errors, np.array([limit_m_s])) / limit_m_s).one()
     return error_of(row.scenario, ratio, row.armours, limit_m_s)
 
 

@@ -12,19 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from armour.analysis.quantities import QUANTITIES, reads_of
-from armour.analysis.variants import (
-    Bools,
-    Floats,
-    Ints,
-    LeastThicknesses,
-    Variants,
-    ballistic_limits,
-    changes_above,
-    grid_of,
-    least_thicknesses,
-    outside_limits,
-    variants_of,
-)
+from armour.analysis.variants import Bools, Floats, Ints, Thinnest, Variants, ballistic_limits, grid_of, variants_of
 from armour.core import equations
 from armour.core.state import Outcome
 from armour.engine import batch
@@ -134,7 +122,7 @@ def evaluate_groups(
     }
     warnings: Counter[str] = Counter()
     for answer in answers:
-        warnings.update(dict(outside_limits(answer.variants, velocities="impact" in reads_of(quantities))))
+        warnings.update(dict(answer.variants.outside_limits(velocities="impact" in reads_of(quantities))))
         warnings.update(answer.changes(quantities))
         if "uncertainty.model" in reads_of(quantities) and answer.variants.scenario.unused_distributions():
             warnings[f"uncertainty: {EXACT_INPUTS}"] += len(answer.variants.velocities)
@@ -163,7 +151,7 @@ class QuantityValues:
 
     def __init__(self, variants: Variants) -> None:
         self.variants = variants
-        self._least_by_layer: dict[str, LeastThicknesses] = {}
+        self._least_by_layer: dict[str, Thinnest] = {}
 
     @cached_property
     def impacts(self) -> batch.ImpactBatch:
@@ -181,10 +169,10 @@ class QuantityValues:
         limits = ballistic_limits(self.variants)
         return np.where(np.isfinite(limits), limits, np.nan)
 
-    def least(self, layer: str) -> LeastThicknesses:
+    def least(self, layer: str) -> Thinnest:
         """Return the least thicknesses of a layer, or of the armour, that stop the impacts."""
         if layer not in self._least_by_layer:
-            self._least_by_layer[layer] = least_thicknesses(self.variants, layer)
+            self._least_by_layer[layer] = self.variants.least_thicknesses(layer)
         return self._least_by_layer[layer]
 
     @cached_property
@@ -241,7 +229,7 @@ class QuantityValues:
         """Return warnings that the outcome changes more than once, each with the number of rows concerned."""
         rows_by_words: dict[str, Bools] = {}
         if limits := [name for name in quantities if "ballistic_limit" in QUANTITIES[name].reads]:
-            rows_by_words[f"{', '.join(limits)}: {AGAIN}"] = changes_above(self.variants, self.ballistic_limits)
+            rows_by_words[f"{', '.join(limits)}: {AGAIN}"] = self.variants.changes_above(self.ballistic_limits)
         for name in quantities:
             if layer := QUANTITIES[name].least:
                 rows_by_words[f"{name}: {THICKER.format(layer)}"] = self.least(layer).changes_again

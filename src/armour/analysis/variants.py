@@ -37,6 +37,13 @@ SCANS_AT_A_TIME = 250
 RowCondition = Callable[[Floats, Ints], Bools]
 
 
+class Thinnest(NamedTuple):
+    """Least thicknesses of n rows."""
+
+    mm: Floats  # NaN where none is found
+    changes_again: Bools  # a thicker layer is known to be perforated; looked for where a row is unusual
+
+
 class Variants(NamedTuple):
     """n variants of a scenario."""
 
@@ -157,7 +164,59 @@ class Variants(NamedTuple):
     def limit_distributions(self, limits: Floats) -> Mixture:
         """Return the distributions of the ballistic limits of n armours, given those of the model, m/s, (n,)."""
         errors = self.errors
-        return errors.ratio.times(limits_by_law(self, errors, limits))
+        return errors.ratio.times(self.limits_by_law(errors, limits))
+
+    def outside_limits(self, *, velocities: bool = True) -> Iterator[tuple[str, int]]:
+        """Yield warnings, each with its number of rows: caveats, values outside the tests, and doubtful strengths."""
+        speeds = self.velocities if velocities else np.full_like(self.velocities, np.nan)
+        metals = [materials.backing for materials in self.materials] if self.own_strength else []
+        for note, rows in limits_of_model(self.armours, metals, said=False):
+            yield note, int(np.count_nonzero(rows))
+        for limit in limits_outside(self.armours, speeds):
+            yield f"{limit.key}: {limit.words}", len(limit.rows)
+        armour = batch.fields(self.parameters)
+        for bare in (False, True):
+            if count := int(np.count_nonzero((armour.Hc0 == 0.0) == bare)):
+                yield from ((note, count) for note in strength_notes(metals, bare=bare))
+
+    def limits_by_law(self, errors: ErrorRows, own_limits: Floats) -> Floats:
+        """Return the ballistic limits by each law of the rows' errors, m/s, (laws, n), given those of the rows.
+
+        They are searched for beyond the range of the section too.  A row without a limit, NaN, has none by any law.
+        """
+        limits = np.tile(own_limits, (len(errors.ratio.weights), 1))
+        for law in range(1, len(limits)):
+            rows = np.flatnonzero((errors.ratio.weights[law] > 0.0) & ~np.isnan(own_limits))
+            if len(rows):
+                limits[law, rows] = self.by_law(law, errors).at(rows).limits_anywhere()
+        return limits
+
+    def changes_above(self, limits: Floats) -> Bools:
+        """Return which unusual rows are seen to stop an impact faster than their ballistic limit, (n,)."""
+        section, changes_again = self.scenario.ballistic_limit, np.zeros(len(limits), dtype=bool)
+        velocities = np.array(scan(section.velocity_min_m_s, section.velocity_max_m_s, DENSE_SCAN_POINTS))
+        where = np.flatnonzero(self.is_unusual() & np.isfinite(limits))
+        for start in range(0, len(where), SCANS_AT_A_TIME):
+            part = where[start : start + SCANS_AT_A_TIME]
+            row, place = np.nonzero(velocities > limits[part, None])
+            faster = self.at(part[row])._replace(velocities=velocities[place])
+            changes_again[part[row[~faster.perforated()]]] = True
+        return changes_again
+
+    def least_thicknesses(self, layer: str) -> Thinnest:
+        """Return the least thickness of the "ceramic" or the "back plate", within the grid, that stops each impact.
+
+        That of the "armour" is of both layers together, which keep their proportion and are within their ranges.
+        """
+        grid, count = grid_of(self.scenario), len(self.velocities)
+        if layer == "armour":
+            return _least_totals(self, grid)
+        name, of_range = {
+            "ceramic": ("ceramic_mm", grid.ceramic_thickness_mm),
+            "back plate": ("backing_mm", grid.backing_thickness_mm),
+        }[layer]
+        conditions = _conditions(lambda values, rows: self.at(rows).with_thicknesses(**{name: values}))
+        return least_values_mm(*conditions, np.full(count, of_range.min), np.full(count, of_range.max))
 
 
 def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -> Variants:
@@ -194,20 +253,6 @@ def concatenated(parts: Sequence[Variants]) -> Variants:
     return Variants._make([*columns, *parts[0][4:]])
 
 
-def outside_limits(variants: Variants, *, velocities: bool = True) -> Iterator[tuple[str, int]]:
-    """Yield warnings, each with its number of rows: caveats, values outside the tests, and doubtful strengths."""
-    speeds = variants.velocities if velocities else np.full_like(variants.velocities, np.nan)
-    metals = [materials.backing for materials in variants.materials] if variants.own_strength else []
-    for note, rows in limits_of_model(variants.armours, metals, said=False):
-        yield note, int(np.count_nonzero(rows))
-    for limit in limits_outside(variants.armours, speeds):
-        yield f"{limit.key}: {limit.words}", len(limit.rows)
-    armour = batch.fields(variants.parameters)
-    for bare in (False, True):
-        if count := int(np.count_nonzero((armour.Hc0 == 0.0) == bare)):
-            yield from ((note, count) for note in strength_notes(metals, bare=bare))
-
-
 def outside_words(outside_tests: Mapping[str, float], most: int = 100) -> str:
     """Return in what an armour lies outside the tests and by which factor, at most so much; "" inside them."""
     names = {key: quantity["name"] for key, quantity in shipped_data()["quantity"].items() if "name" in quantity}
@@ -235,13 +280,6 @@ def check_resolved(resolved: Bools, variants: Variants) -> None:
     """Raise an InputError that names the key at fault if the run of a row does not end."""
     if not resolved.all():
         raise unresolved_error(variants.scenario, float(variants.velocities[int(np.argmin(resolved))]))
-
-
-class LeastThicknesses(NamedTuple):
-    """Least thicknesses of n rows."""
-
-    mm: Floats  # NaN where none is found
-    changes_again: Bools  # a thicker layer is known to be perforated; looked for where a row is unusual
 
 
 def ballistic_limits(
@@ -302,19 +340,6 @@ def outcomes_at(armour: Parameters, velocities: Sequence[float], options: batch.
     return np.array([run(armour, velocity, time_step, V_arrest, max_steps).outcome for velocity in velocities])
 
 
-def limits_by_law(variants: Variants, errors: ErrorRows, own_limits: Floats) -> Floats:
-    """Return the ballistic limits by each law of the rows' errors, m/s, (laws, n), given those of the rows.
-
-    They are searched for beyond the range of the section too.  A row without a limit, NaN, has none by any law.
-    """
-    limits = np.tile(own_limits, (len(errors.ratio.weights), 1))
-    for law in range(1, len(limits)):
-        rows = np.flatnonzero((errors.ratio.weights[law] > 0.0) & ~np.isnan(own_limits))
-        if len(rows):
-            limits[law, rows] = variants.by_law(law, errors).at(rows).limits_anywhere()
-    return limits
-
-
 def moved_m_s(variants: Variants) -> Floats:
     """Return the ballistic limits of rows less those with the default time step and tolerance, m/s, (n,).
 
@@ -329,19 +354,6 @@ def moved_m_s(variants: Variants) -> Floats:
     section = scenario.ballistic_limit.model_copy(update={"tolerance_m_s": usual})
     default = scenario.model_copy(update={"solver": solver, "ballistic_limit": section})
     return variants.limits_anywhere() - variants._replace(scenario=default).limits_anywhere()
-
-
-def changes_above(variants: Variants, limits: Floats) -> Bools:
-    """Return which unusual rows are seen to stop an impact faster than their ballistic limit, (n,)."""
-    section, changes_again = variants.scenario.ballistic_limit, np.zeros(len(limits), dtype=bool)
-    velocities = np.array(scan(section.velocity_min_m_s, section.velocity_max_m_s, DENSE_SCAN_POINTS))
-    where = np.flatnonzero(variants.is_unusual() & np.isfinite(limits))
-    for start in range(0, len(where), SCANS_AT_A_TIME):
-        part = where[start : start + SCANS_AT_A_TIME]
-        row, place = np.nonzero(velocities > limits[part, None])
-        faster = variants.at(part[row])._replace(velocities=velocities[place])
-        changes_again[part[row[~faster.perforated()]]] = True
-    return changes_again
 
 
 def bisect_rows(holds: RowCondition, rows: Ints, low: Floats, high: Floats) -> Floats:
@@ -361,23 +373,7 @@ def bisect_rows(holds: RowCondition, rows: Ints, low: Floats, high: Floats) -> F
         low[places[~is_met]] = values[~is_met]
 
 
-def least_thicknesses(variants: Variants, layer: str) -> LeastThicknesses:
-    """Return the least thickness of the "ceramic" or the "back plate", in its range of the grid, that stops the impact.
-
-    That of the "armour" is of both layers together, which keep their proportion and are within their ranges.
-    """
-    grid, count = grid_of(variants.scenario), len(variants.velocities)
-    if layer == "armour":
-        return _least_totals(variants, grid)
-    name, of_range = {
-        "ceramic": ("ceramic_mm", grid.ceramic_thickness_mm),
-        "back plate": ("backing_mm", grid.backing_thickness_mm),
-    }[layer]
-    conditions = _conditions(lambda values, rows: variants.at(rows).with_thicknesses(**{name: values}))
-    return least_values_mm(*conditions, np.full(count, of_range.min), np.full(count, of_range.max))
-
-
-def _least_totals(variants: Variants, grid: Optimise) -> LeastThicknesses:
+def _least_totals(variants: Variants, grid: Optimise) -> Thinnest:
     """Return the least thickness of both layers together."""
     ceramics, backings = variants.ceramics_mm, variants.backings_mm
     totals = ceramics + backings
@@ -392,7 +388,7 @@ def _least_totals(variants: Variants, grid: Optimise) -> LeastThicknesses:
         ceramic_mm, backing_mm = (values * layer[places] / totals[places] for layer in (ceramics, backings))
         return variants.at(places).with_thicknesses(ceramic_mm=ceramic_mm, backing_mm=backing_mm)
 
-    least = LeastThicknesses(np.full(len(totals), np.nan), np.zeros(len(totals), dtype=bool))
+    least = Thinnest(np.full(len(totals), np.nan), np.zeros(len(totals), dtype=bool))
     ends = low[where] * totals[where], high[where] * totals[where]
     least.mm[where], least.changes_again[where] = least_values_mm(*_conditions(scaled), *ends)
     return least
@@ -405,7 +401,7 @@ def _conditions(thick: Callable[[Floats, Ints], Variants]) -> tuple[RowCondition
 
 def least_values_mm(
     stops: RowCondition, is_unusual: RowCondition, low: Floats, high: Floats, points: int = DENSE_SCAN_POINTS
-) -> LeastThicknesses:
+) -> Thinnest:
     """Return the least thickness from low to high, mm, that stops the threat in each row, by bisection or scan.
 
     The outcome is taken to change once at most.  Rows that are unusual, by the least thickness found or, if that is
@@ -426,4 +422,4 @@ def least_values_mm(
         upper = bisect_rows(stops, rows, values[numbers, np.maximum(first - 1, 0)], values[numbers, first])
         least[rows] = np.where(stopped.any(axis=1), upper, np.nan)
         changes_again[rows] = (stopped[:, :-1] > stopped[:, 1:]).any(axis=1)
-    return LeastThicknesses(least, changes_again)
+    return Thinnest(least, changes_again)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from armour.analysis.variants import Bools, Floats, Ints, LeastThicknesses, Variants, least_values_mm
+from armour.analysis.variants import Bools, Floats, Ints, Thinnest, Variants, least_values_mm
 from armour.core.search import SCAN_POINTS
 from armour.design.catalogue import COST_COLUMN, MARGIN_COLUMN, CandidateDesigns, Catalogue, first_backings
 from armour.design.designs import PASSES, Designs, Runs, measured, verdicts_of
@@ -162,7 +162,7 @@ def _least(
     other_mm: Floats,
     *,
     verify: bool,
-) -> LeastThicknesses:
+) -> Thinnest:
     """Return the least thickness of a free layer that passes with each thickness of the other.
 
     The search is by the outcome at the velocities required and, to verify, by the limit if one lies below them.
