@@ -60,10 +60,13 @@ class DataRange(NamedTuple):
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.nan_to_num(q[self.name] / q[self.name].clip(self.low, self.high), nan=1.0, posinf=np.inf)
 
+    def joined(self, low: float, high: float) -> "DataRange":
+        """Return the range from its lower end or a lower one, to its upper end or a higher one."""
+        return DataRange(self.name, min(self.low, float(low)), max(self.high, float(high)))
+
     def containing(self, values: Any) -> "DataRange":
         """Return the range widened to contain further values, with a margin for rounding."""
-        low, high = values.min() * (1.0 - ROUNDING), values.max() * (1.0 + ROUNDING)
-        return DataRange(self.name, min(self.low, float(low)), max(self.high, float(high)))
+        return self.joined(values.min() * (1.0 - ROUNDING), values.max() * (1.0 + ROUNDING))
 
     @property
     def key(self) -> str:
@@ -248,7 +251,7 @@ def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
     It holds for armours with the calibrated values.  There is no fit if the entry must be calibrated again.
     """
     if not own_tests.law:
-        return _without_fit(entry, own_tests.reason or NO_LAW)
+        return Evidence(source=own_tests.reason or NO_LAW, lot=entry.name)
     from scipy.special import softmax  # slow to import
 
     tested = {name: np.array(column) for name, column in own_tests.tests.items()}
@@ -257,7 +260,8 @@ def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
     by_law = list(_by_law(own_tests, tested, "ceramic" if shipped.ceramic else "backing"))
     distances = np.min([_distances(fit, tests, level) for fit, tests, level in by_law], axis=0)
     if (distances > IMPLAUSIBLE).any():
-        return _without_fit(entry, OF_NO_LOT, np.flatnonzero(distances > IMPLAUSIBLE))
+        doubtful = np.flatnonzero(distances > IMPLAUSIBLE)
+        return Evidence(source=OF_NO_LOT, lot=entry.name, doubtful=tuple(doubtful.tolist()))
     is_strange = is_outside(_kept_kind(shipped, own_tests), tested).any()
     between_lots = STRANGE_METAL if is_strange else STRANGE * bool(shipped.ceramic)
     lots = [(fit.of_lot(between_lots, level), tests) for fit, tests, level in by_law]
@@ -270,7 +274,7 @@ def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
     words = f"{counted(len(velocities), 'own test')} of this lot"
     words += f" ({len(doubtful)} out of line)" * bool(len(doubtful))
     words += ", for another laboratory or series" * ("series" in tested)
-    is_new, (_, low, high) = own_tests.law[0].level is not None, shipped.velocities
+    is_new = own_tests.law[0].level is not None
     kind, measured = _ranges_with(own_tests, tested, shipped, is_new=is_new)
     return shipped._replace(
         title=f"{words}, taken to scatter like {shipped.title}" if is_new else f"{shipped.title} and {words}",
@@ -278,17 +282,12 @@ def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
         kind=kind,
         measured=measured,
         compared=(*kind, *measured),
-        velocities=DataRange(shipped.velocities.name, min(low, *velocities), max(high, *velocities)),
+        velocities=shipped.velocities.joined(velocities.min(), velocities.max()),
         fits=tuple(fit._replace(weight=w) for fit, w in zip(updated, weights, strict=True)),
         obliquity_max_deg=max(shipped.obliquity_max_deg, *np.degrees(np.arccos(1.0 / tested["path_ratio"]))),
         lot=own_tests.lot or entry.name,
         doubtful=tuple(doubtful.tolist()),
     )
-
-
-def _without_fit(entry: LibraryEntry, reason: str, implausible: Any = ()) -> Evidence:
-    """Return the evidence of an entry whose own tests say nothing, and why."""
-    return Evidence(source=reason, lot=entry.name, doubtful=tuple(map(int, implausible)))
 
 
 def _kept_kind(shipped: Evidence, own_tests: OwnTests) -> tuple[DataRange, ...]:
