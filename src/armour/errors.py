@@ -69,17 +69,22 @@ class Note(str):
     said : str
         "caveat" if the answer itself contains the text, "too low" if the armour may stop more than the answer says,
         "not known" if it is the answer, "pairs" if the table of pairs of materials contains it; else empty.
+    about : tuple
+        What a caveat is, with the numbers or the name that it is about; empty for other warnings.
     """
 
     key: str
     text: str
     brief: str
     said: str
+    about: tuple[str | float, ...]
 
-    def __new__(cls, text: str, key: str = "", brief: str = "", *, said: str = "") -> Self:
+    def __new__(
+        cls, text: str, key: str = "", brief: str = "", *, said: str = "", about: tuple[str | float, ...] = ()
+    ) -> Self:
         """Make a warning; see the attributes."""
         note = super().__new__(cls, f"{key}: {text}" if key else text)
-        note.key, note.text, note.brief, note.said = key, text, brief, said
+        note.key, note.text, note.brief, note.said, note.about = key, text, brief, said, about
         return note
 
 

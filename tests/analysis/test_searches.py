@@ -5,19 +5,7 @@ import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.evaluate import QuantityValues
-from armour.analysis.variants import (
-    Variants,
-    ballistic_limits,
-    bisect_rows,
-    changes_above,
-    least_backings_mm,
-    least_ceramics_mm,
-    least_totals_mm,
-    limits_anywhere,
-    perforated,
-    variants_of,
-    with_thicknesses,
-)
+from armour.analysis.variants import Variants, ballistic_limits, bisect_rows, variants_of
 from armour.errors import InputError, NoLimitError
 from armour.scenario.scenario import Scenario
 from tests.helpers.cases import scenario
@@ -57,7 +45,7 @@ def test_no_armour_in_proportion():
         "backing_thickness_mm": {"min": 10.0, "max": 20.0, "step": 0.5},
     }
     for of in (case(velocity=3000.0), case().replaced({"optimise": apart})):
-        assert np.isnan(least_totals_mm(alone(of)).mm).all()
+        assert np.isnan(alone(of).least_thicknesses("armour").mm).all()
 
 
 def test_a_bare_plate_in_proportion():
@@ -67,7 +55,9 @@ def test_a_bare_plate_in_proportion():
         velocity=500.0,
         optimise={**WIDE, "ceramic_thickness_mm": {"min": 0.0, "max": 0.0, "step": 1.0}},
     )
-    assert least_totals_mm(alone(bare)).mm == pytest.approx(least_backings_mm(alone(bare)).mm, abs=2e-6)
+    assert alone(bare).least_thicknesses("armour").mm == pytest.approx(
+        alone(bare).least_thicknesses("back plate").mm, abs=2e-6
+    )
 
 
 def inside_the_data(count: int) -> list[Scenario]:
@@ -89,7 +79,7 @@ def test_limits_outside_the_range():
     assert ballistic_limits(variants, (1500.0, 4000.0)).tolist() == [-np.inf, -np.inf]
     fast = alone(case().replaced({"ballistic_limit": {"velocity_min_m_s": 1500.0}}))
     assert np.isnan(QuantityValues(fast).ballistic_limits).all()
-    assert limits_anywhere(fast) == pytest.approx(ballistic_limits(alone(case())), abs=0.02)
+    assert fast.limits_anywhere() == pytest.approx(ballistic_limits(alone(case())), abs=0.02)
 
 
 def test_an_unresolved_search_names_its_velocity(monkeypatch: pytest.MonkeyPatch):
@@ -117,18 +107,18 @@ def test_limits_of_unusual_rows_are_searched_densely_and_in_place():
     assert limits.tolist() == alone_limits
     assert limits[0] == limits[4] == pytest.approx(723.77, abs=0.02)
     assert limits[1] == limits[3] == pytest.approx(252.67, abs=0.02)
-    assert changes_above(together, limits).tolist() == [False, True, True, True, False]
+    assert together.changes_above(limits).tolist() == [False, True, True, True, False]
 
 
 def test_the_thinnest_layer_that_stops_an_impact_that_a_thicker_one_does_not():
     velocities = np.array([359.086, 320.0])
     variants = variants_of(narrow_ranges(), {"impact.velocity_m_s": velocities}, 2)
-    least = least_ceramics_mm(variants)
+    least = variants.least_thicknesses("ceramic")
     assert least.mm[0] == pytest.approx(9.546, abs=1e-3)
     values = np.linspace(0.5, 60.0, 500)
     for i, thickness in enumerate(least.mm):
-        many = with_thicknesses(variants.at(np.full(500, i)), ceramic_mm=values)
-        stops = ~perforated(many)
+        many = variants.at(np.full(500, i)).with_thicknesses(ceramic_mm=values)
+        stops = ~many.perforated()
         assert not stops[values < thickness].any()
         assert least.changes_again[i] == (~stops[values > thickness]).any()
-    assert not least_ceramics_mm(alone(case())).changes_again[0]
+    assert not alone(case()).least_thicknesses("ceramic").changes_again[0]

@@ -7,7 +7,7 @@ import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.impact import simulate
-from armour.analysis.variants import Bools, Variants, perforated
+from armour.analysis.variants import Bools, Variants
 from armour.design.optimise import optimise
 from armour.scenario.scenario import Scenario, load_scenario
 from tests.design.results import best_of
@@ -231,12 +231,14 @@ def test_no_design_without_a_lower_ballistic_limit(section: dict[str, Any]):
 
 
 def test_back_plates_at_which_a_thicker_ceramic_does_not_pass(monkeypatch: pytest.MonkeyPatch):
+    perforated = Variants.perforated
+
     def weak_at_one(variants: Variants) -> Bools:
         weak = np.isclose(variants.ceramics_mm, 13.0) & np.isclose(variants.backings_mm, 6.0)
         return perforated(variants) | weak
 
     assert optimise(case()).not_monotonic_mm == ()
-    monkeypatch.setattr("armour.design.designs.perforated", weak_at_one)
+    monkeypatch.setattr(Variants, "perforated", weak_at_one)
     result = optimise(case())
     assert result.not_monotonic_mm == (6.0,)
     assert THICKER.format("AD85 on 5083-H3", "ceramic") + ", with a back plate of 6 mm" in result.warnings

@@ -7,8 +7,8 @@ import pytest
 
 from armour.analysis.ballistic_limit import confidence
 from armour.design.catalogue import catalogue_of
+from armour.design.designs import Reliability
 from armour.design.optimise import optimise
-from armour.design.reliability import Reliability
 from armour.errors import InputError
 from tests.design.results import best_of
 from tests.helpers.cases import CERAMICS, METALS, THREATS, catalogue, scenario

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from armour import check, load_scenario, optimise, simulate, uncertainty
-from armour.analysis.perforation import probability_of_perforation
+from armour.analysis.samples import probability_of_perforation
 from armour.design.catalogue import Catalogue
 from armour.scenario.scenario import Scenario
 from tests.design.results import best_of

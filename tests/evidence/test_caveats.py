@@ -82,6 +82,21 @@ def test_up_to_2100_the_answer_asks_whether_it_is_a_metal(density: float, questi
     assert outcome(checked).count("a metal?") == bool(question)
 
 
+def test_a_search_tells_of_each_density_once():
+    """The caveat of the best design is not repeated of another metal of the same density."""
+    metals = {
+        name: {"density_kg_m3": density, "static_yield_strength_MPa": 300.0}
+        for name, density in (("X", 1900.0), ("Y", 1900.0), ("Z", 1950.0))
+    }
+    backings = [{"material": name, "thickness_mm": [40.0]} for name in ("6061-T6", *metals)]
+    design = {"ceramic": [{"material": "AD85", "thickness_mm": [6.0]}], "backing": backings}
+    found = armour.optimise(scenario(velocity=500.0, library={"metal": metals}, design=design))
+    told = [note.text for note in found.warnings if isinstance(note, Note) and note.said == "pairs"]
+    assert found.best is not None
+    assert found.best.backing == "X"
+    assert [text.partition(" a metal?")[0] for text in told] == ["is a back plate of 1,950 kg/m³"]
+
+
 def test_a_search_asks_it_of_pairs_that_it_does_not_name_first():
     grid = {"min": 6.0, "max": 12.0, "step": 1.0}
     layers = {

@@ -26,6 +26,7 @@ from tools.evidence import GROUPS, LAWS, plates_of, tiles_of
 GROUP = GROUPS["fragments_aluminium"]
 PLATES = plates_of(GROUP.kind, GROUP.metal)
 FIT = fits()["fragments_aluminium"]
+LOT = FIT.of_lot()
 LOTS, ROUNDS, REST, TREND = FIT.standard_deviations
 NOTHING = np.zeros(3)
 
@@ -60,7 +61,7 @@ def test_without_shared_deviations_the_coefficients_are_updated():
     Z = matrix_of(FIT.terms, FIT.reference, tests.quantities)
     S = Z @ prior() @ Z.T + REST**2 * np.eye(3)
     gain = prior() @ Z.T @ np.linalg.inv(S)
-    updated = FIT.updated(tests)
+    updated = LOT.given(tests)
     location, scale, _ = updated.predicted(tests.quantities, {})
     coefficients = FIT.coefficients + gain @ (tests.errors - Z @ FIT.coefficients)
     assert location == pytest.approx(Z @ coefficients, rel=1e-13)
@@ -91,7 +92,7 @@ def test_a_gross_error_is_one_of_the_hypotheses():
     weights = np.array([density for density, *_ in found])
     weights /= weights.sum()
     means, variances = (np.array([part[i] for part in found]) for i in (1, 2))
-    location, scale, _ = FIT.updated(tests).predicted(q, {})
+    location, scale, _ = LOT.given(tests).predicted(q, {})
     assert location - Z @ FIT.coefficients == pytest.approx(weights @ means)
     assert scale**2 == pytest.approx(weights @ variances + weights @ (means - weights @ means) ** 2)
     assert weights[3] > 0.2
@@ -99,7 +100,7 @@ def test_a_gross_error_is_one_of_the_hypotheses():
 
 def test_a_test_of_the_very_armour_says_what_its_limit_is():
     tests = lot([-0.20])
-    [location], [scale], _ = FIT.updated(tests).predicted(tests.quantities, {})
+    [location], [scale], _ = LOT.given(tests).predicted(tests.quantities, {})
     assert location == pytest.approx(-0.20, abs=0.01)
     assert scale < 0.06 < LOTS + REST
 
@@ -110,7 +111,7 @@ def test_a_test_out_of_line_is_improbable_given_the_others():
     Z, nu = matrix_of(FIT.terms, FIT.reference, tests.quantities), FIT.degrees_of_freedom
     misfit = (REST**2 - REPEAT**2) * np.exp(-distances(tests.quantities, tests.quantities) / LENGTH)
     S, d = Z @ prior() @ Z.T + misfit + REPEAT**2 * np.eye(3), tests.errors - Z @ FIT.coefficients
-    probabilities = FIT.probabilities_of_farther(tests)
+    probabilities = LOT.probabilities_of_farther(tests)
     for i in range(3):
         others = [place for place in range(3) if place != i]
         gain = np.linalg.solve(S[np.ix_(others, others)], S[others, i])
@@ -124,7 +125,7 @@ def test_a_test_out_of_line_is_improbable_given_the_others():
 
 def test_against_another_round_only_the_alloys_part_is_shared():
     tests = lot([-0.20])
-    updated, other_round = FIT.updated(tests), {**tests.quantities, "rod_diameter_mm": np.array([12.6])}
+    updated, other_round = LOT.given(tests), {**tests.quantities, "rod_diameter_mm": np.array([12.6])}
     (same, narrow, _), (shifted, wide, _) = (updated.predicted(q, {}) for q in (tests.quantities, other_round))
     [before], *_ = FIT.predicted(tests.quantities, {})
     assert before < shifted[0] < same[0]
@@ -147,15 +148,15 @@ def test_an_outcome_has_the_moments_of_the_truncated_distribution(side: float):
     deviation = float(np.sqrt(Z @ prior() @ Z.T + REST**2)[0, 0])
     score = side * (mean - 0.05) / deviation
     shift = side * norm.pdf(score) / norm.cdf(score) * (Z @ prior() @ Z.T)[0, 0] / deviation
-    assert FIT.updated(tests).predicted(tests.quantities, {})[0][0] == pytest.approx(mean + shift)
-    assert FIT.updated(tests).weight == pytest.approx(norm.logcdf(score))
+    assert LOT.given(tests).predicted(tests.quantities, {})[0][0] == pytest.approx(mean + shift)
+    assert LOT.given(tests).weight == pytest.approx(norm.logcdf(score))
     assert scale > 0.0
 
 
 def test_shots_at_one_armour_are_of_one_limit():
     """Stopped just below and perforated just above, they tell as much as the limit that they bracket."""
-    shots = FIT.updated(lot([-0.201, -0.199], [1.0, -1.0], [0, 0])._replace(quantities=PLATES.at([0, 0]).quantities))
-    limit = FIT.updated(lot([-0.200]))
+    shots = LOT.given(lot([-0.201, -0.199], [1.0, -1.0], [0, 0])._replace(quantities=PLATES.at([0, 0]).quantities))
+    limit = LOT.given(lot([-0.200]))
     q = PLATES.at([0]).quantities
     for ours, theirs in zip(shots.predicted(q, {}), limit.predicted(q, {}), strict=True):
         assert ours == pytest.approx(theirs, abs=0.01)
@@ -167,13 +168,13 @@ def test_outcomes_tell_the_same_in_any_order_and_contradictions_widen():
     predictions = []
     for order in ([0, 1, 2, 3, 4], [3, 4, 0, 1, 2], [4, 2, 0, 3, 1]):
         ordered = lot([errors[i] for i in order], [sides[i] for i in order], [0] * 5)
-        updated = FIT.updated(ordered._replace(quantities=q, uncertainties=np.full(5, 0.02)))
+        updated = LOT.given(ordered._replace(quantities=q, uncertainties=np.full(5, 0.02)))
         predictions.append(np.hstack([*updated.predicted(PLATES.at([0]).quantities, {})[:2], updated.weight]))
     for prediction in predictions[1:]:
         assert prediction == pytest.approx(predictions[0], rel=1e-4)
     alike = lot([-0.2, -0.2])._replace(quantities=PLATES.at([0, 0]).quantities)
     apart = alike._replace(errors=np.array([-0.5, 0.1]))
-    widths = [FIT.updated(tests).predicted(q, {})[1][0] for tests in (alike, apart)]
+    widths = [LOT.given(tests).predicted(q, {})[1][0] for tests in (alike, apart)]
     assert widths[1] > 1.2 * widths[0]
 
 
@@ -198,7 +199,7 @@ def test_outcomes_are_approximated_well(count: int):
 def test_a_level_replaces_that_of_the_fit():
     tests = lot([0.5])._replace(uncertainties=np.array([1e3]))
     q = tests.quantities
-    updated = FIT.updated(tests, level=(0.3, 0.2))
+    updated = FIT.of_lot(level=(0.3, 0.2)).given(tests)
     Z = matrix_of(FIT.terms, FIT.reference, q)
     coefficients = FIT.coefficients.copy()
     coefficients[0] = 0.3
@@ -234,7 +235,7 @@ def test_own_tests_of_a_ceramic_carry_the_answer_once_another_confirms_them():
         for parts, errors in (([q], [high]), ([q, q], [high, high]), ([q, q, away], [high, 0.0, 0.0]))
     )
     (alone_at, alone_low, _), (twice_at, twice_low, _), (apart_at, _, _) = (
-        fit.updated(tests, 0.1).predicted(q, {}) for tests in (alone, twice, apart)
+        fit.of_lot(0.1).given(tests).predicted(q, {}) for tests in (alone, twice, apart)
     )
     assert alone_at - 2.0 * alone_low < 0.1 < twice_at - 2.0 * twice_low
     assert apart_at < alone_at
@@ -251,7 +252,7 @@ def test_tests_of_two_laboratories_tell_less_of_a_third():
     scales = []
     for series in ([0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 2.0]):
         tests = lot(errors)._replace(quantities={**q, "series": np.array(series)})
-        scales.append(FIT.updated(tests).predicted(PLATES.at([0]).quantities, {})[1][0])
-    without = FIT.updated(lot(errors)._replace(quantities=q)).predicted(PLATES.at([0]).quantities, {})[1][0]
+        scales.append(LOT.given(tests).predicted(PLATES.at([0]).quantities, {})[1][0])
+    without = LOT.given(lot(errors)._replace(quantities=q)).predicted(PLATES.at([0]).quantities, {})[1][0]
     assert scales[0] == without
     assert scales[0] < scales[2] < scales[1]

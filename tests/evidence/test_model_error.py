@@ -7,7 +7,7 @@ import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit, confidence, model_error, no_error
 from armour.analysis.evaluate import evaluate
-from armour.analysis.variants import variants_of
+from armour.analysis.variants import row_of, variants_of
 from armour.core import equations
 from armour.design.check import check
 from armour.design.optimise import optimise
@@ -37,7 +37,7 @@ STEEL = {
 
 
 def error_of(case: Scenario, limit_m_s: float = 700.0) -> ModelError:
-    error = model_error(case, limit_m_s)
+    error = model_error(row_of(case), limit_m_s)
     assert error is not None
     return error
 
@@ -76,7 +76,7 @@ def test_the_error_is_that_of_tests_of_such_armours():
 )
 def test_no_error_where_nothing_was_tested(changes: dict[str, Any]):
     case = scenario(**changes)
-    assert model_error(case, 700.0) is None
+    assert model_error(row_of(case), 700.0) is None
     result = confidence(case)
     assert result.probability_of_stopping is None
     assert "own tests (armour calibrate)" in result.reason
@@ -88,7 +88,7 @@ def test_the_scenario_gives_the_error_or_excludes_it():
     assert error.source == "our tests"
     assert (error.mean_percent, error.scale_percent) == pytest.approx((0.0, 9.0))
     assert error.quantile(0.975) == pytest.approx(0.09 * 1.959964, rel=1e-4)
-    assert model_error(scenario(uncertainty={"model": {"included": False}}), 700.0) is None
+    assert model_error(row_of(scenario(uncertainty={"model": {"included": False}})), 700.0) is None
 
 
 def test_one_probability_whichever_law_the_scenario_names():
@@ -154,7 +154,7 @@ def test_the_error_widens_beyond_the_tests_and_is_then_unknown():
     inside, beyond = scale(50.0), scale(9.7 * 6.25 * 1.3)
     assert beyond > 1.1 * inside
     far = scenario(backing="AA6082-T651", backing_mm=9.7 * 6.25 * 1.7, **BARE)
-    assert model_error(far, 700.0) is None
+    assert model_error(row_of(far), 700.0) is None
     assert "too far outside the tests, which are of back plates 1.6 to 9.7" in no_error(far)
 
 
@@ -163,7 +163,7 @@ def test_with_a_ceramic_it_is_unknown_beyond_a_factor_of_two(layer: str):
     [high] = [limits.high for limits in TILES.measured if limits.name == f"{layer}_thickness_ratio"]
     for factor in (0.99, 1.01):
         case = scenario(**{f"{layer}_mm": factor * FARTHEST_CERAMIC * high * 6.5})
-        assert (model_error(case, 700.0) is None) == (factor > 1.0)
+        assert (model_error(row_of(case), 700.0) is None) == (factor > 1.0)
 
 
 def test_rows_have_the_errors_of_scenarios():
@@ -206,7 +206,7 @@ def test_the_error_is_that_of_the_settings_of_the_tests(settings: dict[str, Any]
     assert confidence(untested).flow_stress is not None
     assert confidence(untested.replaced(settings)).flow_stress is None
     with_error = scenario(uncertainty={"model": {"scale_percent": 9.0}}).replaced(settings)
-    assert model_error(with_error, 700.0) is not None
+    assert model_error(row_of(with_error), 700.0) is not None
 
 
 def test_the_error_is_that_of_the_equations_of_the_tests(monkeypatch: pytest.MonkeyPatch):
@@ -235,7 +235,7 @@ def test_beyond_30_degrees_a_plate_stops_at_least_as_surely_as_at_0():
     assert 0.2 < (oblique.probability_of_stopping or 0.0) < 0.95
     assert "at least 92 %" in str(tables_of_confidence(oblique))
     for beyond in (plate.replaced({OBLIQUITY: 46.0}), scenario("20 mm FSP", None, "6061-T6", 0.0, 20.0)):
-        assert model_error(beyond.replaced({OBLIQUITY: max(31.0, beyond.impact.obliquity_deg)}), 700.0) is None
+        assert model_error(row_of(beyond.replaced({OBLIQUITY: max(31.0, beyond.impact.obliquity_deg)})), 700.0) is None
 
 
 def test_no_limit_at_an_angle_is_below_that_at_normal_incidence():

@@ -16,7 +16,6 @@ import numpy as np
 import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit, confidence
-from armour.analysis.variants import distributions, limits_anywhere
 from armour.design.catalogue import catalogue_of
 from armour.design.optimise import optimise
 from armour.errors import InputError
@@ -359,7 +358,7 @@ def test_probabilities_between_the_nodes_are_right(told):
     catalogue = catalogue_of(thin())
     candidates = catalogue.candidates(0, found[:, 0], found[:, 1])
     rows = catalogue.against_each(candidates)
-    of_limits = distributions(rows, limits_anywhere(rows))
+    of_limits = rows.limit_distributions(rows.limits_anywhere())
     for n, chances in enumerate(found[:, 2:]):
         sure = of_limits.one(n).probability_above(VELOCITIES)
         within = (sure >= 0.01) & (sure <= 0.99)
@@ -374,8 +373,8 @@ def test_numbers_are_rounded_as_everywhere_else(told):
     for ceramic_mm, backing_mm, text in told["shown"]:
         candidates = catalogue.candidates(0, np.array([ceramic_mm]), np.array([backing_mm]))
         rows = catalogue.against_each(candidates)
-        limits = limits_anywhere(rows)
-        sure = distributions(rows, limits).probability_above(catalogue.velocities_m_s)
+        limits = rows.limits_anywhere()
+        sure = rows.limit_distributions(limits).probability_above(catalogue.velocities_m_s)
         for limit, probability, velocity in zip(limits, sure, catalogue.velocities_m_s, strict=True):
             assert f"Computed limit {limit:.0f} m/s, margin {limit - velocity:+.0f} m/s" in text
             if abs(100.0 * probability - round(100.0 * probability)) > 0.2:

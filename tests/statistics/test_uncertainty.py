@@ -12,7 +12,7 @@ from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.estimates import Estimate
 from armour.analysis.evaluate import evaluate
 from armour.analysis.samples import Samples, columns_of, points_of
-from armour.analysis.variants import Floats, perforated, variants_of
+from armour.analysis.variants import Floats, variants_of
 from armour.errors import InputError, NoLimitError
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Uncertainty, correlation_matrix
@@ -60,7 +60,7 @@ def independent_samples(samples: int, seed: int) -> dict[str, np.ndarray]:
 def sampled(uncertain: Scenario) -> tuple[int, np.ndarray]:
     """Perforations of 16,384 independent samples, and ballistic limits of 4,096 of them."""
     samples = variants_of(uncertain, independent_samples(16_384, 1), 16_384)
-    return int(perforated(samples).sum()), sample_limits(Samples(samples.at(np.arange(4_096)), 1.0))
+    return int(samples.perforated().sum()), sample_limits(Samples(samples.at(np.arange(4_096)), 1.0))
 
 
 @pytest.mark.parametrize("method", ["sobol", "latin hypercube"])

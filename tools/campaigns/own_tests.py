@@ -20,7 +20,7 @@ from unittest.mock import patch
 
 import numpy as np
 
-from armour.analysis.variants import Floats, ballistic_limits, distributions, variants_of
+from armour.analysis.variants import Floats, ballistic_limits, variants_of
 from armour.evidence.fit import Fit, LotTests, distances, fits, mixture_of, shipped_data
 from armour.evidence.mixture import Mixture
 from armour.evidence.tests import FALSE_ALARMS, STRANGE, STRANGE_METAL, Materials
@@ -91,7 +91,7 @@ def updated(fit: Fit, tests: Plates | Tiles, extra_deviation: float = 0.0) -> Fi
     """Return the fit for the lot of own tests, whose limits were measured exactly."""
     nothing = np.zeros(len(tests.error))
     own = LotTests(tests.quantities, tests.error, nothing, nothing, np.arange(len(nothing)))
-    return fit.updated(own, extra_deviation)
+    return fit.of_lot(extra_deviation).given(own)
 
 
 @contextmanager
@@ -183,7 +183,7 @@ def doubtful(fit: Fit, q: Any, errors: Floats) -> Any:
     """Return which own tests, whose limits were measured exactly, are out of line, (n,)."""
     nothing = np.zeros(len(errors))
     tests = LotTests(q, errors, nothing, nothing, np.arange(len(errors)))
-    return fit.probabilities_of_farther(tests) * len(errors) < FALSE_ALARMS
+    return fit.of_lot().probabilities_of_farther(tests) * len(errors) < FALSE_ALARMS
 
 
 @cache
@@ -276,7 +276,7 @@ def simulated(case: Case, own: int, scatter: float, dice: Any, samples: int = SA
         of_tests, by_own = {key: values[some] for key, values in q.items()}, []
         for law in LAWS:
             tests = LotTests(of_tests, tested - by_law[law][some], sides, uncertainties, np.arange(own))
-            by_own.append(fits()[law].updated(tests, case.more))
+            by_own.append(fits()[law].of_lot(case.more).given(tests))
         for place, design in enumerate(DESIGNS, start=count):
             of_design, first = {key: values[[place]] for key, values in q.items()}, by_law["constant"][[place]]
             found = mixture_of(by_own, of_design).times(np.exp([by_law[law][[place]] - first for law in LAWS]))
@@ -306,7 +306,7 @@ def untested(own: int, scatter: float, dice: Any) -> dict[str, Outcome]:
         made = variants_of(scenario, columns, len(armours))
         made = made._replace(materials=(Materials(entry, made.materials[0].backing),))
         by_own = ballistic_limits(made)
-        found = distributions(made, by_own).times(1.0 / by_own)
+        found = made.limit_distributions(by_own).times(1.0 / by_own)
         for place, design in enumerate(DESIGNS, start=own):
             error = np.log(true[[place]] / by_own[[place]])
             parts[design].append(Outcome.of(error, found.mapped(partial(np.take, indices=[place], axis=1))))

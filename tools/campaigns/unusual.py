@@ -13,16 +13,7 @@ import sys
 
 import numpy as np
 
-from armour.analysis.variants import (
-    Bools,
-    Floats,
-    Ints,
-    Variants,
-    ballistic_limits,
-    least_ceramics_mm,
-    perforated,
-    with_thicknesses,
-)
+from armour.analysis.variants import Bools, Floats, Ints, Variants, ballistic_limits
 from armour.core.search import DENSE_SCAN_POINTS, SCAN_POINTS, scan
 from armour.core.state import Outcome, Parameters
 from armour.engine import batch
@@ -138,7 +129,7 @@ def compare_limits(name: str, designs: Variants) -> tuple[int, str]:
         same = within | beyond[:, 0] & np.isneginf(limits) | ~beyond.any(axis=1) & np.isposinf(limits)
         lower = np.flatnonzero(~same & (limits < low))
         ends = [designs.at(lower)._replace(velocities=end[lower]) for end in (stopped, limits)]
-        confirmed = int((~perforated(ends[0]) & perforated(ends[1])).sum()) if len(lower) else 0
+        confirmed = int((~ends[0].perforated() & ends[1].perforated()).sum()) if len(lower) else 0
         print(f"  by {by}: {same.sum()} the same, {confirmed} of {len(lower)} lower ones confirmed, "
               f"{(~same).sum() - len(lower)} too high")  # fmt: skip
     wrong = int((~same).sum()) - confirmed
@@ -152,11 +143,11 @@ def compare_thicknesses(designs: Variants) -> int:
     same = told = several = unresolved = 0
     for i in range(len(designs.velocities)):
         try:
-            least = least_ceramics_mm(designs.at(np.array([i])))
+            least = designs.at(np.array([i])).least_thicknesses("ceramic")
         except InputError:  # a run of more steps than a command takes
             unresolved += 1
             continue
-        stops = ~perforated(with_thicknesses(designs.at(np.full(points, i)), ceramic_mm=values))
+        stops = ~designs.at(np.full(points, i)).with_thicknesses(ceramic_mm=values).perforated()
         first = int(stops.argmax())
         again = bool((stops[:-1] & ~stops[1:]).any())
         several += again

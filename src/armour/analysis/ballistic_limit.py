@@ -11,24 +11,15 @@ import numpy as np
 
 from armour.analysis.impact import ImpactResult, impact_at, unresolved_error
 from armour.analysis.results import OnProgress, Result, ignore_progress
-from armour.analysis.variants import (
-    Floats,
-    ballistic_limits,
-    limit_brackets,
-    limits_anywhere,
-    limits_by_law,
-    outcomes_at,
-    variants_of,
-    why_error_unknown,
-)
+from armour.analysis.variants import Variants, ballistic_limits, limit_brackets, outcomes_at, row_of, variants_of
 from armour.core import search
 from armour.core.state import Outcome
 from armour.errors import InputError, NoLimitError
 from armour.evidence.caveats import is_long_rod, is_no_metal
 from armour.evidence.fit import fits
-from armour.evidence.mixture import Mixture
+from armour.evidence.mixture import Floats, Mixture
 from armour.evidence.model_error import ModelError, error_of, other_settings
-from armour.evidence.tests import armours_of, is_untested, is_unusual, scenario_warnings
+from armour.evidence.tests import is_untested, scenario_warnings
 from armour.scenario.checked import checked
 from armour.scenario.inputs import FLOW_STRESS, OBLIQUITY
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
@@ -228,14 +219,15 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
     InputError
         If a run does not end within the maximum number of steps.
     """
-    section = scenario.ballistic_limit
+    section, row = scenario.ballistic_limit, row_of(scenario)
     low, high = section.velocity_min_m_s, section.velocity_max_m_s
-    points = search.DENSE_SCAN_POINTS if is_unusual(armours_of(scenario).parameters).all() else search.SCAN_POINTS
-    crossings, runs, lowest_perforates = find_crossings(scenario, points, on_progress)
+    points = search.DENSE_SCAN_POINTS if row.is_unusual().all() else search.SCAN_POINTS
+    crossings, runs, lowest_perforates = find_crossings(row, points, on_progress)
     if lowest_perforates or not crossings:
         raise NoLimitError(_no_limit(crossings, lowest_perforates, points, low, high), above=not lowest_perforates)
     limit = crossings[0].bracket_m_s[1]
-    error = model_error(scenario, limit)
+    error = model_error(row, limit)
+    warnings = scenario_warnings(scenario, limit, "ballistic_limit", armours=row.armours, said=True)
     return LimitResult(
         ballistic_limit_m_s=limit,
         bracket_m_s=crossings[0].bracket_m_s,
@@ -246,24 +238,23 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
         crossings=crossings,
         scanned_velocities=points,
         scanned_range_m_s=(low, high),
-        warnings=(*scenario_warnings(scenario, limit, "ballistic_limit", said=True), *scenario.unused_distributions()),
+        warnings=(*warnings, *scenario.unused_distributions()),
         model_error=error,
         interval_m_s=None if error is None else error.interval(limit),
         median_m_s=None if error is None else error.median(limit),
     ).of(scenario.subject(ANY_VELOCITY), scenario=scenario)
 
 
-def model_error(scenario: Scenario, limit_m_s: float) -> ModelError | None:
-    """Return the error of a scenario's ballistic limit by the model, m/s; None if it is not known or not included.
+def model_error(row: Variants, limit_m_s: float) -> ModelError | None:
+    """Return the error of a row's ballistic limit by the model, m/s; None if it is not known or not included.
 
     It is that of the section ``uncertainty.model`` or of tests of such armours.  With a ceramic, several laws of its
     flow stress describe these tests; the limits by all laws but the scenario's own are computed here.
     """
-    variants = variants_of(scenario, {}, 1)
-    errors = variants.errors
+    errors = row.errors
     # The ratio by its own law is exactly 1.
-    ratio = errors.ratio.times(limits_by_law(variants, errors, np.array([limit_m_s])) / limit_m_s).one()
-    return error_of(scenario, ratio, variants.armours, limit_m_s)
+    ratio = errors.ratio.times(row.limits_by_law(errors, np.array([limit_m_s])) / limit_m_s).one()
+    return error_of(row.scenario, ratio, row.armours, limit_m_s)
 
 
 def not_monotonic(limit: LimitResult) -> tuple[str, ...]:
@@ -271,11 +262,10 @@ def not_monotonic(limit: LimitResult) -> tuple[str, ...]:
     return () if limit.monotonic else (f"the outcome is not monotonic: {_listed(limit.crossings)}",)
 
 
-def find_crossings(scenario: Scenario, points: int, on_progress: OnProgress) -> tuple[tuple[Crossing, ...], int, bool]:
+def find_crossings(row: Variants, points: int, on_progress: OnProgress) -> tuple[tuple[Crossing, ...], int, bool]:
     """Return the changes of the outcome that the scan sees, the impacts computed, and whether the lowest perforates."""
-    section, armour, variants = scenario.ballistic_limit, scenario.core_armour(), variants_of(scenario, {}, 1)
+    section, armour, options = row.scenario.ballistic_limit, row.scenario.core_armour(), row.options
     low, high, tolerance = section.velocity_min_m_s, section.velocity_max_m_s, section.tolerance_m_s
-    options = variants.options
     velocities = search.scan(low, high, points)
     scanned = velocities[search.first_scanned(armour, velocities) :]
     outcomes = outcomes_at(armour, scanned, options, points)
@@ -287,13 +277,13 @@ def find_crossings(scenario: Scenario, points: int, on_progress: OnProgress) -> 
     on_progress(runs, None)
     unresolved = np.flatnonzero(outcomes == Outcome.UNRESOLVED)
     if len(unresolved):
-        raise unresolved_error(scenario, scanned[unresolved[0]])
+        raise unresolved_error(row.scenario, scanned[unresolved[0]])
     perforated = outcomes == Outcome.PERFORATED
     crossings: list[Crossing] = []
     for i in np.flatnonzero(perforated[:-1] != perforated[1:]):
         if not crossings and perforated[i + 1]:
             # The limit equals the engine's to the last bit.
-            brackets = limit_brackets(variants.parameters, low, high, tolerance, options, points)
+            brackets = limit_brackets(row.parameters, low, high, tolerance, options, points)
             change = search.SearchResult._make(column.item() for column in brackets)
         else:
             settings = search.RunSettings(*options[:3])
@@ -302,7 +292,7 @@ def find_crossings(scenario: Scenario, points: int, on_progress: OnProgress) -> 
         runs += change.runs
         on_progress(change.runs, None)
         if not change.resolved:
-            raise unresolved_error(scenario, change.high)
+            raise unresolved_error(row.scenario, change.high)
         crossings.append(Crossing((change.low, change.high), "perforated" if perforated[i + 1] else "stopped"))
     return tuple(crossings), runs, bool(perforated[0])
 
@@ -406,40 +396,42 @@ def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress)
     ConfidenceResult
         With the reason if no ballistic limit is found or a run does not end within the maximum number of steps.
     """
-    result = confidence_alone(scenario, on_progress)
+    row, flow_stress = row_of(scenario), None
+    result = confidence_in(row, on_progress)
+    warnings = scenario_warnings(scenario, scenario.impact.velocity_m_s, armours=row.armours, said=True)
     if result.probability_of_stopping is None:
         required = scenario.design.confidence if scenario.design else None
-        result = replace(result, flow_stress=needed_flow_stress(scenario, scenario.impact.velocity_m_s, required))
+        flow_stress = needed_flow_stress(scenario, scenario.impact.velocity_m_s, required)
+    result = replace(result, warnings=(*warnings, *scenario.unused_distributions()), flow_stress=flow_stress)
     return result.of(scenario=scenario)
 
 
-def confidence_alone(scenario: Scenario, on_progress: OnProgress = ignore_progress) -> ConfidenceResult:
-    """Return the confidence in an armour, without the flow stress that a ceramic without tests needs."""
-    limit, error, reason = limit_and_error(scenario, on_progress)
-    warnings = (*scenario_warnings(scenario, scenario.impact.velocity_m_s, said=True), *scenario.unused_distributions())
-    probability = probability_of_stopping(scenario, limit, error)
+def confidence_in(row: Variants, on_progress: OnProgress = ignore_progress) -> ConfidenceResult:
+    """Return the confidence in an armour, without warnings and the flow stress that a ceramic without tests needs."""
+    limit, error, reason = limit_and_error(row, on_progress)
+    probability = probability_of_stopping(row.scenario, limit, error)
     if limit is None:
-        return ConfidenceResult(probability, None, error, "" if probability else reason, warnings)
-    if error is None:
-        at_normal = None
-        if scenario.impact.obliquity_deg and scenario.armour.ceramic_thickness_mm:
-            at_normal = confidence_alone(scenario.replaced({OBLIQUITY: 0.0})).probability_of_stopping
-        reason = no_error(scenario)
-        return ConfidenceResult(None, limit, None, reason, warnings, probability_at_normal_incidence=at_normal)
-    return ConfidenceResult(probability, limit, error, "", warnings, error.median(limit), error.interval(limit))
+        return ConfidenceResult(probability, None, error, "" if probability else reason)
+    if error is not None:
+        interval = error.interval(limit)
+        return ConfidenceResult(probability, limit, error, median_m_s=error.median(limit), interval_m_s=interval)
+    at_normal = None
+    if row.scenario.impact.obliquity_deg and row.scenario.armour.ceramic_thickness_mm:
+        at_normal = confidence_in(row_of(row.scenario.replaced({OBLIQUITY: 0.0}))).probability_of_stopping
+    return ConfidenceResult(None, limit, None, row.why_error_unknown(), probability_at_normal_incidence=at_normal)
 
 
-def limit_and_error(scenario: Scenario, on_progress: OnProgress) -> tuple[float | None, ModelError | None, str]:
+def limit_and_error(row: Variants, on_progress: OnProgress) -> tuple[float | None, ModelError | None, str]:
     """Return the ballistic limit of an armour, m/s, the model error, and why there is no limit; None for no limit."""
     try:
-        [limit] = limits_anywhere(variants_of(scenario, {}, 1), on_progress).tolist()
+        [limit] = row.limits_anywhere(on_progress).tolist()
     except InputError as error:
         return None, None, str(error)
     if limit >= FASTEST_M_S:
-        return None, model_error(scenario, FASTEST_M_S), f"no velocity up to {FASTEST_M_S:,.0f} m/s perforates"
-    if limit <= min(scenario.ballistic_limit.velocity_min_m_s, SLOWEST_M_S):
+        return None, model_error(row, FASTEST_M_S), f"no velocity up to {FASTEST_M_S:,.0f} m/s perforates"
+    if limit <= min(row.scenario.ballistic_limit.velocity_min_m_s, SLOWEST_M_S):
         return None, None, f"every velocity from {limit:g} m/s perforates"
-    return limit, model_error(scenario, limit), ""
+    return limit, model_error(row, limit), ""
 
 
 def probability_of_stopping(scenario: Scenario, limit_m_s: float | None, error: ModelError | None) -> float | None:
@@ -458,4 +450,4 @@ def probability_of_stopping(scenario: Scenario, limit_m_s: float | None, error: 
 
 def no_error(scenario: Scenario) -> str:
     """Return why the model error is not known, or not included, for a scenario that has none."""
-    return why_error_unknown(variants_of(scenario, {}, 1))
+    return row_of(scenario).why_error_unknown()

@@ -12,24 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from armour.analysis.quantities import QUANTITIES, reads_of
-from armour.analysis.variants import (
-    Bools,
-    Floats,
-    Ints,
-    Least,
-    Variants,
-    ballistic_limits,
-    changes_above,
-    distributions,
-    grid_of,
-    impacts,
-    least_backings_mm,
-    least_ceramics_mm,
-    least_totals_mm,
-    outside_limits,
-    variants_of,
-    with_thicknesses,
-)
+from armour.analysis.variants import Bools, Floats, Ints, Thinnest, Variants, ballistic_limits, grid_of, variants_of
 from armour.core import equations
 from armour.core.state import Outcome
 from armour.engine import batch
@@ -139,7 +122,7 @@ def evaluate_groups(
     }
     warnings: Counter[str] = Counter()
     for answer in answers:
-        warnings.update(dict(outside_limits(answer.variants, velocities="impact" in reads_of(quantities))))
+        warnings.update(dict(answer.variants.outside_limits(velocities="impact" in reads_of(quantities))))
         warnings.update(answer.changes(quantities))
         if "uncertainty.model" in reads_of(quantities) and answer.variants.scenario.unused_distributions():
             warnings[f"uncertainty: {EXACT_INPUTS}"] += len(answer.variants.velocities)
@@ -158,8 +141,6 @@ def outside_of(scenario: Scenario, columns: Mapping[str, Any], quantities: Seque
 
 AGAIN = "the outcome changes more than once with the impact velocity, and the lowest change is taken"
 THICKER = "a thicker {} is perforated at a velocity that a thinner one stops"
-# Searches of least thicknesses by layer; both in proportion for the armour.
-LEAST_LAYERS = {"ceramic": least_ceramics_mm, "back plate": least_backings_mm, "armour": least_totals_mm}
 
 
 class QuantityValues:
@@ -170,12 +151,12 @@ class QuantityValues:
 
     def __init__(self, variants: Variants) -> None:
         self.variants = variants
-        self._least_by_layer: dict[str, Least] = {}
+        self._least_by_layer: dict[str, Thinnest] = {}
 
     @cached_property
     def impacts(self) -> batch.ImpactBatch:
         """Ends of the impacts."""
-        return impacts(self.variants)
+        return self.variants.impacts()
 
     @cached_property
     def perforated(self) -> Bools:
@@ -188,21 +169,21 @@ class QuantityValues:
         limits = ballistic_limits(self.variants)
         return np.where(np.isfinite(limits), limits, np.nan)
 
-    def least(self, layer: str) -> Least:
-        """Return the least thicknesses of a layer, a key of `LEAST_LAYERS`, that stop the impacts."""
+    def least(self, layer: str) -> Thinnest:
+        """Return the least thicknesses of a layer, or of the armour, that stop the impacts."""
         if layer not in self._least_by_layer:
-            self._least_by_layer[layer] = LEAST_LAYERS[layer](self.variants)
+            self._least_by_layer[layer] = self.variants.least_thicknesses(layer)
         return self._least_by_layer[layer]
 
     @cached_property
     def with_least_ceramic(self) -> Variants:
         """The variants with the least ceramic thickness that stops the impact."""
-        return with_thicknesses(self.variants, ceramic_mm=self.least("ceramic").mm)
+        return self.variants.with_thicknesses(ceramic_mm=self.least("ceramic").mm)
 
     @cached_property
     def with_least_backing(self) -> Variants:
         """The variants with the least back plate thickness that stops the impact."""
-        return with_thicknesses(self.variants, backing_mm=self.least("back plate").mm)
+        return self.variants.with_thicknesses(backing_mm=self.least("back plate").mm)
 
     @cached_property
     def residual_velocities(self) -> Floats:
@@ -242,13 +223,13 @@ class QuantityValues:
     @property
     def probabilities_of_stopping(self) -> Floats:
         """Probabilities of stopping the projectile, given the model error."""
-        return distributions(self.variants, self.ballistic_limits).probability_above(self.variants.velocities)
+        return self.variants.limit_distributions(self.ballistic_limits).probability_above(self.variants.velocities)
 
     def changes(self, quantities: Sequence[str]) -> dict[str, int]:
         """Return warnings that the outcome changes more than once, each with the number of rows concerned."""
         rows_by_words: dict[str, Bools] = {}
         if limits := [name for name in quantities if "ballistic_limit" in QUANTITIES[name].reads]:
-            rows_by_words[f"{', '.join(limits)}: {AGAIN}"] = changes_above(self.variants, self.ballistic_limits)
+            rows_by_words[f"{', '.join(limits)}: {AGAIN}"] = self.variants.changes_above(self.ballistic_limits)
         for name in quantities:
             if layer := QUANTITIES[name].least:
                 rows_by_words[f"{name}: {THICKER.format(layer)}"] = self.least(layer).changes_again

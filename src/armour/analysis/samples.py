@@ -1,17 +1,19 @@
-"""Samples of uncertain inputs: points of the unit cube, quantiles, a Gaussian copula."""
+"""Samples of uncertain inputs, by quantiles and a Gaussian copula, and the probability of perforation over them."""
 
-from collections.abc import Mapping
-from math import hypot, log, log1p, sqrt
+from collections.abc import Mapping, Sequence
+from math import hypot, inf, log, log1p, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from armour.analysis.estimates import Estimate, mean_of_replicates, proportion_of_replicates
+from armour.analysis.results import OnProgress, ignore_progress, portions
 from armour.analysis.variants import Floats, Ints, Variants, variants_of
 from armour.engine import batch
-from armour.errors import Problem, mistake, refuse
+from armour.errors import Note, Problem, mistake, refuse
 from armour.evidence.model_error import LAW_FIELDS, ErrorRows
-from armour.scenario.inputs import ERROR
+from armour.scenario.inputs import CERAMIC, ERROR
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Distribution, Uncertainty, correlation_matrix
 
@@ -20,6 +22,12 @@ LEAST_RATIO = 0.01
 # Independent replicates into which `np.array_split` divides samples; their differences give the intervals.
 # More replicates would be smaller, and the samples as a whole would converge more slowly.
 REPLICATES = 16
+# Samples of each replicate at first, and the factor by which they grow until the estimate decides.
+FIRST_SAMPLES, GROWTH = 1, 4
+# Half the width of an interval that needs no more samples, and how many half widths away from a bound decide before.
+PRECISE, CLEARLY = 5e-4, 3.0
+# Samples computed at a time, to bound the memory.
+SAMPLES_OF_ONE_PASS = 2**12
 
 
 class Samples(NamedTuple):
@@ -62,11 +70,11 @@ def own_values(scenario: Scenario) -> dict[str, float]:
     return {**scenario.inputs(), ERROR: 0.5}
 
 
-def sampled(scenario: Scenario, columns: Mapping[str, Floats], count: int, errors: ErrorRows | None = None) -> Samples:
+def sampled(scenario: Scenario, columns: Mapping[str, Floats], count: int) -> Samples:
     """Return n samples of values, which the scenario must allow.
 
     An armour whose ballistic limit is the model's times a factor is perforated if the model perforates at the impact
-    velocity divided by the factor.  The model error, by default that of the scenario's armour, is the quantile at the
+    velocity divided by the factor.  The model error, that of the scenario's armour, is the quantile at the
     probabilities in its column; each sample has the law of the flow stress that its error is drawn from.
     """
     problems = []
@@ -78,7 +86,7 @@ def sampled(scenario: Scenario, columns: Mapping[str, Floats], count: int, error
     variants = variants_of(scenario, inputs, count)
     if ERROR not in columns:
         return Samples(variants, 1.0)
-    errors = own_errors(scenario) if errors is None else errors
+    errors = own_errors(scenario)
     law, factor = errors.ratio.one().drawn(columns[ERROR])
     factor = factor.clip(min=LEAST_RATIO)
     variants = by_laws(variants, errors, law)
@@ -103,7 +111,9 @@ def by_laws(variants: Variants, errors: ErrorRows, laws: Ints) -> Variants:
 
 
 def points_of(uncertainty: Uncertainty) -> Floats:
-    """Return points within the unit cube, shape (samples, inputs)."""
+    """Return the points of the unit cube at which a section is sampled, (samples, inputs)."""
+    if not uncertainty.inputs():
+        return np.empty((uncertainty.samples, 0))
     return replicated_points(uncertainty.method, len(uncertainty.inputs()), uncertainty.samples, uncertainty.seed)
 
 
@@ -174,3 +184,101 @@ def centre_and_width(distribution: Distribution, value: float) -> tuple[float, f
     if distribution.distribution != "lognormal":
         return mean, deviation
     return log(mean / hypot(1.0, deviation / mean)), sqrt(log1p((deviation / mean) ** 2))
+
+
+def probability_of_perforation(
+    scenario: Scenario,
+    bound: float | None = None,
+    layers: Mapping[str, float] | None = None,
+    points: Floats | None = None,
+    on_progress: OnProgress = ignore_progress,
+    *,
+    quick: bool = False,
+) -> Estimate:
+    """Estimate the probability that the armour of a scenario is perforated, with its 95 % interval.
+
+    The inputs are sampled.  The model error, if it is known, is integrated for each sample: few are needed then.  They
+    are added until the interval is narrow and does not contain the bound.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Its section ``uncertainty`` gives the distributions and the greatest number of samples.
+    bound : float, optional
+        Greatest probability that is allowed.
+    layers : mapping of str to float, optional
+        Thicknesses of the layers, mm, by name of input, in place of the scenario's.
+    points : array, (samples, inputs), optional
+        Points of `points_of`, where they have been made already.
+    on_progress : callable, optional
+        Called with the number of samples computed since the last call, and None, as their total is not known.
+    quick : bool, default False
+        Whether an estimate that is far from the bound need not be narrow.
+    """
+    layers = dict(layers or {})
+    values, errors = own_values(scenario) | layers, own_errors(scenario, layers)
+    is_known = bool(errors.known.all())
+    section_at(scenario, values, with_error=is_known)  # checks the distributions
+    section = scenario.uncertainty or Uncertainty()
+    replicates = np.array_split(points_of(section) if points is None else points, REPLICATES)
+    chances = [np.empty(0)] * REPLICATES
+    while True:
+        start = len(chances[0])
+        parts = [part[start : max(FIRST_SAMPLES, GROWTH * start)] for part in replicates]
+        count = sum(map(len, parts))
+        columns = columns_of(section, values, np.concatenate(parts))
+        if layers.get(CERAMIC) == 0.0:
+            columns.pop(CERAMIC, None)  # an absent layer has no thickness to vary
+        rows = sampled(scenario, {**{key: np.full(count, mm) for key, mm in layers.items()}, **columns}, count).variants
+        added = [_chances(rows.at(part), errors) for part in portions(count, SAMPLES_OF_ONE_PASS)]
+        on_progress(count, None)
+        ends = np.cumsum([len(part) for part in parts])[:-1]
+        added = np.split(np.concatenate(added), ends)
+        chances = [np.append(*each) for each in zip(chances, added, strict=True)]
+        estimate = _estimate(chances, is_smooth=is_known)
+        if len(chances[0]) == len(replicates[0]) or _decides(estimate, bound, quick=quick):
+            return estimate
+
+
+def is_sampled(scenario: Scenario, layers: Mapping[str, float] | None = None) -> bool:
+    """Return whether samples tell how probable perforation is: the model error is known or excluded."""
+    return scenario.excludes_error() or bool(own_errors(scenario, layers).known.all())
+
+
+def misplaced(distributions: Mapping[str, Distribution], scenario: Scenario, answer: Scenario) -> tuple[Note, ...]:
+    """Return a warning for each distribution of a scenario that is about a value other than that of one made of it."""
+    scenario_values, values = scenario.inputs(), answer.inputs()
+    notes = []
+    for name in filter(values.__contains__, distributions):
+        distribution, value = distributions[name], values[name]
+        if (distribution.placed and scenario_values.get(name) != value) or not distribution.contains(value):
+            words = f"is given for a value other than {value:g}, which the armour and threat reported have"
+            notes.append(Note(f"{words}; inputs are taken as exact in their probability", f"uncertainty.{name}"))
+    return tuple(notes)
+
+
+def _chances(rows: Variants, errors: ErrorRows) -> Floats:
+    """Return the probabilities that samples are perforated, (n,), given the error of their armour; 0 or 1 without."""
+    if not errors.known.all():
+        return rows.perforated().astype(np.float64)
+    stopping = np.zeros(len(rows.velocities))
+    for law, [weight] in enumerate(errors.ratio.weights.tolist()):
+        if weight > 0.0:
+            limits = by_laws(rows, errors, np.full(len(stopping), law)).limits_anywhere()
+            stopping += weight * errors.of_law(law).times(limits).probability_above(rows.velocities)
+    return 1.0 - stopping
+
+
+def _estimate(chances: Sequence[Floats], *, is_smooth: bool) -> Estimate:
+    """Estimate the mean of chances in replicates: of probabilities, if they are smooth, or else of hits."""
+    if not is_smooth:
+        return proportion_of_replicates([int(part.sum()) for part in chances], [len(part) for part in chances])
+    mean = mean_of_replicates(np.array([part.mean() for part in chances]))
+    return Estimate(*(min(max(end, 0.0), 1.0) for end in (mean.value, mean.low, mean.high)))
+
+
+def _decides(estimate: Estimate, bound: float | None, *, quick: bool) -> bool:
+    """Return whether an estimate needs no more samples."""
+    half = max(estimate.high - estimate.value, estimate.value - estimate.low)
+    away = inf if bound is None else abs(estimate.value - bound)
+    return (half <= PRECISE and away > half) or (quick and away > CLEARLY * half)

@@ -17,11 +17,11 @@ from armour.errors import mistake
 from armour.evidence.fit import shipped_data
 from armour.evidence.mixture import Mixture
 from armour.evidence.model_error import LAW_FIELDS, ErrorRows, errors_of, given_error, why_unknown
-from armour.evidence.tests import Armours, Materials, armours_of, is_unusual, limits_of_model, limits_outside
+from armour.evidence.tests import Armours, Materials, is_unusual, limits_of_model, limits_outside, materials_of
 from armour.scenario.inputs import OBLIQUITY, VELOCITY, YIELD, cosine_of, fields_of
 from armour.scenario.library import DEFAULTS, strength_notes
 from armour.scenario.scenario import Scenario
-from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S, BallisticLimitSection, Optimise, Range
+from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S, BallisticLimitSection, Optimise
 from armour.units import MM
 
 Floats = NDArray[np.float64]
@@ -35,6 +35,13 @@ MOST_MOVED_M_S = 1.0
 SCANS_AT_A_TIME = 250
 # Whether a condition holds at values of some rows: (values, rows) -> holds.
 RowCondition = Callable[[Floats, Ints], Bools]
+
+
+class Thinnest(NamedTuple):
+    """Least thicknesses of n rows."""
+
+    mm: Floats  # NaN where none is found
+    changes_again: Bools  # a thicker layer is known to be perforated; looked for where a row is unusual
 
 
 class Variants(NamedTuple):
@@ -58,11 +65,6 @@ class Variants(NamedTuple):
         """Options of the engine."""
         solver = self.scenario.solver
         return batch.SolverOptions(solver.arrest_velocity_m_s, solver.time_step, solver.max_steps, self.threads)
-
-    @property
-    def grid(self) -> Optimise:
-        """Ranges of thicknesses."""
-        return grid_of(self.scenario)
 
     @property
     def errors(self) -> ErrorRows:
@@ -105,6 +107,117 @@ class Variants(NamedTuple):
         p, counts = batch.fields(self.parameters), whole or self.scenario.counts_backing
         return (p.rho_c * p.Hc0 + p.rho_B * p.Hb * counts) * self.cosines + self.scenario.inert("areal_density_kg_m2")
 
+    def is_unusual(self) -> Bools:
+        """Return which rows are far from all tests that the model was compared with."""
+        return is_unusual(batch.fields(self.parameters))
+
+    def impacts(self) -> batch.ImpactBatch:
+        """Simulate the impact of each row."""
+        ends = batch.impacts(self.parameters, self.velocities, self.options)
+        check_resolved(ends.outcome != Outcome.UNRESOLVED, self)
+        return ends
+
+    def perforated(self) -> Bools:
+        """Return whether the impact of each row perforates."""
+        return self.impacts().outcome == Outcome.PERFORATED
+
+    def with_thicknesses(
+        self, *, ceramic_mm: Floats | float | None = None, backing_mm: Floats | float | None = None
+    ) -> "Variants":
+        """Return the variants with other thicknesses, mm."""
+        layers = {"Hc0": ceramic_mm, "Hb": backing_mm}
+        return self.with_fields({key: mm / self.cosines * MM for key, mm in layers.items() if mm is not None})
+
+    def limits_anywhere(self, on_progress: OnProgress = ignore_progress) -> Floats:
+        """Return the ballistic limit of each row, m/s, also outside the range of the section.
+
+        It is then searched for from 20 to 10,000 m/s; a limit beyond this range is replaced by the nearer end.
+        """
+        slowest = min(self.scenario.ballistic_limit.velocity_min_m_s, SLOWEST_M_S)
+        limits = ballistic_limits(self, on_progress=on_progress)
+        outside = np.flatnonzero(np.isinf(limits))
+        if len(outside):
+            limits[outside] = ballistic_limits(self.at(outside), (slowest, FASTEST_M_S), on_progress=on_progress)
+        return limits.clip(slowest, FASTEST_M_S)
+
+    def lowest_limits(self, limits: Floats, on_progress: OnProgress = ignore_progress) -> Floats:
+        """Return the ballistic limits of rows, m/s, or lower ones that a denser scan finds."""
+        section = self.scenario.ballistic_limit
+        range_m_s = min(section.velocity_min_m_s, SLOWEST_M_S), FASTEST_M_S
+        dense = ballistic_limits(self, range_m_s, points=DENSE_SCAN_POINTS, on_progress=on_progress)
+        # Two limits of one change are within the tolerance of each other.
+        return np.where(dense < limits - section.tolerance_m_s, dense.clip(range_m_s[0]), limits)
+
+    def why_error_unknown(self) -> str:
+        """Return why the model error is not known, or not included, for a single row, and what can provide it."""
+        if self.scenario.excludes_error():
+            return "uncertainty.model excludes the model error"
+        [moved] = moved_m_s(self)
+        if abs(moved) <= MOST_MOVED_M_S or not errors_of(self.scenario, self.armours).known.all():
+            return why_unknown(self.scenario, self.armours)
+        step_us, tolerance = self.scenario.solver.time_step_us, self.scenario.ballistic_limit.tolerance_m_s
+        settings = [] if step_us is None else [f"solver.time_step_us = {step_us}"]
+        settings += [f"ballistic_limit.tolerance_m_s = {tolerance}"] * (tolerance > MOST_MOVED_M_S)
+        moves = f"moves the ballistic limit by {moved:+.3g} m/s, more than {MOST_MOVED_M_S:g} m/s"
+        return f"{' and '.join(settings)} {moves}; [uncertainty.model] can give it"
+
+    def limit_distributions(self, limits: Floats) -> Mixture:
+        """Return the distributions of the ballistic limits of n armours, given those of the model, m/s, (n,)."""
+        errors = self.errors
+        return errors.ratio.times(self.limits_by_law(errors, limits))
+
+    def outside_limits(self, *, velocities: bool = True) -> Iterator[tuple[str, int]]:
+        """Yield warnings, each with its number of rows: caveats, values outside the tests, and doubtful strengths."""
+        speeds = self.velocities if velocities else np.full_like(self.velocities, np.nan)
+        metals = [materials.backing for materials in self.materials] if self.own_strength else []
+        for note, rows in limits_of_model(self.armours, metals, said=False):
+            yield note, int(np.count_nonzero(rows))
+        for limit in limits_outside(self.armours, speeds):
+            yield f"{limit.key}: {limit.words}", len(limit.rows)
+        armour = batch.fields(self.parameters)
+        for bare in (False, True):
+            if count := int(np.count_nonzero((armour.Hc0 == 0.0) == bare)):
+                yield from ((note, count) for note in strength_notes(metals, bare=bare))
+
+    def limits_by_law(self, errors: ErrorRows, own_limits: Floats) -> Floats:
+        """Return the ballistic limits by each law of the rows' errors, m/s, (laws, n), given those of the rows.
+
+        They are searched for beyond the range of the section too.  A row without a limit, NaN, has none by any law.
+        """
+        limits = np.tile(own_limits, (len(errors.ratio.weights), 1))
+        for law in range(1, len(limits)):
+            rows = np.flatnonzero((errors.ratio.weights[law] > 0.0) & ~np.isnan(own_limits))
+            if len(rows):
+                limits[law, rows] = self.by_law(law, errors).at(rows).limits_anywhere()
+        return limits
+
+    def changes_above(self, limits: Floats) -> Bools:
+        """Return which unusual rows are seen to stop an impact faster than their ballistic limit, (n,)."""
+        section, changes_again = self.scenario.ballistic_limit, np.zeros(len(limits), dtype=bool)
+        velocities = np.array(scan(section.velocity_min_m_s, section.velocity_max_m_s, DENSE_SCAN_POINTS))
+        where = np.flatnonzero(self.is_unusual() & np.isfinite(limits))
+        for start in range(0, len(where), SCANS_AT_A_TIME):
+            part = where[start : start + SCANS_AT_A_TIME]
+            row, place = np.nonzero(velocities > limits[part, None])
+            faster = self.at(part[row])._replace(velocities=velocities[place])
+            changes_again[part[row[~faster.perforated()]]] = True
+        return changes_again
+
+    def least_thicknesses(self, layer: str) -> Thinnest:
+        """Return the least thickness of the "ceramic" or the "back plate", within the grid, that stops each impact.
+
+        That of the "armour" is of both layers together, which keep their proportion and are within their ranges.
+        """
+        grid, count = grid_of(self.scenario), len(self.velocities)
+        if layer == "armour":
+            return _least_totals(self, grid)
+        name, of_range = {
+            "ceramic": ("ceramic_mm", grid.ceramic_thickness_mm),
+            "back plate": ("backing_mm", grid.backing_thickness_mm),
+        }[layer]
+        conditions = _conditions(lambda values, rows: self.at(rows).with_thicknesses(**{name: values}))
+        return least_values_mm(*conditions, np.full(count, of_range.min), np.full(count, of_range.max))
+
 
 def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -> Variants:
     """Return n variants of a scenario with given values, (n,), of some of its named inputs.
@@ -125,28 +238,19 @@ def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -
         getattr(batch.fields(rows), name)[:] = values
     velocities = np.array(np.broadcast_to(inputs[VELOCITY], count), dtype=np.float64)
     own_strength = columns.keys().isdisjoint((YIELD, "backing.flow_stress_GPa"))
-    materials, material_of_row = tuple(armours_of(scenario).materials), np.zeros(count, dtype=np.int64)
-    return Variants(rows, velocities, cosines, material_of_row, scenario, materials, own_strength)
+    material_of_row = np.zeros(count, dtype=np.int64)
+    return Variants(rows, velocities, cosines, material_of_row, scenario, (materials_of(scenario),), own_strength)
+
+
+def row_of(scenario: Scenario) -> Variants:
+    """Return a scenario itself as a single row."""
+    return variants_of(scenario, {}, 1)
 
 
 def concatenated(parts: Sequence[Variants]) -> Variants:
     """Concatenate variants of a scenario."""
     columns = (np.concatenate(column) for column in zip(*(part[:4] for part in parts), strict=True))
     return Variants._make([*columns, *parts[0][4:]])
-
-
-def outside_limits(variants: Variants, *, velocities: bool = True) -> Iterator[tuple[str, int]]:
-    """Yield warnings, each with its number of rows: caveats, values outside the tests, and doubtful strengths."""
-    speeds = variants.velocities if velocities else np.full_like(variants.velocities, np.nan)
-    metals = [materials.backing for materials in variants.materials] if variants.own_strength else []
-    for note, rows in limits_of_model(variants.armours, metals, said=False):
-        yield note, int(np.count_nonzero(rows))
-    for limit in limits_outside(variants.armours, speeds):
-        yield f"{limit.key}: {limit.words}", len(limit.rows)
-    armour = batch.fields(variants.parameters)
-    for bare in (False, True):
-        if count := int(np.count_nonzero((armour.Hc0 == 0.0) == bare)):
-            yield from ((note, count) for note in strength_notes(metals, bare=bare))
 
 
 def outside_words(outside_tests: Mapping[str, float], most: int = 100) -> str:
@@ -157,11 +261,6 @@ def outside_words(outside_tests: Mapping[str, float], most: int = 100) -> str:
         for key, factor in outside_tests.items()
     ]
     return ", ".join(words[:most]) + (f" and {len(words) - most} more" if len(words) > most else "")
-
-
-def unusual(variants: Variants) -> Bools:
-    """Return which rows are far from all tests that the model was compared with."""
-    return is_unusual(batch.fields(variants.parameters))
 
 
 def grid_of(scenario: Scenario) -> Optimise:
@@ -177,37 +276,10 @@ def grid_of(scenario: Scenario) -> Optimise:
     return section
 
 
-def impacts(variants: Variants) -> batch.ImpactBatch:
-    """Simulate the impact of each row."""
-    ends = batch.impacts(variants.parameters, variants.velocities, variants.options)
-    check_resolved(ends.outcome != Outcome.UNRESOLVED, variants)
-    return ends
-
-
-def perforated(variants: Variants) -> Bools:
-    """Return whether the impact of each row perforates."""
-    return impacts(variants).outcome == Outcome.PERFORATED
-
-
 def check_resolved(resolved: Bools, variants: Variants) -> None:
     """Raise an InputError that names the key at fault if the run of a row does not end."""
     if not resolved.all():
         raise unresolved_error(variants.scenario, float(variants.velocities[int(np.argmin(resolved))]))
-
-
-def with_thicknesses(
-    variants: Variants, *, ceramic_mm: Floats | float | None = None, backing_mm: Floats | float | None = None
-) -> Variants:
-    """Return the variants with other thicknesses, mm."""
-    layers = {"Hc0": ceramic_mm, "Hb": backing_mm}
-    return variants.with_fields({key: mm / variants.cosines * MM for key, mm in layers.items() if mm is not None})
-
-
-class Least(NamedTuple):
-    """Least thicknesses of n rows."""
-
-    mm: Floats  # NaN where none is found
-    changes_again: Bools  # a thicker layer is known to be perforated; looked for where a row is unusual
 
 
 def ballistic_limits(
@@ -228,7 +300,7 @@ def ballistic_limits(
     range_m_s = range_m_s or (section.velocity_min_m_s, section.velocity_max_m_s)
     tolerance = section.tolerance_m_s if tolerance is None else tolerance
     limits = np.empty(len(variants.velocities))
-    dense = unusual(variants) if points is None else np.zeros(len(limits), dtype=bool)
+    dense = variants.is_unusual() if points is None else np.zeros(len(limits), dtype=bool)
     for rows, number in ((~dense, points or SCAN_POINTS), (dense, DENSE_SCAN_POINTS)):
         if rows.any():
             brackets = limit_brackets(variants.parameters[rows], *range_m_s, tolerance, variants.options, number)
@@ -268,41 +340,6 @@ def outcomes_at(armour: Parameters, velocities: Sequence[float], options: batch.
     return np.array([run(armour, velocity, time_step, V_arrest, max_steps).outcome for velocity in velocities])
 
 
-def limits_anywhere(variants: Variants, on_progress: OnProgress = ignore_progress) -> Floats:
-    """Return the ballistic limit of each row, m/s, also outside the range of the section.
-
-    It is then searched for from 20 to 10,000 m/s; a limit beyond this range is replaced by the nearer end.
-    """
-    slowest = min(variants.scenario.ballistic_limit.velocity_min_m_s, SLOWEST_M_S)
-    limits = ballistic_limits(variants, on_progress=on_progress)
-    outside = np.flatnonzero(np.isinf(limits))
-    if len(outside):
-        limits[outside] = ballistic_limits(variants.at(outside), (slowest, FASTEST_M_S), on_progress=on_progress)
-    return limits.clip(slowest, FASTEST_M_S)
-
-
-def lowest_limits(variants: Variants, limits: Floats, on_progress: OnProgress = ignore_progress) -> Floats:
-    """Return the ballistic limits of rows, m/s, or lower ones that a denser scan finds."""
-    section = variants.scenario.ballistic_limit
-    range_m_s = min(section.velocity_min_m_s, SLOWEST_M_S), FASTEST_M_S
-    dense = ballistic_limits(variants, range_m_s, points=DENSE_SCAN_POINTS, on_progress=on_progress)
-    # Two limits of one change are within the tolerance of each other.
-    return np.where(dense < limits - section.tolerance_m_s, dense.clip(range_m_s[0]), limits)
-
-
-def limits_by_law(variants: Variants, errors: ErrorRows, own_limits: Floats) -> Floats:
-    """Return the ballistic limits by each law of the rows' errors, m/s, (laws, n), given those of the rows.
-
-    They are searched for beyond the range of the section too.  A row without a limit, NaN, has none by any law.
-    """
-    limits = np.tile(own_limits, (len(errors.ratio.weights), 1))
-    for law in range(1, len(limits)):
-        rows = np.flatnonzero((errors.ratio.weights[law] > 0.0) & ~np.isnan(own_limits))
-        if len(rows):
-            limits[law, rows] = limits_anywhere(variants.by_law(law, errors).at(rows))
-    return limits
-
-
 def moved_m_s(variants: Variants) -> Floats:
     """Return the ballistic limits of rows less those with the default time step and tolerance, m/s, (n,).
 
@@ -316,42 +353,7 @@ def moved_m_s(variants: Variants) -> Floats:
     solver = scenario.solver.model_copy(update={"time_step_us": None})
     section = scenario.ballistic_limit.model_copy(update={"tolerance_m_s": usual})
     default = scenario.model_copy(update={"solver": solver, "ballistic_limit": section})
-    return limits_anywhere(variants) - limits_anywhere(variants._replace(scenario=default))
-
-
-def why_error_unknown(variants: Variants) -> str:
-    """Return why the model error is not known, or not included, for a single row, and what can provide it."""
-    if variants.scenario.excludes_error():
-        return "uncertainty.model excludes the model error"
-    [moved] = moved_m_s(variants)
-    if abs(moved) <= MOST_MOVED_M_S or not errors_of(variants.scenario, variants.armours).known.all():
-        return why_unknown(variants.scenario, variants.armours)
-    step_us, tolerance = variants.scenario.solver.time_step_us, variants.scenario.ballistic_limit.tolerance_m_s
-    settings = [] if step_us is None else [f"solver.time_step_us = {step_us}"]
-    settings += [f"ballistic_limit.tolerance_m_s = {tolerance}"] * (tolerance > MOST_MOVED_M_S)
-    return (
-        f"{' and '.join(settings)} moves the ballistic limit by {moved:+.3g} m/s, more than {MOST_MOVED_M_S:g} m/s; "
-        "[uncertainty.model] can give it"
-    )
-
-
-def distributions(variants: Variants, limits: Floats) -> Mixture:
-    """Return the distributions of the ballistic limits of n armours, given those of the model, m/s, (n,)."""
-    errors = variants.errors
-    return errors.ratio.times(limits_by_law(variants, errors, limits))
-
-
-def changes_above(variants: Variants, limits: Floats) -> Bools:
-    """Return which unusual rows are seen to stop an impact faster than their ballistic limit, (n,)."""
-    section, changes_again = variants.scenario.ballistic_limit, np.zeros(len(limits), dtype=bool)
-    velocities = np.array(scan(section.velocity_min_m_s, section.velocity_max_m_s, DENSE_SCAN_POINTS))
-    where = np.flatnonzero(unusual(variants) & np.isfinite(limits))
-    for start in range(0, len(where), SCANS_AT_A_TIME):
-        part = where[start : start + SCANS_AT_A_TIME]
-        row, place = np.nonzero(velocities > limits[part, None])
-        faster = variants.at(part[row])._replace(velocities=velocities[place])
-        changes_again[part[row[~perforated(faster)]]] = True
-    return changes_again
+    return variants.limits_anywhere() - variants._replace(scenario=default).limits_anywhere()
 
 
 def bisect_rows(holds: RowCondition, rows: Ints, low: Floats, high: Floats) -> Floats:
@@ -371,29 +373,9 @@ def bisect_rows(holds: RowCondition, rows: Ints, low: Floats, high: Floats) -> F
         low[places[~is_met]] = values[~is_met]
 
 
-def least_ceramics_mm(variants: Variants) -> Least:
-    """Return the least ceramic thickness of the grid's range that stops each impact, mm; NaN if none does."""
-    return _least_of_layer(variants, "ceramic_mm", variants.grid.ceramic_thickness_mm)
-
-
-def least_backings_mm(variants: Variants) -> Least:
-    """Return the least back plate thickness of the grid's range that stops each impact, mm; NaN if none does."""
-    return _least_of_layer(variants, "backing_mm", variants.grid.backing_thickness_mm)
-
-
-def _least_of_layer(variants: Variants, layer: str, of_range: Range) -> Least:
-    """Return the least thickness of a layer, an argument of `with_thicknesses`."""
-    count = len(variants.velocities)
-    conditions = _conditions(lambda values, rows: with_thicknesses(variants.at(rows), **{layer: values}))
-    return least_values_mm(*conditions, np.full(count, of_range.min), np.full(count, of_range.max))
-
-
-def least_totals_mm(variants: Variants) -> Least:
-    """Return the least thickness of both layers together that stops each impact, mm; NaN if none does.
-
-    The layers keep their proportion and are within the grid's ranges.
-    """
-    grid, ceramics, backings = variants.grid, variants.ceramics_mm, variants.backings_mm
+def _least_totals(variants: Variants, grid: Optimise) -> Thinnest:
+    """Return the least thickness of both layers together."""
+    ceramics, backings = variants.ceramics_mm, variants.backings_mm
     totals = ceramics + backings
     low, high = grid.backing_thickness_mm.min / backings, grid.backing_thickness_mm.max / backings
     layered = ceramics > 0.0
@@ -404,9 +386,9 @@ def least_totals_mm(variants: Variants) -> Least:
     def scaled(values: Floats, rows: Ints) -> Variants:
         places = where[rows]
         ceramic_mm, backing_mm = (values * layer[places] / totals[places] for layer in (ceramics, backings))
-        return with_thicknesses(variants.at(places), ceramic_mm=ceramic_mm, backing_mm=backing_mm)
+        return variants.at(places).with_thicknesses(ceramic_mm=ceramic_mm, backing_mm=backing_mm)
 
-    least = Least(np.full(len(totals), np.nan), np.zeros(len(totals), dtype=bool))
+    least = Thinnest(np.full(len(totals), np.nan), np.zeros(len(totals), dtype=bool))
     ends = low[where] * totals[where], high[where] * totals[where]
     least.mm[where], least.changes_again[where] = least_values_mm(*_conditions(scaled), *ends)
     return least
@@ -414,12 +396,12 @@ def least_totals_mm(variants: Variants) -> Least:
 
 def _conditions(thick: Callable[[Floats, Ints], Variants]) -> tuple[RowCondition, RowCondition]:
     """Return whether rows with other thicknesses stop the impact, and whether they are unusual."""
-    return lambda *at: ~perforated(thick(*at)), lambda *at: unusual(thick(*at))
+    return lambda *at: ~thick(*at).perforated(), lambda *at: thick(*at).is_unusual()
 
 
 def least_values_mm(
     stops: RowCondition, is_unusual: RowCondition, low: Floats, high: Floats, points: int = DENSE_SCAN_POINTS
-) -> Least:
+) -> Thinnest:
     """Return the least thickness from low to high, mm, that stops the threat in each row, by bisection or scan.
 
     The outcome is taken to change once at most.  Rows that are unusual, by the least thickness found or, if that is
@@ -440,4 +422,4 @@ def least_values_mm(
         upper = bisect_rows(stops, rows, values[numbers, np.maximum(first - 1, 0)], values[numbers, first])
         least[rows] = np.where(stopped.any(axis=1), upper, np.nan)
         changes_again[rows] = (stopped[:, :-1] > stopped[:, 1:]).any(axis=1)
-    return Least(least, changes_again)
+    return Thinnest(least, changes_again)

@@ -8,14 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from armour.analysis.variants import (
-    Bools,
-    Floats,
-    Ints,
-    Variants,
-    grid_of,
-    with_thicknesses,
-)
+from armour.analysis.variants import Bools, Floats, Ints, Variants, grid_of
 from armour.core.state import Parameters
 from armour.design.requirements import SLACK_ROUNDING
 from armour.engine import batch
@@ -73,6 +66,11 @@ class CandidateDesigns(NamedTuple):
     thickness_mm: Floats
     cost_per_m2: Floats
 
+    @classmethod
+    def joined(cls, parts: Sequence["CandidateDesigns"]) -> "CandidateDesigns":
+        """Concatenate candidates."""
+        return cls(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+
     def at(self, where: Ints | Bools | slice) -> "CandidateDesigns":
         """Return some of the candidates."""
         pair, *numbers = self
@@ -117,14 +115,19 @@ class Catalogue:
         }
         if ceramic.material:
             changes["armour.ceramic"] = ceramic.material
-        densities = {"ceramic.density_kg_m3": ceramic.density_kg_m3, "backing.density_kg_m3": backing.density_kg_m3}
-        replaced = {name: density for name, density in densities.items() if density is not None}
-        return self.scenario.replaced(changes).with_inputs(replaced)
+        layers = {"ceramic.density_kg_m3": ceramic, "backing.density_kg_m3": backing}
+        given = {key: layer.density_kg_m3 for key, layer in layers.items() if layer.density_kg_m3 is not None}
+        return self.scenario.replaced(changes).with_inputs(given)
 
     @cached_property
     def bounded(self) -> bool:
         """Whether the probability of perforation of a threat is bounded."""
         return bool((self.bounds < NO_BOUND).any())
+
+    @cached_property
+    def has_free_layer(self) -> bool:
+        """Whether a thickness is free."""
+        return any(layer.free_range() for offer in self.offers for layer in offer[:2])
 
     @cached_property
     def exact_bounds(self) -> Floats:
@@ -141,8 +144,7 @@ class Catalogue:
     @cached_property
     def one_source(self) -> Bools:
         """Whether a single source gives the flow stress of the ceramic of each pair."""
-        ceramics = (materials.ceramic for materials in self.materials)
-        return np.array([ceramic is not None and ceramic.has_one_source for ceramic in ceramics])
+        return np.array([bool(ceramic and ceramic.has_one_source) for ceramic, _ in self.materials])
 
     @cached_property
     def metal(self) -> Bools:
@@ -152,8 +154,7 @@ class Catalogue:
     @cached_property
     def untested(self) -> list[bool]:
         """Whether no test of the ceramic of each pair on metal is known."""
-        ceramics = (materials.ceramic for materials in self.materials)
-        return [ceramic is not None and is_untested(ceramic) for ceramic in ceramics]
+        return [ceramic is not None and is_untested(ceramic) for ceramic, _ in self.materials]
 
     @cached_property
     def velocities_m_s(self) -> Floats:
@@ -179,7 +180,7 @@ class Catalogue:
             self.scenario,
             tuple(self.materials[pair] for pair in pairs),
         )
-        return with_thicknesses(rows, ceramic_mm=designs.ceramic_mm, backing_mm=designs.backing_mm)
+        return rows.with_thicknesses(ceramic_mm=designs.ceramic_mm, backing_mm=designs.backing_mm)
 
     def combinations(
         self, pair: int, ceramic_mm: Sequence[float] | Floats, backing_mm: Sequence[float] | Floats

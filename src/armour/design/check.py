@@ -7,18 +7,17 @@ import numpy as np
 
 from armour.analysis.ballistic_limit import (
     NeededFlowStress,
-    confidence_alone,
+    confidence_in,
     limit_and_error,
     needed_flow_stress,
     probability_of_stopping,
 )
 from armour.analysis.estimates import Estimate
 from armour.analysis.impact import simulate
-from armour.analysis.perforation import is_sampled, misplaced, probability_of_perforation
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
-from armour.analysis.variants import limits_anywhere, lowest_limits, variants_of
+from armour.analysis.samples import is_sampled, misplaced, probability_of_perforation
+from armour.analysis.variants import row_of
 from armour.design.requirements import Requirement, Verdict, against_threat, of_armour, verdict_of
-from armour.evidence.caveats import is_limit_too_low
 from armour.evidence.model_error import ModelError
 from armour.evidence.tests import armours_of, outside_tests, threat_warnings
 from armour.scenario.checked import checked
@@ -194,7 +193,7 @@ def check(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> C
     impacts = [scenario.against(threat) for threat in threats]
     notes = [misplaced(distributions, scenario, impact) for impact in impacts]
     checked_threats = tuple(
-        _checked(impact, threat, section, on_progress, sample=bool(distributions) and not misplacements)
+        _checked(impact, threat, on_progress, sample=bool(distributions) and not misplacements)
         for impact, threat, misplacements in zip(impacts, threats, notes, strict=True)
     )
     areal_density, thickness, cost = scenario.areal_density_kg_m2(), scenario.thickness_mm(), scenario.cost_per_m2()
@@ -220,40 +219,35 @@ def check(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> C
     ).of(title, scenario=scenario)
 
 
-def _checked(
-    against: Scenario, threat: Threat, section: DesignSection, on_progress: OnProgress, *, sample: bool
-) -> CheckedThreat:
+def _checked(against: Scenario, threat: Threat, on_progress: OnProgress, *, sample: bool) -> CheckedThreat:
     """Return the armour of a scenario against a threat, which is its impact; `sample` its distributions, if asked."""
-    result = confidence_alone(against, on_progress)
+    row, section = row_of(against), against.design or DesignSection()
+    result = confidence_in(row, on_progress)
     limit, error, bound = result.ballistic_limit_m_s, result.model_error, section.bound(threat)
     probability, sampled = result.probability_of_stopping, None
     if bound is not None and sample and is_sampled(against):
         sampled = probability_of_perforation(against, bound, on_progress=lambda count, _: on_progress(count, None))
         probability = 1.0 - sampled.value
-    row = variants_of(against, {}, 1)
-    reached = limits_anywhere(row) if limit is None else np.array([limit])
+    reached = row.limits_anywhere() if limit is None else np.array([limit])
     if reached >= threat.required_m_s:
-        reached = lowest_limits(row, reached)
+        reached = row.lowest_limits(reached)
     requirements = tuple(
         against_threat(
+            against,
             threat,
-            section,
+            against.core_armour(),
+            row.materials[0].ceramic,
             float(reached[0]),
             probability,
             sampled,
-            against.entry_of("ceramic") if against.armour.ceramic_thickness_mm else None,
-            against.core_armour().rho_B,
             stops=simulate(against.replaced({VELOCITY: threat.required_m_s})).outcome == "stopped",
-            tolerance_m_s=against.ballistic_limit.tolerance_m_s,
-            interlayers=against.interlayers,
-            limit_too_low=is_limit_too_low(against.core_armour()),
         )
     )
     what_ifs = []
     for change, values in _changes(against, section.thickness_tolerance_mm):
         changed, changed_limit, changed_error = against.replaced(values), limit, error
         if VELOCITY not in values:  # the limit does not depend on the velocity
-            changed_limit, changed_error, _ = limit_and_error(changed, on_progress)
+            changed_limit, changed_error, _ = limit_and_error(row_of(changed), on_progress)
         interval = None if changed_limit is None or changed_error is None else changed_error.interval(changed_limit)
         chance = probability_of_stopping(changed, changed_limit, changed_error)
         what_ifs.append(WhatIf(change, changed.impact.velocity_m_s, changed_limit, interval, chance))

@@ -5,26 +5,22 @@ Columns are computed for the designs that a query asks for: a verdict from impac
 
 from bisect import bisect_left
 from collections.abc import Iterator
+from functools import lru_cache
+from math import ceil, log, log1p
 from typing import NamedTuple
 
 import numpy as np
 
+from armour.analysis.estimates import INTERVAL_TAIL, Estimate, proportion
 from armour.analysis.results import OnProgress, ignore_progress, portions
-from armour.analysis.variants import (
-    Bools,
-    Floats,
-    Ints,
-    Variants,
-    distributions,
-    limits_anywhere,
-    lowest_limits,
-    perforated,
-)
+from armour.analysis.samples import is_sampled, points_of, probability_of_perforation, section_of
+from armour.analysis.variants import Bools, Floats, Ints, Variants
 from armour.design.catalogue import NO_BOUND, CandidateDesigns, Catalogue, first_backings
-from armour.design.reliability import Reliability
 from armour.design.requirements import verdict_of, verdict_of_samples
+from armour.errors import Problem, refuse
 from armour.evidence.tests import outside_tests
-from armour.scenario.schema import FASTEST_M_S
+from armour.scenario.inputs import BACKING, CERAMIC
+from armour.scenario.schema import FASTEST_M_S, MAX_SAMPLES, Uncertainty
 
 # Verdicts on designs, from the worst; UNJUDGED is none yet.
 UNJUDGED, FAILS, NOT_KNOWN, PASSES = range(-1, 3)
@@ -35,6 +31,8 @@ LIMITS_AT_A_TIME = 2_000
 FIRST_AT_A_TIME = 500
 # Most back plates of a frontier, besides the best: a square grid of the most designs has as many.
 MOST_BACKINGS = 1000
+# Scenarios of pairs of materials and threats that are kept.
+MOST_SCENARIOS = 1000
 
 
 class Runs:
@@ -49,7 +47,7 @@ class Runs:
         self.on_progress(runs, None)
 
 
-class Asked(NamedTuple):
+class Required(NamedTuple):
     """What decides on n rows of designs against threats."""
 
     limits_m_s: Floats  # least ballistic limits by the model; 0 where a probability alone decides
@@ -57,7 +55,7 @@ class Asked(NamedTuple):
     unknown: Bools  # whether a probability is required that is not known, or a layer lies between tile and plate
 
 
-def asked_of(catalogue: Catalogue, rows: Variants) -> Asked:
+def required_of(catalogue: Catalogue, rows: Variants) -> Required:
     """Return what is required of designs against each threat, (designs times threats).
 
     A margin is, where one is given, and a probability.  Where none is required or known, the limit decides.
@@ -72,23 +70,23 @@ def asked_of(catalogue: Catalogue, rows: Variants) -> Asked:
     by_samples = catalogue.sampled and catalogue.scenario.excludes_error()
     unknown = np.zeros_like(known) if by_samples else bounded & ~known
     unknown |= catalogue.scenario.interlayers > 0
-    return Asked(limits, np.where(known, bounds, 1.0), unknown)
+    return Required(limits, np.where(known, bounds, 1.0), unknown)
 
 
 def verdicts_of(catalogue: Catalogue, rows: Variants, runs: Runs) -> Ints:
     """Return the verdicts on designs, (n,), from impacts at the velocities required, given their rows."""
-    asked, threats = asked_of(catalogue, rows), len(catalogue.threats)
+    required, threats = required_of(catalogue, rows), len(catalogue.threats)
     remaining = np.arange(len(rows.velocities) // threats)
     # Designs that one threat perforates are not tried against the next.
     for threat in range(threats):
         places = remaining * threats + threat
-        stops = stopped(rows.at(places)._replace(velocities=asked.limits_m_s[places]), runs)
-        bounded = np.flatnonzero(stops & (asked.bounds[places] < 1.0))
+        stops = stopped(rows.at(places)._replace(velocities=required.limits_m_s[places]), runs)
+        bounded = np.flatnonzero(stops & (required.bounds[places] < 1.0))
         if len(bounded):
-            stops[bounded] = within_bounds(rows.at(places[bounded]), asked.bounds[places[bounded]], runs)
+            stops[bounded] = within_bounds(rows.at(places[bounded]), required.bounds[places[bounded]], runs)
         remaining = remaining[stops]
-    verdicts = np.full(len(asked.unknown) // threats, FAILS)
-    is_unknown: Bools = asked.unknown.reshape(-1, threats).max(axis=1)
+    verdicts = np.full(len(required.unknown) // threats, FAILS)
+    is_unknown: Bools = required.unknown.reshape(-1, threats).max(axis=1)
     verdicts[remaining] = np.where(is_unknown[remaining], NOT_KNOWN, PASSES)
     return verdicts
 
@@ -97,7 +95,7 @@ def stopped(rows: Variants, runs: Runs) -> Bools:
     """Return whether rows stop the projectile at their velocities; not if these are too high to compute."""
     is_stopped = rows.velocities <= FASTEST_M_S
     possible = np.flatnonzero(is_stopped & (rows.velocities > 0.0))
-    is_stopped[possible] = ~perforated(rows.at(possible))
+    is_stopped[possible] = ~rows.at(possible).perforated()
     runs(len(possible))
     return is_stopped
 
@@ -120,7 +118,7 @@ def within_bounds(rows: Variants, bounds: Floats, runs: Runs) -> Bools:
         by_all[used] &= is_stopped
     within, undecided = by_any & by_all, np.flatnonzero(by_any & ~by_all)
     rows = rows.at(undecided)
-    of_limits = distributions(rows, limits_anywhere(rows, runs))
+    of_limits = rows.limit_distributions(rows.limits_anywhere(runs))
     within[undecided] = of_limits.probability_above(rows.velocities) >= 1.0 - bounds[undecided]
     return within
 
@@ -131,12 +129,12 @@ def slack_m_s(catalogue: Catalogue, rows: Variants, limits: Floats) -> Floats:
     It is what the limit has above the one required or, if this is less, what the velocity that is stopped with the
     required probability has above that of the threat.
     """
-    asked = asked_of(catalogue, rows)
-    slack = np.where(asked.limits_m_s > 0.0, limits - asked.limits_m_s, np.inf)
-    bounded = np.flatnonzero(asked.bounds < 1.0)
+    required = required_of(catalogue, rows)
+    slack = np.where(required.limits_m_s > 0.0, limits - required.limits_m_s, np.inf)
+    bounded = np.flatnonzero(required.bounds < 1.0)
     if len(bounded):
-        of_limits = distributions(rows.at(bounded), limits[bounded])
-        surely = of_limits.quantile(asked.bounds[bounded]) - rows.velocities[bounded]
+        of_limits = rows.at(bounded).limit_distributions(limits[bounded])
+        surely = of_limits.quantile(required.bounds[bounded]) - rows.velocities[bounded]
         slack[bounded] = np.minimum(slack[bounded], surely)
     return slack
 
@@ -148,14 +146,60 @@ def measured(catalogue: Catalogue, rows: Variants, runs: Runs) -> tuple[Floats, 
     are scanned more densely, for lower limits.
     """
     shape = -1, len(catalogue.threats)
-    limits = limits_anywhere(rows, runs)
+    limits = rows.limits_anywhere(runs)
     slack = slack_m_s(catalogue, rows, limits)
     high = np.flatnonzero(slack >= 0.0)
-    lowest = lowest_limits(rows.at(high), limits[high], runs)
+    lowest = rows.at(high).lowest_limits(limits[high], runs)
     if (lowest < limits[high]).any():
         limits[high] = lowest
         slack = slack_m_s(catalogue, rows, limits)
     return limits.reshape(shape), slack.reshape(shape)
+
+
+class Reliability:
+    """Probabilities of perforation of the designs of a catalogue, with the samples to estimate them."""
+
+    def __init__(self, catalogue: Catalogue, on_progress: OnProgress = ignore_progress) -> None:
+        self.catalogue, self.on_progress = catalogue, on_progress
+        # Many designs have the same materials, and making a scenario is slow.
+        self.against = lru_cache(MOST_SCENARIOS)(catalogue.against)
+        _check(catalogue, section_of(self.against(0, 0)))
+        self.points = points_of(catalogue.scenario.uncertainty or Uncertainty())
+
+    def probabilities(self, candidates: CandidateDesigns, place: int, *, quick: bool) -> dict[str, Estimate]:
+        """Estimate the probabilities of perforation of a design, by threat that bounds it, where they are known."""
+        thicknesses = {CERAMIC: float(candidates.ceramic_mm[place]), BACKING: float(candidates.backing_mm[place])}
+        estimates = {}
+        for threat, (title, bound) in enumerate(zip(self.catalogue.titles, self.catalogue.bounds, strict=True)):
+            if bound < NO_BOUND:
+                scenario = self.against(int(candidates.pair[place]), threat)
+                layers = {key: thicknesses[key] for key in thicknesses if key in scenario.inputs()}
+                if is_sampled(scenario, layers):
+                    estimates[title] = probability_of_perforation(
+                        scenario, float(bound), layers, self.points, self.on_progress, quick=quick
+                    )
+        return estimates
+
+
+def _check(catalogue: Catalogue, section: Uncertainty) -> None:
+    """Check that the distributions apply to every design, material and threat, and that there are enough samples."""
+    file = catalogue.scenario.file
+    problems = []
+    for name, distribution in section.inputs().items():
+        if distribution.placed and name in catalogue.varying:
+            message = (
+                "must be centred on the value of each design or threat: normal or lognormal, without mean, min and "
+                'max, such as { distribution = "normal", standard_deviation_percent = 1.0 }'
+            )
+            problems.append(Problem(file, f"uncertainty.{name}", message))
+    bound = float(catalogue.bounds.min())
+    if catalogue.scenario.excludes_error() and proportion(0, section.samples).high > bound:
+        # Without a perforation, the upper end of the Clopper-Pearson interval is 1 - (tail)^(1/n).
+        needed = ceil(log(INTERVAL_TAIL) / log1p(-bound))
+        message = f"must be at least {needed} to show a probability of perforation of {bound:g}"
+        too_many = f" (at most {MAX_SAMPLES} are allowed: raise the bound)" if needed > MAX_SAMPLES else ""
+        problems.append(Problem(file, "uncertainty.samples", f"{message}{too_many}, found {section.samples}"))
+    refuse(problems)
 
 
 class Designs:
@@ -247,7 +291,7 @@ class Designs:
         margins = np.empty((len(where), len(self.catalogue.threats)))
         for part in portions(len(where), max(LIMITS_AT_A_TIME // margins.shape[1], 1)):
             rows = self.rows(where[part])
-            margins[part] = (limits_anywhere(rows, self.runs) - rows.velocities).reshape(-1, margins.shape[1])
+            margins[part] = (rows.limits_anywhere(self.runs) - rows.velocities).reshape(-1, margins.shape[1])
         return margins
 
     def passes(self, where: Ints, least: int = PASSES) -> Bools:

@@ -7,11 +7,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from armour.analysis.results import OnProgress, ignore_progress
-from armour.analysis.variants import Floats, distributions, limits_anywhere
+from armour.analysis.variants import Floats
 from armour.design.catalogue import CandidateDesigns, Catalogue
 from armour.design.designs import Designs, Runs
 from armour.design.optimise import Design, as_results
-from armour.engine import batch
 from armour.evidence.model_error import given_error
 from armour.units import GPA
 
@@ -50,10 +49,10 @@ def design_map(
     shape = len(ceramics), len(backings), len(catalogue.threats)
     candidates = catalogue.combinations(pair, ceramics, backings)
     rows = catalogue.against_each(candidates)
-    limits = limits_anywhere(rows, on_progress)
+    limits = rows.limits_anywhere(on_progress)
     # A velocity that is stopped with a probability is the quantile of the limit at its complement.
     tails = 1.0 - np.array(probabilities)
-    of_limits = distributions(rows, limits)
+    of_limits = rows.limit_distributions(limits)
     with_error = np.flatnonzero(~np.isnan(of_limits.weights).any(axis=0))
     stopped = np.full((limits.size, len(tails)), np.nan)
     stopped[with_error] = of_limits.mapped(lambda array: array[:, with_error]).quantile(tails[None])
@@ -69,11 +68,8 @@ def limits_over_sources(catalogue: Catalogue, designs: DesignMap) -> Floats | No
     ceramic = catalogue.materials[designs.pair].ceramic
     if ceramic is None or not ceramic.flow_stress_sources_GPa or not catalogue.untested[designs.pair]:
         return None
-    limits = []
-    for flow_stress in ceramic.flow_stress_sources_GPa:
-        layers = catalogue.layers.copy()
-        batch.fields(layers).Yc0[designs.pair] = flow_stress * GPA
-        limits.append(limits_anywhere(replace(catalogue, layers=layers).against_each(designs.candidates)))
+    rows, sources = catalogue.against_each(designs.candidates), ceramic.flow_stress_sources_GPa
+    limits = [rows.with_fields({"Yc0": flow_stress * GPA}).limits_anywhere() for flow_stress in sources]
     return np.array(limits).reshape(-1, *designs.limits_m_s.shape)
 
 

@@ -11,16 +11,14 @@ import numpy as np
 from armour.analysis.ballistic_limit import NeededFlowStress, needed_flow_stress
 from armour.analysis.estimates import Estimate
 from armour.analysis.results import OnProgress, TableResult, data_frame, ignore_progress
-from armour.analysis.variants import Ints, distributions, outside_words, why_error_unknown
+from armour.analysis.variants import Ints, outside_words
+from armour.core.state import Parameters
 from armour.design.catalogue import FIRST_VALUES, MARGIN_COLUMN, NO_BOUND, CandidateDesigns, Catalogue, catalogue_of
-from armour.design.designs import NOT_KNOWN, PASSES, Designs, Runs, asked_of, stopped, verdicts_of
-from armour.design.reliability import Reliability
+from armour.design.designs import NOT_KNOWN, PASSES, Designs, Reliability, Runs, required_of, stopped, verdicts_of
 from armour.design.requirements import Requirement, against_threat, of_armour, verdict_of
-from armour.design.search import FreeThicknesses, candidates_of, joined, pareto
-from armour.errors import Note, Problem, listed, refuse
-from armour.errors import joined as joined_words
-from armour.evidence.caveats import caveats, is_limit_too_low, no_metal
-from armour.evidence.mixture import Mixture
+from armour.design.search import FreeThicknesses, candidates_of, pareto
+from armour.errors import Note, Problem, joined, listed, refuse
+from armour.evidence.caveats import caveats, no_metal
 from armour.evidence.model_error import INTERLAYER, REMEDY, ModelError, error_of
 from armour.evidence.tests import threat_warnings
 from armour.scenario.checked import checked
@@ -317,19 +315,20 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
     search = FreeThicknesses(catalogue, Runs(on_progress))
     designs, place, reason = _best_place(search)
     least = NOT_KNOWN if reason else PASSES
-    explanation, without_limits = "", None
+    without_limits = None
     if reason == "none passes" and catalogue.metal.any():
         explanation, without_limits = _failure(designs, search)
-        if _has_free_layer(catalogue):
-            columns = joined([_some_of_range(catalogue, pair) for pair in range(len(catalogue.offers))])
+        if catalogue.has_free_layer:
+            columns = CandidateDesigns.joined(
+                [_some_of_range(catalogue, pair) for pair in range(len(catalogue.offers))]
+            )
             designs = Designs(catalogue, columns, designs.runs, designs.reliability)
         order = _nearest(designs)
         place, pairs = int(order[0]), _short_pairs(designs, order)
     else:
         order, pairs = designs.offered, _pairs(designs, search, place, least)
+        explanation = _why_not_known(designs, place) if reason else ""
     shown = None if place is None else _best(designs, place, named=True)
-    if reason and not explanation:
-        explanation = _why_not_known(designs, place)
 
     warnings = [*scenario.unused_impact(), *catalogue.omissions()]
     if place is not None:
@@ -337,28 +336,11 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
         warnings += threat_warnings(scenario, designs.rows_of(place).armours, metals)
         warnings += _of_other_pairs(catalogue, warnings)
     warnings += [] if catalogue.sampled else scenario.unused_distributions()
-    criteria = tuple(catalogue.section.pareto or ())
-    frontier, ends = np.empty(0, dtype=np.int64), dict[str, Any]()
-    if place is not None and shown is not None and reason != "none passes":
-        frontier = designs.frontier(place, least)
-        ends = _ends(designs, place, frontier) | {
-            "refined": _refined(designs, search, place) if refine else None,
-            "pareto": _pareto(designs, search, criteria, least) if criteria else (),
-        }
-        pair = int(designs.columns.pair[place])
-        changing = (*designs.changing(), *((pair, "ceramic", other) for other in ends["not_monotonic_mm"]))
-        warnings += [
-            *_untested(pairs),
-            *_at_the_ends(catalogue, pair, shown),
-            *_least_of_the_range(catalogue, pair, as_results(designs, frontier), ends["ceramic_min_mm"]),
-            *_changing(search, changing),
-        ]
+    has_frontier = reason != "none passes"
     is_not_known = shown is not None and verdict_of(row.verdict for row in shown.requirements) == "not known"
     if reason == "none passes" and is_not_known:
         reason, explanation = "not known", f"by the computed limit, {explanation}"
-    every = order if len(order) <= MOST_SHOWN else order[:0]
-    margins = designs.margins_m_s(every).tolist()
-    return DesignResult(
+    result = DesignResult(
         minimised=catalogue.section.minimise,
         threats=catalogue.titles,
         best=None if reason else shown,
@@ -366,17 +348,58 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
         explanation=explanation,
         nearest=shown if reason else None,
         without_limits=without_limits,
-        frontier=as_results(designs, frontier, with_margins=True),
-        frontier_governed_by=tuple(catalogue.titles[threat] for threat in _governing(designs, frontier)),
+        frontier=(),
+        frontier_governed_by=(),
         pairs=pairs,
-        criteria=criteria,
+        criteria=tuple(catalogue.section.pareto or ()),
         designs=len(order),
         runs=search.runs.count,
         warnings=tuple(warnings),
+    )
+    if place is not None and has_frontier:
+        result = _with_frontier(result, designs, search, place, least, refine=refine)
+    every = order if len(order) <= MOST_SHOWN else order[:0]
+    margins = designs.margins_m_s(every).tolist()
+    return replace(
+        result,
+        runs=search.runs.count,
         every=as_results(designs, every, with_margins=True),
         margins_of_every_m_s=tuple(dict(zip(catalogue.titles, row, strict=True)) for row in margins),
-        **ends,
     ).of(_subject(catalogue), scenario=scenario)
+
+
+def _with_frontier(
+    result: DesignResult, designs: Designs, search: FreeThicknesses, place: int, least: int, *, refine: bool
+) -> DesignResult:
+    """Return a result with the frontier of the design shown, its refinement if requested, and the Pareto front."""
+    catalogue, pair, backings = designs.catalogue, int(designs.columns.pair[place]), designs.columns.backing_mm
+    frontier = designs.frontier(place, least)
+    found = as_results(designs, frontier, with_margins=True)
+    without: list[float] = []
+    if catalogue.offers[pair].backing.free_range() is None:
+        without = np.setdiff1d(designs.frontier_backings(place), backings[frontier]).tolist()
+    ceramic_min_mm = next((low for _, name, low, _ in catalogue.ranges(pair) if name == "ceramic"), 0.0) or None
+    not_monotonic_mm = designs.not_monotonic_mm(frontier)
+    refined = _refined(designs, search, place) if refine else None
+    front = _pareto(designs, search, result.criteria, least) if result.criteria else ()
+    changing = (*designs.changing(), *((pair, "ceramic", other) for other in not_monotonic_mm))
+    warnings = (
+        *_untested(result.pairs),
+        *_at_the_ends(catalogue, pair, as_results(designs, np.array([place]))[0]),
+        *_least_of_the_range(catalogue, pair, found, ceramic_min_mm),
+        *_changing(search, changing),
+    )
+    return replace(
+        result,
+        frontier=found,
+        frontier_governed_by=tuple(catalogue.titles[threat] for threat in _governing(designs, frontier)),
+        refined=refined,
+        pareto=front,
+        not_monotonic_mm=not_monotonic_mm,
+        ceramic_min_mm=ceramic_min_mm,
+        without_mm=tuple(without),
+        warnings=(*result.warnings, *warnings),
+    )
 
 
 def effort(scenario: Scenario) -> tuple[int, float]:
@@ -416,11 +439,6 @@ def _table(search: FreeThicknesses, *, refine: bool = False, criteria: Sequence[
     return Designs(catalogue, candidates_of(search, criteria, refine=refine), search.runs, reliability)
 
 
-def _has_free_layer(catalogue: Catalogue) -> bool:
-    """Return whether a thickness is free."""
-    return any(layer.free_range() for offer in catalogue.offers for layer in offer[:2])
-
-
 def _best_place(search: FreeThicknesses) -> tuple[Designs, int | None, Reason]:
     """Return the designs, the best one, and why this does not pass, if it does not.
 
@@ -431,7 +449,7 @@ def _best_place(search: FreeThicknesses) -> tuple[Designs, int | None, Reason]:
         return designs, None, "not known" if len(designs.within) else "none passes"
     if (place := _first(designs, designs.offered, PASSES)) is not None:
         return designs, place, ""
-    if (search.catalogue.bounded or search.catalogue.scenario.interlayers) and _has_free_layer(search.catalogue):
+    if (search.catalogue.bounded or search.catalogue.scenario.interlayers) and search.catalogue.has_free_layer:
         search.least = NOT_KNOWN
         designs = _table(search)
     if (place := _first(designs, designs.offered, NOT_KNOWN)) is not None:
@@ -447,7 +465,7 @@ def _first(designs: Designs, where: Ints, least: int) -> int | None:
 
 def _unlimited(designs: Designs, search: FreeThicknesses) -> Designs:
     """Return the designs without the limits of the section, of which free thicknesses are others."""
-    if not _has_free_layer(designs.catalogue):
+    if not designs.catalogue.has_free_layer:
         return designs
     unbounded = dict.fromkeys(objective.bound for objective in OBJECTIVES.values())
     section = designs.catalogue.section.model_copy(update=unbounded)
@@ -457,23 +475,13 @@ def _unlimited(designs: Designs, search: FreeThicknesses) -> Designs:
 def _failure(designs: Designs, search: FreeThicknesses) -> tuple[str, BestDesign | None]:
     """Return why no design passes, and the best one that would without the limits, if there is one."""
     catalogue, unlimited = designs.catalogue, _unlimited(designs, search)
-    explanation = _why_none(designs, unlimited, range(len(catalogue.offers)))
+    explanation = _why_none(designs, unlimited)
     of_one_source = designs.offered[designs.one_source[designs.offered]]
     if (first := designs.first(of_one_source, NOT_KNOWN)) is not None:
         ceramic = catalogue.offers[designs.columns.pair[first]].ceramic.material
         explanation = f"only {ceramic} would, whose flow stress comes from a single source"
     place = _first(unlimited, np.arange(len(unlimited.values)), NOT_KNOWN)
     return explanation, None if place is None else _best(unlimited, place)
-
-
-def _ends(designs: Designs, place: int, frontier: Ints) -> dict[str, Any]:
-    """Return where the frontier of the best design ends, and back plates on which a thicker ceramic fails."""
-    ranges = designs.catalogue.ranges(int(designs.columns.pair[place]))
-    return {
-        "ceramic_min_mm": min((low for _, name, low, _ in ranges if name == "ceramic"), default=0.0) or None,
-        "without_mm": _failing_backings(designs, place, frontier),
-        "not_monotonic_mm": designs.not_monotonic_mm(frontier),
-    }
 
 
 def _nearest(designs: Designs, most: int = MOST_COMPARED) -> Ints:
@@ -512,11 +520,13 @@ def _short_pairs(designs: Designs, order: Ints) -> tuple[Pair, ...]:
 
 def _of_other_pairs(catalogue: Catalogue, warnings: Sequence[str]) -> Iterator[Note]:
     """Yield what the model cannot do for other pairs of materials than the one that warnings are about."""
+    told = {note.about for note in warnings if isinstance(note, Note)}
     for pair in np.flatnonzero(catalogue.metal).tolist():
         ceramic_mm = np.array([float(bool(catalogue.offers[pair].ceramic.material))])
         rows = catalogue.against_each(catalogue.candidates(pair, ceramic_mm, np.ones(1)))
         for note, _ in caveats(rows.armours.parameters, [catalogue.materials[pair].backing]):
-            if note not in warnings:
+            if note.about not in told:
+                told.add(note.about)
                 yield Note(note.text, note.key, said="pairs")
 
 
@@ -553,14 +563,14 @@ def _why_not_known(designs: Designs, place: int | None) -> str:
             "add a second source to its entry, flow_stress_sources_GPa, or own tests (armour calibrate)"
         )
     rows = designs.rows_of(place)
-    unknown = np.flatnonzero(asked_of(catalogue, rows).unknown).tolist()
+    unknown = np.flatnonzero(required_of(catalogue, rows).unknown).tolist()
     if not unknown:
         return "the interval of a sampled probability contains the one required; raise uncertainty.samples"
     if catalogue.scenario.interlayers:
         return INTERLAYER
     # The reason is that of the governing threat, if its probability is unknown.
     threat = min(unknown, key=designs.slack_m_s(np.array([place]))[0].__getitem__)
-    why = why_error_unknown(rows.at(np.array([threat])))
+    why = rows.at(np.array([threat])).why_error_unknown()
     titles = [catalogue.titles[place] for place in unknown]
     threats = "every threat" if len(titles) == len(catalogue.titles) > 1 else listed(titles)
     return f"probability of stopping {threats}: unknown, {why}"
@@ -575,13 +585,6 @@ def _untested(pairs: Sequence[Pair]) -> Iterator[str]:
     ]
     if names:
         yield f"the model error is not known for {listed(names)}, ranked after the others; {REMEDY}"
-
-
-def _failing_backings(designs: Designs, best: int, frontier: Ints) -> tuple[float, ...]:
-    """Return the back plate thicknesses offered on which no ceramic passes, mm."""
-    if designs.catalogue.offers[designs.columns.pair[best]].backing.free_range() is not None:
-        return ()
-    return tuple(np.setdiff1d(designs.frontier_backings(best), designs.columns.backing_mm[frontier]).tolist())
 
 
 def _changing(search: FreeThicknesses, columns: Sequence[tuple[int, str, float]]) -> Iterator[str]:
@@ -629,7 +632,7 @@ def _least_of_the_range(
 
 def _pareto(designs: Designs, search: FreeThicknesses, criteria: Sequence[str], least: int) -> tuple[Design, ...]:
     """Return the Pareto front, with free thicknesses refined for every criterion."""
-    if _has_free_layer(designs.catalogue):
+    if designs.catalogue.has_free_layer:
         designs = _table(search, criteria=criteria)
     return as_results(designs, pareto(designs, criteria, least), with_margins=MARGIN_COLUMN in criteria)
 
@@ -665,41 +668,37 @@ def as_results(designs: Designs, where: Ints, *, with_margins: bool = False) -> 
 
 def _best(designs: Designs, place: int, *, named: bool = False) -> BestDesign:
     """Return a design with its ballistic limits and, if the result names it first, with the flow stress needed."""
-    where, catalogue = np.array([place]), designs.catalogue
-    [design] = as_results(designs, where, with_margins=True)
+    where, catalogue, pair = np.array([place]), designs.catalogue, int(designs.columns.pair[place])
+    [design], offer = as_results(designs, where, with_margins=True), catalogue.offers[pair]
     [limits], [slack], [governing] = designs.limits_m_s(where), designs.slack_m_s(where), _governing(designs, where)
-    pair = int(designs.columns.pair[place])
-    offer, searched = catalogue.offers[pair], catalogue.scenario.ballistic_limit
-    limit = float(limits[governing])
-    sampled = designs.reliability.probabilities(designs.columns, place, quick=False) if designs.reliability else {}
     rows = designs.rows_of(place)
-    of_limits = distributions(rows, limits)
-    ratio = of_limits.one(governing).times(1.0 / limit)
-    stopping = _of_stopping(catalogue, of_limits, sampled)
-    required = rows.velocities + catalogue.margins_m_s
-    stops = stopped(rows._replace(velocities=required), Runs()).tolist()
-    is_too_low = is_limit_too_low(rows.armours.parameters).tolist()
-    requirements = [
-        row
-        for i, threat in enumerate(catalogue.threats)
-        for row in against_threat(
-            threat,
-            catalogue.section,
-            float(limits[i]),
-            stopping[threat.title],
-            sampled.get(threat.title),
-            catalogue.materials[pair].ceramic if design.ceramic_thickness_mm else None,
-            offer.backing_density_kg_m3,
-            stops=stops[i],
-            tolerance_m_s=searched.tolerance_m_s,
-            interlayers=catalogue.scenario.interlayers,
-            limit_too_low=is_too_low[i],
+    of_limits, limit = rows.limit_distributions(limits), float(limits[governing])
+    stops = stopped(rows._replace(velocities=rows.velocities + catalogue.margins_m_s), Runs()).tolist()
+    sampled = designs.reliability.probabilities(designs.columns, place, quick=False) if designs.reliability else {}
+    requirements: list[Requirement] = []
+    stopping: dict[str, float | None] = {}
+    short: dict[str, float] = {}
+    flow_stress: dict[str, NeededFlowStress] = {}
+    for i, (threat, limit_m_s) in enumerate(zip(catalogue.threats, limits.tolist(), strict=True)):
+        title, estimate = threat.title, sampled.get(threat.title)
+        # One by one: for several at once scipy would be imported.
+        by_error = float(of_limits.one(i).probability_above(threat.velocity_m_s))
+        chance = (None if isnan(by_error) else by_error) if estimate is None else 1.0 - estimate.value
+        armour, ceramic = Parameters(*rows.parameters[i].tolist()), catalogue.materials[pair].ceramic
+        required = list(
+            against_threat(catalogue.scenario, threat, armour, ceramic, limit_m_s, chance, estimate, stops=stops[i])
         )
-    ]
-    short = {threat: max(-float(spare), 0.0) for threat, spare in zip(catalogue.titles, slack, strict=True)}
-    for row in requirements:
-        if row.quantity == "margin_m_s" and row.found is not None:
-            short[row.threat] = max(short[row.threat], row.required - row.found)
+        lacks = (row.required - row.found for row in required if row.quantity == "margin_m_s" and row.found is not None)
+        requirements += required
+        stopping[title], short[title] = chance, max(-float(slack[i]), 0.0, *lacks)
+        if named and chance is None and catalogue.untested[pair]:
+            layers = {CERAMIC: design.ceramic_thickness_mm, BACKING: design.backing_thickness_mm}
+            scenario, bound = catalogue.against(pair, i).replaced(layers), float(catalogue.bounds[i])
+            needed = needed_flow_stress(scenario, threat.required_m_s, 1.0 - bound if bound < NO_BOUND else None)
+            flow_stress |= {} if needed is None else {title: needed}
+    weight = tuple(of_armour(catalogue.section, vars(design)))
+    searched = catalogue.scenario.ballistic_limit
+    ratio = of_limits.one(governing).times(1.0 / limit)
     return BestDesign(
         **asdict(design),
         ballistic_limit_m_s=limit if searched.velocity_min_m_s < limit <= searched.velocity_max_m_s else None,
@@ -711,42 +710,14 @@ def _best(designs: Designs, place: int, *, named: bool = False) -> BestDesign:
         probabilities_of_stopping=stopping,
         model_error=error_of(catalogue.scenario, ratio, rows.armours.at(np.array([governing])), limit),
         short_m_s=short,
-        exceeds=_exceeds(catalogue.section, design),
-        requirements=(*requirements, *of_armour(catalogue.section, vars(design))),
-        flow_stress=dict(_flow_stress(designs, place, stopping)) if named else {},
+        exceeds={
+            OBJECTIVES[row.quantity].bound: row.found - row.required
+            for row in weight
+            if row.found is not None and row.verdict == "fails"
+        },
+        requirements=(*requirements, *weight),
+        flow_stress=flow_stress,
     )
-
-
-def _exceeds(section: DesignSection, design: Design) -> dict[str, float]:
-    """Return the excess of a design over each limit of a section, by key."""
-    return {
-        OBJECTIVES[row.quantity].bound: row.found - row.required
-        for row in of_armour(section, vars(design))
-        if row.found is not None and row.verdict == "fails"
-    }
-
-
-def _flow_stress(
-    designs: Designs, place: int, stopping: dict[str, float | None]
-) -> Iterator[tuple[str, NeededFlowStress]]:
-    """Yield the flow stress with which the ceramic of a design stops each threat whose probability is unknown."""
-    catalogue, (pair, ceramic, backing) = designs.catalogue, (column[place].item() for column in designs.columns[:3])
-    for i, (title, threat) in enumerate(zip(catalogue.titles, catalogue.threats, strict=True)):
-        if stopping[title] is None and catalogue.untested[pair]:
-            scenario = catalogue.against(pair, i).replaced({CERAMIC: ceramic, BACKING: backing})
-            bound = float(catalogue.bounds[i])
-            needed = needed_flow_stress(scenario, threat.required_m_s, 1.0 - bound if bound < NO_BOUND else None)
-            if needed is not None:
-                yield title, needed
-
-
-def _of_stopping(catalogue: Catalogue, distributions: Mixture, sampled: dict[str, Estimate]) -> dict[str, float | None]:
-    """Return the probabilities that a design stops each threat, from the samples or else from the model error."""
-    # One by one: for several at once scipy would be imported.
-    velocities = catalogue.velocities_m_s.tolist()
-    chances = [float(distributions.one(i).probability_above(velocity)) for i, velocity in enumerate(velocities)]
-    by_error = {title: None if isnan(p) else p for title, p in zip(catalogue.titles, chances, strict=True)}
-    return by_error | {title: 1.0 - estimate.value for title, estimate in sampled.items()}
 
 
 def _pairs(designs: Designs, search: FreeThicknesses, best: int | None, least: int) -> tuple[Pair, ...]:
@@ -765,7 +736,7 @@ def _pairs(designs: Designs, search: FreeThicknesses, best: int | None, least: i
     failing = [pair for pair, (_, place) in enumerate(found) if place is None and catalogue.metal[pair]]
     if failing and catalogue.bounded:
         search = FreeThicknesses(catalogue, Runs(search.runs.on_progress), NOT_KNOWN)
-        by_limit = _table(search) if least == PASSES and _has_free_layer(catalogue) else designs
+        by_limit = _table(search) if least == PASSES and catalogue.has_free_layer else designs
         for pair in failing:
             where = by_limit.of_pair(pair)
             found[pair] = by_limit, by_limit.first(where[~by_limit.known(where)], NOT_KNOWN, by_samples=False)
@@ -778,7 +749,7 @@ def _pairs(designs: Designs, search: FreeThicknesses, best: int | None, least: i
             continue
         design, excess, ranked = None, None, True
         if place is None:
-            reason = _why_none(designs, unlimited, [index])
+            reason = _why_none(designs, unlimited, index)
         else:
             one_source = bool(table.one_source[place])
             untested = best_is_known and not table.known(np.array([place]))[0]
@@ -812,24 +783,22 @@ def _excess(section: DesignSection, value: float, least: float, *, ranked: bool)
     return excess, f"{runner_up}{excess:.1f} % {objective.more}"
 
 
-def _why_none(designs: Designs, unlimited: Designs, pairs: Sequence[int]) -> str:
-    """Return why no design of some pairs passes: the limits that it exceeds, or what a pair or all designs lack."""
+def _why_none(designs: Designs, unlimited: Designs, pair: int | None = None) -> str:
+    """Return why no design, or none of a pair, passes: the limits that it exceeds, or what it lacks."""
     catalogue, section = designs.catalogue, designs.catalogue.section
     threats = catalogue.titles[0] if len(catalogue.titles) == 1 else "every threat"
-    all_pairs = len(pairs) == len(catalogue.offers)
-    pairs = [pair for pair in pairs if catalogue.metal[pair]]
     asked = ["the margin"] if catalogue.margins_m_s.any() else []
-    required = f" with {joined_words([*asked, 'the probability'])} required" if catalogue.bounded else ""
-    first = unlimited.first(np.flatnonzero(np.isin(unlimited.columns.pair, pairs)), NOT_KNOWN, by_samples=False)
-    if first is not None:
+    required = f" with {joined([*asked, 'the probability'])} required" if catalogue.bounded else ""
+    places = np.flatnonzero((unlimited.columns.pair == pair) | (pair is None))
+    if (first := unlimited.first(places, NOT_KNOWN, by_samples=False)) is not None:
         is_known = unlimited.verdicts(np.array([first]))[0] == PASSES
         if exceeded := _exceeded(section, unlimited, first, threats + (required if is_known else BY_LIMIT)):
             return exceeded
-    if catalogue.sampled and not (all_pairs and catalogue.margins_m_s.any()):
-        runners_up = "" if all_pairs else f" within {section.runners_up_percent:g} % of the best"
+    if catalogue.sampled and (pair is not None or not asked):
+        runners_up = "" if pair is None else f" within {section.runners_up_percent:g} % of the best"
         return f"no design{runners_up} keeps the probability of perforation within the bound of every threat"
-    if not all_pairs:
-        table = Designs(catalogue, _some_of_range(catalogue, pairs[0]), Runs(designs.runs.on_progress))
+    if pair is not None:
+        table = Designs(catalogue, _some_of_range(catalogue, pair), Runs(designs.runs.on_progress))
         return lacking(_best(table, int(_nearest(table, most=0)[0])))
     constrained = any(getattr(section, objective.bound) is not None for objective in OBJECTIVES.values())
     thicker = "" if constrained else "; offer thicker layers in [design] or [optimise]"

@@ -5,8 +5,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 from armour.analysis.estimates import Estimate
-from armour.evidence.caveats import LEAST_METAL_KG_M3, is_no_metal
+from armour.core.state import Parameters
+from armour.evidence.caveats import LEAST_METAL_KG_M3, is_limit_too_low, is_no_metal
 from armour.scenario.library import LibraryEntry
+from armour.scenario.scenario import Scenario
 from armour.scenario.schema import OBJECTIVES, DesignSection, Threat
 
 Verdict = Literal["passes", "fails", "not known"]
@@ -57,18 +59,15 @@ def verdict_of_samples(perforation: Estimate, bound: float) -> Verdict:
 
 
 def against_threat(
+    scenario: Scenario,
     threat: Threat,
-    section: DesignSection,
+    armour: Parameters,
+    ceramic: LibraryEntry | None,
     limit_m_s: float,
     probability: float | None,
     sampled: Estimate | None,
-    ceramic: LibraryEntry | None,
-    backing_density_kg_m3: float,
     *,
     stops: bool,
-    tolerance_m_s: float,
-    interlayers: int,
-    limit_too_low: bool,
 ) -> Iterator[Requirement]:
     """Yield what is required of an armour against a threat.
 
@@ -78,43 +77,38 @@ def against_threat(
 
     Parameters
     ----------
+    scenario : Scenario
+        Gives the probability that is required of all threats, the tolerance of the limit, within which the projectile
+        may perforate, and the layers between tile and back plate: no shipped test has one.
     threat : Threat
-    section : DesignSection
-        Gives the probability that is required of all threats.
+    armour : Parameters
+        Armour and projectile; the limit of some is known to be too low, see `evidence.caveats`.
+    ceramic : LibraryEntry or None
+        If a single source gives its flow stress, it is not known whether the armour stops the threat.
     limit_m_s : float
         Ballistic limit by the model, m/s.
     probability : float or None
         Probability that the armour stops the projectile; None if it is not known.
     sampled : Estimate or None
         Probability of perforation where uncertain inputs are sampled.
-    ceramic : LibraryEntry or None
-        If a single source gives its flow stress, it is not known whether the armour stops the threat.
-    backing_density_kg_m3 : float
     stops : bool
         Whether the armour stops the projectile, by the model, at the velocity plus the margin.
-    tolerance_m_s : float
-        Tolerance of the limit: the projectile may perforate within it.
-    interlayers : int
-        Layers between tile and back plate: no shipped test has one.
-    limit_too_low : bool
-        Whether the limit by the model is known to be below that of the armour, see `evidence.caveats`.
     """
-    if is_no_metal(backing_density_kg_m3):
-        metal = "backing_density_kg_m3"
-        yield Requirement(metal, threat.title, LEAST_METAL_KG_M3, backing_density_kg_m3, "not known")
+    if is_no_metal(armour.rho_B):
+        yield Requirement("backing_density_kg_m3", threat.title, LEAST_METAL_KG_M3, armour.rho_B, "not known")
         return
-    bound, margin_m_s = section.bound(threat), limit_m_s - threat.velocity_m_s
+    bound, margin_m_s = (scenario.design or DesignSection()).bound(threat), limit_m_s - threat.velocity_m_s
     if margin_m_s >= threat.margin_m_s and not stops:
-        margin_m_s -= tolerance_m_s
+        margin_m_s -= scenario.ballistic_limit.tolerance_m_s
     reaches = margin_m_s >= threat.margin_m_s
-    short: Verdict = "not known" if limit_too_low else "fails"
+    short: Verdict = "not known" if is_limit_too_low(armour) else "fails"
     if threat.margin_m_s > 0.0 or bound is None:
         verdict: Verdict = "passes" if reaches else short
         yield Requirement("margin_m_s", threat.title, threat.margin_m_s, margin_m_s, verdict)
-    if ceramic is not None and ceramic.has_one_source:
+    if ceramic is not None and armour.Hc0 and ceramic.has_one_source:
         yield Requirement("flow_stress_sources", threat.title, LEAST_SOURCES, 1.0, "not known")
-    if interlayers:
-        yield Requirement("interlayers", threat.title, 0.0, interlayers, "not known")
+    if scenario.interlayers:
+        yield Requirement("interlayers", threat.title, 0.0, scenario.interlayers, "not known")
     if bound is None:
         return
     interval = None

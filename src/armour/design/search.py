@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from armour.analysis.variants import Bools, Floats, Ints, Least, least_values_mm, limits_anywhere, unusual
+from armour.analysis.variants import Bools, Floats, Ints, Thinnest, Variants, least_values_mm
 from armour.core.search import SCAN_POINTS
 from armour.design.catalogue import COST_COLUMN, MARGIN_COLUMN, CandidateDesigns, Catalogue, first_backings
 from armour.design.designs import PASSES, Designs, Runs, measured, verdicts_of
@@ -86,12 +86,7 @@ def candidates_of(search: FreeThicknesses, criteria: Sequence[str] = (), *, refi
     parts = [_of_pair(search, pair, columns, refine=refine) for pair in pairs]
     if MARGIN_COLUMN in criteria:
         parts += [part for pair in pairs for part in _with_more_margin(search, pair, columns)]
-    return joined(parts)
-
-
-def joined(parts: Sequence[CandidateDesigns]) -> CandidateDesigns:
-    """Concatenate candidates."""
-    return CandidateDesigns(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+    return CandidateDesigns.joined(parts)
 
 
 def _with_more_margin(search: FreeThicknesses, pair: int, columns: Sequence[str]) -> list[CandidateDesigns]:
@@ -103,7 +98,7 @@ def _with_more_margin(search: FreeThicknesses, pair: int, columns: Sequence[str]
     greatest = (layer.thicknesses()[-1:] if layer.free_range() else layer.thicknesses() for layer in layers)
     thickest = catalogue.combinations(pair, *greatest)
     rows = catalogue.against_each(thickest)
-    limits = limits_anywhere(rows, search.runs).reshape(-1, len(catalogue.threats))
+    limits = rows.limits_anywhere(search.runs).reshape(-1, len(catalogue.threats))
     spare = float((limits - catalogue.velocities_m_s - catalogue.margins_m_s).min(axis=1).max())
     parts = [thickest]
     for margin in np.linspace(0.0, max(spare, 0.0), MARGIN_PARTS + 1)[1:-1].tolist():
@@ -156,7 +151,7 @@ def _of_pair(
         return np.take_along_axis(values, place.reshape(backings.shape), axis=1)
 
     minimise_over_backings(values_of, np.tile(backings, (len(columns), 1)), backing.min, backing.max, width)
-    designs = joined(rounds)
+    designs = CandidateDesigns.joined(rounds)
     return designs.at(np.unique(designs.backing_mm, return_index=True)[1])
 
 
@@ -167,26 +162,27 @@ def _least(
     other_mm: Floats,
     *,
     verify: bool,
-) -> Least:
+) -> Thinnest:
     """Return the least thickness of a free layer that passes with each thickness of the other.
 
     The search is by the outcome at the velocities required and, to verify, by the limit if one lies below them.
     """
-    catalogue, least_verdict = search.catalogue, search.least
+    catalogue = search.catalogue
+
+    def against(values: Floats, rows: Ints) -> Variants:
+        return catalogue.against_each(designs(values, other_mm[rows]))
 
     def stops(values: Floats, rows: Ints) -> Bools:
-        against = catalogue.against_each(designs(values, other_mm[rows]))
-        return verdicts_of(catalogue, against, search.runs) >= least_verdict
+        return verdicts_of(catalogue, against(values, rows), search.runs) >= search.least
 
     def passes(values: Floats, rows: Ints) -> Bools:
-        against = catalogue.against_each(designs(values, other_mm[rows]))
-        is_stopping = verdicts_of(catalogue, against, search.runs) >= least_verdict
-        return is_stopping & (measured(catalogue, against, search.runs)[1] >= 0.0).all(axis=1)
+        slack_m_s = measured(catalogue, against(values, rows), search.runs)[1]
+        return stops(values, rows) & (slack_m_s >= 0.0).all(axis=1)
 
     def scanned(values: Floats, rows: Ints) -> Bools:
-        variants = catalogue.against_each(designs(values, other_mm[rows]))
+        variants = against(values, rows)
         # If a probability is bounded, the thickest may lie beyond the tests while thinner ones do not.
-        return unusual(variants).reshape(-1, len(catalogue.threats)).any(axis=1) | (
+        return variants.is_unusual().reshape(-1, len(catalogue.threats)).any(axis=1) | (
             np.isnan(values) & catalogue.bounded
         )
 

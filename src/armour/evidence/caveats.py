@@ -57,19 +57,23 @@ def caveats(armour: Parameters, metals: Iterable[LibraryEntry], *, said: bool = 
     density, key, caveat = np.atleast_1d(armour.rho_B), "backing.density_kg_m3", "caveat" * said
     unlike = is_no_metal(density)
     if unlike.any():
-        yield (Note(no_metal(density[unlike].min()), key, said="not known" * said), unlike)
+        least = float(density[unlike].min())
+        yield Note(no_metal(least), key, said="not known" * said, about=("no metal", least)), unlike
     doubted = ~unlike & (density < SURELY_METAL_KG_M3)
     if doubted.any():
-        question = f"is a back plate of {density[doubted].min():,.0f} kg/m³ a metal? {NOT_MODELLED} ({DENSITIES})"
-        yield (Note(question, key, said=caveat), doubted)
+        least = float(density[doubted].min())
+        question = f"is a back plate of {least:,.0f} kg/m³ a metal? {NOT_MODELLED} ({DENSITIES})"
+        yield Note(question, key, said=caveat, about=("doubted metal", least)), doubted
     long, too_low = ~unlike & is_long_rod(armour), np.atleast_1d(is_limit_too_low(armour))
     for rows, more, kind in ((long & too_low, "; the limit is too low", "too low"), (long & ~too_low, "", "caveat")):
         if rows.any():
             place = int(np.argmax(rows))
-            numbers = (float(np.atleast_1d(each)[place]) for each in (armour.L0 / armour.D0, density, armour.rho_p))
-            yield (Note(long_rod(*numbers) + more, "projectile", said=kind * said), rows)
+            numbers = [float(np.atleast_1d(each)[place]) for each in (armour.L0 / armour.D0, density, armour.rho_p)]
+            about: tuple[str | float, ...] = (f"long rod{more}", *numbers)
+            yield Note(long_rod(*numbers) + more, "projectile", said=kind * said, about=about), rows
     for name, reason in {metal.name: metal.doubtful for metal in metals if metal.doubtful}.items():
-        yield (Note(f"the values of {name} are doubtful: {reason}", "armour.backing", said=caveat), ~unlike)
+        words = f"the values of {name} are doubtful: {reason}"
+        yield Note(words, "armour.backing", said=caveat, about=("doubtful values", name)), ~unlike
 
 
 def long_rod(slenderness: float, plate_kg_m3: float, rod_kg_m3: float) -> str:

@@ -145,21 +145,8 @@ class Fit(NamedTuple):
             variance += (0.5 * ((matrix - inside) @ coefficients)) ** 2
         return location, np.sqrt(variance), narrowed
 
-    def updated(self, tests: LotTests, extra_deviation: float = 0.0, level: Sequence[float] | None = None) -> "Fit":
-        """Return the fit for the lot of own tests; its weight is the logarithm of their density.
-
-        Parameters
-        ----------
-        tests : LotTests
-        extra_deviation : float
-            Standard deviation between lots in addition to that of the fit.
-        level : sequence of float, optional
-            Mean and standard deviation of the first coefficient, for a lot that the fit does not cover.
-        """
-        return self._of_lot(extra_deviation, level).given(tests)
-
     def given(self, tests: LotTests) -> "Fit":
-        """Return the fit for a lot, which this is of, given its tests; see `updated`."""
+        """Return the fit for a lot, which this is of, given its tests; its weight is the logarithm of their density."""
         K, deviations = self.of_tests(tests)
         variances = tests.uncertainties**2
         limits, shots = np.flatnonzero(tests.sides == 0.0), np.flatnonzero(tests.sides)
@@ -183,16 +170,14 @@ class Fit(NamedTuple):
         """Return the fit for a lot given its tests but for some, (n,) whether to leave it out."""
         return self.own[0].lot.given(self.own[0].tests.at(~where))
 
-    def probabilities_of_farther(
-        self, tests: LotTests, extra_deviation: float = 0.0, level: Sequence[float] | None = None
-    ) -> Floats:
-        """Return how probable it is that each own test lies farther from what the others predict, (n,); 1 for shots.
+    def probabilities_of_farther(self, tests: LotTests) -> Floats:
+        """Return how probable it is that each test of the lot lies farther from what the others predict; 1 for shots.
 
-        The parameters are those of `updated`.
+        The result has the shape (n,).
         """
         from scipy.special import stdtr  # slow to import
 
-        K, deviations = self._of_lot(extra_deviation, level).of_tests(tests)
+        K, deviations = self.of_tests(tests)
         limits, nu = np.flatnonzero(tests.sides == 0.0), self.degrees_of_freedom
         deviations = deviations[limits]
         precision = np.linalg.inv((K + np.diag(tests.uncertainties**2))[np.ix_(limits, limits)])
@@ -203,8 +188,16 @@ class Fit(NamedTuple):
         probabilities[limits] = 2.0 * stdtr(freedom, -np.sqrt(squares * freedom / (nu + other_squares)))
         return probabilities
 
-    def _of_lot(self, extra_deviation: float, level: Sequence[float] | None) -> "Fit":
-        """Return the fit with the coefficients of a lot, before its tests; see `updated`."""
+    def of_lot(self, extra_deviation: float = 0.0, level: Sequence[float] | None = None) -> "Fit":
+        """Return the fit with the coefficients of a lot, before its tests.
+
+        Parameters
+        ----------
+        extra_deviation : float
+            Standard deviation between lots in addition to that of the fit.
+        level : sequence of float, optional
+            Mean and standard deviation of the first coefficient, for a lot that the fit does not cover.
+        """
         between_lots, _, _, trend = self.standard_deviations
         b, C = self.coefficients.copy(), self.covariance.copy()
         C[0, 0] += between_lots**2 + extra_deviation**2

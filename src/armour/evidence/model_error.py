@@ -1,5 +1,6 @@
 """The model error of a scenario or of many variants of it: the tests it comes from, and where it is not known."""
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import expm1
@@ -12,7 +13,7 @@ from armour.core.state import Parameters
 from armour.errors import InputError, Problem
 from armour.evidence.caveats import is_no_metal
 from armour.evidence.core_digest import core_digest
-from armour.evidence.fit import is_same_armour, mixture_of, shipped_data
+from armour.evidence.fit import Fit, is_same_armour, mixture_of, shipped_data
 from armour.evidence.mixture import Floats, Mixture
 from armour.evidence.tests import Armours, Evidence, is_outside, is_untested, outside
 from armour.scenario.inputs import cosine_of
@@ -166,10 +167,6 @@ class ErrorRows(NamedTuple):
         ratio = Mixture(np.full(shape, np.nan), nothing, ones, ones.copy(), narrowed=ones.copy())
         return cls(ratio, np.zeros((laws, len(LAW_FIELDS), count)))
 
-    def at(self, where: Any) -> "ErrorRows":
-        """Return the errors of some armours."""
-        return ErrorRows(self.ratio.mapped(lambda array: array[..., where]), self.parameters[..., where])
-
     @property
     def known(self) -> Any:
         """Whether the error is known, (n,)."""
@@ -213,48 +210,66 @@ def errors_of(scenario: Scenario, armours: Armours) -> ErrorRows:
     if error is not None:
         repeated = error.ratio.mapped(lambda array: np.repeat(array[:, None], count, axis=1))
         return ErrorRows(repeated, np.zeros((1, len(LAW_FIELDS), count)))
-    parts, as_at_normal = [], scenario.design is not None and scenario.design.angles_as_at_normal_incidence
-    for evidence, rows in armours.by_evidence():
-        oblique = evidence.fails_angle(armours.cosines)
-        # The greatest angle at which an armour is assumed to have at least its limit at normal incidence.
-        at_least_deg = 90.0 if evidence.ceramic and as_at_normal else evidence.at_least_deg
-        is_bounded = oblique & (armours.cosines >= cosine_of(at_least_deg))
-        for members, at_normal in ((rows & ~oblique, False), (rows & is_bounded, True)):
-            if evidence.fits and members.any():
-                parts.append((int(at_normal or evidence.lot != ""), evidence, np.flatnonzero(members), at_normal))
-    errors = ErrorRows.unknown(count, max([1, *(first + len(evidence.fits) for first, evidence, *_ in parts)]))
-    for first, evidence, where, at_normal in parts:
-        members = armours.at(where)
-        errors.parameters[0][:, where] = law_of(members.parameters)
-        _set_errors(errors, first, evidence, where, members.at_normal_incidence() if at_normal else members)
+    as_at_normal = scenario.design is not None and scenario.design.angles_as_at_normal_incidence
+    found = [
+        law
+        for evidence, rows in armours.by_evidence()
+        for law in _laws_of(evidence, armours, rows, as_at_normal=as_at_normal)
+    ]
+    errors = ErrorRows.unknown(count, 1 + max((law.number for law in found), default=0))
+    errors.parameters[0] = law_of(armours.parameters)
+    for law in found:
+        errors.ratio.weights[:, law.rows] = 0.0
+    for law in found:
+        errors.parameters[law.number][:, law.rows] = law_of(law.armours.parameters)
+        arrays = (*errors.ratio[:4], np.asarray(errors.ratio.narrowed))
+        for array, values in zip(arrays, law.ratio(), strict=True):
+            array[law.number, law.rows] = values
     return errors
 
 
-def _set_errors(errors: ErrorRows, first: int, evidence: Evidence, where: Any, armours: Armours) -> None:
-    """Set the errors, from a first law on, of those of n armours for which evidence holds.
+class LawOfRows(NamedTuple):
+    """A law of the ballistic limits of some of n armours, and the fit of their error by it."""
+
+    number: int  # among the laws of the armours, the first of which is their own
+    rows: Any  # places of the armours
+    armours: Armours  # with the parameters of the law
+    fit: Fit
+    doubted: Mapping[str, tuple[float, float]]  # ranges, by quantity, beyond which the trend is uncertain
+
+    def ratio(self) -> tuple[Any, ...]:
+        """Return weights, locations, scales, degrees of freedom and factors of the scales, as of a `Mixture`."""
+        locations, scales, narrowed = self.fit.predicted(self.armours.quantities(), self.doubted)
+        return self.fit.weight, locations, scales, self.fit.degrees_of_freedom, narrowed
+
+
+def _laws_of(evidence: Evidence, armours: Armours, rows: Any, *, as_at_normal: bool) -> Iterator[LawOfRows]:
+    """Yield the laws by which evidence gives the errors of some of n armours.
 
     With a ceramic, the law of the armour comes first, and the others have the flow stress in proportion to it.
     """
-    q = armours.quantities()
-    holds = evidence.holds(q)
-    errors.ratio.weights[:, where[holds]] = 0.0
+    oblique = evidence.fails_angle(armours.cosines)
+    # The greatest angle at which an armour is assumed to have at least its limit at normal incidence.
+    at_least_deg = 90.0 if evidence.ceramic and as_at_normal else evidence.at_least_deg
+    is_bounded = oblique & (armours.cosines >= cosine_of(at_least_deg))
     bare = () if evidence.ceramic else evidence.measured
     doubted = {limits.name: (limits.low, limits.high) for limits in bare if limits.name in DOUBTED}
-    for number, law in enumerate(evidence.laws or [()]):
-        rows = np.flatnonzero(holds & ~is_outside(law, q))
-        first_fit, members = evidence.fits[number], armours.at(rows)
-        for place, fit in enumerate([first_fit, *(fit for fit in evidence.fits if fit is not first_fit)], start=first):
-            by_law: dict[str, Any] = dict(fit.law)
-            if evidence.laws:
-                by_law["Yc0"] = members.parameters.Yc0 * (fit.law["Yc0"] / first_fit.law["Yc0"])
-            if fit is first_fit and not evidence.lot:
-                by_law = {}
-            with_law = members.with_law(by_law)
-            *of_limit, narrowed = fit.predicted(with_law.quantities(), doubted)
-            values = (fit.weight, *of_limit, fit.degrees_of_freedom, narrowed)
-            for array, numbers in zip((*errors.ratio[:4], np.asarray(errors.ratio.narrowed)), values, strict=True):
-                array[place][where[rows]] = numbers
-            errors.parameters[place][:, where[rows]] = law_of(with_law.parameters)
+    for is_member, at_normal in ((rows & ~oblique, False), (rows & is_bounded, True)):
+        if not (evidence.fits and is_member.any()):
+            continue
+        places = np.flatnonzero(is_member)
+        members = armours.at(places).at_normal_incidence() if at_normal else armours.at(places)
+        q = members.quantities()
+        holds = evidence.holds(q)
+        for own_fit, law in zip(evidence.fits, evidence.laws or [()], strict=False):
+            of_law = np.flatnonzero(holds & ~is_outside(law, q))
+            by_own_law = members.at(of_law)
+            others = [fit for fit in evidence.fits if fit is not own_fit]
+            for number, fit in enumerate([own_fit, *others], start=int(at_normal or evidence.lot != "")):
+                changes: dict[str, Any] = {} if fit is own_fit and not evidence.lot else dict(fit.law)
+                if changes and evidence.laws:
+                    changes["Yc0"] = by_own_law.parameters.Yc0 * (fit.law["Yc0"] / own_fit.law["Yc0"])
+                yield LawOfRows(number, places[of_law], by_own_law.with_law(changes), fit, doubted)
 
 
 def law_of(parameters: Parameters) -> Floats:

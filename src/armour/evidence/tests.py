@@ -60,10 +60,13 @@ class DataRange(NamedTuple):
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.nan_to_num(q[self.name] / q[self.name].clip(self.low, self.high), nan=1.0, posinf=np.inf)
 
+    def joined(self, low: float, high: float) -> "DataRange":
+        """Return the range from its lower end or a lower one, to its upper end or a higher one."""
+        return DataRange(self.name, min(self.low, float(low)), max(self.high, float(high)))
+
     def containing(self, values: Any) -> "DataRange":
         """Return the range widened to contain further values, with a margin for rounding."""
-        low, high = values.min() * (1.0 - ROUNDING), values.max() * (1.0 + ROUNDING)
-        return DataRange(self.name, min(self.low, float(low)), max(self.high, float(high)))
+        return self.joined(values.min() * (1.0 - ROUNDING), values.max() * (1.0 + ROUNDING))
 
     @property
     def key(self) -> str:
@@ -88,14 +91,14 @@ class Evidence(NamedTuple):
     The error applies to armours of the kind, and is extrapolated outside the ranges of the tests.
     """
 
-    title: str
-    source: str  # its key of the bibliography is in brackets
-    laws: tuple[tuple[DataRange, ...], ...]  # of the ceramic's flow stress, one of which an armour has
-    kind: tuple[DataRange, ...]  # of armour and penetrator
-    measured: tuple[DataRange, ...]  # ranges of the tests
-    compared: tuple[DataRange, ...]  # outside them, an armour is like none that was compared
-    velocities_m_s: tuple[float, float]
-    fits: tuple[Fit, ...]  # of the error, one for each law; none of results of the paper's program
+    title: str = ""
+    source: str = ""  # its key of the bibliography is in brackets
+    laws: tuple[tuple[DataRange, ...], ...] = ()  # of the ceramic's flow stress, one of which an armour has
+    kind: tuple[DataRange, ...] = ()  # of armour and penetrator
+    measured: tuple[DataRange, ...] = ()  # ranges of the tests
+    compared: tuple[DataRange, ...] = ()  # outside them, an armour is like none that was compared
+    velocities: DataRange = DataRange("velocity_m_s", 0.0, np.inf)
+    fits: tuple[Fit, ...] = ()  # of the error, one for each law; none of results of the paper's program
     ceramic: str = ""  # empty of bare plates
     obliquity_max_deg: float = 0.0  # greatest angle of the tests
     at_least_deg: float = 0.0  # greatest angle at which plates are known to have at least the limit at normal incidence
@@ -159,7 +162,7 @@ def shipped_evidence() -> tuple[Evidence, ...]:
             kind=_ranges(kind),
             measured=_ranges(data["measured"]),
             compared=_ranges(compared),
-            velocities_m_s=tuple(data["velocities_m_s"]),
+            velocities=DataRange("velocity_m_s", *data["velocities_m_s"]),
             fits=tuple(fits()[name]._replace(weight=1.0 / len(data["fits"])) for name in data["fits"]),
             **{key: data[key] for key in AS_GIVEN if key in data},
         )
@@ -230,13 +233,16 @@ class Armours(NamedTuple):
                 yield evidence, rows
 
 
+def materials_of(scenario: Scenario) -> Materials:
+    """Return the entries of the library in the armour of a scenario."""
+    return Materials(scenario.entry_of("ceramic"), scenario.entry("metal", scenario.armour.backing))
+
+
 def armours_of(*scenarios: Scenario) -> Armours:
     """Return the armours of n scenarios with the same materials."""
-    first, *_ = scenarios
-    materials = Materials(first.entry_of("ceramic"), first.entry("metal", first.armour.backing))
     parameters = Parameters._make(np.array([scenario.core_armour() for scenario in scenarios]).T)
     cosines = np.array([scenario.cosine() for scenario in scenarios])
-    return Armours(parameters, cosines, np.zeros(len(scenarios), dtype=np.int64), [materials])
+    return Armours(parameters, cosines, np.zeros(len(scenarios), dtype=np.int64), [materials_of(scenarios[0])])
 
 
 def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
@@ -245,7 +251,7 @@ def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
     It holds for armours with the calibrated values.  There is no fit if the entry must be calibrated again.
     """
     if not own_tests.law:
-        return _without_fit(entry, own_tests.reason or NO_LAW)
+        return Evidence(source=own_tests.reason or NO_LAW, lot=entry.name)
     from scipy.special import softmax  # slow to import
 
     tested = {name: np.array(column) for name, column in own_tests.tests.items()}
@@ -254,14 +260,16 @@ def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
     by_law = list(_by_law(own_tests, tested, "ceramic" if shipped.ceramic else "backing"))
     distances = np.min([_distances(fit, tests, level) for fit, tests, level in by_law], axis=0)
     if (distances > IMPLAUSIBLE).any():
-        return _without_fit(entry, OF_NO_LOT, np.flatnonzero(distances > IMPLAUSIBLE))
+        doubtful = np.flatnonzero(distances > IMPLAUSIBLE)
+        return Evidence(source=OF_NO_LOT, lot=entry.name, doubtful=tuple(doubtful.tolist()))
     is_strange = is_outside(_kept_kind(shipped, own_tests), tested).any()
     between_lots = STRANGE_METAL if is_strange else STRANGE * bool(shipped.ceramic)
-    updated = [fit.updated(tests, between_lots, level) for fit, tests, level in by_law]
+    lots = [(fit.of_lot(between_lots, level), tests) for fit, tests, level in by_law]
+    updated = [lot.given(tests) for lot, tests in lots]
     weights = softmax([fit.weight for fit in updated])
     velocities, doubtful = tested["velocity_m_s"], np.zeros(0, dtype=np.int64)
     if len(velocities) > 1:  # of a single test, another lot may be the cause
-        farther = [fit.probabilities_of_farther(tests, between_lots, level) for fit, tests, level in by_law]
+        farther = [lot.probabilities_of_farther(tests) for lot, tests in lots]
         doubtful = np.flatnonzero(np.max(farther, axis=0) * len(velocities) < FALSE_ALARMS)
     words = f"{counted(len(velocities), 'own test')} of this lot"
     words += f" ({len(doubtful)} out of line)" * bool(len(doubtful))
@@ -274,18 +282,11 @@ def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
         kind=kind,
         measured=measured,
         compared=(*kind, *measured),
-        velocities_m_s=(min(shipped.velocities_m_s[0], *velocities), max(shipped.velocities_m_s[1], *velocities)),
+        velocities=shipped.velocities.joined(velocities.min(), velocities.max()),
         fits=tuple(fit._replace(weight=w) for fit, w in zip(updated, weights, strict=True)),
         obliquity_max_deg=max(shipped.obliquity_max_deg, *np.degrees(np.arccos(1.0 / tested["path_ratio"]))),
         lot=own_tests.lot or entry.name,
         doubtful=tuple(doubtful.tolist()),
-    )
-
-
-def _without_fit(entry: LibraryEntry, reason: str, implausible: Any = ()) -> Evidence:
-    """Return the evidence of an entry whose own tests say nothing, and why."""
-    return Evidence(
-        "", reason, (), (), (), (), (0.0, np.inf), (), lot=entry.name, doubtful=tuple(map(int, implausible))
     )
 
 
@@ -390,7 +391,7 @@ def limits_outside(armours: Armours, velocities: Any) -> Iterator[Outside]:
     """
     ceramics = ", ".join(dict.fromkeys(tests.ceramic for tests in shipped_evidence() if tests.ceramic))
     for evidence, rows in armours.by_evidence():
-        members, speeds, (low, high) = armours.at(rows), velocities[rows], evidence.velocities_m_s
+        members = armours.at(rows)
         q, ceramic = members.quantities(), members.materials[members.material_of_row[0]].ceramic
         name, is_shipped = f', found "{ceramic.name}"' if ceramic else "", not evidence.lot
         no_test = f"{ceramic.name if ceramic else ''} (no test)"
@@ -398,7 +399,7 @@ def limits_outside(armours: Armours, velocities: Any) -> Iterator[Outside]:
         is_other = is_outside(evidence.kind[:2], q) & is_shipped & bool(evidence.ceramic)
         checks = [
             (OBLIQUITY, evidence.angles(), evidence.fails_angle(members.cosines), "", angle),
-            _check(DataRange("velocity_m_s", low, high), {"velocity_m_s": speeds}),
+            _check(evidence.velocities, {"velocity_m_s": velocities[rows]}),
             ("armour.ceramic", "no test by such a law of the flow stress", evidence.has_other_law(q), name, no_test),
             ("armour.ceramic", f"tests or results of the paper's program of {ceramics} only", is_other, name, no_test),
             ("armour.ceramic", evidence.title, ~is_other & (not evidence.fits) & is_shipped, name, no_test),
@@ -418,10 +419,9 @@ def outside_tests(armours: Armours, velocities: Any, threats: int = 1) -> list[d
     factors = defaultdict[str, Any](lambda: np.ones(len(velocities)))
     for evidence, rows in armours.by_evidence():
         members = armours.at(rows)
-        q, has_ceramic = members.quantities() | {"velocity_m_s": velocities[rows]}, bool(np.any(members.parameters.Hc0))
-        evidence = _tests_of(evidence, has_ceramic=has_ceramic)
-        is_other = is_outside(evidence.kind[:2], q) & (not evidence.lot) & has_ceramic
-        for limits in (*evidence.kind, *evidence.measured, DataRange("velocity_m_s", *evidence.velocities_m_s)):
+        q, evidence = members.quantities() | {"velocity_m_s": velocities[rows]}, _tests_of(evidence, members)
+        is_other = is_outside(evidence.kind[:2], q) & (not evidence.lot) & bool(evidence.ceramic)
+        for limits in (*evidence.kind, *evidence.measured, evidence.velocities):
             factors[limits.name][rows] = np.where(is_other & (limits.name in OF_CERAMIC), 1.0, limits.ratio(q))
         law, angle = evidence.has_other_law(q) & ~is_other, evidence.fails_angle(members.cosines)
         for name, is_far in (("ceramic", is_other), ("ceramic law", law), ("angle", angle)):
@@ -435,10 +435,11 @@ def outside_tests(armours: Armours, velocities: Any, threats: int = 1) -> list[d
     return [dict(sorted(each.items(), key=lambda item: -abs(log(item[1])))) for each in outside]
 
 
-def _tests_of(evidence: Evidence, *, has_ceramic: bool) -> Evidence:
+def _tests_of(evidence: Evidence, armours: Armours) -> Evidence:
     """Return the evidence, or the tests of such armour where it has none: results of the paper's program are none."""
     if evidence.fits:
         return evidence
+    has_ceramic = bool(np.any(armours.parameters.Hc0))
     return next(tests for tests in shipped_evidence() if tests.fits and bool(tests.ceramic) == has_ceramic)
 
 
@@ -449,7 +450,7 @@ def limits_of_model(
     p, least = armours.parameters, np.zeros(len(armours.cosines))
     yield from caveats(p, metals, said=said)
     for evidence, rows in armours.by_evidence():
-        ranges = _tests_of(evidence, has_ceramic=bool(np.any(armours.at(rows).parameters.Hc0))).measured
+        ranges = _tests_of(evidence, armours.at(rows)).measured
         least[rows] = sum(limits.low for limits in ranges if limits.name == THIN)
     is_thin = p.Hc0 / p.D0 < least
     if is_thin.any():
@@ -471,17 +472,17 @@ def _check(limits: DataRange, q: Quantities, rows: Any = True) -> tuple[str, str
 
 
 def scenario_warnings(
-    scenario: Scenario, velocity: float, key: str = VELOCITY, *, said: bool = False
+    scenario: Scenario, velocity: float, key: str = VELOCITY, *, armours: Armours | None = None, said: bool = False
 ) -> tuple[Note, ...]:
     """Return warnings of threats that are not used, and of ways in which the model was not compared with the scenario.
 
-    `velocity` is the impact velocity, m/s, or the ballistic limit; `key` is its key; `said` says whether the answer
-    itself contains what the model cannot do.
+    `velocity` is the impact velocity, m/s, or the ballistic limit; `key` is its key; `armours` is the scenario's
+    armour, where it is made already; `said` says whether the answer itself contains what the model cannot do.
     """
-    armours = armours_of(scenario)
+    armours = armours or armours_of(scenario)
     outside = limits_outside(armours, np.array([velocity]))
     notes = (limit.note(key if limit.key == VELOCITY else "") for limit in outside)
-    metals = [scenario.entry("metal", scenario.armour.backing)]
+    metals = [armours.materials[0].backing]
     strengths = strength_notes(metals, bare=not scenario.armour.ceramic_thickness_mm)
     cannot = (note for note, _ in limits_of_model(armours, metals, said=said))
     return (*cannot, *scenario.unused_threats(), *notes, *strengths)

@@ -8,8 +8,8 @@ from typing import Any, TypeVar
 from armour import __version__
 from armour.analysis.ballistic_limit import ballistic_limit, not_monotonic
 from armour.analysis.impact import ImpactResult, energy_balance, simulate
-from armour.analysis.perforation import is_sampled, misplaced, probability_of_perforation
 from armour.analysis.results import OnProgress, ignore_progress
+from armour.analysis.samples import is_sampled, misplaced, probability_of_perforation
 from armour.design.check import CheckedThreat, CheckResult, check
 from armour.design.optimise import DesignResult, optimise
 from armour.errors import NoAnswerError, NoLimitError, Note

@@ -12,7 +12,7 @@ from scipy.special import ndtri, stdtrit
 
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
-from armour.analysis.variants import Bools, Floats, ballistic_limits, outside_limits
+from armour.analysis.variants import Bools, Floats, ballistic_limits
 from armour.errors import InputError, joined, mistake
 from armour.evidence.fit import LEAST_REST
 from armour.evidence.tests import FALSE_ALARMS, own_evidence
@@ -520,7 +520,7 @@ def _outside_limits(tests: Tests) -> Iterator[str]:
     """Yield a warning for each limit of the tests of the model outside which some of these tests lie."""
     counts: Counter[str] = Counter()
     for group in tests.groups:
-        counts.update(dict(outside_limits(group.variants(), velocities=False)))
+        counts.update(dict(group.variants().outside_limits(velocities=False)))
     return (f"{limit}; this concerns {count} of {len(tests.names)} tests" for limit, count in counts.items())
 
 

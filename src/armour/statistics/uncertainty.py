@@ -12,7 +12,6 @@ from scipy.special import ndtri
 
 from armour.analysis.ballistic_limit import model_error
 from armour.analysis.estimates import CONFIDENCE, Estimate, jackknife, mean_of_replicates, proportion_of_replicates
-from armour.analysis.perforation import probability_of_perforation
 from armour.analysis.results import OnProgress, TableResult, ignore_progress, portions
 from armour.analysis.samples import (
     REPLICATES,
@@ -24,6 +23,7 @@ from armour.analysis.samples import (
     own_errors,
     own_values,
     points_of,
+    probability_of_perforation,
     quantiles,
     replicated_points,
     sampled,
@@ -252,8 +252,9 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         on_progress(count, total)
 
     limits = np.concatenate([sample_limits(samples) for samples in _in_portions(scenario, points, on_samples)])
-    deterministic = float(sample_limits(sampled(scenario, {}, 1))[0])
-    error = model_error(scenario, deterministic)
+    exact = sampled(scenario, {}, 1)
+    deterministic = float(sample_limits(exact)[0])
+    error = model_error(exact.variants, deterministic)
     mean = mean_of_replicates(np.array([part.mean() for part in np.array_split(limits, REPLICATES)]))
     return UncertaintyResult(
         samples=section.samples,
