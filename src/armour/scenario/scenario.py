@@ -1,19 +1,23 @@
 """Scenarios: reading, validation and conversion to the core's parameters."""
 
+import ast
 import json
+import operator
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from functools import cached_property
 from hashlib import sha256
 from importlib import import_module
+from inspect import getsource
 from itertools import chain, pairwise
-from operator import ge, gt, itemgetter, le, lt
 from os import PathLike
 from os.path import relpath
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
+import numpy as np
 import tomli_w
+from numpy.typing import NDArray
 from pydantic import PrivateAttr, ValidationError
 
 from armour.core.state import Parameters
@@ -64,10 +68,6 @@ from armour.scenario.schema import (
 )
 from armour.scenario.sections import NOT_TINY, NUMBER, TINY, Items, Section, every_problem, model_in
 from armour.units import MM, key_hint
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
 
 # Completes a problem in the row of an index.
 Place = Callable[[int, Problem], Problem]
@@ -205,14 +205,15 @@ class Scenario(Section):
     def with_inputs(self, values: Mapping[str, float]) -> "Scenario":
         """Return the scenario with other values of inputs, validated again."""
         self.check_names(values, self.file)
-        changes: dict[str, Any] = {}
-        names: dict[str, str] = {}
-        for name, value in values.items():
-            entry = self.entry_of(INPUTS[name].section) if INPUTS[name].kind else None
-            key = name if entry is None else key_name(["library", entry.kind, entry.name, INPUTS[name].key])
-            changes[key], names[key] = value, name
+        names = {key_name(self.parts_of_input(name)): name for name in values}
         with restated(lambda problem: problem._replace(key=names.get(problem.key, problem.key))):
-            return self.replaced(changes)
+            return self.replaced({key: values[name] for key, name in names.items()})
+
+    def parts_of_input(self, name: str) -> Parts:
+        """Return the parts of the key at which an input stands; that of a role stands in its entry of the library."""
+        section, key = name.split(".")
+        entry = self.entry_of(section) if section in ROLES else None
+        return (section, key) if entry is None else ("library", entry.kind, entry.name, key)
 
     def core_armour(self) -> Parameters:
         """Return projectile and armour as parameters of the core, SI units; thicknesses along the line of fire."""
@@ -360,26 +361,23 @@ class Scenario(Section):
             data["library"] = {**data["library"], "files": files}
         return tomli_w.dumps(data)
 
-    def check_rows(self, columns: Mapping[str, "NDArray[np.float64]"], place: Place = in_row) -> None:
+    def check_rows(self, columns: Mapping[str, NDArray[np.float64]], place: Place = in_row) -> None:
         """Check that the scenario allows every row of values of inputs, (n,) each.
 
         `place` completes the problem that `with_inputs` finds in a row, given the index of the row.
         """
         first_problems: dict[str, Problem] = {}
-        for _, row, problems in sorted(self.wrong_rows(columns), key=itemgetter(1)):
+        for _, row, problems in sorted(self.wrong_rows(columns), key=operator.itemgetter(1)):
             for problem in problems:
                 first_problems.setdefault(problem.key, place(row, problem))
         refuse(first_problems.values())
 
-    def wrong_rows(self, columns: Mapping[str, "NDArray[np.float64]"]) -> Iterator[tuple[str, int, Sequence[Problem]]]:
+    def wrong_rows(self, columns: Mapping[str, NDArray[np.float64]]) -> Iterator[tuple[str, int, Sequence[Problem]]]:
         """Yield the first row that breaks each condition on inputs: one of their names, and the row with its problems.
 
         All other rows are those that `with_inputs` accepts, except that projectiles of the scenario's library based on
         its own, which no row uses, are not checked.
         """
-        # Imported here because a scenario without rows does not need numpy.
-        import numpy as np
-
         self.check_names(columns, self.file)
         conditions = [(name, _allowed(name, values)) for name, values in columns.items()]
         if changed_rod := [name for name in ROD if name in columns]:
@@ -592,24 +590,19 @@ def parse_changed(data: Mapping[str, Any], *changes: Mapping[str, object], file:
 def _contradictions(scenario: Scenario, inputs: Mapping[str, Any], values: Mapping[Parts, object]) -> Iterator[Problem]:
     """Yield a problem for each input by role to which a value by the name of its entry gives another number."""
     for name, value in inputs.items():
-        entry = scenario.entry_of(INPUTS[name].section) if name in INPUTS and INPUTS[name].kind else None
-        if entry is not None:
-            key = ("library", entry.kind, entry.name, INPUTS[name].key)
-            other = values.get(key, values.get((*key, NUMBER), value))
-            if other != value:
-                message = f"must not be given with {key_name(key)}, which sets the same input, to {describe(other)}"
-                yield Problem(scenario.file, name, message)
+        key = scenario.parts_of_input(name) if name in INPUTS else ()
+        other = values.get(key, values.get((*key, NUMBER), value))
+        if other != value:
+            message = f"must not be given with {key_name(key)}, which sets the same input, to {describe(other)}"
+            yield Problem(scenario.file, name, message)
 
 
 def _with_new_threat(data: dict[str, Any], values: Mapping[Parts, object]) -> dict[str, Any]:
     """Return data without the values of an earlier threat if changes to these values name a threat."""
     if values.get(("impact", "threat")) is None:
         return data
-    impact = _table(data, "impact").items()
-    return {
-        **data,
-        "impact": {key: value for key, value in impact if key not in THREAT_KEYS or ("impact", key) in values},
-    }
+    earlier = [key for key in THREAT_KEYS if ("impact", key) not in values]
+    return {**data, "impact": {key: value for key, value in _table(data, "impact").items() if key not in earlier}}
 
 
 def _sources(values: Mapping[Parts, object], file: str) -> dict[str, object]:
@@ -640,16 +633,12 @@ def _bases(data: Mapping[str, Any], source: _Source, keys: Iterable[str]) -> dic
     for section, *entry in map(parts_of, keys):
         if section == "library" and len(entry) > 2:
             kind, name, *_ = entry
-            is_new = name not in _table(_table(source.data, "library"), kind)
-            if is_new and "based_on" not in _table(_table(_table(data, "library"), kind), name):
+            is_new = name not in _table(source.data, "library", kind)
+            if is_new and "based_on" not in _table(data, "library", kind, name):
                 library, _, _ = _library_of(source)
                 if name in library.entries.get(kind, ()):  # type: ignore[call-overload]
                     bases[key_name(["library", kind, name, "based_on"])] = name
     return bases
-
-
-# Comparisons by their names in pydantic.
-_COMPARISONS: dict[str, Callable[[Any, float], Any]] = {"gt": gt, "ge": ge, "lt": lt, "le": le}
 
 
 def _allowed(name: str, values: Any) -> Any:
@@ -663,18 +652,14 @@ def _allowed(name: str, values: Any) -> Any:
     if NOT_TINY in stated:
         allowed &= (values == 0.0) | (abs(values) >= TINY)
     for bound in stated:
-        for word, compare in _COMPARISONS.items():
-            if hasattr(bound, word):
-                allowed &= compare(values, getattr(bound, word))
+        for comparison in ("gt", "ge", "lt", "le"):
+            if hasattr(bound, comparison):
+                allowed &= getattr(operator, comparison)(values, getattr(bound, comparison))
     return allowed
 
 
 def _meanings() -> dict[str, dict[str, str]]:
     """Return the docstring of each key, by name of its section."""
-    # Imported here because only the schema needs them.
-    import ast
-    from inspect import getsource
-
     meanings: dict[str, dict[str, str]] = {}
     for module in ("library", "schema", "scenario"):
         tree = ast.parse(getsource(import_module(f"armour.scenario.{module}")))
@@ -747,7 +732,9 @@ def _library_of(source: _Source) -> tuple[Library, dict[Kind, dict[str, str]], l
     return library, names, problems
 
 
-def _table(data: Mapping[str, Any], key: str) -> dict[str, Any]:
-    """Return a table of data that is not validated yet; {} if there is none."""
-    table = data.get(key)
-    return table if isinstance(table, dict) else {}
+def _table(data: Mapping[str, Any], *keys: str) -> Mapping[str, Any]:
+    """Return a table of data that is not validated yet, by the keys that lead to it; {} if there is none."""
+    for key in keys:
+        table = data.get(key)
+        data = table if isinstance(table, dict) else {}
+    return data
