@@ -275,14 +275,14 @@ def find_crossings(scenario: Scenario, points: int, on_progress: OnProgress) -> 
     """Return the changes of the outcome that the scan sees, the impacts computed, and whether the lowest perforates."""
     section, armour, variants = scenario.ballistic_limit, scenario.core_armour(), variants_of(scenario, {}, 1)
     low, high, tolerance = section.velocity_min_m_s, section.velocity_max_m_s, section.tolerance_m_s
-    options = variants.options
+    settings = variants.settings
     velocities = search.scan(low, high, points)
     scanned = velocities[search.first_scanned(armour, velocities) :]
-    outcomes = outcomes_at(armour, scanned, options, points)
+    outcomes = outcomes_at(armour, scanned, settings, points)
     runs = len(scanned)
     if runs < points and outcomes[0] == Outcome.PERFORATED:  # as in `search.scanned_limit`
         scanned = velocities
-        outcomes = outcomes_at(armour, scanned, options, points)
+        outcomes = outcomes_at(armour, scanned, settings, points)
         runs += points
     on_progress(runs, None)
     unresolved = np.flatnonzero(outcomes == Outcome.UNRESOLVED)
@@ -293,10 +293,9 @@ def find_crossings(scenario: Scenario, points: int, on_progress: OnProgress) -> 
     for i in np.flatnonzero(perforated[:-1] != perforated[1:]):
         if not crossings and perforated[i + 1]:
             # The limit equals the engine's to the last bit.
-            brackets = limit_brackets(variants.parameters, low, high, tolerance, options, points)
+            brackets = limit_brackets(variants.parameters, low, high, tolerance, settings, points)
             change = search.SearchResult._make(column.item() for column in brackets)
         else:
-            settings = search.RunSettings(*options[:3])
             below, above = (search.impact(armour, velocity, settings) for velocity in scanned[i : i + 2])
             change = search.narrowed_change(armour, below, above, tolerance, settings)
         runs += change.runs
