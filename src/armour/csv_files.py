@@ -427,8 +427,8 @@ def _fill_numbers(source: Source, name: str, column: Column, cells: Sequence[str
         value = number_as(cell, mark or ".")
         if cell:
             row.texts[column.key] = cell
-        if mark is None and number_as(cell, ".") != number_as(cell, ","):
-            source.wrong(f"{row.place}: {name}", two_meanings(cell))
+        if mark is None and (message := two_meanings(cell)):
+            source.wrong(f"{row.place}: {name}", message)
         elif value is not None:
             row.numbers[column.key] = value * column.factor
         elif cell:
@@ -593,9 +593,9 @@ def decimal_mark(cells: Iterable[str], column: Column, form: Collection[str]) ->
 
 
 def two_meanings(cell: str) -> str:
-    """Return what is wrong with a number that may have decimals or groups of digits."""
-    meanings = sorted({number_as(cell, mark) or 0.0 for mark in ".,"})
-    return f'must be a number with one meaning, found "{cell}": {" or ".join(f"{value:.12g}" for value in meanings)}'
+    """Return what is wrong with a number that may have decimals or groups of digits; "" if it is not such a one."""
+    meanings = [f"{value:.12g}" for value in sorted({number_as(cell, mark) or 0.0 for mark in ".,"})]
+    return f'must be a number with one meaning, found "{cell}": {" or ".join(meanings)}' if len(meanings) > 1 else ""
 
 
 def number_as(cell: str, mark: str) -> float | None:

@@ -13,16 +13,15 @@ from itertools import chain, pairwise
 from os import PathLike
 from os.path import relpath
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-import numpy as np
 import tomli_w
-from numpy.typing import NDArray
 from pydantic import PrivateAttr, ValidationError
 
 from armour.core.state import Parameters
 from armour.errors import InputError, Note, Problem, choices, joined, refuse, restated, suggestion
 from armour.files import located, named, read_toml, shipped_files, write_file
+from armour.scenario import schema
 from armour.scenario.checked import checked
 from armour.scenario.inputs import (
     BACKING,
@@ -49,25 +48,12 @@ from armour.scenario.library import (
     read_library,
     shipped_library,
 )
-from armour.scenario.schema import (
-    ArmourSection,
-    BallisticLimitSection,
-    DesignSection,
-    Distribution,
-    Impact,
-    InertLayer,
-    LibrarySection,
-    Line,
-    Model,
-    Optimise,
-    Solver,
-    Threat,
-    Uncertainty,
-    at_angle,
-    shot,
-)
 from armour.scenario.sections import NOT_TINY, NUMBER, TINY, Items, Section, every_problem, model_in
 from armour.units import MM, key_hint
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 # Completes a problem in the row of an index.
 Place = Callable[[int, Problem], Problem]
@@ -99,33 +85,33 @@ class Scenario(Section):
     other values.  Sections and keys of the file are attributes, as in ``scenario.impact.velocity_m_s``.
     """
 
-    title: Line = ""
+    title: schema.Line = ""
     """Title, shown below the armour and the round."""
-    author: Line = ""
+    author: schema.Line = ""
     """Author, shown in reports."""
-    project: Line = ""
+    project: schema.Line = ""
     """Project, shown in reports."""
-    date: Line = ""
+    date: schema.Line = ""
     """Date, shown in reports."""
-    impact: Impact
+    impact: schema.Impact
     """The projectile and its velocity."""
-    armour: ArmourSection
+    armour: schema.ArmourSection
     """The armour."""
-    model: Model = Model()
+    model: schema.Model = schema.Model()
     """Options of the model."""
-    solver: Solver = Solver()
+    solver: schema.Solver = schema.Solver()
     """Settings of the solver."""
-    ballistic_limit: BallisticLimitSection = BallisticLimitSection()
+    ballistic_limit: schema.BallisticLimitSection = schema.BallisticLimitSection()
     """Range and tolerance of the search for the ballistic limit."""
-    optimise: Optimise | None = None
+    optimise: schema.Optimise | None = None
     """Grid of designs."""
-    threat: Items[Threat] = ()
+    threat: Items[schema.Threat] = ()
     """Threats, all of which a design must stop; by default [impact]."""
-    design: DesignSection | None = None
+    design: schema.DesignSection | None = None
     """Catalogue of materials, with constraints and the objective; in place of the grid."""
-    uncertainty: Uncertainty | None = None
+    uncertainty: schema.Uncertainty | None = None
     """Uncertain inputs, and how they are sampled."""
-    library: LibrarySection = LibrarySection()
+    library: schema.LibrarySection = schema.LibrarySection()
     """Projectiles and materials that the scenario adds to the library."""
 
     _entries: Library = PrivateAttr(default_factory=Library)
@@ -225,13 +211,13 @@ class Scenario(Section):
         return Parameters(**(fields | self.model.laws()))
 
     @cached_property
-    def inert_layers(self) -> tuple[InertLayer, ...]:
+    def inert_layers(self) -> tuple[schema.InertLayer, ...]:
         """The layers without ballistic effect; that of the section ``design`` comes last, without name and place."""
-        section = self.design or DesignSection()
+        section = self.design or schema.DesignSection()
         names = ("thickness_mm", "areal_density_kg_m2", "cost_per_m2")
         amounts: dict[str, Any] = {name: getattr(section, f"added_{name}") for name in names}
         unnamed = {"name": "", "place": "", **amounts}
-        added = [InertLayer.model_construct(**unnamed)] if any(amounts.values()) else []
+        added = [schema.InertLayer.model_construct(**unnamed)] if any(amounts.values()) else []
         return (*self.armour.layer, *added)
 
     def inert(self, key: str) -> float:
@@ -294,7 +280,7 @@ class Scenario(Section):
         """Return thicknesses and names of the layers, such as "6.35 mm AD85 on 6.35 mm 6061-T6"."""
         return layers(self.armour, {})
 
-    def subject(self, varied: Varied | None = None, threats: Sequence[Threat] = ()) -> str:
+    def subject(self, varied: Varied | None = None, threats: Sequence[schema.Threat] = ()) -> str:
         """Return armour and round, such as "6.35 mm AD85 on 6.35 mm 6061-T6 against 7.62 mm AP at 800 m/s".
 
         Threats are named in place of the scenario's impact.
@@ -361,7 +347,7 @@ class Scenario(Section):
             data["library"] = {**data["library"], "files": files}
         return tomli_w.dumps(data)
 
-    def check_rows(self, columns: Mapping[str, NDArray[np.float64]], place: Place = in_row) -> None:
+    def check_rows(self, columns: Mapping[str, "NDArray[np.float64]"], place: Place = in_row) -> None:
         """Check that the scenario allows every row of values of inputs, (n,) each.
 
         `place` completes the problem that `with_inputs` finds in a row, given the index of the row.
@@ -372,12 +358,15 @@ class Scenario(Section):
                 first_problems.setdefault(problem.key, place(row, problem))
         refuse(first_problems.values())
 
-    def wrong_rows(self, columns: Mapping[str, NDArray[np.float64]]) -> Iterator[tuple[str, int, Sequence[Problem]]]:
+    def wrong_rows(self, columns: Mapping[str, "NDArray[np.float64]"]) -> Iterator[tuple[str, int, Sequence[Problem]]]:
         """Yield the first row that breaks each condition on inputs: one of their names, and the row with its problems.
 
         All other rows are those that `with_inputs` accepts, except that projectiles of the scenario's library based on
         its own, which no row uses, are not checked.
         """
+        # Imported here because a scenario without rows does not need numpy.
+        import numpy as np
+
         self.check_names(columns, self.file)
         conditions = [(name, _allowed(name, values)) for name, values in columns.items()]
         if changed_rod := [name for name in ROD if name in columns]:
@@ -391,7 +380,7 @@ class Scenario(Section):
                 except InputError as error:
                     yield name, row, error.problems
 
-    def distributions(self) -> dict[str, Distribution]:
+    def distributions(self) -> dict[str, schema.Distribution]:
         """Return the distributions of inputs, by name."""
         return {} if self.uncertainty is None else self.uncertainty.inputs()
 
@@ -400,11 +389,11 @@ class Scenario(Section):
         section = None if self.uncertainty is None else self.uncertainty.model
         return section is not None and not section.included
 
-    def threats(self) -> tuple[Threat, ...]:
+    def threats(self) -> tuple[schema.Threat, ...]:
         """Return the threats; without any, the impact."""
-        return tuple(self.threat) or (Threat.model_construct(**self.impact.model_dump()),)
+        return tuple(self.threat) or (schema.Threat.model_construct(**self.impact.model_dump()),)
 
-    def against(self, threat: Threat) -> "Scenario":
+    def against(self, threat: schema.Threat) -> "Scenario":
         """Return the scenario with a threat as its impact."""
         return self.replaced(threat.as_impact()) if self.threat else self
 
@@ -414,33 +403,34 @@ class Scenario(Section):
 
     def unused_impact(self) -> tuple[Note, ...]:
         """Return a warning, for a result of the threats, if the impact is not one of them."""
-        if not self.threat or shot(self.impact) in map(shot, self.threat):
+        shot = schema.shot(self.impact)
+        if not self.threat or shot in map(schema.shot, self.threat):
             return ()
-        return (Note(f"{shot(self.impact)} is not among the threats, which are used instead", "impact"),)
+        return (Note(f"{shot} is not among the threats, which are used instead", "impact"),)
 
     def unused_threats(self) -> tuple[Note, ...]:
         """Return a warning, for a result of the section ``impact``, if the scenario has threats of its own."""
         if not self.threat:
             return ()
         text = (
-            f"is not used: the results are against the {shot(self.impact)} of [impact]; "
+            f"is not used: the results are against the {schema.shot(self.impact)} of [impact]; "
             "armour check gives the probability for every threat"
         )
         return (Note(text, "threat"),)
 
 
-def rounds(impact: Impact, varied: Varied, threats: Sequence[Threat]) -> str:
+def rounds(impact: schema.Impact, varied: Varied, threats: Sequence[schema.Threat]) -> str:
     """Return round and velocity, such as "7.62 mm AP at 800 m/s", of threats or, without any, of an impact."""
     if len(threats) > MAX_LISTED:
         return f"{len(threats)} threats"
     if threats:
-        return joined([shot(threat) for threat in threats])
+        return joined([schema.shot(threat) for threat in threats])
     names = _names(varied.get(NAMES["projectile"], [impact.projectile]), "different rounds")
     speed = "" if VELOCITY in varied else f" at {impact.velocity_m_s:g} m/s"
-    return f"{names}{speed}{'' if OBLIQUITY in varied else at_angle(impact)}"
+    return f"{names}{speed}{'' if OBLIQUITY in varied else schema.at_angle(impact)}"
 
 
-def layers(armour: ArmourSection, varied: Varied) -> str:
+def layers(armour: schema.ArmourSection, varied: Varied) -> str:
     """Return thicknesses and names of the layers, such as "6.35 mm AD85 on 6.35 mm 6061-T6"."""
     ceramic = _names(varied.get(NAMES["ceramic"], [armour.ceramic]), "ceramic")
     plate = _names(varied.get(NAMES["backing"], [armour.backing]), "metal")
@@ -680,13 +670,13 @@ def scenario_schema() -> dict[str, Any]:
 
     It does not cover names of the library, nor conditions on several keys.
     """
-    schema = Scenario.model_json_schema()
+    whole = Scenario.model_json_schema()
     meanings = _meanings()
-    for name, section in (("Scenario", schema), *schema["$defs"].items()):
+    for name, section in (("Scenario", whole), *whole["$defs"].items()):
         for key, content in section["properties"].items():
             content["description"] = content.get("description") or meanings[name.split("_")[0]][key]
     about = {"title": "armour scenario", "description": "An impact, an armour and settings of the computations."}
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, **about}
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **whole, **about}
 
 
 def _library_of(source: _Source) -> tuple[Library, dict[Kind, dict[str, str]], list[Problem]]:
@@ -724,7 +714,7 @@ def _library_of(source: _Source) -> tuple[Library, dict[Kind, dict[str, str]], l
         else {kind: library.known(kind) | {name: name for name in _table(tables, kind)} for kind in KINDS}
     )
     try:
-        library = library.extended(LibrarySection.model_validate(tables), source.file, "library")
+        library = library.extended(schema.LibrarySection.model_validate(tables), source.file, "library")
     except ValidationError:
         pass  # the validation of the whole scenario reports it
     except InputError as error:
