@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from armour.analysis.variants import Floats
+from armour.scenario.inputs import FLOW_STRESS
 from armour.scenario.sections import TINY
 from armour.statistics.measured import LIMIT, read_tests
 from armour.validation import formulas
@@ -78,9 +79,7 @@ def _refitted(cases: Sequence[Case]) -> Iterator[Error]:
     Nothing is fitted if the rows of the table differ in their settings.
     """
     # Imported here for scipy, which a suite without rivals does not need.
-    from armour.scenario.inputs import FLOW_STRESS
-    from armour.statistics.calibration import fit_by_law
-    from armour.statistics.likelihood import intervals
+    from armour.statistics import calibration, likelihood
 
     name, scenario = cases[0].scenario.name_of("ceramic"), cases[0].scenario
     settings = {(case.scenario.solver, case.scenario.ballistic_limit) for case in cases}
@@ -92,8 +91,8 @@ def _refitted(cases: Sequence[Case]) -> Iterator[Error]:
     ]
     for row in rows:
         del row[FLOW_STRESS]
-    fit, result = fit_by_law(read_tests(rows, scenario), [FLOW_STRESS], None)
-    [stress] = intervals(fit)
+    fit, result = calibration.fit_by_law(read_tests(rows, scenario), [FLOW_STRESS], None)
+    [stress] = likelihood.intervals(fit)
     if stress.estimate is None:
         return
     computed = np.array([[residual.computed, residual.left_out] for residual in result.residuals], dtype=np.float64).T
