@@ -29,7 +29,7 @@ from armour.files import read_toml, shipped, shipped_files
 from armour.scenario.checked import checked
 from armour.scenario.inputs import INPUTS, ROD, YIELD, Kind, length_mm
 from armour.scenario.keys import describe, in_nfc, key_name, look_of, nfc
-from armour.scenario.sections import NOT_TINY, NUMBER, TINY, Items, NumberOrText, Section, every_problem, validated
+from armour.scenario.sections import NOT_TINY, NUMBER, TINY, Items, NumberOrText, Section, every_problem
 from armour.units import GPA, MPA, words_and_unit
 
 Status = Literal["measured", "nominal", "fitted", "assumed"]
@@ -392,11 +392,10 @@ class LibraryEntry:
     def to_dict(self) -> dict[str, Any]:
         """Return the entry as plain data."""
         values = {key: value.model_dump() for key, value in self.values.items()}
-        aliases = {"aliases": list(self.aliases)} if self.aliases else {}
-        sources = {SOURCES_KEY: list(self.flow_stress_sources_GPa)} if self.flow_stress_sources_GPa else {}
-        doubtful = {"doubtful": self.doubtful} if self.doubtful else {}
-        texts = {"kind": self.kind, "name": self.name, "description": self.description, **doubtful}
-        return {**texts, **aliases, **values, **sources}
+        sources = {SOURCES_KEY: list(self.flow_stress_sources_GPa)}
+        optional = {"doubtful": self.doubtful, "aliases": list(self.aliases), **values, **sources}
+        entry = {"kind": self.kind, "name": self.name, "description": self.description}
+        return entry | {key: value for key, value in optional.items() if value}
 
 
 def inputs_of_entry(role: str, entry: LibraryEntry) -> dict[str, float]:
@@ -744,10 +743,6 @@ class NamedThreat(Section):
         return self.model_dump(include=set(THREAT_KEYS), exclude_none=True)
 
 
-class _File(Section):
-    threat: dict[str, NamedThreat]
-
-
 def threats_like(name: str) -> list[str]:
     """Return the threats that a name which is not in the library may mean: none of another round or calibre."""
     threats = named_threats()
@@ -764,4 +759,5 @@ def _matches(pattern: re.Pattern[str], text: str) -> set[str]:
 @cache
 def named_threats() -> dict[str, NamedThreat]:
     """Return the shipped threats by name."""
-    return validated(_File, read_toml(shipped("configs") / "threats.toml"), "").threat
+    tables = read_toml(shipped("configs") / "threats.toml")["threat"]
+    return {name: NamedThreat(**table) for name, table in tables.items()}

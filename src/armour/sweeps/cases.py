@@ -80,9 +80,8 @@ class Grid:
         """Return a problem of a row, counted from the first row of a chunk, with the values of the row."""
         if problem.key in self.keys:
             return Problem("sweep", f"over {problem.key}", problem.message)
-        indices = np.unravel_index(start + row, [len(axis.values) for axis in self.axes])
-        row_values = ((axis.key, axis.values[i]) for axis, i in zip(self.axes, indices, strict=True))
-        values = (f"{key}={value}" if isinstance(value, str) else f"{key}={value:g}" for key, value in row_values)
+        row_values = {key: values[0].item() for key, values in self.rows(np.array([start + row])).items()}
+        values = [f"{key}={value if isinstance(value, str) else f'{value:g}'}" for key, value in row_values.items()]
         return Problem("sweep", f"over {', '.join(values)}", f"{problem.key}: {problem.message}")
 
 
