@@ -4,6 +4,7 @@ import re
 import unicodedata
 from collections.abc import Mapping, Sequence
 from functools import cache, lru_cache
+from math import inf
 from typing import NamedTuple
 
 from armour.units import words_and_unit
@@ -150,6 +151,16 @@ class Column(NamedTuple):
     yes: bool | None = None  # whether yes means that a shot perforated, or counts, where the header says of what
 
     @property
+    def units(self) -> Mapping[str, float] | None:
+        """The units that its numbers may have, with their factors; None if they have none, or it has words."""
+        return UNITS.get(words_and_unit(self.key)[1])
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """The least and the greatest possible number, in the unit of the key."""
+        return BOUNDS.get(self.key) or BOUNDS.get(words_and_unit(self.key)[1], (-inf, inf))
+
+    @property
     def in_unit(self) -> str:
         """The quantity in its unit, in words, such as "velocity in ft/s"."""
         return f"{words_and_unit(self.key)[0]} in {'inches' if self.unit == 'in' else self.unit}"
@@ -245,6 +256,19 @@ def column_of(header: str, columns: Sequence[str]) -> Column:
         unit = _UNIT_NAMES.get(ending, "")
         return Column(key, units.get(unit, 0.0), unit)
     return Column(header, known=False)
+
+
+def columns_of(header: Sequence[str], keys: Sequence[str]) -> list[Column]:
+    """Return the columns of a table by its header; a key itself goes before other names for it."""
+    result = next((key for key in RESULT_KEYS if key in keys), "")
+    names = (*keys, *GROUPS, *(YES_MEANS if result else COUNT_KEYS))
+    columns = []
+    for name in header:
+        column = column_of(name, names)
+        if column.known and column.key in YES_MEANS:
+            column = column._replace(key=COUNT_KEYS[0] if column.key in COUNT_KEYS else result)
+        columns.append(Column(name, known=False) if column.key in header and name != column.key else column)
+    return columns
 
 
 def _of_words(key: str, header: str) -> Column:

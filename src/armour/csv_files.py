@@ -10,31 +10,17 @@ from dataclasses import dataclass, field
 from hashlib import sha256
 from io import BufferedReader, BytesIO, TextIOWrapper
 from itertools import chain, islice
-from math import inf, isclose, isfinite, nan
+from math import isclose, isfinite, nan
 from os import PathLike
 from pathlib import Path
 from shlex import quote
 from typing import Any, NamedTuple, Protocol
 from zipfile import ZipFile
 
-from armour.columns import (
-    BOUNDS,
-    COUNT_KEYS,
-    GROUPS,
-    OUTCOME_WORDS,
-    RESULT_KEYS,
-    UNITS,
-    YES_MEANS,
-    Column,
-    column_of,
-    is_summary,
-    is_unit,
-    is_yes,
-    letters,
-)
+from armour.columns import COUNT_KEYS, GROUPS, RESULT_KEYS, Column, columns_of, is_summary, is_unit, is_yes, letters
 from armour.errors import CHOOSE, InputError, Problem, counted, joined, listed, mistake, refuse, suggestion
 from armour.files import csv_value, located, named, reason, refuse_pipe, shipped_tests
-from armour.units import key_hint, words_and_unit
+from armour.units import key_hint
 
 # Greatest number of rows, more than anyone has tests or shots; a fit to so many takes about a minute.
 MAX_TABLE_ROWS = 100_000
@@ -354,7 +340,7 @@ def read_rows(
     lines = [*islice(source.lines, MAX_TABLE_ROWS + 1)]
     if len(lines) > MAX_TABLE_ROWS:
         raise mistake(file, "", f"must have at most {MAX_TABLE_ROWS} rows below its header, found more")
-    columns = columns_of(source, keys)
+    columns = columns_of(header, keys)
     whole = [line for line in lines if len(line[1]) == len(header)]
     uncounted = _uncounted(source, columns, whole, texts[0])
     columns = _without_copies(source, columns, [line for line in whole if line[0] not in uncounted])
@@ -414,7 +400,7 @@ def _fill_texts(source: Source, name: str, column: Column, cells: Sequence[str],
             message = f'must be "stopped" or "perforated", found "{cell}", which may mean both'
             source.wrong(f"{row.place}: {name}", message)
         if is_word and column.yes is not None:
-            row.texts[column.key] = OUTCOME_WORDS[0][column.says(cell) is True]
+            row.texts[column.key] = "perforated" if column.says(cell) else "stopped"
         elif cell:
             row.texts[column.key] = csv_value(cell)
     return ["x for yes"] if words is not cells else []
@@ -449,21 +435,6 @@ def no_crosses(cells: Sequence[str], column: Column) -> Sequence[str]:
     return ["yes" if cell else "no" for cell in cells]
 
 
-def columns_of(source: Source, keys: Sequence[str]) -> list[Column]:
-    """Return the columns of a table by its header; a key itself goes before other names for it."""
-    result = next((key for key in RESULT_KEYS if key in keys), "")
-    names = (*keys, *GROUPS, *(YES_MEANS if result else COUNT_KEYS))
-    columns = []
-    for name in source.header:
-        column = column_of(name, names)
-        if column.known and column.key in YES_MEANS:
-            column = column._replace(key=COUNT_KEYS[0] if column.key in COUNT_KEYS else result)
-        if column.key in source.header and name != column.key:
-            column = Column(name, known=False)
-        columns.append(column)
-    return columns
-
-
 def _without_copies(source: Source, columns: list[Column], lines: Sequence[Line]) -> list[Column]:
     """Return the columns without those that say the same as another in another unit, or in the opposite words."""
 
@@ -495,12 +466,11 @@ def _wrong_columns(
     by_other_names = {column.key for name, column in zip(source.header, columns, strict=True) if column.key != name}
     missing, several = [key for key in keys if key not in by_other_names], set[str]()
     for name, column in dict(zip(source.header, columns, strict=True)).items():
-        units = UNITS.get(words_and_unit(column.key)[1])
-        if column.known and column.factor == 0.0 and units is None:
+        if column.known and column.factor == 0.0 and column.units is None:
             yield name, f'must agree with the words for results or yes and no, found "{column.unit}"'
         elif column.known and column.factor == 0.0:
             stem = re.sub(r"\s*[(\[].*", "", name)
-            ways = joined([f'"{stem} ({unit})"' for unit in units or () if unit in USUAL_UNITS], "or")
+            ways = joined([f'"{stem} ({unit})"' for unit in column.units or () if unit in USUAL_UNITS], "or")
             yield name, f"must have its unit, as {ways}"
         elif column.known and found.count(column.key) > 1 and column.key not in several:
             several.add(column.key)
@@ -578,7 +548,7 @@ def decimal_mark(cells: Iterable[str], column: Column, form: Collection[str]) ->
     has_commas = any("," in cell for cell in cells)
     if not has_commas and not {"semicolons", "tabs"} & {*form}:
         return "."
-    low, high = BOUNDS.get(column.key) or BOUNDS.get(words_and_unit(column.key)[1], (-inf, inf))
+    low, high = column.bounds
     read: dict[str, list[float | None]] = {}
     fitting, whole = [], []
     for mark in ",." if has_commas else ".,":

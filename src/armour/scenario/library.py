@@ -13,16 +13,7 @@ from math import inf, nan
 from os import PathLike
 from typing import Annotated, Any, Generic, Literal, TypeVar
 
-from pydantic import (
-    AfterValidator,
-    BeforeValidator,
-    Field,
-    SerializerFunctionWrapHandler,
-    ValidationError,
-    field_validator,
-    model_serializer,
-    model_validator,
-)
+from pydantic import AfterValidator, BeforeValidator, Field, ValidationError, field_validator, model_validator
 
 from armour.errors import CHOOSE, MAX_WORDS, InputError, Note, Problem, listed, mistake, refuse, suggestion
 from armour.files import read_toml, shipped, shipped_files
@@ -57,7 +48,7 @@ class Value(Section, Generic[Number]):
     """How the number is known: "measured", "nominal" (as a table or a standard lists it), "fitted" or "assumed"."""
     source: str = ""
     """Source of the number."""
-    tests: list[dict[str, NumberOrText]] = []
+    tests: Annotated[list[dict[str, NumberOrText]], Field(exclude_if=lambda tests: not tests)] = []
     """Tests to which the number was calibrated."""
 
     def __repr__(self) -> str:
@@ -67,11 +58,6 @@ class Value(Section, Generic[Number]):
     def model_parametrized_name(cls, params: tuple[Any, ...]) -> str:
         """Return the name of a class of bounded numbers without dots, at which pickle splits it."""
         return super().model_parametrized_name(params).replace(".", "_")
-
-    @model_serializer(mode="wrap")
-    def _without_empty_tests(self, whole: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        data: dict[str, Any] = whole(self)
-        return {key: value for key, value in data.items() if key != "tests" or value}
 
 
 def _as_table(value: object) -> object:
