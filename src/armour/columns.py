@@ -116,6 +116,8 @@ COUNTED = (
     *(("n.i.O.", "i.O."), ("non valable", "valable"), ("non valide", "valide"), ("invalide", "valide")),
     *(("écarté", "retenu"), ("rejeté", "accepté")),
 )
+# All pairs of words for no and yes, in some sense.
+PAIRS = (*YES_OR_NO, *OUTCOME_WORDS, *COUNTED)
 # Names of rows that are no shots or tests but sum them up.
 SUMMARIES = (
     *("mean", "average", "standard deviation", "st. dev.", "std", "V50", "Mittelwert", "Mittel", "Standardabweichung"),

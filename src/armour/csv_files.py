@@ -301,7 +301,7 @@ def _of_rows(table: Any) -> Source:
     """Return the source of rows as mappings, of columns by name, or of a data frame."""
     columns = getattr(table, "columns", table if isinstance(table, Mapping) else None)
     try:
-        # A data frame gives its columns, and anything else its rows.  Of columns of the same name, one is given.
+        # A data frame gives its columns, and anything else its rows.  If two names are the same, these are too short.
         records = table if columns is None else zip(*(table[name] for name in dict.fromkeys(columns)), strict=True)
         rows = [dict(row) if columns is None else dict(zip(columns, row, strict=True)) for row in records]
     except (TypeError, ValueError):

@@ -10,17 +10,7 @@ from pathlib import Path
 
 from filelock import FileLock, Timeout
 
-from armour.columns import (
-    COUNT_KEYS,
-    COUNTED,
-    GROUPS,
-    OUTCOME_WORDS,
-    YES_OR_NO,
-    Column,
-    columns_of,
-    letters,
-    perforates,
-)
+from armour.columns import COUNT_KEYS, GROUPS, OUTCOME_WORDS, PAIRS, Column, columns_of, letters, perforates
 from armour.csv_files import SEPARATORS, decimal_mark, no_crosses, open_table, place_of
 from armour.errors import mistake
 from armour.files import reason
@@ -107,7 +97,7 @@ def _spelt(says: bool, word: str, cells: Sequence[str], column: Column) -> str:
     if meant is not cells:
         return ""
     example = next((cell for cell in reversed(cells) if cell), "")
-    pairs = [pair for pair in (*YES_OR_NO, *OUTCOME_WORDS, *COUNTED) if letters(example) in map(letters, pair)]
+    pairs = [pair for pair in PAIRS if letters(example) in map(letters, pair)]
     word = next(text for text in (*chain(*pairs), word, *OUTCOME_WORDS[0]) if column.says(text) == says)
     return word.upper() if example.isupper() else word[0].upper() + word[1:] if example[:1].isupper() else word
 
