@@ -4,8 +4,13 @@ import pytest
 
 from armour import csv_files
 from armour.columns import column_of
-from armour.csv_files import in_line_order, number, open_table, read_csv, read_rows
+from armour.csv_files import in_line_order, number, open_table, read_rows
 from armour.errors import InputError
+
+
+def unknown(_name: str) -> bool:
+    """Return that no column is known."""
+    return False
 
 
 def read(tmp_path: Path, text: str):
@@ -94,14 +99,14 @@ def test_tables_of_no_and_of_too_many_rows(tmp_path: Path, monkeypatch: pytest.M
 def test_lines_that_are_no_rows(tmp_path: Path, rows: str | bytes, message: str):
     (tmp_path / "t.csv").write_bytes(b"\nvelocity_m_s,result\n" + (rows if isinstance(rows, bytes) else rows.encode()))
     with pytest.raises(InputError, match=f"t.csv: {message}"):
-        list(read_csv(tmp_path / "t.csv").lines)
+        list(open_table(tmp_path / "t.csv", unknown).lines)
 
 
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
 def test_quotes_blanks_and_line_ends_of_other_programs(tmp_path: Path, end: str):
     lines = ("\ufeff velocity_m_s ,remark", "", '"700 ",5" of "it"', ",", ' 710,"say ""no"", then"')
     (tmp_path / "t.csv").write_bytes(end.join(lines).encode())
-    source = read_csv(tmp_path / "t.csv")
+    source = open_table(tmp_path / "t.csv", unknown)
     assert (source.place, source.header) == ("line 1", ["velocity_m_s", "remark"])
     assert list(source.lines) == [("line 3", ["700", '5" of "it"']), ("line 5", ["710", 'say "no", then'])]
 
@@ -109,7 +114,7 @@ def test_quotes_blanks_and_line_ends_of_other_programs(tmp_path: Path, end: str)
 def test_what_cannot_be_opened(tmp_path: Path):
     for name, message in ((".", "is a directory"), ("none.csv", "no such file"), ("a\0b", "embedded null")):
         with pytest.raises(InputError, match=f"cannot be read: {message}"):
-            read_csv(tmp_path / name)
+            open_table(tmp_path / name, unknown, own=True)
 
 
 @pytest.mark.parametrize(("text", "value"), [("-1.5", -1.5), ("1e3", 1e3), ("700", 700), ("+.5", 0.5), ("7.E-2", 0.07)])

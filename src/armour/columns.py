@@ -4,6 +4,7 @@ import re
 import unicodedata
 from collections.abc import Mapping, Sequence
 from functools import cache, lru_cache
+from math import inf
 from typing import NamedTuple
 
 from armour.units import words_and_unit
@@ -90,39 +91,17 @@ UNITS = {
 }
 # Pairs of words for an armour that stopped a shot and for one that was perforated.
 OUTCOME_WORDS = (
-    ("stopped", "perforated"),
-    ("partial", "complete"),
-    ("p", "c"),
-    ("pp", "cp"),
-    ("no", "yes"),
-    ("stop", "perforate"),
-    ("stop", "perf"),
-    ("defeated", "perforated"),
-    ("not perforated", "perforated"),
-    ("no perforation", "perforation"),
-    ("partial penetration", "complete penetration"),
-    ("partial perforation", "complete perforation"),
-    ("incomplete penetration", "complete penetration"),
-    ("no penetration", "complete penetration"),
-    ("kein Durchschlag", "Durchschlag"),
-    ("nicht durchschlagen", "durchschlagen"),
-    ("kein Durchschuss", "Durchschuss"),
-    ("nicht perforiert", "perforiert"),
-    ("gestoppt", "durchschlagen"),
-    ("gehalten", "durchschlagen"),
-    ("aufgehalten", "durchschlagen"),
-    ("Steckschuss", "Durchschuss"),
-    ("KD", "D"),
-    ("KDS", "DS"),
-    ("nein", "ja"),
-    ("non perforé", "perforé"),
-    ("pas de perforation", "perforation"),
-    ("perforation partielle", "perforation complète"),
-    ("pénétration partielle", "pénétration complète"),
-    ("partielle", "complète"),
-    ("partiel", "complet"),
-    ("arrêté", "perforé"),
-    ("arrêt", "perforation"),
+    *(("stopped", "perforated"), ("partial", "complete"), ("p", "c"), ("pp", "cp"), ("no", "yes")),
+    *(("stop", "perforate"), ("stop", "perf"), ("defeated", "perforated"), ("not perforated", "perforated")),
+    *(("no perforation", "perforation"), ("partial penetration", "complete penetration")),
+    *(("partial perforation", "complete perforation"), ("incomplete penetration", "complete penetration")),
+    *(("no penetration", "complete penetration"), ("kein Durchschlag", "Durchschlag")),
+    *(("nicht durchschlagen", "durchschlagen"), ("kein Durchschuss", "Durchschuss")),
+    *(("nicht perforiert", "perforiert"), ("gestoppt", "durchschlagen"), ("gehalten", "durchschlagen")),
+    *(("aufgehalten", "durchschlagen"), ("Steckschuss", "Durchschuss"), ("KD", "D"), ("KDS", "DS"), ("nein", "ja")),
+    *(("non perforé", "perforé"), ("pas de perforation", "perforation")),
+    *(("perforation partielle", "perforation complète"), ("pénétration partielle", "pénétration complète")),
+    *(("partielle", "complète"), ("partiel", "complet"), ("arrêté", "perforé"), ("arrêt", "perforation")),
     ("non", "oui"),
 )
 # Pairs of words for no and yes, which are results only in a column whose header says of what.
@@ -137,6 +116,8 @@ COUNTED = (
     *(("n.i.O.", "i.O."), ("non valable", "valable"), ("non valide", "valide"), ("invalide", "valide")),
     *(("écarté", "retenu"), ("rejeté", "accepté")),
 )
+# All pairs of words for no and yes, in some sense.
+PAIRS = (*YES_OR_NO, *OUTCOME_WORDS, *COUNTED)
 # Names of rows that are no shots or tests but sum them up.
 SUMMARIES = (
     *("mean", "average", "standard deviation", "st. dev.", "std", "V50", "Mittelwert", "Mittel", "Standardabweichung"),
@@ -170,6 +151,16 @@ class Column(NamedTuple):
     unit: str = ""  # "" if the header is the key itself, or has no unit
     known: bool = True
     yes: bool | None = None  # whether yes means that a shot perforated, or counts, where the header says of what
+
+    @property
+    def units(self) -> Mapping[str, float] | None:
+        """The units that its numbers may have, with their factors; None if they have none, or it has words."""
+        return UNITS.get(words_and_unit(self.key)[1])
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """The least and the greatest possible number, in the unit of the key."""
+        return BOUNDS.get(self.key) or BOUNDS.get(words_and_unit(self.key)[1], (-inf, inf))
 
     @property
     def in_unit(self) -> str:
@@ -267,6 +258,19 @@ def column_of(header: str, columns: Sequence[str]) -> Column:
         unit = _UNIT_NAMES.get(ending, "")
         return Column(key, units.get(unit, 0.0), unit)
     return Column(header, known=False)
+
+
+def columns_of(header: Sequence[str], keys: Sequence[str]) -> list[Column]:
+    """Return the columns of a table by its header; a key itself goes before other names for it."""
+    result = next((key for key in RESULT_KEYS if key in keys), "")
+    names = (*keys, *GROUPS, *(YES_MEANS if result else COUNT_KEYS))
+    columns = []
+    for name in header:
+        column = column_of(name, names)
+        if column.known and column.key in YES_MEANS:
+            column = column._replace(key=COUNT_KEYS[0] if column.key in COUNT_KEYS else result)
+        columns.append(Column(name, known=False) if column.key in header and name != column.key else column)
+    return columns
 
 
 def _of_words(key: str, header: str) -> Column:

@@ -10,31 +10,17 @@ from dataclasses import dataclass, field
 from hashlib import sha256
 from io import BufferedReader, BytesIO, TextIOWrapper
 from itertools import chain, islice
-from math import inf, isclose, isfinite, nan
+from math import isclose, isfinite, nan
 from os import PathLike
 from pathlib import Path
 from shlex import quote
 from typing import Any, NamedTuple, Protocol
 from zipfile import ZipFile
 
-from armour.columns import (
-    BOUNDS,
-    COUNT_KEYS,
-    GROUPS,
-    OUTCOME_WORDS,
-    RESULT_KEYS,
-    UNITS,
-    YES_MEANS,
-    Column,
-    column_of,
-    is_summary,
-    is_unit,
-    is_yes,
-    letters,
-)
+from armour.columns import COUNT_KEYS, GROUPS, RESULT_KEYS, Column, columns_of, is_summary, is_unit, is_yes, letters
 from armour.errors import CHOOSE, InputError, Problem, counted, joined, listed, mistake, refuse, suggestion
 from armour.files import csv_value, located, named, reason, refuse_pipe, shipped_tests
-from armour.units import key_hint, words_and_unit
+from armour.units import key_hint
 
 # Greatest number of rows, more than anyone has tests or shots; a fit to so many takes about a minute.
 MAX_TABLE_ROWS = 100_000
@@ -90,6 +76,11 @@ class Source:
     form: list[str] = field(default_factory=list)  # separator, encoding and the like, in words
     sheets: Sequence[str] = ()  # of a workbook
     digest: Any = field(default_factory=sha256)  # of the content, once all lines are read
+    problems: list[Problem] = field(default_factory=list)  # in the lines
+
+    def wrong(self, key: str, message: str) -> None:
+        """Record what is wrong at a line, or in a cell of a line."""
+        self.problems.append(Problem(self.file, key, message))
 
 
 @dataclass(frozen=True)
@@ -159,12 +150,7 @@ def open_table(
     return _csv_source(path, source, known, content)
 
 
-def read_csv(path: Path, known: Callable[[str], bool] = lambda _name: False) -> Source:
-    """Open a CSV file."""
-    return _csv_source(path, Source(str(path)), known)
-
-
-def _csv_source(path: Path, source: Source, known: Callable[[str], bool], content: bytes | None = None) -> Source:
+def _csv_source(path: Path, source: Source, known: Callable[[str], bool], content: bytes | None) -> Source:
     """Find the separator and the header of a CSV file."""
     texts = _texts(path, source, content)
     head = [*islice(texts, HEAD)]
@@ -307,24 +293,16 @@ def _sheet_lines(path: Path, source: Source, sheet: str | None) -> Iterator[Line
 
 def shipped_rows(name: str) -> list[dict[str, str]]:
     """Return the rows of a shipped table by column."""
-    source = read_csv(shipped_tests()[name])
+    source = open_table(shipped_tests()[name], lambda _name: False, own=True)
     return [dict(zip(source.header, cells, strict=True)) for _, cells in source.lines]
-
-
-def _different(names: Iterable[Any]) -> list[Any]:
-    """Return names, or raise a ValueError if two are the same."""
-    every = [*names]
-    if len({*every}) < len(every):
-        raise ValueError
-    return every
 
 
 def _of_rows(table: Any) -> Source:
     """Return the source of rows as mappings, of columns by name, or of a data frame."""
     columns = getattr(table, "columns", table if isinstance(table, Mapping) else None)
     try:
-        # A data frame gives its columns, and anything else its rows.
-        records = table if columns is None else zip(*(table[name] for name in _different(columns)), strict=True)
+        # A data frame gives its columns, and anything else its rows.  If two names are the same, these are too short.
+        records = table if columns is None else zip(*(table[name] for name in dict.fromkeys(columns)), strict=True)
         rows = [dict(row) if columns is None else dict(zip(columns, row, strict=True)) for row in records]
     except (TypeError, ValueError):
         message = "must be a path, rows as mappings, columns of equal length, or a data frame with different names"
@@ -362,20 +340,21 @@ def read_rows(
     lines = [*islice(source.lines, MAX_TABLE_ROWS + 1)]
     if len(lines) > MAX_TABLE_ROWS:
         raise mistake(file, "", f"must have at most {MAX_TABLE_ROWS} rows below its header, found more")
-    columns, problems = columns_of(source, keys), list[Problem]()
+    columns = columns_of(header, keys)
     whole = [line for line in lines if len(line[1]) == len(header)]
-    uncounted = _uncounted(source, columns, whole, texts[0], problems)
+    uncounted = _uncounted(source, columns, whole, texts[0])
     columns = _without_copies(source, columns, [line for line in whole if line[0] not in uncounted])
     if len(source.sheets) > 1 and not any(column.known for column in columns):
         raise mistake(
             file, "", f"must have {noun}s in the {source.form[0]}; --sheet chooses: {', '.join(source.sheets)}"
         )
-    refuse(_wrong_columns(source, columns, keys, needed, usual or ", ".join(keys)))
-    problems += (
-        Problem(file, place, wrong_width(cells, header)) for place, cells in lines if len(cells) != len(header)
-    )
+    wrong_columns = _wrong_columns(source, columns, keys, needed, usual or ", ".join(keys))
+    refuse(Problem(file, key, message) for key, message in wrong_columns)
+    for place, cells in lines:
+        if len(cells) != len(header):
+            source.wrong(place, wrong_width(cells, header))
     if len(lines) < least:
-        problems = [Problem(file, "", "must have at least one row below its header")]
+        source.problems = [Problem(file, "", "must have at least one row below its header")]
     lines = _chosen(source, columns, whole, where or {}, uncounted)
     left_out = tuple(place for place, _ in lines if place in uncounted)
     lines = [line for line in lines if line[0] not in uncounted]
@@ -386,14 +365,14 @@ def read_rows(
         if source.sheets and column.key in needed and cells and not any(cells):
             raise mistake(file, name, "must have values, found none; save the workbook after its last calculation")
         if column.known and column.key in numbers:
-            words += _fill_numbers(source, name, column, cells, rows, problems)
+            words += _fill_numbers(source, name, column, cells, rows)
         elif column.known and column.key in keys:
-            words += _fill_texts(source, name, column, cells, rows, problems)
+            words += _fill_texts(source, name, column, cells, rows)
         elif column.known and column.key in GROUPS:
             groups[name] = cells
-    equal = _equal(file, texts[0], rows, lines, problems)
+    equal = _equal(source, texts[0], rows, lines)
     if len(rows) < least:
-        raise InputError(problems or [Problem(file, "", "must have rows that count")])
+        raise InputError(source.problems or [Problem(file, "", "must have rows that count")])
     ignored = tuple(name for name, column in zip(header, columns, strict=True) if name and not column.known)
     notes = [f"{name} {value}" for name, value in (where or {}).items()]
     if ignored:
@@ -408,41 +387,38 @@ def read_rows(
     words = [*dict.fromkeys(words)]
     told = ", ".join([*words, counted(len(rows), noun), *notes])
     plain = words in ([], ["commas"]) and not notes
-    return CsvTable(file, rows, problems, TableRead(told, plain, left_out, ignored, source.digest.hexdigest()), groups)
+    read = TableRead(told, plain, left_out, ignored, source.digest.hexdigest())
+    return CsvTable(file, rows, source.problems, read, groups)
 
 
-def _fill_texts(
-    source: Source, name: str, column: Column, cells: Sequence[str], rows: Sequence[CsvRow], problems: list[Problem]
-) -> list[str]:
+def _fill_texts(source: Source, name: str, column: Column, cells: Sequence[str], rows: Sequence[CsvRow]) -> list[str]:
     """Fill the rows with the cells of a column of texts, and return how."""
     words = no_crosses(cells, column)
     for row, cell in zip(rows, words, strict=True):
         is_word = is_yes(cell) is not None
         if is_word and column.unit:
             message = f'must be "stopped" or "perforated", found "{cell}", which may mean both'
-            problems.append(Problem(source.file, f"{row.place}: {name}", message))
+            source.wrong(f"{row.place}: {name}", message)
         if is_word and column.yes is not None:
-            row.texts[column.key] = OUTCOME_WORDS[0][column.says(cell) is True]
+            row.texts[column.key] = "perforated" if column.says(cell) else "stopped"
         elif cell:
             row.texts[column.key] = csv_value(cell)
     return ["x for yes"] if words is not cells else []
 
 
-def _fill_numbers(
-    source: Source, name: str, column: Column, cells: Sequence[str], rows: Sequence[CsvRow], problems: list[Problem]
-) -> list[str]:
+def _fill_numbers(source: Source, name: str, column: Column, cells: Sequence[str], rows: Sequence[CsvRow]) -> list[str]:
     """Fill the rows with the cells of a column of numbers, and return how."""
     mark = decimal_mark(cells, column, source.form)
     for row, cell in zip(rows, cells, strict=True):
         value = number_as(cell, mark or ".")
         if cell:
             row.texts[column.key] = cell
-        if mark is None and number_as(cell, ".") != number_as(cell, ","):
-            problems.append(Problem(source.file, f"{row.place}: {name}", two_meanings(cell)))
+        if mark is None and (message := two_meanings(cell)):
+            source.wrong(f"{row.place}: {name}", message)
         elif value is not None:
             row.numbers[column.key] = value * column.factor
         elif cell:
-            problems.append(Problem(source.file, f"{row.place}: {name}", f'must be a number, found "{cell}"'))
+            source.wrong(f"{row.place}: {name}", f'must be a number, found "{cell}"')
     commas = ["decimal commas"] if mark == "," and any("," in cell for cell in cells) else []
     return [*commas, *([column.in_unit] if column.unit else [])]
 
@@ -459,27 +435,8 @@ def no_crosses(cells: Sequence[str], column: Column) -> Sequence[str]:
     return ["yes" if cell else "no" for cell in cells]
 
 
-def columns_of(source: Source, keys: Sequence[str]) -> list[Column]:
-    """Return the columns of a table by its header; a key itself goes before other names for it."""
-    result = next((key for key in RESULT_KEYS if key in keys), "")
-    names = (*keys, *GROUPS, *(YES_MEANS if result else COUNT_KEYS))
-    columns = []
-    for name in source.header:
-        column = column_of(name, names)
-        if column.known and column.key in YES_MEANS:
-            column = column._replace(key=COUNT_KEYS[0] if column.key in COUNT_KEYS else result)
-        if column.key in source.header and name != column.key:
-            column = Column(name, known=False)
-        columns.append(column)
-    return columns
-
-
 def _without_copies(source: Source, columns: list[Column], lines: Sequence[Line]) -> list[Column]:
     """Return the columns without those that say the same as another in another unit, or in the opposite words."""
-    places: dict[str, list[int]] = {}
-    for place, column in enumerate(columns):
-        if column.known and column.factor and (column.unit or column.yes is not None) and column.key != COUNT_KEYS[0]:
-            places.setdefault(column.key, []).append(place)
 
     def values(place: int) -> list[float]:
         column, cells = columns[place], [cells[place] for _, cells in lines]
@@ -488,47 +445,45 @@ def _without_copies(source: Source, columns: list[Column], lines: Sequence[Line]
         mark = decimal_mark(cells, column, source.form) or "."
         return [nan if (value := number_as(cell, mark)) is None else value * column.factor for cell in cells]
 
-    kept = [*columns]
-    for same in places.values():
-        first, *others = sorted(same, key=lambda place: columns[place].factor != 1.0)
-        for place in others:
-            is_other = (columns[first].unit, columns[first].yes) != (columns[place].unit, columns[place].yes)
-            pairs = zip(values(first), values(place), strict=True)
-            if is_other and all(isclose(*pair, rel_tol=SAME) for pair in pairs):
+    kept, first_places = [*columns], dict[str, int]()
+    for place, column in sorted(enumerate(columns), key=lambda pair: pair[1].factor != 1.0):
+        if column.known and column.factor and (column.unit or column.yes is not None) and column.key != COUNT_KEYS[0]:
+            first = first_places.setdefault(column.key, place)
+            is_other = (columns[first].unit, columns[first].yes) != (column.unit, column.yes)
+            if is_other and all(
+                isclose(*pair, rel_tol=SAME) for pair in zip(values(first), values(place), strict=True)
+            ):
                 kept[place] = Column(source.header[place], known=False)
     return kept
 
 
 def _wrong_columns(
     source: Source, columns: Sequence[Column], keys: Sequence[str], needed: Sequence[str], usual: str
-) -> Iterator[Problem]:
-    """Yield what is wrong with the columns of a table."""
+) -> Iterator[tuple[str, str]]:
+    """Yield what is wrong with the columns of a table, each with the column."""
     found = [column.key for column in columns if column.known]
     sections = {key.partition(".")[0] for key in keys if "." in key}
     by_other_names = {column.key for name, column in zip(source.header, columns, strict=True) if column.key != name}
     missing, several = [key for key in keys if key not in by_other_names], set[str]()
     for name, column in dict(zip(source.header, columns, strict=True)).items():
-        if column.known and column.factor == 0.0:
-            units = UNITS.get(words_and_unit(column.key)[1])
-            if units is None:
-                message = f'must agree with the words for results or yes and no, found "{column.unit}"'
-                yield Problem(source.file, name, message)
-                continue
+        if column.known and column.factor == 0.0 and column.units is None:
+            yield name, f'must agree with the words for results or yes and no, found "{column.unit}"'
+        elif column.known and column.factor == 0.0:
             stem = re.sub(r"\s*[(\[].*", "", name)
-            ways = joined([f'"{stem} ({unit})"' for unit in units if unit in USUAL_UNITS], "or")
-            yield Problem(source.file, name, f"must have its unit, as {ways}")
+            ways = joined([f'"{stem} ({unit})"' for unit in column.units or () if unit in USUAL_UNITS], "or")
+            yield name, f"must have its unit, as {ways}"
         elif column.known and found.count(column.key) > 1 and column.key not in several:
             several.add(column.key)
             same = [name for name, other in zip(source.header, columns, strict=True) if other.key == column.key]
             key = f"{source.place}: {name}" if name else source.place
             also = "" if len({*same}) == 1 else f": {joined(same)}"
-            yield Problem(source.file, key, f"must be the name of one column, found several{also}")
+            yield key, f"must be the name of one column, found several{also}"
         elif not column.known and name:
             like = key_hint(name, missing) or suggestion(name, missing)
             is_key = "." in name and name.partition(".")[0] in sections
             if like or is_key or not found:
-                yield Problem(source.file, name, f"unknown column{like or CHOOSE + usual}")
-    yield from (Problem(source.file, key, "is missing and must be a column") for key in needed if key not in found)
+                yield name, f"unknown column{like or CHOOSE + usual}"
+    yield from ((key, "is missing and must be a column") for key in needed if key not in found)
 
 
 def _chosen(
@@ -555,9 +510,7 @@ def place_of(source: Source, columns: Sequence[Column], name: str) -> int:
     raise mistake(source.file, "where", f'must name a column, found "{name}"')
 
 
-def _uncounted(
-    source: Source, columns: Sequence[Column], lines: Sequence[Line], naming: str, problems: list[Problem]
-) -> set[str]:
+def _uncounted(source: Source, columns: Sequence[Column], lines: Sequence[Line], naming: str) -> set[str]:
     """Return the places of the lines that do not count, or whose name is that of a mean or the like."""
     by_key = {column.key: place for place, column in enumerate(columns) if column.known}
     name, index = by_key.get(naming), by_key.get(COUNT_KEYS[0])
@@ -567,15 +520,13 @@ def _uncounted(
     for (place, _), cell in zip(lines, no_crosses([cells[index] for _, cells in lines], columns[index]), strict=True):
         counts = columns[index].says(cell)
         if counts is None and place not in places:
-            problems.append(
-                Problem(source.file, f"{place}: {source.header[index]}", f'must be yes or no, found "{cell}"')
-            )
+            source.wrong(f"{place}: {source.header[index]}", f'must be yes or no, found "{cell}"')
         elif not counts:
             places.add(place)
     return places
 
 
-def _equal(file: str, naming: str, rows: Sequence[CsvRow], lines: Sequence[Line], problems: list[Problem]) -> list[str]:
+def _equal(source: Source, naming: str, rows: Sequence[CsvRow], lines: Sequence[Line]) -> list[str]:
     """Return the places of shots without a name that equal earlier ones; any other row must be written once."""
     places: dict[tuple[str, ...], str] = {}
     equal = []
@@ -584,8 +535,7 @@ def _equal(file: str, naming: str, rows: Sequence[CsvRow], lines: Sequence[Line]
         if first != place and naming not in row.texts and {*RESULT_KEYS} & row.texts.keys():
             equal.append(place)
         elif first != place:
-            message = f"repeats {first}; if both took place, name them in the column {naming}"
-            problems.append(Problem(file, place, message))
+            source.wrong(place, f"repeats {first}; if both took place, name them in the column {naming}")
     return equal
 
 
@@ -598,7 +548,7 @@ def decimal_mark(cells: Iterable[str], column: Column, form: Collection[str]) ->
     has_commas = any("," in cell for cell in cells)
     if not has_commas and not {"semicolons", "tabs"} & {*form}:
         return "."
-    low, high = BOUNDS.get(column.key) or BOUNDS.get(words_and_unit(column.key)[1], (-inf, inf))
+    low, high = column.bounds
     read: dict[str, list[float | None]] = {}
     fitting, whole = [], []
     for mark in ",." if has_commas else ".,":
@@ -613,9 +563,9 @@ def decimal_mark(cells: Iterable[str], column: Column, form: Collection[str]) ->
 
 
 def two_meanings(cell: str) -> str:
-    """Return what is wrong with a number that may have decimals or groups of digits."""
-    meanings = sorted({number_as(cell, mark) or 0.0 for mark in ".,"})
-    return f'must be a number with one meaning, found "{cell}": {" or ".join(f"{value:.12g}" for value in meanings)}'
+    """Return what is wrong with a number that may have decimals or groups of digits; "" if it is not such a one."""
+    meanings = [f"{value:.12g}" for value in sorted({number_as(cell, mark) or 0.0 for mark in ".,"})]
+    return f'must be a number with one meaning, found "{cell}": {" or ".join(meanings)}' if len(meanings) > 1 else ""
 
 
 def number_as(cell: str, mark: str) -> float | None:

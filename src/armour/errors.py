@@ -189,11 +189,10 @@ def in_two_lines(warnings: Sequence[str], where: str) -> list[str]:
     lines: list[str] = list(outside[:1])
     if len(briefs) > 1:
         lines = [f"outside what the model was compared with: {listed(briefs)}; explained {where}"]
-    omitted = len(other_warnings) - 1
-    return [
-        *lines,
-        *(f"{warning}; {omitted} more {where}" if omitted > 0 else warning for warning in other_warnings[:1]),
-    ]
+    if other_warnings:
+        omitted = len(other_warnings) - 1
+        lines.append(f"{other_warnings[0]}; {omitted} more {where}" if omitted else other_warnings[0])
+    return lines
 
 
 def suggestion(word: str, names: Sequence[str]) -> str:
@@ -215,12 +214,11 @@ def _folded(name: str) -> str:
 
 def _unlike(word: str, name: str) -> str:
     """Return, as code points, the characters beyond ASCII that only one of two texts has, as they may look alike."""
-    differences = (("with", name, word), ("without", word, name))
-    parts = []
-    for preposition, text, other in differences:
+    words = ""
+    for preposition, text, other in (("with", name, word), ("without", word, name)):
         codes = [f"U+{ord(character):04X}" for character in dict.fromkeys(text) if character not in ASCII + other]
-        parts += [f", {preposition} {' '.join(codes)}"] if codes else []
-    return "".join(parts)
+        words += f", {preposition} {' '.join(codes)}" if codes else ""
+    return words
 
 
 def _is_like(word: str, name: str) -> bool:

@@ -51,14 +51,14 @@ def test_ballistic_limits_are_those_of_plain_python(rows: batch.Floats):
 
 
 def test_results_depend_neither_on_threads_nor_on_order(rows: batch.Floats, velocities: batch.Floats):
-    one = batch.impacts(rows, velocities, batch.SolverOptions(threads=1))
+    one = batch.impacts(rows, velocities, threads=1)
     order = np.random.default_rng(2).permutation(COUNT)
     for threads in (1, 2, 5):
-        other = batch.impacts(rows[order], velocities[order], batch.SolverOptions(threads=threads))
+        other = batch.impacts(rows[order], velocities[order], threads=threads)
         for column, shuffled in zip(one, other, strict=True):
             np.testing.assert_array_equal(column[order], shuffled)
-    limits = batch.ballistic_limits(rows, 20.0, 4000.0, 1e-2, batch.SolverOptions(threads=1))
-    again = batch.ballistic_limits(rows[order], 20.0, 4000.0, 1e-2, batch.SolverOptions(threads=3))
+    limits = batch.ballistic_limits(rows, 20.0, 4000.0, 1e-2, threads=1)
+    again = batch.ballistic_limits(rows[order], 20.0, 4000.0, 1e-2, threads=3)
     for limit, shuffled_limit in zip(limits, again, strict=True):
         np.testing.assert_array_equal(limit[order], shuffled_limit)
 
@@ -91,7 +91,10 @@ def test_without_knowledge_of_the_cores_of_this_process(
 def test_searches_of_invalid_numbers_end(rows: batch.Floats):
     invalid = rows[:3].copy()
     invalid[0, 4], invalid[1, 4], invalid[2, 7] = np.nan, -0.01, np.nan
-    assert len(batch.ballistic_limits(invalid, 20.0, 4000.0, 1e-2, batch.SolverOptions(max_steps=2000)).runs) == 3
+    assert (
+        len(batch.ballistic_limits(invalid, 20.0, 4000.0, 1e-2, batch.DEFAULT_SETTINGS._replace(max_steps=2000)).runs)
+        == 3
+    )
 
 
 def test_an_empty_batch(rows: batch.Floats, velocities: batch.Floats):
@@ -99,6 +102,8 @@ def test_an_empty_batch(rows: batch.Floats, velocities: batch.Floats):
 
 
 def test_impacts_that_reach_the_maximum_number_of_steps(rows: batch.Floats, velocities: batch.Floats):
-    found = batch.impacts(rows[:3], velocities[:3], batch.SolverOptions(max_steps=3))
+    found = batch.impacts(rows[:3], velocities[:3], batch.DEFAULT_SETTINGS._replace(max_steps=3))
     assert (found.outcome == Outcome.UNRESOLVED).all()
-    assert not batch.ballistic_limits(rows[:3], 20.0, 4000.0, 1e-2, batch.SolverOptions(max_steps=3)).resolved.any()
+    assert not batch.ballistic_limits(
+        rows[:3], 20.0, 4000.0, 1e-2, batch.DEFAULT_SETTINGS._replace(max_steps=3)
+    ).resolved.any()

@@ -17,7 +17,7 @@ ROUNDING = 2e-9
 
 def residual(p: Parameters, velocity: float, dt: float) -> float:
     """The residual velocity, m/s, by the engine."""
-    return float(batch.impacts(batch.packed([p]), np.array([velocity]), batch.SolverOptions(time_step=dt)).V[0])
+    return float(batch.impacts(batch.packed([p]), np.array([velocity]), batch.DEFAULT_SETTINGS._replace(dt=dt)).V[0])
 
 
 @pytest.mark.parametrize("name", STAGE_PATHS)

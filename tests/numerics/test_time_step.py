@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from armour.analysis.impact import simulate
+from armour.core.search import RunSettings
 from armour.core.state import Outcome, Parameters
 from armour.engine import batch
 from armour.errors import InputError
@@ -18,8 +19,8 @@ from tests.helpers.runs import crossing_time, random_designs
 
 def perforates(p: Parameters, velocity: float, part: float = 0.0) -> bool:
     """Whether an impact perforates, by the engine; unless the part is 0, with steps of a part of `crossing_time`."""
-    options = batch.SolverOptions(time_step=part * crossing_time(p, velocity), max_steps=5_000_000)
-    return bool(batch.impacts(batch.packed([p]), np.array([velocity]), options).outcome[0] == Outcome.PERFORATED)
+    settings = RunSettings(1.0, part * crossing_time(p, velocity), max_steps=5_000_000)
+    return bool(batch.impacts(batch.packed([p]), np.array([velocity]), settings).outcome[0] == Outcome.PERFORATED)
 
 
 def is_near(p: Parameters, part: float, distance: float) -> bool:
@@ -51,7 +52,7 @@ def test_given_steps_end_every_impact_near_the_usual_result(dt_us: float):
     rows = np.repeat(batch.packed(random_designs(40)), 40, axis=0)
     velocities = np.tile(np.geomspace(300.0, 4000.0, 40), 40)
     usual = batch.impacts(rows, velocities)
-    given = batch.impacts(rows, velocities, batch.SolverOptions(time_step=dt_us * US))
+    given = batch.impacts(rows, velocities, batch.DEFAULT_SETTINGS._replace(dt=dt_us * US))
     np.testing.assert_array_equal(given.outcome == Outcome.UNRESOLVED, False)
     same = given.outcome == usual.outcome
     assert np.mean(same) > 0.99

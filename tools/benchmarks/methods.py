@@ -25,7 +25,7 @@ TURNS = 60
 # Designs for methods that take hundreds of times as long.
 SOME, FEW_TURNS = slice(None, None, 25), 3
 LOW, HIGH, TOLERANCE = 20.0, 4000.0, 3.5e-4  # m/s
-ONE, ALL = batch.SolverOptions(threads=1), batch.SolverOptions()
+SETTINGS = batch.DEFAULT_SETTINGS
 # Tolerance and longest step, diameters, of scipy's LSODA: with looser ones limits are off by more than the engine's.
 TOLERANCE_OF_LSODA, LONGEST_STEP = 1e-7, 0.005
 # What numba asks of LLVM: all of the processor's instructions, no rounding changed, and errno not set.
@@ -66,7 +66,7 @@ class InC:
 
     def _computed(self, name: str, inputs: list[np.ndarray], search: list[Any], width: int) -> Any:
         rows = inputs[0]
-        solver = c_double(ONE.V_arrest), c_double(ONE.time_step), c_long(ONE.max_steps)
+        solver = c_double(SETTINGS.V_arrest), c_double(SETTINGS.dt), c_long(SETTINGS.max_steps)
         counts, ends = np.empty((len(rows), 2), np.int64), np.empty((len(rows), width))
         pointers = [array.ctypes for array in (*inputs, counts, ends)]
         getattr(self.library, name)(*pointers[:-2], c_long(len(rows)), *search, *solver, *pointers[-2:])
@@ -91,8 +91,8 @@ def by_engine_and_c(rows: np.ndarray, velocities: np.ndarray, folder: Path) -> t
 
     The numbers of both must be equal to the last bit.
     """
-    impacts: Calls = {"engine": partial(batch.impacts, rows, velocities, ONE)}
-    limits: Calls = {"engine": partial(batch.ballistic_limits, rows, LOW, HIGH, TOLERANCE, ONE)}
+    impacts: Calls = {"engine": partial(batch.impacts, rows, velocities, threads=1)}
+    limits: Calls = {"engine": partial(batch.ballistic_limits, rows, LOW, HIGH, TOLERANCE, threads=1)}
     if which("cc"):
         c = InC(folder)
         impacts["C"] = partial(c.impacts, rows, velocities)
@@ -116,7 +116,7 @@ def measured() -> Methods:
     """Measure the methods on one core, and the engine on all."""
     designs = [p._replace(drive_law=STRENGTH) for p in random_designs(COUNT)]
     rows = batch.packed(designs)
-    limits = batch.ballistic_limits(rows, LOW, HIGH, TOLERANCE, ONE)
+    limits = batch.ballistic_limits(rows, LOW, HIGH, TOLERANCE, threads=1)
     near = 1.05 * limits.perforated
 
     with TemporaryDirectory() as folder:
@@ -133,10 +133,10 @@ def measured() -> Methods:
         "scipy's LSODA": lambda: [by_lsoda(p, V) for p, V in zip(some, speeds, strict=True)],
     }
     impact_s |= {name: median(times_of(call, FEW_TURNS)) / len(some) for name, call in slow.items()}
-    settings = velocities, TOLERANCE, ONE.V_arrest, 0.0, ONE.max_steps
+    settings = velocities, TOLERANCE, SETTINGS.V_arrest, 0.0, SETTINGS.max_steps
     searched = times_of(lambda: [find_ballistic_limit(p, *settings) for p in some], FEW_TURNS)
     limit_s["plain Python"] = median(searched) / len(some)
     many = partial(batch.ballistic_limits, np.tile(rows, (10, 1)), LOW, HIGH, TOLERANCE)
-    one, every = (min(times_of(partial(many, options), 2 * FEW_TURNS, perf_counter)) for options in (ONE, ALL))
+    one, every = (min(times_of(partial(many, threads=threads), 2 * FEW_TURNS, perf_counter)) for threads in (1, None))
     steps, runs = float(impacts["engine"]().steps.mean()), float(limits.runs.mean())
     return Methods(impact_s, limit_s, steps, runs, one / every)

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from armour.core import equations
+from armour.core.search import RunSettings
 from armour.core.state import Outcome, Parameters
 from armour.engine import batch
 from armour.scenario.schema import SHEAR_LAWS
@@ -75,8 +76,10 @@ def perforates(rows: batch.Floats, velocities: batch.Floats) -> NDArray[np.bool_
     for i, row in enumerate(rows.tolist()):
         p = Parameters(*row)
         step = PART * STEP * min(p.D0, p.Hc0 + p.Hb) / float(velocities[i])
-        options = batch.SolverOptions(time_step=step, max_steps=MAX_STEPS, threads=1)
-        perforated[i] = batch.impacts(rows[i : i + 1], velocities[i], options).outcome[0] == Outcome.PERFORATED
+        settings = RunSettings(1.0, step, MAX_STEPS)
+        perforated[i] = (
+            batch.impacts(rows[i : i + 1], velocities[i], settings, threads=1).outcome[0] == Outcome.PERFORATED
+        )
     return perforated
 
 

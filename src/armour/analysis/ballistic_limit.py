@@ -264,15 +264,15 @@ def not_monotonic(limit: LimitResult) -> tuple[str, ...]:
 
 def find_crossings(row: Variants, points: int, on_progress: OnProgress) -> tuple[tuple[Crossing, ...], int, bool]:
     """Return the changes of the outcome that the scan sees, the impacts computed, and whether the lowest perforates."""
-    section, armour, options = row.scenario.ballistic_limit, row.scenario.core_armour(), row.options
+    section, armour, settings = row.scenario.ballistic_limit, row.scenario.core_armour(), row.settings
     low, high, tolerance = section.velocity_min_m_s, section.velocity_max_m_s, section.tolerance_m_s
     velocities = search.scan(low, high, points)
     scanned = velocities[search.first_scanned(armour, velocities) :]
-    outcomes = outcomes_at(armour, scanned, options, points)
+    outcomes = outcomes_at(armour, scanned, settings, points)
     runs = len(scanned)
     if runs < points and outcomes[0] == Outcome.PERFORATED:  # as in `search.scanned_limit`
         scanned = velocities
-        outcomes = outcomes_at(armour, scanned, options, points)
+        outcomes = outcomes_at(armour, scanned, settings, points)
         runs += points
     on_progress(runs, None)
     unresolved = np.flatnonzero(outcomes == Outcome.UNRESOLVED)
@@ -283,10 +283,9 @@ def find_crossings(row: Variants, points: int, on_progress: OnProgress) -> tuple
     for i in np.flatnonzero(perforated[:-1] != perforated[1:]):
         if not crossings and perforated[i + 1]:
             # The limit equals the engine's to the last bit.
-            brackets = limit_brackets(row.parameters, low, high, tolerance, options, points)
+            brackets = limit_brackets(row.parameters, low, high, tolerance, settings, points)
             change = search.SearchResult._make(column.item() for column in brackets)
         else:
-            settings = search.RunSettings(*options[:3])
             below, above = (search.impact(armour, velocity, settings) for velocity in scanned[i : i + 2])
             change = search.narrowed_change(armour, below, above, tolerance, settings)
         runs += change.runs

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from armour.analysis.impact import unresolved_error
 from armour.analysis.results import OnProgress, ignore_progress
 from armour.core.run import run
-from armour.core.search import DENSE_SCAN_POINTS, SCAN_POINTS, find_ballistic_limit, scan
+from armour.core.search import DENSE_SCAN_POINTS, SCAN_POINTS, RunSettings, find_ballistic_limit, scan
 from armour.core.state import Outcome, Parameters
 from armour.engine import batch, cache
 from armour.errors import mistake
@@ -61,10 +61,10 @@ class Variants(NamedTuple):
         return Variants._make([*(column[where] for column in self[:4]), *self[4:]])
 
     @property
-    def options(self) -> batch.SolverOptions:
-        """Options of the engine."""
+    def settings(self) -> RunSettings:
+        """Settings of every run."""
         solver = self.scenario.solver
-        return batch.SolverOptions(solver.arrest_velocity_m_s, solver.time_step, solver.max_steps, self.threads)
+        return RunSettings(solver.arrest_velocity_m_s, solver.time_step, solver.max_steps)
 
     @property
     def errors(self) -> ErrorRows:
@@ -113,7 +113,7 @@ class Variants(NamedTuple):
 
     def impacts(self) -> batch.ImpactBatch:
         """Simulate the impact of each row."""
-        ends = batch.impacts(self.parameters, self.velocities, self.options)
+        ends = batch.impacts(self.parameters, self.velocities, self.settings, self.threads)
         check_resolved(ends.outcome != Outcome.UNRESOLVED, self)
         return ends
 
@@ -303,7 +303,8 @@ def ballistic_limits(
     dense = variants.is_unusual() if points is None else np.zeros(len(limits), dtype=bool)
     for rows, number in ((~dense, points or SCAN_POINTS), (dense, DENSE_SCAN_POINTS)):
         if rows.any():
-            brackets = limit_brackets(variants.parameters[rows], *range_m_s, tolerance, variants.options, number)
+            settings, threads = variants.settings, variants.threads
+            brackets = limit_brackets(variants.parameters[rows], *range_m_s, tolerance, settings, number, threads)
             check_resolved(brackets.resolved, variants.at(rows)._replace(velocities=brackets.perforated))
             limits[rows] = np.where(np.isneginf(brackets.stopped), -np.inf, brackets.perforated)
             on_progress(int(brackets.runs.sum()), None)
@@ -311,33 +312,39 @@ def ballistic_limits(
 
 
 def limit_brackets(
-    rows: Floats, low: float, high: float, tolerance: float, options: batch.SolverOptions, points: int
+    rows: Floats,
+    low: float,
+    high: float,
+    tolerance: float,
+    settings: RunSettings,
+    points: int,
+    threads: int | None = None,
 ) -> batch.Brackets:
     """Return the brackets of the limits of rows, by the engine or, for a single row, by Python if that is quicker.
 
     Both give the same brackets to the last bit.
     """
-    if len(rows) > 1 or _engine_is_quicker("ballistic_limits", options, points):
-        return batch.ballistic_limits(rows, low, high, tolerance, options, points)
-    result = find_ballistic_limit(Parameters(*rows[0].tolist()), scan(low, high, points), tolerance, *options[:3])
+    if len(rows) > 1 or _engine_is_quicker("ballistic_limits", settings, points):
+        return batch.ballistic_limits(rows, low, high, tolerance, settings, points, threads)
+    result = find_ballistic_limit(Parameters(*rows[0].tolist()), scan(low, high, points), tolerance, *settings[:3])
     return batch.Brackets(*(np.array([value]) for value in result))
 
 
-def _engine_is_quicker(kernel: str, options: batch.SolverOptions, points: int) -> bool:
+def _engine_is_quicker(kernel: str, settings: RunSettings, points: int) -> bool:
     """Return whether the engine scans the velocities for one armour more quickly than Python, its loading included."""
-    slow = points == DENSE_SCAN_POINTS or options.time_step > 0.0
+    slow = points == DENSE_SCAN_POINTS or settings.dt > 0.0
     return cache.is_loaded(kernel) or (slow and cache.is_compiled(kernel))
 
 
-def outcomes_at(armour: Parameters, velocities: Sequence[float], options: batch.SolverOptions, points: int) -> Ints:
+def outcomes_at(armour: Parameters, velocities: Sequence[float], settings: RunSettings, points: int) -> Ints:
     """Return the outcome of an armour at each velocity, m/s, of a scan with a number of points.
 
     The engine computes them, or Python if that is quicker; the outcomes are the same.
     """
-    if _engine_is_quicker("impacts", options, points):
-        return batch.impacts(batch.packed([armour] * len(velocities)), np.array(velocities), options).outcome
-    V_arrest, time_step, max_steps, _ = options
-    return np.array([run(armour, velocity, time_step, V_arrest, max_steps).outcome for velocity in velocities])
+    if _engine_is_quicker("impacts", settings, points):
+        return batch.impacts(batch.packed([armour] * len(velocities)), np.array(velocities), settings).outcome
+    V_arrest, dt, max_steps, _ = settings
+    return np.array([run(armour, velocity, dt, V_arrest, max_steps).outcome for velocity in velocities])
 
 
 def moved_m_s(variants: Variants) -> Floats:

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from armour.core.search import SCAN_POINTS, scan
+from armour.core.search import SCAN_POINTS, RunSettings, scan
 from armour.core.state import Parameters
 from armour.engine import cache
 
@@ -44,16 +44,7 @@ class Brackets(NamedTuple):
     resolved: NDArray[np.bool_]  # every run ended within the maximum number of steps
 
 
-class SolverOptions(NamedTuple):
-    """Options of the solver."""
-
-    V_arrest: float = 1.0  # velocity below which a projectile is taken as stopped, m/s
-    time_step: float = 0.0  # s; 0 for the default of each impact
-    max_steps: int = 500_000  # maximum number of steps of an impact, which then ends as `Outcome.UNRESOLVED`
-    threads: int | None = None  # None for one per core; the results do not depend on it
-
-
-DEFAULT_OPTIONS = SolverOptions()
+DEFAULT_SETTINGS = RunSettings(V_arrest=1.0, dt=0.0, max_steps=500_000)
 
 
 def packed(armours: Sequence[Parameters]) -> Floats:
@@ -66,9 +57,14 @@ def fields(rows: Floats) -> Any:
     return Parameters(*rows.T)
 
 
-def impacts(rows: Floats, velocities: Floats, options: SolverOptions = DEFAULT_OPTIONS) -> ImpactBatch:
-    """Compute the impacts of n armours, see `packed`, at n velocities, m/s; see `armour.core.run.run`."""
-    counts, ends = _computed("impacts", [rows, velocities], options[:3], 6, options.threads)
+def impacts(
+    rows: Floats, velocities: Floats, settings: RunSettings = DEFAULT_SETTINGS, threads: int | None = None
+) -> ImpactBatch:
+    """Compute the impacts of n armours, see `packed`, at n velocities, m/s; see `armour.core.run.run`.
+
+    There is a thread on each core by default; the results do not depend on their number.
+    """
+    counts, ends = _computed("impacts", [rows, velocities], settings[:3], 6, threads)
     t, Z, L, V, W, h = ends.T
     return ImpactBatch(counts[:, 0], t, Z, L, V, W, h, counts[:, 1])
 
@@ -78,8 +74,9 @@ def ballistic_limits(
     low: float,
     high: float,
     tolerance: float,
-    options: SolverOptions = DEFAULT_OPTIONS,
+    settings: RunSettings = DEFAULT_SETTINGS,
     points: int = SCAN_POINTS,
+    threads: int | None = None,
 ) -> Brackets:
     """Find ballistic limits between two velocities, m/s; see `armour.core.search.find_ballistic_limit`.
 
@@ -87,8 +84,7 @@ def ballistic_limits(
     """
     velocities = np.array(scan(low, high, points), dtype=np.float64)
     velocities.flags.writeable = False
-    settings = (velocities, tolerance, *options[:3])
-    counts, ends = _computed("ballistic_limits", [rows], settings, 2, options.threads)
+    counts, ends = _computed("ballistic_limits", [rows], (velocities, tolerance, *settings[:3]), 2, threads)
     return Brackets(ends[:, 0], ends[:, 1], counts[:, 0], counts[:, 1] != 0)
 
 

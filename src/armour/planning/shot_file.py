@@ -10,8 +10,8 @@ from pathlib import Path
 
 from filelock import FileLock, Timeout
 
-from armour.columns import COUNT_KEYS, COUNTED, GROUPS, OUTCOME_WORDS, YES_OR_NO, Column, letters, perforates
-from armour.csv_files import SEPARATORS, columns_of, decimal_mark, no_crosses, open_table, place_of
+from armour.columns import COUNT_KEYS, GROUPS, OUTCOME_WORDS, PAIRS, Column, columns_of, letters, perforates
+from armour.csv_files import SEPARATORS, decimal_mark, no_crosses, open_table, place_of
 from armour.errors import mistake
 from armour.files import reason
 from armour.statistics.v50 import Shots, is_of_shots
@@ -55,7 +55,7 @@ def with_shot(path: Path, velocity_m_s: float, word: str, where: Mapping[str, st
     source = open_table(path, is_of_shots, content=content)
     if source.form[:1] not in (["commas"], ["semicolons"], ["tabs"]):
         raise mistake(path, "", "must be a CSV file for a shot to be added; write it into the workbook")
-    columns, shots = columns_of(source, HEADER), [cells for _, cells in source.lines]
+    columns, shots = columns_of(source.header, HEADER), [cells for _, cells in source.lines]
     row = [""] * len(columns)
     for place, column in enumerate(columns):
         cells = [cells[place] for cells in shots]
@@ -97,7 +97,7 @@ def _spelt(says: bool, word: str, cells: Sequence[str], column: Column) -> str:
     if meant is not cells:
         return ""
     example = next((cell for cell in reversed(cells) if cell), "")
-    pairs = [pair for pair in (*YES_OR_NO, *OUTCOME_WORDS, *COUNTED) if letters(example) in map(letters, pair)]
+    pairs = [pair for pair in PAIRS if letters(example) in map(letters, pair)]
     word = next(text for text in (*chain(*pairs), word, *OUTCOME_WORDS[0]) if column.says(text) == says)
     return word.upper() if example.isupper() else word[0].upper() + word[1:] if example[:1].isupper() else word
 

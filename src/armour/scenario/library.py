@@ -13,23 +13,14 @@ from math import inf, nan
 from os import PathLike
 from typing import Annotated, Any, Generic, Literal, TypeVar
 
-from pydantic import (
-    AfterValidator,
-    BeforeValidator,
-    Field,
-    SerializerFunctionWrapHandler,
-    ValidationError,
-    field_validator,
-    model_serializer,
-    model_validator,
-)
+from pydantic import AfterValidator, BeforeValidator, Field, ValidationError, field_validator, model_validator
 
 from armour.errors import CHOOSE, MAX_WORDS, InputError, Note, Problem, listed, mistake, refuse, suggestion
 from armour.files import read_toml, shipped, shipped_files
 from armour.scenario.checked import checked
 from armour.scenario.inputs import INPUTS, ROD, YIELD, Kind, length_mm
 from armour.scenario.keys import describe, in_nfc, key_name, look_of, nfc
-from armour.scenario.sections import NOT_TINY, NUMBER, TINY, Items, NumberOrText, Section, every_problem, validated
+from armour.scenario.sections import NOT_TINY, NUMBER, TINY, Items, NumberOrText, Section, every_problem
 from armour.units import GPA, MPA, words_and_unit
 
 Status = Literal["measured", "nominal", "fitted", "assumed"]
@@ -57,7 +48,7 @@ class Value(Section, Generic[Number]):
     """How the number is known: "measured", "nominal" (as a table or a standard lists it), "fitted" or "assumed"."""
     source: str = ""
     """Source of the number."""
-    tests: list[dict[str, NumberOrText]] = []
+    tests: Annotated[list[dict[str, NumberOrText]], Field(exclude_if=lambda tests: not tests)] = []
     """Tests to which the number was calibrated."""
 
     def __repr__(self) -> str:
@@ -67,11 +58,6 @@ class Value(Section, Generic[Number]):
     def model_parametrized_name(cls, params: tuple[Any, ...]) -> str:
         """Return the name of a class of bounded numbers without dots, at which pickle splits it."""
         return super().model_parametrized_name(params).replace(".", "_")
-
-    @model_serializer(mode="wrap")
-    def _without_empty_tests(self, whole: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        data: dict[str, Any] = whole(self)
-        return {key: value for key, value in data.items() if key != "tests" or value}
 
 
 def _as_table(value: object) -> object:
@@ -280,12 +266,7 @@ FILES = ("ceramics", "metals", "projectiles", "tested_plates")
 # Keys that the model does not use: data of the whole projectile, and properties for the formulas of `armour compare`.
 UNUSED = ("caliber_mm", "projectile_mass_g", "ultimate_tensile_strength_MPa", "strain_to_fracture")
 # Coefficients of the law of a ceramic's flow stress, see `armour.core.equations.intact_strength`; 0 if absent.
-FLOW_STRESS_LAW = (
-    "flow_stress_backing_exponent",
-    "flow_stress_product_exponent",
-    "flow_stress_ceramic_slope",
-    "flow_stress_backing_slope",
-)
+FLOW_STRESS_LAW = tuple(key for key in VALUE_KEYS["ceramic"] if key.endswith(("_exponent", "_slope")))
 STATIC, DYNAMIC = "static_yield_strength_MPa", "dynamic_yield_strength_MPa"
 # Keys that an entry may lack.
 SOURCES_KEY = "flow_stress_sources_GPa"
@@ -392,11 +373,10 @@ class LibraryEntry:
     def to_dict(self) -> dict[str, Any]:
         """Return the entry as plain data."""
         values = {key: value.model_dump() for key, value in self.values.items()}
-        aliases = {"aliases": list(self.aliases)} if self.aliases else {}
-        sources = {SOURCES_KEY: list(self.flow_stress_sources_GPa)} if self.flow_stress_sources_GPa else {}
-        doubtful = {"doubtful": self.doubtful} if self.doubtful else {}
-        texts = {"kind": self.kind, "name": self.name, "description": self.description, **doubtful}
-        return {**texts, **aliases, **values, **sources}
+        sources = {SOURCES_KEY: list(self.flow_stress_sources_GPa)}
+        optional = {"doubtful": self.doubtful, "aliases": list(self.aliases), **values, **sources}
+        entry = {"kind": self.kind, "name": self.name, "description": self.description}
+        return entry | {key: value for key, value in optional.items() if value}
 
 
 def inputs_of_entry(role: str, entry: LibraryEntry) -> dict[str, float]:
@@ -744,10 +724,6 @@ class NamedThreat(Section):
         return self.model_dump(include=set(THREAT_KEYS), exclude_none=True)
 
 
-class _File(Section):
-    threat: dict[str, NamedThreat]
-
-
 def threats_like(name: str) -> list[str]:
     """Return the threats that a name which is not in the library may mean: none of another round or calibre."""
     threats = named_threats()
@@ -764,4 +740,5 @@ def _matches(pattern: re.Pattern[str], text: str) -> set[str]:
 @cache
 def named_threats() -> dict[str, NamedThreat]:
     """Return the shipped threats by name."""
-    return validated(_File, read_toml(shipped("configs") / "threats.toml"), "").threat
+    tables = read_toml(shipped("configs") / "threats.toml")["threat"]
+    return {name: NamedThreat(**table) for name, table in tables.items()}

@@ -1,13 +1,15 @@
 """Scenarios: reading, validation and conversion to the core's parameters."""
 
+import ast
 import json
+import operator
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from functools import cached_property
 from hashlib import sha256
 from importlib import import_module
+from inspect import getsource
 from itertools import chain, pairwise
-from operator import ge, gt, itemgetter, le, lt
 from os import PathLike
 from os.path import relpath
 from pathlib import Path
@@ -19,6 +21,7 @@ from pydantic import PrivateAttr, ValidationError
 from armour.core.state import Parameters
 from armour.errors import InputError, Note, Problem, choices, joined, refuse, restated, suggestion
 from armour.files import located, named, read_toml, shipped_files, write_file
+from armour.scenario import schema
 from armour.scenario.checked import checked
 from armour.scenario.inputs import (
     BACKING,
@@ -44,23 +47,6 @@ from armour.scenario.library import (
     is_slender,
     read_library,
     shipped_library,
-)
-from armour.scenario.schema import (
-    ArmourSection,
-    BallisticLimitSection,
-    DesignSection,
-    Distribution,
-    Impact,
-    InertLayer,
-    LibrarySection,
-    Line,
-    Model,
-    Optimise,
-    Solver,
-    Threat,
-    Uncertainty,
-    at_angle,
-    shot,
 )
 from armour.scenario.sections import NOT_TINY, NUMBER, TINY, Items, Section, every_problem, model_in
 from armour.units import MM, key_hint
@@ -99,33 +85,33 @@ class Scenario(Section):
     other values.  Sections and keys of the file are attributes, as in ``scenario.impact.velocity_m_s``.
     """
 
-    title: Line = ""
+    title: schema.Line = ""
     """Title, shown below the armour and the round."""
-    author: Line = ""
+    author: schema.Line = ""
     """Author, shown in reports."""
-    project: Line = ""
+    project: schema.Line = ""
     """Project, shown in reports."""
-    date: Line = ""
+    date: schema.Line = ""
     """Date, shown in reports."""
-    impact: Impact
+    impact: schema.Impact
     """The projectile and its velocity."""
-    armour: ArmourSection
+    armour: schema.ArmourSection
     """The armour."""
-    model: Model = Model()
+    model: schema.Model = schema.Model()
     """Options of the model."""
-    solver: Solver = Solver()
+    solver: schema.Solver = schema.Solver()
     """Settings of the solver."""
-    ballistic_limit: BallisticLimitSection = BallisticLimitSection()
+    ballistic_limit: schema.BallisticLimitSection = schema.BallisticLimitSection()
     """Range and tolerance of the search for the ballistic limit."""
-    optimise: Optimise | None = None
+    optimise: schema.Optimise | None = None
     """Grid of designs."""
-    threat: Items[Threat] = ()
+    threat: Items[schema.Threat] = ()
     """Threats, all of which a design must stop; by default [impact]."""
-    design: DesignSection | None = None
+    design: schema.DesignSection | None = None
     """Catalogue of materials, with constraints and the objective; in place of the grid."""
-    uncertainty: Uncertainty | None = None
+    uncertainty: schema.Uncertainty | None = None
     """Uncertain inputs, and how they are sampled."""
-    library: LibrarySection = LibrarySection()
+    library: schema.LibrarySection = schema.LibrarySection()
     """Projectiles and materials that the scenario adds to the library."""
 
     _entries: Library = PrivateAttr(default_factory=Library)
@@ -205,14 +191,15 @@ class Scenario(Section):
     def with_inputs(self, values: Mapping[str, float]) -> "Scenario":
         """Return the scenario with other values of inputs, validated again."""
         self.check_names(values, self.file)
-        changes: dict[str, Any] = {}
-        names: dict[str, str] = {}
-        for name, value in values.items():
-            entry = self.entry_of(INPUTS[name].section) if INPUTS[name].kind else None
-            key = name if entry is None else key_name(["library", entry.kind, entry.name, INPUTS[name].key])
-            changes[key], names[key] = value, name
+        names = {key_name(self.parts_of_input(name)): name for name in values}
         with restated(lambda problem: problem._replace(key=names.get(problem.key, problem.key))):
-            return self.replaced(changes)
+            return self.replaced({key: values[name] for key, name in names.items()})
+
+    def parts_of_input(self, name: str) -> Parts:
+        """Return the parts of the key at which an input stands; that of a role stands in its entry of the library."""
+        section, key = name.split(".")
+        entry = self.entry_of(section) if section in ROLES else None
+        return (section, key) if entry is None else ("library", entry.kind, entry.name, key)
 
     def core_armour(self) -> Parameters:
         """Return projectile and armour as parameters of the core, SI units; thicknesses along the line of fire."""
@@ -224,13 +211,13 @@ class Scenario(Section):
         return Parameters(**(fields | self.model.laws()))
 
     @cached_property
-    def inert_layers(self) -> tuple[InertLayer, ...]:
+    def inert_layers(self) -> tuple[schema.InertLayer, ...]:
         """The layers without ballistic effect; that of the section ``design`` comes last, without name and place."""
-        section = self.design or DesignSection()
+        section = self.design or schema.DesignSection()
         names = ("thickness_mm", "areal_density_kg_m2", "cost_per_m2")
         amounts: dict[str, Any] = {name: getattr(section, f"added_{name}") for name in names}
         unnamed = {"name": "", "place": "", **amounts}
-        added = [InertLayer.model_construct(**unnamed)] if any(amounts.values()) else []
+        added = [schema.InertLayer.model_construct(**unnamed)] if any(amounts.values()) else []
         return (*self.armour.layer, *added)
 
     def inert(self, key: str) -> float:
@@ -293,7 +280,7 @@ class Scenario(Section):
         """Return thicknesses and names of the layers, such as "6.35 mm AD85 on 6.35 mm 6061-T6"."""
         return layers(self.armour, {})
 
-    def subject(self, varied: Varied | None = None, threats: Sequence[Threat] = ()) -> str:
+    def subject(self, varied: Varied | None = None, threats: Sequence[schema.Threat] = ()) -> str:
         """Return armour and round, such as "6.35 mm AD85 on 6.35 mm 6061-T6 against 7.62 mm AP at 800 m/s".
 
         Threats are named in place of the scenario's impact.
@@ -366,7 +353,7 @@ class Scenario(Section):
         `place` completes the problem that `with_inputs` finds in a row, given the index of the row.
         """
         first_problems: dict[str, Problem] = {}
-        for _, row, problems in sorted(self.wrong_rows(columns), key=itemgetter(1)):
+        for _, row, problems in sorted(self.wrong_rows(columns), key=operator.itemgetter(1)):
             for problem in problems:
                 first_problems.setdefault(problem.key, place(row, problem))
         refuse(first_problems.values())
@@ -393,7 +380,7 @@ class Scenario(Section):
                 except InputError as error:
                     yield name, row, error.problems
 
-    def distributions(self) -> dict[str, Distribution]:
+    def distributions(self) -> dict[str, schema.Distribution]:
         """Return the distributions of inputs, by name."""
         return {} if self.uncertainty is None else self.uncertainty.inputs()
 
@@ -402,11 +389,11 @@ class Scenario(Section):
         section = None if self.uncertainty is None else self.uncertainty.model
         return section is not None and not section.included
 
-    def threats(self) -> tuple[Threat, ...]:
+    def threats(self) -> tuple[schema.Threat, ...]:
         """Return the threats; without any, the impact."""
-        return tuple(self.threat) or (Threat.model_construct(**self.impact.model_dump()),)
+        return tuple(self.threat) or (schema.Threat.model_construct(**self.impact.model_dump()),)
 
-    def against(self, threat: Threat) -> "Scenario":
+    def against(self, threat: schema.Threat) -> "Scenario":
         """Return the scenario with a threat as its impact."""
         return self.replaced(threat.as_impact()) if self.threat else self
 
@@ -416,33 +403,34 @@ class Scenario(Section):
 
     def unused_impact(self) -> tuple[Note, ...]:
         """Return a warning, for a result of the threats, if the impact is not one of them."""
-        if not self.threat or shot(self.impact) in map(shot, self.threat):
+        shot = schema.shot(self.impact)
+        if not self.threat or shot in map(schema.shot, self.threat):
             return ()
-        return (Note(f"{shot(self.impact)} is not among the threats, which are used instead", "impact"),)
+        return (Note(f"{shot} is not among the threats, which are used instead", "impact"),)
 
     def unused_threats(self) -> tuple[Note, ...]:
         """Return a warning, for a result of the section ``impact``, if the scenario has threats of its own."""
         if not self.threat:
             return ()
         text = (
-            f"is not used: the results are against the {shot(self.impact)} of [impact]; "
+            f"is not used: the results are against the {schema.shot(self.impact)} of [impact]; "
             "armour check gives the probability for every threat"
         )
         return (Note(text, "threat"),)
 
 
-def rounds(impact: Impact, varied: Varied, threats: Sequence[Threat]) -> str:
+def rounds(impact: schema.Impact, varied: Varied, threats: Sequence[schema.Threat]) -> str:
     """Return round and velocity, such as "7.62 mm AP at 800 m/s", of threats or, without any, of an impact."""
     if len(threats) > MAX_LISTED:
         return f"{len(threats)} threats"
     if threats:
-        return joined([shot(threat) for threat in threats])
+        return joined([schema.shot(threat) for threat in threats])
     names = _names(varied.get(NAMES["projectile"], [impact.projectile]), "different rounds")
     speed = "" if VELOCITY in varied else f" at {impact.velocity_m_s:g} m/s"
-    return f"{names}{speed}{'' if OBLIQUITY in varied else at_angle(impact)}"
+    return f"{names}{speed}{'' if OBLIQUITY in varied else schema.at_angle(impact)}"
 
 
-def layers(armour: ArmourSection, varied: Varied) -> str:
+def layers(armour: schema.ArmourSection, varied: Varied) -> str:
     """Return thicknesses and names of the layers, such as "6.35 mm AD85 on 6.35 mm 6061-T6"."""
     ceramic = _names(varied.get(NAMES["ceramic"], [armour.ceramic]), "ceramic")
     plate = _names(varied.get(NAMES["backing"], [armour.backing]), "metal")
@@ -592,24 +580,19 @@ def parse_changed(data: Mapping[str, Any], *changes: Mapping[str, object], file:
 def _contradictions(scenario: Scenario, inputs: Mapping[str, Any], values: Mapping[Parts, object]) -> Iterator[Problem]:
     """Yield a problem for each input by role to which a value by the name of its entry gives another number."""
     for name, value in inputs.items():
-        entry = scenario.entry_of(INPUTS[name].section) if name in INPUTS and INPUTS[name].kind else None
-        if entry is not None:
-            key = ("library", entry.kind, entry.name, INPUTS[name].key)
-            other = values.get(key, values.get((*key, NUMBER), value))
-            if other != value:
-                message = f"must not be given with {key_name(key)}, which sets the same input, to {describe(other)}"
-                yield Problem(scenario.file, name, message)
+        key = scenario.parts_of_input(name) if name in INPUTS else ()
+        other = values.get(key, values.get((*key, NUMBER), value))
+        if other != value:
+            message = f"must not be given with {key_name(key)}, which sets the same input, to {describe(other)}"
+            yield Problem(scenario.file, name, message)
 
 
 def _with_new_threat(data: dict[str, Any], values: Mapping[Parts, object]) -> dict[str, Any]:
     """Return data without the values of an earlier threat if changes to these values name a threat."""
     if values.get(("impact", "threat")) is None:
         return data
-    impact = _table(data, "impact").items()
-    return {
-        **data,
-        "impact": {key: value for key, value in impact if key not in THREAT_KEYS or ("impact", key) in values},
-    }
+    earlier = [key for key in THREAT_KEYS if ("impact", key) not in values]
+    return {**data, "impact": {key: value for key, value in _table(data, "impact").items() if key not in earlier}}
 
 
 def _sources(values: Mapping[Parts, object], file: str) -> dict[str, object]:
@@ -640,16 +623,12 @@ def _bases(data: Mapping[str, Any], source: _Source, keys: Iterable[str]) -> dic
     for section, *entry in map(parts_of, keys):
         if section == "library" and len(entry) > 2:
             kind, name, *_ = entry
-            is_new = name not in _table(_table(source.data, "library"), kind)
-            if is_new and "based_on" not in _table(_table(_table(data, "library"), kind), name):
+            is_new = name not in _table(source.data, "library", kind)
+            if is_new and "based_on" not in _table(data, "library", kind, name):
                 library, _, _ = _library_of(source)
                 if name in library.entries.get(kind, ()):  # type: ignore[call-overload]
                     bases[key_name(["library", kind, name, "based_on"])] = name
     return bases
-
-
-# Comparisons by their names in pydantic.
-_COMPARISONS: dict[str, Callable[[Any, float], Any]] = {"gt": gt, "ge": ge, "lt": lt, "le": le}
 
 
 def _allowed(name: str, values: Any) -> Any:
@@ -663,18 +642,14 @@ def _allowed(name: str, values: Any) -> Any:
     if NOT_TINY in stated:
         allowed &= (values == 0.0) | (abs(values) >= TINY)
     for bound in stated:
-        for word, compare in _COMPARISONS.items():
-            if hasattr(bound, word):
-                allowed &= compare(values, getattr(bound, word))
+        for comparison in ("gt", "ge", "lt", "le"):
+            if hasattr(bound, comparison):
+                allowed &= getattr(operator, comparison)(values, getattr(bound, comparison))
     return allowed
 
 
 def _meanings() -> dict[str, dict[str, str]]:
     """Return the docstring of each key, by name of its section."""
-    # Imported here because only the schema needs them.
-    import ast
-    from inspect import getsource
-
     meanings: dict[str, dict[str, str]] = {}
     for module in ("library", "schema", "scenario"):
         tree = ast.parse(getsource(import_module(f"armour.scenario.{module}")))
@@ -695,13 +670,13 @@ def scenario_schema() -> dict[str, Any]:
 
     It does not cover names of the library, nor conditions on several keys.
     """
-    schema = Scenario.model_json_schema()
+    whole = Scenario.model_json_schema()
     meanings = _meanings()
-    for name, section in (("Scenario", schema), *schema["$defs"].items()):
+    for name, section in (("Scenario", whole), *whole["$defs"].items()):
         for key, content in section["properties"].items():
             content["description"] = content.get("description") or meanings[name.split("_")[0]][key]
     about = {"title": "armour scenario", "description": "An impact, an armour and settings of the computations."}
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, **about}
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **whole, **about}
 
 
 def _library_of(source: _Source) -> tuple[Library, dict[Kind, dict[str, str]], list[Problem]]:
@@ -739,7 +714,7 @@ def _library_of(source: _Source) -> tuple[Library, dict[Kind, dict[str, str]], l
         else {kind: library.known(kind) | {name: name for name in _table(tables, kind)} for kind in KINDS}
     )
     try:
-        library = library.extended(LibrarySection.model_validate(tables), source.file, "library")
+        library = library.extended(schema.LibrarySection.model_validate(tables), source.file, "library")
     except ValidationError:
         pass  # the validation of the whole scenario reports it
     except InputError as error:
@@ -747,7 +722,9 @@ def _library_of(source: _Source) -> tuple[Library, dict[Kind, dict[str, str]], l
     return library, names, problems
 
 
-def _table(data: Mapping[str, Any], key: str) -> dict[str, Any]:
-    """Return a table of data that is not validated yet; {} if there is none."""
-    table = data.get(key)
-    return table if isinstance(table, dict) else {}
+def _table(data: Mapping[str, Any], *keys: str) -> Mapping[str, Any]:
+    """Return a table of data that is not validated yet, by the keys that lead to it; {} if there is none."""
+    for key in keys:
+        table = data.get(key)
+        data = table if isinstance(table, dict) else {}
+    return data

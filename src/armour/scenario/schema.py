@@ -8,10 +8,8 @@ from typing import Annotated, Any, Literal, NamedTuple, Self
 from pydantic import (
     AfterValidator,
     BeforeValidator,
-    ConfigDict,
     Discriminator,
     Field,
-    PrivateAttr,
     Tag,
     ValidationInfo,
     create_model,
@@ -83,11 +81,9 @@ def _with_named(schema: dict[str, Any]) -> None:
     schema["anyOf"] = [{"required": ["threat"]}, {"required": threat_keys}]
 
 
-class Impact(Section):
+# Editors are told that the name of a threat gives the projectile and the velocity.
+class Impact(Section, json_schema_extra=_with_named):
     """The projectile, its impact velocity and its angle."""
-
-    # Editors are told that the name of a threat gives the projectile and the velocity.
-    model_config = ConfigDict(json_schema_extra=_with_named)
 
     threat: str | None = None
     """Name of a threat listed by armour library; it supplies the values that are not given here."""
@@ -636,7 +632,7 @@ class Uncertainty(Section):
     model: ModelSection | None = None
     """The model error."""
 
-    _error: bool = PrivateAttr(default=False)
+    _error: bool = False
 
     def with_error(self) -> "Uncertainty":
         """Return the section with the model error as an input: the chances at which it is drawn."""

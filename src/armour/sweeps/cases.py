@@ -14,18 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from armour import csv_files
 from armour.columns import Column, column_of
-from armour.csv_files import (
-    Line,
-    Rows,
-    decimal_mark,
-    in_line_order,
-    number,
-    number_as,
-    open_table,
-    two_meanings,
-    wrong_width,
-)
 from armour.errors import Problem, counted, mistake, refuse, restated
 from armour.files import csv_value
 from armour.scenario.inputs import INPUTS, NAMES, NAMING
@@ -90,9 +80,8 @@ class Grid:
         """Return a problem of a row, counted from the first row of a chunk, with the values of the row."""
         if problem.key in self.keys:
             return Problem("sweep", f"over {problem.key}", problem.message)
-        indices = np.unravel_index(start + row, [len(axis.values) for axis in self.axes])
-        row_values = ((axis.key, axis.values[i]) for axis, i in zip(self.axes, indices, strict=True))
-        values = (f"{key}={value}" if isinstance(value, str) else f"{key}={value:g}" for key, value in row_values)
+        row_values = {key: values[0].item() for key, values in self.rows(np.array([start + row])).items()}
+        values = [f"{key}={value if isinstance(value, str) else f'{value:g}'}" for key, value in row_values.items()]
         return Problem("sweep", f"over {', '.join(values)}", f"{problem.key}: {problem.message}")
 
 
@@ -104,13 +93,11 @@ class SweepCases:
 
     axes: tuple[Axis, ...] = ()  # those of a grid
 
-    def __init__(self, table: str | PathLike[str] | Rows, sheet: str | None = None) -> None:
-        source = open_table(table, _is_key, sheet, own=True)
+    def __init__(self, table: str | PathLike[str] | csv_files.Rows, sheet: str | None = None) -> None:
+        source = csv_files.open_table(table, _is_key, sheet, own=True)
         self.file = source.file
-        columns = [column_of(name, CASE_KEYS) for name in source.header]
-        columns = [
-            Column(name) if not column.factor else column for name, column in zip(source.header, columns, strict=True)
-        ]
+        named = [(name, column_of(name, CASE_KEYS)) for name in source.header]
+        columns = [column if column.factor else Column(name) for name, column in named]
         self.keys = tuple(column.key for column in columns)
         for index, key in enumerate(self.keys):
             where = f"{source.place}: {key}" if key else source.place
@@ -126,13 +113,13 @@ class SweepCases:
             if self.count > MAX_CASES:
                 raise mistake(self.file, "", f"must have at most {MAX_CASES:,} rows, found more")
             refuse(
-                Problem(self.file, place, wrong_width(cells, self.keys))
+                Problem(self.file, place, csv_files.wrong_width(cells, self.keys))
                 for place, cells in block
                 if len(cells) != len(self.keys)
             )
-            marks = marks or [*self._marks(block, columns, source.form)]
+            marks = marks or [*_marks(block, columns, source)]
             lines = np.array([int(place.rpartition(" ")[2]) for place, _ in block])
-            blocks.append((lines, *self._read(block, columns, marks)))
+            blocks.append((lines, *_read(block, columns, marks, source)))
         if not self.count:
             raise mistake(self.file, "", "must have a header of keys and at least one row")
         self._lines, *values = map(np.concatenate, zip(*blocks, strict=True))
@@ -156,39 +143,35 @@ class SweepCases:
         """Return a problem of a row, counted from the first row of a chunk, with its line."""
         return Problem(self.file, f"{self._place} {self._lines[start + row]}", f"{problem.key}: {problem.message}")
 
-    def _marks(self, block: Sequence[Line], columns: Sequence[Column], form: Sequence[str]) -> Iterator[str]:
-        """Yield the marks of the decimals in each column, by the first lines."""
-        for column, cells in zip(columns, zip(*(cells for _, cells in block), strict=True), strict=True):
-            mark = "." if column.key in NAMING else decimal_mark(cells, column, form)
-            if mark is None:
-                places = (place for place, _ in block)
-                pairs = zip(places, cells, strict=True)
-                place, cell = next(pair for pair in pairs if number_as(pair[1], ".") != number_as(pair[1], ","))
-                raise mistake(self.file, f"{place}: {column.key}", two_meanings(cell))
-            yield mark if any("," in cell for cell in cells) else "."
 
-    def _read(self, block: Sequence[Line], columns: Sequence[Column], marks: Sequence[str]) -> list[Any]:
-        """Return the columns of n lines, each with numbers or names, (n,)."""
-        arrays, problems = [], list[Problem]()
-        by_column = zip(*(cells for _, cells in block), strict=True)
-        for column, mark, cells in zip(columns, marks, by_column, strict=True):
-            is_name = column.key in NAMING
-            values: list[Any] = [_name(cell) if is_name else number_as(cell, mark) for cell in cells]
-            if None in values:
-                problems += (
-                    Problem(
-                        self.file,
-                        f"{place}: {column.key}",
-                        f'must be a {"name" if is_name else "number"}, found "{cell[:40]}"',
-                    )
-                    for (place, _), cell, value in zip(block, cells, values, strict=True)
-                    if value is None
-                )
-            elif column.factor != 1.0:
-                values = [value * column.factor for value in values]
-            arrays.append(np.array(values))
-        refuse(in_line_order(problems))
-        return arrays
+def _marks(block: Sequence[csv_files.Line], columns: Sequence[Column], source: csv_files.Source) -> Iterator[str]:
+    """Yield the marks of the decimals in each column, by the first lines."""
+    for column, cells in zip(columns, zip(*(cells for _, cells in block), strict=True), strict=True):
+        mark = "." if column.key in NAMING else csv_files.decimal_mark(cells, column, source.form)
+        if mark is None:
+            wrong = ((place, csv_files.two_meanings(cell)) for (place, _), cell in zip(block, cells, strict=True))
+            place, message = next((place, message) for place, message in wrong if message)
+            raise mistake(source.file, f"{place}: {column.key}", message)
+        yield mark if any("," in cell for cell in cells) else "."
+
+
+def _read(
+    block: Sequence[csv_files.Line], columns: Sequence[Column], marks: Sequence[str], source: csv_files.Source
+) -> list[NDArray[Any]]:
+    """Return the columns of n lines, each with numbers or names, (n,)."""
+    arrays = []
+    for column, mark, cells in zip(columns, marks, zip(*(cells for _, cells in block), strict=True), strict=True):
+        kind = "name" if column.key in NAMING else "number"
+        values: list[Any] = [_name(cell) if kind == "name" else csv_files.number_as(cell, mark) for cell in cells]
+        if None in values:
+            for (place, _), cell, value in zip(block, cells, values, strict=True):
+                if value is None:
+                    source.wrong(f"{place}: {column.key}", f'must be a {kind}, found "{cell[:40]}"')
+        elif column.factor != 1.0:
+            values = [value * column.factor for value in values]
+        arrays.append(np.array(values))
+    refuse(csv_files.in_line_order(source.problems))
+    return arrays
 
 
 def _is_key(name: str) -> bool:
@@ -213,7 +196,7 @@ def axis_of(text: str) -> Axis:
         raise mistake("sweep", f"over {key}", message)
     is_range = ":" in values
     cells = values.split(":" if is_range else ",")
-    numbers = [value for cell in cells if (value := number(cell)) is not None]
+    numbers = [value for cell in cells if (value := csv_files.number(cell)) is not None]
     if len(numbers) < len(cells) or (is_range and len(numbers) != 3):
         message = f'must be MIN:MAX:STEP or VALUE,VALUE,... of finite numbers, found "{values[:MAX_VALUE_SHOWN]}"'
         raise mistake("sweep", f"over {key}", message)
@@ -221,7 +204,7 @@ def axis_of(text: str) -> Axis:
 
 
 def source_of(
-    over: Mapping[str, object] | str | PathLike[str] | None, cases: str | PathLike[str] | Rows | None = None
+    over: Mapping[str, object] | str | PathLike[str] | None, cases: str | PathLike[str] | csv_files.Rows | None = None
 ) -> Grid | SweepCases:
     """Return the rows of a sweep: a grid of a mapping, or cases."""
     table = over if isinstance(over, str | PathLike) else cases

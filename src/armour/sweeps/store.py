@@ -347,19 +347,15 @@ def write_table(
         for number, columns in enumerate(chunks):
             file.write(csv_of(columns, header=number == 0))
         return
-    # Imported here because it is an optional dependency.
-    import pyarrow as pa
-    from pyarrow import parquet
+    import pyarrow.parquet  # an optional dependency
 
     about = {"armour": json.dumps(made_by)}
-    tables = (
-        pa.table({name: pa.array(values) for name, values in columns.items()}, metadata=about) for columns in chunks
-    )
+    tables = (pyarrow.table(dict(columns), metadata=about) for columns in chunks)
     first = next(tables)
     rest = first.slice(0, 0)
-    with parquet.ParquetWriter(file, first.schema) as writer:
+    with pyarrow.parquet.ParquetWriter(file, first.schema) as writer:
         for table in chain([first], tables):
-            rest = pa.concat_tables([rest, table])
+            rest = pyarrow.concat_tables([rest, table])
             while rest.num_rows >= ROW_GROUP:
                 writer.write_table(rest.slice(0, ROW_GROUP).combine_chunks())
                 rest = rest.slice(ROW_GROUP)

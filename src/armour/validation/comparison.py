@@ -12,17 +12,7 @@ from armour.errors import NoAnswerError, refuse
 from armour.scenario.checked import checked
 from armour.scenario.inputs import ROLES
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
-from armour.validation.formulas import (
-    FlorenceResult,
-    ResidualVelocityFit,
-    along_fire_kg_m2,
-    bodies_of,
-    fit_areal_density_rule,
-    fit_lambert_jonas,
-    fit_recht_ipson,
-    florence_result,
-    missing_for_florence,
-)
+from armour.validation import formulas
 from armour.validation.rivals import Error, areal_densities, measured_limits
 from armour.validation.suite import Case, Suite, load_suite
 from armour.validation.tested import MeasuredArmour, nearest_measured
@@ -91,8 +81,8 @@ class Comparison(TableResult):
 
     areal_density_kg_m2: float
     limit: LimitResult
-    florence: tuple[FlorenceResult, ...]
-    fits: tuple[ResidualVelocityFit, ...]
+    florence: tuple[formulas.FlorenceResult, ...]
+    fits: tuple[formulas.ResidualVelocityFit, ...]
     fitted_m_s: tuple[float, float]
     curve: tuple[ImpactResult, ...]
     tests: str
@@ -156,33 +146,33 @@ def compare(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) ->
     NoAnswerError
         If the range contains no velocities above the limit.
     """
-    missing = missing_for_florence(scenario)
+    missing = formulas.missing_for_florence(scenario)
     refuse(missing if not scenario.armour.ceramic_thickness_mm > 0.0 else ())
     limit = ballistic_limit(scenario, on_progress=on_progress)
-    highest = scenario.ballistic_limit.velocity_max_m_s
-    if highest <= limit.ballistic_limit_m_s * (1.0 + 1e-9):
+    limit_m_s, highest = limit.ballistic_limit_m_s, scenario.ballistic_limit.velocity_max_m_s
+    if highest <= limit_m_s * (1.0 + 1e-9):
         raise NoAnswerError(
             f"no fit: the range of velocities ends at the ballistic limit, {highest:g} m/s; "
             "raise ballistic_limit.velocity_max_m_s"
         )
     curve = residual_velocity_curve(scenario, limit, on_progress)
-    above = [impact for impact in curve if impact.impact_velocity_m_s > limit.ballistic_limit_m_s]
+    above = [impact for impact in curve if impact.impact_velocity_m_s > limit_m_s]
     velocities = [impact.impact_velocity_m_s for impact in above]
     residuals = [impact.residual_velocity_m_s for impact in above]
-    cases, rules = _tests().cases, areal_density_rules(scenario, limit.ballistic_limit_m_s)
+    rules, bodies = areal_density_rules(scenario, limit_m_s), [] if missing else formulas.bodies_of(scenario)
     return Comparison(
         areal_density_kg_m2=scenario.areal_density_kg_m2(),
-        measured=nearest_measured(scenario, limit.ballistic_limit_m_s),
+        measured=nearest_measured(scenario, limit_m_s),
         whole_areal_density_kg_m2=scenario.areal_density_kg_m2(whole=True),
         limit=limit,
-        florence=() if missing else tuple(florence_result(scenario, body, on_progress) for body in bodies_of(scenario)),
+        florence=tuple(formulas.florence_result(scenario, body, on_progress) for body in bodies),
         fits=(
-            fit_lambert_jonas(velocities, residuals, limit.ballistic_limit_m_s),
-            fit_recht_ipson(velocities, residuals, limit.ballistic_limit_m_s),
+            formulas.fit_lambert_jonas(velocities, residuals, limit_m_s),
+            formulas.fit_recht_ipson(velocities, residuals, limit_m_s),
         ),
         fitted_m_s=(velocities[0], velocities[-1]),
         curve=curve,
-        tests=_tests_in_words(cases),
+        tests=_tests_in_words(_tests().cases),
         rules=rules,
         errors=_errors() if rules else (),
         florence_missing=tuple(problem.key for problem in missing),
@@ -214,7 +204,7 @@ def areal_density_rules(scenario: Scenario, limit_m_s: float) -> tuple[RuleResul
     if any(scenario.entry_of(role) != cases[0].scenario.entry_of(role) for role in ROLES):
         return ()
     for p in (1.0, None):
-        rule = fit_areal_density_rule(areal_densities(cases), measured_limits(cases), p)
+        rule = formulas.fit_areal_density_rule(areal_densities(cases), measured_limits(cases), p)
         weight = (limit_m_s / rule.k) ** (1.0 / rule.p) * scenario.cosine()
-        rules.append(RuleResult(rule.k, rule.p, p is None, rule.limit(along_fire_kg_m2(scenario)), weight))
+        rules.append(RuleResult(rule.k, rule.p, p is None, rule.limit(formulas.along_fire_kg_m2(scenario)), weight))
     return tuple(rules)

@@ -10,6 +10,7 @@ from math import pi, sqrt
 from typing import Literal, NamedTuple
 
 import numpy as np
+import scipy  # whose parts are imported on first use, as Florence's limit does not need them
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.results import OnProgress
@@ -73,10 +74,7 @@ def florence_split(m: float, r: float, rho1: float, rho2: float, areal_density: 
     bare = areal_density / rho2
     if excess(bare) >= 0.0:
         return 0.0, bare
-    # Imported here because Florence's limit, which `armour validate` computes, does not need scipy.
-    from scipy.optimize import brentq
-
-    h2 = float(brentq(excess, 1e-9 * bare, bare, xtol=1e-15))
+    h2 = float(scipy.optimize.brentq(excess, 1e-9 * bare, bare, xtol=1e-15))
     return ceramic(h2), h2
 
 
@@ -119,9 +117,8 @@ def fit_areal_density_rule(areal_densities: Floats, limits: Floats, p: float | N
         return -float(s.sum() ** 2 / (s @ s))
 
     if p is None:
-        from scipy.optimize import minimize_scalar  # slow to import
-
-        p = float(minimize_scalar(remainder, bounds=(0.0, MAX_POWER), method="bounded", options={"xatol": 1e-8}).x)
+        least = scipy.optimize.minimize_scalar
+        p = float(least(remainder, bounds=(0.0, MAX_POWER), method="bounded", options={"xatol": 1e-8}).x)
     s = ratios**p / limits
     return ArealDensityRule(float(s.sum() / (s @ s)) / middle**p, p)
 
@@ -155,12 +152,12 @@ def residual_velocity(V: float, limit: float, ratio: float, exponent: float) -> 
 
 def fit_lambert_jonas(impact: Sequence[float], residual: Sequence[float], limit: float) -> ResidualVelocityFit:
     """Fit ratio and exponent of Lambert and Jonas by least squares."""
-    from scipy.optimize import minimize_scalar  # slow to import
 
     def fit(exponent: float) -> ResidualVelocityFit:
         return _fit_ratio("Lambert-Jonas", impact, residual, limit, exponent)
 
-    best = minimize_scalar(lambda x: fit(x).rms_m_s, bounds=EXPONENTS, method="bounded", options={"xatol": 1e-6})
+    least = scipy.optimize.minimize_scalar
+    best = least(lambda x: fit(x).rms_m_s, bounds=EXPONENTS, method="bounded", options={"xatol": 1e-6})
     return fit(float(best.x))
 
 

@@ -6,16 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from armour.analysis.variants import Floats
+from armour.scenario.inputs import FLOW_STRESS
 from armour.scenario.sections import TINY
 from armour.statistics.measured import LIMIT, read_tests
-from armour.validation.formulas import (
-    along_fire_kg_m2,
-    bodies_of,
-    fit_areal_density_rule,
-    florence_ballistic_limit,
-    mass_and_diameter,
-    missing_for_florence,
-)
+from armour.validation import formulas
 from armour.validation.suite import Case
 
 # Least number of tests, and of different areal densities, for a fit.
@@ -63,12 +57,12 @@ def errors_of(computed: Iterable[tuple[Case, float | str | None]]) -> tuple[Erro
 def _florence(case: Case) -> Mapping[str, float]:
     """Return Florence's limits of a case, for the penetrator and for the whole projectile."""
     scenario = case.scenario
-    if case.quantity != LIMIT or missing_for_florence(scenario):
+    if case.quantity != LIMIT or formulas.missing_for_florence(scenario):
         return {}
     limits = {}
-    for body in bodies_of(scenario):
-        mass, diameter = mass_and_diameter(scenario, body)
-        limits[f"Florence, {body} ({mass:g} g, {diameter:g} mm)"] = florence_ballistic_limit(scenario, body)
+    for body in formulas.bodies_of(scenario):
+        mass, diameter = formulas.mass_and_diameter(scenario, body)
+        limits[f"Florence, {body} ({mass:g} g, {diameter:g} mm)"] = formulas.florence_ballistic_limit(scenario, body)
     return limits
 
 
@@ -85,9 +79,7 @@ def _refitted(cases: Sequence[Case]) -> Iterator[Error]:
     Nothing is fitted if the rows of the table differ in their settings.
     """
     # Imported here for scipy, which a suite without rivals does not need.
-    from armour.scenario.inputs import FLOW_STRESS
-    from armour.statistics.calibration import fit_by_law
-    from armour.statistics.likelihood import intervals
+    from armour.statistics import calibration, likelihood
 
     name, scenario = cases[0].scenario.name_of("ceramic"), cases[0].scenario
     settings = {(case.scenario.solver, case.scenario.ballistic_limit) for case in cases}
@@ -99,8 +91,8 @@ def _refitted(cases: Sequence[Case]) -> Iterator[Error]:
     ]
     for row in rows:
         del row[FLOW_STRESS]
-    fit, result = fit_by_law(read_tests(rows, scenario), [FLOW_STRESS], None)
-    [stress] = intervals(fit)
+    fit, result = calibration.fit_by_law(read_tests(rows, scenario), [FLOW_STRESS], None)
+    [stress] = likelihood.intervals(fit)
     if stress.estimate is None:
         return
     computed = np.array([[residual.computed, residual.left_out] for residual in result.residuals], dtype=np.float64).T
@@ -114,9 +106,9 @@ def _rules(cases: Sequence[Case]) -> Iterator[Error]:
     for p in (1.0, None):
         if p is None and len(np.unique(densities.round(6))) < MIN_FITTED:
             continue
-        rule = fit_areal_density_rule(densities, limits, p)
+        rule = formulas.fit_areal_density_rule(densities, limits, p)
         left_out = [
-            fit_areal_density_rule(np.delete(densities, place), np.delete(limits, place), p).limit(density)
+            formulas.fit_areal_density_rule(np.delete(densities, place), np.delete(limits, place), p).limit(density)
             for place, density in enumerate(densities)
         ]
         name = "p = 1" if p else "p fitted"
@@ -127,7 +119,7 @@ def _rules(cases: Sequence[Case]) -> Iterator[Error]:
 
 def areal_densities(cases: Sequence[Case]) -> Floats:
     """Return the areal densities of cases along the line of fire, kg/m²."""
-    return np.array([along_fire_kg_m2(case.scenario) for case in cases])
+    return np.array([formulas.along_fire_kg_m2(case.scenario) for case in cases])
 
 
 def measured_limits(cases: Sequence[Case]) -> Floats:

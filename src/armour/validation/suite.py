@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from itertools import compress
 from os import PathLike
 from os.path import exists
 from pathlib import Path
@@ -159,13 +158,16 @@ class Suite:
     @checked
     def only(self, text: str) -> "Suite":
         """Return the suite with only the cases whose name contains the text; raise InputError if there is none."""
-        is_chosen = [text.lower() in case.full_name.lower() for case in self.cases]
-        cases = tuple(compress(self.cases, is_chosen))
+
+        def is_chosen(case: Case) -> bool:
+            return text.lower() in case.full_name.lower()
+
+        cases = tuple(filter(is_chosen, self.cases))
         if not cases:
             raise mistake(self.file, "", f'must have a case whose name contains "{text}", found none')
         names = {case.group for case in cases}
         # The bands of a table with a file hold for all its rows together.
-        partial = {case.group for case, chosen in zip(self.cases, is_chosen, strict=True) if case.cells and not chosen}
+        partial = {case.group for case in self.cases if case.cells and not is_chosen(case)}
         no_bands: dict[str, Any] = {"group": [], "rms_band_percent": None, "mean_band_percent": None}
         tables = (
             table.model_copy(update=no_bands if table.name in partial else None)

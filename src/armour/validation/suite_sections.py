@@ -4,15 +4,7 @@ from collections.abc import Mapping
 from math import inf
 from typing import Annotated, Any, ClassVar
 
-from pydantic import (
-    AfterValidator,
-    BeforeValidator,
-    Discriminator,
-    Field,
-    Tag,
-    field_validator,
-    model_validator,
-)
+from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, field_validator, model_validator
 
 from armour.columns import perforates
 from armour.csv_files import MUST_SAY, number
