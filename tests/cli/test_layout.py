@@ -10,8 +10,7 @@ from rich.cells import cell_len
 from armour.analysis.ballistic_limit import confidence
 from armour.analysis.impact import simulate
 from armour.cli.layout import rendered
-from armour.reporting.table import Column, Table, record
-from armour.reporting.text import VerdictLine
+from armour.reporting.table import Column, Table, VerdictLine, record
 from armour.reporting.views.analysis import tables_of_impact
 from armour.reporting.views.library import library_table
 from armour.scenario.library import KINDS, shipped_library

@@ -7,8 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from armour.files import printable
-from armour.reporting.table import Column, Table, csv_text, listing, record
-from armour.reporting.text import interval, unbroken, wrapped
+from armour.reporting.table import Column, Table, csv_text, interval, listing, record, unbroken, wrapped
 from tests.reporting.tables import headings
 
 LENGTH = Column("length", "mm", ".2f", key="length_mm")

@@ -15,28 +15,15 @@ from armour.design.optimise import DesignResult, optimise
 from armour.errors import NoAnswerError, NoLimitError, Note
 from armour.evidence.model_error import given_error
 from armour.evidence.tests import armours_of
+from armour.reporting import words as phrases
 from armour.reporting.by_result import drawing_of
 from armour.reporting.report import Card, Report, ReportSection, origin_section, reference_notes
-from armour.reporting.table import Column, Table, column_of, in_words, listing
-from armour.reporting.text import interval, percent
+from armour.reporting.table import Column, Table, column_of, in_words, interval, listing, percent
 from armour.reporting.views import analysis as analysis_view
 from armour.reporting.views import design as design_view
 from armour.reporting.views import statistics as statistics_view
 from armour.reporting.views import validation as validation_view
 from armour.reporting.views.library import entry_table
-from armour.reporting.words import (
-    SAMPLED_ALONE,
-    STOPPING,
-    chance,
-    extrapolation,
-    flow_stress_notes,
-    from_tests,
-    requirement_parts,
-    requirement_words,
-    said_of,
-    tested_here,
-    threat_notes,
-)
 from armour.scenario.inputs import INPUTS, NAMES, ROLES
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import OBJECTIVES
@@ -163,7 +150,7 @@ def _not_monotonic(scenario: Scenario) -> tuple[str, ...]:
 def scenario_report(contents: Contents, command: str, map_command: str = "") -> Report:
     """Report the results of a scenario; the commands are those that make the report and a map of the designs."""
     passed, lead = _verdict(contents)
-    caveats = [f"{words[:1].upper()}{words[1:]}." for words in said_of(contents.warnings)]
+    caveats = [f"{words[:1].upper()}{words[1:]}." for words in phrases.said_of(contents.warnings)]
     lead = " ".join(filter(None, [lead, *caveats]))
     return Report(
         title=contents.answer.subject(threats=contents.scenario.threat),
@@ -201,13 +188,16 @@ def _verdict(contents: Contents) -> tuple[bool | None, str]:
     rows = [row for row in design_view.requirements_of(contents.check) if row.verdict == contents.check.verdict]
     names = list(dict.fromkeys(row.threat for row in rows if row.threat))
     against = f" against {' and '.join(names)}" if names else ""
-    return False, f"{words} the requirements{against}: {'; '.join(dict.fromkeys(map(requirement_words, rows)))}."
+    return (
+        False,
+        f"{words} the requirements{against}: {'; '.join(dict.fromkeys(map(phrases.requirement_words, rows)))}.",
+    )
 
 
 def _probability(contents: Contents) -> Card:
     """Return the probability of stopping the threat that most likely perforates, and what it rests on."""
     threat, count = contents.threat, len(contents.threats)
-    statement = probability = chance(threat.probability_of_stopping, threat.model_error)
+    statement = probability = phrases.chance(threat.probability_of_stopping, threat.model_error)
     unknown = [threat.threat for threat in contents.threats if threat.probability_of_stopping is None]
     against = f"against {threat.threat}; " if count > 1 else ""
     if threat.probability_of_stopping is not None and unknown:
@@ -215,15 +205,19 @@ def _probability(contents: Contents) -> Card:
         against = f"unknown against {' and '.join(unknown)}; {probability} {against}"
     elif threat.probability_of_stopping is not None and count > 1:
         against = f"against {threat.threat}, the most likely of {count} threats to perforate; "
-    return Card(STOPPING.label.capitalize(), statement, against + _basis(contents))
+    return Card(phrases.STOPPING.label.capitalize(), statement, against + _basis(contents))
 
 
 def _basis(contents: Contents) -> str:
     """Return what the probability rests on, or why it is unknown."""
     threat = contents.threat
-    error = "; ".join([from_tests(threat.model_error), *tested_here(threat.model_error)]) if threat.model_error else ""
+    error = (
+        "; ".join([phrases.from_tests(threat.model_error), *phrases.tested_here(threat.model_error)])
+        if threat.model_error
+        else ""
+    )
     if threat.sampled is None:
-        alone = f"; {SAMPLED_ALONE}" if contents.uncertainty and threat.probability_of_stopping is None else ""
+        alone = f"; {phrases.SAMPLED_ALONE}" if contents.uncertainty and threat.probability_of_stopping is None else ""
         return f"{threat.reason or error}{alone}"
     low, high = (100.0 * (1.0 - end) for end in (threat.sampled.high, threat.sampled.low))
     with_error = f" and the {error}" if error else ", without the model error"
@@ -253,7 +247,7 @@ def _requirements(contents: Contents) -> Card:
     requirements += [f"margin of {' or '.join(f'{margin:g}' for margin in margins)} m/s"] if margins else []
     details = [] if probabilities else ["--confidence 0.95 asks for a probability of 95 %"]
     for row in contents.check.requirements:
-        name, asked, _ = requirement_parts(row)
+        name, asked, _ = phrases.requirement_parts(row)
         details.append(f"{name} of {asked}")
     details += design_view.layer_words(contents.scenario.inert_layers)
     return Card("Asked for", ", ".join(requirements) or "no probability", "; ".join(details))
@@ -274,7 +268,7 @@ def _warnings(contents: Contents) -> Iterator[str]:
             words = in_words(name) if name == warning.key else f"distribution of the {in_words(name)}"
         yield Note(warning.text, words, warning.brief, said=warning.said)
     if error := contents.threat.model_error:
-        yield from (f"the model error is {text}" for text in extrapolation(error))
+        yield from (f"the model error is {text}" for text in phrases.extrapolation(error))
     yield from others
 
 
@@ -287,9 +281,9 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Re
         table for checked in ordered for table in design_view.what_if_tables(checked, f"against {checked.threat}")
     ]
     exact = ("With exact inputs.",) if contents.sampled else ()
-    notes = flow_stress_notes(threat.flow_stress, threat.threat)
+    notes = phrases.flow_stress_notes(threat.flow_stress, threat.threat)
     notes[:1] = [f"{answer.armour_words()} {note}" for note in notes[:1]]
-    notes += [*design_view.outside_notes(contents.check.threats), *(said := threat_notes(scenario))]
+    notes += [*design_view.outside_notes(contents.check.threats), *(said := phrases.threat_notes(scenario))]
     tables = [_threats(contents)]
     if len(design_view.requirements_of(contents.check)) > len(contents.threats):
         tables.append(replace(design_view.requirement_table(contents.check), title="requirements"))
@@ -359,10 +353,10 @@ def _threats(contents: Contents) -> Table:
         column_of("projectile", prose=True),
         column_of("velocity_m_s", "g"),
         column_of("obliquity_deg", "g"),
-        (design_view.PROBABILITY, lambda threat: chance(threat.probability_of_stopping)),
+        (design_view.PROBABILITY, lambda threat: phrases.chance(threat.probability_of_stopping)),
         (Column("inputs"), lambda threat: kinds[threat.threat] if is_mixed else ""),
         (Column("required", prose=True), lambda threat: design_view.required(threat) if requires else ""),
-        (Column("result"), lambda threat: design_view.verdict(threat) if requires else ""),
+        (Column("result"), lambda threat: design_view.VERDICTS[threat.verdict] if requires else ""),
         column_of("ballistic_limit_m_s"),
         (design_view.INTERVAL, lambda threat: interval(threat.interval_m_s, ".0f")),
         design_view.MARGIN,

@@ -1,17 +1,91 @@
-"""Tables: columns described once, rows of raw values, and their text for people and for CSV files."""
+"""Numbers, intervals and texts as they are shown, and tables of them for people and for CSV files.
+
+Text from files is made safe for terminals and XML.
+"""
 
 import csv
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from io import StringIO
+from itertools import starmap
 from math import isfinite
-from typing import Any
+from operator import attrgetter
+from textwrap import wrap
+from typing import Any, Self
 
 from armour.analysis.quantities import QUANTITIES, label_and_unit
-from armour.files import csv_cell
-from armour.reporting.text import number
+from armour.files import csv_cell, printable
+from armour.units import ENDINGS
 
 Cell = float | int | str | None
+
+
+class VerdictLine(str):
+    """A line that says how an answer ends, well or not; a terminal shows it in green or red."""
+
+    good: bool
+
+    def __new__(cls, text: str, *, good: bool) -> Self:
+        """Make a verdict."""
+        line = super().__new__(cls, text)
+        line.good = good
+        return line
+
+
+# The space between a number and its unit, or after ±.
+BESIDE_NUMBER = re.compile(rf"(?<=\d) (?=({'|'.join(map(re.escape, [*ENDINGS.values(), 'J']))})(?![\w/]))|(?<=±) ")
+
+
+def printable_lines(text: str) -> str:
+    """Escape the control characters of a text from a file; line ends stay."""
+    return "\n".join(map(printable, text.split("\n")))
+
+
+def unbroken(text: str) -> str:
+    """Return a text in which no line ends between a number and its unit or ±: the space there does not break."""
+    return BESIDE_NUMBER.sub("\N{NO-BREAK SPACE}", text)
+
+
+def wrapped(text: str, width: int) -> list[str]:
+    """Wrap a text between words, but not between a number and its unit."""
+    return [line.replace("\N{NO-BREAK SPACE}", " ") for line in wrap(unbroken(text), width)]
+
+
+def percent(part: float) -> str:
+    """Format a part, such as a confidence level, in per cent."""
+    return f"{100.0 * part:g} %"
+
+
+def number(value: float | str, spec: str) -> str:
+    """Format a number, with its thousands separated from 10,000 on; a text is returned as it is.
+
+    A number that is not finite has no value and gives an empty text.
+    """
+    if isinstance(value, str):
+        return value
+    if not isfinite(value):
+        return ""
+    text = format(value, spec)
+    if not float(text):
+        return format(0, spec)  # without the sign of a number that rounds to zero
+    sign = spec[:1] if spec.startswith("+") else ""
+    return text if abs(float(text)) < 1e4 else format(value, f"{sign},{spec.removeprefix(sign)}")
+
+
+def with_interval(value: float, ends: tuple[float | None, float | None] | None, spec: str) -> str:
+    """Format an estimate with its interval, such as "0.80 (0.79 to 0.81)"."""
+    return f"{number(value, spec)} ({interval(ends, spec)})"
+
+
+def interval(ends: tuple[float | None, float | None] | None, spec: str) -> str:
+    """Format an interval, if there is one; an end that is None is not bounded."""
+    if ends is None:
+        return ""
+    low, high = ends
+    if low is None:
+        return "not bounded" if high is None else f"up to {number(high, spec)}"
+    return f"from {number(low, spec)}" if high is None else f"{number(low, spec)} to {number(high, spec)}"
 
 
 @dataclass(frozen=True)
@@ -88,8 +162,9 @@ def grouped(items: Iterable[Any], key: Callable[[Any], str]) -> dict[str, list[A
 
 def listing(items: Iterable[Any], *sources: Source, title: str = "", rest: str = "") -> Table:
     """Make a table with a row for each item, without the columns that are empty in all of them."""
-    rows = [[_cell(item, source) for source in sources] for item in items]
-    columns = [_column(source) for source in sources]
+    pairs = [_with_value(source) for source in sources]
+    columns = [column for column, _ in pairs]
+    rows = [[value(item) if callable(value) else value for _, value in pairs] for item in items]
     filled = [index for index, column in enumerate(columns) if not rows or any(column.text(row[index]) for row in rows)]
     cells = tuple(tuple(row[index] for index in filled) for row in rows)
     return Table(tuple(columns[index] for index in filled), cells, title, rest=rest)
@@ -100,13 +175,17 @@ def record(item: Any, *sources: Source, title: str = "") -> Table:
     return replace(listing([item], *sources, title=title), record=True)
 
 
-def _column(source: Source) -> Column:
-    return source if isinstance(source, Column) else source[0]
+def of_part(part: Callable[[Any], Any], *sources: Source) -> Iterator[Source]:
+    """Give the sources of a part of each item, empty for an item without this part."""
+
+    def source_of(column: Column, value: Callable[[Any], Cell]) -> Source:
+        return column, lambda item: None if part(item) is None else value(part(item))
+
+    return starmap(source_of, map(_with_value, sources))
 
 
-def _cell(item: Any, source: Source) -> Cell:
-    value = getattr(item, source.key) if isinstance(source, Column) else source[1]
-    return value(item) if callable(value) else value
+def _with_value(source: Source) -> tuple[Column, Any]:
+    return (source, attrgetter(source.key)) if isinstance(source, Column) else source
 
 
 def csv_text(table: Table) -> str:

@@ -1,18 +1,17 @@
 """Words on the probability that an armour stops its threat, the model error and the flow stress of a ceramic."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from functools import cache
 from math import ceil, floor
-from typing import Any
 
 from armour.analysis.ballistic_limit import ConfidenceResult, NeededFlowStress, no_error
+from armour.analysis.estimates import Estimate
 from armour.design.check import CheckedThreat
 from armour.design.requirements import Requirement
 from armour.errors import Note, counted, joined
 from armour.evidence.caveats import no_metal
 from armour.evidence.model_error import INTERLAYER, ModelError
-from armour.reporting.table import Column, Source, column_of
-from armour.reporting.text import interval, number, percent
+from armour.reporting.table import Column, Source, column_of, interval, number, percent, with_interval
 from armour.scenario.library import named_threats, shipped_library
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import OBJECTIVES
@@ -20,12 +19,17 @@ from armour.scenario.schema import OBJECTIVES
 BALLISTIC_LIMIT = column_of("ballistic_limit_m_s")
 STOPPING = Column("probability of stopping the projectile", prose=True)
 # With a back plate that exists already, the weight of it all is shown too.
-WHOLE: tuple[Column, Callable[[Any], float | None]] = (
+WHOLE: Source = (
     column_of("whole_areal_density_kg_m2", label="whole armour"),
     lambda item: item.whole_areal_density_kg_m2 if item.whole_areal_density_kg_m2 != item.areal_density_kg_m2 else None,
 )
 # What distributions tell where the model error is not known.
 SAMPLED_ALONE = "a probability from the given distributions alone takes the model as exact"
+
+
+def estimated(estimate: Estimate | None, spec: str) -> str:
+    """Format an estimate with its interval, if there is one."""
+    return "" if estimate is None else with_interval(estimate.value, (estimate.low, estimate.high), spec)
 
 
 def chance(probability: float | None, error: ModelError | None = None) -> str:

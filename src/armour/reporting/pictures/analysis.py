@@ -16,7 +16,7 @@ from armour.core.state import Parameters
 from armour.errors import mistake
 from armour.reporting.by_result import draw
 from armour.reporting.pictures import drawing
-from armour.reporting.text import interval, wrapped
+from armour.reporting.table import interval, wrapped
 from armour.reporting.views.analysis import STAGES, caveat_lines, verdict_words
 from armour.reporting.words import chance
 from armour.units import MM

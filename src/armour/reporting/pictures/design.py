@@ -23,8 +23,7 @@ from armour.design.optimise import Design, DesignResult
 from armour.evidence.tests import outside_tests
 from armour.reporting.by_result import draw
 from armour.reporting.pictures import drawing
-from armour.reporting.table import grouped, in_words
-from armour.reporting.text import percent
+from armour.reporting.table import grouped, in_words, percent
 from armour.reporting.views import design as view
 from armour.reporting.words import chance, said_of
 from armour.scenario.schema import OBJECTIVES
@@ -385,7 +384,7 @@ def _front_panel(result: DesignResult) -> _Panel:
     if len(result.criteria) > 2:
         hidden = " and ".join(view.OBJECTIVE_WORDS[key].label for key in result.criteria[2:])
         notes.append(f"Designs that others beat in both criteria drawn are better in {hidden}.")
-    if view.COST_COLUMN_SHOWN.key in keys:
+    if view.COST.key in keys:
         notes.append("Costs are in the currency of the scenario.")
     return _Panel(drawing.PANEL, "Pareto front", draw_all, " ".join(notes))
 
@@ -424,5 +423,5 @@ def draw_check(result: CheckResult, sheet: drawing.Sheet) -> drawing.Picture:
         velocities = [row.velocity_m_s for row in what_ifs]
         label = "velocity of the round" if last else ""
         drawing.points(axes, velocities, places, marker="D", color=drawing.VERMILION, label=label)
-        axes.set(xlabel="velocity, m/s", title=f"{threat.threat}: {view.verdict(threat)}")
+        axes.set(xlabel="velocity, m/s", title=f"{threat.threat}: {view.VERDICTS[threat.verdict]}")
     return picture

@@ -16,8 +16,7 @@ from matplotlib.transforms import offset_copy
 
 from armour.analysis.results import Result
 from armour.errors import mistake
-from armour.reporting.table import column_of, in_words
-from armour.reporting.text import percent, printable_lines, wrapped
+from armour.reporting.table import column_of, in_words, percent, printable_lines, wrapped
 from armour.scenario.inputs import VELOCITY
 
 # The palette of Okabe and Ito, which colour-blind readers can tell apart, and the colours of text and reference lines.

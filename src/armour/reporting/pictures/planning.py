@@ -14,8 +14,7 @@ from armour.planning.plan_tests import PlannedTests
 from armour.reporting.by_result import draw
 from armour.reporting.pictures import drawing
 from armour.reporting.pictures.statistics import draw_shots
-from armour.reporting.table import in_words
-from armour.reporting.text import interval, percent
+from armour.reporting.table import in_words, interval, percent
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, VELOCITY
 
 

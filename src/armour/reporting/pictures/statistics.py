@@ -10,8 +10,7 @@ from armour.analysis.quantities import label_and_unit
 from armour.errors import mistake
 from armour.reporting.by_result import draw
 from armour.reporting.pictures import drawing
-from armour.reporting.table import deviation_percent, grouped, in_words
-from armour.reporting.text import interval, percent
+from armour.reporting.table import deviation_percent, grouped, in_words, interval, percent
 from armour.reporting.views.statistics import MEANS, velocity_name
 from armour.reporting.words import risk
 from armour.scenario.inputs import VELOCITY

@@ -10,8 +10,7 @@ from armour.analysis.evaluate import outside_of
 from armour.errors import mistake
 from armour.reporting.by_result import draw
 from armour.reporting.pictures import drawing
-from armour.reporting.table import Column, column_of, in_words
-from armour.reporting.text import number
+from armour.reporting.table import Column, column_of, in_words, number
 from armour.reporting.views.sweeps import is_number
 from armour.scenario.inputs import BACKING, CERAMIC
 from armour.scenario.scenario import Scenario

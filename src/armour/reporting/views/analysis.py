@@ -6,20 +6,9 @@ from typing import NamedTuple
 from armour.analysis.ballistic_limit import ConfidenceResult, LimitResult
 from armour.analysis.impact import ImpactResult
 from armour.analysis.results import EachResult
+from armour.reporting import words as phrases
 from armour.reporting.by_result import by_result, tables_of
-from armour.reporting.table import Column, Table, column_of, csv_text, listing, record
-from armour.reporting.text import VerdictLine
-from armour.reporting.words import (
-    BALLISTIC_LIMIT,
-    SAMPLED_ALONE,
-    STOPPING,
-    WHOLE,
-    basis_notes,
-    chance,
-    error_note,
-    said_of,
-    with_error,
-)
+from armour.reporting.table import Column, Table, VerdictLine, column_of, csv_text, listing, record
 
 
 class StageWords(NamedTuple):
@@ -60,7 +49,7 @@ def tables_of_impact(result: ImpactResult) -> list[Table | str]:
         parts += tables_of_confidence(confidence)
         distributed = result.question["scenario"].uncertainty
         if confidence.model_error is None and distributed is not None and distributed.inputs():
-            parts.append(f"{SAMPLED_ALONE}: armour uncertainty")
+            parts.append(f"{phrases.SAMPLED_ALONE}: armour uncertainty")
     remaining = record(
         result,
         column_of("residual_length_mm"),
@@ -70,7 +59,7 @@ def tables_of_impact(result: ImpactResult) -> list[Table | str]:
         column_of("bulge_height_mm"),
         column_of("duration_us"),
         column_of("areal_density_kg_m2"),
-        WHOLE,
+        phrases.WHOLE,
     )
     return [*parts, remaining, stage_table(result)]
 
@@ -85,15 +74,17 @@ def verdict(result: ImpactResult) -> VerdictLine:
 
 def verdict_words(result: ImpactResult, outcome: str) -> str:
     """Return the outcome, given in words, with what the model cannot do, or why it is not known."""
-    unknown = said_of(result.warnings, "not known", *(["too low"] if result.outcome == "perforated" else []))
+    unknown = phrases.said_of(result.warnings, "not known", *(["too low"] if result.outcome == "perforated" else []))
     words = [f"not known: {result.outcome} by the model, but {reason}" for reason in unknown] or [outcome]
-    return "; ".join([*words, *(caveat for caveat in said_of(result.warnings) if caveat not in unknown)])
+    return "; ".join([*words, *(caveat for caveat in phrases.said_of(result.warnings) if caveat not in unknown)])
 
 
 def caveat_lines(result: LimitResult) -> list[Table | str]:
     """Return what the model cannot do, in a line each."""
-    unknown = [VerdictLine(f"not known: {words}", good=False) for words in said_of(result.warnings, "not known")]
-    return [*unknown, *said_of(result.warnings)]
+    unknown = [
+        VerdictLine(f"not known: {words}", good=False) for words in phrases.said_of(result.warnings, "not known")
+    ]
+    return [*unknown, *phrases.said_of(result.warnings)]
 
 
 def stage_table(result: ImpactResult) -> Table:
@@ -135,9 +126,9 @@ def tables_of_limit(result: LimitResult) -> list[Table | str]:
     below, above = result.bracket_m_s
     scanned = f"{result.scanned_velocities} velocities from {low:g} to {high:g} m/s were scanned"
     width = f"bracket width {above - below:.1g} m/s"
-    limits = BALLISTIC_LIMIT, with_error(result.median_m_s, result.interval_m_s)
-    table = record(result, *limits, column_of("areal_density_kg_m2"), WHOLE)
-    parts = [*caveat_lines(result), table, error_note(result.model_error, result.question.get("scenario"))]
+    limits = phrases.BALLISTIC_LIMIT, phrases.with_error(result.median_m_s, result.interval_m_s)
+    table = record(result, *limits, column_of("areal_density_kg_m2"), phrases.WHOLE)
+    parts = [*caveat_lines(result), table, phrases.error_note(result.model_error, result.question.get("scenario"))]
     if result.monotonic:
         return [*parts, f"{scanned}, all above the limit perforate; {width}"]
     return [*parts, f"{scanned}, the outcome changes {len(result.crossings)} times; {width}", crossing_table(result)]
@@ -146,6 +137,6 @@ def tables_of_limit(result: LimitResult) -> list[Table | str]:
 @tables_of.register
 def tables_of_confidence(result: ConfidenceResult) -> list[Table | str]:
     """Return the probability, and what it rests on."""
-    limit, probability = with_error(result.median_m_s, result.interval_m_s), result.probability_of_stopping
-    stopping = STOPPING, None if probability is None else chance(probability, result.model_error)
-    return [record(result, BALLISTIC_LIMIT, limit, stopping), *basis_notes(result)]
+    limit, probability = phrases.with_error(result.median_m_s, result.interval_m_s), result.probability_of_stopping
+    stopping = phrases.STOPPING, None if probability is None else phrases.chance(probability, result.model_error)
+    return [record(result, phrases.BALLISTIC_LIMIT, limit, stopping), *phrases.basis_notes(result)]

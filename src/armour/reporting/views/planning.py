@@ -7,8 +7,7 @@ from armour.analysis.quantities import label_and_unit
 from armour.planning.firing import ShotPlan
 from armour.planning.plan_tests import PlannedTests
 from armour.reporting.by_result import tables_of
-from armour.reporting.table import Cell, Column, Table, column_of, listing, record
-from armour.reporting.text import interval, percent
+from armour.reporting.table import Cell, Column, Table, column_of, interval, listing, percent, record
 from armour.reporting.views.statistics import SCATTER_ASSUMED, prior_table, share_note
 from armour.reporting.words import chance, model_error_words, rounded_down
 from armour.scenario.inputs import INPUTS, VELOCITY

@@ -3,12 +3,33 @@
 from collections.abc import Sequence
 
 from armour.analysis.estimates import Estimate
-from armour.analysis.quantities import label_and_unit
 from armour.reporting.by_result import tables_of
-from armour.reporting.table import Cell, Column, Source, Table, column_of, deviation_percent, in_words, listing, record
-from armour.reporting.text import VerdictLine, interval, percent, with_interval
-from armour.reporting.words import SAMPLED_ALONE, STOPPING, chance, error_note, risk, rounded_down, rounded_up
-from armour.statistics.calibration import CalibrationResult
+from armour.reporting.table import (
+    Cell,
+    Column,
+    Source,
+    Table,
+    VerdictLine,
+    column_of,
+    deviation_percent,
+    in_words,
+    interval,
+    listing,
+    percent,
+    record,
+    with_interval,
+)
+from armour.reporting.words import (
+    SAMPLED_ALONE,
+    STOPPING,
+    chance,
+    error_note,
+    estimated,
+    risk,
+    rounded_down,
+    rounded_up,
+)
+from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.curves import FittedCurve
 from armour.statistics.own_tests import OwnTest
 from armour.statistics.posterior import FiringEstimate
@@ -25,19 +46,14 @@ INDEX_NOTE = "true indices lie between 0 and 1; sampling error can push estimate
 
 def estimate_table(result: UncertaintyResult) -> Table:
     """Return the estimated probability, quantiles and mean."""
-    mean, perforated = Estimate(result.mean_m_s, *result.mean_interval_m_s), result.probability_of_perforation
-    stopped = Estimate(
-        *(rounded_down(100.0 * (1.0 - p), 1) for p in (perforated.value, perforated.high, perforated.low))
-    )
+    mean, p = Estimate(result.mean_m_s, *result.mean_interval_m_s), result.probability_of_perforation
+    stopped = Estimate(*(rounded_down(100.0 * (1.0 - part), 1) for part in (p.value, p.high, p.low)))
     limits = {**result.ballistic_limit_m_s, "mean ballistic limit": mean}
     # A probability and velocities have different decimals, so that the numbers are formatted here.
-    parts = [
-        (STOPPING.label, "%", stopped, ".1f"),
-        *((name, "m/s", estimate, ".0f") for name, estimate in limits.items()),
-    ]
+    parts = [(STOPPING.label, "%", stopped, ".1f"), *((name, "m/s", each, ".0f") for name, each in limits.items())]
     sampling = Column(f"sampling error, {percent(result.confidence)} interval")
     columns = (Column("quantity"), Column("unit"), Column("estimate", spec="g"), sampling)
-    rows = ((name, unit, format(e.value, spec), interval(e, spec)) for name, unit, e, spec in parts)
+    rows = ((name, unit, format(e.value, spec), interval((e.low, e.high), spec)) for name, unit, e, spec in parts)
     return Table(columns, tuple(rows))
 
 
@@ -46,8 +62,8 @@ def index_table(result: UncertaintyResult) -> Table:
     return listing(
         result.inputs,
         (Column("input", prose=True), lambda item: in_words(item.input)),
-        (Column("first-order index"), lambda item: item.first and with_interval(item.first.value, item.first, ".2f")),
-        (Column("total index"), lambda item: item.total and with_interval(item.total.value, item.total, ".2f")),
+        (Column("first-order index"), lambda item: estimated(item.first, ".2f")),
+        (Column("total index"), lambda item: estimated(item.total, ".2f")),
         (Column("limit at 5 and 95 %", "m/s"), lambda item: interval(item.limits_m_s, ".0f")),
     )
 
@@ -55,13 +71,9 @@ def index_table(result: UncertaintyResult) -> Table:
 @tables_of.register
 def tables_of_uncertainty(result: UncertaintyResult) -> list[Table | str]:
     """Return all tables of a propagated uncertainty."""
-    parts: list[Table | str] = [
-        estimate_table(result),
-        SAMPLING_NOTE,
-        error_note(result.model_error, result.question.get("scenario")),
-    ]
-    if result.model_error is None:
-        parts.append(SAMPLED_ALONE)
+    error = error_note(result.model_error, result.question.get("scenario"))
+    parts: list[Table | str] = [estimate_table(result), SAMPLING_NOTE, error]
+    parts += [SAMPLED_ALONE] if result.model_error is None else []
     samples = record(
         result,
         column_of("samples", "d"),
@@ -92,7 +104,7 @@ def elasticity_table(result: SensitivityResult) -> Table:
         (Column("input", prose=True), lambda item: in_words(item.input)),
         column_of("value", "g"),
         *(
-            (Column(label_and_unit(name)[0], "% per %", "+.2f"), lambda item, name=name: item.elasticities[name])
+            (Column(column_of(name).label, "% per %", "+.2f"), lambda item, name=name: item.elasticities[name])
             for name in answers
         ),
     )
@@ -104,14 +116,13 @@ def tables_of_sensitivity(result: SensitivityResult) -> list[Table | str]:
     answers: list[Source] = []
     for name, value in result.answers.items():
         none = "none (stopped)" if name == "residual_velocity_m_s" else "none"
-        answers.append((Column(label_and_unit(name)[0]), none) if value is None else (column_of(name), value))
+        answers.append((Column(column_of(name).label), none) if value is None else (column_of(name), value))
     return [record(result, *answers), elasticity_table(result), ELASTICITY_NOTE]
 
 
 def calibration_table(result: CalibrationResult) -> Table:
     """Return the quality of a fit to tests, and how well the tests' uncertainties, if any, explain the deviations."""
     weighted = result.weights == "uncertainties"
-    aicc = None if _has_prior(result) else _or(result.aicc, "too few tests")
     return record(
         result,
         (Column("tests", spec="d"), len({residual.test for residual in result.residuals})),
@@ -119,7 +130,7 @@ def calibration_table(result: CalibrationResult) -> Table:
         (Column("law of the ceramic's flow stress"), result.law),
         _error("mean error", result.mean_error_percent),
         _error("mean leave-one-out error", result.left_out_error_percent),
-        (Column("AICc", spec=".1f"), aicc),
+        (Column("AICc", spec=".1f"), None if _has_prior(result) else _or(result.aicc, "too few tests")),
         column_of("degrees_of_freedom", ".4g"),
         (Column("chi-squared", spec=".2f"), result.chi_squared if weighted else None),
         (Column("p value", spec=".2g"), result.p_value if weighted else None),
@@ -138,14 +149,12 @@ def _has_prior(result: CalibrationResult) -> bool:
 
 def coefficient_table(result: CalibrationResult) -> Table:
     """Return the fitted coefficients with their intervals, or the reason why one is not identified."""
+    known = Column(f"{percent(result.confidence)} interval", prose=True)
     return listing(
         result.coefficients,
         (Column("coefficient", prose=True), lambda c: in_words(c.name)),
         (Column("estimate", spec=".4g"), lambda c: _or(c.estimate, "not identified")),
-        (
-            Column(f"{percent(result.confidence)} interval", prose=True),
-            lambda c: "; ".join(filter(None, (interval(c.interval, ".4g"), c.reason))),
-        ),
+        (known, lambda c: "; ".join(filter(None, (interval(c.interval, ".4g"), c.reason)))),
         (Column("part of the prior", "%", ".0f"), lambda c: c.prior_share and 100.0 * c.prior_share),
     )
 
@@ -159,14 +168,13 @@ PRIOR_NOTE = (
 def law_table(result: CalibrationResult) -> Table:
     """Return the laws that were compared."""
     few = "too few tests"
-    without = "none with a prior" if _has_prior(result) else few
     return listing(
         result.laws,
         column_of("law"),
         column_of("coefficients", "d"),
         (column_of("mean_error_percent", ".1f"), lambda law: _or(law.mean_error_percent, few)),
         (Column("mean leave-one-out error", "%", ".1f"), lambda law: _or(law.left_out_error_percent, few)),
-        (Column("AICc", spec=".1f"), lambda law: _or(law.aicc, without)),
+        (Column("AICc", spec=".1f"), lambda law: _or(law.aicc, "none with a prior" if _has_prior(result) else few)),
     )
 
 
@@ -185,42 +193,38 @@ def correlation_table(result: CalibrationResult) -> Table:
 def residual_table(result: CalibrationResult) -> Table:
     """Return measured and computed values, test by test; one-sided tests have a bound and no deviation."""
     quantities = {residual.quantity for residual in result.residuals}
-    words, unit = label_and_unit(*quantities) if len(quantities) == 1 else ("", "")
-    quantity_columns: tuple[Source, ...] = (
-        (Column("quantity", prose=True), lambda r: label_and_unit(r.quantity)[0]),
-        (Column("unit"), lambda r: label_and_unit(r.quantity)[1]),
-    )
+    shared = column_of(*quantities) if len(quantities) == 1 else Column("")
+
+    def deviation(residual: Residual, value: float | None) -> float | None:
+        return None if residual.bound else deviation_percent(value, residual.measured)
+
     return listing(
         result.residuals,
         column_of("test", prose=True),
-        *(() if words else quantity_columns),
+        (Column("quantity", prose=True), lambda r: "" if shared.label else column_of(r.quantity).label),
+        (Column("unit"), lambda r: "" if shared.label else column_of(r.quantity).unit),
         column_of("bound"),
-        (Column(f"measured {words}".rstrip(), unit, "g"), lambda r: r.measured),
-        (Column("computed", unit, ".4g"), lambda r: r.computed),
-        (Column("deviation", "%", "+.1f"), lambda r: None if r.bound else deviation_percent(r.computed, r.measured)),
-        (
-            Column("leave-one-out deviation", "%", "+.1f"),
-            lambda r: None if r.bound else deviation_percent(r.left_out, r.measured),
-        ),
+        (Column(f"measured {shared.label}".rstrip(), shared.unit, "g"), lambda r: r.measured),
+        (Column("computed", shared.unit, ".4g"), lambda r: r.computed),
+        (Column("deviation", "%", "+.1f"), lambda r: deviation(r, r.computed)),
+        (Column("leave-one-out deviation", "%", "+.1f"), lambda r: deviation(r, r.left_out)),
         (Column("bound met"), lambda r: "" if not r.bound else "yes" if r.met else "no"),
     )
 
 
 def own_test_table(tests: Sequence[OwnTest]) -> Table:
     """Return own tests with the limits that are computed for them and predicted from the others."""
+    predicted = Column("predicted from the others (95 % interval)", "m/s")
     return listing(
         tests,
-        (Column("test", prose=True), lambda test: test.name),
+        column_of("name", label="test", prose=True),
         column_of("ceramic_thickness_mm", "g"),
         column_of("backing_thickness_mm", "g"),
         column_of("obliquity_deg", ".0f"),
-        (Column("penetrator diameter", "mm", ".4g"), lambda test: test.penetrator_diameter_mm),
+        column_of("penetrator_diameter_mm", ".4g", "penetrator diameter"),
         (Column("measured", "m/s"), own_measured),
-        (Column("computed", "m/s", ".0f"), lambda test: test.computed_m_s),
-        (
-            Column("predicted from the others (95 % interval)", "m/s"),
-            lambda test: f"{test.predicted_m_s:.0f} ({interval(test.interval_m_s, '.0f')})",
-        ),
+        column_of("computed_m_s", ".0f", "computed"),
+        (predicted, lambda test: f"{test.predicted_m_s:.0f} ({interval(test.interval_m_s, '.0f')})"),
         (Column("out of line"), lambda test: "yes" if test.out_of_line else ""),
     )
 
@@ -235,11 +239,8 @@ def own_measured(test: OwnTest) -> str:
 def tables_of_calibration(result: CalibrationResult) -> list[Table | str]:
     """Return all tables of a calibration."""
     parts: list[Table | str] = [law_table(result)] if result.laws else []
-    parts.append(coefficient_table(result))
-    parts += [PRIOR_NOTE] if _has_prior(result) else []
-    parts.append(calibration_table(result))
-    if len(result.coefficients) > 1:
-        parts.append(correlation_table(result))
+    parts += [coefficient_table(result), *([PRIOR_NOTE] if _has_prior(result) else []), calibration_table(result)]
+    parts += [correlation_table(result)] if len(result.coefficients) > 1 else []
     return [*parts, residual_table(result)]
 
 

@@ -10,8 +10,17 @@ from armour.errors import counted
 from armour.reporting.by_result import drawing_of, tables_of
 from armour.reporting.junit import TestCase, junit_suite, junit_xml
 from armour.reporting.report import Report, ReportSection, origin_section
-from armour.reporting.table import Column, Table, column_of, deviation_percent, grouped, listing, record
-from armour.reporting.text import VerdictLine, number
+from armour.reporting.table import (
+    Column,
+    Table,
+    VerdictLine,
+    column_of,
+    deviation_percent,
+    grouped,
+    listing,
+    number,
+    record,
+)
 from armour.reporting.views.analysis import caveat_lines
 from armour.reporting.words import BALLISTIC_LIMIT, WHOLE
 from armour.statistics.measured import LIMIT
