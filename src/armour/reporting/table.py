@@ -5,10 +5,10 @@ Text from files is made safe for terminals and XML.
 
 import csv
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from io import StringIO
-from itertools import starmap
+from itertools import compress, starmap
 from math import isfinite
 from operator import attrgetter
 from textwrap import wrap
@@ -163,11 +163,14 @@ def grouped(items: Iterable[Any], key: Callable[[Any], str]) -> dict[str, list[A
 def listing(items: Iterable[Any], *sources: Source, title: str = "", rest: str = "") -> Table:
     """Make a table with a row for each item, without the columns that are empty in all of them."""
     pairs = [_with_value(source) for source in sources]
-    columns = [column for column, _ in pairs]
     rows = [[value(item) if callable(value) else value for _, value in pairs] for item in items]
-    filled = [index for index, column in enumerate(columns) if not rows or any(column.text(row[index]) for row in rows)]
-    cells = tuple(tuple(row[index] for index in filled) for row in rows)
-    return Table(tuple(columns[index] for index in filled), cells, title, rest=rest)
+    return filled([column for column, _ in pairs], rows, title=title, rest=rest)
+
+
+def filled(columns: Sequence[Column], rows: Sequence[Sequence[Cell]], title: str = "", rest: str = "") -> Table:
+    """Make a table of rows, without the columns that are empty in all of them."""
+    used = [not rows or any(column.text(row[index]) for row in rows) for index, column in enumerate(columns)]
+    return Table(tuple(compress(columns, used)), tuple(tuple(compress(row, used)) for row in rows), title, rest=rest)
 
 
 def record(item: Any, *sources: Source, title: str = "") -> Table:

@@ -12,6 +12,7 @@ from armour.reporting.table import (
     VerdictLine,
     column_of,
     deviation_percent,
+    filled,
     in_words,
     interval,
     listing,
@@ -246,9 +247,8 @@ def tables_of_calibration(result: CalibrationResult) -> list[Table | str]:
 
 def v50_table(result: FiringResult) -> Table:
     """Return the extreme velocities of the shots, and the mean of MIL-STD-662F."""
-    mean = result.mean
     rule: list[Source] = [(Column("V50, mean"), "none: too few shots of each kind within the span allowed")]
-    if mean is not None:
+    if (mean := result.mean) is not None:
         rule = [
             (Column("V50, MIL-STD-662F" if mean.rule == "usual span" else "V50, mean", "m/s", ".0f"), mean.v50_m_s),
             (Column("shots averaged"), f"{mean.pairs} partial and {mean.pairs} complete"),
@@ -270,23 +270,15 @@ def v50_table(result: FiringResult) -> Table:
 
 def recommended_table(fit: FittedCurve, level: float) -> Table:
     """Return the velocities and the scatter of the recommended curve, with their intervals."""
-    keys = {"V50": "v50", "V05": "v05", "V95": "v95", "scatter": "scale"}
-
-    def ends(name: str) -> str:
-        return interval(getattr(fit, f"{keys[name]}_interval_m_s"), ".0f")
-
-    def lower(name: str) -> Cell:
-        bound = getattr(fit, f"{keys[name]}_lower_m_s", None)
-        return "not bounded" if bound is None and name in ("V50", "V05") else bound
-
-    return listing(
-        keys,
-        (Column("quantity"), str),
-        (Column("estimate", "m/s", ".0f"), lambda name: getattr(fit, f"{keys[name]}_m_s")),
-        (Column(f"{percent(level)} interval", "m/s"), ends),
-        (Column(f"one-sided {percent(level)} lower bound", "m/s", ".0f"), lower),
-        title=f"recommended: {fit.curve}, {fit.method}",
+    rows = (
+        ("V50", fit.v50_m_s, interval(fit.v50_interval_m_s, ".0f"), _or(fit.v50_lower_m_s, "not bounded")),
+        ("V05", fit.v05_m_s, interval(fit.v05_interval_m_s, ".0f"), _or(fit.v05_lower_m_s, "not bounded")),
+        ("V95", fit.v95_m_s, interval(fit.v95_interval_m_s, ".0f"), None),
+        ("scatter", fit.scale_m_s, interval(fit.scale_interval_m_s, ".0f"), None),
     )
+    lower = Column(f"one-sided {percent(level)} lower bound", "m/s", ".0f")
+    columns = Column("quantity"), Column("estimate", "m/s", ".0f"), Column(f"{percent(level)} interval", "m/s"), lower
+    return filled(columns, rows, f"recommended: {fit.curve}, {fit.method}")
 
 
 def curve_table(result: FiringResult) -> Table:
@@ -330,10 +322,8 @@ def answer(result: FiringResult) -> str:
             words += f" ({open_level})" if level < result.confidence else ""
         parts.append(words)
     if mean is not None:
-        parts.append(
-            f"{MEANS[mean.rule]}: {mean.v50_m_s:.0f} m/s from {mean.pairs} + {mean.pairs} shots within "
-            f"{mean.span_m_s:.4g} m/s"
-        )
+        shots = f"{mean.pairs} + {mean.pairs} shots within {mean.span_m_s:.4g} m/s"
+        parts.append(f"{MEANS[mean.rule]}: {mean.v50_m_s:.0f} m/s from {shots}")
     return "; ".join(parts)
 
 
@@ -361,26 +351,19 @@ def point_notes(result: FiringResult) -> list[str]:
     """Return the points of the recommended curve that were asked for."""
     notes, level = [], percent(result.confidence)
     if (at := result.at) is not None:
-        low, high = at.interval
-        notes.append(
-            f"probability of perforation at {at.velocity_m_s:g} m/s: {risk(1.0 - at.probability)}, {level} interval "
-            f"{chance(low)} to {risk(1.0 - high)}"
-        )
-    if (velocity_of := result.velocity_of) is not None:
-        found, lower = velocity_of.velocity_m_s, velocity_of.lower_m_s
-        value = "no positive estimate" if found is None else f"{found:.0f} m/s"
-        bound = "not bounded" if lower is None else f"{lower:.0f} m/s"
-        notes.append(
-            f"{velocity_name(velocity_of.fraction)}: {value}, {level} interval "
-            f"{interval(velocity_of.interval_m_s, '.0f')}, one-sided {level} lower bound {bound}"
-        )
+        perforated, ends = risk(1.0 - at.probability), f"{chance(at.interval[0])} to {risk(1.0 - at.interval[1])}"
+        notes.append(f"probability of perforation at {at.velocity_m_s:g} m/s: {perforated}, {level} interval {ends}")
+    if (point := result.velocity_of) is not None:
+        value = "no positive estimate" if point.velocity_m_s is None else f"{point.velocity_m_s:.0f} m/s"
+        bound = "not bounded" if point.lower_m_s is None else f"{point.lower_m_s:.0f} m/s"
+        ends = f"{level} interval {interval(point.interval_m_s, '.0f')}, one-sided {level} lower bound {bound}"
+        notes.append(f"{velocity_name(point.fraction)}: {value}, {ends}")
     return notes
 
 
 def velocity_name(fraction: float) -> str:
     """Return the name of the velocity at which a fraction perforates, such as V50 or V05."""
-    number = f"{100.0 * fraction:.3g}"
-    return f"V{number.zfill(2)}"
+    return f"V{f'{100.0 * fraction:.3g}'.zfill(2)}"
 
 
 def requirement_verdict(result: FiringResult) -> list[str]:
@@ -434,19 +417,13 @@ def tables_of_firing(result: FiringResult) -> list[Table | str]:
 
 def prior_table(prior: FiringEstimate, posterior: FiringEstimate, level: float) -> Table:
     """Return V50 and the scatter before and after the shots."""
-    interval_words = f"{percent(level)} interval"
+    v50, scatter = (Column(f"{name}, {percent(level)} interval", "m/s") for name in ("V50", "scatter"))
     return listing(
         (("prior", prior), ("posterior", posterior)),
         (Column("distribution"), lambda row: row[0]),
-        (
-            Column(f"V50, {interval_words}", "m/s"),
-            lambda row: with_interval(row[1].v50_m_s, row[1].v50_interval_m_s, ".0f"),
-        ),
+        (v50, lambda row: with_interval(row[1].v50_m_s, row[1].v50_interval_m_s, ".0f")),
         (Column("standard deviation of V50", "m/s", ".0f"), lambda row: row[1].standard_deviation_m_s),
-        (
-            Column(f"scatter, {interval_words}", "m/s"),
-            lambda row: with_interval(row[1].scatter_m_s, row[1].scatter_interval_m_s, ".0f"),
-        ),
+        (scatter, lambda row: with_interval(row[1].scatter_m_s, row[1].scatter_interval_m_s, ".0f")),
     )
 
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from math import floor, log10
-from operator import itemgetter
 
 from armour import __version__
 from armour.analysis.quantities import QUANTITIES
@@ -16,6 +15,7 @@ from armour.reporting.table import (
     VerdictLine,
     column_of,
     deviation_percent,
+    filled,
     grouped,
     listing,
     number,
@@ -151,6 +151,11 @@ def verdict(result: SuiteResult) -> str:
     return ", ".join([f"{result.count('within')} of {result.count('within', *FAILED)} within their bands", *failed])
 
 
+def is_scored(result: SuiteResult) -> bool:
+    """Return whether a case of a suite is held to a band."""
+    return result.count("within", *FAILED) > 0
+
+
 def suite_tables(result: SuiteResult) -> list[Table]:
     """Return the tables of a suite: the cases of each table or its groups, the tables as a whole, and the errors.
 
@@ -199,8 +204,7 @@ def overview_table(result: SuiteResult) -> Table:
         Column("cases", spec="d"),
         *map(Column, ("within", "RMS", "RMS band", "worst")),
     )
-    lines = [(name, len(checks), *line(name, checks)) for name, checks in check_groups(result).items()]
-    return listing(lines, *((column, itemgetter(place)) for place, column in enumerate(columns)))
+    return filled(columns, [(name, len(checks), *line(name, checks)) for name, checks in check_groups(result).items()])
 
 
 @tables_of.register
@@ -214,17 +218,14 @@ def tables_of_suite(result: SuiteResult) -> list[Table | str]:
     if not every_row:
         shown += (table for name, checks in check_groups(result).items() for table in failed_table(name, checks))
     checks = [check for check in result.checks if not check.in_group]
-    unexplained = [
-        check for check in checks if check.status == "not scored" and check.case.expected is not None and not every_row
-    ]
-    notes = note_rows([check for check in checks if check.status != "within" and check not in unexplained])
+    unscored = [] if every_row else [c for c in checks if c.status == "not scored" and c.case.expected is not None]
+    notes = note_rows([check for check in checks if check.status != "within" and check not in unscored])
     notes += [(summary.full_name, held_to(summary)) for summary in result.summaries if summary.status == "outside"]
     if notes:
         shown += ["", *(f"{name}: {note}" for name, note in notes)]
-    if unexplained:
-        shown.append(f"not scored: {counted(len(unexplained), 'case')}; --verbose shows them, and why")
-    scored = result.count("within", *FAILED) > 0
-    return [*shown, VerdictLine(verdict(result), good=result.passed) if scored else "no case is scored"]
+    if unscored:
+        shown.append(f"not scored: {counted(len(unscored), 'case')}; --verbose shows them, and why")
+    return [*shown, VerdictLine(verdict(result), good=result.passed) if is_scored(result) else "no case is scored"]
 
 
 def update_table(updates: Sequence[Check]) -> Table:
@@ -267,16 +268,14 @@ USABLE = (
 def usable_table(result: SuiteResult) -> Table:
     """Return the relative errors of computed limits on the tests of each table, and what they mean for use."""
     groups = check_groups(result)
-    measured = [
-        summary
-        for summary in result.summaries
-        if not summary.group
-        and (summary.unit, groups[summary.name][0].case.quantity) == ("%", LIMIT)
-        and summary.status != "not scored"
-        and any(check.case.cells or check.case.rivals for check in groups[summary.name])
-    ]
+
+    def is_measured(summary: TableSummary) -> bool:
+        cases = [check.case for check in groups[summary.name]]
+        of_limits = not summary.group and (summary.unit, cases[0].quantity) == ("%", LIMIT)
+        return of_limits and summary.status != "not scored" and any(case.cells or case.rivals for case in cases)
+
     return listing(
-        measured,
+        filter(is_measured, result.summaries),
         column_of("name", label="tests", prose=True),
         column_of("count", "d", "number"),
         (Column("mean error", "%", "+.1f"), lambda summary: summary.mean),
@@ -308,12 +307,9 @@ def suite_report(result: SuiteResult, command: str = "") -> Report:
         sections.append(ReportSection("Errors of computed limits", (USABLE,), tables=(usable,)))
     if drawn_checks(result):
         sections.append(ReportSection("Computed and expected values", pictures=(drawing_of(result),)))
-    sections += [
-        ReportSection(
-            table.title[:1].upper() + table.title[1:], sources.get(table.title, ()), tables=(table,), folded=True
-        )
-        for table in suite_tables(result)
-    ]
+    for table in suite_tables(result):
+        heading, source = table.title[:1].upper() + table.title[1:], sources.get(table.title, ())
+        sections.append(ReportSection(heading, source, tables=(table,), folded=True))
     single = [check for check in result.checks if check.status != "not scored" and not check.case.group]
     unscored = [check for check in result.checks if check.status == "not scored" and not check.in_group]
     for heading, checks in (("Reasons for the bands", single), ("Shown but not scored", unscored)):
@@ -321,17 +317,16 @@ def suite_report(result: SuiteResult, command: str = "") -> Report:
             sections.append(ReportSection(heading, notes=tuple(notes), folded=True))
     if command:
         sections.append(origin_section(command))
-    scored = result.count("within", *FAILED) > 0
     lead = f"{verdict(result)}."
     if result.passed or result.count("outside", "no answer"):
         lead = f"{'Unchanged' if result.passed else 'Changed'}: {lead}"
     return Report(
         title=result.title or result.file,
-        lead=lead if scored else "No case is scored.",
+        lead=lead if is_scored(result) else "No case is scored.",
         text=result.description,
         byline=(("program version", f"armour {__version__}"),),
         sections=tuple(sections),
-        passed=result.passed if scored else None,
+        passed=result.passed if is_scored(result) else None,
     )
 
 
@@ -382,12 +377,8 @@ def comparison_table(result: Comparison) -> Table:
     limits = {_florence(florence): florence.ballistic_limit_m_s for florence in result.florence}
     limits |= {f"areal density rule, p = {rule.p:.4g}": rule.ballistic_limit_m_s for rule in result.rules}
     rows = [(name, other, deviation_percent(other, limit)) for name, other in limits.items()]
-    return listing(
-        [("this model", limit, None), *rows],
-        (Column("formula", prose=True), lambda row: row[0]),
-        (BALLISTIC_LIMIT, lambda row: row[1]),
-        (Column("difference from the model", "%", "+.0f"), lambda row: row[2]),
-    )
+    columns = Column("formula", prose=True), BALLISTIC_LIMIT, Column("difference from the model", "%", "+.0f")
+    return filled(columns, [("this model", limit, None), *rows])
 
 
 def weight_table(
@@ -400,12 +391,8 @@ def weight_table(
         (f"measured: {each.armour}, {each.projectile}", each.areal_density_kg_m2, each.ballistic_limit_m_s)
         for each in measured
     ]
-    return listing(
-        rows,
-        (Column("armour, nearest in limit", prose=True), lambda row: row[0]),
-        (column_of("areal_density_kg_m2"), lambda row: row[1]),
-        (BALLISTIC_LIMIT, lambda row: row[2]),
-    )
+    columns = Column("armour, nearest in limit", prose=True), column_of("areal_density_kg_m2"), BALLISTIC_LIMIT
+    return Table(columns, tuple(rows))
 
 
 def optimum_table(result: Comparison) -> Table:
