@@ -142,6 +142,11 @@ def column_of(key: str, spec: str = "", label: str = "", *, prose: bool = False)
     return Column(label or words, unit, spec or (QUANTITIES[key].spec if key in QUANTITIES else ""), prose, key)
 
 
+def columns_of(**specs: str) -> list[Column]:
+    """Return the columns of attributes, given their formats."""
+    return [column_of(key, spec) for key, spec in specs.items()]
+
+
 def in_words(name: str) -> str:
     """Return label and unit of a quantity, an input or a key, such as "ceramic flow stress, GPa"."""
     return column_of(name).heading

@@ -1,6 +1,5 @@
 """Impacts, ballistic limits and the probability that an armour stops its threat."""
 
-from dataclasses import fields
 from typing import NamedTuple
 
 from armour.analysis.ballistic_limit import ConfidenceResult, LimitResult
@@ -8,7 +7,7 @@ from armour.analysis.impact import ImpactResult
 from armour.analysis.results import EachResult
 from armour.reporting import words as phrases
 from armour.reporting.by_result import by_result, tables_of
-from armour.reporting.table import Column, Table, VerdictLine, column_of, csv_text, listing, record
+from armour.reporting.table import Column, Source, Table, VerdictLine, column_of, columns_of, listing, record, rows_csv
 
 
 class StageWords(NamedTuple):
@@ -50,18 +49,10 @@ def tables_of_impact(result: ImpactResult) -> list[Table | str]:
         distributed = result.question["scenario"].uncertainty
         if confidence.model_error is None and distributed is not None and distributed.inputs():
             parts.append(f"{phrases.SAMPLED_ALONE}: armour uncertainty")
-    remaining = record(
-        result,
-        column_of("residual_length_mm"),
-        column_of("residual_mass_g"),
-        (column_of("plug_velocity_m_s"), result.plug_velocity_m_s or None),
-        column_of("penetration_depth_mm"),
-        column_of("bulge_height_mm"),
-        column_of("duration_us"),
-        column_of("areal_density_kg_m2"),
-        phrases.WHOLE,
-    )
-    return [*parts, remaining, stage_table(result)]
+    before = map(column_of, ("residual_length_mm", "residual_mass_g"))
+    plug = column_of("plug_velocity_m_s"), result.plug_velocity_m_s or None
+    after = map(column_of, ("penetration_depth_mm", "bulge_height_mm", "duration_us", "areal_density_kg_m2"))
+    return [*parts, record(result, *before, plug, *after, phrases.WHOLE), stage_table(result)]
 
 
 def verdict(result: ImpactResult) -> VerdictLine:
@@ -81,42 +72,30 @@ def verdict_words(result: ImpactResult, outcome: str) -> str:
 
 def caveat_lines(result: LimitResult) -> list[Table | str]:
     """Return what the model cannot do, in a line each."""
-    unknown = [
-        VerdictLine(f"not known: {words}", good=False) for words in phrases.said_of(result.warnings, "not known")
-    ]
-    return [*unknown, *phrases.said_of(result.warnings)]
+    unknown = phrases.said_of(result.warnings, "not known")
+    lines = [VerdictLine(f"not known: {words}", good=False) for words in unknown]
+    return [*lines, *phrases.said_of(result.warnings)]
 
 
 def stage_table(result: ImpactResult) -> Table:
     """Return the stages of an impact with the projectile's losses in each."""
-    return listing(
-        result.stages,
-        column_of("stage"),
-        (Column("description", prose=True), lambda record: STAGES[record.stage].words),
-        column_of("start_us", ".1f"),
-        column_of("end_us", ".1f"),
-        column_of("velocity_lost_m_s", ".0f"),
-        column_of("length_lost_mm", ".1f"),
-        Column("energy lost", "J", ".0f", key="energy_lost_J"),
-    )
+    description: Source = Column("description", prose=True), lambda record: STAGES[record.stage].words
+    numbers = columns_of(start_us=".1f", end_us=".1f", velocity_lost_m_s=".0f", length_lost_mm=".1f")
+    energy = Column("energy lost", "J", ".0f", key="energy_lost_J")
+    return listing(result.stages, column_of("stage"), description, *numbers, energy)
 
 
 def history_csv(result: ImpactResult) -> str | None:
     """Return the run over time as CSV; None where it was not kept."""
     if result.history is None:
         return None
-    names = [field.name for field in fields(result.history)]
-    values = [getattr(result.history, name).tolist() for name in names]
-    return csv_text(Table(tuple(Column(name, key=name) for name in names), tuple(zip(*values, strict=True))))
+    return rows_csv(result.history)
 
 
 def crossing_table(result: LimitResult) -> Table:
     """Return every change of the outcome with the velocity."""
-    return listing(
-        result.crossings,
-        (Column("velocity", "m/s", ".1f"), lambda crossing: crossing.bracket_m_s[1]),
-        (Column("outcome above"), lambda crossing: crossing.above),
-    )
+    columns = Column("velocity", "m/s", ".1f"), Column("outcome above")
+    return Table(columns, tuple((crossing.bracket_m_s[1], crossing.above) for crossing in result.crossings))
 
 
 @tables_of.register
