@@ -157,9 +157,9 @@ def deviation_percent(value: float | None, reference: float) -> float | None:
     return None if value is None else 100.0 * (value / reference - 1.0)
 
 
-def grouped(items: Iterable[Any], key: Callable[[Any], str]) -> dict[str, list[Any]]:
+def grouped(items: Iterable[Any], key: Callable[[Any], Any]) -> dict[Any, list[Any]]:
     """Return items by a key."""
-    groups: dict[str, list[Any]] = {}
+    groups: dict[Any, list[Any]] = {}
     for item in items:
         groups.setdefault(key(item), []).append(item)
     return groups

@@ -302,9 +302,7 @@ def contours(
     inside = [level for level in levels if z.min() < level < z.max()]
     style: Any = {"color": INK, "linewidth": 0.8, "linestyle": "-"} | look
     if inside:
-        lines = axes.contour(
-            x, y, z, levels=inside, colors=style["color"], linewidths=style["linewidth"], linestyles=style["linestyle"]
-        )
+        lines = axes.contour(x, y, z, levels=inside, **{f"{name}s": value for name, value in style.items()})
         if at is not None:
             places = [_on_diagonal(path.vertices, axes, at) for path in lines.get_paths() if len(path)]
             axes.clabel(lines, fontsize=SMALL_FONT, fmt="%g", manual=list(filter(None, places)))

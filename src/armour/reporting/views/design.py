@@ -71,18 +71,12 @@ def required_margins(scenario: Scenario | None) -> dict[str, float]:
 def best_table(design: BestDesign, required: Mapping[str, float], title: str = "") -> Table:
     """Return a design quantity by quantity, with the margins that the threats require."""
     limit: list[Source] = [phrases.BALLISTIC_LIMIT]
-    if design.ballistic_limit_m_s is None:
+    if (limit_m_s := design.ballistic_limit_m_s) is None:
         limit = [(Column("ballistic limit"), "outside the range")]
     elif (error := design.model_error) is not None:
-        limit.append(
-            phrases.with_error(error.median(design.ballistic_limit_m_s), error.interval(design.ballistic_limit_m_s))
-        )
-    probability = phrases.chance(design.probabilities_of_stopping[design.governing], design.model_error)
-    threat: list[Source] = [
-        (phrases.STOPPING, probability),
-        MARGIN_BY_MODEL,
-        (REQUIRED, required.get(design.governing)),
-    ]
+        limit.append(phrases.with_error(error.median(limit_m_s), error.interval(limit_m_s)))
+    stops = phrases.chance(design.probabilities_of_stopping[design.governing], design.model_error)
+    threat: list[Source] = [(phrases.STOPPING, stops), MARGIN_BY_MODEL, (REQUIRED, required.get(design.governing))]
     if len(design.margins_m_s) > 1:  # the table of the threats has these of each
         limit, threat = [(GOVERNED_BY, design.governing), *limit], []
     return record(
@@ -117,10 +111,8 @@ def design_verdict(result: DesignResult) -> list[Table | str]:
     lacking = "; ".join(filter(None, (short, *map(phrases.requirement_words, unmet), *_excesses(nearest))))
     explanation = result.explanation
     if unlimited is not None and unlimited.exceeds:
-        by_limit = BY_LIMIT * (unlimited.model_error is None)
-        explanation = (
-            f"{armour_in_words(unlimited)} would stop {threats}{by_limit}, but has {'; '.join(_excesses(unlimited))}"
-        )
+        stops = f"would stop {threats}{BY_LIMIT * (unlimited.model_error is None)}"
+        explanation = f"{armour_in_words(unlimited)} {stops}, but has {'; '.join(_excesses(unlimited))}"
     known = result.reason if result.reason == "none passes" else "not known, as the limit is too low"
     return [VerdictLine(f"{known}: the nearest, {armour}, lacks {lacking}", good=False), explanation, *notes]
 
@@ -155,13 +147,10 @@ def frontier_table(result: DesignResult) -> Table:
         marks = [OBJECTIVES[result.minimised].least] if _thicknesses(design) == _thicknesses(_shown(result)) else []
         return ", ".join([*marks, *["least of the range"] * (design.ceramic_thickness_mm == result.ceramic_min_mm)])
 
+    numbers = CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, phrases.WHOLE, MARGIN_BY_MODEL
     table = listing(
         result.frontier,
-        CERAMIC_THICKNESS,
-        BACKING_THICKNESS,
-        AREAL_DENSITY,
-        phrases.WHOLE,
-        MARGIN_BY_MODEL,
+        *numbers,
         outside_tests(result.frontier),
         (GOVERNED_BY, lambda design: governing[_thicknesses(design)] if several else None),
         (Column("note"), note),
@@ -261,13 +250,10 @@ def best_of_pairs(result: DesignResult) -> list[BestDesign]:
 
 def pair_notes(result: DesignResult) -> list[str]:
     """Return what flow stress ceramics of one source need, where all lie outside the tests, and a caveat on metals."""
-    best = best_of_pairs(result)
-    of_one_source = [each for each in best if any(row.quantity == SOURCES for row in each.requirements)]
-    notes = [
-        f"{armour_in_words(each)} {note}"
-        for each in of_one_source
-        for note in phrases.flow_stress_notes(*_needed(each))[:1]
-    ]
+    best, notes = best_of_pairs(result), []
+    for each in best:
+        if any(row.quantity == SOURCES for row in each.requirements):
+            notes += [f"{armour_in_words(each)} {note}" for note in phrases.flow_stress_notes(*_needed(each))[:1]]
     notes += outside_notes(best) if len(best) > 1 else []
     return notes + pair_caveats(result)
 
@@ -346,11 +332,9 @@ def tables_of_design(result: DesignResult) -> list[Table | str]:
         shown += [best_table(best, required), *exists, *error, *notes, *margin_notes(best)]
     if result.refined is not None:
         objective = OBJECTIVES[result.minimised]
-        if result.refined == best:
-            shown.append(f"no {objective.less} design was found between the values of the grid")
-        else:
-            title = f"{objective.least} design between the values of the grid"
-            shown.append(best_table(result.refined, required, title))
+        none = f"no {objective.less} design was found between the values of the grid"
+        title = f"{objective.least} design between the values of the grid"
+        shown.append(none if result.refined == best else best_table(result.refined, required, title))
     if best is not None and (len(result.threats) > 1 or best.probabilities):
         shown.append(margin_table(result, required))
     verbose = result.question.get("every_row")
@@ -364,10 +348,9 @@ def tables_of_design(result: DesignResult) -> list[Table | str]:
         part = result if verbose else _around_best(result)
         shown += [frontier_table(part), *outside_notes(part.frontier)]
         named += part.frontier
-        if len(part.frontier) < len(result.frontier):
-            shown.append(f"{len(result.frontier) - len(part.frontier)} more back plates with -v")
-        if result.without_mm:
-            shown.append(left_out(result))
+        more = len(result.frontier) - len(part.frontier)
+        shown += [f"{more} more back plates with -v"] if more else []
+        shown += [left_out(result)] if result.without_mm else []
     if result.pareto:
         shown += [design_table(result.pareto, "Pareto front"), *outside_notes(result.pareto)]
     thin = [words for words in thin_designs([*named, *result.pareto], scenario) if words not in shown]
@@ -557,8 +540,7 @@ def layer_words(layers: Sequence[InertLayer]) -> list[str]:
     words = []
     for layer in layers:
         amounts = ((layer.thickness_mm, "mm"), (layer.areal_density_kg_m2, "kg/m²"))
-        said = " and ".join(f"{value:g} {unit}" for value, unit in amounts if value)
-        if said:
+        if said := " and ".join(f"{value:g} {unit}" for value, unit in amounts if value):
             words.append(f"{layer.name}, {PLACES[layer.place]}: {said}" if layer.name else f"{said} {UNNAMED}")
     return words
 
@@ -607,9 +589,8 @@ def check_junit(result: CheckResult, scenario: Scenario, seconds: float, origin:
     parts += [
         (column_of(row.quantity).label, row.verdict, phrases.requirement_words(row)) for row in result.requirements
     ]
-    cases: list[TestCase] = []
-    for title, found, words in parts:
-        kind = "" if found == "passes" else "failure"
-        took = None if cases else seconds
-        cases.append(TestCase(file, title, kind, f"{VERDICTS[found]}: {words}", took, file))
-    return junit_suite(file, cases, seconds, origin)
+    cases = [
+        TestCase(file, title, "failure" * (found != "passes"), f"{VERDICTS[found]}: {words}", file=file)
+        for title, found, words in parts
+    ]
+    return junit_suite(file, [cases[0]._replace(seconds=seconds), *cases[1:]], seconds, origin)

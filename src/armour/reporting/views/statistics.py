@@ -1,6 +1,7 @@
 """Uncertainties, sensitivities, calibrations and V50 from firing results."""
 
 from collections.abc import Sequence
+from operator import attrgetter, itemgetter
 
 from armour.analysis.estimates import Estimate
 from armour.reporting.by_result import tables_of
@@ -11,11 +12,13 @@ from armour.reporting.table import (
     Table,
     VerdictLine,
     column_of,
+    columns_of,
     deviation_percent,
     filled,
     in_words,
     interval,
     listing,
+    of_part,
     percent,
     record,
     with_interval,
@@ -75,14 +78,10 @@ def tables_of_uncertainty(result: UncertaintyResult) -> list[Table | str]:
     error = error_note(result.model_error, result.question.get("scenario"))
     parts: list[Table | str] = [estimate_table(result), SAMPLING_NOTE, error]
     parts += [SAMPLED_ALONE] if result.model_error is None else []
-    samples = record(
-        result,
-        column_of("samples", "d"),
-        (Column("method"), f"{result.method}, seed {result.seed}"),
-        column_of("deterministic_m_s", ".0f", "ballistic limit of the scenario"),
-        column_of("standard_deviation_m_s", ".0f"),
-    )
-    parts += [samples, index_table(result)]
+    method = Column("method"), f"{result.method}, seed {result.seed}"
+    of_scenario = column_of("deterministic_m_s", ".0f", "ballistic limit of the scenario")
+    spread = column_of("standard_deviation_m_s", ".0f")
+    parts += [record(result, column_of("samples", "d"), method, of_scenario, spread), index_table(result)]
     estimates = [estimate for index in result.inputs for estimate in (index.first, index.total) if estimate]
     if any(estimate.low < 0.0 or estimate.high > 1.0 for estimate in estimates):
         parts.append(INDEX_NOTE)
@@ -100,15 +99,9 @@ ELASTICITY_NOTE = "% per %: change of the answer, in per cent of it, when the in
 def elasticity_table(result: SensitivityResult) -> Table:
     """Return the elasticities: the change of each answer that has a value, in per cent, when an input grows by 1 %."""
     answers = [name for name, value in result.answers.items() if value is not None]
-    return listing(
-        result.inputs,
-        (Column("input", prose=True), lambda item: in_words(item.input)),
-        column_of("value", "g"),
-        *(
-            (Column(column_of(name).label, "% per %", "+.2f"), lambda item, name=name: item.elasticities[name])
-            for name in answers
-        ),
-    )
+    changes = ((Column(column_of(name).label, "% per %", "+.2f"), itemgetter(name)) for name in answers)
+    inputs: Source = Column("input", prose=True), lambda item: in_words(item.input)
+    return listing(result.inputs, inputs, column_of("value", "g"), *of_part(attrgetter("elasticities"), *changes))
 
 
 @tables_of.register
@@ -128,7 +121,7 @@ def calibration_table(result: CalibrationResult) -> Table:
         result,
         (Column("tests", spec="d"), len({residual.test for residual in result.residuals})),
         (Column("deviations relative to"), "uncertainties of the tests" if weighted else "measured values"),
-        (Column("law of the ceramic's flow stress"), result.law),
+        column_of("law", label="law of the ceramic's flow stress"),
         _error("mean error", result.mean_error_percent),
         _error("mean leave-one-out error", result.left_out_error_percent),
         (Column("AICc", spec=".1f"), None if _has_prior(result) else _or(result.aicc, "too few tests")),
@@ -219,9 +212,7 @@ def own_test_table(tests: Sequence[OwnTest]) -> Table:
     return listing(
         tests,
         column_of("name", label="test", prose=True),
-        column_of("ceramic_thickness_mm", "g"),
-        column_of("backing_thickness_mm", "g"),
-        column_of("obliquity_deg", ".0f"),
+        *columns_of(ceramic_thickness_mm="g", backing_thickness_mm="g", obliquity_deg=".0f"),
         column_of("penetrator_diameter_mm", ".4g", "penetrator diameter"),
         (Column("measured", "m/s"), own_measured),
         column_of("computed_m_s", ".0f", "computed"),
@@ -259,9 +250,7 @@ def v50_table(result: FiringResult) -> Table:
         result,
         column_of("shots", "d"),
         column_of("complete", "d", "complete penetrations"),
-        column_of("highest_partial_m_s", ".0f"),
-        column_of("lowest_complete_m_s", ".0f"),
-        column_of("zone_of_mixed_results_m_s", ".0f"),
+        *columns_of(highest_partial_m_s=".0f", lowest_complete_m_s=".0f", zone_of_mixed_results_m_s=".0f"),
         *rule,
         column_of("model_ballistic_limit_m_s", ".0f", "ballistic limit by the model"),
         (Column("its 95 % interval, with the model error", "m/s"), interval(result.model_interval_m_s, ".0f")),

@@ -46,7 +46,7 @@ def check_table(checks: Sequence[Check], title: str = "") -> Table:
     return listing(
         checks,
         (Column("case", prose=True), lambda check: check.case.name),
-        *([] if shared else [(Column("unit"), lambda check: check.case.unit)]),
+        (Column("unit"), lambda check: "" if shared else check.case.unit),
         (Column("expected", shared, ".10g"), lambda check: check.case.expected),
         # Each case has decimals of its own, so that computed value and deviation are formatted here.
         (Column("computed", shared, "g"), lambda check: _in_decimals(check.case, check.computed)),
@@ -135,14 +135,14 @@ def error_tables(errors: Sequence[Error]) -> list[Table]:
 
 def note_rows(checks: Sequence[Check]) -> list[tuple[str, str]]:
     """Return why cases are not scored, have no answer or have their band; the same note of a table once."""
-    notes: dict[tuple[str, str], None] = {}
+    notes = []
     for check in checks:
         case = check.case
         if check.message:
-            notes[case.full_name, check.message] = None
+            notes.append((case.full_name, check.message))
         elif case.not_scored or case.reason:
-            notes[case.group or case.name, case.not_scored or case.reason] = None
-    return list(notes)
+            notes.append((case.group or case.name, case.not_scored or case.reason))
+    return list(dict.fromkeys(notes))
 
 
 def verdict(result: SuiteResult) -> str:
