@@ -142,13 +142,10 @@ def tested_here(error: ModelError) -> list[str]:
         for limit, deviation in zip(here.limits_m_s, here.uncertainties_m_s, strict=True)
     ]
     measured = f"measured {joined(limits)} m/s" if count else "tested"
-    others = {0: "without it", 1: "the other own test alone"}.get(
-        here.others, f"the {here.others} other own tests alone"
-    )
-    words = [
-        f"{measured} here ({' and '.join(own)})",
-        f"{others}: about {here.median_m_s:.0f} ({interval(here.interval_m_s, '.0f')}) m/s",
-    ]
+    others = f"the {here.others} other own tests alone"
+    others = {0: "without it", 1: "the other own test alone"}.get(here.others, others)
+    predicted = f"about {here.median_m_s:.0f} ({interval(here.interval_m_s, '.0f')}) m/s"
+    words = [f"{measured} here ({' and '.join(own)})", f"{others}: {predicted}"]
     if here.out_of_line:
         words += ["out of line with the others: check it" if count == 1 else f"{here.out_of_line} out of line: check"]
     if count == 1 and not here.shots:

@@ -26,6 +26,7 @@ from armour.reporting.table import (
     VerdictLine,
     column_of,
     csv_text,
+    filled,
     interval,
     listing,
     of_part,
@@ -435,19 +436,14 @@ def finding(threat: CheckedThreat) -> str:
 
 def requirement_table(result: CheckResult) -> Table:
     """Return all that is required of an armour, and what it has."""
-
-    def found(row: Requirement) -> str:
+    rows = []
+    for row in requirements_of(result):
+        name, asked, found = phrases.requirement_parts(row)
         by_limit = row.quantity == "probability_of_stopping" and row.found is None and row.verdict == "fails"
-        return phrases.requirement_parts(row)[2] + ", and the limit does not suffice" * by_limit
-
-    return listing(
-        requirements_of(result),
-        (Column("required", prose=True), lambda row: phrases.requirement_parts(row)[0]),
-        (Column("against", prose=True), lambda row: row.threat if len(result.threats) > 1 else ""),
-        (Column("asked for"), lambda row: phrases.requirement_parts(row)[1]),
-        (Column("found"), found),
-        (Column("verdict"), lambda row: VERDICTS[row.verdict]),
-    )
+        found += ", and the limit does not suffice" * by_limit
+        rows.append((name, row.threat if len(result.threats) > 1 else "", asked, found, VERDICTS[row.verdict]))
+    words = (Column(label, prose=True) for label in ("required", "against"))
+    return filled([*words, *map(Column, ("asked for", "found", "verdict"))], rows)
 
 
 def requirements_of(result: CheckResult) -> list[Requirement]:
@@ -586,9 +582,8 @@ def check_junit(result: CheckResult, scenario: Scenario, seconds: float, origin:
     """
     file, threats = scenario.file, zip(result.threats, scenario.threats(), strict=True)
     parts = [(given.round_name, threat.verdict, finding(threat)) for threat, given in threats]
-    parts += [
-        (column_of(row.quantity).label, row.verdict, phrases.requirement_words(row)) for row in result.requirements
-    ]
+    for row in result.requirements:
+        parts.append((column_of(row.quantity).label, row.verdict, phrases.requirement_words(row)))
     cases = [
         TestCase(file, title, "failure" * (found != "passes"), f"{VERDICTS[found]}: {words}", file=file)
         for title, found, words in parts

@@ -8,7 +8,7 @@ from operator import attrgetter, itemgetter
 from armour.planning.firing import ShotPlan
 from armour.planning.plan_tests import PlannedTests
 from armour.reporting.by_result import tables_of
-from armour.reporting.table import Cell, Column, Table, column_of, interval, listing, of_part, percent, record
+from armour.reporting.table import Cell, Column, Table, column_of, filled, interval, listing, of_part, percent, record
 from armour.reporting.views.statistics import SCATTER_ASSUMED, prior_table, share_note
 from armour.reporting.words import chance, model_error_words, rounded_down
 from armour.scenario.inputs import INPUTS, VELOCITY
@@ -114,14 +114,12 @@ def _number_of_shots(median: float | None) -> str:
 def operating_table(plan: ShotPlan) -> Table:
     """Return what becomes of firings at armours around the requirement."""
     scatter = plan.operating_characteristic[0].scatter_m_s
-    return listing(
-        plan.operating_characteristic,
-        (Column("V50", "m/s", ".0f"), lambda point: point.v50_m_s),
-        (Column("met"), lambda point: percent(point.met)),
-        (Column("not met"), lambda point: percent(point.not_met)),
-        (Column("median of shots"), lambda point: _number_of_shots(point.shots)),
-        title=f"operating characteristic: simulated firings at a scatter of {scatter:.0f} m/s",
-    )
+    columns = Column("V50", "m/s", ".0f"), *map(Column, ("met", "not met", "median of shots"))
+    rows = [
+        (point.v50_m_s, percent(point.met), percent(point.not_met), _number_of_shots(point.shots))
+        for point in plan.operating_characteristic
+    ]
+    return filled(columns, rows, f"operating characteristic: simulated firings at a scatter of {scatter:.0f} m/s")
 
 
 def _shot_table(plan: ShotPlan) -> Table:
@@ -231,7 +229,5 @@ def form_table(result: PlannedTests) -> Table:
         rows.append(row)
     keys = dict.fromkeys(["test", *(key for row in rows for key in row if key not in (measured, uncertainty))])
     columns = [*keys, measured, *([uncertainty] if has_scatter else [])]
-    return Table(
-        tuple(Column(column_of(key).label, key=key) for key in columns),
-        tuple(tuple(row.get(key) for key in columns) for row in rows),
-    )
+    headings = tuple(Column(column_of(key).label, key=key) for key in columns)
+    return Table(headings, tuple(tuple(row.get(key) for key in columns) for row in rows))

@@ -63,13 +63,13 @@ def estimate_table(result: UncertaintyResult) -> Table:
 
 def index_table(result: UncertaintyResult) -> Table:
     """Return the Sobol' indices of each input, and the ballistic limits at its quantiles."""
-    return listing(
-        result.inputs,
-        (Column("input", prose=True), lambda item: in_words(item.input)),
-        (Column("first-order index"), lambda item: estimated(item.first, ".2f")),
-        (Column("total index"), lambda item: estimated(item.total, ".2f")),
-        (Column("limit at 5 and 95 %", "m/s"), lambda item: interval(item.limits_m_s, ".0f")),
-    )
+    indices = map(Column, ("first-order index", "total index"))
+    columns = Column("input", prose=True), *indices, Column("limit at 5 and 95 %", "m/s")
+    rows = [
+        (in_words(i.input), estimated(i.first, ".2f"), estimated(i.total, ".2f"), interval(i.limits_m_s, ".0f"))
+        for i in result.inputs
+    ]
+    return filled(columns, rows)
 
 
 @tables_of.register

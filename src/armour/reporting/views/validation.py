@@ -14,6 +14,7 @@ from armour.reporting.table import (
     Table,
     VerdictLine,
     column_of,
+    columns_of,
     deviation_percent,
     filled,
     grouped,
@@ -119,17 +120,15 @@ def held_to(summary: TableSummary) -> str:
 
 def error_tables(errors: Sequence[Error]) -> list[Table]:
     """Return the errors of the predictions that each table compares."""
+    predictor, mean = (
+        column_of("predictor", label="predicted by", prose=True),
+        column_of("mean_percent", ".1f", "mean error"),
+    )
+    numbers = columns_of(left_out_percent=".1f", largest_percent=".1f")
+    columns = predictor, mean, *numbers, column_of("fitted", prose=True)
     return [
-        listing(
-            errors_of_table,
-            column_of("predictor", label="predicted by", prose=True),
-            column_of("mean_percent", ".1f", "mean error"),
-            column_of("left_out_percent", ".1f"),
-            column_of("largest_percent", ".1f"),
-            column_of("fitted", prose=True),
-            title=f"errors, {table}, {counted(errors_of_table[0].count, 'row')}",
-        )
-        for table, errors_of_table in grouped(errors, lambda error: error.table).items()
+        listing(group, *columns, title=f"errors, {table}, {counted(group[0].count, 'row')}")
+        for table, group in grouped(errors, lambda error: error.table).items()
     ]
 
 
@@ -177,6 +176,8 @@ def failed_table(name: str, checks: Sequence[Check]) -> list[Table]:
 
 # Deviations below this, in any unit, say no more than that they are small.
 SMALL_DEVIATION = 0.01
+OVERVIEW = ("within", "RMS", "RMS band", "worst")
+OVERVIEW = ("within", "RMS", "RMS band", "worst")
 
 
 def _magnitude(value: float, unit: str) -> str:
@@ -199,11 +200,7 @@ def overview_table(result: SuiteResult) -> Table:
         worst = max((abs(percent) for percent in deviations if percent is not None), default=None)
         return within or "not scored", "", "", "" if worst is None else _magnitude(worst, "%")
 
-    columns = (
-        Column("table", prose=True),
-        Column("cases", spec="d"),
-        *map(Column, ("within", "RMS", "RMS band", "worst")),
-    )
+    columns = Column("table", prose=True), Column("cases", spec="d"), *map(Column, OVERVIEW)
     return filled(columns, [(name, len(checks), *line(name, checks)) for name, checks in check_groups(result).items()])
 
 
@@ -230,24 +227,15 @@ def tables_of_suite(result: SuiteResult) -> list[Table | str]:
 
 def update_table(updates: Sequence[Check]) -> Table:
     """Return the expected values that an update changes."""
-    return listing(
-        updates,
-        (Column("case", prose=True), lambda update: update.case.full_name),
-        (Column("expected", spec=".10g"), lambda update: update.case.expected),
-        (Column("computed", spec=".10g"), lambda update: update.computed),
-    )
+    columns = Column("case", prose=True), Column("expected", spec=".10g"), Column("computed", spec=".10g")
+    return filled(columns, [(check.case.full_name, check.case.expected, check.computed) for check in updates])
 
 
 def parity_table(result: SuiteResult) -> Table:
     """Return expected and computed values of a suite's tables."""
-    return listing(
-        result.checks,
-        (column_of("table"), lambda check: check.case.group),
-        (column_of("row"), lambda check: check.case.name),
-        (column_of("quantity"), lambda check: check.case.quantity),
-        (column_of("expected", "g"), lambda check: check.case.expected),
-        column_of("computed", "g"),
-    )
+    columns = [*map(column_of, ("table", "row", "quantity")), *columns_of(expected="g", computed="g")]
+    cases = ((check.case, check.computed) for check in result.checks)
+    return filled(columns, [(case.group, case.name, case.quantity, case.expected, value) for case, value in cases])
 
 
 def drawn_checks(result: SuiteResult) -> list[Check]:
@@ -387,10 +375,9 @@ def weight_table(
     """Return the areal density of an armour beside those of rules and of the tested armours nearest in limit."""
     rows = [("this armour, by the model", areal_density_kg_m2, limit_m_s)]
     rows += [(f"areal density rule, p = {rule.p:.4g}", rule.areal_density_kg_m2, limit_m_s) for rule in rules]
-    rows += [
-        (f"measured: {each.armour}, {each.projectile}", each.areal_density_kg_m2, each.ballistic_limit_m_s)
-        for each in measured
-    ]
+    for each in measured:
+        name = f"measured: {each.armour}, {each.projectile}"
+        rows.append((name, each.areal_density_kg_m2, each.ballistic_limit_m_s))
     columns = Column("armour, nearest in limit", prose=True), column_of("areal_density_kg_m2"), BALLISTIC_LIMIT
     return Table(columns, tuple(rows))
 
