@@ -376,10 +376,13 @@ def agreement(
 ) -> None:
     """Draw computed over expected values, with the line of agreement and, if a part is given, lines that part away."""
     column = column_of(quantity, ".5g")
+
+    def known(pair: Compared) -> str:
+        deviation = f" ± {column.with_unit(pair.deviation)}" if pair.deviation else ""
+        return column.with_unit(pair.expected) + deviation
+
     pairs = [pair for group in groups.values() for pair in group]
-    low, high = widened(
-        value for p in pairs for value in (p.expected - p.deviation, p.expected + p.deviation, p.computed)
-    )
+    low, high = widened(end for p in pairs for end in (p.expected - p.deviation, p.expected + p.deviation, p.computed))
     # The axes of values that are close together reach the lines on both sides.
     margin = part * high if high - low < part * high else 0.0
     span = low - margin, high + margin
@@ -387,12 +390,7 @@ def agreement(
     axes.set_aspect("equal")
     for index, (label, group) in enumerate(groups.items()):
         expected, computed = [p.expected for p in group], [p.computed for p in group]
-        words = [
-            f"{p.name}\n{p.word} {column.with_unit(p.expected)}"
-            + (f" ± {column.with_unit(p.deviation)}" if p.deviation else "")
-            + f", computed {column.with_unit(p.computed)}"
-            for p in group
-        ]
+        words = [f"{p.name}\n{p.word} {known(p)}, computed {column.with_unit(p.computed)}" for p in group]
         look = look_of(index) | {"label": legible(label), "markersize": 5.0 if len(pairs) <= 100 else 3.0}
         if any(p.deviation for p in group):
             ends = [(p.expected - p.deviation, p.expected + p.deviation) for p in group]

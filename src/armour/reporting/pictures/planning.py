@@ -7,14 +7,13 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from armour.analysis.quantities import label_and_unit
 from armour.errors import counted, listed
 from armour.planning.firing import ShotPlan
 from armour.planning.plan_tests import PlannedTests
 from armour.reporting.by_result import draw
 from armour.reporting.pictures import drawing
 from armour.reporting.pictures.statistics import draw_shots
-from armour.reporting.table import in_words, interval, percent
+from armour.reporting.table import column_of, in_words, interval, percent
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, VELOCITY
 
 
@@ -130,8 +129,8 @@ def _tests_title(result: PlannedTests) -> str:
     title = f"Planned: {counted(len(result.planned) - 1, 'test')}"
     for name, half_width in result.planned[-1].half_widths.items():
         if half_width is not None:
-            words, unit = label_and_unit(name)
-            return f"{title}, after which {words} ± {half_width:.2g} {unit}".rstrip()
+            column = column_of(name, ".2g")
+            return f"{title}, after which {column.label} ± {column.with_unit(half_width)}"
     return title
 
 

@@ -65,17 +65,13 @@ def threat_table(threats: Mapping[str, NamedThreat]) -> Table:
 
 def shipped_tables() -> list[Table | str]:
     """Return tables of what can be copied: scenarios, suites, tables of tests or shots, and notebooks."""
-
-    def titles(files: Mapping[str, Path]) -> dict[str, str]:
-        return {name: str(read_toml(path)["title"]) for name, path in files.items()}
-
-    template = {"template": "Every key with a comment: what armour init copies by default"}
+    titled = {"scenario": shipped_files("scenarios", ".toml"), "suite for armour validate": shipped_suites()}
     shown = {
-        "scenario": titles(shipped_files("scenarios", ".toml")) | template,
-        "suite for armour validate": titles(shipped_suites()),
-        "table of tests": TABLES_OF_TESTS,
-        "notebook": {"study.ipynb": "A study in Python, for Jupyter"},
+        kind: {name: str(read_toml(path)["title"]) for name, path in files.items()} for kind, files in titled.items()
     }
+    shown["scenario"]["template"] = "Every key with a comment: what armour init copies by default"
+    shown["table of tests"] = TABLES_OF_TESTS
+    shown["notebook"] = {"study.ipynb": "A study in Python, for Jupyter"}
     return [Table((Column(kind), Column("contents", prose=True)), tuple(rows.items())) for kind, rows in shown.items()]
 
 
