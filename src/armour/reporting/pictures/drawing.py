@@ -268,13 +268,12 @@ def ranges(axes: Axes, y: Any, ends: Sequence[Sequence[float]], colour: str) -> 
     axes.errorbar(middles, list(y), xerr=halves, fmt="none", ecolor=colour, capsize=CAP)
 
 
-def velocities(axes: Axes, lines: Iterable[tuple[str, float | None, str, str]], *, named: bool = True) -> None:
-    """Draw lines at the velocities that are within the panel, given the name, velocity, colour and style of each."""
+def velocity_line(axes: Axes, velocity: float | None, colour: str, style: str, name: str = "") -> None:
+    """Draw a line at a velocity that is within the panel, in the legend if it has a name."""
     low, high = axes.get_xlim()
-    for name, velocity, colour, style in lines:
-        if velocity is not None and low <= velocity <= high:
-            label = f"{name} {velocity:.1f} m/s" if named else ""
-            axes.axvline(velocity, linestyle=style, linewidth=1.0, color=colour, label=label)
+    if velocity is not None and low <= velocity <= high:
+        label = f"{name} {velocity:.1f} m/s" if name else ""
+        axes.axvline(velocity, linestyle=style, linewidth=1.0, color=colour, label=label)
 
 
 def name_point(axes: Axes, x: float, y: float, name: str, *, above: bool = True) -> None:

@@ -79,8 +79,8 @@ def _draw_operating(axes: Axes, plan: ShotPlan) -> None:
 
 def _draw_velocities(axes: Axes, plan: ShotPlan, *, named: bool) -> None:
     """Draw lines at the next velocity and the required one."""
-    following = ("next shot", plan.next_velocity_m_s, drawing.INK, ":")
-    drawing.velocities(axes, [following, ("requirement", plan.requirement_m_s, drawing.SOFT, "-.")], named=named)
+    drawing.velocity_line(axes, plan.next_velocity_m_s, drawing.INK, ":", "next shot" * named)
+    drawing.velocity_line(axes, plan.requirement_m_s, drawing.SOFT, "-.", "requirement" * named)
 
 
 GAIN = "relative gain of one more test"

@@ -214,10 +214,10 @@ def draw_firing(result: FiringResult, sheet: drawing.Sheet) -> drawing.Picture:
         drawing.ranges(axes, [POSTERIOR], [after.v50_interval_m_s], drawing.PURPLE)
         drawing.points(axes, [after.v50_m_s], [POSTERIOR], marker="D", color=drawing.PURPLE, label=name)
     if result.mean is not None:
-        drawing.velocities(axes, [(MEANS[result.mean.rule], result.mean.v50_m_s, drawing.SOFT, "-")])
+        drawing.velocity_line(axes, result.mean.v50_m_s, drawing.SOFT, "-", MEANS[result.mean.rule])
     name = f"{result.decision}: {velocity_name(result.requirement_fraction)} required"
-    by_model = ("limit by this model", model, drawing.INK, ":")
-    drawing.velocities(axes, [(name, required, drawing.VERMILION, "--"), by_model])
+    drawing.velocity_line(axes, required, drawing.VERMILION, "--", name)
+    drawing.velocity_line(axes, model, drawing.INK, ":", "limit by this model")
     if len(panels) > 1:
         _draw_region(picture.axes[1], fit, shots, result.confidence, (low, high))
         _draw_order(picture.axes[2], shots, ends if bounded else None)

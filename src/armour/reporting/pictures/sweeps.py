@@ -73,8 +73,7 @@ def draw_columns(
 
 def _draw_names(axes: Axes, table: Mapping[str, Any], named: Sequence[str], answer: Column, values: Any) -> None:
     """Draw values by the names of one key or of two."""
-    names = list(dict.fromkeys(table[named[0]].tolist()))
-    by_name = {}
+    names, by_name = list(dict.fromkeys(table[named[0]].tolist())), {}
     for label, mask in _by_name(table, named[1:]):
         answers = dict(zip(table[named[0]][mask].tolist(), values[mask].tolist(), strict=True))
         by_name[label] = [answers.get(name) for name in names]

@@ -10,7 +10,7 @@ from xml.etree.ElementTree import Element
 
 from armour.analysis.ballistic_limit import NeededFlowStress
 from armour.analysis.variants import outside_words
-from armour.design.check import CheckedThreat, CheckResult, WhatIf
+from armour.design.check import CheckedThreat, CheckResult
 from armour.design.optimise import BY_LIMIT, BestDesign, Design, DesignResult, Pair, armour_in_words, short_words
 from armour.design.requirements import Requirement
 from armour.errors import counted, joined
@@ -177,8 +177,7 @@ def left_out(result: DesignResult) -> str:
     return f"no ceramic passes on {counted(len(plates), 'back plate')}, {' to '.join(ends)} mm"
 
 
-def _thicknesses(design: Design) -> tuple[float, float]:
-    return design.ceramic_thickness_mm, design.backing_thickness_mm
+_thicknesses = attrgetter("ceramic_thickness_mm", "backing_thickness_mm")
 
 
 def margin_table(result: DesignResult, required: Mapping[str, float]) -> Table:
@@ -471,21 +470,12 @@ def what_if_tables(threat: CheckedThreat, title: str) -> list[Table]:
     There is no table if no velocity perforates the armour, changed or not.
     """
     as_given = threat.as_given()
-    is_known = as_given.probability_of_stopping is not None
-
-    def margin(what_if: WhatIf) -> float | None:
-        limit = None if is_known else what_if.ballistic_limit_m_s
-        return None if limit is None else limit - what_if.velocity_m_s
-
-    table = listing(
-        (as_given, *threat.what_ifs),
-        (Column("if", prose=True), lambda what_if: what_if.change),
-        LIMIT,
-        (INTERVAL, lambda what_if: interval(what_if.interval_m_s, ".0f")),
-        (MARGIN, margin),
-        (PROBABILITY, lambda what_if: phrases.chance(what_if.probability_of_stopping) if is_known else ""),
-        title=title,
-    )
+    is_known, rows = as_given.probability_of_stopping is not None, []
+    for each in (as_given, *threat.what_ifs):
+        limit, ends = each.ballistic_limit_m_s, interval(each.interval_m_s, ".0f")
+        margin = None if is_known or limit is None else limit - each.velocity_m_s
+        rows.append((each.change, limit, ends, margin, phrases.chance(each.probability_of_stopping) * is_known))
+    table = filled((Column("if", prose=True), LIMIT, INTERVAL, MARGIN, PROBABILITY), rows, title)
     return [table] if len(table.columns) > 1 else []
 
 
