@@ -18,7 +18,7 @@ from armour.evidence.tests import armours_of
 from armour.reporting import words as phrases
 from armour.reporting.by_result import drawing_of
 from armour.reporting.report import Card, Report, ReportSection, origin_section, reference_notes
-from armour.reporting.table import Column, Table, column_of, in_words, interval, listing, percent
+from armour.reporting.table import Column, Table, in_words, interval, percent
 from armour.reporting.views import analysis as analysis_view
 from armour.reporting.views import design as design_view
 from armour.reporting.views import statistics as statistics_view
@@ -320,17 +320,17 @@ def _threats(contents: Contents) -> Table:
     is_mixed = 0 < len(contents.sampled) < len(contents.threats)
     kinds = {name: "distributions" if name in contents.sampled else "exact" for name in names}
     requires = _has_requirements(contents)
-    return listing(
+    return Table.of(
         contents.threats,
         (Column("threat", prose=True), lambda threat: names[threat.threat]),
-        column_of("projectile", prose=True),
-        column_of("velocity_m_s", "g"),
-        column_of("obliquity_deg", "g"),
+        Column.of("projectile", prose=True),
+        Column.of("velocity_m_s", "g"),
+        Column.of("obliquity_deg", "g"),
         (design_view.PROBABILITY, lambda threat: phrases.chance(threat.probability_of_stopping)),
         (Column("inputs"), lambda threat: kinds[threat.threat] if is_mixed else ""),
         (Column("required", prose=True), lambda threat: design_view.required(threat) if requires else ""),
         (Column("result"), lambda threat: design_view.VERDICTS[threat.verdict] if requires else ""),
-        column_of("ballistic_limit_m_s"),
+        Column.of("ballistic_limit_m_s"),
         (design_view.INTERVAL, lambda threat: interval(threat.interval_m_s, ".0f")),
         design_view.MARGIN,
         design_view.outside_tests(contents.threats),

@@ -98,6 +98,17 @@ class Column:
     prose: bool = False  # whether text may be wrapped between words
     key: str = ""  # attribute that the column shows, and heading in CSV files, which have no column without a key
 
+    @classmethod
+    def of(cls, key: str, spec: str = "", label: str = "", *, prose: bool = False) -> Self:
+        """Return the column of a quantity, an input, a key or an attribute, with label and format unless given."""
+        words, unit = label_and_unit(key)
+        return cls(label or words, unit, spec or (QUANTITIES[key].spec if key in QUANTITIES else ""), prose, key)
+
+    @classmethod
+    def of_each(cls, **specs: str) -> list[Self]:
+        """Return the columns of attributes, given their formats."""
+        return [cls.of(key, spec) for key, spec in specs.items()]
+
     @property
     def heading(self) -> str:
         """Label and unit."""
@@ -131,25 +142,35 @@ class Table:
     record: bool = False
     rest: str = ""  # how to get all rows, where a terminal shows the first ones only
 
+    @classmethod
+    def of(cls, items: Iterable[Any], *sources: Source, title: str = "", rest: str = "") -> Self:
+        """Make a table with a row for each item, without the columns that are empty in all of them."""
+        pairs = [_with_value(source) for source in sources]
+        rows = [[value(item) if callable(value) else value for _, value in pairs] for item in items]
+        return cls.of_rows([column for column, _ in pairs], rows, title=title, rest=rest)
+
+    @classmethod
+    def of_rows(
+        cls, columns: Sequence[Column], rows: Sequence[Sequence[Cell]], title: str = "", rest: str = ""
+    ) -> Self:
+        """Make a table of rows, without the columns that are empty in all of them."""
+        used = [not rows or any(column.text(row[index]) for row in rows) for index, column in enumerate(columns)]
+        cells = tuple(tuple(compress(row, used)) for row in rows)
+        return cls(tuple(compress(columns, used)), cells, title, rest=rest)
+
+    @classmethod
+    def of_one(cls, item: Any, *sources: Source, title: str = "") -> Self:
+        """Make a table of one item, without the quantities that have no value."""
+        return replace(cls.of([item], *sources, title=title), record=True)
+
     def texts(self) -> list[list[str]]:
         """Return the rows with every value formatted."""
         return [[column.text(cell) for column, cell in zip(self.columns, row, strict=True)] for row in self.rows]
 
 
-def column_of(key: str, spec: str = "", label: str = "", *, prose: bool = False) -> Column:
-    """Return the column of a quantity, an input, a key or an attribute, with label and format unless given."""
-    words, unit = label_and_unit(key)
-    return Column(label or words, unit, spec or (QUANTITIES[key].spec if key in QUANTITIES else ""), prose, key)
-
-
-def columns_of(**specs: str) -> list[Column]:
-    """Return the columns of attributes, given their formats."""
-    return [column_of(key, spec) for key, spec in specs.items()]
-
-
 def in_words(name: str) -> str:
     """Return label and unit of a quantity, an input or a key, such as "ceramic flow stress, GPa"."""
-    return column_of(name).heading
+    return Column.of(name).heading
 
 
 def deviation_percent(value: float | None, reference: float) -> float | None:
@@ -163,24 +184,6 @@ def grouped(items: Iterable[Any], key: Callable[[Any], Any]) -> dict[Any, list[A
     for item in items:
         groups.setdefault(key(item), []).append(item)
     return groups
-
-
-def listing(items: Iterable[Any], *sources: Source, title: str = "", rest: str = "") -> Table:
-    """Make a table with a row for each item, without the columns that are empty in all of them."""
-    pairs = [_with_value(source) for source in sources]
-    rows = [[value(item) if callable(value) else value for _, value in pairs] for item in items]
-    return filled([column for column, _ in pairs], rows, title=title, rest=rest)
-
-
-def filled(columns: Sequence[Column], rows: Sequence[Sequence[Cell]], title: str = "", rest: str = "") -> Table:
-    """Make a table of rows, without the columns that are empty in all of them."""
-    used = [not rows or any(column.text(row[index]) for row in rows) for index, column in enumerate(columns)]
-    return Table(tuple(compress(columns, used)), tuple(tuple(compress(row, used)) for row in rows), title, rest=rest)
-
-
-def record(item: Any, *sources: Source, title: str = "") -> Table:
-    """Make a table of one item, without the quantities that have no value."""
-    return replace(listing([item], *sources, title=title), record=True)
 
 
 def of_part(part: Callable[[Any], Any], *sources: Source) -> Iterator[Source]:

@@ -11,16 +11,16 @@ from armour.design.requirements import Requirement
 from armour.errors import Note, counted, joined
 from armour.evidence.caveats import no_metal
 from armour.evidence.model_error import INTERLAYER, ModelError
-from armour.reporting.table import Column, Source, column_of, interval, number, percent, with_interval
+from armour.reporting.table import Column, Source, interval, number, percent, with_interval
 from armour.scenario.library import named_threats, shipped_library
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import OBJECTIVES
 
-BALLISTIC_LIMIT = column_of("ballistic_limit_m_s")
+BALLISTIC_LIMIT = Column.of("ballistic_limit_m_s")
 STOPPING = Column("probability of stopping the projectile", prose=True)
 # With a back plate that exists already, the weight of it all is shown too.
 WHOLE: Source = (
-    column_of("whole_areal_density_kg_m2", label="whole armour"),
+    Column.of("whole_areal_density_kg_m2", label="whole armour"),
     lambda item: item.whole_areal_density_kg_m2 if item.whole_areal_density_kg_m2 != item.areal_density_kg_m2 else None,
 )
 # What distributions tell where the model error is not known.
@@ -73,7 +73,7 @@ def requirement_parts(row: Requirement) -> tuple[str, str, str]:
     if row.quantity == "interlayers":
         return "layers between tile and back plate", "none", found
     unit = OBJECTIVES[row.quantity].unit
-    label = column_of(row.quantity).label.removesuffix(unit)
+    label = Column.of(row.quantity).label.removesuffix(unit)
     return label, f"at most {row.required:g}{unit}", found if row.found is None else f"{found}{unit}"
 
 

@@ -16,7 +16,7 @@ from matplotlib.transforms import offset_copy
 
 from armour.analysis.results import Result
 from armour.errors import mistake
-from armour.reporting.table import column_of, in_words, percent, printable_lines, wrapped
+from armour.reporting.table import Column, in_words, percent, printable_lines, wrapped
 from armour.scenario.inputs import VELOCITY
 
 # The palette of Okabe and Ito, which colour-blind readers can tell apart, and the colours of text and reference lines.
@@ -374,7 +374,7 @@ def agreement(
     axes: Axes, quantity: str, word: str, groups: Mapping[str, Sequence[Compared]], part: float = 0.0
 ) -> None:
     """Draw computed over expected values, with the line of agreement and, if a part is given, lines that part away."""
-    column = column_of(quantity, ".5g")
+    column = Column.of(quantity, ".5g")
 
     def known(pair: Compared) -> str:
         deviation = f" ± {column.with_unit(pair.deviation)}" if pair.deviation else ""

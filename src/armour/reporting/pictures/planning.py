@@ -13,7 +13,7 @@ from armour.planning.plan_tests import PlannedTests
 from armour.reporting.by_result import draw
 from armour.reporting.pictures import drawing
 from armour.reporting.pictures.statistics import draw_shots
-from armour.reporting.table import column_of, in_words, interval, percent
+from armour.reporting.table import Column, in_words, interval, percent
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, VELOCITY
 
 
@@ -129,7 +129,7 @@ def _tests_title(result: PlannedTests) -> str:
     title = f"Planned: {counted(len(result.planned) - 1, 'test')}"
     for name, half_width in result.planned[-1].half_widths.items():
         if half_width is not None:
-            column = column_of(name, ".2g")
+            column = Column.of(name, ".2g")
             return f"{title}, after which {column.label} ± {column.with_unit(half_width)}"
     return title
 

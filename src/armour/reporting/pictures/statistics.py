@@ -9,7 +9,7 @@ from matplotlib.ticker import MaxNLocator
 from armour.errors import mistake
 from armour.reporting.by_result import draw
 from armour.reporting.pictures import drawing
-from armour.reporting.table import column_of, deviation_percent, grouped, in_words, interval, percent
+from armour.reporting.table import Column, deviation_percent, grouped, in_words, interval, percent
 from armour.reporting.views.statistics import MEANS, velocity_name
 from armour.reporting.words import risk
 from armour.scenario.inputs import VELOCITY
@@ -34,7 +34,7 @@ def draw_uncertainty(result: UncertaintyResult, sheet: drawing.Sheet) -> drawing
     """Draw the probability of perforation over velocity, and the ballistic limit at quantiles of each input."""
     curve, p, level = result.curve, result.probability_of_perforation, percent(result.confidence)
     at = drawing.recorded(result, "scenario").impact.velocity_m_s
-    names = [column_of(index.input).label for index in result.inputs]
+    names = [Column.of(index.input).label for index in result.inputs]
     title = f"Perforated with a probability of {risk(1.0 - p.value)} at {at:g} m/s"
     note = f"{level} intervals by sampling: {p.low:.3f} to {p.high:.3f} at {at:g} m/s; the band for the curve."
     heights = [drawing.PANEL, *([drawing.rows_height(names, titled=True)] if names else [])]
@@ -71,7 +71,7 @@ def draw_sensitivity(result: SensitivityResult, sheet: drawing.Sheet) -> drawing
     # Without an elasticity an input, such as the velocity for the ballistic limit, is below those with one.
     inputs = [item for item in result.inputs if {*map(item.elasticities.get, answers)} - {None}]
     inputs.sort(key=lambda item: [-abs(item.elasticities[answer] or 0.0) for answer in answers])
-    names, titles = [column_of(item.input).label for item in inputs], [column_of(name).label for name in answers]
+    names, titles = [Column.of(item.input).label for item in inputs], [Column.of(name).label for name in answers]
     title, note = "", "Change in % for a 1 % increase of the input."
     if inputs:
         most = inputs[0].elasticities[answers[0]] or 0.0
@@ -148,7 +148,7 @@ def _largest(residuals: Sequence[Residual]) -> list[Residual]:
 
 def _draw_deviations(axes: Axes, quantity: str, residuals: Sequence[Residual]) -> None:
     """Draw deviations from measured values; of many tests those with the largest."""
-    title, shown = f"Deviation of the computed {column_of(quantity).label}", _largest(residuals)
+    title, shown = f"Deviation of the computed {Column.of(quantity).label}", _largest(residuals)
     if len(shown) < len(residuals):
         title += f", the {MAX_TESTS} largest of {len(residuals)}"
     fitted = [deviation_percent(residual.computed, residual.measured) for residual in shown]

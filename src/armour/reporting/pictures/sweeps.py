@@ -10,7 +10,7 @@ from armour.analysis.evaluate import outside_of
 from armour.errors import mistake
 from armour.reporting.by_result import draw
 from armour.reporting.pictures import drawing
-from armour.reporting.table import Column, column_of, in_words, number
+from armour.reporting.table import Column, in_words, number
 from armour.reporting.views.sweeps import is_number
 from armour.scenario.inputs import BACKING, CERAMIC
 from armour.scenario.scenario import Scenario
@@ -42,8 +42,8 @@ def draw_columns(
 
     Over a key of names there is a mark for each name, and over such a key and numbers a curve for each.
     """
-    answer, values = column_of(name, ".4g"), table[name]
-    title = f"{answer.label[:1].upper()}{answer.label[1:]} over {' and '.join(column_of(key).label for key in keys)}"
+    answer, values = Column.of(name, ".4g"), table[name]
+    title = f"{answer.label[:1].upper()}{answer.label[1:]} over {' and '.join(Column.of(key).label for key in keys)}"
     numbers = values[~np.isnan(values)]
     if numbers.size and numbers.min() < numbers.max():
         title += f": {number(numbers.min(), '.4g')} to {answer.with_unit(numbers.max())}"

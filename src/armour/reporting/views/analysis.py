@@ -7,7 +7,7 @@ from armour.analysis.impact import ImpactResult
 from armour.analysis.results import EachResult
 from armour.reporting import words as phrases
 from armour.reporting.by_result import by_result, tables_of
-from armour.reporting.table import Column, Source, Table, VerdictLine, column_of, columns_of, listing, record, rows_csv
+from armour.reporting.table import Column, Source, Table, VerdictLine, rows_csv
 
 
 class StageWords(NamedTuple):
@@ -49,10 +49,10 @@ def tables_of_impact(result: ImpactResult) -> list[Table | str]:
         distributed = result.question["scenario"].uncertainty
         if confidence.model_error is None and distributed is not None and distributed.inputs():
             parts.append(f"{phrases.SAMPLED_ALONE}: armour uncertainty")
-    before = map(column_of, ("residual_length_mm", "residual_mass_g"))
-    plug = column_of("plug_velocity_m_s"), result.plug_velocity_m_s or None
-    after = map(column_of, ("penetration_depth_mm", "bulge_height_mm", "duration_us", "areal_density_kg_m2"))
-    return [*parts, record(result, *before, plug, *after, phrases.WHOLE), stage_table(result)]
+    before = map(Column.of, ("residual_length_mm", "residual_mass_g"))
+    plug = Column.of("plug_velocity_m_s"), result.plug_velocity_m_s or None
+    after = map(Column.of, ("penetration_depth_mm", "bulge_height_mm", "duration_us", "areal_density_kg_m2"))
+    return [*parts, Table.of_one(result, *before, plug, *after, phrases.WHOLE), stage_table(result)]
 
 
 def verdict(result: ImpactResult) -> VerdictLine:
@@ -80,9 +80,9 @@ def caveat_lines(result: LimitResult) -> list[Table | str]:
 def stage_table(result: ImpactResult) -> Table:
     """Return the stages of an impact with the projectile's losses in each."""
     description: Source = Column("description", prose=True), lambda record: STAGES[record.stage].words
-    numbers = columns_of(start_us=".1f", end_us=".1f", velocity_lost_m_s=".0f", length_lost_mm=".1f")
+    numbers = Column.of_each(start_us=".1f", end_us=".1f", velocity_lost_m_s=".0f", length_lost_mm=".1f")
     energy = Column("energy lost", "J", ".0f", key="energy_lost_J")
-    return listing(result.stages, column_of("stage"), description, *numbers, energy)
+    return Table.of(result.stages, Column.of("stage"), description, *numbers, energy)
 
 
 def history_csv(result: ImpactResult) -> str | None:
@@ -106,7 +106,7 @@ def tables_of_limit(result: LimitResult) -> list[Table | str]:
     scanned = f"{result.scanned_velocities} velocities from {low:g} to {high:g} m/s were scanned"
     width = f"bracket width {above - below:.1g} m/s"
     limits = phrases.BALLISTIC_LIMIT, phrases.with_error(result.median_m_s, result.interval_m_s)
-    table = record(result, *limits, column_of("areal_density_kg_m2"), phrases.WHOLE)
+    table = Table.of_one(result, *limits, Column.of("areal_density_kg_m2"), phrases.WHOLE)
     parts = [*caveat_lines(result), table, phrases.error_note(result.model_error, result.question.get("scenario"))]
     if result.monotonic:
         return [*parts, f"{scanned}, all above the limit perforate; {width}"]
@@ -118,4 +118,4 @@ def tables_of_confidence(result: ConfidenceResult) -> list[Table | str]:
     """Return the probability, and what it rests on."""
     limit, probability = phrases.with_error(result.median_m_s, result.interval_m_s), result.probability_of_stopping
     stopping = phrases.STOPPING, None if probability is None else phrases.chance(probability, result.model_error)
-    return [record(result, phrases.BALLISTIC_LIMIT, limit, stopping), *phrases.basis_notes(result)]
+    return [Table.of_one(result, phrases.BALLISTIC_LIMIT, limit, stopping), *phrases.basis_notes(result)]

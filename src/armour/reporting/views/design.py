@@ -19,20 +19,7 @@ from armour.evidence.tests import THIN
 from armour.reporting import words as phrases
 from armour.reporting.by_result import tables_of
 from armour.reporting.junit import TestCase, junit_suite
-from armour.reporting.table import (
-    Column,
-    Source,
-    Table,
-    VerdictLine,
-    column_of,
-    csv_text,
-    filled,
-    interval,
-    listing,
-    of_part,
-    percent,
-    record,
-)
+from armour.reporting.table import Column, Source, Table, VerdictLine, csv_text, interval, of_part, percent
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import OBJECTIVES, InertLayer
 
@@ -40,15 +27,15 @@ from armour.scenario.schema import OBJECTIVES, InertLayer
 LOW, ASK = 0.75, "--confidence 0.95 designs for 95 %"
 # Rows of the frontier that are shown unless all are asked for.
 FRONTIER_ROWS = 5
-AREAL_DENSITY = column_of("areal_density_kg_m2")
+AREAL_DENSITY = Column.of("areal_density_kg_m2")
 # Thicknesses are shown with at most 3 decimals, and with no more than those of a table need.
-CERAMIC_THICKNESS, BACKING_THICKNESS = (column_of(f"{layer}_thickness_mm", ".3f") for layer in ("ceramic", "backing"))
-THICKNESS = column_of("thickness_mm", ".4g", "total thickness")
-COST = column_of("cost_per_m2", ".0f")
-LIMIT = column_of("ballistic_limit_m_s", label="limit")
+CERAMIC_THICKNESS, BACKING_THICKNESS = (Column.of(f"{layer}_thickness_mm", ".3f") for layer in ("ceramic", "backing"))
+THICKNESS = Column.of("thickness_mm", ".4g", "total thickness")
+COST = Column.of("cost_per_m2", ".0f")
+LIMIT = Column.of("ballistic_limit_m_s", label="limit")
 GOVERNED_BY = Column("governed by", prose=True)
 # The margin of the armour itself depends on the model error.
-MARGIN_BY_MODEL = column_of("margin_m_s", "+.0f", "margin by the model")
+MARGIN_BY_MODEL = Column.of("margin_m_s", "+.0f", "margin by the model")
 REQUIRED = Column("required margin", "m/s", "+.0f")
 OUTSIDE = Column("outside the tests in", prose=True, key="outside_tests")
 NEEDED = Column("flow stress needed", "GPa", ".1f")
@@ -80,7 +67,7 @@ def best_table(design: BestDesign, required: Mapping[str, float], title: str = "
     threat: list[Source] = [(phrases.STOPPING, stops), MARGIN_BY_MODEL, (REQUIRED, required.get(design.governing))]
     if len(design.margins_m_s) > 1:  # the table of the threats has these of each
         limit, threat = [(GOVERNED_BY, design.governing), *limit], []
-    return record(
+    return Table.of_one(
         design,
         (Column("armour", prose=True), armour_in_words(design)),
         AREAL_DENSITY,
@@ -149,7 +136,7 @@ def frontier_table(result: DesignResult) -> Table:
         return ", ".join([*marks, *["least of the range"] * (design.ceramic_thickness_mm == result.ceramic_min_mm)])
 
     numbers = CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, phrases.WHOLE, MARGIN_BY_MODEL
-    table = listing(
+    table = Table.of(
         result.frontier,
         *numbers,
         outside_tests(result.frontier),
@@ -183,7 +170,7 @@ _thicknesses = attrgetter("ceramic_thickness_mm", "backing_thickness_mm")
 def margin_table(result: DesignResult, required: Mapping[str, float]) -> Table:
     """Return the best design's margin against each threat, and the probabilities of stop and of perforation."""
     best, sampled = _shown(result), Column("probability of perforation by sampling, 95 % interval")
-    return listing(
+    return Table.of(
         best.margins_m_s,
         (Column("threat", prose=True), str),
         (MARGIN_BY_MODEL, best.margins_m_s.__getitem__),
@@ -199,7 +186,7 @@ def pair_table(result: DesignResult) -> Table:
     """Return every pair of materials with its best design, or the reason why it has none."""
     needed: Source = NEEDED, lambda best: phrases.needed_words(_needed(best)[0])
     outside = outside_tests(best_of_pairs(result))
-    table = listing(
+    table = Table.of(
         result.pairs,
         (Column("armour", prose=True), lambda pair: armour_in_words(pair.best) if pair.best else pair_words(pair)),
         *of_part(
@@ -218,7 +205,7 @@ def design_table(designs: Sequence[Design], title: str, margins_m_s: Sequence[Ma
     threats = [*margins_m_s[0]] if margins_m_s else []
     against = ((Column(f"margin against {threat}", "m/s", "+.0f"), itemgetter(threat)) for threat in threats)
     armour = Column("armour", prose=True), armour_in_words
-    table = listing(
+    table = Table.of(
         zip_longest(designs, margins_m_s),
         *of_part(design, armour, AREAL_DENSITY, THICKNESS, COST, phrases.WHOLE),
         *(of_part(margins, *against) if len(threats) > 1 else of_part(design, MARGIN_BY_MODEL)),
@@ -309,7 +296,7 @@ def design_csv(result: DesignResult) -> str:
     numbers = CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, COST, MARGIN_BY_MODEL
     outside: Source = OUTSIDE, lambda design: outside_words(design.outside_tests)
     designs = result.pareto or result.frontier or result.every
-    return csv_text(listing(designs, column_of("ceramic"), untested, column_of("backing"), *numbers, outside))
+    return csv_text(Table.of(designs, Column.of("ceramic"), untested, Column.of("backing"), *numbers, outside))
 
 
 def _shown(result: DesignResult) -> BestDesign:
@@ -400,7 +387,7 @@ def pair_words(design: Design | Pair) -> str:
 
 PROBABILITY = Column("probability", prose=True)
 INTERVAL = Column("95 % interval", "m/s", prose=True)
-MARGIN = column_of("margin_m_s", "+.0f")
+MARGIN = Column.of("margin_m_s", "+.0f")
 # Words of the verdicts, of which one that is overlooked does harm.
 VERDICTS = {"passes": "passes", "fails": "FAILS", "not known": "not known"}
 
@@ -442,7 +429,7 @@ def requirement_table(result: CheckResult) -> Table:
         found += ", and the limit does not suffice" * by_limit
         rows.append((name, row.threat if len(result.threats) > 1 else "", asked, found, VERDICTS[row.verdict]))
     words = (Column(label, prose=True) for label in ("required", "against"))
-    return filled([*words, *map(Column, ("asked for", "found", "verdict"))], rows)
+    return Table.of_rows([*words, *map(Column, ("asked for", "found", "verdict"))], rows)
 
 
 def requirements_of(result: CheckResult) -> list[Requirement]:
@@ -452,9 +439,9 @@ def requirements_of(result: CheckResult) -> list[Requirement]:
 
 def threat_table(result: CheckResult) -> Table:
     """Return each threat with the ballistic limit and its interval, the margin, the probability and the verdict."""
-    return listing(
+    return Table.of(
         result.threats,
-        column_of("threat", prose=True),
+        Column.of("threat", prose=True),
         LIMIT,
         (replace(INTERVAL, label="interval"), lambda threat: interval(threat.interval_m_s, ".0f")),
         MARGIN,
@@ -475,7 +462,7 @@ def what_if_tables(threat: CheckedThreat, title: str) -> list[Table]:
         limit, ends = each.ballistic_limit_m_s, interval(each.interval_m_s, ".0f")
         margin = None if is_known or limit is None else limit - each.velocity_m_s
         rows.append((each.change, limit, ends, margin, phrases.chance(each.probability_of_stopping) * is_known))
-    table = filled((Column("if", prose=True), LIMIT, INTERVAL, MARGIN, PROBABILITY), rows, title)
+    table = Table.of_rows((Column("if", prose=True), LIMIT, INTERVAL, MARGIN, PROBABILITY), rows, title)
     return [table] if len(table.columns) > 1 else []
 
 
@@ -573,7 +560,7 @@ def check_junit(result: CheckResult, scenario: Scenario, seconds: float, origin:
     file, threats = scenario.file, zip(result.threats, scenario.threats(), strict=True)
     parts = [(given.round_name, threat.verdict, finding(threat)) for threat, given in threats]
     for row in result.requirements:
-        parts.append((column_of(row.quantity).label, row.verdict, phrases.requirement_words(row)))
+        parts.append((Column.of(row.quantity).label, row.verdict, phrases.requirement_words(row)))
     cases = [
         TestCase(file, title, "failure" * (found != "passes"), f"{VERDICTS[found]}: {words}", file=file)
         for title, found, words in parts

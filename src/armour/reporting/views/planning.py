@@ -8,7 +8,7 @@ from operator import attrgetter, itemgetter
 from armour.planning.firing import ShotPlan
 from armour.planning.plan_tests import PlannedTests
 from armour.reporting.by_result import tables_of
-from armour.reporting.table import Cell, Column, Table, column_of, filled, interval, listing, of_part, percent, record
+from armour.reporting.table import Cell, Column, Table, interval, of_part, percent
 from armour.reporting.views.statistics import SCATTER_ASSUMED, prior_table, share_note
 from armour.reporting.words import chance, model_error_words, rounded_down
 from armour.scenario.inputs import INPUTS, VELOCITY
@@ -65,27 +65,27 @@ def _plan_table(plan: ShotPlan) -> Table:
         expected = _number_of_shots(plan.expected_shots)
         if plan.expected_shots_90 is not None:
             expected += f"; {plan.expected_shots_90:.0f} with --confidence 0.9"
-    return record(
+    return Table.of_one(
         plan,
-        column_of("next_velocity_m_s", ".1f"),
+        Column.of("next_velocity_m_s", ".1f"),
         (Column("firing ended"), plan.stopped),
-        column_of("procedure"),
+        Column.of("procedure"),
         (Column("shots so far", spec="d"), len(plan.fired.complete)),
         (Column("simulated", spec="d"), plan.simulated or None),
         (Column("further shots expected"), expected),
         (Column("V50 by the mean of MIL-STD-662F", "m/s", ".0f"), None if mean is None else mean.v50_m_s),
         (Column("V50 by the recommended curve", "m/s", ".0f"), None if fit is None else fit.v50_m_s),
         (Column(f"its {percent(plan.confidence)} interval", "m/s"), interval(ends, ".0f")),
-        column_of("half_width_m_s", "g", "half width at which the firing ends"),
+        Column.of("half_width_m_s", "g", "half width at which the firing ends"),
         (Column("limits of V50", "m/s"), interval(plan.limits_m_s, ".0f")),
-        column_of("requirement_m_s", "g", f"required of the {required}"),
+        Column.of("requirement_m_s", "g", f"required of the {required}"),
         (Column("consumer's risk, of accepting what fails it"), _risk(plan.consumers_risk)),
         (Column("producer's risk, of rejecting what meets it"), _risk(plan.producers_risk)),
         (Column("likelihood ratio for it"), _ratio(plan.evidence_met, plan.consumers_risk)),
         (Column("likelihood ratio against it"), _ratio(plan.evidence_not_met, plan.producers_risk)),
         (Column(f"probability that it is met{by_posterior}"), met),
-        column_of("true_v50_m_s", "g", "V50 simulated"),
-        column_of("true_scatter_m_s", "g", "scatter simulated"),
+        Column.of("true_v50_m_s", "g", "V50 simulated"),
+        Column.of("true_scatter_m_s", "g", "scatter simulated"),
     )
 
 
@@ -119,7 +119,9 @@ def operating_table(plan: ShotPlan) -> Table:
         (point.v50_m_s, percent(point.met), percent(point.not_met), _number_of_shots(point.shots))
         for point in plan.operating_characteristic
     ]
-    return filled(columns, rows, f"operating characteristic: simulated firings at a scatter of {scatter:.0f} m/s")
+    return Table.of_rows(
+        columns, rows, f"operating characteristic: simulated firings at a scatter of {scatter:.0f} m/s"
+    )
 
 
 def _shot_table(plan: ShotPlan) -> Table:
@@ -167,7 +169,7 @@ def plan_table(result: PlannedTests) -> Table:
     if result.efficiency is not None:
         efficient = f"at least {percent(int(1000.0 * result.efficiency) / 1000.0)}"
     scatter = f"{result.scatter_percent:.3g} % of the {relative_to}, {PRIOR_SOURCES[result.scatter_source]}"
-    return record(
+    return Table.of_one(
         result,
         (Column("criterion"), CRITERION_WORDS[result.criterion]),
         (Column("candidates", spec="d"), len(next(iter(result.candidates.values())))),
@@ -175,7 +177,7 @@ def plan_table(result: PlannedTests) -> Table:
         (Column("scatter of a test"), scatter),
         (Column("tests made before"), result.tests),
         (Column("law of the ceramic's flow stress"), result.law),
-        *((column_of(name, ".4g"), value) for name, value in result.values.items()),
+        *((Column.of(name, ".4g"), value) for name, value in result.values.items()),
         (Column("efficiency"), efficient),
     )
 
@@ -188,15 +190,15 @@ def step_table(result: PlannedTests) -> Table:
     keys = list(result.candidates)
     varied = [key for key in keys if len(set(result.candidates[key])) > 1] or keys
     names = result.designs if len(result.designs) > 1 else ["the design"] * len(result.designs)
-    inputs = ((column_of(key, "g" if key in INPUTS else ""), itemgetter(key)) for key in varied)
-    widths = (replace(column_of(name, ".3g"), label=f"± {column_of(name).label}") for name in result.values)
+    inputs = ((Column.of(key, "g" if key in INPUTS else ""), itemgetter(key)) for key in varied)
+    widths = (replace(Column.of(name, ".3g"), label=f"± {Column.of(name).label}") for name in result.values)
     limits = ((Column(f"± limit of {name}", "m/s", ".0f"), itemgetter(index)) for index, name in enumerate(names))
-    return listing(
+    return Table.of(
         steps,
         (Column("test"), lambda step: str(step.number or "before")),
         *of_part(lambda step: step.inputs if step.number else None, *inputs),
-        column_of("ballistic_limit_m_s", ".0f", "limit by the model"),
-        column_of("total_cost", ".6g"),
+        Column.of("ballistic_limit_m_s", ".0f", "limit by the model"),
+        Column.of("total_cost", ".6g"),
         *of_part(attrgetter("half_widths"), *((column, itemgetter(column.key)) for column in widths)),
         *of_part(attrgetter("limit_half_widths_m_s"), *limits),
     )
@@ -229,5 +231,5 @@ def form_table(result: PlannedTests) -> Table:
         rows.append(row)
     keys = dict.fromkeys(["test", *(key for row in rows for key in row if key not in (measured, uncertainty))])
     columns = [*keys, measured, *([uncertainty] if has_scatter else [])]
-    headings = tuple(Column(column_of(key).label, key=key) for key in columns)
+    headings = tuple(Column(Column.of(key).label, key=key) for key in columns)
     return Table(headings, tuple(tuple(row.get(key) for key in columns) for row in rows))

@@ -11,16 +11,11 @@ from armour.reporting.table import (
     Source,
     Table,
     VerdictLine,
-    column_of,
-    columns_of,
     deviation_percent,
-    filled,
     in_words,
     interval,
-    listing,
     of_part,
     percent,
-    record,
     with_interval,
 )
 from armour.reporting.words import (
@@ -69,7 +64,7 @@ def index_table(result: UncertaintyResult) -> Table:
         (in_words(i.input), estimated(i.first, ".2f"), estimated(i.total, ".2f"), interval(i.limits_m_s, ".0f"))
         for i in result.inputs
     ]
-    return filled(columns, rows)
+    return Table.of_rows(columns, rows)
 
 
 @tables_of.register
@@ -79,9 +74,9 @@ def tables_of_uncertainty(result: UncertaintyResult) -> list[Table | str]:
     parts: list[Table | str] = [estimate_table(result), SAMPLING_NOTE, error]
     parts += [SAMPLED_ALONE] if result.model_error is None else []
     method = Column("method"), f"{result.method}, seed {result.seed}"
-    of_scenario = column_of("deterministic_m_s", ".0f", "ballistic limit of the scenario")
-    spread = column_of("standard_deviation_m_s", ".0f")
-    parts += [record(result, column_of("samples", "d"), method, of_scenario, spread), index_table(result)]
+    of_scenario = Column.of("deterministic_m_s", ".0f", "ballistic limit of the scenario")
+    spread = Column.of("standard_deviation_m_s", ".0f")
+    parts += [Table.of_one(result, Column.of("samples", "d"), method, of_scenario, spread), index_table(result)]
     estimates = [estimate for index in result.inputs for estimate in (index.first, index.total) if estimate]
     if any(estimate.low < 0.0 or estimate.high > 1.0 for estimate in estimates):
         parts.append(INDEX_NOTE)
@@ -99,9 +94,9 @@ ELASTICITY_NOTE = "% per %: change of the answer, in per cent of it, when the in
 def elasticity_table(result: SensitivityResult) -> Table:
     """Return the elasticities: the change of each answer that has a value, in per cent, when an input grows by 1 %."""
     answers = [name for name, value in result.answers.items() if value is not None]
-    changes = ((Column(column_of(name).label, "% per %", "+.2f"), itemgetter(name)) for name in answers)
+    changes = ((Column(Column.of(name).label, "% per %", "+.2f"), itemgetter(name)) for name in answers)
     inputs: Source = Column("input", prose=True), lambda item: in_words(item.input)
-    return listing(result.inputs, inputs, column_of("value", "g"), *of_part(attrgetter("elasticities"), *changes))
+    return Table.of(result.inputs, inputs, Column.of("value", "g"), *of_part(attrgetter("elasticities"), *changes))
 
 
 @tables_of.register
@@ -110,22 +105,22 @@ def tables_of_sensitivity(result: SensitivityResult) -> list[Table | str]:
     answers: list[Source] = []
     for name, value in result.answers.items():
         none = "none (stopped)" if name == "residual_velocity_m_s" else "none"
-        answers.append((Column(column_of(name).label), none) if value is None else (column_of(name), value))
-    return [record(result, *answers), elasticity_table(result), ELASTICITY_NOTE]
+        answers.append((Column(Column.of(name).label), none) if value is None else (Column.of(name), value))
+    return [Table.of_one(result, *answers), elasticity_table(result), ELASTICITY_NOTE]
 
 
 def calibration_table(result: CalibrationResult) -> Table:
     """Return the quality of a fit to tests, and how well the tests' uncertainties, if any, explain the deviations."""
     weighted = result.weights == "uncertainties"
-    return record(
+    return Table.of_one(
         result,
         (Column("tests", spec="d"), len({residual.test for residual in result.residuals})),
         (Column("deviations relative to"), "uncertainties of the tests" if weighted else "measured values"),
-        column_of("law", label="law of the ceramic's flow stress"),
+        Column.of("law", label="law of the ceramic's flow stress"),
         _error("mean error", result.mean_error_percent),
         _error("mean leave-one-out error", result.left_out_error_percent),
         (Column("AICc", spec=".1f"), None if _has_prior(result) else _or(result.aicc, "too few tests")),
-        column_of("degrees_of_freedom", ".4g"),
+        Column.of("degrees_of_freedom", ".4g"),
         (Column("chi-squared", spec=".2f"), result.chi_squared if weighted else None),
         (Column("p value", spec=".2g"), result.p_value if weighted else None),
         (Column("intervals widened by", spec=".2f"), result.widened_by if result.widened_by > 1.0 else None),
@@ -144,7 +139,7 @@ def _has_prior(result: CalibrationResult) -> bool:
 def coefficient_table(result: CalibrationResult) -> Table:
     """Return the fitted coefficients with their intervals, or the reason why one is not identified."""
     known = Column(f"{percent(result.confidence)} interval", prose=True)
-    return listing(
+    return Table.of(
         result.coefficients,
         (Column("coefficient", prose=True), lambda c: in_words(c.name)),
         (Column("estimate", spec=".4g"), lambda c: _or(c.estimate, "not identified")),
@@ -162,11 +157,11 @@ PRIOR_NOTE = (
 def law_table(result: CalibrationResult) -> Table:
     """Return the laws that were compared."""
     few = "too few tests"
-    return listing(
+    return Table.of(
         result.laws,
-        column_of("law"),
-        column_of("coefficients", "d"),
-        (column_of("mean_error_percent", ".1f"), lambda law: _or(law.mean_error_percent, few)),
+        Column.of("law"),
+        Column.of("coefficients", "d"),
+        (Column.of("mean_error_percent", ".1f"), lambda law: _or(law.mean_error_percent, few)),
         (Column("mean leave-one-out error", "%", ".1f"), lambda law: _or(law.left_out_error_percent, few)),
         (Column("AICc", spec=".1f"), lambda law: _or(law.aicc, "none with a prior" if _has_prior(result) else few)),
     )
@@ -187,17 +182,17 @@ def correlation_table(result: CalibrationResult) -> Table:
 def residual_table(result: CalibrationResult) -> Table:
     """Return measured and computed values, test by test; one-sided tests have a bound and no deviation."""
     quantities = {residual.quantity for residual in result.residuals}
-    shared = column_of(*quantities) if len(quantities) == 1 else Column("")
+    shared = Column.of(*quantities) if len(quantities) == 1 else Column("")
 
     def deviation(residual: Residual, value: float | None) -> float | None:
         return None if residual.bound else deviation_percent(value, residual.measured)
 
-    return listing(
+    return Table.of(
         result.residuals,
-        column_of("test", prose=True),
-        (Column("quantity", prose=True), lambda r: "" if shared.label else column_of(r.quantity).label),
-        (Column("unit"), lambda r: "" if shared.label else column_of(r.quantity).unit),
-        column_of("bound"),
+        Column.of("test", prose=True),
+        (Column("quantity", prose=True), lambda r: "" if shared.label else Column.of(r.quantity).label),
+        (Column("unit"), lambda r: "" if shared.label else Column.of(r.quantity).unit),
+        Column.of("bound"),
         (Column(f"measured {shared.label}".rstrip(), shared.unit, "g"), lambda r: r.measured),
         (Column("computed", shared.unit, ".4g"), lambda r: r.computed),
         (Column("deviation", "%", "+.1f"), lambda r: deviation(r, r.computed)),
@@ -209,13 +204,13 @@ def residual_table(result: CalibrationResult) -> Table:
 def own_test_table(tests: Sequence[OwnTest]) -> Table:
     """Return own tests with the limits that are computed for them and predicted from the others."""
     predicted = Column("predicted from the others (95 % interval)", "m/s")
-    return listing(
+    return Table.of(
         tests,
-        column_of("name", label="test", prose=True),
-        *columns_of(ceramic_thickness_mm="g", backing_thickness_mm="g", obliquity_deg=".0f"),
-        column_of("penetrator_diameter_mm", ".4g", "penetrator diameter"),
+        Column.of("name", label="test", prose=True),
+        *Column.of_each(ceramic_thickness_mm="g", backing_thickness_mm="g", obliquity_deg=".0f"),
+        Column.of("penetrator_diameter_mm", ".4g", "penetrator diameter"),
         (Column("measured", "m/s"), own_measured),
-        column_of("computed_m_s", ".0f", "computed"),
+        Column.of("computed_m_s", ".0f", "computed"),
         (predicted, lambda test: f"{test.predicted_m_s:.0f} ({interval(test.interval_m_s, '.0f')})"),
         (Column("out of line"), lambda test: "yes" if test.out_of_line else ""),
     )
@@ -246,13 +241,13 @@ def v50_table(result: FiringResult) -> Table:
             (Column("span of these shots", "m/s", ".4g"), mean.span_m_s),
             (Column("span allowed", "m/s", ".4g"), mean.span_allowed_m_s),
         ]
-    return record(
+    return Table.of_one(
         result,
-        column_of("shots", "d"),
-        column_of("complete", "d", "complete penetrations"),
-        *columns_of(highest_partial_m_s=".0f", lowest_complete_m_s=".0f", zone_of_mixed_results_m_s=".0f"),
+        Column.of("shots", "d"),
+        Column.of("complete", "d", "complete penetrations"),
+        *Column.of_each(highest_partial_m_s=".0f", lowest_complete_m_s=".0f", zone_of_mixed_results_m_s=".0f"),
         *rule,
-        column_of("model_ballistic_limit_m_s", ".0f", "ballistic limit by the model"),
+        Column.of("model_ballistic_limit_m_s", ".0f", "ballistic limit by the model"),
         (Column("its 95 % interval, with the model error", "m/s"), interval(result.model_interval_m_s, ".0f")),
     )
 
@@ -267,20 +262,20 @@ def recommended_table(fit: FittedCurve, level: float) -> Table:
     )
     lower = Column(f"one-sided {percent(level)} lower bound", "m/s", ".0f")
     columns = Column("quantity"), Column("estimate", "m/s", ".0f"), Column(f"{percent(level)} interval", "m/s"), lower
-    return filled(columns, rows, f"recommended: {fit.curve}, {fit.method}")
+    return Table.of_rows(columns, rows, f"recommended: {fit.curve}, {fit.method}")
 
 
 def curve_table(result: FiringResult) -> Table:
     """Return all fitted curves, with their intervals."""
     level = f"{percent(result.confidence)} interval"
-    return listing(
+    return Table.of(
         (*result.penalised_fits, *result.fits),
-        column_of("curve"),
+        Column.of("curve"),
         (Column("likelihood"), lambda fit: fit.method.removesuffix(" likelihood")),
         (Column(f"V50, {level}", "m/s"), lambda fit: with_interval(fit.v50_m_s, fit.v50_interval_m_s, ".0f")),
         (Column(f"scatter, {level}", "m/s"), lambda fit: with_interval(fit.scale_m_s, fit.scale_interval_m_s, ".0f")),
-        column_of("v05_m_s", ".0f", "V05"),
-        column_of("v95_m_s", ".0f", "V95"),
+        Column.of("v05_m_s", ".0f", "V05"),
+        Column.of("v95_m_s", ".0f", "V95"),
     )
 
 
@@ -407,7 +402,7 @@ def tables_of_firing(result: FiringResult) -> list[Table | str]:
 def prior_table(prior: FiringEstimate, posterior: FiringEstimate, level: float) -> Table:
     """Return V50 and the scatter before and after the shots."""
     v50, scatter = (Column(f"{name}, {percent(level)} interval", "m/s") for name in ("V50", "scatter"))
-    return listing(
+    return Table.of(
         (("prior", prior), ("posterior", posterior)),
         (Column("distribution"), lambda row: row[0]),
         (v50, lambda row: with_interval(row[1].v50_m_s, row[1].v50_interval_m_s, ".0f")),

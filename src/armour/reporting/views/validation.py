@@ -9,19 +9,7 @@ from armour.errors import counted
 from armour.reporting.by_result import drawing_of, tables_of
 from armour.reporting.junit import TestCase, junit_suite, junit_xml
 from armour.reporting.report import Report, ReportSection, origin_section
-from armour.reporting.table import (
-    Column,
-    Table,
-    VerdictLine,
-    column_of,
-    columns_of,
-    deviation_percent,
-    filled,
-    grouped,
-    listing,
-    number,
-    record,
-)
+from armour.reporting.table import Column, Table, VerdictLine, deviation_percent, grouped, number
 from armour.reporting.views.analysis import caveat_lines
 from armour.reporting.words import BALLISTIC_LIMIT, WHOLE
 from armour.statistics.measured import LIMIT
@@ -44,7 +32,7 @@ def check_table(checks: Sequence[Check], title: str = "") -> Table:
     """Return expected and computed values with the bands they are held to."""
     units = {check.case.unit for check in checks}
     shared = units.pop() if len(units) == 1 else ""
-    return listing(
+    return Table.of(
         checks,
         (Column("case", prose=True), lambda check: check.case.name),
         (Column("unit"), lambda check: "" if shared else check.case.unit),
@@ -52,9 +40,9 @@ def check_table(checks: Sequence[Check], title: str = "") -> Table:
         # Each case has decimals of its own, so that computed value and deviation are formatted here.
         (Column("computed", shared, "g"), lambda check: _in_decimals(check.case, check.computed)),
         (Column("deviation", shared, "g"), lambda check: _in_decimals(check.case, check.deviation, "+")),
-        column_of("deviation_percent", "+.2f", "relative deviation"),
+        Column.of("deviation_percent", "+.2f", "relative deviation"),
         (Column("band ±", shared, ".4g"), lambda check: check.case.band),
-        column_of("status"),
+        Column.of("status"),
         title=title,
     )
 
@@ -78,31 +66,31 @@ def failure(check: Check) -> str:
 def summary_table(result: SuiteResult) -> Table:
     """Return the deviations of each table of a suite as a whole, except those of rows in files."""
     file_tables = {check.case.group for check in result.checks if check.case.cells}
-    return listing(
+    return Table.of(
         [summary for summary in result.summaries if summary.name not in file_tables],
-        column_of("name", label="table", prose=True),
-        column_of("count", "d", "rows"),
-        column_of("unit"),
-        column_of("mean", "+.2f"),
-        column_of("rms", ".2f", "RMS"),
-        column_of("largest", ".2f"),
-        column_of("rms_band", "g", "RMS band"),
-        column_of("status"),
+        Column.of("name", label="table", prose=True),
+        Column.of("count", "d", "rows"),
+        Column.of("unit"),
+        Column.of("mean", "+.2f"),
+        Column.of("rms", ".2f", "RMS"),
+        Column.of("largest", ".2f"),
+        Column.of("rms_band", "g", "RMS band"),
+        Column.of("status"),
         title="tables as a whole",
     )
 
 
 def group_table(result: SuiteResult, name: str) -> Table:
     """Return the relative deviations of a table whose rows are in a file, all of them and by group."""
-    return listing(
+    return Table.of(
         [summary for summary in result.summaries if summary.name == name],
         (Column("tests", prose=True), lambda summary: summary.group or "all"),
-        column_of("count", "d", "number"),
+        Column.of("count", "d", "number"),
         (Column("mean", "%", "+.1f"), lambda summary: summary.mean),
         (Column("magnitude", "%", ".1f"), lambda summary: summary.mean_magnitude),
         (Column("RMS", "%", ".1f"), lambda summary: summary.rms),
         (Column("largest", "%", ".1f"), lambda summary: summary.largest),
-        (column_of("status"), lambda summary: "" if summary.status == "not scored" else summary.status),
+        (Column.of("status"), lambda summary: "" if summary.status == "not scored" else summary.status),
         title=name,
     )
 
@@ -121,13 +109,13 @@ def held_to(summary: TableSummary) -> str:
 def error_tables(errors: Sequence[Error]) -> list[Table]:
     """Return the errors of the predictions that each table compares."""
     predictor, mean = (
-        column_of("predictor", label="predicted by", prose=True),
-        column_of("mean_percent", ".1f", "mean error"),
+        Column.of("predictor", label="predicted by", prose=True),
+        Column.of("mean_percent", ".1f", "mean error"),
     )
-    numbers = columns_of(left_out_percent=".1f", largest_percent=".1f")
-    columns = predictor, mean, *numbers, column_of("fitted", prose=True)
+    numbers = Column.of_each(left_out_percent=".1f", largest_percent=".1f")
+    columns = predictor, mean, *numbers, Column.of("fitted", prose=True)
     return [
-        listing(group, *columns, title=f"errors, {table}, {counted(group[0].count, 'row')}")
+        Table.of(group, *columns, title=f"errors, {table}, {counted(group[0].count, 'row')}")
         for table, group in grouped(errors, lambda error: error.table).items()
     ]
 
@@ -177,7 +165,6 @@ def failed_table(name: str, checks: Sequence[Check]) -> list[Table]:
 # Deviations below this, in any unit, say no more than that they are small.
 SMALL_DEVIATION = 0.01
 OVERVIEW = ("within", "RMS", "RMS band", "worst")
-OVERVIEW = ("within", "RMS", "RMS band", "worst")
 
 
 def _magnitude(value: float, unit: str) -> str:
@@ -201,7 +188,9 @@ def overview_table(result: SuiteResult) -> Table:
         return within or "not scored", "", "", "" if worst is None else _magnitude(worst, "%")
 
     columns = Column("table", prose=True), Column("cases", spec="d"), *map(Column, OVERVIEW)
-    return filled(columns, [(name, len(checks), *line(name, checks)) for name, checks in check_groups(result).items()])
+    return Table.of_rows(
+        columns, [(name, len(checks), *line(name, checks)) for name, checks in check_groups(result).items()]
+    )
 
 
 @tables_of.register
@@ -228,14 +217,16 @@ def tables_of_suite(result: SuiteResult) -> list[Table | str]:
 def update_table(updates: Sequence[Check]) -> Table:
     """Return the expected values that an update changes."""
     columns = Column("case", prose=True), Column("expected", spec=".10g"), Column("computed", spec=".10g")
-    return filled(columns, [(check.case.full_name, check.case.expected, check.computed) for check in updates])
+    return Table.of_rows(columns, [(check.case.full_name, check.case.expected, check.computed) for check in updates])
 
 
 def parity_table(result: SuiteResult) -> Table:
     """Return expected and computed values of a suite's tables."""
-    columns = [*map(column_of, ("table", "row", "quantity")), *columns_of(expected="g", computed="g")]
+    columns = [*map(Column.of, ("table", "row", "quantity")), *Column.of_each(expected="g", computed="g")]
     cases = ((check.case, check.computed) for check in result.checks)
-    return filled(columns, [(case.group, case.name, case.quantity, case.expected, value) for case, value in cases])
+    return Table.of_rows(
+        columns, [(case.group, case.name, case.quantity, case.expected, value) for case, value in cases]
+    )
 
 
 def drawn_checks(result: SuiteResult) -> list[Check]:
@@ -262,10 +253,10 @@ def usable_table(result: SuiteResult) -> Table:
         of_limits = not summary.group and (summary.unit, cases[0].quantity) == ("%", LIMIT)
         return of_limits and summary.status != "not scored" and any(case.cells or case.rivals for case in cases)
 
-    return listing(
+    return Table.of(
         filter(is_measured, result.summaries),
-        column_of("name", label="tests", prose=True),
-        column_of("count", "d", "number"),
+        Column.of("name", label="tests", prose=True),
+        Column.of("count", "d", "number"),
         (Column("mean error", "%", "+.1f"), lambda summary: summary.mean),
         (Column("RMS error", "%", ".1f"), lambda summary: summary.rms),
         (Column("allowance", "%", ".0f"), lambda summary: allowance_percent(groups[summary.name])),
@@ -366,7 +357,7 @@ def comparison_table(result: Comparison) -> Table:
     limits |= {f"areal density rule, p = {rule.p:.4g}": rule.ballistic_limit_m_s for rule in result.rules}
     rows = [(name, other, deviation_percent(other, limit)) for name, other in limits.items()]
     columns = Column("formula", prose=True), BALLISTIC_LIMIT, Column("difference from the model", "%", "+.0f")
-    return filled(columns, [("this model", limit, None), *rows])
+    return Table.of_rows(columns, [("this model", limit, None), *rows])
 
 
 def weight_table(
@@ -378,20 +369,20 @@ def weight_table(
     for each in measured:
         name = f"measured: {each.armour}, {each.projectile}"
         rows.append((name, each.areal_density_kg_m2, each.ballistic_limit_m_s))
-    columns = Column("armour, nearest in limit", prose=True), column_of("areal_density_kg_m2"), BALLISTIC_LIMIT
+    columns = Column("armour, nearest in limit", prose=True), Column.of("areal_density_kg_m2"), BALLISTIC_LIMIT
     return Table(columns, tuple(rows))
 
 
 def optimum_table(result: Comparison) -> Table:
     """Return the thicknesses of the same areal density that are best by Florence, with their ballistic limits."""
-    return listing(
+    return Table.of(
         result.florence,
         (Column("optimum by Florence", prose=True), _florence),
-        column_of("best_ceramic_thickness_mm", ".1f", "ceramic"),
-        column_of("best_backing_thickness_mm", ".1f", "back plate"),
-        column_of("best_thickness_ratio", ".1f", "ratio"),
-        column_of("best_ballistic_limit_m_s", ".0f", "limit by Florence"),
-        column_of("model_ballistic_limit_m_s", ".0f", "by the model"),
+        Column.of("best_ceramic_thickness_mm", ".1f", "ceramic"),
+        Column.of("best_backing_thickness_mm", ".1f", "back plate"),
+        Column.of("best_thickness_ratio", ".1f", "ratio"),
+        Column.of("best_ballistic_limit_m_s", ".0f", "limit by Florence"),
+        Column.of("model_ballistic_limit_m_s", ".0f", "by the model"),
     )
 
 
@@ -409,12 +400,12 @@ def rule_note(result: Comparison) -> str:
 
 def fit_table(result: Comparison) -> Table:
     """Return the fits to the model's residual velocities."""
-    return listing(
+    return Table.of(
         result.fits,
-        column_of("name", label="residual velocity by", prose=True),
-        column_of("ratio", ".4f", "velocity ratio a"),
-        column_of("exponent", ".3f"),
-        column_of("rms_m_s", ".1f", "RMS deviation"),
+        Column.of("name", label="residual velocity by", prose=True),
+        Column.of("ratio", ".4f", "velocity ratio a"),
+        Column.of("exponent", ".3f"),
+        Column.of("rms_m_s", ".1f", "RMS deviation"),
     )
 
 
@@ -427,7 +418,7 @@ def tables_of_comparison(result: Comparison) -> list[Table | str]:
         comparison_table(result),
         *([f"Florence's limit: none, without {', '.join(result.florence_missing)}"] if result.florence_missing else []),
         rule_note(result),
-        record(result, column_of("areal_density_kg_m2"), WHOLE),
+        Table.of_one(result, Column.of("areal_density_kg_m2"), WHOLE),
         weight_table(result.whole_areal_density_kg_m2, result.limit.ballistic_limit_m_s, result.rules, result.measured),
         *([optimum_table(result)] if result.florence else []),
         *error_tables(result.errors),
