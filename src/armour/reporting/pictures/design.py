@@ -11,14 +11,7 @@ from matplotlib.axes import Axes
 
 from armour.design.catalogue import NO_BOUND, Catalogue, catalogue_of
 from armour.design.check import CheckResult
-from armour.design.map import (
-    DesignMap,
-    design_map,
-    lightest,
-    limits_over_sources,
-    thicknesses_tested,
-    with_known_edges,
-)
+from armour.design.map import DesignMap, design_map, lightest, limits_over_sources, thicknesses_tested, with_known_edges
 from armour.design.optimise import Design, DesignResult
 from armour.evidence.tests import outside_tests
 from armour.reporting.by_result import draw

@@ -14,7 +14,7 @@ from armour.reporting.views.statistics import MEANS, velocity_name
 from armour.reporting.words import risk
 from armour.scenario.inputs import VELOCITY
 from armour.statistics.calibration import CalibrationResult, Residual
-from armour.statistics.curves import FittedCurve
+from armour.statistics.curves import FittedCurve, ShotLikelihood
 from armour.statistics.measured import LIMIT
 from armour.statistics.own_tests import OwnTest
 from armour.statistics.sensitivity import SensitivityResult
@@ -226,8 +226,6 @@ def draw_firing(result: FiringResult, sheet: drawing.Sheet) -> drawing.Picture:
 
 def _draw_region(axes: Axes, fit: FittedCurve, shots: Shots, confidence: float, ends: tuple[float, float]) -> None:
     """Draw the joint confidence regions of V50 and scatter, at one half and at the confidence level."""
-    from armour.statistics.curves import ShotLikelihood
-
     likelihood = ShotLikelihood(shots.of(complete=False), shots.of(complete=True), fit.curve, penalised=True)
     (slowest, fastest), widest = fit.v50_interval_m_s, fit.scale_interval_m_s[1]
     if slowest is not None and fastest is not None:

@@ -522,14 +522,10 @@ def layer_words(layers: Sequence[InertLayer]) -> list[str]:
 def tables_of_check(result: CheckResult) -> list[Table | str]:
     """Return the verdict, the threats, and what changes do against the one most likely to perforate, or each."""
     several = len(result.threats) > 1
-    shown: list[Table | str] = [
-        VerdictLine(outcome(result), good=result.verdict == "passes"),
-        amounts(result),
-        *layer_words(result.question["scenario"].armour.layer),
-        threat_table(result),
-        *outside_notes(result.threats),
-        *phrases.threat_notes(result.question.get("scenario")),
-    ]
+    scenario = result.question["scenario"]
+    shown: list[Table | str] = [VerdictLine(outcome(result), good=result.verdict == "passes"), amounts(result)]
+    shown += [*layer_words(scenario.armour.layer), threat_table(result)]
+    shown += [*outside_notes(result.threats), *phrases.threat_notes(scenario)]
     if len(requirements_of(result)) > len(result.threats):
         shown.append(requirement_table(result))
     explained = result.threats if result.question.get("every_row") else (min(result.threats, key=standing),)

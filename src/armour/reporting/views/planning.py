@@ -129,10 +129,10 @@ def _shot_table(plan: ShotPlan) -> Table:
     fired = plan.fired
     kinds = ["complete" if complete else "partial" for complete in fired.complete]
     rows = zip_longest(fired.names, fired.velocities_m_s, kinds, fillvalue="")
-    shots = [(name or str(number), *shot) for number, (name, *shot) in enumerate(rows, start=1)]
+    shots = tuple((name or str(number), *shot) for number, (name, *shot) in enumerate(rows, start=1))
     decimals = max(len(f"{velocity:.3f}".rstrip("0").partition(".")[2]) for velocity in fired.velocities_m_s)
     columns = Column("shot"), Column("velocity", "m/s", f".{max(decimals, 1)}f"), Column("penetration")
-    return Table(columns, tuple(shots))
+    return Table(columns, shots)
 
 
 CRITERION_WORDS = {

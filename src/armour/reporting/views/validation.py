@@ -108,12 +108,9 @@ def held_to(summary: TableSummary) -> str:
 
 def error_tables(errors: Sequence[Error]) -> list[Table]:
     """Return the errors of the predictions that each table compares."""
-    predictor, mean = (
-        Column.of("predictor", label="predicted by", prose=True),
-        Column.of("mean_percent", ".1f", "mean error"),
-    )
-    numbers = Column.of_each(left_out_percent=".1f", largest_percent=".1f")
-    columns = predictor, mean, *numbers, Column.of("fitted", prose=True)
+    predictor = Column.of("predictor", label="predicted by", prose=True)
+    numbers = [Column.of("mean_percent", ".1f", "mean error"), Column.of("left_out_percent", ".1f")]
+    columns = predictor, *numbers, Column.of("largest_percent", ".1f"), Column.of("fitted", prose=True)
     return [
         Table.of(group, *columns, title=f"errors, {table}, {counted(group[0].count, 'row')}")
         for table, group in grouped(errors, lambda error: error.table).items()
