@@ -69,7 +69,7 @@ def draw_sensitivity(result: SensitivityResult, sheet: drawing.Sheet) -> drawing
     """Draw the elasticities; inputs with the largest of the first answer, the limit where there is one, are on top."""
     answers = [name for name, value in result.answers.items() if value is not None]
     # Without an elasticity an input, such as the velocity for the ballistic limit, is below those with one.
-    inputs = [item for item in result.inputs if {*map(item.elasticities.get, answers)} - {None}]
+    inputs = [item for item in result.inputs if any(item.elasticities[answer] is not None for answer in answers)]
     inputs.sort(key=lambda item: [-abs(item.elasticities[answer] or 0.0) for answer in answers])
     names, titles = [Column.of(item.input).label for item in inputs], [Column.of(name).label for name in answers]
     title, note = "", "Change in % for a 1 % increase of the input."

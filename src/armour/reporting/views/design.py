@@ -164,6 +164,7 @@ def left_out(result: DesignResult) -> str:
     return f"no ceramic passes on {counted(len(plates), 'back plate')}, {' to '.join(ends)} mm"
 
 
+# By which a design is told from others of its materials.
 _thicknesses = attrgetter("ceramic_thickness_mm", "backing_thickness_mm")
 
 
@@ -184,14 +185,13 @@ def margin_table(result: DesignResult, required: Mapping[str, float]) -> Table:
 
 def pair_table(result: DesignResult) -> Table:
     """Return every pair of materials with its best design, or the reason why it has none."""
+    numbers = AREAL_DENSITY, THICKNESS, COST, LIMIT, MARGIN_BY_MODEL
     needed: Source = NEEDED, lambda best: phrases.needed_words(_needed(best)[0])
     outside = outside_tests(best_of_pairs(result))
     table = Table.of(
         result.pairs,
         (Column("armour", prose=True), lambda pair: armour_in_words(pair.best) if pair.best else pair_words(pair)),
-        *of_part(
-            attrgetter("best"), AREAL_DENSITY, THICKNESS, COST, LIMIT, MARGIN_BY_MODEL, phrases.WHOLE, needed, outside
-        ),
+        *of_part(attrgetter("best"), *numbers, phrases.WHOLE, needed, outside),
         (Column("result", prose=True), lambda pair: _result(result, pair)),
         title="pairs of materials",
         rest="--json",

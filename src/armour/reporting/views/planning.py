@@ -114,13 +114,13 @@ def _number_of_shots(median: float | None) -> str:
 def operating_table(plan: ShotPlan) -> Table:
     """Return what becomes of firings at armours around the requirement."""
     scatter = plan.operating_characteristic[0].scatter_m_s
-    columns = Column("V50", "m/s", ".0f"), *map(Column, ("met", "not met", "median of shots"))
-    rows = [
-        (point.v50_m_s, percent(point.met), percent(point.not_met), _number_of_shots(point.shots))
-        for point in plan.operating_characteristic
-    ]
-    return Table.of_rows(
-        columns, rows, f"operating characteristic: simulated firings at a scatter of {scatter:.0f} m/s"
+    return Table.of(
+        plan.operating_characteristic,
+        Column.of("v50_m_s", ".0f", "V50"),
+        (Column("met"), lambda point: percent(point.met)),
+        (Column("not met"), lambda point: percent(point.not_met)),
+        (Column("median of shots"), lambda point: _number_of_shots(point.shots)),
+        title=f"operating characteristic: simulated firings at a scatter of {scatter:.0f} m/s",
     )
 
 

@@ -58,13 +58,13 @@ def estimate_table(result: UncertaintyResult) -> Table:
 
 def index_table(result: UncertaintyResult) -> Table:
     """Return the Sobol' indices of each input, and the ballistic limits at its quantiles."""
-    indices = map(Column, ("first-order index", "total index"))
-    columns = Column("input", prose=True), *indices, Column("limit at 5 and 95 %", "m/s")
-    rows = [
-        (in_words(i.input), estimated(i.first, ".2f"), estimated(i.total, ".2f"), interval(i.limits_m_s, ".0f"))
-        for i in result.inputs
-    ]
-    return Table.of_rows(columns, rows)
+    return Table.of(
+        result.inputs,
+        (Column("input", prose=True), lambda item: in_words(item.input)),
+        (Column("first-order index"), lambda item: estimated(item.first, ".2f")),
+        (Column("total index"), lambda item: estimated(item.total, ".2f")),
+        (Column("limit at 5 and 95 %", "m/s"), lambda item: interval(item.limits_m_s, ".0f")),
+    )
 
 
 @tables_of.register
@@ -347,7 +347,8 @@ def point_notes(result: FiringResult) -> list[str]:
 
 def velocity_name(fraction: float) -> str:
     """Return the name of the velocity at which a fraction perforates, such as V50 or V05."""
-    return f"V{f'{100.0 * fraction:.3g}'.zfill(2)}"
+    number = f"{100.0 * fraction:.3g}"
+    return f"V{number.zfill(2)}"
 
 
 def requirement_verdict(result: FiringResult) -> list[str]:

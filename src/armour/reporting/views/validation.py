@@ -9,7 +9,7 @@ from armour.errors import counted
 from armour.reporting.by_result import drawing_of, tables_of
 from armour.reporting.junit import TestCase, junit_suite, junit_xml
 from armour.reporting.report import Report, ReportSection, origin_section
-from armour.reporting.table import Column, Table, VerdictLine, deviation_percent, grouped, number
+from armour.reporting.table import Cell, Column, Table, VerdictLine, deviation_percent, grouped, number
 from armour.reporting.views.analysis import caveat_lines
 from armour.reporting.words import BALLISTIC_LIMIT, WHOLE
 from armour.statistics.measured import LIMIT
@@ -161,7 +161,6 @@ def failed_table(name: str, checks: Sequence[Check]) -> list[Table]:
 
 # Deviations below this, in any unit, say no more than that they are small.
 SMALL_DEVIATION = 0.01
-OVERVIEW = ("within", "RMS", "RMS band", "worst")
 
 
 def _magnitude(value: float, unit: str) -> str:
@@ -171,6 +170,7 @@ def _magnitude(value: float, unit: str) -> str:
 
 def overview_table(result: SuiteResult) -> Table:
     """Return a line for each table of a suite: how many cases are within their bands, and their deviations."""
+    groups = check_groups(result)
     whole = {summary.name: summary for summary in result.summaries if not summary.group}
 
     def line(name: str, checks: Sequence[Check]) -> tuple[str, ...]:
@@ -184,10 +184,9 @@ def overview_table(result: SuiteResult) -> Table:
         worst = max((abs(percent) for percent in deviations if percent is not None), default=None)
         return within or "not scored", "", "", "" if worst is None else _magnitude(worst, "%")
 
-    columns = Column("table", prose=True), Column("cases", spec="d"), *map(Column, OVERVIEW)
-    return Table.of_rows(
-        columns, [(name, len(checks), *line(name, checks)) for name, checks in check_groups(result).items()]
-    )
+    words = map(Column, ("within", "RMS", "RMS band", "worst"))
+    rows: list[tuple[Cell, ...]] = [(name, len(checks), *line(name, checks)) for name, checks in groups.items()]
+    return Table.of_rows((Column("table", prose=True), Column("cases", spec="d"), *words), rows)
 
 
 @tables_of.register
@@ -221,9 +220,8 @@ def parity_table(result: SuiteResult) -> Table:
     """Return expected and computed values of a suite's tables."""
     columns = [*map(Column.of, ("table", "row", "quantity")), *Column.of_each(expected="g", computed="g")]
     cases = ((check.case, check.computed) for check in result.checks)
-    return Table.of_rows(
-        columns, [(case.group, case.name, case.quantity, case.expected, value) for case, value in cases]
-    )
+    rows = [(case.group, case.name, case.quantity, case.expected, computed) for case, computed in cases]
+    return Table.of_rows(columns, rows)
 
 
 def drawn_checks(result: SuiteResult) -> list[Check]:
