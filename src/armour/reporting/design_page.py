@@ -188,9 +188,7 @@ def _pair(catalogue: Catalogue, pair: int, grid: tuple[Floats, Floats], on_progr
         "backing": offer.backing.material,
         "densities": [offer.ceramic_density_kg_m3, density * counts],
         "hull": "" if counts else density * float(backings[0]) * MM,
-        "changes": [
-            f"{layer}.density_kg_m3={density:.17g}" for layer, density in densities.items() if density is not None
-        ],
+        "changes": [f"{layer}.density_kg_m3={each:.17g}" for layer, each in densities.items() if each is not None],
         "ceramics": ceramics.tolist(),
         "backings": backings.tolist(),
         "offered": [_places(ceramics, offer.ceramic), _places(backings, offer.backing)],
@@ -200,9 +198,7 @@ def _pair(catalogue: Catalogue, pair: int, grid: tuple[Floats, Floats], on_progr
         "single": bool(catalogue.one_source[pair] or not catalogue.metal[pair]),
         "unlike": "" if catalogue.metal[pair] else no_metal(offer.backing_density_kg_m3),
         "over": _over_sources(catalogue, designs),
-        "tested": [
-            [list(layers["ceramic"]), list(layers["backing"])] if len(layers) == 2 else None for layers in tested
-        ],
+        "tested": [[layers["ceramic"], layers["backing"]] if len(layers) == 2 else None for layers in tested],
         "source": _source(catalogue, designs),
         **_outside(catalogue, designs),
         **_numbers(designs),

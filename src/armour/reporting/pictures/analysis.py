@@ -21,17 +21,14 @@ from armour.reporting.views.analysis import STAGES, caveat_lines, verdict_words
 from armour.reporting.words import chance
 from armour.units import MM
 
+VELOCITIES = {
+    "projectile V": "velocity_m_s",
+    "penetration U": "penetration_velocity_m_s",
+    "target W": "target_velocity_m_s",
+}
 # Panels over time: y axis, height, and curves by label.
 PANELS: Any = (
-    (
-        "velocity, m/s",
-        1.1 * drawing.PANEL,
-        {
-            "projectile V": "velocity_m_s",
-            "penetration U": "penetration_velocity_m_s",
-            "target W": "target_velocity_m_s",
-        },
-    ),
+    ("velocity, m/s", 1.1 * drawing.PANEL, VELOCITIES),
     ("penetrator length L, mm", 0.75 * drawing.PANEL, {"": "length_mm"}),
     ("depth, bulge, mm", 0.75 * drawing.PANEL, {"depth Z": "depth_mm", "bulge h": "bulge_height_mm"}),
 )

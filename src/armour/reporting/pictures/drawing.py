@@ -30,9 +30,8 @@ MARKERS = "os^DvP"
 FONT, TITLE, NAME, SMALL_FONT = 9.0, 10.5, 8.0, 7.0
 STYLE: Any = {
     "axes.axisbelow": True,
-    "axes.edgecolor": INK,
+    **dict.fromkeys(("axes.edgecolor", "axes.labelcolor", "text.color", "xtick.color", "ytick.color"), INK),
     "axes.grid": True,
-    "axes.labelcolor": INK,
     "axes.spines.right": False,
     "axes.spines.top": False,
     "axes.titlesize": FONT,
@@ -46,10 +45,7 @@ STYLE: Any = {
     "lines.markersize": 5.0,
     "svg.fonttype": "none",
     "svg.hashsalt": "armour",
-    "text.color": INK,
     "text.parse_math": False,  # titles are the user's
-    "xtick.color": INK,
-    "ytick.color": INK,
 }
 # A new figure starts from matplotlib's defaults, not from the settings of a user or a folder.
 SETTINGS: Any = {key: value for key, value in mpl.rcParamsDefault.items() if key != "backend"} | STYLE

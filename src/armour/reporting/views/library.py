@@ -38,10 +38,7 @@ def library_table(library: Library, kind: Kind, tested: Tested | None = None) ->
         entries,
         Column.of("name", label=kind),
         *((Column.of(key, "g"), lambda entry, key=key: _shown(entry, key)) for key in keys),
-        (
-            Column("sources give", "GPa"),
-            lambda entry: " to ".join(f"{stress:g}" for stress in entry.flow_stress_sources_GPa),
-        ),
+        (Column("sources give", "GPa"), lambda entry: " to ".join(map("{:g}".format, entry.flow_stress_sources_GPa))),
         described,
     )
 
