@@ -10,8 +10,7 @@ from rich.cells import cell_len
 from armour.analysis.ballistic_limit import confidence
 from armour.analysis.impact import simulate
 from armour.cli.layout import rendered
-from armour.reporting.table import Column, Table, record
-from armour.reporting.text import VerdictLine
+from armour.reporting.table import Column, Table, VerdictLine
 from armour.reporting.views.analysis import tables_of_impact
 from armour.reporting.views.library import library_table
 from armour.scenario.library import KINDS, shipped_library
@@ -107,7 +106,7 @@ def test_texts_are_wrapped_before_that(wide: Table):
 
 
 def test_a_verdict_is_coloured_and_stands_at_its_numbers():
-    table = record(None, (Column("limit", "m/s", ".0f"), 724.0))
+    table = Table.of_one(None, (Column("limit", "m/s", ".0f"), 724.0))
 
     for good, colour in ((True, "32"), (False, "31")):
         lines = rendered([VerdictLine("outcome", good=good), table], 80, "armour", "standard")
@@ -122,7 +121,7 @@ def test_a_terminal_shows_the_first_rows_where_the_rest_is_elsewhere():
 
 
 def test_a_record_is_a_list():
-    table = record(
+    table = Table.of_one(
         None, (Column("outcome"), "perforated"), (Column("length", "mm", ".2f"), 14.6), (Column("runs", spec="d"), 3)
     )
     assert printed("first", table, width=80) == [

@@ -18,7 +18,7 @@ from armour.evidence.model_error import NO_TEST
 from armour.reporting.formats import markdown_report
 from armour.reporting.report import Report, ReportSection
 from armour.reporting.scenario_report import Contents, contents_of, scenario_report
-from armour.reporting.views.design import AREAL_DENSITY, COST_COLUMN_SHOWN
+from armour.reporting.views.design import AREAL_DENSITY, COST
 from armour.reporting.words import SAMPLED_ALONE, chance, from_tests
 from armour.scenario.scenario import load_scenario
 from armour.statistics.uncertainty import uncertainty
@@ -283,7 +283,7 @@ def test_the_answer_with_a_design():
     found = contents("catalogue")
     assert found.design is not None
     best = best_of(found.design)
-    areal_density, cost = AREAL_DENSITY.text(best.areal_density_kg_m2), COST_COLUMN_SHOWN.text(best.cost_per_m2)
+    areal_density, cost = AREAL_DENSITY.text(best.areal_density_kg_m2), COST.text(best.cost_per_m2)
     words = f"{areal_density} kg/m², 16.5 mm thick, cost {cost} per m²; tested near this limit: 44.3 kg/m²"
     assert statements(found)["Lightest design"][1] == words
     detail = statements(designed(design_result()))["Probability of stopping the projectile"][1]

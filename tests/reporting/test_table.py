@@ -7,8 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from armour.files import printable
-from armour.reporting.table import Column, Table, csv_text, listing, record
-from armour.reporting.text import interval, unbroken, wrapped
+from armour.reporting.table import Column, Table, csv_text, interval, unbroken, wrapped
 from tests.reporting.tables import headings
 
 LENGTH = Column("length", "mm", ".2f", key="length_mm")
@@ -34,20 +33,20 @@ def test_a_value_is_formatted_by_its_column(column: Column, value: float | str |
 
 
 def test_a_record_leaves_out_what_is_not_known():
-    table = record(None, (NAME, "a"), (LENGTH, None), (Column("runs", spec="d"), 0), title="T")
+    table = Table.of_one(None, (NAME, "a"), (LENGTH, None), (Column("runs", spec="d"), 0), title="T")
     assert (headings(table), table.texts(), table.record, table.title) == (["name", "runs"], [["a", "0"]], True, "T")
 
 
 def test_columns_show_attributes_values_and_functions_of_items():
     items = [SimpleNamespace(name="a", length_mm=2.0), SimpleNamespace(name="b", length_mm=None)]
-    table = listing(
+    table = Table.of(
         items, NAME, LENGTH, (Column("kind"), "rod"), (Column("twice"), lambda item: item.name * 2), title="T"
     )
     assert table.rows == (("a", 2.0, "rod", "aa"), ("b", None, "rod", "bb"))
     assert (headings(table), table.title) == (["name", "length, mm", "kind", "twice"], "T")
-    assert record(items[1], NAME, LENGTH).rows == (("b",),)
-    assert headings(listing(items[1:], NAME, LENGTH)) == ["name"]
-    assert headings(listing([], NAME, LENGTH)) == ["name", "length, mm"]
+    assert Table.of_one(items[1], NAME, LENGTH).rows == (("b",),)
+    assert headings(Table.of(items[1:], NAME, LENGTH)) == ["name"]
+    assert headings(Table.of([], NAME, LENGTH)) == ["name", "length, mm"]
 
 
 def test_csv_has_keys_and_numbers_with_all_digits():

@@ -10,8 +10,7 @@ from typing import IO, Any
 
 from armour.errors import mistake
 from armour.files import reason
-from armour.reporting.table import Table
-from armour.reporting.text import printable_lines
+from armour.reporting.table import Table, printable_lines
 
 
 def show(*items: Table | str, title: str = "", stderr: bool = False) -> None:

@@ -17,8 +17,7 @@ from rich.table import Table as Grid
 from rich.text import Text
 
 from armour.files import printable
-from armour.reporting.table import Column, Table
-from armour.reporting.text import VerdictLine, unbroken
+from armour.reporting.table import Column, Table, VerdictLine, unbroken
 
 COLUMN_GAP = 2
 # Width of output to a pipe, where each row of a table stays on one line.

@@ -2,7 +2,7 @@
 
 import json
 from base64 import b64encode
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from hashlib import sha256
 from itertools import pairwise
 from typing import Any
@@ -11,9 +11,9 @@ import numpy as np
 
 from armour import __version__
 from armour.analysis.results import OnProgress, ignore_progress
-from armour.analysis.variants import Floats, Variants, outside_words
+from armour.analysis.variants import Floats, outside_words
 from armour.core.state import Parameters
-from armour.design.catalogue import COST_COLUMN, NO_BOUND, CandidateDesigns, Catalogue, catalogue_of
+from armour.design.catalogue import COST_COLUMN, NO_BOUND, Catalogue, catalogue_of
 from armour.design.map import DesignMap, design_map, limits_over_sources, thicknesses_tested, with_known_edges
 from armour.errors import InputError, Problem
 from armour.evidence.caveats import is_limit_too_low, no_metal
@@ -62,13 +62,8 @@ def design_page(
         If more designs are on offer than a page can hold.
     """
     catalogue = catalogue_of(scenario)
-    data = {
-        **_question(catalogue),
-        "pairs": _pairs(catalogue, on_progress),
-        "answer": list(answer),
-        "command": list(command),
-        "changes": list(changes),
-    }
+    data = _question(catalogue) | {"pairs": _pairs(catalogue, on_progress)}
+    data |= {"answer": list(answer), "command": list(command), "changes": list(changes)}
     # In JSON within HTML, no "<" may begin a tag.
     content = json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
     texts = {ending: (TEMPLATES / f"map.{ending}").read_text() for ending in ("js", "css")}
@@ -109,8 +104,8 @@ def _question(catalogue: Catalogue) -> dict[str, Any]:
 
 def _subject(catalogue: Catalogue) -> str:
     layers = catalogue.section.ceramic, catalogue.section.backing
-    materials = [list(dict.fromkeys(layer.material for layer in options)) for options in layers]
-    armour = " on ".join(" or ".join(names) for names in materials if names != [""])
+    materials = (" or ".join(dict.fromkeys(layer.material for layer in options)) for options in layers)
+    armour = " on ".join(filter(None, materials))
     return f"{armour} against {' and '.join(catalogue.titles)}"
 
 
@@ -193,9 +188,7 @@ def _pair(catalogue: Catalogue, pair: int, grid: tuple[Floats, Floats], on_progr
         "backing": offer.backing.material,
         "densities": [offer.ceramic_density_kg_m3, density * counts],
         "hull": "" if counts else density * float(backings[0]) * MM,
-        "changes": [
-            f"{layer}.density_kg_m3={density:.17g}" for layer, density in densities.items() if density is not None
-        ],
+        "changes": [f"{layer}.density_kg_m3={each:.17g}" for layer, each in densities.items() if each is not None],
         "ceramics": ceramics.tolist(),
         "backings": backings.tolist(),
         "offered": [_places(ceramics, offer.ceramic), _places(backings, offer.backing)],
@@ -205,9 +198,7 @@ def _pair(catalogue: Catalogue, pair: int, grid: tuple[Floats, Floats], on_progr
         "single": bool(catalogue.one_source[pair] or not catalogue.metal[pair]),
         "unlike": "" if catalogue.metal[pair] else no_metal(offer.backing_density_kg_m3),
         "over": _over_sources(catalogue, designs),
-        "tested": [
-            [list(layers["ceramic"]), list(layers["backing"])] if len(layers) == 2 else None for layers in tested
-        ],
+        "tested": [[layers["ceramic"], layers["backing"]] if len(layers) == 2 else None for layers in tested],
         "source": _source(catalogue, designs),
         **_outside(catalogue, designs),
         **_numbers(designs),
@@ -215,30 +206,22 @@ def _pair(catalogue: Catalogue, pair: int, grid: tuple[Floats, Floats], on_progr
 
 
 def _outside(catalogue: Catalogue, designs: DesignMap) -> dict[str, Any]:
-    """Return the designs inside the tests, and in what all designs lie outside; the velocities of a page may change."""
-    rows = catalogue.against_each(designs.candidates)
-    found = outside_tests(rows.armours, np.full_like(rows.velocities, np.nan), len(catalogue.threats))
+    """Return the designs inside the tests, and in what all designs lie outside; the velocities of a page may change.
+
+    Beside these are sentences on designs up to a ceramic thickness, mm, and the threats whose limits are too low.
+    """
+    rows, threats = catalogue.against_each(designs.candidates), len(catalogue.threats)
+    found = outside_tests(rows.armours, np.full_like(rows.velocities, np.nan), threats)
+    ceramic_mm, notes = np.repeat(designs.candidates.ceramic_mm, threats), []
+    for note, where in limits_of_model(rows.armours, [rows.materials[0].backing]):
+        notes += [(note.text, float(ceramic_mm[where].max()))] if note.said != "not known" else []
+    if len({offer.backing.material for offer in catalogue.offers}) > 1 and ceramic_mm.any():
+        notes.append((METALS, float(ceramic_mm.max())))
     return {
-        **_caveats(catalogue, rows, designs.candidates),
+        "caveats": [(f"{words[:1].upper()}{words[1:]}.", most_mm) for words, most_mm in notes],
+        "low": is_limit_too_low(rows.armours.parameters)[:threats].tolist(),
         "inside": [place for place, outside in enumerate(found) if not outside],
         "outside": outside_words(in_common(found)),
-    }
-
-
-def _caveats(catalogue: Catalogue, rows: Variants, candidates: CandidateDesigns) -> dict[str, Any]:
-    """Return sentences on designs up to a ceramic thickness, mm, and the threats against which limits are too low."""
-    ceramic_mm, metal = np.repeat(candidates.ceramic_mm, len(catalogue.threats)), rows.materials[0].backing
-    found = [
-        (note.text, float(ceramic_mm[where].max()))
-        for note, where in limits_of_model(rows.armours, [metal])
-        if note.said != "not known"
-    ]
-    if len({offer.backing.material for offer in catalogue.offers}) > 1:
-        found += [(METALS, float(ceramic_mm.max()))] * bool(ceramic_mm.any())
-    too_low = is_limit_too_low(rows.armours.parameters)[: len(catalogue.threats)]
-    return {
-        "caveats": [(f"{words[:1].upper()}{words[1:]}.", most_mm) for words, most_mm in found],
-        "low": too_low.tolist(),
     }
 
 
@@ -271,7 +254,7 @@ def _source(catalogue: Catalogue, designs: DesignMap) -> str:
     return next(evidence.title for evidence, _ in rows.armours.by_evidence())
 
 
-def _numbers(designs: DesignMap) -> Mapping[str, Any]:
+def _numbers(designs: DesignMap) -> dict[str, Any]:
     """Return limits and velocities that are stopped as bytes.
 
     Of each design and threat there is the limit, the least of the velocities, 0 where it is unknown, both as 32-bit

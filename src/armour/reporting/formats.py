@@ -16,8 +16,7 @@ from markupsafe import Markup
 
 from armour.files import printable
 from armour.reporting.report import Report
-from armour.reporting.table import Table
-from armour.reporting.text import number, printable_lines, unbroken
+from armour.reporting.table import Table, number, printable_lines, unbroken
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

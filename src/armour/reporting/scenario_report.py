@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, TypeVar
+from typing import Any
 
 from armour import __version__
 from armour.analysis.ballistic_limit import ballistic_limit, not_monotonic
@@ -12,31 +12,18 @@ from armour.analysis.results import OnProgress, ignore_progress
 from armour.analysis.samples import is_sampled, misplaced, probability_of_perforation
 from armour.design.check import CheckedThreat, CheckResult, check
 from armour.design.optimise import DesignResult, optimise
-from armour.errors import NoAnswerError, NoLimitError, Note
+from armour.errors import NoAnswerError, Note
 from armour.evidence.model_error import given_error
 from armour.evidence.tests import armours_of
+from armour.reporting import words as phrases
 from armour.reporting.by_result import drawing_of
 from armour.reporting.report import Card, Report, ReportSection, origin_section, reference_notes
-from armour.reporting.table import Column, Table, column_of, in_words, listing
-from armour.reporting.text import interval, percent
+from armour.reporting.table import Column, Table, in_words, interval, percent
 from armour.reporting.views import analysis as analysis_view
 from armour.reporting.views import design as design_view
 from armour.reporting.views import statistics as statistics_view
 from armour.reporting.views import validation as validation_view
 from armour.reporting.views.library import entry_table
-from armour.reporting.words import (
-    SAMPLED_ALONE,
-    STOPPING,
-    chance,
-    extrapolation,
-    flow_stress_notes,
-    from_tests,
-    requirement_parts,
-    requirement_words,
-    said_of,
-    tested_here,
-    threat_notes,
-)
 from armour.scenario.inputs import INPUTS, NAMES, ROLES
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import OBJECTIVES
@@ -46,7 +33,6 @@ from armour.statistics.uncertainty import UncertaintyResult, uncertainty
 from armour.validation.comparison import areal_density_rules
 from armour.validation.tested import nearest_measured
 
-Answer = TypeVar("Answer")
 # Keys of [design] that ask for a design; the others apply to any armour.
 ASKING = {"minimise", "pareto", "runners_up_percent", "ceramic", "backing"}
 # What the tested armours beside a weight have in common.
@@ -127,6 +113,7 @@ def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *
         updated = replace(design, nearest=shown) if design.reason else replace(design, best=shown)
         design = updated.of(**design.question)
     unused = scenario.unused_distributions() if distributions else ()
+    limit = _or_none(ballistic_limit, answer, ignore_progress)
     return Contents(
         scenario=scenario,
         design=design,
@@ -138,13 +125,13 @@ def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *
         uncertainty=_or_none(uncertainty, answer, on_part) if distributions and not notes[worst] else None,
         warnings=(
             *(warning for warning in (checked if design is None else design).warnings if warning not in unused),
-            *_not_monotonic(answer),
+            *(() if limit is None else not_monotonic(limit)),
             *dict.fromkeys(note for each in notes for note in each),
         ),
     )
 
 
-def _or_none(question: Callable[..., Answer], answer: Scenario, on_progress: OnProgress) -> Answer | None:
+def _or_none(question: Callable[..., Any], answer: Scenario, on_progress: OnProgress) -> Any:
     """Return the answer to a question; None if it has none, as of an armour that no velocity perforates."""
     try:
         return question(answer, on_progress=on_progress)
@@ -152,22 +139,13 @@ def _or_none(question: Callable[..., Answer], answer: Scenario, on_progress: OnP
         return None
 
 
-def _not_monotonic(scenario: Scenario) -> tuple[str, ...]:
-    """Return a warning if the outcome changes more than once with the velocity."""
-    try:
-        return not_monotonic(ballistic_limit(scenario))
-    except NoLimitError:
-        return ()
-
-
 def scenario_report(contents: Contents, command: str, map_command: str = "") -> Report:
     """Report the results of a scenario; the commands are those that make the report and a map of the designs."""
     passed, lead = _verdict(contents)
-    caveats = [f"{words[:1].upper()}{words[1:]}." for words in said_of(contents.warnings)]
-    lead = " ".join(filter(None, [lead, *caveats]))
+    caveats = [f"{words[:1].upper()}{words[1:]}." for words in phrases.said_of(contents.warnings)]
     return Report(
         title=contents.answer.subject(threats=contents.scenario.threat),
-        lead=lead,
+        lead=" ".join(filter(None, [lead, *caveats])),
         passed=passed,
         byline=_byline(contents.scenario),
         sections=tuple(_sections(contents, command, map_command)),
@@ -201,13 +179,14 @@ def _verdict(contents: Contents) -> tuple[bool | None, str]:
     rows = [row for row in design_view.requirements_of(contents.check) if row.verdict == contents.check.verdict]
     names = list(dict.fromkeys(row.threat for row in rows if row.threat))
     against = f" against {' and '.join(names)}" if names else ""
-    return False, f"{words} the requirements{against}: {'; '.join(dict.fromkeys(map(requirement_words, rows)))}."
+    unmet = "; ".join(dict.fromkeys(map(phrases.requirement_words, rows)))
+    return False, f"{words} the requirements{against}: {unmet}."
 
 
 def _probability(contents: Contents) -> Card:
     """Return the probability of stopping the threat that most likely perforates, and what it rests on."""
     threat, count = contents.threat, len(contents.threats)
-    statement = probability = chance(threat.probability_of_stopping, threat.model_error)
+    statement = probability = phrases.chance(threat.probability_of_stopping, threat.model_error)
     unknown = [threat.threat for threat in contents.threats if threat.probability_of_stopping is None]
     against = f"against {threat.threat}; " if count > 1 else ""
     if threat.probability_of_stopping is not None and unknown:
@@ -215,15 +194,16 @@ def _probability(contents: Contents) -> Card:
         against = f"unknown against {' and '.join(unknown)}; {probability} {against}"
     elif threat.probability_of_stopping is not None and count > 1:
         against = f"against {threat.threat}, the most likely of {count} threats to perforate; "
-    return Card(STOPPING.label.capitalize(), statement, against + _basis(contents))
+    return Card(phrases.STOPPING.label.capitalize(), statement, against + _basis(contents))
 
 
 def _basis(contents: Contents) -> str:
     """Return what the probability rests on, or why it is unknown."""
-    threat = contents.threat
-    error = "; ".join([from_tests(threat.model_error), *tested_here(threat.model_error)]) if threat.model_error else ""
+    threat, error = contents.threat, ""
+    if threat.model_error:
+        error = "; ".join([phrases.from_tests(threat.model_error), *phrases.tested_here(threat.model_error)])
     if threat.sampled is None:
-        alone = f"; {SAMPLED_ALONE}" if contents.uncertainty and threat.probability_of_stopping is None else ""
+        alone = f"; {phrases.SAMPLED_ALONE}" if contents.uncertainty and threat.probability_of_stopping is None else ""
         return f"{threat.reason or error}{alone}"
     low, high = (100.0 * (1.0 - end) for end in (threat.sampled.high, threat.sampled.low))
     with_error = f" and the {error}" if error else ", without the model error"
@@ -240,7 +220,7 @@ def _armour(contents: Contents) -> Card:
     details = [design_view.amounts(contents.check)]
     if (limit := contents.threat.ballistic_limit_m_s) is not None:
         near = [each for each in nearest_measured(contents.answer, limit) if each.is_near(limit)]
-        details += [f"tested near this limit: {near[0].areal_density_kg_m2:.1f} kg/m²"] if near else []
+        details += [f"tested near this limit: {each.areal_density_kg_m2:.1f} kg/m²" for each in near[:1]]
     return Card(subject, contents.answer.armour_words(), "; ".join(details))
 
 
@@ -252,9 +232,7 @@ def _requirements(contents: Contents) -> Card:
     requirements = [f"at least {' or '.join(map(percent, probabilities))}"] if probabilities else []
     requirements += [f"margin of {' or '.join(f'{margin:g}' for margin in margins)} m/s"] if margins else []
     details = [] if probabilities else ["--confidence 0.95 asks for a probability of 95 %"]
-    for row in contents.check.requirements:
-        name, asked, _ = requirement_parts(row)
-        details.append(f"{name} of {asked}")
+    details += [" of ".join(phrases.requirement_parts(row)[:2]) for row in contents.check.requirements]
     details += design_view.layer_words(contents.scenario.inert_layers)
     return Card("Asked for", ", ".join(requirements) or "no probability", "; ".join(details))
 
@@ -274,26 +252,23 @@ def _warnings(contents: Contents) -> Iterator[str]:
             words = in_words(name) if name == warning.key else f"distribution of the {in_words(name)}"
         yield Note(warning.text, words, warning.brief, said=warning.said)
     if error := contents.threat.model_error:
-        yield from (f"the model error is {text}" for text in extrapolation(error))
+        yield from (f"the model error is {text}" for text in phrases.extrapolation(error))
     yield from others
 
 
 def _sections(contents: Contents, command: str, map_command: str) -> Iterator[ReportSection]:
     """Give the sections: first the answer, then, folded, what explains it."""
-    design, scenario, answer = contents.design, contents.scenario, contents.answer
-    threat = contents.threat
+    design, scenario, answer, threat = contents.design, contents.scenario, contents.answer, contents.threat
     ordered = sorted(contents.check.threats, key=lambda checked: checked.threat != threat.threat)
-    what_ifs = [
-        table for checked in ordered for table in design_view.what_if_tables(checked, f"against {checked.threat}")
-    ]
+    what_ifs = [table for each in ordered for table in design_view.what_if_tables(each, f"against {each.threat}")]
     exact = ("With exact inputs.",) if contents.sampled else ()
-    notes = flow_stress_notes(threat.flow_stress, threat.threat)
+    notes = phrases.flow_stress_notes(threat.flow_stress, threat.threat)
     notes[:1] = [f"{answer.armour_words()} {note}" for note in notes[:1]]
-    notes += [*design_view.outside_notes(contents.check.threats), *(said := threat_notes(scenario))]
-    tables = [_threats(contents)]
+    notes += [*design_view.outside_notes(contents.check.threats), *(said := phrases.threat_notes(scenario))]
+    tables: tuple[Table, ...] = (_threats(contents),)
     if len(design_view.requirements_of(contents.check)) > len(contents.threats):
-        tables.append(replace(design_view.requirement_table(contents.check), title="requirements"))
-    yield ReportSection("Threats", tuple(notes), tables=tuple(tables))
+        tables += (replace(design_view.requirement_table(contents.check), title="requirements"),)
+    yield ReportSection("Threats", tuple(notes), tables=tables)
     yield from _own_tests(answer)
     yield ReportSection("What if", exact, tables=tuple(what_ifs))
     if design is not None:
@@ -310,25 +285,18 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Re
     if design is not None:
         yield _search(design)
     if (sampled := contents.uncertainty) is not None:
-        table = statistics_view.estimate_table(sampled)
-        yield ReportSection(
-            "Results under uncertain inputs", pictures=(drawing_of(sampled),), tables=(table,), folded=True
-        )
+        pictures, tables = (drawing_of(sampled),), (statistics_view.estimate_table(sampled),)
+        yield ReportSection("Results under uncertain inputs", pictures=pictures, tables=tables, folded=True)
     yield _impact(contents)
-    if contents.sensitivity is not None:
-        elasticities = statistics_view.elasticity_table(contents.sensitivity)
-        drawing = drawing_of(contents.sensitivity, title="")
-        yield ReportSection(
-            "Sensitivity to the inputs", pictures=(drawing,), tables=(elasticities,), folded=True, drawn=True
-        )
-    entry_tables = (
-        replace(
-            entry_table(entry, Column("quantity", prose=True), in_words),
-            title=f"{entry.kind.capitalize()}: {entry.name}",
-        )
+    if (swings := contents.sensitivity) is not None:
+        pictures, tables = (drawing_of(swings, title=""),), (statistics_view.elasticity_table(swings),)
+        yield ReportSection("Sensitivity to the inputs", pictures=pictures, tables=tables, folded=True, drawn=True)
+    quantity = Column("quantity", prose=True)
+    tables = tuple(
+        replace(entry_table(entry, quantity, in_words), title=f"{entry.kind.capitalize()}: {entry.name}")
         for entry in entries
     )
-    yield ReportSection("Values and their sources", tables=tuple(entry_tables), folded=True)
+    yield ReportSection("Values and their sources", tables=tables, folded=True)
     if (limit := threat.ballistic_limit_m_s) is not None and not threat.obliquity_deg:
         rules, measured = areal_density_rules(answer, limit), nearest_measured(answer, limit)
         tested = TESTED if measured else f"No test of a core like that of {answer.impact.projectile} is known."
@@ -340,11 +308,10 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Re
 
 def _own_tests(answer: Scenario) -> Iterator[ReportSection]:
     """Give the own tests of the materials of an armour, with where they are from."""
-    for entry in (answer.entry_of("ceramic"), answer.entry_of("backing")):
-        if entry is not None and entry.evidence is not None and (tests := predicted_tests(entry, entry.evidence)):
-            table = statistics_view.own_test_table(tests)
+    for entry in filter(None, map(answer.entry_of, ("ceramic", "backing"))):
+        if entry.evidence is not None and (tests := predicted_tests(entry, entry.evidence)):
             source = f"{entry.name}: {entry.evidence.source}, calibrated with armour."
-            yield ReportSection("Own tests", (source,), tables=(table,))
+            yield ReportSection("Own tests", (source,), tables=(statistics_view.own_test_table(tests),))
 
 
 def _threats(contents: Contents) -> Table:
@@ -353,17 +320,17 @@ def _threats(contents: Contents) -> Table:
     is_mixed = 0 < len(contents.sampled) < len(contents.threats)
     kinds = {name: "distributions" if name in contents.sampled else "exact" for name in names}
     requires = _has_requirements(contents)
-    return listing(
+    return Table.of(
         contents.threats,
         (Column("threat", prose=True), lambda threat: names[threat.threat]),
-        column_of("projectile", prose=True),
-        column_of("velocity_m_s", "g"),
-        column_of("obliquity_deg", "g"),
-        (design_view.PROBABILITY, lambda threat: chance(threat.probability_of_stopping)),
+        Column.of("projectile", prose=True),
+        Column.of("velocity_m_s", "g"),
+        Column.of("obliquity_deg", "g"),
+        (design_view.PROBABILITY, lambda threat: phrases.chance(threat.probability_of_stopping)),
         (Column("inputs"), lambda threat: kinds[threat.threat] if is_mixed else ""),
         (Column("required", prose=True), lambda threat: design_view.required(threat) if requires else ""),
-        (Column("result"), lambda threat: design_view.verdict(threat) if requires else ""),
-        column_of("ballistic_limit_m_s"),
+        (Column("result"), lambda threat: design_view.VERDICTS[threat.verdict] if requires else ""),
+        Column.of("ballistic_limit_m_s"),
         (design_view.INTERVAL, lambda threat: interval(threat.interval_m_s, ".0f")),
         design_view.MARGIN,
         design_view.outside_tests(contents.threats),
@@ -387,11 +354,9 @@ def _search(design: DesignResult) -> ReportSection:
     if len(design.pairs) > 1:
         heading, table = "Pairs of materials", replace(design_view.pair_table(design), title="")
         notes = design_view.pair_notes(design)
-    tables = [table]
-    if design.pareto:
-        tables.append(design_view.design_table(design.pareto, "Pareto front"))
+    pareto = [design_view.design_table(design.pareto, "Pareto front")] if design.pareto else []
     pictures = (partial(_front, design),) if design.pareto else ()
-    return ReportSection(heading, tuple(notes), pictures=pictures, tables=tuple(tables), folded=True)
+    return ReportSection(heading, tuple(notes), pictures=pictures, tables=(table, *pareto), folded=True)
 
 
 def _map(design: DesignResult, sheet: Any) -> Any:
@@ -416,9 +381,8 @@ def _impact(contents: Contents) -> ReportSection:
         f"{energy.left:.2f} J at the end; the losses, integrated along the run, account for the difference to within "
         f"{abs(energy.difference):.1g} J."
     )
-    table = analysis_view.stage_table(contents.impact)
-    pictures = (drawing_of(contents.impact),)
-    return ReportSection("The impact, stage by stage", (words,), pictures=pictures, tables=(table,), folded=True)
+    pictures, tables = (drawing_of(contents.impact),), (analysis_view.stage_table(contents.impact),)
+    return ReportSection("The impact, stage by stage", (words,), pictures=pictures, tables=tables, folded=True)
 
 
 def _which_armour(contents: Contents) -> str:

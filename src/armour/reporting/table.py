@@ -1,17 +1,91 @@
-"""Tables: columns described once, rows of raw values, and their text for people and for CSV files."""
+"""Numbers, intervals and texts as they are shown, and tables of them for people and for CSV files.
+
+Text from files is made safe for terminals and XML.
+"""
 
 import csv
-from collections.abc import Callable, Iterable, Iterator, Mapping
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from io import StringIO
+from itertools import compress, starmap
 from math import isfinite
-from typing import Any
+from operator import attrgetter
+from textwrap import wrap
+from typing import Any, Self
 
 from armour.analysis.quantities import QUANTITIES, label_and_unit
-from armour.files import csv_cell
-from armour.reporting.text import number
+from armour.files import csv_cell, printable
+from armour.units import ENDINGS
 
 Cell = float | int | str | None
+
+
+class VerdictLine(str):
+    """A line that says how an answer ends, well or not; a terminal shows it in green or red."""
+
+    good: bool
+
+    def __new__(cls, text: str, *, good: bool) -> Self:
+        """Make a verdict."""
+        line = super().__new__(cls, text)
+        line.good = good
+        return line
+
+
+# The space between a number and its unit, or after ±.
+BESIDE_NUMBER = re.compile(rf"(?<=\d) (?=({'|'.join(map(re.escape, [*ENDINGS.values(), 'J']))})(?![\w/]))|(?<=±) ")
+
+
+def printable_lines(text: str) -> str:
+    """Escape the control characters of a text from a file; line ends stay."""
+    return "\n".join(map(printable, text.split("\n")))
+
+
+def unbroken(text: str) -> str:
+    """Return a text in which no line ends between a number and its unit or ±: the space there does not break."""
+    return BESIDE_NUMBER.sub("\N{NO-BREAK SPACE}", text)
+
+
+def wrapped(text: str, width: int) -> list[str]:
+    """Wrap a text between words, but not between a number and its unit."""
+    return [line.replace("\N{NO-BREAK SPACE}", " ") for line in wrap(unbroken(text), width)]
+
+
+def percent(part: float) -> str:
+    """Format a part, such as a confidence level, in per cent."""
+    return f"{100.0 * part:g} %"
+
+
+def number(value: float | str, spec: str) -> str:
+    """Format a number, with its thousands separated from 10,000 on; a text is returned as it is.
+
+    A number that is not finite has no value and gives an empty text.
+    """
+    if isinstance(value, str):
+        return value
+    if not isfinite(value):
+        return ""
+    text = format(value, spec)
+    if not float(text):
+        return format(0, spec)  # without the sign of a number that rounds to zero
+    sign = spec[:1] if spec.startswith("+") else ""
+    return text if abs(float(text)) < 1e4 else format(value, f"{sign},{spec.removeprefix(sign)}")
+
+
+def with_interval(value: float, ends: tuple[float | None, float | None] | None, spec: str) -> str:
+    """Format an estimate with its interval, such as "0.80 (0.79 to 0.81)"."""
+    return f"{number(value, spec)} ({interval(ends, spec)})"
+
+
+def interval(ends: tuple[float | None, float | None] | None, spec: str) -> str:
+    """Format an interval, if there is one; an end that is None is not bounded."""
+    if ends is None:
+        return ""
+    low, high = ends
+    if low is None:
+        return "not bounded" if high is None else f"up to {number(high, spec)}"
+    return f"from {number(low, spec)}" if high is None else f"{number(low, spec)} to {number(high, spec)}"
 
 
 @dataclass(frozen=True)
@@ -23,6 +97,17 @@ class Column:
     spec: str = ""  # format specification of numbers, such as ".2f"; empty for text
     prose: bool = False  # whether text may be wrapped between words
     key: str = ""  # attribute that the column shows, and heading in CSV files, which have no column without a key
+
+    @classmethod
+    def of(cls, key: str, spec: str = "", label: str = "", *, prose: bool = False) -> Self:
+        """Return the column of a quantity, an input, a key or an attribute, with label and format unless given."""
+        words, unit = label_and_unit(key)
+        return cls(label or words, unit, spec or (QUANTITIES[key].spec if key in QUANTITIES else ""), prose, key)
+
+    @classmethod
+    def of_each(cls, **specs: str) -> list[Self]:
+        """Return the columns of attributes, given their formats."""
+        return [cls.of(key, spec) for key, spec in specs.items()]
 
     @property
     def heading(self) -> str:
@@ -57,20 +142,35 @@ class Table:
     record: bool = False
     rest: str = ""  # how to get all rows, where a terminal shows the first ones only
 
+    @classmethod
+    def of(cls, items: Iterable[Any], *sources: Source, title: str = "", rest: str = "") -> Self:
+        """Make a table with a row for each item, without the columns that are empty in all of them."""
+        pairs = [_with_value(source) for source in sources]
+        rows = [[value(item) if callable(value) else value for _, value in pairs] for item in items]
+        return cls.of_rows([column for column, _ in pairs], rows, title=title, rest=rest)
+
+    @classmethod
+    def of_rows(
+        cls, columns: Sequence[Column], rows: Sequence[Sequence[Cell]], title: str = "", rest: str = ""
+    ) -> Self:
+        """Make a table of rows, without the columns that are empty in all of them."""
+        used = [not rows or any(column.text(row[index]) for row in rows) for index, column in enumerate(columns)]
+        cells = tuple(tuple(compress(row, used)) for row in rows)
+        return cls(tuple(compress(columns, used)), cells, title, rest=rest)
+
+    @classmethod
+    def of_one(cls, item: Any, *sources: Source, title: str = "") -> Self:
+        """Make a table of one item, without the quantities that have no value."""
+        return replace(cls.of([item], *sources, title=title), record=True)
+
     def texts(self) -> list[list[str]]:
         """Return the rows with every value formatted."""
         return [[column.text(cell) for column, cell in zip(self.columns, row, strict=True)] for row in self.rows]
 
 
-def column_of(key: str, spec: str = "", label: str = "", *, prose: bool = False) -> Column:
-    """Return the column of a quantity, an input, a key or an attribute, with label and format unless given."""
-    words, unit = label_and_unit(key)
-    return Column(label or words, unit, spec or (QUANTITIES[key].spec if key in QUANTITIES else ""), prose, key)
-
-
 def in_words(name: str) -> str:
     """Return label and unit of a quantity, an input or a key, such as "ceramic flow stress, GPa"."""
-    return column_of(name).heading
+    return Column.of(name).heading
 
 
 def deviation_percent(value: float | None, reference: float) -> float | None:
@@ -78,35 +178,25 @@ def deviation_percent(value: float | None, reference: float) -> float | None:
     return None if value is None else 100.0 * (value / reference - 1.0)
 
 
-def grouped(items: Iterable[Any], key: Callable[[Any], str]) -> dict[str, list[Any]]:
+def grouped(items: Iterable[Any], key: Callable[[Any], Any]) -> dict[Any, list[Any]]:
     """Return items by a key."""
-    groups: dict[str, list[Any]] = {}
+    groups: dict[Any, list[Any]] = {}
     for item in items:
         groups.setdefault(key(item), []).append(item)
     return groups
 
 
-def listing(items: Iterable[Any], *sources: Source, title: str = "", rest: str = "") -> Table:
-    """Make a table with a row for each item, without the columns that are empty in all of them."""
-    rows = [[_cell(item, source) for source in sources] for item in items]
-    columns = [_column(source) for source in sources]
-    filled = [index for index, column in enumerate(columns) if not rows or any(column.text(row[index]) for row in rows)]
-    cells = tuple(tuple(row[index] for index in filled) for row in rows)
-    return Table(tuple(columns[index] for index in filled), cells, title, rest=rest)
+def of_part(part: Callable[[Any], Any], *sources: Source) -> Iterator[Source]:
+    """Give the sources of a part of each item, empty for an item without this part."""
+
+    def source_of(column: Column, value: Callable[[Any], Cell]) -> Source:
+        return column, lambda item: None if part(item) is None else value(part(item))
+
+    return starmap(source_of, map(_with_value, sources))
 
 
-def record(item: Any, *sources: Source, title: str = "") -> Table:
-    """Make a table of one item, without the quantities that have no value."""
-    return replace(listing([item], *sources, title=title), record=True)
-
-
-def _column(source: Source) -> Column:
-    return source if isinstance(source, Column) else source[0]
-
-
-def _cell(item: Any, source: Source) -> Cell:
-    value = getattr(item, source.key) if isinstance(source, Column) else source[1]
-    return value(item) if callable(value) else value
+def _with_value(source: Source) -> tuple[Column, Any]:
+    return (source, attrgetter(source.key)) if isinstance(source, Column) else source
 
 
 def csv_text(table: Table) -> str:

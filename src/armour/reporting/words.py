@@ -1,31 +1,35 @@
 """Words on the probability that an armour stops its threat, the model error and the flow stress of a ceramic."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from functools import cache
 from math import ceil, floor
-from typing import Any
 
 from armour.analysis.ballistic_limit import ConfidenceResult, NeededFlowStress, no_error
+from armour.analysis.estimates import Estimate
 from armour.design.check import CheckedThreat
 from armour.design.requirements import Requirement
 from armour.errors import Note, counted, joined
 from armour.evidence.caveats import no_metal
 from armour.evidence.model_error import INTERLAYER, ModelError
-from armour.reporting.table import Column, Source, column_of
-from armour.reporting.text import interval, number, percent
+from armour.reporting.table import Column, Source, interval, number, percent, with_interval
 from armour.scenario.library import named_threats, shipped_library
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import OBJECTIVES
 
-BALLISTIC_LIMIT = column_of("ballistic_limit_m_s")
+BALLISTIC_LIMIT = Column.of("ballistic_limit_m_s")
 STOPPING = Column("probability of stopping the projectile", prose=True)
 # With a back plate that exists already, the weight of it all is shown too.
-WHOLE: tuple[Column, Callable[[Any], float | None]] = (
-    column_of("whole_areal_density_kg_m2", label="whole armour"),
+WHOLE: Source = (
+    Column.of("whole_areal_density_kg_m2", label="whole armour"),
     lambda item: item.whole_areal_density_kg_m2 if item.whole_areal_density_kg_m2 != item.areal_density_kg_m2 else None,
 )
 # What distributions tell where the model error is not known.
 SAMPLED_ALONE = "a probability from the given distributions alone takes the model as exact"
+
+
+def estimated(estimate: Estimate | None, spec: str) -> str:
+    """Format an estimate with its interval, if there is one."""
+    return "" if estimate is None else with_interval(estimate.value, (estimate.low, estimate.high), spec)
 
 
 def chance(probability: float | None, error: ModelError | None = None) -> str:
@@ -69,7 +73,7 @@ def requirement_parts(row: Requirement) -> tuple[str, str, str]:
     if row.quantity == "interlayers":
         return "layers between tile and back plate", "none", found
     unit = OBJECTIVES[row.quantity].unit
-    label = column_of(row.quantity).label.removesuffix(unit)
+    label = Column.of(row.quantity).label.removesuffix(unit)
     return label, f"at most {row.required:g}{unit}", found if row.found is None else f"{found}{unit}"
 
 
@@ -138,13 +142,10 @@ def tested_here(error: ModelError) -> list[str]:
         for limit, deviation in zip(here.limits_m_s, here.uncertainties_m_s, strict=True)
     ]
     measured = f"measured {joined(limits)} m/s" if count else "tested"
-    others = {0: "without it", 1: "the other own test alone"}.get(
-        here.others, f"the {here.others} other own tests alone"
-    )
-    words = [
-        f"{measured} here ({' and '.join(own)})",
-        f"{others}: about {here.median_m_s:.0f} ({interval(here.interval_m_s, '.0f')}) m/s",
-    ]
+    others = f"the {here.others} other own tests alone"
+    others = {0: "without it", 1: "the other own test alone"}.get(here.others, others)
+    predicted = f"about {here.median_m_s:.0f} ({interval(here.interval_m_s, '.0f')}) m/s"
+    words = [f"{measured} here ({' and '.join(own)})", f"{others}: {predicted}"]
     if here.out_of_line:
         words += ["out of line with the others: check it" if count == 1 else f"{here.out_of_line} out of line: check"]
     if count == 1 and not here.shots:

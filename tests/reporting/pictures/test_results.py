@@ -189,9 +189,9 @@ def test_a_frontier_is_where_the_probability_is_that_of_its_line():
     """The lightest design lies on the side of the line on which it is stopped, its thinner neighbours on the other."""
     found = designs(0.9)
     _, [pair_map] = design._maps(found)
-    [frontier] = [each for each in pair_map.frontiers if each.label == "stopped in 90 % of cases or more"]
+    [values] = [each[0] for each in pair_map.frontiers() if each[2] == "stopped in 90 % of cases or more"]
     for each, stops in ((best_of(found), True), (replace(best_of(found), ceramic_thickness_mm=2.0), False)):
-        by_row = [np.interp(each.backing_thickness_mm, pair_map.grid.backing_mm, row) for row in frontier.values]
+        by_row = [np.interp(each.backing_thickness_mm, pair_map.grid.backing_mm, row) for row in values]
         assert (np.interp(each.ceramic_thickness_mm, pair_map.grid.ceramic_mm, by_row) > -1.0) == stops
 
 

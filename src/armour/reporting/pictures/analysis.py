@@ -16,22 +16,19 @@ from armour.core.state import Parameters
 from armour.errors import mistake
 from armour.reporting.by_result import draw
 from armour.reporting.pictures import drawing
-from armour.reporting.text import interval, wrapped
+from armour.reporting.table import interval, wrapped
 from armour.reporting.views.analysis import STAGES, caveat_lines, verdict_words
 from armour.reporting.words import chance
 from armour.units import MM
 
+VELOCITIES = {
+    "projectile V": "velocity_m_s",
+    "penetration U": "penetration_velocity_m_s",
+    "target W": "target_velocity_m_s",
+}
 # Panels over time: y axis, height, and curves by label.
 PANELS: Any = (
-    (
-        "velocity, m/s",
-        1.1 * drawing.PANEL,
-        {
-            "projectile V": "velocity_m_s",
-            "penetration U": "penetration_velocity_m_s",
-            "target W": "target_velocity_m_s",
-        },
-    ),
+    ("velocity, m/s", 1.1 * drawing.PANEL, VELOCITIES),
     ("penetrator length L, mm", 0.75 * drawing.PANEL, {"": "length_mm"}),
     ("depth, bulge, mm", 0.75 * drawing.PANEL, {"depth Z": "depth_mm", "bulge h": "bulge_height_mm"}),
 )
@@ -111,10 +108,9 @@ class _Scene:
         self.fragmented_us = _fragmented_us(p, history)
         self.moments = _moments(result, self.fragmented_us)
         times = [time for time, _ in self.moments]
-        self.depths, self.lengths, self.bulges, self.velocities = (
-            np.interp(times, history.time_us, values)
-            for values in (history.depth_mm, history.length_mm, history.bulge_height_mm, history.velocity_m_s)
-        )
+        curves = history.depth_mm, history.length_mm, history.bulge_height_mm, history.velocity_m_s
+        states = (np.interp(times, history.time_us, values) for values in curves)
+        self.depths, self.lengths, self.bulges, self.velocities = states
         left = np.minimum(self.depths - self.lengths, 0.0)
         right = self.ceramic + self.backing + self.bulges
         # Each has its width, but for those too narrow for words.
@@ -136,10 +132,9 @@ class _Scene:
     def draw(self, axes: Axes, inches: float) -> None:
         """Draw the pictures in a width, inches."""
         high = self.high
-        for (time, _), start, *state in zip(
-            self.moments, self.starts, self.depths, self.lengths, self.bulges, strict=True
-        ):
-            self._draw_moment(axes, start, *state, broken=time >= self.fragmented_us - AT_ONCE_US)
+        hatches = ["xxx" if time >= self.fragmented_us - AT_ONCE_US else "" for time, _ in self.moments]
+        for seen in zip(self.starts, self.depths, self.lengths, self.bulges, hatches, strict=True):
+            self._draw_moment(axes, *seen)
         longest = max(len(line) for words in self.words for line in [*words.splitlines(), "penetrator"])
         room = 72.0 * inches / self.width * np.diff(self.middles).min(initial=self.width)
         look: Any = {"ha": "center", "fontsize": min(drawing.SMALL_FONT, room / (drawing.CHARACTER * (longest + 1)))}
@@ -152,30 +147,25 @@ class _Scene:
         below = offset_copy(axes.transData, figure, y=-(BELOW - 0.5) * drawing.SMALL_FONT, units="points")
         axes.plot([0.0, SCALE_MM], [-1.05 * high] * 2, color=drawing.INK, linewidth=1.0, transform=below, clip_on=False)
         axes.text(0.5 * SCALE_MM, -1.05 * high, f"{SCALE_MM:g} mm", va="bottom", transform=below, **look)
-        for colour, thickness, name in (
-            (CERAMIC_COLOUR, self.ceramic, "ceramic"),
-            (METAL_COLOUR, self.backing, "plate"),
-        ):
-            if thickness:
-                axes.fill([], [], facecolor=colour, label=name, **EDGE)
+        if self.ceramic:
+            axes.fill([], [], facecolor=CERAMIC_COLOUR, label="ceramic", **EDGE)
+        axes.fill([], [], facecolor=METAL_COLOUR, label="plate", **EDGE)
         axes.set(xlim=(0.0, self.width), ylim=(-1.05 * high, high), aspect="equal")
         axes.set_axis_off()
 
-    def _draw_moment(
-        self, axes: Axes, start: float, depth: float, length: float, bulge: float, *, broken: bool
-    ) -> None:
-        """Draw what is seen of layers and penetrator; one of a broken material is hatched."""
+    def _draw_moment(self, axes: Axes, start: float, depth: float, length: float, bulge: float, hatch: str) -> None:
+        """Draw what is seen of layers and penetrator, with the hatch of the ceramic."""
         half, high, total = 0.5 * self.diameter, self.high, self.ceramic + self.backing
-        for colour, near, far, hatch in (
-            (CERAMIC_COLOUR, 0.0, self.ceramic, "xxx" if broken else None),
-            (METAL_COLOUR, self.ceramic, total, None),
+        for colour, near, far, pattern in (
+            (CERAMIC_COLOUR, 0.0, self.ceramic, hatch),
+            (METAL_COLOUR, self.ceramic, total, ""),
         ):
             ahead = max(near + (bulge if near else 0.0), depth)
             beside = [(near, far, -high, -half), (near, far, half, high)]
             for first, last, low, top in [*beside, (ahead, far + bulge, -half, half)]:
                 if far > near and last > first:
                     corner = start + first, low
-                    axes.add_patch(Rectangle(corner, last - first, top - low, facecolor=colour, hatch=hatch, **EDGE))
+                    axes.add_patch(Rectangle(corner, last - first, top - low, facecolor=colour, hatch=pattern, **EDGE))
         if length > 0.0:
             axes.add_patch(Rectangle((start + depth - length, -half), length, 2.0 * half, facecolor=ROD_COLOUR, **EDGE))
 
@@ -230,9 +220,8 @@ def draw_limit(result: LimitResult, sheet: drawing.Sheet) -> drawing.Picture:
     residual = picture.axes[-1]
     residual.plot(impact, impact, linestyle=":", linewidth=1.0, color=drawing.INK, label="no armour")
     residual.plot(impact, [point.residual_velocity_m_s for point in curve], color=drawing.BLUE, label="projectile")
-    residual.plot(
-        impact, [point.plug_velocity_m_s for point in curve], linestyle="--", color=drawing.GREEN, label="plug"
-    )
+    plug = [point.plug_velocity_m_s for point in curve]
+    residual.plot(impact, plug, linestyle="--", color=drawing.GREEN, label="plug")
     residual.axvline(limit, linestyle=":", label="ballistic limit" if residual_alone else "", **drawing.RULE)
     label = f"{threat:g} m/s" if residual_alone else ""
     residual.axvline(threat, linestyle="--", linewidth=1.0, color=drawing.VERMILION, label=label)

@@ -11,20 +11,12 @@ from matplotlib.axes import Axes
 
 from armour.design.catalogue import NO_BOUND, Catalogue, catalogue_of
 from armour.design.check import CheckResult
-from armour.design.map import (
-    DesignMap,
-    design_map,
-    lightest,
-    limits_over_sources,
-    thicknesses_tested,
-    with_known_edges,
-)
+from armour.design.map import DesignMap, design_map, lightest, limits_over_sources, thicknesses_tested, with_known_edges
 from armour.design.optimise import Design, DesignResult
 from armour.evidence.tests import outside_tests
 from armour.reporting.by_result import draw
 from armour.reporting.pictures import drawing
-from armour.reporting.table import grouped, in_words
-from armour.reporting.text import percent
+from armour.reporting.table import grouped, in_words, percent
 from armour.reporting.views import design as view
 from armour.reporting.words import chance, said_of
 from armour.scenario.schema import OBJECTIVES
@@ -52,12 +44,9 @@ class _Panel(NamedTuple):
 @draw.register
 def draw_design(result: DesignResult, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the limits if one thickness varies, else a map of the best pair; below it the pairs and the Pareto front."""
-    panels = []
-    if sum(pair.best is not None for pair in result.pairs) > 1:
-        panels.append(_pairs_panel(result))
-    if result.pareto:
-        panels.append(_front_panel(result))
-    return draw_map_of_design(result, sheet, panels)
+    pairs = [_pairs_panel(result)] if len(view.best_of_pairs(result)) > 1 else []
+    front = [_front_panel(result)] if result.pareto else []
+    return draw_map_of_design(result, sheet, [*pairs, *front])
 
 
 def draw_map_of_design(result: DesignResult, sheet: drawing.Sheet, below: Sequence[_Panel] = ()) -> drawing.Picture:
@@ -65,7 +54,8 @@ def draw_map_of_design(result: DesignResult, sheet: drawing.Sheet, below: Sequen
     layer, maps = _maps(result)
     if layer:
         return _draw_lines(result, layer, maps, sheet)
-    return _draw_panels(_title(result), [maps[0].panel(), *below], sheet)
+    panel = _Panel(1.6 * drawing.PANEL, "", maps[0].draw, maps[0].note())
+    return _draw_panels(_title(result), [panel, *below], sheet)
 
 
 def _title(result: DesignResult) -> str:
@@ -95,9 +85,7 @@ def _maps(result: DesignResult) -> "tuple[str, list[_Map]]":
     design = result.reported
     best = 0 if design is None else names.index((design.ceramic, design.backing))
     confidences = tuple(1.0 - bound if bound < NO_BOUND else None for bound in catalogue.bounds.tolist())
-    probabilities = tuple(
-        {1.0 - USUAL_CHANCE, 0.5, USUAL_CHANCE, *(level for level in confidences if level is not None)}
-    )
+    probabilities = tuple({1.0 - USUAL_CHANCE, 0.5, USUAL_CHANCE, *filter(None, confidences)})
 
     def pair_map(pair: int) -> _Map:
         layers = (np.array(layer.thicknesses()) for layer in catalogue.offers[pair][:2])
@@ -138,15 +126,6 @@ def _draw_lines(result: DesignResult, layer: str, maps: "Sequence[_Map]", sheet:
     return picture
 
 
-class _Frontier(NamedTuple):
-    """A line on a map, where values are 0: its look, the range of values tinted on one side of it, and their name."""
-
-    values: Any
-    look: dict[str, Any]
-    tinted: tuple[float, float] | None
-    label: str
-
-
 @dataclass(frozen=True)
 class _Map:
     """A map of the designs of a pair, with the confidence required against each threat, None where none is."""
@@ -166,52 +145,52 @@ class _Map:
         stopped = [self.grid.stopped_with(level)[..., threat] for threat, level in enumerate(confidences)]
         return (np.stack(stopped, axis=-1) - self.catalogue.velocities_m_s).min(axis=-1)
 
-    @cached_property
-    def frontiers(self) -> list[_Frontier]:
-        """Where half of the armours stop the threat, where as many as required do, and where the limit suffices."""
+    def frontiers(self) -> list[tuple[Any, Any, str, dict[str, Any]]]:
+        """Return where half of the armours stop the threat, where as many as required do, and where limits suffice.
+
+        Each has values that are 0 on a line, the range of them that is tinted, its name, and the look of the line.
+        """
         largest = max((level for level in self.confidences if level is not None), default=USUAL_CHANCE)
         even = self.surely_m_s([0.5] * len(self.confidences))
         required = self.surely_m_s([largest if level is None else level for level in self.confidences])
         margins_m_s = self.catalogue.margins_m_s
         above_m_s = self.grid.limits_m_s - self.catalogue.velocities_m_s - margins_m_s
         label = f"stopped in {percent(largest)} of cases or more"
-        margin = view.required_margins(self.catalogue.scenario)
+        margin = " + margin" * bool(view.required_margins(self.catalogue.scenario))
         if any(self.confidences):
             limited = (margins_m_s > 0.0) | [level is None for level in self.confidences]
             required = np.minimum(required, np.where(limited, above_m_s, np.inf).min(axis=-1))
             if len(set(self.confidences)) > 1 or margin:
                 label = "meets the requirements"
-        often = "perforated more often than not"
-        frontiers = [
-            _Frontier(even, {"color": drawing.VERMILION, "linestyle": "--"}, (-np.inf, 0.0), often),
-            _Frontier(required, {"color": drawing.BLUE, "linestyle": "-"}, (0.0, np.inf), label),
+        often, by_model = "perforated more often than not", f"ballistic limit by the model = velocity{margin}"
+        frontiers: list[Any] = [
+            (even, (-np.inf, 0.0), often, {"color": drawing.VERMILION, "linestyle": "--"}),
+            (required, (0.0, np.inf), label, {"color": drawing.BLUE, "linestyle": "-"}),
+            (above_m_s.min(axis=-1), None, by_model, {"color": drawing.INK, "linestyle": "-"}),
         ]
-        if not any(self.confidences):
-            label = f"ballistic limit by the model = velocity{' + margin' if margin else ''}"
-            frontiers.append(_Frontier(above_m_s.min(axis=-1), {"color": drawing.INK, "linestyle": "-"}, None, label))
-        return [frontier for frontier in frontiers if not np.isnan(frontier.values).all()]
+        shown = frontiers[: 2 if any(self.confidences) else 3]
+        return [frontier for frontier in shown if not np.isnan(frontier[0]).all()]
 
     def draw(self, axes: Axes) -> None:
         """Draw the map."""
         x, y = self.grid.backing_mm, self.grid.ceramic_mm
         axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
         axes.set(xlabel=in_words("armour.backing_thickness_mm"), ylabel=in_words("armour.ceramic_thickness_mm"))
-        for values, look, tinted, label in self.frontiers:
+        for values, tinted, label, look in self.frontiers():
             if tinted:
-                _tint(axes, x, y, values, *tinted, label, **look)
+                _tint(axes, x, y, values, tinted, label, **look)
             drawing.contours(axes, x, y, values, [0.0], label="" if tinted else label, linewidth=1.9, **look)
         unknown = np.isnan(self.grid.stopped_m_s).any(axis=(-2, -1))
         if not unknown.all():
-            _tint(axes, x, y, unknown, 1e-3, np.inf, "probability unknown: too unlike tests", color=drawing.SOFT)
+            _tint(axes, x, y, unknown, (1e-3, np.inf), "probability unknown: too unlike tests", color=drawing.SOFT)
         column = view.OBJECTIVE_WORDS[self.result.minimised]
         objective = self.catalogue.objective(self.grid.candidates).reshape(len(y), len(x))
         limits = self.grid.limits_m_s[..., self.governing]
         against = f" against {self.result.threats[self.governing]}" if len(self.result.threats) > 1 else ""
         dotted: dict[str, Any] = {"linestyle": ":", "color": drawing.SOFT}
         drawing.contours(axes, x, y, objective, 5, at=-0.55, label=f"equal {column.heading}", **dotted)
-        drawing.contours(
-            axes, x, y, limits, 9, at=0.55, label=f"equal ballistic limit{against}, m/s", color=drawing.SOFT
-        )
+        label = f"equal ballistic limit{against}, m/s"
+        drawing.contours(axes, x, y, limits, 9, at=0.55, label=label, color=drawing.SOFT)
         self._draw_tested(axes)
         self._draw_offered(axes)
         for design, look in self._marked():
@@ -245,10 +224,8 @@ class _Map:
         if ends is not None and len(ends) > 1:
             axes.fill_between(x, ends[0], ends[-1], color=colour, **drawing.BAND)
         if not np.isnan(self.grid.stopped_m_s[..., threat, :]).all():
-            low, high = (
-                self.grid.stopped_with(level)[..., threat].ravel() for level in (USUAL_CHANCE, 1.0 - USUAL_CHANCE)
-            )
-            axes.fill_between(x, low, high, color=colour, **drawing.BAND)
+            surely, hardly = map(self.grid.stopped_with, (USUAL_CHANCE, 1.0 - USUAL_CHANCE))
+            axes.fill_between(x, surely[..., threat].ravel(), hardly[..., threat].ravel(), color=colour, **drawing.BAND)
         is_outside = self.is_outside(threat)
         drawing.curve(axes, x, limits, is_outside, color=colour, label=drawing.legible(self.name(layer)))
         offer = getattr(self.catalogue.offers[self.grid.pair], layer)
@@ -315,11 +292,8 @@ class _Map:
             x, y = [left, right, right, left, left], [low, low, high, high, low]
             axes.plot(x, y, linestyle="-.", linewidth=1.0, color=drawing.GREEN, label="thicknesses tested")
 
-    def panel(self) -> _Panel:
-        """Return the panel of the map."""
-        return _Panel(1.6 * drawing.PANEL, "", self.draw, self._note())
-
-    def _note(self) -> str:
+    def note(self) -> str:
+        """Return what the probabilities of the map are."""
         if np.isnan(self.grid.stopped_m_s).all():
             return "No probability is known for these designs."
         notes = []
@@ -330,10 +304,10 @@ class _Map:
         return " ".join(notes)
 
 
-def _tint(axes: Axes, x: Any, y: Any, values: Any, low: float, high: float, label: str, **look: Any) -> None:
+def _tint(axes: Axes, x: Any, y: Any, values: Any, ends: tuple[float, float], label: str, **look: Any) -> None:
     """Tint the region where values lie between two; the legend shows its edge too, if the look has a line."""
     z = np.ma.masked_invalid(np.array(values, float))
-    low, high = max(low, z.min() - 1.0), min(high, z.max() + 1.0)
+    low, high = max(ends[0], z.min() - 1.0), min(ends[1], z.max() + 1.0)
     if low < z.max() and high > z.min():
         axes.contourf(x, y, z, levels=[low, high], colors=[look["color"]], alpha=TINT)
         edge: Any = {"edgecolor": look["color"], "linewidth": 1.2 if "linestyle" in look else 0.0}
@@ -342,7 +316,7 @@ def _tint(axes: Axes, x: Any, y: Any, values: Any, low: float, high: float, labe
 
 def _pairs_panel(result: DesignResult) -> _Panel:
     """Return the panel of the best design of each pair of materials."""
-    best = [pair.best for pair in result.pairs if pair.best is not None]
+    best = view.best_of_pairs(result)
     shown = best[:MAX_PAIRS_DRAWN]
     names = [view.pair_words(design) for design in shown]
 
@@ -374,8 +348,9 @@ def _front_panel(result: DesignResult) -> _Panel:
 
     def draw_all(axes: Axes) -> None:
         for index, (name, designs) in enumerate(grouped(result.pareto, view.pair_words).items()):
-            for tests, some in grouped(designs, _tests).items():
-                draw_designs(axes, some, name + tests, filled=not tests, **drawing.look_of(index))
+            for outside, some in grouped(designs, lambda design: bool(design.outside_tests)).items():
+                label = name + " (outside the tests)" * outside
+                draw_designs(axes, some, label, filled=not outside, **drawing.look_of(index))
         if result.shown is not None:
             name = "nearest" if result.reason else "best"
             draw_designs(axes, [result.shown], name, markersize=3.0, color=drawing.INK)
@@ -385,21 +360,15 @@ def _front_panel(result: DesignResult) -> _Panel:
     if len(result.criteria) > 2:
         hidden = " and ".join(view.OBJECTIVE_WORDS[key].label for key in result.criteria[2:])
         notes.append(f"Designs that others beat in both criteria drawn are better in {hidden}.")
-    if view.COST_COLUMN_SHOWN.key in keys:
+    if view.COST.key in keys:
         notes.append("Costs are in the currency of the scenario.")
     return _Panel(drawing.PANEL, "Pareto front", draw_all, " ".join(notes))
 
 
-def _tests(design: Design) -> str:
-    return " (outside the tests)" if design.outside_tests else ""
-
-
 def _design_text(design: Design, *criteria: str) -> str:
     """Return the thicknesses of a design and its values of criteria."""
-    values = (
-        f"{view.OBJECTIVE_WORDS[key].label} {view.OBJECTIVE_WORDS[key].with_unit(getattr(design, key))}"
-        for key in criteria
-    )
+    words = view.OBJECTIVE_WORDS
+    values = (f"{words[key].label} {words[key].with_unit(getattr(design, key))}" for key in criteria)
     return ", ".join([f"{design.ceramic_thickness_mm:.4g} on {design.backing_thickness_mm:.4g} mm", *values])
 
 
@@ -424,5 +393,5 @@ def draw_check(result: CheckResult, sheet: drawing.Sheet) -> drawing.Picture:
         velocities = [row.velocity_m_s for row in what_ifs]
         label = "velocity of the round" if last else ""
         drawing.points(axes, velocities, places, marker="D", color=drawing.VERMILION, label=label)
-        axes.set(xlabel="velocity, m/s", title=f"{threat.threat}: {view.verdict(threat)}")
+        axes.set(xlabel="velocity, m/s", title=f"{threat.threat}: {view.VERDICTS[threat.verdict]}")
     return picture

@@ -16,8 +16,7 @@ from matplotlib.transforms import offset_copy
 
 from armour.analysis.results import Result
 from armour.errors import mistake
-from armour.reporting.table import column_of, in_words
-from armour.reporting.text import percent, printable_lines, wrapped
+from armour.reporting.table import Column, in_words, percent, printable_lines, wrapped
 from armour.scenario.inputs import VELOCITY
 
 # The palette of Okabe and Ito, which colour-blind readers can tell apart, and the colours of text and reference lines.
@@ -31,9 +30,8 @@ MARKERS = "os^DvP"
 FONT, TITLE, NAME, SMALL_FONT = 9.0, 10.5, 8.0, 7.0
 STYLE: Any = {
     "axes.axisbelow": True,
-    "axes.edgecolor": INK,
+    **dict.fromkeys(("axes.edgecolor", "axes.labelcolor", "text.color", "xtick.color", "ytick.color"), INK),
     "axes.grid": True,
-    "axes.labelcolor": INK,
     "axes.spines.right": False,
     "axes.spines.top": False,
     "axes.titlesize": FONT,
@@ -47,10 +45,7 @@ STYLE: Any = {
     "lines.markersize": 5.0,
     "svg.fonttype": "none",
     "svg.hashsalt": "armour",
-    "text.color": INK,
     "text.parse_math": False,  # titles are the user's
-    "xtick.color": INK,
-    "ytick.color": INK,
 }
 # A new figure starts from matplotlib's defaults, not from the settings of a user or a folder.
 SETTINGS: Any = {key: value for key, value in mpl.rcParamsDefault.items() if key != "backend"} | STYLE
@@ -269,13 +264,12 @@ def ranges(axes: Axes, y: Any, ends: Sequence[Sequence[float]], colour: str) -> 
     axes.errorbar(middles, list(y), xerr=halves, fmt="none", ecolor=colour, capsize=CAP)
 
 
-def velocities(axes: Axes, lines: Iterable[tuple[str, float | None, str, str]], *, named: bool = True) -> None:
-    """Draw lines at the velocities that are within the panel, given the name, velocity, colour and style of each."""
+def velocity_line(axes: Axes, velocity: float | None, colour: str, style: str, name: str = "") -> None:
+    """Draw a line at a velocity that is within the panel, in the legend if it has a name."""
     low, high = axes.get_xlim()
-    for name, velocity, colour, style in lines:
-        if velocity is not None and low <= velocity <= high:
-            label = f"{name} {velocity:.1f} m/s" if named else ""
-            axes.axvline(velocity, linestyle=style, linewidth=1.0, color=colour, label=label)
+    if velocity is not None and low <= velocity <= high:
+        label = f"{name} {velocity:.1f} m/s" if name else ""
+        axes.axvline(velocity, linestyle=style, linewidth=1.0, color=colour, label=label)
 
 
 def name_point(axes: Axes, x: float, y: float, name: str, *, above: bool = True) -> None:
@@ -303,9 +297,7 @@ def contours(
     inside = [level for level in levels if z.min() < level < z.max()]
     style: Any = {"color": INK, "linewidth": 0.8, "linestyle": "-"} | look
     if inside:
-        lines = axes.contour(
-            x, y, z, levels=inside, colors=style["color"], linewidths=style["linewidth"], linestyles=style["linestyle"]
-        )
+        lines = axes.contour(x, y, z, levels=inside, **{f"{name}s": value for name, value in style.items()})
         if at is not None:
             places = [_on_diagonal(path.vertices, axes, at) for path in lines.get_paths() if len(path)]
             axes.clabel(lines, fontsize=SMALL_FONT, fmt="%g", manual=list(filter(None, places)))
@@ -378,11 +370,14 @@ def agreement(
     axes: Axes, quantity: str, word: str, groups: Mapping[str, Sequence[Compared]], part: float = 0.0
 ) -> None:
     """Draw computed over expected values, with the line of agreement and, if a part is given, lines that part away."""
-    column = column_of(quantity, ".5g")
+    column = Column.of(quantity, ".5g")
+
+    def known(pair: Compared) -> str:
+        deviation = f" ± {column.with_unit(pair.deviation)}" if pair.deviation else ""
+        return column.with_unit(pair.expected) + deviation
+
     pairs = [pair for group in groups.values() for pair in group]
-    low, high = widened(
-        value for p in pairs for value in (p.expected - p.deviation, p.expected + p.deviation, p.computed)
-    )
+    low, high = widened(end for p in pairs for end in (p.expected - p.deviation, p.expected + p.deviation, p.computed))
     # The axes of values that are close together reach the lines on both sides.
     margin = part * high if high - low < part * high else 0.0
     span = low - margin, high + margin
@@ -390,12 +385,7 @@ def agreement(
     axes.set_aspect("equal")
     for index, (label, group) in enumerate(groups.items()):
         expected, computed = [p.expected for p in group], [p.computed for p in group]
-        words = [
-            f"{p.name}\n{p.word} {column.with_unit(p.expected)}"
-            + (f" ± {column.with_unit(p.deviation)}" if p.deviation else "")
-            + f", computed {column.with_unit(p.computed)}"
-            for p in group
-        ]
+        words = [f"{p.name}\n{p.word} {known(p)}, computed {column.with_unit(p.computed)}" for p in group]
         look = look_of(index) | {"label": legible(label), "markersize": 5.0 if len(pairs) <= 100 else 3.0}
         if any(p.deviation for p in group):
             ends = [(p.expected - p.deviation, p.expected + p.deviation) for p in group]

@@ -7,15 +7,13 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from armour.analysis.quantities import label_and_unit
 from armour.errors import counted, listed
 from armour.planning.firing import ShotPlan
 from armour.planning.plan_tests import PlannedTests
 from armour.reporting.by_result import draw
 from armour.reporting.pictures import drawing
 from armour.reporting.pictures.statistics import draw_shots
-from armour.reporting.table import in_words
-from armour.reporting.text import interval, percent
+from armour.reporting.table import Column, in_words, interval, percent
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, VELOCITY
 
 
@@ -81,8 +79,8 @@ def _draw_operating(axes: Axes, plan: ShotPlan) -> None:
 
 def _draw_velocities(axes: Axes, plan: ShotPlan, *, named: bool) -> None:
     """Draw lines at the next velocity and the required one."""
-    following = ("next shot", plan.next_velocity_m_s, drawing.INK, ":")
-    drawing.velocities(axes, [following, ("requirement", plan.requirement_m_s, drawing.SOFT, "-.")], named=named)
+    drawing.velocity_line(axes, plan.next_velocity_m_s, drawing.INK, ":", "next shot" * named)
+    drawing.velocity_line(axes, plan.requirement_m_s, drawing.SOFT, "-.", "requirement" * named)
 
 
 GAIN = "relative gain of one more test"
@@ -131,8 +129,8 @@ def _tests_title(result: PlannedTests) -> str:
     title = f"Planned: {counted(len(result.planned) - 1, 'test')}"
     for name, half_width in result.planned[-1].half_widths.items():
         if half_width is not None:
-            words, unit = label_and_unit(name)
-            return f"{title}, after which {words} ± {half_width:.2g} {unit}".rstrip()
+            column = Column.of(name, ".2g")
+            return f"{title}, after which {column.label} ± {column.with_unit(half_width)}"
     return title
 
 

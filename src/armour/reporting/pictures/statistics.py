@@ -6,17 +6,15 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from armour.analysis.quantities import label_and_unit
 from armour.errors import mistake
 from armour.reporting.by_result import draw
 from armour.reporting.pictures import drawing
-from armour.reporting.table import deviation_percent, grouped, in_words
-from armour.reporting.text import interval, percent
+from armour.reporting.table import Column, deviation_percent, grouped, in_words, interval, percent
 from armour.reporting.views.statistics import MEANS, velocity_name
 from armour.reporting.words import risk
 from armour.scenario.inputs import VELOCITY
 from armour.statistics.calibration import CalibrationResult, Residual
-from armour.statistics.curves import FittedCurve
+from armour.statistics.curves import FittedCurve, ShotLikelihood
 from armour.statistics.measured import LIMIT
 from armour.statistics.own_tests import OwnTest
 from armour.statistics.sensitivity import SensitivityResult
@@ -36,13 +34,11 @@ def draw_uncertainty(result: UncertaintyResult, sheet: drawing.Sheet) -> drawing
     """Draw the probability of perforation over velocity, and the ballistic limit at quantiles of each input."""
     curve, p, level = result.curve, result.probability_of_perforation, percent(result.confidence)
     at = drawing.recorded(result, "scenario").impact.velocity_m_s
-    names = [label_and_unit(index.input)[0] for index in result.inputs]
-    picture = sheet.panels(
-        f"Perforated with a probability of {risk(1.0 - p.value)} at {at:g} m/s",
-        *(drawing.PANEL, drawing.rows_height(names, titled=True))[: 1 + bool(names)],
-        note=f"{level} intervals by sampling: {p.low:.3f} to {p.high:.3f} at {at:g} m/s; the band for the curve.",
-        sharex=True,
-    )
+    names = [Column.of(index.input).label for index in result.inputs]
+    title = f"Perforated with a probability of {risk(1.0 - p.value)} at {at:g} m/s"
+    note = f"{level} intervals by sampling: {p.low:.3f} to {p.high:.3f} at {at:g} m/s; the band for the curve."
+    heights = [drawing.PANEL, *([drawing.rows_height(names, titled=True)] if names else [])]
+    picture = sheet.panels(title, *heights, note=note, sharex=True)
     axes = picture.axes[0]
     axes.set(ylabel="probability of perforation", ylim=(0.0, 1.0))
     axes.fill_between(curve.velocity_m_s, curve.low, curve.high, color=drawing.BLUE, **drawing.BAND)
@@ -56,10 +52,8 @@ def draw_uncertainty(result: UncertaintyResult, sheet: drawing.Sheet) -> drawing
     axes.errorbar([at], [p.value], interval, fmt="none", ecolor=drawing.VERMILION, capsize=drawing.CAP)
     drawing.points(axes, [at], [p.value], color=drawing.VERMILION, label=f"{p.value:.3f} at {at:g} m/s")
     if names:
-        swings = {
-            f"input at its {quantile} quantile": [index.limits_m_s[side] for index in result.inputs]
-            for side, quantile in enumerate(("5 %", "95 %"))
-        }
+        low, high = zip(*(index.limits_m_s for index in result.inputs), strict=True)
+        swings = {"input at its 5 % quantile": low, "input at its 95 % quantile": high}
         drawing.rows(picture.axes[1], names, swings, result.deterministic_m_s)
         picture.axes[1].set_title("Ballistic limit with one input changed")
     probability = np.array(curve.probability)
@@ -75,11 +69,9 @@ def draw_sensitivity(result: SensitivityResult, sheet: drawing.Sheet) -> drawing
     """Draw the elasticities; inputs with the largest of the first answer, the limit where there is one, are on top."""
     answers = [name for name, value in result.answers.items() if value is not None]
     # Without an elasticity an input, such as the velocity for the ballistic limit, is below those with one.
-    inputs = sorted(
-        (item for item in result.inputs if any(item.elasticities[answer] is not None for answer in answers)),
-        key=lambda item: [-abs(item.elasticities[answer] or 0.0) for answer in answers],
-    )
-    names, titles = [label_and_unit(item.input)[0] for item in inputs], [label_and_unit(name)[0] for name in answers]
+    inputs = [item for item in result.inputs if any(item.elasticities[answer] is not None for answer in answers)]
+    inputs.sort(key=lambda item: [-abs(item.elasticities[answer] or 0.0) for answer in answers])
+    names, titles = [Column.of(item.input).label for item in inputs], [Column.of(name).label for name in answers]
     title, note = "", "Change in % for a 1 % increase of the input."
     if inputs:
         most = inputs[0].elasticities[answers[0]] or 0.0
@@ -156,13 +148,12 @@ def _largest(residuals: Sequence[Residual]) -> list[Residual]:
 
 def _draw_deviations(axes: Axes, quantity: str, residuals: Sequence[Residual]) -> None:
     """Draw deviations from measured values; of many tests those with the largest."""
-    title, shown = f"Deviation of the computed {label_and_unit(quantity)[0]}", _largest(residuals)
+    title, shown = f"Deviation of the computed {Column.of(quantity).label}", _largest(residuals)
     if len(shown) < len(residuals):
         title += f", the {MAX_TESTS} largest of {len(residuals)}"
-    values = {
-        "fitted": [deviation_percent(residual.computed, residual.measured) for residual in shown],
-        "leave-one-out": [deviation_percent(residual.left_out, residual.measured) for residual in shown],
-    }
+    fitted = [deviation_percent(residual.computed, residual.measured) for residual in shown]
+    left_out = [deviation_percent(residual.left_out, residual.measured) for residual in shown]
+    values = {"fitted": fitted, "leave-one-out": left_out}
     drawing.rows(axes, [residual.test for residual in shown], values, 0.0)
     axes.set(title=title, xlabel="deviation, %")
 
@@ -223,11 +214,10 @@ def draw_firing(result: FiringResult, sheet: drawing.Sheet) -> drawing.Picture:
         drawing.ranges(axes, [POSTERIOR], [after.v50_interval_m_s], drawing.PURPLE)
         drawing.points(axes, [after.v50_m_s], [POSTERIOR], marker="D", color=drawing.PURPLE, label=name)
     if result.mean is not None:
-        drawing.velocities(axes, [(MEANS[result.mean.rule], result.mean.v50_m_s, drawing.SOFT, "-")])
+        drawing.velocity_line(axes, result.mean.v50_m_s, drawing.SOFT, "-", MEANS[result.mean.rule])
     name = f"{result.decision}: {velocity_name(result.requirement_fraction)} required"
-    drawing.velocities(
-        axes, [(name, required, drawing.VERMILION, "--"), ("limit by this model", model, drawing.INK, ":")]
-    )
+    drawing.velocity_line(axes, required, drawing.VERMILION, "--", name)
+    drawing.velocity_line(axes, model, drawing.INK, ":", "limit by this model")
     if len(panels) > 1:
         _draw_region(picture.axes[1], fit, shots, result.confidence, (low, high))
         _draw_order(picture.axes[2], shots, ends if bounded else None)
@@ -236,8 +226,6 @@ def draw_firing(result: FiringResult, sheet: drawing.Sheet) -> drawing.Picture:
 
 def _draw_region(axes: Axes, fit: FittedCurve, shots: Shots, confidence: float, ends: tuple[float, float]) -> None:
     """Draw the joint confidence regions of V50 and scatter, at one half and at the confidence level."""
-    from armour.statistics.curves import ShotLikelihood
-
     likelihood = ShotLikelihood(shots.of(complete=False), shots.of(complete=True), fit.curve, penalised=True)
     (slowest, fastest), widest = fit.v50_interval_m_s, fit.scale_interval_m_s[1]
     if slowest is not None and fastest is not None:
@@ -265,11 +253,8 @@ def _draw_order(axes: Axes, shots: Shots, ends: tuple[float | None, float | None
     if ends is not None:
         axes.axhspan(*(edge if e is None else e for e, edge in zip(ends, (low, high), strict=True)), **drawing.SHADE)
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-    axes.set(
-        xlabel="shot",
-        ylabel="velocity, m/s",
-        title="Shots in their order" + ", with the interval of V50" * (ends is not None),
-    )
+    title = "Shots in their order" + ", with the interval of V50" * (ends is not None)
+    axes.set(xlabel="shot", ylabel="velocity, m/s", title=title)
 
 
 def draw_shots(axes: Axes, shots: Shots) -> None:

@@ -10,8 +10,7 @@ from armour.analysis.evaluate import outside_of
 from armour.errors import mistake
 from armour.reporting.by_result import draw
 from armour.reporting.pictures import drawing
-from armour.reporting.table import Column, column_of, in_words
-from armour.reporting.text import number
+from armour.reporting.table import Column, in_words, number
 from armour.reporting.views.sweeps import is_number
 from armour.scenario.inputs import BACKING, CERAMIC
 from armour.scenario.scenario import Scenario
@@ -43,8 +42,8 @@ def draw_columns(
 
     Over a key of names there is a mark for each name, and over such a key and numbers a curve for each.
     """
-    answer, values = column_of(name, ".4g"), table[name]
-    title = f"{answer.label[:1].upper()}{answer.label[1:]} over {' and '.join(column_of(key).label for key in keys)}"
+    answer, values = Column.of(name, ".4g"), table[name]
+    title = f"{answer.label[:1].upper()}{answer.label[1:]} over {' and '.join(Column.of(key).label for key in keys)}"
     numbers = values[~np.isnan(values)]
     if numbers.size and numbers.min() < numbers.max():
         title += f": {number(numbers.min(), '.4g')} to {answer.with_unit(numbers.max())}"
@@ -74,8 +73,7 @@ def draw_columns(
 
 def _draw_names(axes: Axes, table: Mapping[str, Any], named: Sequence[str], answer: Column, values: Any) -> None:
     """Draw values by the names of one key or of two."""
-    names = list(dict.fromkeys(table[named[0]].tolist()))
-    by_name = {}
+    names, by_name = list(dict.fromkeys(table[named[0]].tolist())), {}
     for label, mask in _by_name(table, named[1:]):
         answers = dict(zip(table[named[0]][mask].tolist(), values[mask].tolist(), strict=True))
         by_name[label] = [answers.get(name) for name in names]

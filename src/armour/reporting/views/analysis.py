@@ -1,25 +1,13 @@
 """Impacts, ballistic limits and the probability that an armour stops its threat."""
 
-from dataclasses import fields
 from typing import NamedTuple
 
 from armour.analysis.ballistic_limit import ConfidenceResult, LimitResult
 from armour.analysis.impact import ImpactResult
 from armour.analysis.results import EachResult
+from armour.reporting import words as phrases
 from armour.reporting.by_result import by_result, tables_of
-from armour.reporting.table import Column, Table, column_of, csv_text, listing, record
-from armour.reporting.text import VerdictLine
-from armour.reporting.words import (
-    BALLISTIC_LIMIT,
-    SAMPLED_ALONE,
-    STOPPING,
-    WHOLE,
-    basis_notes,
-    chance,
-    error_note,
-    said_of,
-    with_error,
-)
+from armour.reporting.table import Column, Source, Table, VerdictLine, rows_csv
 
 
 class StageWords(NamedTuple):
@@ -60,19 +48,11 @@ def tables_of_impact(result: ImpactResult) -> list[Table | str]:
         parts += tables_of_confidence(confidence)
         distributed = result.question["scenario"].uncertainty
         if confidence.model_error is None and distributed is not None and distributed.inputs():
-            parts.append(f"{SAMPLED_ALONE}: armour uncertainty")
-    remaining = record(
-        result,
-        column_of("residual_length_mm"),
-        column_of("residual_mass_g"),
-        (column_of("plug_velocity_m_s"), result.plug_velocity_m_s or None),
-        column_of("penetration_depth_mm"),
-        column_of("bulge_height_mm"),
-        column_of("duration_us"),
-        column_of("areal_density_kg_m2"),
-        WHOLE,
-    )
-    return [*parts, remaining, stage_table(result)]
+            parts.append(f"{phrases.SAMPLED_ALONE}: armour uncertainty")
+    before = map(Column.of, ("residual_length_mm", "residual_mass_g"))
+    plug = Column.of("plug_velocity_m_s"), result.plug_velocity_m_s or None
+    after = map(Column.of, ("penetration_depth_mm", "bulge_height_mm", "duration_us", "areal_density_kg_m2"))
+    return [*parts, Table.of_one(result, *before, plug, *after, phrases.WHOLE), stage_table(result)]
 
 
 def verdict(result: ImpactResult) -> VerdictLine:
@@ -85,47 +65,37 @@ def verdict(result: ImpactResult) -> VerdictLine:
 
 def verdict_words(result: ImpactResult, outcome: str) -> str:
     """Return the outcome, given in words, with what the model cannot do, or why it is not known."""
-    unknown = said_of(result.warnings, "not known", *(["too low"] if result.outcome == "perforated" else []))
+    unknown = phrases.said_of(result.warnings, "not known", *(["too low"] if result.outcome == "perforated" else []))
     words = [f"not known: {result.outcome} by the model, but {reason}" for reason in unknown] or [outcome]
-    return "; ".join([*words, *(caveat for caveat in said_of(result.warnings) if caveat not in unknown)])
+    return "; ".join([*words, *(caveat for caveat in phrases.said_of(result.warnings) if caveat not in unknown)])
 
 
 def caveat_lines(result: LimitResult) -> list[Table | str]:
     """Return what the model cannot do, in a line each."""
-    unknown = [VerdictLine(f"not known: {words}", good=False) for words in said_of(result.warnings, "not known")]
-    return [*unknown, *said_of(result.warnings)]
+    unknown = phrases.said_of(result.warnings, "not known")
+    lines = [VerdictLine(f"not known: {words}", good=False) for words in unknown]
+    return [*lines, *phrases.said_of(result.warnings)]
 
 
 def stage_table(result: ImpactResult) -> Table:
     """Return the stages of an impact with the projectile's losses in each."""
-    return listing(
-        result.stages,
-        column_of("stage"),
-        (Column("description", prose=True), lambda record: STAGES[record.stage].words),
-        column_of("start_us", ".1f"),
-        column_of("end_us", ".1f"),
-        column_of("velocity_lost_m_s", ".0f"),
-        column_of("length_lost_mm", ".1f"),
-        Column("energy lost", "J", ".0f", key="energy_lost_J"),
-    )
+    description: Source = Column("description", prose=True), lambda record: STAGES[record.stage].words
+    numbers = Column.of_each(start_us=".1f", end_us=".1f", velocity_lost_m_s=".0f", length_lost_mm=".1f")
+    energy = Column("energy lost", "J", ".0f", key="energy_lost_J")
+    return Table.of(result.stages, Column.of("stage"), description, *numbers, energy)
 
 
 def history_csv(result: ImpactResult) -> str | None:
     """Return the run over time as CSV; None where it was not kept."""
     if result.history is None:
         return None
-    names = [field.name for field in fields(result.history)]
-    values = [getattr(result.history, name).tolist() for name in names]
-    return csv_text(Table(tuple(Column(name, key=name) for name in names), tuple(zip(*values, strict=True))))
+    return rows_csv(result.history)
 
 
 def crossing_table(result: LimitResult) -> Table:
     """Return every change of the outcome with the velocity."""
-    return listing(
-        result.crossings,
-        (Column("velocity", "m/s", ".1f"), lambda crossing: crossing.bracket_m_s[1]),
-        (Column("outcome above"), lambda crossing: crossing.above),
-    )
+    columns = Column("velocity", "m/s", ".1f"), Column("outcome above")
+    return Table(columns, tuple((crossing.bracket_m_s[1], crossing.above) for crossing in result.crossings))
 
 
 @tables_of.register
@@ -135,9 +105,9 @@ def tables_of_limit(result: LimitResult) -> list[Table | str]:
     below, above = result.bracket_m_s
     scanned = f"{result.scanned_velocities} velocities from {low:g} to {high:g} m/s were scanned"
     width = f"bracket width {above - below:.1g} m/s"
-    limits = BALLISTIC_LIMIT, with_error(result.median_m_s, result.interval_m_s)
-    table = record(result, *limits, column_of("areal_density_kg_m2"), WHOLE)
-    parts = [*caveat_lines(result), table, error_note(result.model_error, result.question.get("scenario"))]
+    limits = phrases.BALLISTIC_LIMIT, phrases.with_error(result.median_m_s, result.interval_m_s)
+    table = Table.of_one(result, *limits, Column.of("areal_density_kg_m2"), phrases.WHOLE)
+    parts = [*caveat_lines(result), table, phrases.error_note(result.model_error, result.question.get("scenario"))]
     if result.monotonic:
         return [*parts, f"{scanned}, all above the limit perforate; {width}"]
     return [*parts, f"{scanned}, the outcome changes {len(result.crossings)} times; {width}", crossing_table(result)]
@@ -146,6 +116,6 @@ def tables_of_limit(result: LimitResult) -> list[Table | str]:
 @tables_of.register
 def tables_of_confidence(result: ConfidenceResult) -> list[Table | str]:
     """Return the probability, and what it rests on."""
-    limit, probability = with_error(result.median_m_s, result.interval_m_s), result.probability_of_stopping
-    stopping = STOPPING, None if probability is None else chance(probability, result.model_error)
-    return [record(result, BALLISTIC_LIMIT, limit, stopping), *basis_notes(result)]
+    limit, probability = phrases.with_error(result.median_m_s, result.interval_m_s), result.probability_of_stopping
+    stopping = phrases.STOPPING, None if probability is None else phrases.chance(probability, result.model_error)
+    return [Table.of_one(result, phrases.BALLISTIC_LIMIT, limit, stopping), *phrases.basis_notes(result)]

@@ -2,39 +2,24 @@
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
-from itertools import zip_longest
+from itertools import compress, zip_longest
 from math import inf
+from operator import attrgetter, itemgetter
 from typing import Any
 from xml.etree.ElementTree import Element
 
 from armour.analysis.ballistic_limit import NeededFlowStress
 from armour.analysis.variants import outside_words
-from armour.design.check import CheckedThreat, CheckResult, WhatIf
+from armour.design.check import CheckedThreat, CheckResult
 from armour.design.optimise import BY_LIMIT, BestDesign, Design, DesignResult, Pair, armour_in_words, short_words
 from armour.design.requirements import Requirement
 from armour.errors import counted, joined
 from armour.evidence.caveats import too_thin
 from armour.evidence.tests import THIN
+from armour.reporting import words as phrases
 from armour.reporting.by_result import tables_of
 from armour.reporting.junit import TestCase, junit_suite
-from armour.reporting.table import Column, Source, Table, column_of, csv_text, listing, record
-from armour.reporting.text import VerdictLine, interval, percent, with_interval
-from armour.reporting.words import (
-    BALLISTIC_LIMIT,
-    STOPPING,
-    WHOLE,
-    basis_notes,
-    chance,
-    error_note,
-    flow_stress_notes,
-    needed_words,
-    requirement_parts,
-    requirement_words,
-    risk,
-    said_of,
-    threat_notes,
-    with_error,
-)
+from armour.reporting.table import Column, Source, Table, VerdictLine, csv_text, interval, of_part, percent
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import OBJECTIVES, InertLayer
 
@@ -42,15 +27,15 @@ from armour.scenario.schema import OBJECTIVES, InertLayer
 LOW, ASK = 0.75, "--confidence 0.95 designs for 95 %"
 # Rows of the frontier that are shown unless all are asked for.
 FRONTIER_ROWS = 5
-AREAL_DENSITY = column_of("areal_density_kg_m2")
-CERAMIC_NAME, BACKING_NAME = column_of("ceramic"), column_of("backing")
+AREAL_DENSITY = Column.of("areal_density_kg_m2")
 # Thicknesses are shown with at most 3 decimals, and with no more than those of a table need.
-CERAMIC_THICKNESS, BACKING_THICKNESS = (column_of(f"{layer}_thickness_mm", ".3f") for layer in ("ceramic", "backing"))
-THICKNESS = column_of("thickness_mm", ".4g", "total thickness")
-COST_COLUMN_SHOWN = column_of("cost_per_m2", ".0f")
+CERAMIC_THICKNESS, BACKING_THICKNESS = (Column.of(f"{layer}_thickness_mm", ".3f") for layer in ("ceramic", "backing"))
+THICKNESS = Column.of("thickness_mm", ".4g", "total thickness")
+COST = Column.of("cost_per_m2", ".0f")
+LIMIT = Column.of("ballistic_limit_m_s", label="limit")
 GOVERNED_BY = Column("governed by", prose=True)
 # The margin of the armour itself depends on the model error.
-MARGIN_BY_MODEL = column_of("margin_m_s", "+.0f", "margin by the model")
+MARGIN_BY_MODEL = Column.of("margin_m_s", "+.0f", "margin by the model")
 REQUIRED = Column("required margin", "m/s", "+.0f")
 OUTSIDE = Column("outside the tests in", prose=True, key="outside_tests")
 NEEDED = Column("flow stress needed", "GPa", ".1f")
@@ -73,24 +58,24 @@ def required_margins(scenario: Scenario | None) -> dict[str, float]:
 
 def best_table(design: BestDesign, required: Mapping[str, float], title: str = "") -> Table:
     """Return a design quantity by quantity, with the margins that the threats require."""
-    limit: list[Source] = [BALLISTIC_LIMIT]
-    if design.ballistic_limit_m_s is None:
+    limit: list[Source] = [phrases.BALLISTIC_LIMIT]
+    if (limit_m_s := design.ballistic_limit_m_s) is None:
         limit = [(Column("ballistic limit"), "outside the range")]
     elif (error := design.model_error) is not None:
-        limit.append(with_error(error.median(design.ballistic_limit_m_s), error.interval(design.ballistic_limit_m_s)))
-    probability = chance(design.probabilities_of_stopping[design.governing], design.model_error)
-    threat: list[Source] = [(STOPPING, probability), MARGIN_BY_MODEL, (REQUIRED, required.get(design.governing))]
+        limit.append(phrases.with_error(error.median(limit_m_s), error.interval(limit_m_s)))
+    stops = phrases.chance(design.probabilities_of_stopping[design.governing], design.model_error)
+    threat: list[Source] = [(phrases.STOPPING, stops), MARGIN_BY_MODEL, (REQUIRED, required.get(design.governing))]
     if len(design.margins_m_s) > 1:  # the table of the threats has these of each
         limit, threat = [(GOVERNED_BY, design.governing), *limit], []
-    return record(
+    return Table.of_one(
         design,
         (Column("armour", prose=True), armour_in_words(design)),
         AREAL_DENSITY,
-        WHOLE,
+        phrases.WHOLE,
         *limit,
         *threat,
         THICKNESS,
-        (COST_COLUMN_SHOWN, design.cost_per_m2 or None),
+        (COST, design.cost_per_m2 or None),
         (OUTSIDE, outside_words(design.outside_tests) if design.model_error is None else ""),
         title=title,
     )
@@ -103,7 +88,7 @@ def design_verdict(result: DesignResult) -> list[Table | str]:
         return []
     if nearest is None:
         return [VerdictLine(f"{result.reason}: {result.explanation}", good=False)]
-    armour, notes = armour_in_words(nearest), _flow_stress_notes(nearest)
+    armour, notes = armour_in_words(nearest), phrases.flow_stress_notes(*_needed(nearest))
     threats = "every threat" if len(result.threats) > 1 else result.threats[0]
     short = ", ".join(f"{short_words(short)} against {threat}" for threat, short in nearest.short_m_s.items() if short)
     if result.reason == "not known" and not short:
@@ -111,13 +96,11 @@ def design_verdict(result: DesignResult) -> list[Table | str]:
         words = f"not known: {armour} is the {least} that stops {threats} by the computed limit"
         return [VerdictLine(words, good=False), *notes, result.explanation]
     unmet = [row for row in nearest.requirements if row.interval and row.verdict != "passes"]
-    lacking = "; ".join(filter(None, (short, *map(requirement_words, unmet), *_excesses(nearest))))
+    lacking = "; ".join(filter(None, (short, *map(phrases.requirement_words, unmet), *_excesses(nearest))))
     explanation = result.explanation
     if unlimited is not None and unlimited.exceeds:
-        by_limit = BY_LIMIT * (unlimited.model_error is None)
-        explanation = (
-            f"{armour_in_words(unlimited)} would stop {threats}{by_limit}, but has {'; '.join(_excesses(unlimited))}"
-        )
+        stops = f"would stop {threats}{BY_LIMIT * (unlimited.model_error is None)}"
+        explanation = f"{armour_in_words(unlimited)} {stops}, but has {'; '.join(_excesses(unlimited))}"
     known = result.reason if result.reason == "none passes" else "not known, as the limit is too low"
     return [VerdictLine(f"{known}: the nearest, {armour}, lacks {lacking}", good=False), explanation, *notes]
 
@@ -128,30 +111,19 @@ def _excesses(design: BestDesign) -> list[str]:
     return [f"{excess:.3g}{units[key]} more than design.{key} allows" for key, excess in design.exceeds.items()]
 
 
-def _needed(design: BestDesign) -> tuple[str, NeededFlowStress | None]:
-    """Return the threat against which the untested ceramic of a design needs the greatest flow stress, and that."""
+def _needed(design: BestDesign) -> tuple[NeededFlowStress | None, str]:
+    """Return the greatest flow stress that the untested ceramic of a design needs, and against which threat."""
     threat = max(design.flow_stress, key=lambda threat: design.flow_stress[threat].needed_GPa or inf, default="")
-    return threat, design.flow_stress.get(threat)
-
-
-def _flow_stress_notes(design: BestDesign) -> list[str]:
-    """Return what flow stress the untested ceramic of a design needs against the threat that needs the greatest."""
-    threat, needed = _needed(design)
-    return flow_stress_notes(needed, threat)
+    return design.flow_stress.get(threat), threat
 
 
 def _aligned(table: Table) -> Table:
     """Show the thicknesses of a table with the decimals that they need."""
-    shown = {CERAMIC_THICKNESS, BACKING_THICKNESS, THICKNESS}
-    texts = [
-        column.text(cell)
-        for row in table.rows
-        for column, cell in zip(table.columns, row, strict=True)
-        if column in shown
-    ]
+    aligned = [column in (CERAMIC_THICKNESS, BACKING_THICKNESS, THICKNESS) for column in table.columns]
+    texts = [text for row in table.texts() for text in compress(row, aligned)]
     decimals = max((len(text.rstrip("0").partition(".")[2]) for text in texts), default=0)
-    columns = (replace(column, spec=f".{decimals}f") if column in shown else column for column in table.columns)
-    return replace(table, columns=tuple(columns))
+    columns = zip(table.columns, aligned, strict=True)
+    return replace(table, columns=tuple(replace(c, spec=f".{decimals}f") if chosen else c for c, chosen in columns))
 
 
 def frontier_table(result: DesignResult) -> Table:
@@ -163,13 +135,10 @@ def frontier_table(result: DesignResult) -> Table:
         marks = [OBJECTIVES[result.minimised].least] if _thicknesses(design) == _thicknesses(_shown(result)) else []
         return ", ".join([*marks, *["least of the range"] * (design.ceramic_thickness_mm == result.ceramic_min_mm)])
 
-    table = listing(
+    numbers = CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, phrases.WHOLE, MARGIN_BY_MODEL
+    table = Table.of(
         result.frontier,
-        CERAMIC_THICKNESS,
-        BACKING_THICKNESS,
-        AREAL_DENSITY,
-        WHOLE,
-        MARGIN_BY_MODEL,
+        *numbers,
         outside_tests(result.frontier),
         (GOVERNED_BY, lambda design: governing[_thicknesses(design)] if several else None),
         (Column("note"), note),
@@ -195,42 +164,34 @@ def left_out(result: DesignResult) -> str:
     return f"no ceramic passes on {counted(len(plates), 'back plate')}, {' to '.join(ends)} mm"
 
 
-def _thicknesses(design: Design) -> tuple[float, float]:
-    return design.ceramic_thickness_mm, design.backing_thickness_mm
+# By which a design is told from others of its materials.
+_thicknesses = attrgetter("ceramic_thickness_mm", "backing_thickness_mm")
 
 
 def margin_table(result: DesignResult, required: Mapping[str, float]) -> Table:
     """Return the best design's margin against each threat, and the probabilities of stop and of perforation."""
-    best = _shown(result)
-
-    def sampled(threat: str) -> str:
-        estimate = best.probabilities.get(threat)
-        return "" if estimate is None else with_interval(estimate.value, estimate, ".3f")
-
-    return listing(
+    best, sampled = _shown(result), Column("probability of perforation by sampling, 95 % interval")
+    return Table.of(
         best.margins_m_s,
         (Column("threat", prose=True), str),
         (MARGIN_BY_MODEL, best.margins_m_s.__getitem__),
         (Column("short by", "m/s", ".0f"), lambda threat: best.short_m_s[threat] or None),
-        (STOPPING, lambda threat: chance(best.probabilities_of_stopping[threat])),
+        (phrases.STOPPING, lambda threat: phrases.chance(best.probabilities_of_stopping[threat])),
         (REQUIRED, required.get),
-        (Column("probability of perforation by sampling, 95 % interval"), sampled),
+        (sampled, lambda threat: phrases.estimated(best.probabilities.get(threat), ".3f")),
         (Column("note"), lambda threat: "governs" if threat == best.governing else ""),
     )
 
 
 def pair_table(result: DesignResult) -> Table:
     """Return every pair of materials with its best design, or the reason why it has none."""
-    shown = (AREAL_DENSITY, THICKNESS, COST_COLUMN_SHOWN, replace(BALLISTIC_LIMIT, label="limit"), MARGIN_BY_MODEL)
-    outside, outside_of = outside_tests(best_of_pairs(result))
-    whole, value = WHOLE
-    table = listing(
+    numbers = AREAL_DENSITY, THICKNESS, COST, LIMIT, MARGIN_BY_MODEL
+    needed: Source = NEEDED, lambda best: phrases.needed_words(_needed(best)[0])
+    outside = outside_tests(best_of_pairs(result))
+    table = Table.of(
         result.pairs,
         (Column("armour", prose=True), lambda pair: armour_in_words(pair.best) if pair.best else pair_words(pair)),
-        *((column, lambda pair, key=column.key: getattr(pair.best, key, None)) for column in shown),
-        (whole, lambda pair: pair.best and value(pair.best)),
-        (NEEDED, lambda pair: pair.best and needed_words(_needed(pair.best)[1])),
-        (outside, lambda pair: pair.best and outside_of(pair.best)),
+        *of_part(attrgetter("best"), *numbers, phrases.WHOLE, needed, outside),
         (Column("result", prose=True), lambda pair: _result(result, pair)),
         title="pairs of materials",
         rest="--json",
@@ -240,23 +201,15 @@ def pair_table(result: DesignResult) -> Table:
 
 def design_table(designs: Sequence[Design], title: str, margins_m_s: Sequence[Mapping[str, float]] = ()) -> Table:
     """Return designs, such as those of the Pareto front, a row each, with their margins against several threats."""
-    outside, outside_of = outside_tests(designs)
-
-    def of_design(column: Column) -> Source:
-        return column, lambda row: getattr(row[0], column.key)
-
-    def margin(threat: str) -> Source:
-        return Column(f"margin against {threat}", "m/s", "+.0f"), lambda row: row[1][threat]
-
-    threats = list(margins_m_s[0]) if margins_m_s else []
-    whole, value = WHOLE
-    table = listing(
+    design, margins = itemgetter(0), itemgetter(1)
+    threats = [*margins_m_s[0]] if margins_m_s else []
+    against = ((Column(f"margin against {threat}", "m/s", "+.0f"), itemgetter(threat)) for threat in threats)
+    armour = Column("armour", prose=True), armour_in_words
+    table = Table.of(
         zip_longest(designs, margins_m_s),
-        (Column("armour", prose=True), lambda row: armour_in_words(row[0])),
-        *map(of_design, (AREAL_DENSITY, THICKNESS, COST_COLUMN_SHOWN)),
-        (whole, lambda row: value(row[0])),
-        *(map(margin, threats) if len(threats) > 1 else [of_design(MARGIN_BY_MODEL)]),
-        (outside, lambda row: outside_of(row[0])),
+        *of_part(design, armour, AREAL_DENSITY, THICKNESS, COST, phrases.WHOLE),
+        *(of_part(margins, *against) if len(threats) > 1 else of_part(design, MARGIN_BY_MODEL)),
+        *of_part(design, outside_tests(designs)),
         title=title,
         rest="--csv FILE",
     )
@@ -284,9 +237,10 @@ def best_of_pairs(result: DesignResult) -> list[BestDesign]:
 
 def pair_notes(result: DesignResult) -> list[str]:
     """Return what flow stress ceramics of one source need, where all lie outside the tests, and a caveat on metals."""
-    best = best_of_pairs(result)
-    of_one_source = [each for each in best if any(row.quantity == SOURCES for row in each.requirements)]
-    notes = [f"{armour_in_words(each)} {note}" for each in of_one_source for note in _flow_stress_notes(each)[:1]]
+    best, notes = best_of_pairs(result), []
+    for each in best:
+        if any(row.quantity == SOURCES for row in each.requirements):
+            notes += [f"{armour_in_words(each)} {note}" for note in phrases.flow_stress_notes(*_needed(each))[:1]]
     notes += outside_notes(best) if len(best) > 1 else []
     return notes + pair_caveats(result)
 
@@ -294,7 +248,7 @@ def pair_notes(result: DesignResult) -> list[str]:
 def pair_caveats(result: DesignResult) -> list[str]:
     """Return what the model cannot do for pairs that are not named first, and for metals of different strength."""
     metals = {each.backing for each in best_of_pairs(result) if each.ceramic}
-    return said_of(result.warnings, "pairs") + [METALS] * (len(metals) > 1)
+    return phrases.said_of(result.warnings, "pairs") + [METALS] * (len(metals) > 1)
 
 
 def offer_table(result: DesignResult) -> Table:
@@ -338,20 +292,11 @@ def _result(result: DesignResult, pair: Pair) -> str:
 
 def design_csv(result: DesignResult) -> str:
     """Return the Pareto front as CSV or, where none is asked for, the frontier; without one, every design."""
-    untested = (Column("tests", key="untested"), lambda design: "untested" if design.untested else "")
-    columns = (
-        BACKING_NAME,
-        CERAMIC_THICKNESS,
-        BACKING_THICKNESS,
-        AREAL_DENSITY,
-        THICKNESS,
-        COST_COLUMN_SHOWN,
-        MARGIN_BY_MODEL,
-    )
-    outside = (OUTSIDE, lambda design: outside_words(design.outside_tests))
-    return csv_text(
-        listing(result.pareto or result.frontier or result.every, CERAMIC_NAME, untested, *columns, outside)
-    )
+    untested: Source = Column("tests", key="untested"), lambda design: "untested" if design.untested else ""
+    numbers = CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, COST, MARGIN_BY_MODEL
+    outside: Source = OUTSIDE, lambda design: outside_words(design.outside_tests)
+    designs = result.pareto or result.frontier or result.every
+    return csv_text(Table.of(designs, Column.of("ceramic"), untested, Column.of("backing"), *numbers, outside))
 
 
 def _shown(result: DesignResult) -> BestDesign:
@@ -365,20 +310,18 @@ def tables_of_design(result: DesignResult) -> list[Table | str]:
     """Return all tables of a design search: the frontier of a single pair of materials, or a row for each pair."""
     scenario: Scenario | None = result.question.get("scenario")
     required, best, named = required_margins(scenario), result.shown, list[Design](best_of_pairs(result))
-    shown: list[Table | str] = [*design_verdict(result), *said_of(result.warnings)]
+    shown: list[Table | str] = [*design_verdict(result), *phrases.said_of(result.warnings)]
     if best is not None:
         answer = None if scenario is None or best.model_error is not None else _answer(scenario, best)
-        error = [] if result.reason == "not known" else [error_note(best.model_error, answer)]
-        notes = [] if result.reason else _flow_stress_notes(best)
+        error = [] if result.reason == "not known" else [phrases.error_note(best.model_error, answer)]
+        notes = [] if result.reason else phrases.flow_stress_notes(*_needed(best))
         exists = [EXISTS] if best.whole_thickness_mm != best.thickness_mm else []
         shown += [best_table(best, required), *exists, *error, *notes, *margin_notes(best)]
     if result.refined is not None:
         objective = OBJECTIVES[result.minimised]
-        if result.refined == best:
-            shown.append(f"no {objective.less} design was found between the values of the grid")
-        else:
-            title = f"{objective.least} design between the values of the grid"
-            shown.append(best_table(result.refined, required, title))
+        none = f"no {objective.less} design was found between the values of the grid"
+        title = f"{objective.least} design between the values of the grid"
+        shown.append(none if result.refined == best else best_table(result.refined, required, title))
     if best is not None and (len(result.threats) > 1 or best.probabilities):
         shown.append(margin_table(result, required))
     verbose = result.question.get("every_row")
@@ -392,14 +335,13 @@ def tables_of_design(result: DesignResult) -> list[Table | str]:
         part = result if verbose else _around_best(result)
         shown += [frontier_table(part), *outside_notes(part.frontier)]
         named += part.frontier
-        if len(part.frontier) < len(result.frontier):
-            shown.append(f"{len(result.frontier) - len(part.frontier)} more back plates with -v")
-        if result.without_mm:
-            shown.append(left_out(result))
+        more = len(result.frontier) - len(part.frontier)
+        shown += [f"{more} more back plates with -v"] if more else []
+        shown += [left_out(result)] if result.without_mm else []
     if result.pareto:
         shown += [design_table(result.pareto, "Pareto front"), *outside_notes(result.pareto)]
     thin = [words for words in thin_designs([*named, *result.pareto], scenario) if words not in shown]
-    return [*shown, *thin, *threat_notes(scenario), f"{counted(result.designs, 'design')} computed"]
+    return [*shown, *thin, *phrases.threat_notes(scenario), f"{counted(result.designs, 'design')} computed"]
 
 
 def _answer(scenario: Scenario, best: BestDesign) -> Scenario:
@@ -411,19 +353,12 @@ def _answer(scenario: Scenario, best: BestDesign) -> Scenario:
 def margin_notes(best: BestDesign) -> list[str]:
     """Return, if the best design is likely to be perforated, how likely, and how to ask for less."""
     least = min((p for p in best.probabilities_of_stopping.values() if p is not None), default=1.0)
-    return [f"perforated with a probability of {risk(least)}; {ASK}"] if least < LOW else []
+    return [f"perforated with a probability of {phrases.risk(least)}; {ASK}"] if least < LOW else []
 
 
 # What designs are compared by, named as in their tables.
-OBJECTIVE_WORDS = {
-    column.key: replace(column, spec=spec)
-    for column, spec in (
-        (AREAL_DENSITY, ".2f"),
-        (THICKNESS, ".5g"),
-        (COST_COLUMN_SHOWN, ".2f"),
-        (MARGIN_BY_MODEL, "+.1f"),
-    )
-}
+OBJECTIVE_SPECS = {AREAL_DENSITY: ".2f", THICKNESS: ".5g", COST: ".2f", MARGIN_BY_MODEL: "+.1f"}
+OBJECTIVE_WORDS = {column.key: replace(column, spec=spec) for column, spec in OBJECTIVE_SPECS.items()}
 
 
 def design_title(result: DesignResult) -> str:
@@ -433,9 +368,9 @@ def design_title(result: DesignResult) -> str:
         return words[:1].upper() + words[1:]
     best = _shown(result)
     probability = least_probability(best)
-    stops = "" if probability is None else f", stops with {chance(probability)}"
+    stops = "" if probability is None else f", stops with {phrases.chance(probability)}"
     value = OBJECTIVE_WORDS[result.minimised].with_unit(getattr(best, result.minimised))
-    value = f"cost {value} per m²" if result.minimised == COST_COLUMN_SHOWN.key else value
+    value = f"cost {value} per m²" if result.minimised == COST.key else value
     return f"{OBJECTIVES[result.minimised].least.capitalize()}: {armour_in_words(best)}, {value}{stops}"
 
 
@@ -452,15 +387,9 @@ def pair_words(design: Design | Pair) -> str:
 
 PROBABILITY = Column("probability", prose=True)
 INTERVAL = Column("95 % interval", "m/s", prose=True)
-LIMIT_COLUMN = column_of("ballistic_limit_m_s", label="limit")
-MARGIN = column_of("margin_m_s", "+.0f")
+MARGIN = Column.of("margin_m_s", "+.0f")
 # Words of the verdicts, of which one that is overlooked does harm.
 VERDICTS = {"passes": "passes", "fails": "FAILS", "not known": "not known"}
-
-
-def verdict(threat: CheckedThreat) -> str:
-    """Return whether an armour passes against a threat, in words."""
-    return VERDICTS[threat.verdict]
 
 
 def required(threat: CheckedThreat) -> str:
@@ -477,11 +406,11 @@ def finding(threat: CheckedThreat) -> str:
     by_model = "no ballistic limit found" if limit is None else f"ballistic limit by the model {limit:.0f} m/s"
     rows = threat.requirements
     if rows and rows[0].quantity == METAL:
-        return requirement_words(rows[0])
-    words = [requirement_words(row) for row in rows if row.verdict == threat.verdict]
+        return phrases.requirement_words(rows[0])
+    words = [phrases.requirement_words(row) for row in rows if row.verdict == threat.verdict]
     if threat.required_probability is None:
-        probability = chance(threat.probability_of_stopping, threat.model_error)
-        words = [requirement_words(row) for row in rows if row.quantity != "margin_m_s"]
+        probability = phrases.chance(threat.probability_of_stopping, threat.model_error)
+        words = [phrases.requirement_words(row) for row in rows if row.quantity != "margin_m_s"]
         words.insert(0, f"{by_model}, {required(threat)} required; probability {probability}")
     elif threat.probability_of_stopping is None:
         words.append(f"{by_model}, {needed:g} m/s required")
@@ -493,19 +422,14 @@ def finding(threat: CheckedThreat) -> str:
 
 def requirement_table(result: CheckResult) -> Table:
     """Return all that is required of an armour, and what it has."""
-
-    def found(row: Requirement) -> str:
+    rows = []
+    for row in requirements_of(result):
+        name, asked, found = phrases.requirement_parts(row)
         by_limit = row.quantity == "probability_of_stopping" and row.found is None and row.verdict == "fails"
-        return requirement_parts(row)[2] + ", and the limit does not suffice" * by_limit
-
-    return listing(
-        requirements_of(result),
-        (Column("required", prose=True), lambda row: requirement_parts(row)[0]),
-        (Column("against", prose=True), lambda row: row.threat if len(result.threats) > 1 else ""),
-        (Column("asked for"), lambda row: requirement_parts(row)[1]),
-        (Column("found"), found),
-        (Column("verdict"), lambda row: VERDICTS[row.verdict]),
-    )
+        found += ", and the limit does not suffice" * by_limit
+        rows.append((name, row.threat if len(result.threats) > 1 else "", asked, found, VERDICTS[row.verdict]))
+    words = (Column(label, prose=True) for label in ("required", "against"))
+    return Table.of_rows([*words, *map(Column, ("asked for", "found", "verdict"))], rows)
 
 
 def requirements_of(result: CheckResult) -> list[Requirement]:
@@ -515,14 +439,14 @@ def requirements_of(result: CheckResult) -> list[Requirement]:
 
 def threat_table(result: CheckResult) -> Table:
     """Return each threat with the ballistic limit and its interval, the margin, the probability and the verdict."""
-    return listing(
+    return Table.of(
         result.threats,
-        column_of("threat", prose=True),
-        LIMIT_COLUMN,
+        Column.of("threat", prose=True),
+        LIMIT,
         (replace(INTERVAL, label="interval"), lambda threat: interval(threat.interval_m_s, ".0f")),
         MARGIN,
-        (PROBABILITY, lambda threat: chance(threat.probability_of_stopping, threat.model_error)),
-        (Column("verdict"), verdict),
+        (PROBABILITY, lambda threat: phrases.chance(threat.probability_of_stopping, threat.model_error)),
+        (Column("verdict"), lambda threat: VERDICTS[threat.verdict]),
         outside_tests(result.threats),
     )
 
@@ -533,32 +457,24 @@ def what_if_tables(threat: CheckedThreat, title: str) -> list[Table]:
     There is no table if no velocity perforates the armour, changed or not.
     """
     as_given = threat.as_given()
-    is_known = as_given.probability_of_stopping is not None
-    table = listing(
-        (as_given, *threat.what_ifs),
-        (Column("if", prose=True), lambda what_if: what_if.change),
-        LIMIT_COLUMN,
-        (INTERVAL, lambda what_if: interval(what_if.interval_m_s, ".0f")),
-        (MARGIN, lambda what_if: None if is_known else _margin(what_if)),
-        (PROBABILITY, lambda what_if: chance(what_if.probability_of_stopping) if is_known else ""),
-        title=title,
-    )
+    is_known, rows = as_given.probability_of_stopping is not None, []
+    for each in (as_given, *threat.what_ifs):
+        limit, ends = each.ballistic_limit_m_s, interval(each.interval_m_s, ".0f")
+        margin = None if is_known or limit is None else limit - each.velocity_m_s
+        rows.append((each.change, limit, ends, margin, phrases.chance(each.probability_of_stopping) * is_known))
+    table = Table.of_rows((Column("if", prose=True), LIMIT, INTERVAL, MARGIN, PROBABILITY), rows, title)
     return [table] if len(table.columns) > 1 else []
-
-
-def _margin(what_if: WhatIf) -> float | None:
-    return None if what_if.ballistic_limit_m_s is None else what_if.ballistic_limit_m_s - what_if.velocity_m_s
 
 
 def outcome(result: CheckResult) -> str:
     """Return whether an armour meets all that is required of it, or what it does not meet, and what is not modelled."""
-    unknown = said_of(result.warnings, "not known") * (len(result.threats) > 1)
-    return "; ".join([_outcome(result), *unknown, *said_of(result.warnings)])
+    unknown = phrases.said_of(result.warnings, "not known") * (len(result.threats) > 1)
+    return "; ".join([_outcome(result), *unknown, *phrases.said_of(result.warnings)])
 
 
 def _outcome(result: CheckResult) -> str:
     unmet = [row for row in result.requirements if row.verdict != "passes"]
-    words = [*map(requirement_words, sorted(unmet, key=lambda row: row.verdict != "fails"))]
+    words = [*map(phrases.requirement_words, sorted(unmet, key=lambda row: row.verdict != "fails"))]
     if len(result.threats) == 1:
         return f"{VERDICTS[result.verdict]}: {'; '.join([*words, finding(result.threats[0])])}"
     if result.verdict == "passes":
@@ -584,7 +500,7 @@ def standing(threat: CheckedThreat) -> tuple[int, float, float]:
 
 def amounts(result: CheckResult) -> str:
     """Return areal density, thickness and cost of an armour, also of the whole one if a part exists already."""
-    cost = f", cost {COST_COLUMN_SHOWN.text(result.cost_per_m2)} per m²" if result.cost_per_m2 else ""
+    cost = f", cost {COST.text(result.cost_per_m2)} per m²" if result.cost_per_m2 else ""
     words = f"{AREAL_DENSITY.text(result.areal_density_kg_m2)} kg/m², {round(result.thickness_mm, 3):g} mm thick{cost}"
     if result.whole_thickness_mm == result.thickness_mm:
         return words
@@ -597,8 +513,7 @@ def layer_words(layers: Sequence[InertLayer]) -> list[str]:
     words = []
     for layer in layers:
         amounts = ((layer.thickness_mm, "mm"), (layer.areal_density_kg_m2, "kg/m²"))
-        said = " and ".join(f"{value:g} {unit}" for value, unit in amounts if value)
-        if said:
+        if said := " and ".join(f"{value:g} {unit}" for value, unit in amounts if value):
             words.append(f"{layer.name}, {PLACES[layer.place]}: {said}" if layer.name else f"{said} {UNNAMED}")
     return words
 
@@ -607,20 +522,16 @@ def layer_words(layers: Sequence[InertLayer]) -> list[str]:
 def tables_of_check(result: CheckResult) -> list[Table | str]:
     """Return the verdict, the threats, and what changes do against the one most likely to perforate, or each."""
     several = len(result.threats) > 1
-    shown: list[Table | str] = [
-        VerdictLine(outcome(result), good=result.verdict == "passes"),
-        amounts(result),
-        *layer_words(result.question["scenario"].armour.layer),
-        threat_table(result),
-        *outside_notes(result.threats),
-        *threat_notes(result.question.get("scenario")),
-    ]
+    scenario = result.question["scenario"]
+    shown: list[Table | str] = [VerdictLine(outcome(result), good=result.verdict == "passes"), amounts(result)]
+    shown += [*layer_words(scenario.armour.layer), threat_table(result)]
+    shown += [*outside_notes(result.threats), *phrases.threat_notes(scenario)]
     if len(requirements_of(result)) > len(result.threats):
         shown.append(requirement_table(result))
     explained = result.threats if result.question.get("every_row") else (min(result.threats, key=standing),)
     for threat in explained:
         against = f"against {threat.threat}"
-        shown += [f"{against}: {note}" if several else note for note in basis_notes(threat)]
+        shown += [f"{against}: {note}" if several else note for note in phrases.basis_notes(threat)]
         exact = ", with exact inputs" if threat.sampled else ""
         shown += what_if_tables(threat, f"with a change{exact}{f', {against}' if several else ''}")
     if len(explained) < len(result.threats):
@@ -644,10 +555,10 @@ def check_junit(result: CheckResult, scenario: Scenario, seconds: float, origin:
     """
     file, threats = scenario.file, zip(result.threats, scenario.threats(), strict=True)
     parts = [(given.round_name, threat.verdict, finding(threat)) for threat, given in threats]
-    parts += [(column_of(row.quantity).label, row.verdict, requirement_words(row)) for row in result.requirements]
-    cases: list[TestCase] = []
-    for title, found, words in parts:
-        kind = "" if found == "passes" else "failure"
-        took = None if cases else seconds
-        cases.append(TestCase(file, title, kind, f"{VERDICTS[found]}: {words}", took, file))
-    return junit_suite(file, cases, seconds, origin)
+    for row in result.requirements:
+        parts.append((Column.of(row.quantity).label, row.verdict, phrases.requirement_words(row)))
+    cases = [
+        TestCase(file, title, "failure" * (found != "passes"), f"{VERDICTS[found]}: {words}", file=file)
+        for title, found, words in parts
+    ]
+    return junit_suite(file, [cases[0]._replace(seconds=seconds), *cases[1:]], seconds, origin)

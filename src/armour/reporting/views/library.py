@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from armour.errors import listed
 from armour.files import read_toml, shipped_files, shipped_suites
-from armour.reporting.table import Column, Source, Table, column_of, listing
+from armour.reporting.table import Column, Source, Table
 from armour.scenario.inputs import Kind
 from armour.scenario.library import DYNAMIC, KINDS, OPTIONAL, STATIC, Library, LibraryEntry, NamedThreat
 
@@ -30,18 +30,15 @@ def library_table(library: Library, kind: Kind, tested: Tested | None = None) ->
     entries = [entry for entry in library.entries[kind].values() if tested is None or (kind, entry.name) in tested]
     used_keys = {key for entry in entries for key in entry.values if key not in (*OPTIONAL, *entry.derived)} | {STATIC}
     keys = [key for key in KINDS[kind].model_fields if key in used_keys]
-    description = column_of("description", prose=True)
+    description = Column.of("description", prose=True)
     described: Source = description, lambda entry: entry.description + " (doubtful)" * bool(entry.doubtful)
     if tested is not None:
         described = (Column("tested with", prose=True), lambda entry: listed(tested[kind, entry.name]))
-    return listing(
+    return Table.of(
         entries,
-        column_of("name", label=kind),
-        *((column_of(key, "g"), lambda entry, key=key: _shown(entry, key)) for key in keys),
-        (
-            Column("sources give", "GPa"),
-            lambda entry: " to ".join(f"{stress:g}" for stress in entry.flow_stress_sources_GPa),
-        ),
+        Column.of("name", label=kind),
+        *((Column.of(key, "g"), lambda entry, key=key: _shown(entry, key)) for key in keys),
+        (Column("sources give", "GPa"), lambda entry: " to ".join(map("{:g}".format, entry.flow_stress_sources_GPa))),
         described,
     )
 
@@ -53,12 +50,12 @@ def _shown(entry: LibraryEntry, key: str) -> float | None:
 
 def threat_table(threats: Mapping[str, NamedThreat]) -> Table:
     """Return threats with their rounds and velocities."""
-    return listing(
+    return Table.of(
         threats.items(),
         (Column("threat", prose=True), lambda item: item[0]),
         (Column("round", prose=True), lambda item: item[1].round),
         (Column("projectile", prose=True), lambda item: item[1].projectile),
-        *((column_of(key, "g"), lambda item, key=key: getattr(item[1], key)) for key in VALUES),
+        *((Column.of(key, "g"), lambda item, key=key: getattr(item[1], key)) for key in VALUES),
         (Column("status"), lambda item: item[1].status),
     )
 

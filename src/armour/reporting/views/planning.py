@@ -1,14 +1,14 @@
 """Plans of shots and of tests."""
 
 import re
+from dataclasses import replace
 from itertools import zip_longest
+from operator import attrgetter, itemgetter
 
-from armour.analysis.quantities import label_and_unit
 from armour.planning.firing import ShotPlan
 from armour.planning.plan_tests import PlannedTests
 from armour.reporting.by_result import tables_of
-from armour.reporting.table import Cell, Column, Table, column_of, listing, record
-from armour.reporting.text import interval, percent
+from armour.reporting.table import Cell, Column, Table, interval, of_part, percent
 from armour.reporting.views.statistics import SCATTER_ASSUMED, prior_table, share_note
 from armour.reporting.words import chance, model_error_words, rounded_down
 from armour.scenario.inputs import INPUTS, VELOCITY
@@ -57,50 +57,43 @@ def tables_of_shot_plan(plan: ShotPlan) -> list[Table | str]:
 def _plan_table(plan: ShotPlan) -> Table:
     """Return the next shot, what ends the firing, and the present estimates."""
     fit, mean, fraction = plan.recommended, plan.mean, plan.requirement_fraction
+    ends = None if fit is None else fit.v50_interval_m_s
     required = "V50" if fraction == 0.5 else f"velocity at which {percent(fraction)} perforate"
     by_posterior = ", by the posterior" if plan.consumers_risk is not None else ""
-    expected = ""
+    expected, met = "", "" if plan.probability_met is None else chance(plan.probability_met)
     if plan.next_velocity_m_s is not None and plan.procedure == "bayesian":
         expected = _number_of_shots(plan.expected_shots)
         if plan.expected_shots_90 is not None:
             expected += f"; {plan.expected_shots_90:.0f} with --confidence 0.9"
-    return record(
+    return Table.of_one(
         plan,
-        column_of("next_velocity_m_s", ".1f"),
+        Column.of("next_velocity_m_s", ".1f"),
         (Column("firing ended"), plan.stopped),
-        column_of("procedure"),
+        Column.of("procedure"),
         (Column("shots so far", spec="d"), len(plan.fired.complete)),
         (Column("simulated", spec="d"), plan.simulated or None),
         (Column("further shots expected"), expected),
         (Column("V50 by the mean of MIL-STD-662F", "m/s", ".0f"), None if mean is None else mean.v50_m_s),
         (Column("V50 by the recommended curve", "m/s", ".0f"), None if fit is None else fit.v50_m_s),
-        (
-            Column(f"its {percent(plan.confidence)} interval", "m/s"),
-            "" if fit is None else interval(fit.v50_interval_m_s, ".0f"),
-        ),
-        column_of("half_width_m_s", "g", "half width at which the firing ends"),
+        (Column(f"its {percent(plan.confidence)} interval", "m/s"), interval(ends, ".0f")),
+        Column.of("half_width_m_s", "g", "half width at which the firing ends"),
         (Column("limits of V50", "m/s"), interval(plan.limits_m_s, ".0f")),
-        column_of("requirement_m_s", "g", f"required of the {required}"),
+        Column.of("requirement_m_s", "g", f"required of the {required}"),
         (Column("consumer's risk, of accepting what fails it"), _risk(plan.consumers_risk)),
         (Column("producer's risk, of rejecting what meets it"), _risk(plan.producers_risk)),
         (Column("likelihood ratio for it"), _ratio(plan.evidence_met, plan.consumers_risk)),
         (Column("likelihood ratio against it"), _ratio(plan.evidence_not_met, plan.producers_risk)),
-        (
-            Column(f"probability that it is met{by_posterior}"),
-            "" if plan.probability_met is None else chance(plan.probability_met),
-        ),
-        column_of("true_v50_m_s", "g", "V50 simulated"),
-        column_of("true_scatter_m_s", "g", "scatter simulated"),
+        (Column(f"probability that it is met{by_posterior}"), met),
+        Column.of("true_v50_m_s", "g", "V50 simulated"),
+        Column.of("true_scatter_m_s", "g", "scatter simulated"),
     )
 
 
 def scatter_note(plan: ShotPlan) -> str:
     """Return what the prior of the scatter is from."""
     firings = "an earlier firing" if plan.earlier == 1 else f"{plan.earlier} earlier firings"
-    return (
-        f"the prior for the scatter, {plan.scatter_percent:.2g} % of V50 within a factor of {plan.scatter_factor:.2g}, "
-        f"combines {firings} and the scatter that was expected"
-    )
+    scatter = f"{plan.scatter_percent:.2g} % of V50 within a factor of {plan.scatter_factor:.2g}"
+    return f"the prior for the scatter, {scatter}, combines {firings} and the scatter that was expected"
 
 
 def _risk(risk: float | None) -> str:
@@ -121,9 +114,9 @@ def _number_of_shots(median: float | None) -> str:
 def operating_table(plan: ShotPlan) -> Table:
     """Return what becomes of firings at armours around the requirement."""
     scatter = plan.operating_characteristic[0].scatter_m_s
-    return listing(
+    return Table.of(
         plan.operating_characteristic,
-        (Column("V50", "m/s", ".0f"), lambda point: point.v50_m_s),
+        Column.of("v50_m_s", ".0f", "V50"),
         (Column("met"), lambda point: percent(point.met)),
         (Column("not met"), lambda point: percent(point.not_met)),
         (Column("median of shots"), lambda point: _number_of_shots(point.shots)),
@@ -134,15 +127,12 @@ def operating_table(plan: ShotPlan) -> Table:
 def _shot_table(plan: ShotPlan) -> Table:
     """Return the shots in their order."""
     fired = plan.fired
-    rows = zip_longest(fired.names, fired.velocities_m_s, fired.complete, fillvalue="")
-    shots = [(name or str(number), *shot) for number, (name, *shot) in enumerate(rows, start=1)]
+    kinds = ["complete" if complete else "partial" for complete in fired.complete]
+    rows = zip_longest(fired.names, fired.velocities_m_s, kinds, fillvalue="")
+    shots = tuple((name or str(number), *shot) for number, (name, *shot) in enumerate(rows, start=1))
     decimals = max(len(f"{velocity:.3f}".rstrip("0").partition(".")[2]) for velocity in fired.velocities_m_s)
-    return listing(
-        shots,
-        (Column("shot"), lambda row: row[0]),
-        (Column("velocity", "m/s", f".{max(decimals, 1)}f"), lambda row: row[1]),
-        (Column("penetration"), lambda row: "complete" if row[2] else "partial"),
-    )
+    columns = Column("shot"), Column("velocity", "m/s", f".{max(decimals, 1)}f"), Column("penetration")
+    return Table(columns, shots)
 
 
 CRITERION_WORDS = {
@@ -175,12 +165,11 @@ def plan_table(result: PlannedTests) -> Table:
     measured = relative_to = "ballistic limit"
     if result.measure == "outcome":
         measured, relative_to = "outcome of one shot, stopped or perforated", "impact velocity"
-    why = "the candidates do not determine the inputs" if result.not_identified else "too few tests"
-    efficient = f"none: {why}"
+    efficient = f"none: {'the candidates do not determine the inputs' if result.not_identified else 'too few tests'}"
     if result.efficiency is not None:
         efficient = f"at least {percent(int(1000.0 * result.efficiency) / 1000.0)}"
     scatter = f"{result.scatter_percent:.3g} % of the {relative_to}, {PRIOR_SOURCES[result.scatter_source]}"
-    return record(
+    return Table.of_one(
         result,
         (Column("criterion"), CRITERION_WORDS[result.criterion]),
         (Column("candidates", spec="d"), len(next(iter(result.candidates.values())))),
@@ -188,7 +177,7 @@ def plan_table(result: PlannedTests) -> Table:
         (Column("scatter of a test"), scatter),
         (Column("tests made before"), result.tests),
         (Column("law of the ceramic's flow stress"), result.law),
-        *((Column(*label_and_unit(name), ".4g"), value) for name, value in result.values.items()),
+        *((Column.of(name, ".4g"), value) for name, value in result.values.items()),
         (Column("efficiency"), efficient),
     )
 
@@ -201,26 +190,17 @@ def step_table(result: PlannedTests) -> Table:
     keys = list(result.candidates)
     varied = [key for key in keys if len(set(result.candidates[key])) > 1] or keys
     names = result.designs if len(result.designs) > 1 else ["the design"] * len(result.designs)
-    return listing(
+    inputs = ((Column.of(key, "g" if key in INPUTS else ""), itemgetter(key)) for key in varied)
+    widths = (replace(Column.of(name, ".3g"), label=f"± {Column.of(name).label}") for name in result.values)
+    limits = ((Column(f"± limit of {name}", "m/s", ".0f"), itemgetter(index)) for index, name in enumerate(names))
+    return Table.of(
         steps,
         (Column("test"), lambda step: str(step.number or "before")),
-        *(
-            (
-                column_of(key, "g" if key in INPUTS else ""),
-                lambda step, key=key: step.inputs[key] if step.number else None,
-            )
-            for key in varied
-        ),
-        (Column("limit by the model", "m/s", ".0f"), lambda step: step.ballistic_limit_m_s),
-        column_of("total_cost", ".6g"),
-        *(
-            (Column(f"± {words}", unit, ".3g"), lambda step, name=name: step.half_widths[name])
-            for name, (words, unit) in zip(result.values, map(label_and_unit, result.values), strict=True)
-        ),
-        *(
-            (Column(f"± limit of {name}", "m/s", ".0f"), lambda step, index=index: step.limit_half_widths_m_s[index])
-            for index, name in enumerate(names)
-        ),
+        *of_part(lambda step: step.inputs if step.number else None, *inputs),
+        Column.of("ballistic_limit_m_s", ".0f", "limit by the model"),
+        Column.of("total_cost", ".6g"),
+        *of_part(attrgetter("half_widths"), *((column, itemgetter(column.key)) for column in widths)),
+        *of_part(attrgetter("limit_half_widths_m_s"), *limits),
     )
 
 
@@ -251,7 +231,5 @@ def form_table(result: PlannedTests) -> Table:
         rows.append(row)
     keys = dict.fromkeys(["test", *(key for row in rows for key in row if key not in (measured, uncertainty))])
     columns = [*keys, measured, *([uncertainty] if has_scatter else [])]
-    return Table(
-        tuple(Column(label_and_unit(key)[0], key=key) for key in columns),
-        tuple(tuple(row.get(key) for key in columns) for row in rows),
-    )
+    headings = tuple(Column(Column.of(key).label, key=key) for key in columns)
+    return Table(headings, tuple(tuple(row.get(key) for key in columns) for row in rows))

@@ -1,14 +1,34 @@
 """Uncertainties, sensitivities, calibrations and V50 from firing results."""
 
 from collections.abc import Sequence
+from operator import attrgetter, itemgetter
 
 from armour.analysis.estimates import Estimate
-from armour.analysis.quantities import label_and_unit
 from armour.reporting.by_result import tables_of
-from armour.reporting.table import Cell, Column, Source, Table, column_of, deviation_percent, in_words, listing, record
-from armour.reporting.text import VerdictLine, interval, percent, with_interval
-from armour.reporting.words import SAMPLED_ALONE, STOPPING, chance, error_note, risk, rounded_down, rounded_up
-from armour.statistics.calibration import CalibrationResult
+from armour.reporting.table import (
+    Cell,
+    Column,
+    Source,
+    Table,
+    VerdictLine,
+    deviation_percent,
+    in_words,
+    interval,
+    of_part,
+    percent,
+    with_interval,
+)
+from armour.reporting.words import (
+    SAMPLED_ALONE,
+    STOPPING,
+    chance,
+    error_note,
+    estimated,
+    risk,
+    rounded_down,
+    rounded_up,
+)
+from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.curves import FittedCurve
 from armour.statistics.own_tests import OwnTest
 from armour.statistics.posterior import FiringEstimate
@@ -25,29 +45,24 @@ INDEX_NOTE = "true indices lie between 0 and 1; sampling error can push estimate
 
 def estimate_table(result: UncertaintyResult) -> Table:
     """Return the estimated probability, quantiles and mean."""
-    mean, perforated = Estimate(result.mean_m_s, *result.mean_interval_m_s), result.probability_of_perforation
-    stopped = Estimate(
-        *(rounded_down(100.0 * (1.0 - p), 1) for p in (perforated.value, perforated.high, perforated.low))
-    )
+    mean, p = Estimate(result.mean_m_s, *result.mean_interval_m_s), result.probability_of_perforation
+    stopped = Estimate(*(rounded_down(100.0 * (1.0 - part), 1) for part in (p.value, p.high, p.low)))
     limits = {**result.ballistic_limit_m_s, "mean ballistic limit": mean}
     # A probability and velocities have different decimals, so that the numbers are formatted here.
-    parts = [
-        (STOPPING.label, "%", stopped, ".1f"),
-        *((name, "m/s", estimate, ".0f") for name, estimate in limits.items()),
-    ]
+    parts = [(STOPPING.label, "%", stopped, ".1f"), *((name, "m/s", each, ".0f") for name, each in limits.items())]
     sampling = Column(f"sampling error, {percent(result.confidence)} interval")
     columns = (Column("quantity"), Column("unit"), Column("estimate", spec="g"), sampling)
-    rows = ((name, unit, format(e.value, spec), interval(e, spec)) for name, unit, e, spec in parts)
+    rows = ((name, unit, format(e.value, spec), interval((e.low, e.high), spec)) for name, unit, e, spec in parts)
     return Table(columns, tuple(rows))
 
 
 def index_table(result: UncertaintyResult) -> Table:
     """Return the Sobol' indices of each input, and the ballistic limits at its quantiles."""
-    return listing(
+    return Table.of(
         result.inputs,
         (Column("input", prose=True), lambda item: in_words(item.input)),
-        (Column("first-order index"), lambda item: item.first and with_interval(item.first.value, item.first, ".2f")),
-        (Column("total index"), lambda item: item.total and with_interval(item.total.value, item.total, ".2f")),
+        (Column("first-order index"), lambda item: estimated(item.first, ".2f")),
+        (Column("total index"), lambda item: estimated(item.total, ".2f")),
         (Column("limit at 5 and 95 %", "m/s"), lambda item: interval(item.limits_m_s, ".0f")),
     )
 
@@ -55,21 +70,13 @@ def index_table(result: UncertaintyResult) -> Table:
 @tables_of.register
 def tables_of_uncertainty(result: UncertaintyResult) -> list[Table | str]:
     """Return all tables of a propagated uncertainty."""
-    parts: list[Table | str] = [
-        estimate_table(result),
-        SAMPLING_NOTE,
-        error_note(result.model_error, result.question.get("scenario")),
-    ]
-    if result.model_error is None:
-        parts.append(SAMPLED_ALONE)
-    samples = record(
-        result,
-        column_of("samples", "d"),
-        (Column("method"), f"{result.method}, seed {result.seed}"),
-        column_of("deterministic_m_s", ".0f", "ballistic limit of the scenario"),
-        column_of("standard_deviation_m_s", ".0f"),
-    )
-    parts += [samples, index_table(result)]
+    error = error_note(result.model_error, result.question.get("scenario"))
+    parts: list[Table | str] = [estimate_table(result), SAMPLING_NOTE, error]
+    parts += [SAMPLED_ALONE] if result.model_error is None else []
+    method = Column("method"), f"{result.method}, seed {result.seed}"
+    of_scenario = Column.of("deterministic_m_s", ".0f", "ballistic limit of the scenario")
+    spread = Column.of("standard_deviation_m_s", ".0f")
+    parts += [Table.of_one(result, Column.of("samples", "d"), method, of_scenario, spread), index_table(result)]
     estimates = [estimate for index in result.inputs for estimate in (index.first, index.total) if estimate]
     if any(estimate.low < 0.0 or estimate.high > 1.0 for estimate in estimates):
         parts.append(INDEX_NOTE)
@@ -87,15 +94,9 @@ ELASTICITY_NOTE = "% per %: change of the answer, in per cent of it, when the in
 def elasticity_table(result: SensitivityResult) -> Table:
     """Return the elasticities: the change of each answer that has a value, in per cent, when an input grows by 1 %."""
     answers = [name for name, value in result.answers.items() if value is not None]
-    return listing(
-        result.inputs,
-        (Column("input", prose=True), lambda item: in_words(item.input)),
-        column_of("value", "g"),
-        *(
-            (Column(label_and_unit(name)[0], "% per %", "+.2f"), lambda item, name=name: item.elasticities[name])
-            for name in answers
-        ),
-    )
+    changes = ((Column(Column.of(name).label, "% per %", "+.2f"), itemgetter(name)) for name in answers)
+    inputs: Source = Column("input", prose=True), lambda item: in_words(item.input)
+    return Table.of(result.inputs, inputs, Column.of("value", "g"), *of_part(attrgetter("elasticities"), *changes))
 
 
 @tables_of.register
@@ -104,23 +105,22 @@ def tables_of_sensitivity(result: SensitivityResult) -> list[Table | str]:
     answers: list[Source] = []
     for name, value in result.answers.items():
         none = "none (stopped)" if name == "residual_velocity_m_s" else "none"
-        answers.append((Column(label_and_unit(name)[0]), none) if value is None else (column_of(name), value))
-    return [record(result, *answers), elasticity_table(result), ELASTICITY_NOTE]
+        answers.append((Column(Column.of(name).label), none) if value is None else (Column.of(name), value))
+    return [Table.of_one(result, *answers), elasticity_table(result), ELASTICITY_NOTE]
 
 
 def calibration_table(result: CalibrationResult) -> Table:
     """Return the quality of a fit to tests, and how well the tests' uncertainties, if any, explain the deviations."""
     weighted = result.weights == "uncertainties"
-    aicc = None if _has_prior(result) else _or(result.aicc, "too few tests")
-    return record(
+    return Table.of_one(
         result,
         (Column("tests", spec="d"), len({residual.test for residual in result.residuals})),
         (Column("deviations relative to"), "uncertainties of the tests" if weighted else "measured values"),
-        (Column("law of the ceramic's flow stress"), result.law),
+        Column.of("law", label="law of the ceramic's flow stress"),
         _error("mean error", result.mean_error_percent),
         _error("mean leave-one-out error", result.left_out_error_percent),
-        (Column("AICc", spec=".1f"), aicc),
-        column_of("degrees_of_freedom", ".4g"),
+        (Column("AICc", spec=".1f"), None if _has_prior(result) else _or(result.aicc, "too few tests")),
+        Column.of("degrees_of_freedom", ".4g"),
         (Column("chi-squared", spec=".2f"), result.chi_squared if weighted else None),
         (Column("p value", spec=".2g"), result.p_value if weighted else None),
         (Column("intervals widened by", spec=".2f"), result.widened_by if result.widened_by > 1.0 else None),
@@ -138,14 +138,12 @@ def _has_prior(result: CalibrationResult) -> bool:
 
 def coefficient_table(result: CalibrationResult) -> Table:
     """Return the fitted coefficients with their intervals, or the reason why one is not identified."""
-    return listing(
+    known = Column(f"{percent(result.confidence)} interval", prose=True)
+    return Table.of(
         result.coefficients,
         (Column("coefficient", prose=True), lambda c: in_words(c.name)),
         (Column("estimate", spec=".4g"), lambda c: _or(c.estimate, "not identified")),
-        (
-            Column(f"{percent(result.confidence)} interval", prose=True),
-            lambda c: "; ".join(filter(None, (interval(c.interval, ".4g"), c.reason))),
-        ),
+        (known, lambda c: "; ".join(filter(None, (interval(c.interval, ".4g"), c.reason)))),
         (Column("part of the prior", "%", ".0f"), lambda c: c.prior_share and 100.0 * c.prior_share),
     )
 
@@ -159,14 +157,13 @@ PRIOR_NOTE = (
 def law_table(result: CalibrationResult) -> Table:
     """Return the laws that were compared."""
     few = "too few tests"
-    without = "none with a prior" if _has_prior(result) else few
-    return listing(
+    return Table.of(
         result.laws,
-        column_of("law"),
-        column_of("coefficients", "d"),
-        (column_of("mean_error_percent", ".1f"), lambda law: _or(law.mean_error_percent, few)),
+        Column.of("law"),
+        Column.of("coefficients", "d"),
+        (Column.of("mean_error_percent", ".1f"), lambda law: _or(law.mean_error_percent, few)),
         (Column("mean leave-one-out error", "%", ".1f"), lambda law: _or(law.left_out_error_percent, few)),
-        (Column("AICc", spec=".1f"), lambda law: _or(law.aicc, without)),
+        (Column("AICc", spec=".1f"), lambda law: _or(law.aicc, "none with a prior" if _has_prior(result) else few)),
     )
 
 
@@ -185,42 +182,36 @@ def correlation_table(result: CalibrationResult) -> Table:
 def residual_table(result: CalibrationResult) -> Table:
     """Return measured and computed values, test by test; one-sided tests have a bound and no deviation."""
     quantities = {residual.quantity for residual in result.residuals}
-    words, unit = label_and_unit(*quantities) if len(quantities) == 1 else ("", "")
-    quantity_columns: tuple[Source, ...] = (
-        (Column("quantity", prose=True), lambda r: label_and_unit(r.quantity)[0]),
-        (Column("unit"), lambda r: label_and_unit(r.quantity)[1]),
-    )
-    return listing(
+    shared = Column.of(*quantities) if len(quantities) == 1 else Column("")
+
+    def deviation(residual: Residual, value: float | None) -> float | None:
+        return None if residual.bound else deviation_percent(value, residual.measured)
+
+    return Table.of(
         result.residuals,
-        column_of("test", prose=True),
-        *(() if words else quantity_columns),
-        column_of("bound"),
-        (Column(f"measured {words}".rstrip(), unit, "g"), lambda r: r.measured),
-        (Column("computed", unit, ".4g"), lambda r: r.computed),
-        (Column("deviation", "%", "+.1f"), lambda r: None if r.bound else deviation_percent(r.computed, r.measured)),
-        (
-            Column("leave-one-out deviation", "%", "+.1f"),
-            lambda r: None if r.bound else deviation_percent(r.left_out, r.measured),
-        ),
+        Column.of("test", prose=True),
+        (Column("quantity", prose=True), lambda r: "" if shared.label else Column.of(r.quantity).label),
+        (Column("unit"), lambda r: "" if shared.label else Column.of(r.quantity).unit),
+        Column.of("bound"),
+        (Column(f"measured {shared.label}".rstrip(), shared.unit, "g"), lambda r: r.measured),
+        (Column("computed", shared.unit, ".4g"), lambda r: r.computed),
+        (Column("deviation", "%", "+.1f"), lambda r: deviation(r, r.computed)),
+        (Column("leave-one-out deviation", "%", "+.1f"), lambda r: deviation(r, r.left_out)),
         (Column("bound met"), lambda r: "" if not r.bound else "yes" if r.met else "no"),
     )
 
 
 def own_test_table(tests: Sequence[OwnTest]) -> Table:
     """Return own tests with the limits that are computed for them and predicted from the others."""
-    return listing(
+    predicted = Column("predicted from the others (95 % interval)", "m/s")
+    return Table.of(
         tests,
-        (Column("test", prose=True), lambda test: test.name),
-        column_of("ceramic_thickness_mm", "g"),
-        column_of("backing_thickness_mm", "g"),
-        column_of("obliquity_deg", ".0f"),
-        (Column("penetrator diameter", "mm", ".4g"), lambda test: test.penetrator_diameter_mm),
+        Column.of("name", label="test", prose=True),
+        *Column.of_each(ceramic_thickness_mm="g", backing_thickness_mm="g", obliquity_deg=".0f"),
+        Column.of("penetrator_diameter_mm", ".4g", "penetrator diameter"),
         (Column("measured", "m/s"), own_measured),
-        (Column("computed", "m/s", ".0f"), lambda test: test.computed_m_s),
-        (
-            Column("predicted from the others (95 % interval)", "m/s"),
-            lambda test: f"{test.predicted_m_s:.0f} ({interval(test.interval_m_s, '.0f')})",
-        ),
+        Column.of("computed_m_s", ".0f", "computed"),
+        (predicted, lambda test: f"{test.predicted_m_s:.0f} ({interval(test.interval_m_s, '.0f')})"),
         (Column("out of line"), lambda test: "yes" if test.out_of_line else ""),
     )
 
@@ -235,70 +226,56 @@ def own_measured(test: OwnTest) -> str:
 def tables_of_calibration(result: CalibrationResult) -> list[Table | str]:
     """Return all tables of a calibration."""
     parts: list[Table | str] = [law_table(result)] if result.laws else []
-    parts.append(coefficient_table(result))
-    parts += [PRIOR_NOTE] if _has_prior(result) else []
-    parts.append(calibration_table(result))
-    if len(result.coefficients) > 1:
-        parts.append(correlation_table(result))
+    parts += [coefficient_table(result), *([PRIOR_NOTE] if _has_prior(result) else []), calibration_table(result)]
+    parts += [correlation_table(result)] if len(result.coefficients) > 1 else []
     return [*parts, residual_table(result)]
 
 
 def v50_table(result: FiringResult) -> Table:
     """Return the extreme velocities of the shots, and the mean of MIL-STD-662F."""
-    mean = result.mean
     rule: list[Source] = [(Column("V50, mean"), "none: too few shots of each kind within the span allowed")]
-    if mean is not None:
+    if (mean := result.mean) is not None:
         rule = [
             (Column("V50, MIL-STD-662F" if mean.rule == "usual span" else "V50, mean", "m/s", ".0f"), mean.v50_m_s),
             (Column("shots averaged"), f"{mean.pairs} partial and {mean.pairs} complete"),
             (Column("span of these shots", "m/s", ".4g"), mean.span_m_s),
             (Column("span allowed", "m/s", ".4g"), mean.span_allowed_m_s),
         ]
-    return record(
+    return Table.of_one(
         result,
-        column_of("shots", "d"),
-        column_of("complete", "d", "complete penetrations"),
-        column_of("highest_partial_m_s", ".0f"),
-        column_of("lowest_complete_m_s", ".0f"),
-        column_of("zone_of_mixed_results_m_s", ".0f"),
+        Column.of("shots", "d"),
+        Column.of("complete", "d", "complete penetrations"),
+        *Column.of_each(highest_partial_m_s=".0f", lowest_complete_m_s=".0f", zone_of_mixed_results_m_s=".0f"),
         *rule,
-        column_of("model_ballistic_limit_m_s", ".0f", "ballistic limit by the model"),
+        Column.of("model_ballistic_limit_m_s", ".0f", "ballistic limit by the model"),
         (Column("its 95 % interval, with the model error", "m/s"), interval(result.model_interval_m_s, ".0f")),
     )
 
 
 def recommended_table(fit: FittedCurve, level: float) -> Table:
     """Return the velocities and the scatter of the recommended curve, with their intervals."""
-    keys = {"V50": "v50", "V05": "v05", "V95": "v95", "scatter": "scale"}
-
-    def ends(name: str) -> str:
-        return interval(getattr(fit, f"{keys[name]}_interval_m_s"), ".0f")
-
-    def lower(name: str) -> Cell:
-        bound = getattr(fit, f"{keys[name]}_lower_m_s", None)
-        return "not bounded" if bound is None and name in ("V50", "V05") else bound
-
-    return listing(
-        keys,
-        (Column("quantity"), str),
-        (Column("estimate", "m/s", ".0f"), lambda name: getattr(fit, f"{keys[name]}_m_s")),
-        (Column(f"{percent(level)} interval", "m/s"), ends),
-        (Column(f"one-sided {percent(level)} lower bound", "m/s", ".0f"), lower),
-        title=f"recommended: {fit.curve}, {fit.method}",
+    rows = (
+        ("V50", fit.v50_m_s, interval(fit.v50_interval_m_s, ".0f"), _or(fit.v50_lower_m_s, "not bounded")),
+        ("V05", fit.v05_m_s, interval(fit.v05_interval_m_s, ".0f"), _or(fit.v05_lower_m_s, "not bounded")),
+        ("V95", fit.v95_m_s, interval(fit.v95_interval_m_s, ".0f"), None),
+        ("scatter", fit.scale_m_s, interval(fit.scale_interval_m_s, ".0f"), None),
     )
+    lower = Column(f"one-sided {percent(level)} lower bound", "m/s", ".0f")
+    columns = Column("quantity"), Column("estimate", "m/s", ".0f"), Column(f"{percent(level)} interval", "m/s"), lower
+    return Table.of_rows(columns, rows, f"recommended: {fit.curve}, {fit.method}")
 
 
 def curve_table(result: FiringResult) -> Table:
     """Return all fitted curves, with their intervals."""
     level = f"{percent(result.confidence)} interval"
-    return listing(
+    return Table.of(
         (*result.penalised_fits, *result.fits),
-        column_of("curve"),
+        Column.of("curve"),
         (Column("likelihood"), lambda fit: fit.method.removesuffix(" likelihood")),
         (Column(f"V50, {level}", "m/s"), lambda fit: with_interval(fit.v50_m_s, fit.v50_interval_m_s, ".0f")),
         (Column(f"scatter, {level}", "m/s"), lambda fit: with_interval(fit.scale_m_s, fit.scale_interval_m_s, ".0f")),
-        column_of("v05_m_s", ".0f", "V05"),
-        column_of("v95_m_s", ".0f", "V95"),
+        Column.of("v05_m_s", ".0f", "V05"),
+        Column.of("v95_m_s", ".0f", "V95"),
     )
 
 
@@ -329,10 +306,8 @@ def answer(result: FiringResult) -> str:
             words += f" ({open_level})" if level < result.confidence else ""
         parts.append(words)
     if mean is not None:
-        parts.append(
-            f"{MEANS[mean.rule]}: {mean.v50_m_s:.0f} m/s from {mean.pairs} + {mean.pairs} shots within "
-            f"{mean.span_m_s:.4g} m/s"
-        )
+        shots = f"{mean.pairs} + {mean.pairs} shots within {mean.span_m_s:.4g} m/s"
+        parts.append(f"{MEANS[mean.rule]}: {mean.v50_m_s:.0f} m/s from {shots}")
     return "; ".join(parts)
 
 
@@ -360,19 +335,13 @@ def point_notes(result: FiringResult) -> list[str]:
     """Return the points of the recommended curve that were asked for."""
     notes, level = [], percent(result.confidence)
     if (at := result.at) is not None:
-        low, high = at.interval
-        notes.append(
-            f"probability of perforation at {at.velocity_m_s:g} m/s: {risk(1.0 - at.probability)}, {level} interval "
-            f"{chance(low)} to {risk(1.0 - high)}"
-        )
-    if (velocity_of := result.velocity_of) is not None:
-        found, lower = velocity_of.velocity_m_s, velocity_of.lower_m_s
-        value = "no positive estimate" if found is None else f"{found:.0f} m/s"
-        bound = "not bounded" if lower is None else f"{lower:.0f} m/s"
-        notes.append(
-            f"{velocity_name(velocity_of.fraction)}: {value}, {level} interval "
-            f"{interval(velocity_of.interval_m_s, '.0f')}, one-sided {level} lower bound {bound}"
-        )
+        perforated, ends = risk(1.0 - at.probability), f"{chance(at.interval[0])} to {risk(1.0 - at.interval[1])}"
+        notes.append(f"probability of perforation at {at.velocity_m_s:g} m/s: {perforated}, {level} interval {ends}")
+    if (point := result.velocity_of) is not None:
+        value = "no positive estimate" if point.velocity_m_s is None else f"{point.velocity_m_s:.0f} m/s"
+        bound = "not bounded" if point.lower_m_s is None else f"{point.lower_m_s:.0f} m/s"
+        ends = f"{level} interval {interval(point.interval_m_s, '.0f')}, one-sided {level} lower bound {bound}"
+        notes.append(f"{velocity_name(point.fraction)}: {value}, {ends}")
     return notes
 
 
@@ -433,19 +402,13 @@ def tables_of_firing(result: FiringResult) -> list[Table | str]:
 
 def prior_table(prior: FiringEstimate, posterior: FiringEstimate, level: float) -> Table:
     """Return V50 and the scatter before and after the shots."""
-    interval_words = f"{percent(level)} interval"
-    return listing(
+    v50, scatter = (Column(f"{name}, {percent(level)} interval", "m/s") for name in ("V50", "scatter"))
+    return Table.of(
         (("prior", prior), ("posterior", posterior)),
         (Column("distribution"), lambda row: row[0]),
-        (
-            Column(f"V50, {interval_words}", "m/s"),
-            lambda row: with_interval(row[1].v50_m_s, row[1].v50_interval_m_s, ".0f"),
-        ),
+        (v50, lambda row: with_interval(row[1].v50_m_s, row[1].v50_interval_m_s, ".0f")),
         (Column("standard deviation of V50", "m/s", ".0f"), lambda row: row[1].standard_deviation_m_s),
-        (
-            Column(f"scatter, {interval_words}", "m/s"),
-            lambda row: with_interval(row[1].scatter_m_s, row[1].scatter_interval_m_s, ".0f"),
-        ),
+        (scatter, lambda row: with_interval(row[1].scatter_m_s, row[1].scatter_interval_m_s, ".0f")),
     )
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from armour.analysis.evaluate import outside_of
 from armour.reporting.by_result import tables_of
-from armour.reporting.table import Column, Table, column_of
+from armour.reporting.table import Column, Table
 from armour.scenario.scenario import Scenario
 from armour.sweeps.sweep import SweepResult
 
@@ -27,7 +27,7 @@ def first_rows(columns: Mapping[str, Any], scenario: Scenario, keys: Sequence[st
     first = {name: values[:SWEEP_ROWS] for name, values in columns.items()}
     quantities = [name for name in columns if name not in keys]
     is_outside = outside_of(scenario, {key: first[key] for key in keys}, quantities)
-    headings = [column_of(name, ".6g" if is_number(values) else "") for name, values in columns.items()]
+    headings = [Column.of(name, ".6g" if is_number(values) else "") for name, values in columns.items()]
     cells = [values.tolist() for values in first.values()]
     if is_outside.any():
         headings.append(Column("tests"))

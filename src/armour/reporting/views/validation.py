@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from math import floor, log10
-from operator import itemgetter
 
 from armour import __version__
 from armour.analysis.quantities import QUANTITIES
@@ -10,8 +9,7 @@ from armour.errors import counted
 from armour.reporting.by_result import drawing_of, tables_of
 from armour.reporting.junit import TestCase, junit_suite, junit_xml
 from armour.reporting.report import Report, ReportSection, origin_section
-from armour.reporting.table import Column, Table, column_of, deviation_percent, grouped, listing, record
-from armour.reporting.text import VerdictLine, number
+from armour.reporting.table import Cell, Column, Table, VerdictLine, deviation_percent, grouped, number
 from armour.reporting.views.analysis import caveat_lines
 from armour.reporting.words import BALLISTIC_LIMIT, WHOLE
 from armour.statistics.measured import LIMIT
@@ -34,17 +32,17 @@ def check_table(checks: Sequence[Check], title: str = "") -> Table:
     """Return expected and computed values with the bands they are held to."""
     units = {check.case.unit for check in checks}
     shared = units.pop() if len(units) == 1 else ""
-    return listing(
+    return Table.of(
         checks,
         (Column("case", prose=True), lambda check: check.case.name),
-        *([] if shared else [(Column("unit"), lambda check: check.case.unit)]),
+        (Column("unit"), lambda check: "" if shared else check.case.unit),
         (Column("expected", shared, ".10g"), lambda check: check.case.expected),
         # Each case has decimals of its own, so that computed value and deviation are formatted here.
         (Column("computed", shared, "g"), lambda check: _in_decimals(check.case, check.computed)),
         (Column("deviation", shared, "g"), lambda check: _in_decimals(check.case, check.deviation, "+")),
-        column_of("deviation_percent", "+.2f", "relative deviation"),
+        Column.of("deviation_percent", "+.2f", "relative deviation"),
         (Column("band ±", shared, ".4g"), lambda check: check.case.band),
-        column_of("status"),
+        Column.of("status"),
         title=title,
     )
 
@@ -68,31 +66,31 @@ def failure(check: Check) -> str:
 def summary_table(result: SuiteResult) -> Table:
     """Return the deviations of each table of a suite as a whole, except those of rows in files."""
     file_tables = {check.case.group for check in result.checks if check.case.cells}
-    return listing(
+    return Table.of(
         [summary for summary in result.summaries if summary.name not in file_tables],
-        column_of("name", label="table", prose=True),
-        column_of("count", "d", "rows"),
-        column_of("unit"),
-        column_of("mean", "+.2f"),
-        column_of("rms", ".2f", "RMS"),
-        column_of("largest", ".2f"),
-        column_of("rms_band", "g", "RMS band"),
-        column_of("status"),
+        Column.of("name", label="table", prose=True),
+        Column.of("count", "d", "rows"),
+        Column.of("unit"),
+        Column.of("mean", "+.2f"),
+        Column.of("rms", ".2f", "RMS"),
+        Column.of("largest", ".2f"),
+        Column.of("rms_band", "g", "RMS band"),
+        Column.of("status"),
         title="tables as a whole",
     )
 
 
 def group_table(result: SuiteResult, name: str) -> Table:
     """Return the relative deviations of a table whose rows are in a file, all of them and by group."""
-    return listing(
+    return Table.of(
         [summary for summary in result.summaries if summary.name == name],
         (Column("tests", prose=True), lambda summary: summary.group or "all"),
-        column_of("count", "d", "number"),
+        Column.of("count", "d", "number"),
         (Column("mean", "%", "+.1f"), lambda summary: summary.mean),
         (Column("magnitude", "%", ".1f"), lambda summary: summary.mean_magnitude),
         (Column("RMS", "%", ".1f"), lambda summary: summary.rms),
         (Column("largest", "%", ".1f"), lambda summary: summary.largest),
-        (column_of("status"), lambda summary: "" if summary.status == "not scored" else summary.status),
+        (Column.of("status"), lambda summary: "" if summary.status == "not scored" else summary.status),
         title=name,
     )
 
@@ -110,36 +108,36 @@ def held_to(summary: TableSummary) -> str:
 
 def error_tables(errors: Sequence[Error]) -> list[Table]:
     """Return the errors of the predictions that each table compares."""
+    predictor = Column.of("predictor", label="predicted by", prose=True)
+    numbers = [Column.of("mean_percent", ".1f", "mean error"), Column.of("left_out_percent", ".1f")]
+    columns = predictor, *numbers, Column.of("largest_percent", ".1f"), Column.of("fitted", prose=True)
     return [
-        listing(
-            errors_of_table,
-            column_of("predictor", label="predicted by", prose=True),
-            column_of("mean_percent", ".1f", "mean error"),
-            column_of("left_out_percent", ".1f"),
-            column_of("largest_percent", ".1f"),
-            column_of("fitted", prose=True),
-            title=f"errors, {table}, {counted(errors_of_table[0].count, 'row')}",
-        )
-        for table, errors_of_table in grouped(errors, lambda error: error.table).items()
+        Table.of(group, *columns, title=f"errors, {table}, {counted(group[0].count, 'row')}")
+        for table, group in grouped(errors, lambda error: error.table).items()
     ]
 
 
 def note_rows(checks: Sequence[Check]) -> list[tuple[str, str]]:
     """Return why cases are not scored, have no answer or have their band; the same note of a table once."""
-    notes: dict[tuple[str, str], None] = {}
+    notes = []
     for check in checks:
         case = check.case
         if check.message:
-            notes[case.full_name, check.message] = None
+            notes.append((case.full_name, check.message))
         elif case.not_scored or case.reason:
-            notes[case.group or case.name, case.not_scored or case.reason] = None
-    return list(notes)
+            notes.append((case.group or case.name, case.not_scored or case.reason))
+    return list(dict.fromkeys(notes))
 
 
 def verdict(result: SuiteResult) -> str:
     """Return the outcome of a suite in a line."""
     failed = [f"{count} {status}" for status in FAILED if (count := result.count(status))]
     return ", ".join([f"{result.count('within')} of {result.count('within', *FAILED)} within their bands", *failed])
+
+
+def is_scored(result: SuiteResult) -> bool:
+    """Return whether a case of a suite is held to a band."""
+    return result.count("within", *FAILED) > 0
 
 
 def suite_tables(result: SuiteResult) -> list[Table]:
@@ -172,6 +170,7 @@ def _magnitude(value: float, unit: str) -> str:
 
 def overview_table(result: SuiteResult) -> Table:
     """Return a line for each table of a suite: how many cases are within their bands, and their deviations."""
+    groups = check_groups(result)
     whole = {summary.name: summary for summary in result.summaries if not summary.group}
 
     def line(name: str, checks: Sequence[Check]) -> tuple[str, ...]:
@@ -185,13 +184,9 @@ def overview_table(result: SuiteResult) -> Table:
         worst = max((abs(percent) for percent in deviations if percent is not None), default=None)
         return within or "not scored", "", "", "" if worst is None else _magnitude(worst, "%")
 
-    columns = (
-        Column("table", prose=True),
-        Column("cases", spec="d"),
-        *map(Column, ("within", "RMS", "RMS band", "worst")),
-    )
-    lines = [(name, len(checks), *line(name, checks)) for name, checks in check_groups(result).items()]
-    return listing(lines, *((column, itemgetter(place)) for place, column in enumerate(columns)))
+    words = map(Column, ("within", "RMS", "RMS band", "worst"))
+    rows: list[tuple[Cell, ...]] = [(name, len(checks), *line(name, checks)) for name, checks in groups.items()]
+    return Table.of_rows((Column("table", prose=True), Column("cases", spec="d"), *words), rows)
 
 
 @tables_of.register
@@ -205,39 +200,28 @@ def tables_of_suite(result: SuiteResult) -> list[Table | str]:
     if not every_row:
         shown += (table for name, checks in check_groups(result).items() for table in failed_table(name, checks))
     checks = [check for check in result.checks if not check.in_group]
-    unexplained = [
-        check for check in checks if check.status == "not scored" and check.case.expected is not None and not every_row
-    ]
-    notes = note_rows([check for check in checks if check.status != "within" and check not in unexplained])
+    unscored = [] if every_row else [c for c in checks if c.status == "not scored" and c.case.expected is not None]
+    notes = note_rows([check for check in checks if check.status != "within" and check not in unscored])
     notes += [(summary.full_name, held_to(summary)) for summary in result.summaries if summary.status == "outside"]
     if notes:
         shown += ["", *(f"{name}: {note}" for name, note in notes)]
-    if unexplained:
-        shown.append(f"not scored: {counted(len(unexplained), 'case')}; --verbose shows them, and why")
-    scored = result.count("within", *FAILED) > 0
-    return [*shown, VerdictLine(verdict(result), good=result.passed) if scored else "no case is scored"]
+    if unscored:
+        shown.append(f"not scored: {counted(len(unscored), 'case')}; --verbose shows them, and why")
+    return [*shown, VerdictLine(verdict(result), good=result.passed) if is_scored(result) else "no case is scored"]
 
 
 def update_table(updates: Sequence[Check]) -> Table:
     """Return the expected values that an update changes."""
-    return listing(
-        updates,
-        (Column("case", prose=True), lambda update: update.case.full_name),
-        (Column("expected", spec=".10g"), lambda update: update.case.expected),
-        (Column("computed", spec=".10g"), lambda update: update.computed),
-    )
+    columns = Column("case", prose=True), Column("expected", spec=".10g"), Column("computed", spec=".10g")
+    return Table.of_rows(columns, [(check.case.full_name, check.case.expected, check.computed) for check in updates])
 
 
 def parity_table(result: SuiteResult) -> Table:
     """Return expected and computed values of a suite's tables."""
-    return listing(
-        result.checks,
-        (column_of("table"), lambda check: check.case.group),
-        (column_of("row"), lambda check: check.case.name),
-        (column_of("quantity"), lambda check: check.case.quantity),
-        (column_of("expected", "g"), lambda check: check.case.expected),
-        column_of("computed", "g"),
-    )
+    columns = [*map(Column.of, ("table", "row", "quantity")), *Column.of_each(expected="g", computed="g")]
+    cases = ((check.case, check.computed) for check in result.checks)
+    rows = [(case.group, case.name, case.quantity, case.expected, computed) for case, computed in cases]
+    return Table.of_rows(columns, rows)
 
 
 def drawn_checks(result: SuiteResult) -> list[Check]:
@@ -258,18 +242,16 @@ USABLE = (
 def usable_table(result: SuiteResult) -> Table:
     """Return the relative errors of computed limits on the tests of each table, and what they mean for use."""
     groups = check_groups(result)
-    measured = [
-        summary
-        for summary in result.summaries
-        if not summary.group
-        and (summary.unit, groups[summary.name][0].case.quantity) == ("%", LIMIT)
-        and summary.status != "not scored"
-        and any(check.case.cells or check.case.rivals for check in groups[summary.name])
-    ]
-    return listing(
-        measured,
-        column_of("name", label="tests", prose=True),
-        column_of("count", "d", "number"),
+
+    def is_measured(summary: TableSummary) -> bool:
+        cases = [check.case for check in groups[summary.name]]
+        of_limits = not summary.group and (summary.unit, cases[0].quantity) == ("%", LIMIT)
+        return of_limits and summary.status != "not scored" and any(case.cells or case.rivals for case in cases)
+
+    return Table.of(
+        filter(is_measured, result.summaries),
+        Column.of("name", label="tests", prose=True),
+        Column.of("count", "d", "number"),
         (Column("mean error", "%", "+.1f"), lambda summary: summary.mean),
         (Column("RMS error", "%", ".1f"), lambda summary: summary.rms),
         (Column("allowance", "%", ".0f"), lambda summary: allowance_percent(groups[summary.name])),
@@ -299,12 +281,9 @@ def suite_report(result: SuiteResult, command: str = "") -> Report:
         sections.append(ReportSection("Errors of computed limits", (USABLE,), tables=(usable,)))
     if drawn_checks(result):
         sections.append(ReportSection("Computed and expected values", pictures=(drawing_of(result),)))
-    sections += [
-        ReportSection(
-            table.title[:1].upper() + table.title[1:], sources.get(table.title, ()), tables=(table,), folded=True
-        )
-        for table in suite_tables(result)
-    ]
+    for table in suite_tables(result):
+        heading, source = table.title[:1].upper() + table.title[1:], sources.get(table.title, ())
+        sections.append(ReportSection(heading, source, tables=(table,), folded=True))
     single = [check for check in result.checks if check.status != "not scored" and not check.case.group]
     unscored = [check for check in result.checks if check.status == "not scored" and not check.in_group]
     for heading, checks in (("Reasons for the bands", single), ("Shown but not scored", unscored)):
@@ -312,17 +291,16 @@ def suite_report(result: SuiteResult, command: str = "") -> Report:
             sections.append(ReportSection(heading, notes=tuple(notes), folded=True))
     if command:
         sections.append(origin_section(command))
-    scored = result.count("within", *FAILED) > 0
     lead = f"{verdict(result)}."
     if result.passed or result.count("outside", "no answer"):
         lead = f"{'Unchanged' if result.passed else 'Changed'}: {lead}"
     return Report(
         title=result.title or result.file,
-        lead=lead if scored else "No case is scored.",
+        lead=lead if is_scored(result) else "No case is scored.",
         text=result.description,
         byline=(("program version", f"armour {__version__}"),),
         sections=tuple(sections),
-        passed=result.passed if scored else None,
+        passed=result.passed if is_scored(result) else None,
     )
 
 
@@ -373,12 +351,8 @@ def comparison_table(result: Comparison) -> Table:
     limits = {_florence(florence): florence.ballistic_limit_m_s for florence in result.florence}
     limits |= {f"areal density rule, p = {rule.p:.4g}": rule.ballistic_limit_m_s for rule in result.rules}
     rows = [(name, other, deviation_percent(other, limit)) for name, other in limits.items()]
-    return listing(
-        [("this model", limit, None), *rows],
-        (Column("formula", prose=True), lambda row: row[0]),
-        (BALLISTIC_LIMIT, lambda row: row[1]),
-        (Column("difference from the model", "%", "+.0f"), lambda row: row[2]),
-    )
+    columns = Column("formula", prose=True), BALLISTIC_LIMIT, Column("difference from the model", "%", "+.0f")
+    return Table.of_rows(columns, [("this model", limit, None), *rows])
 
 
 def weight_table(
@@ -387,28 +361,23 @@ def weight_table(
     """Return the areal density of an armour beside those of rules and of the tested armours nearest in limit."""
     rows = [("this armour, by the model", areal_density_kg_m2, limit_m_s)]
     rows += [(f"areal density rule, p = {rule.p:.4g}", rule.areal_density_kg_m2, limit_m_s) for rule in rules]
-    rows += [
-        (f"measured: {each.armour}, {each.projectile}", each.areal_density_kg_m2, each.ballistic_limit_m_s)
-        for each in measured
-    ]
-    return listing(
-        rows,
-        (Column("armour, nearest in limit", prose=True), lambda row: row[0]),
-        (column_of("areal_density_kg_m2"), lambda row: row[1]),
-        (BALLISTIC_LIMIT, lambda row: row[2]),
-    )
+    for each in measured:
+        name = f"measured: {each.armour}, {each.projectile}"
+        rows.append((name, each.areal_density_kg_m2, each.ballistic_limit_m_s))
+    columns = Column("armour, nearest in limit", prose=True), Column.of("areal_density_kg_m2"), BALLISTIC_LIMIT
+    return Table(columns, tuple(rows))
 
 
 def optimum_table(result: Comparison) -> Table:
     """Return the thicknesses of the same areal density that are best by Florence, with their ballistic limits."""
-    return listing(
+    return Table.of(
         result.florence,
         (Column("optimum by Florence", prose=True), _florence),
-        column_of("best_ceramic_thickness_mm", ".1f", "ceramic"),
-        column_of("best_backing_thickness_mm", ".1f", "back plate"),
-        column_of("best_thickness_ratio", ".1f", "ratio"),
-        column_of("best_ballistic_limit_m_s", ".0f", "limit by Florence"),
-        column_of("model_ballistic_limit_m_s", ".0f", "by the model"),
+        Column.of("best_ceramic_thickness_mm", ".1f", "ceramic"),
+        Column.of("best_backing_thickness_mm", ".1f", "back plate"),
+        Column.of("best_thickness_ratio", ".1f", "ratio"),
+        Column.of("best_ballistic_limit_m_s", ".0f", "limit by Florence"),
+        Column.of("model_ballistic_limit_m_s", ".0f", "by the model"),
     )
 
 
@@ -426,12 +395,12 @@ def rule_note(result: Comparison) -> str:
 
 def fit_table(result: Comparison) -> Table:
     """Return the fits to the model's residual velocities."""
-    return listing(
+    return Table.of(
         result.fits,
-        column_of("name", label="residual velocity by", prose=True),
-        column_of("ratio", ".4f", "velocity ratio a"),
-        column_of("exponent", ".3f"),
-        column_of("rms_m_s", ".1f", "RMS deviation"),
+        Column.of("name", label="residual velocity by", prose=True),
+        Column.of("ratio", ".4f", "velocity ratio a"),
+        Column.of("exponent", ".3f"),
+        Column.of("rms_m_s", ".1f", "RMS deviation"),
     )
 
 
@@ -444,7 +413,7 @@ def tables_of_comparison(result: Comparison) -> list[Table | str]:
         comparison_table(result),
         *([f"Florence's limit: none, without {', '.join(result.florence_missing)}"] if result.florence_missing else []),
         rule_note(result),
-        record(result, column_of("areal_density_kg_m2"), WHOLE),
+        Table.of_one(result, Column.of("areal_density_kg_m2"), WHOLE),
         weight_table(result.whole_areal_density_kg_m2, result.limit.ballistic_limit_m_s, result.rules, result.measured),
         *([optimum_table(result)] if result.florence else []),
         *error_tables(result.errors),
