@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from shutil import get_terminal_size
-from typing import Annotated, Any
+from typing import Any
 
 import typer
 from typer.core import TyperCommand, TyperGroup
@@ -16,7 +16,7 @@ from armour.analysis.quantities import QUANTITIES, REQUIRED_QUANTITIES
 from armour.cli.console import emit, say
 from armour.cli.experiments import calibrate, plan_shots, plan_tests, v50
 from armour.cli.library import LISTED_KINDS, compile_, init, list_library, schema, section, show_entry
-from armour.cli.options import option
+from armour.cli.options import flag
 from armour.cli.runner import NO_ANSWER, with_lines
 from armour.cli.scenario_commands import (
     ballistic_limit,
@@ -146,9 +146,7 @@ def _version(is_given: bool) -> None:
 
 
 @app.callback()
-def _armour(
-    version: Annotated[bool, option("Show the version.", "--version", callback=_version, is_eager=True)] = False,
-) -> None:
+def _armour(version: bool = flag("Show the version.", "--version", callback=_version, is_eager=True)) -> None:
     """Predict whether a light ceramic/metal armour stops a projectile, and find the lightest armour that does.
 
     First steps: `armour init mine.toml` writes a scenario with every key explained; `armour check mine.toml` checks

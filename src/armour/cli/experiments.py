@@ -5,7 +5,7 @@ from contextlib import ExitStack
 from functools import partial
 from os.path import exists
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -13,15 +13,16 @@ import armour
 from armour.cli import completion
 from armour.cli.console import progress, say
 from armour.cli.options import (
-    AsJson,
-    Changes,
-    Force,
-    OptionalScenario,
-    PlotFile,
-    ScenarioFile,
-    Verbose,
+    AS_JSON,
+    CHANGES,
+    FORCE,
+    OPTIONAL_SCENARIO,
+    PLOT,
+    SCENARIO,
+    VERBOSE,
     argument,
     file_option,
+    flag,
     given,
     inputs_option,
     number_option,
@@ -66,20 +67,14 @@ OF_PRIOR = ("uncertainty",)
 LAW_NAMES = ("constant", "ceramic", "backing", "product", "linear")
 # Fraction by which a measured velocity may miss the planned one without a warning.
 FAR_FROM_PLAN = 0.1
-Where = Annotated[
-    list[str] | None,
-    option("Read only the rows with this value in a column, as in panel=A; repeatable.", metavar="KEY=VALUE"),
-]
-Sheet = Annotated[str | None, option("Sheet of a workbook, by default the first.", metavar="NAME")]
-Each = Annotated[bool, option("Give one answer for each value of the column of panels, targets or the like.", "--each")]
-RequirementFraction = Annotated[
-    Any,
-    number_option(
-        "Fraction of shots that may perforate at the required velocity, 0.001 to 0.999; 0.5 sets the requirement on "
-        "V50; by default 0.5.",
-        share,
-    ),
-]
+WHERE = option("Read only the rows with this value in a column, as in panel=A; repeatable.", metavar="KEY=VALUE")
+SHEET = option("Sheet of a workbook, by default the first.", metavar="NAME")
+EACH = flag("Give one answer for each value of the column of panels, targets or the like.", "--each")
+REQUIREMENT_FRACTION = number_option(
+    "Fraction of shots that may perforate at the required velocity, 0.001 to 0.999; 0.5 sets the requirement on V50; "
+    "by default 0.5.",
+    share,
+)
 # Options by the names in messages about limits of V50.
 LIMITS = {
     "scenario": "SCENARIO",
@@ -90,67 +85,45 @@ LIMITS = {
 
 
 def v50(
-    table: Annotated[
-        Path,
-        argument(
-            "SHOTS",
-            'CSV file with the columns velocity_m_s and result ("stopped" or "perforated", or partial and complete). '
-            "`armour init FILE.csv --from tests/shots` writes an example.",
-            autocompletion=completion.tables,
-        ),
-    ],
-    scenario: OptionalScenario = None,
-    pairs: Annotated[
-        Any,
-        number_option(
-            "Number of shots of each kind in the MIL-STD-662F mean, at least 1; by default the greatest of 5, 3 and 2 "
-            "whose span is allowed."
-        ),
-    ] = None,
-    span_m_s: Annotated[
-        Any,
-        number_option(
-            "Greatest span of their velocities, m/s, at most 10,000; by default the usual one for 5, 3 or 2 shots of "
-            "each kind: 38.1, 27.4 or 18.3 (125, 90 or 60 ft/s). Required for other numbers of shots."
-        ),
-    ] = None,
-    confidence: Annotated[
-        Any, number_option("Confidence level of the intervals, 0.5 to 0.9999; by default 0.95.", share)
-    ] = None,
-    prior: Annotated[
-        bool,
-        option(
-            "Add the posterior of V50, whose prior is the scenario's ballistic limit with the model error.", "--prior"
-        ),
-    ] = False,
-    at_m_s: Annotated[
-        Any, number_option("Velocity, m/s, at which to give the probability of complete penetration.")
-    ] = None,
-    fraction: Annotated[
-        Any,
-        number_option(
-            "Fraction of shots, 0.001 to 0.999, for which to give the velocity at which it perforates; 0.01 gives V01.",
-            share,
-        ),
-    ] = None,
-    requirement_m_s: Annotated[
-        Any,
-        number_option(
-            "Required velocity, m/s: whether the armour's exceeds it is decided by the shots alone, by the one-sided "
-            "bounds, with a risk of about 1 minus the confidence."
-        ),
-    ] = None,
-    requirement_fraction: RequirementFraction = None,
-    csv: Annotated[Path | None, file_option("Write the fitted curves as CSV.")] = None,
-    curve: Annotated[Path | None, file_option("Write the recommended curve with its confidence band as CSV.")] = None,
-    plot: PlotFile = None,
-    where: Where = None,
-    each: Each = False,
-    sheet: Sheet = None,
-    force: Force = False,
-    changes: Changes = None,
-    verbose: Verbose = False,
-    as_json: AsJson = False,
+    table: Path = argument(
+        "SHOTS",
+        'CSV file with the columns velocity_m_s and result ("stopped" or "perforated", or partial and complete). '
+        "`armour init FILE.csv --from tests/shots` writes an example.",
+        autocompletion=completion.tables,
+    ),
+    scenario: Path | None = OPTIONAL_SCENARIO,
+    pairs: Any = number_option(
+        "Number of shots of each kind in the MIL-STD-662F mean, at least 1; by default the greatest of 5, 3 and 2 "
+        "whose span is allowed."
+    ),
+    span_m_s: Any = number_option(
+        "Greatest span of their velocities, m/s, at most 10,000; by default the usual one for 5, 3 or 2 shots of "
+        "each kind: 38.1, 27.4 or 18.3 (125, 90 or 60 ft/s). Required for other numbers of shots."
+    ),
+    confidence: Any = number_option("Confidence level of the intervals, 0.5 to 0.9999; by default 0.95.", share),
+    prior: bool = flag(
+        "Add the posterior of V50, whose prior is the scenario's ballistic limit with the model error.", "--prior"
+    ),
+    at_m_s: Any = number_option("Velocity, m/s, at which to give the probability of complete penetration."),
+    fraction: Any = number_option(
+        "Fraction of shots, 0.001 to 0.999, for which to give the velocity at which it perforates; 0.01 gives V01.",
+        share,
+    ),
+    requirement_m_s: Any = number_option(
+        "Required velocity, m/s: whether the armour's exceeds it is decided by the shots alone, by the one-sided "
+        "bounds, with a risk of about 1 minus the confidence."
+    ),
+    requirement_fraction: Any = REQUIREMENT_FRACTION,
+    csv: Path | None = file_option("Write the fitted curves as CSV."),
+    curve: Path | None = file_option("Write the recommended curve with its confidence band as CSV."),
+    plot: Path | None = PLOT,
+    where: list[str] | None = WHERE,
+    each: bool = EACH,
+    sheet: str | None = SHEET,
+    force: bool = FORCE,
+    changes: list[str] | None = CHANGES,
+    verbose: bool = VERBOSE,
+    as_json: bool = AS_JSON,
 ) -> None:
     """Estimate V50 from firing results.
 
@@ -200,61 +173,43 @@ def v50(
 
 
 def calibrate(
-    table: Annotated[
-        Path,
-        argument(
-            "TESTS",
-            "CSV file of tests. Its columns are test (a name); keys and inputs that differ, such as armour.ceramic; "
-            "and measurements: ballistic_limit_m_s, residual_velocity_m_s, residual_mass_g or outcome. "
-            "`armour init FILE.csv --from tests/wilkins` writes an example.",
-            autocompletion=completion.tables,
-        ),
-    ],
-    scenario: ScenarioFile,
-    fit: Annotated[
-        list[str] | None, inputs_option("Input to fit, or several; by default the ceramic's flow stress.")
-    ] = None,
-    law: Annotated[
-        str | None,
-        word_option(
-            "Law of the ceramic's flow stress, whose coefficients are fitted too: constant, ceramic (linear in its "
-            "thickness), backing (a power of the back plate's thickness), product (a power of the product of both) or "
-            "linear (in both); or all, to compare them and keep the one with the smallest leave-one-out error. By "
-            "default the scenario's law.",
-            *LAW_NAMES,
-            "all",
-            metavar="LAW",
-        ),
-    ] = None,
-    prior: Annotated[
-        bool,
-        option(
-            "Use the scenario's distributions of the fitted inputs as priors, normal or lognormal, with their "
-            "correlations. Estimates and intervals are then those of the posterior: the product of the likelihood and "
-            "the density of the inputs or, if lognormal, of their logarithms.",
-            "--prior",
-        ),
-    ] = False,
-    library: Annotated[
-        Path | None, file_option("Write a library file with the fitted entries.", "--write", metavar="LIB.toml")
-    ] = None,
-    fitted: Annotated[
-        Path | None,
-        file_option(
-            "Write the scenario with the fitted entries and their uncertainty.", "--write-scenario", metavar="FILE.toml"
-        ),
-    ] = None,
-    lot: Annotated[
-        str | None, option("Lot tested, after which written entries are named; required with them.", metavar="NAME")
-    ] = None,
-    csv: Annotated[Path | None, file_option("Write measured and computed values as CSV.")] = None,
-    where: Where = None,
-    sheet: Sheet = None,
-    plot: PlotFile = None,
-    force: Force = False,
-    changes: Changes = None,
-    verbose: Verbose = False,
-    as_json: AsJson = False,
+    table: Path = argument(
+        "TESTS",
+        "CSV file of tests. Its columns are test (a name); keys and inputs that differ, such as armour.ceramic; "
+        "and measurements: ballistic_limit_m_s, residual_velocity_m_s, residual_mass_g or outcome. "
+        "`armour init FILE.csv --from tests/wilkins` writes an example.",
+        autocompletion=completion.tables,
+    ),
+    scenario: Path = SCENARIO,
+    fit: list[str] | None = inputs_option("Input to fit, or several; by default the ceramic's flow stress."),
+    law: str | None = word_option(
+        "Law of the ceramic's flow stress, whose coefficients are fitted too: constant, ceramic (linear in its "
+        "thickness), backing (a power of the back plate's thickness), product (a power of the product of both) or "
+        "linear (in both); or all, to compare them and keep the one with the smallest leave-one-out error. By "
+        "default the scenario's law.",
+        *LAW_NAMES,
+        "all",
+        metavar="LAW",
+    ),
+    prior: bool = flag(
+        "Use the scenario's distributions of the fitted inputs as priors, normal or lognormal, with their "
+        "correlations. Estimates and intervals are then those of the posterior: the product of the likelihood and "
+        "the density of the inputs or, if lognormal, of their logarithms.",
+        "--prior",
+    ),
+    library: Path | None = file_option("Write a library file with the fitted entries.", "--write", metavar="LIB.toml"),
+    fitted: Path | None = file_option(
+        "Write the scenario with the fitted entries and their uncertainty.", "--write-scenario", metavar="FILE.toml"
+    ),
+    lot: str | None = option("Lot tested, after which written entries are named; required with them.", metavar="NAME"),
+    csv: Path | None = file_option("Write measured and computed values as CSV."),
+    where: list[str] | None = WHERE,
+    sheet: str | None = SHEET,
+    plot: Path | None = PLOT,
+    force: bool = FORCE,
+    changes: list[str] | None = CHANGES,
+    verbose: bool = VERBOSE,
+    as_json: bool = AS_JSON,
 ) -> None:
     """Fit model inputs to tests."""
     from armour.statistics.fitted_library import library_text, scenario_text
@@ -340,113 +295,74 @@ def _each(table: Path, where: list[str] | None, sheet: str | None, kinds: int) -
 
 
 def plan_shots(
-    scenario: OptionalScenario = None,
-    table: Annotated[
-        Path | None,
-        argument(
-            "SHOTS",
-            "CSV file of the shots so far, with the columns velocity_m_s and result (stopped or perforated).",
-            autocompletion=completion.tables,
-        ),
-    ] = None,
-    procedure: Annotated[
-        str | None,
-        word_option(
-            "Rule for the next velocity: bayesian, neyer, langlie or up-and-down; by default bayesian.",
-            *("bayesian", "neyer", "langlie", "up-and-down"),
-            metavar="PROCEDURE",
-        ),
-    ] = None,
-    half_width_m_s: Annotated[
-        Any,
-        number_option(
-            "Half width of the interval of V50 at which the firing ends, 0.1 to 10,000 m/s; by default 15. The "
-            "up-and-down rule ends by default as in MIL-STD-662F, with three shots of each kind within 27.4 m/s."
-        ),
-    ] = None,
-    confidence: Annotated[
-        Any,
-        number_option(
-            "Confidence level of the interval, and of the requirement, 0.5 to 0.9999; by default 0.95.", share
-        ),
-    ] = None,
-    requirement_m_s: Annotated[
-        Any,
-        number_option(
-            "Required velocity, m/s. The Bayesian procedure then ends when the shots show that the requirement is met "
-            "or not met, with the consumer's and the producer's risk each at most 1 minus the confidence; the "
-            "up-and-down rule starts above it."
-        ),
-    ] = None,
-    requirement_fraction: RequirementFraction = None,
-    velocity_max_m_s: Annotated[
-        Any,
-        number_option("Greatest velocity that can be fired, m/s: no faster shot is planned; by default 10000.0."),
-    ] = None,
-    prior: Annotated[
-        bool,
-        option(
-            "Include the model's prediction in the decision on the requirement, which then uses the posterior and has "
-            "no stated risks.",
-            "--prior",
-        ),
-    ] = False,
-    scatter_percent: Annotated[
-        Any,
-        number_option(
-            "Expected scatter, the standard deviation of the response curve, 0.01 to 50 % of V50: the median of its "
-            "prior, and the initial guess of Neyer's procedure; by default 2.0."
-        ),
-    ] = None,
-    scatter_factor: Annotated[
-        Any,
-        number_option(
-            "Factor by which the scatter may differ from this, 1.01 to 10: one standard deviation of its logarithm; by "
-            "default 2.0."
-        ),
-    ] = None,
-    simulate: Annotated[bool, option("Simulate the rest of the firing, 100 shots at most.", "--simulate")] = False,
-    true_v50_m_s: Annotated[
-        Any,
-        number_option(
-            "True V50 of the simulated shots, m/s; by default V50 and the scatter are drawn from the posterior."
-        ),
-    ] = None,
-    true_scatter_m_s: Annotated[Any, number_option("True scatter of the simulated shots, m/s.")] = None,
-    seed: Annotated[Any, number_option("Seed of the simulation, at least 0; by default 0.")] = None,
-    lower_m_s: Annotated[
-        Any, number_option("Lower limit of V50, m/s, for langlie and neyer, or without a scenario.")
-    ] = None,
-    upper_m_s: Annotated[
-        Any, number_option("Upper limit of V50, m/s, for langlie and neyer, or without a scenario.")
-    ] = None,
-    earlier: Annotated[
-        list[Path] | None,
-        option(
-            "CSV file of an earlier firing at similar armour; its scatter is pooled with the expected one; repeatable.",
-            metavar="SHOTS",
-            autocompletion=completion.tables,
-        ),
-    ] = None,
-    result: Annotated[
-        str | None,
-        option(
-            "Result of the shot just fired: stopped (or partial, P, PP, no) or perforated (or complete, C, CP, yes); "
-            "it is appended to SHOTS.",
-            metavar="RESULT",
-        ),
-    ] = None,
-    velocity_m_s: Annotated[
-        Any, number_option("Measured velocity of this shot, m/s; by default the planned one.")
-    ] = None,
-    where: Where = None,
-    each: Each = False,
-    sheet: Sheet = None,
-    plot: PlotFile = None,
-    force: Force = False,
-    changes: Changes = None,
-    verbose: Verbose = False,
-    as_json: AsJson = False,
+    scenario: Path | None = OPTIONAL_SCENARIO,
+    table: Path | None = argument(
+        "SHOTS",
+        "CSV file of the shots so far, with the columns velocity_m_s and result (stopped or perforated).",
+        autocompletion=completion.tables,
+        default=None,
+    ),
+    procedure: str | None = word_option(
+        "Rule for the next velocity: bayesian, neyer, langlie or up-and-down; by default bayesian.",
+        *("bayesian", "neyer", "langlie", "up-and-down"),
+        metavar="PROCEDURE",
+    ),
+    half_width_m_s: Any = number_option(
+        "Half width of the interval of V50 at which the firing ends, 0.1 to 10,000 m/s; by default 15. The "
+        "up-and-down rule ends by default as in MIL-STD-662F, with three shots of each kind within 27.4 m/s."
+    ),
+    confidence: Any = number_option(
+        "Confidence level of the interval, and of the requirement, 0.5 to 0.9999; by default 0.95.", share
+    ),
+    requirement_m_s: Any = number_option(
+        "Required velocity, m/s. The Bayesian procedure then ends when the shots show that the requirement is met "
+        "or not met, with the consumer's and the producer's risk each at most 1 minus the confidence; the "
+        "up-and-down rule starts above it."
+    ),
+    requirement_fraction: Any = REQUIREMENT_FRACTION,
+    velocity_max_m_s: Any = number_option(
+        "Greatest velocity that can be fired, m/s: no faster shot is planned; by default 10000.0."
+    ),
+    prior: bool = flag(
+        "Include the model's prediction in the decision on the requirement, which then uses the posterior and has "
+        "no stated risks.",
+        "--prior",
+    ),
+    scatter_percent: Any = number_option(
+        "Expected scatter, the standard deviation of the response curve, 0.01 to 50 % of V50: the median of its "
+        "prior, and the initial guess of Neyer's procedure; by default 2.0."
+    ),
+    scatter_factor: Any = number_option(
+        "Factor by which the scatter may differ from this, 1.01 to 10: one standard deviation of its logarithm; by "
+        "default 2.0."
+    ),
+    simulate: bool = flag("Simulate the rest of the firing, 100 shots at most.", "--simulate"),
+    true_v50_m_s: Any = number_option(
+        "True V50 of the simulated shots, m/s; by default V50 and the scatter are drawn from the posterior."
+    ),
+    true_scatter_m_s: Any = number_option("True scatter of the simulated shots, m/s."),
+    seed: Any = number_option("Seed of the simulation, at least 0; by default 0."),
+    lower_m_s: Any = number_option("Lower limit of V50, m/s, for langlie and neyer, or without a scenario."),
+    upper_m_s: Any = number_option("Upper limit of V50, m/s, for langlie and neyer, or without a scenario."),
+    earlier: list[Path] | None = option(
+        "CSV file of an earlier firing at similar armour; its scatter is pooled with the expected one; repeatable.",
+        metavar="SHOTS",
+        autocompletion=completion.tables,
+    ),
+    result: str | None = option(
+        "Result of the shot just fired: stopped (or partial, P, PP, no) or perforated (or complete, C, CP, yes); "
+        "it is appended to SHOTS.",
+        metavar="RESULT",
+    ),
+    velocity_m_s: Any = number_option("Measured velocity of this shot, m/s; by default the planned one."),
+    where: list[str] | None = WHERE,
+    each: bool = EACH,
+    sheet: str | None = SHEET,
+    plot: Path | None = PLOT,
+    force: bool = FORCE,
+    changes: list[str] | None = CHANGES,
+    verbose: bool = VERBOSE,
+    as_json: bool = AS_JSON,
 ) -> None:
     """Plan the next shot of a V50 firing, given the shots so far.
 
@@ -584,80 +500,53 @@ def _plan_after(
 
 
 def plan_tests(
-    scenario: ScenarioFile,
-    candidates: Annotated[
-        list[str],
-        option(
-            "Armours available for testing: KEY=MIN:MAX:STEP or KEY=V,V,..., repeated to span a grid; or a CSV file "
-            "whose header names keys and, if targets differ in cost, cost.",
-            metavar="KEY=VALUES|FILE",
-            autocompletion=completion.numbers,
-        ),
-    ],
-    fit: Annotated[
-        list[str] | None, inputs_option("Input to determine, or several; by default the ceramic's flow stress.")
-    ] = None,
-    law: Annotated[
-        str | None,
-        word_option(
-            "Law of the ceramic's flow stress, as in calibrate, whose coefficients are determined too: constant, "
-            "ceramic, backing, product or linear.",
-            *LAW_NAMES,
-            metavar="LAW",
-        ),
-    ] = None,
-    number: Annotated[
-        Any,
-        number_option("Number of tests to plan, 1 to 200. A candidate may be tested several times. By default 4."),
-    ] = None,
-    criterion: Annotated[
-        str | None,
-        word_option(
-            '"D" minimises the joint confidence region of the inputs, "I" the mean variance of the designs\' ballistic '
-            "limits; by default D.",
-            *("D", "I"),
-            metavar="D|I",
-        ),
-    ] = None,
-    measure: Annotated[
-        str | None,
-        word_option(
-            "What a test measures: the ballistic limit, or whether one shot at impact.velocity_m_s perforates; by "
-            "default limit.",
-            *("limit", "outcome"),
-            metavar="limit|outcome",
-        ),
-    ] = None,
-    scatter_percent: Annotated[
-        Any,
-        number_option(
-            "Standard deviation of a test, % of the ballistic limit, 0.01 to 50; by default that of the earlier tests."
-        ),
-    ] = None,
-    cost: Annotated[Any, number_option("Cost of a test without its target.")] = None,
-    prior: Annotated[
-        bool, option("Use the scenario's distributions of the fitted inputs as priors.", "--prior")
-    ] = False,
-    tests: Annotated[
-        Path | None,
-        option("CSV file of earlier tests.", metavar="FILE", autocompletion=completion.tables),
-    ] = None,
-    design: Annotated[
-        list[Path] | None,
-        option(
-            "Scenario of the intended design, repeatable; by default SCENARIO.",
-            metavar="SCENARIO",
-            autocompletion=completion.scenarios,
-        ),
-    ] = None,
-    csv: Annotated[
-        Path | None, file_option("Write the earlier tests and the planned ones, to be filled in, as CSV.")
-    ] = None,
-    plot: PlotFile = None,
-    force: Force = False,
-    changes: Changes = None,
-    verbose: Verbose = False,
-    as_json: AsJson = False,
+    scenario: Path = SCENARIO,
+    candidates: list[str] = option(
+        "Armours available for testing: KEY=MIN:MAX:STEP or KEY=V,V,..., repeated to span a grid; or a CSV file "
+        "whose header names keys and, if targets differ in cost, cost.",
+        metavar="KEY=VALUES|FILE",
+        autocompletion=completion.numbers,
+        default=...,
+    ),
+    fit: list[str] | None = inputs_option("Input to determine, or several; by default the ceramic's flow stress."),
+    law: str | None = word_option(
+        "Law of the ceramic's flow stress, as in calibrate, whose coefficients are determined too: constant, "
+        "ceramic, backing, product or linear.",
+        *LAW_NAMES,
+        metavar="LAW",
+    ),
+    number: Any = number_option(
+        "Number of tests to plan, 1 to 200. A candidate may be tested several times. By default 4."
+    ),
+    criterion: str | None = word_option(
+        '"D" minimises the joint confidence region of the inputs, "I" the mean variance of the designs\' ballistic '
+        "limits; by default D.",
+        *("D", "I"),
+        metavar="D|I",
+    ),
+    measure: str | None = word_option(
+        "What a test measures: the ballistic limit, or whether one shot at impact.velocity_m_s perforates; by "
+        "default limit.",
+        *("limit", "outcome"),
+        metavar="limit|outcome",
+    ),
+    scatter_percent: Any = number_option(
+        "Standard deviation of a test, % of the ballistic limit, 0.01 to 50; by default that of the earlier tests."
+    ),
+    cost: Any = number_option("Cost of a test without its target."),
+    prior: bool = flag("Use the scenario's distributions of the fitted inputs as priors.", "--prior"),
+    tests: Path | None = option("CSV file of earlier tests.", metavar="FILE", autocompletion=completion.tables),
+    design: list[Path] | None = option(
+        "Scenario of the intended design, repeatable; by default SCENARIO.",
+        metavar="SCENARIO",
+        autocompletion=completion.scenarios,
+    ),
+    csv: Path | None = file_option("Write the earlier tests and the planned ones, to be filled in, as CSV."),
+    plot: Path | None = PLOT,
+    force: bool = FORCE,
+    changes: list[str] | None = CHANGES,
+    verbose: bool = VERBOSE,
+    as_json: bool = AS_JSON,
 ) -> None:
     """Choose the armours to test that best determine model inputs, or the ballistic limit of a design.
 
@@ -692,10 +581,7 @@ def plan_tests(
         "on two back plates at least"
     )
     show_result(result, loaded, as_json=as_json, verbose=verbose)
-    files: Files = {
-        csv: lambda _: csv_text(form_table(result)),
-        plot: picture(lambda: armour.plot(result), loaded),
-    }
+    files: Files = {csv: lambda _: csv_text(form_table(result)), plot: picture(lambda: armour.plot(result), loaded)}
     write(files, warnings_of(loaded, result.warnings, verbose=verbose))
 
 

@@ -3,14 +3,14 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from shlex import quote
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
 from armour import __version__
 from armour.cli import completion
 from armour.cli.console import emit, say, show, show_json
-from armour.cli.options import AsJson, Force, argument, option
+from armour.cli.options import AS_JSON, FORCE, argument, flag, option
 from armour.cli.runner import check_outputs, show_answer, write
 from armour.errors import choices, mistake, refuse
 from armour.files import shipped_files, shipped_notebooks, shipped_suites, shipped_tests, wrong_ending
@@ -22,10 +22,10 @@ if TYPE_CHECKING:
 LISTED_KINDS = ("projectile", "ceramic", "threat", "metal")
 # Line by which editors find the schema to complete and check a scenario; see docs/howto/schema.md.
 SCHEMA_LINE = b"#:schema ./scenario.schema.json\n"
-Tested = Annotated[bool, option("List only entries for which tests provide a model error.", "--tested")]
+TESTED = flag("List only entries for which tests provide a model error.", "--tested")
 
 
-def list_library(ctx: typer.Context, tested: Tested = False, as_json: AsJson = False) -> None:
+def list_library(ctx: typer.Context, tested: bool = TESTED, as_json: bool = AS_JSON) -> None:
     """List projectiles, ceramics and threats; `armour library metals` lists the metals, which are many."""
     if ctx.invoked_subcommand is None:
         _list(LISTED_KINDS, tested=tested, as_json=as_json)
@@ -34,7 +34,7 @@ def list_library(ctx: typer.Context, tested: Tested = False, as_json: AsJson = F
 def section(kind: str) -> Callable[..., None]:
     """Return the command that lists the entries of a kind."""
 
-    def listed(ctx: typer.Context, tested: Tested = False, as_json: AsJson = False) -> None:
+    def listed(ctx: typer.Context, tested: bool = TESTED, as_json: bool = AS_JSON) -> None:
         options = ctx.parent.params if ctx.parent is not None else {}
         _list((kind,), tested=tested or options["tested"], as_json=as_json or options["as_json"])
 
@@ -69,8 +69,8 @@ def _list(kinds: Sequence[str], *, tested: bool, as_json: bool) -> None:
 
 def show_entry(
     ctx: typer.Context,
-    name: Annotated[str, argument("NAME", "Name of the entry.", autocompletion=completion.entries)],
-    as_json: AsJson = False,
+    name: str = argument("NAME", "Name of the entry.", autocompletion=completion.entries),
+    as_json: bool = AS_JSON,
 ) -> None:
     """Show an entry with the source of every value."""
     from armour.reporting.views.library import entry_tables, threat_table
@@ -88,20 +88,16 @@ def show_entry(
 
 
 def init(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="File to write to.")] = Path("scenario.toml"),
-    source: Annotated[
-        str,
-        option(
-            "Copy a shipped scenario, suite, table of tests or notebook.",
-            "--from",
-            metavar="NAME",
-            autocompletion=completion.shipped_names,
-        ),
-    ] = "template",
-    names: Annotated[
-        bool, option("List the shipped scenarios, suites, tables of tests and notebooks.", "--list")
-    ] = False,
-    force: Force = False,
+    file: Path = typer.Argument(Path("scenario.toml"), metavar="FILE", help="File to write to."),
+    source: str = option(
+        "Copy a shipped scenario, suite, table of tests or notebook.",
+        "--from",
+        metavar="NAME",
+        autocompletion=completion.shipped_names,
+        default="template",
+    ),
+    names: bool = flag("List the shipped scenarios, suites, tables of tests and notebooks.", "--list"),
+    force: bool = FORCE,
 ) -> None:
     """Write a scenario, a suite, a table of tests or a notebook to start from."""
     if names:

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -15,15 +15,16 @@ from armour.cli import completion, runner
 from armour.cli.console import emit, progress, say, show
 from armour.cli.folders import MOST_FILES, scenario_paths
 from armour.cli.options import (
-    AsJson,
-    Changes,
-    Force,
-    PlotFile,
-    RequiredProbability,
-    ScenarioFile,
-    Verbose,
+    AS_JSON,
+    CHANGES,
+    FORCE,
+    PLOT,
+    REQUIRED_PROBABILITY,
+    SCENARIO,
+    VERBOSE,
     argument,
     file_option,
+    flag,
     number_option,
     option,
 )
@@ -60,14 +61,14 @@ CHECK_READS = (*IMPACT_READS, "threat", "uncertainty", *CHECK)
 
 
 def simulate(
-    scenario: ScenarioFile,
-    history: Annotated[Path | None, file_option("Write the state over time as CSV.")] = None,
-    plot: PlotFile = None,
-    velocity: Annotated[Any, number_option("Impact velocity, m/s; by default the scenario's.")] = None,
-    force: Force = False,
-    changes: Changes = None,
-    verbose: Verbose = False,
-    as_json: AsJson = False,
+    scenario: Path = SCENARIO,
+    history: Path | None = file_option("Write the state over time as CSV."),
+    plot: Path | None = PLOT,
+    velocity: Any = number_option("Impact velocity, m/s; by default the scenario's."),
+    force: bool = FORCE,
+    changes: list[str] | None = CHANGES,
+    verbose: bool = VERBOSE,
+    as_json: bool = AS_JSON,
 ) -> None:
     """Simulate one impact."""
     # Imported here because other commands do not need numpy.
@@ -92,12 +93,12 @@ def simulate(
 
 
 def ballistic_limit(
-    scenario: ScenarioFile,
-    plot: PlotFile = None,
-    force: Force = False,
-    changes: Changes = None,
-    verbose: Verbose = False,
-    as_json: AsJson = False,
+    scenario: Path = SCENARIO,
+    plot: Path | None = PLOT,
+    force: bool = FORCE,
+    changes: list[str] | None = CHANGES,
+    verbose: bool = VERBOSE,
+    as_json: bool = AS_JSON,
 ) -> None:
     """Find the ballistic limit."""
     from armour.analysis.ballistic_limit import not_monotonic
@@ -112,12 +113,12 @@ def ballistic_limit(
 
 
 def compare(
-    scenario: ScenarioFile,
-    plot: PlotFile = None,
-    force: Force = False,
-    changes: Changes = None,
-    verbose: Verbose = False,
-    as_json: AsJson = False,
+    scenario: Path = SCENARIO,
+    plot: Path | None = PLOT,
+    force: bool = FORCE,
+    changes: list[str] | None = CHANGES,
+    verbose: bool = VERBOSE,
+    as_json: bool = AS_JSON,
 ) -> None:
     """Compare the model with simpler formulas."""
     from armour.analysis.ballistic_limit import not_monotonic
@@ -132,26 +133,21 @@ def compare(
 
 
 def check(
-    scenario: Annotated[
-        list[Path],
-        argument(
-            "SCENARIO",
-            "Scenario files (TOML), folders with scenarios in them or below, or names of shipped scenarios; - reads "
-            "standard input.",
-            autocompletion=completion.scenarios,
-        ),
-    ],
-    junit: Annotated[Path | None, file_option("Write the results as JUnit XML; such a file is replaced.")] = None,
-    csv: Annotated[Path | None, file_option("Write the limits as CSV, as given and with each change.")] = None,
-    confidence: RequiredProbability = None,
-    plot: PlotFile = None,
-    yes: Annotated[
-        bool, option(f"Read folders even if they have more than {MOST_FILES:,} .toml files.", "--yes")
-    ] = False,
-    force: Force = False,
-    changes: Changes = None,
-    verbose: Verbose = False,
-    as_json: AsJson = False,
+    scenario: list[Path] = argument(
+        "SCENARIO",
+        "Scenario files (TOML), folders with scenarios in them or below, or names of shipped scenarios; - reads "
+        "standard input.",
+        autocompletion=completion.scenarios,
+    ),
+    junit: Path | None = file_option("Write the results as JUnit XML; such a file is replaced."),
+    csv: Path | None = file_option("Write the limits as CSV, as given and with each change."),
+    confidence: Any = REQUIRED_PROBABILITY,
+    plot: Path | None = PLOT,
+    yes: bool = flag(f"Read folders even if they have more than {MOST_FILES:,} .toml files.", "--yes"),
+    force: bool = FORCE,
+    changes: list[str] | None = CHANGES,
+    verbose: bool = VERBOSE,
+    as_json: bool = AS_JSON,
 ) -> None:
     """Check armours against their threats, and with thinner layers, a faster round or at an angle.
 
@@ -220,21 +216,18 @@ def _read_each(paths: Sequence[Path], changes: Sequence[str] | None, confidence:
 
 
 def optimise(
-    scenario: ScenarioFile,
-    refine: Annotated[
-        bool, option("Also find the best design with both layers free within their ranges.", "--refine")
-    ] = False,
-    csv: Annotated[
-        Path | None,
-        file_option("Write the Pareto front as CSV or, without one, the thinnest ceramic for each back plate."),
-    ] = None,
-    page: Annotated[Path | None, file_option("Write an interactive map of all designs, .html.", "--map")] = None,
-    changes: Changes = None,
-    confidence: RequiredProbability = None,
-    plot: PlotFile = None,
-    force: Force = False,
-    verbose: Verbose = False,
-    as_json: AsJson = False,
+    scenario: Path = SCENARIO,
+    refine: bool = flag("Also find the best design with both layers free within their ranges.", "--refine"),
+    csv: Path | None = file_option(
+        "Write the Pareto front as CSV or, without one, the thinnest ceramic for each back plate."
+    ),
+    page: Path | None = file_option("Write an interactive map of all designs, .html.", "--map"),
+    changes: list[str] | None = CHANGES,
+    confidence: Any = REQUIRED_PROBABILITY,
+    plot: Path | None = PLOT,
+    force: bool = FORCE,
+    verbose: bool = VERBOSE,
+    as_json: bool = AS_JSON,
 ) -> None:
     """Find the lightest armour that stops the threat.
 
@@ -300,12 +293,12 @@ def _check_of(scenario: "Scenario", best: "BestDesign", source: str, changes: Se
 
 
 def sensitivity(
-    scenario: ScenarioFile,
-    plot: PlotFile = None,
-    force: Force = False,
-    changes: Changes = None,
-    verbose: Verbose = False,
-    as_json: AsJson = False,
+    scenario: Path = SCENARIO,
+    plot: Path | None = PLOT,
+    force: bool = FORCE,
+    changes: list[str] | None = CHANGES,
+    verbose: bool = VERBOSE,
+    as_json: bool = AS_JSON,
 ) -> None:
     """Rank the inputs by their effect on the answers.
 
@@ -321,13 +314,13 @@ def sensitivity(
 
 
 def uncertainty(
-    scenario: ScenarioFile,
-    samples: Annotated[Any, number_option("Number of samples, at least 128; by default the scenario's.")] = None,
-    plot: PlotFile = None,
-    force: Force = False,
-    changes: Changes = None,
-    verbose: Verbose = False,
-    as_json: AsJson = False,
+    scenario: Path = SCENARIO,
+    samples: Any = number_option("Number of samples, at least 128; by default the scenario's."),
+    plot: Path | None = PLOT,
+    force: bool = FORCE,
+    changes: list[str] | None = CHANGES,
+    verbose: bool = VERBOSE,
+    as_json: bool = AS_JSON,
 ) -> None:
     """Propagate input uncertainty to the outcome and the ballistic limit."""
     reads = ("impact", "armour", "ballistic_limit", "uncertainty", *OF_ERROR)
@@ -340,44 +333,35 @@ def uncertainty(
 
 
 def sweep(
-    scenario: ScenarioFile,
-    output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE", help="Table to write, .csv or .parquet.")],
-    over: Annotated[
-        list[str] | None,
-        option(
-            "Key and its values, as MIN:MAX:STEP or V,V,...; repeat to span a grid.",
-            metavar="KEY=VALUES",
-            autocompletion=completion.numbers,
-        ),
-    ] = None,
-    cases: Annotated[
-        Path | None,
-        file_option(
-            "CSV file of cases, in place of --over: the header names the keys, such as armour.ceramic, and each row "
-            "gives their values, such as SiC."
-        ),
-    ] = None,
-    sheet: Annotated[str | None, option("Sheet of a workbook of cases, by default the first.", metavar="NAME")] = None,
-    quantities: Annotated[
-        str,
-        option(
-            "Quantities to compute, from the list below; by default the ballistic limit.",
-            metavar="NAME,...",
-            autocompletion=completion.quantities,
-        ),
-    ] = "ballistic_limit_m_s",
-    plot: PlotFile = None,
-    force: Force = False,
-    threads: Annotated[Any, number_option("Threads, at least 1; by default one per core.")] = None,
-    scheduler: Annotated[
-        str,
-        option('Compute on the Dask cluster at this address; "local" starts one on this machine.', metavar="ADDRESS"),
-    ] = "",
-    yes: Annotated[
-        bool, option("Run a sweep even if it takes hours or more disk space than is free.", "--yes")
-    ] = False,
-    changes: Changes = None,
-    as_json: AsJson = False,
+    scenario: Path = SCENARIO,
+    output: Path = typer.Option(..., "--output", "-o", metavar="FILE", help="Table to write, .csv or .parquet."),
+    over: list[str] | None = option(
+        "Key and its values, as MIN:MAX:STEP or V,V,...; repeat to span a grid.",
+        metavar="KEY=VALUES",
+        autocompletion=completion.numbers,
+    ),
+    cases: Path | None = file_option(
+        "CSV file of cases, in place of --over: the header names the keys, such as armour.ceramic, and each row "
+        "gives their values, such as SiC."
+    ),
+    sheet: str | None = option("Sheet of a workbook of cases, by default the first.", metavar="NAME"),
+    quantities: str = option(
+        "Quantities to compute, from the list below; by default the ballistic limit.",
+        metavar="NAME,...",
+        autocompletion=completion.quantities,
+        default="ballistic_limit_m_s",
+    ),
+    plot: Path | None = PLOT,
+    force: bool = FORCE,
+    threads: Any = number_option("Threads, at least 1; by default one per core."),
+    scheduler: str = option(
+        'Compute on the Dask cluster at this address; "local" starts one on this machine.',
+        metavar="ADDRESS",
+        default="",
+    ),
+    yes: bool = flag("Run a sweep even if it takes hours or more disk space than is free.", "--yes"),
+    changes: list[str] | None = CHANGES,
+    as_json: bool = AS_JSON,
 ) -> None:
     """Compute quantities over a grid or a table of cases; resume if interrupted."""
     from armour.reporting.views.sweeps import SWEEP_ROWS, first_rows
@@ -497,23 +481,18 @@ AS_IS = ("impact", "threat", *CHECK, "ballistic_limit", "uncertainty", *OF_ERROR
 
 
 def report(
-    source: Annotated[
-        Path,
-        argument(
-            "SCENARIO|SUITE",
-            "Scenario or suite file (TOML), or name of a shipped one; - reads a scenario from standard input.",
-            autocompletion=completion.scenarios_and_suites,
-        ),
-    ],
-    output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE", help="File to write, .html or .md.")] = Path(
-        "report.html"
+    source: Path = argument(
+        "SCENARIO|SUITE",
+        "Scenario or suite file (TOML), or name of a shipped one; - reads a scenario from standard input.",
+        autocompletion=completion.scenarios_and_suites,
     ),
-    as_is: Annotated[
-        bool, option("Report on the scenario's own armour even if the scenario asks for a design.", "--as-is")
-    ] = False,
-    confidence: RequiredProbability = None,
-    force: Force = False,
-    changes: Changes = None,
+    output: Path = typer.Option(
+        Path("report.html"), "--output", "-o", metavar="FILE", help="File to write, .html or .md."
+    ),
+    as_is: bool = flag("Report on the scenario's own armour even if the scenario asks for a design.", "--as-is"),
+    confidence: Any = REQUIRED_PROBABILITY,
+    force: bool = FORCE,
+    changes: list[str] | None = CHANGES,
 ) -> None:
     """Write a report.
 

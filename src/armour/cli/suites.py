@@ -6,13 +6,13 @@ from itertools import groupby, pairwise
 from operator import attrgetter
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import typer
 
 from armour.cli import completion, runner
 from armour.cli.console import progress, say, show
-from armour.cli.options import AsJson, Changes, Force, argument, file_option, option
+from armour.cli.options import AS_JSON, CHANGES, FORCE, argument, file_option, flag, option
 from armour.cli.runner import CHECK_FAILED, Files, check_outputs, mistakes_in, origin_of, picture, show_answer, write
 from armour.errors import Problem, mistake, refuse
 from armour.files import reason, suite_file
@@ -26,26 +26,22 @@ if TYPE_CHECKING:
 
 
 def validate(
-    suite: Annotated[
-        Path | None,
-        argument(
-            "SUITE",
-            "Suite file (TOML), or a shipped suite, such as paper (the default) or plates. A [[case]] has name, "
-            "scenario, quantity, expected, and band or band_percent. `armour init FILE.toml --from regression` writes "
-            "one.",
-            autocompletion=completion.suites,
-        ),
-    ] = None,
-    only: Annotated[str, option("Check only cases whose name contains the text.", metavar="TEXT")] = "",
-    changes: Changes = None,
-    update: Annotated[
-        bool, option("Replace the suite's regression values with the computed ones.", "--update")
-    ] = False,
-    verbose: Annotated[bool, option("Show every case, and why some are not scored.", "--verbose", "-v")] = False,
-    markdown: Annotated[Path | None, file_option("Write the result as Markdown.")] = None,
-    junit: Annotated[Path | None, file_option("Write the result as JUnit XML; such a file is replaced.")] = None,
-    force: Force = False,
-    as_json: AsJson = False,
+    suite: Path | None = argument(
+        "SUITE",
+        "Suite file (TOML), or a shipped suite, such as paper (the default) or plates. A [[case]] has name, "
+        "scenario, quantity, expected, and band or band_percent. `armour init FILE.toml --from regression` writes "
+        "one.",
+        autocompletion=completion.suites,
+        default=None,
+    ),
+    only: str = option("Check only cases whose name contains the text.", metavar="TEXT", default=""),
+    changes: list[str] | None = CHANGES,
+    update: bool = flag("Replace the suite's regression values with the computed ones.", "--update"),
+    verbose: bool = flag("Show every case, and why some are not scored.", "--verbose", "-v"),
+    markdown: Path | None = file_option("Write the result as Markdown."),
+    junit: Path | None = file_option("Write the result as JUnit XML; such a file is replaced."),
+    force: bool = FORCE,
+    as_json: bool = AS_JSON,
 ) -> None:
     """Check the model against a suite of cases.
 
@@ -122,12 +118,12 @@ def _updated(suite: Path, result: "SuiteResult") -> bytes | None:
 
 
 def figures(
-    folder: Annotated[Path, argument("DIR", "Folder to write to.")],
-    only: Annotated[
-        str, option("Draw only the figure of this number, or those whose name contains the text.", metavar="TEXT")
-    ] = "",
-    image: Annotated[Literal["png", "svg"], typer.Option("--format", help="Format of the figures.")] = "png",
-    force: Force = False,
+    folder: Path = argument("DIR", "Folder to write to."),
+    only: str = option(
+        "Draw only the figure of this number, or those whose name contains the text.", metavar="TEXT", default=""
+    ),
+    image: Literal["png", "svg"] = typer.Option("png", "--format", help="Format of the figures."),
+    force: bool = FORCE,
 ) -> None:
     """Draw the paper's figures.
 

@@ -6,14 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from armour.analysis.variants import (
-    MOST_MOVED_M_S,
-    Floats,
-    Variants,
-    ballistic_limits,
-    concatenated,
-    moved_m_s,
-)
+from armour.analysis.variants import MOST_MOVED_M_S, Floats, Variants, ballistic_limits, concatenated, moved_m_s
 from armour.csv_files import shipped_rows
 from armour.errors import counted
 from armour.evidence.fit import law_parameters, mixture_of, shipped_data

@@ -301,11 +301,7 @@ class FiringResult(TableResult):
 
 @checked
 def read_shots(
-    path: Table,
-    *,
-    one_kind: bool = False,
-    where: Mapping[str, str] | None = None,
-    sheet: str | None = None,
+    path: Table, *, one_kind: bool = False, where: Mapping[str, str] | None = None, sheet: str | None = None
 ) -> Shots:
     """Read firing results.
 
