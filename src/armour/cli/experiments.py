@@ -33,31 +33,25 @@ from armour.cli.options import (
 from armour.cli.runner import (
     CHECK_FAILED,
     Files,
+    answer,
     as_options,
     check_outputs,
     command_line,
-    picture,
     propose,
     read_scenario,
-    show_result,
-    warnings_of,
-    write,
+    say_how_read,
     wrong_option,
 )
-from armour.cli.scenario_commands import LIMIT_READS, cases_of, grid_of
-from armour.errors import mistake, restated
+from armour.cli.scenario_commands import LIMIT_READS
+from armour.errors import restated
 from armour.files import shipped_tests
 from armour.reporting.table import csv_text, rows_csv
 from armour.scenario.keys import describe
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
 
-    from armour.analysis.results import EachResult
-    from armour.csv_files import TableRead
-    from armour.planning.firing import ShotPlan
     from armour.scenario.scenario import Scenario
-    from armour.statistics.v50 import FiringResult
     from armour.sweeps.cases import Grid, SweepCases
 
 # Sections that a fit reads, and one more with a prior.
@@ -65,8 +59,6 @@ FIT = ("impact", "armour", "ballistic_limit")
 OF_PRIOR = ("uncertainty",)
 # Laws of the ceramic's flow stress.
 LAW_NAMES = ("constant", "ceramic", "backing", "product", "linear")
-# Fraction by which a measured velocity may miss the planned one without a warning.
-FAR_FROM_PLAN = 0.1
 WHERE = option("Read only the rows with this value in a column, as in panel=A; repeatable.", metavar="KEY=VALUE")
 SHEET = option("Sheet of a workbook, by default the first.", metavar="NAME")
 EACH = flag("Give one answer for each value of the column of panels, targets or the like.", "--each")
@@ -130,7 +122,7 @@ def v50(
     If a scenario with the same armour is given, its ballistic limit by the model is shown too. With a requirement, the
     exit code is 3 if it is not met or the shots do not decide it.
     """
-    from armour.analysis.results import EachResult  # imports pydantic, which help does not need
+    from armour.cli.firings import each_result
 
     if scenario is not None and is_table(scenario):
         table, scenario = scenario, table
@@ -147,28 +139,23 @@ def v50(
         requirement_m_s=requirement_m_s,
         requirement_fraction=requirement_fraction,
     )
-    result: EachResult | FiringResult
     files: Files = {}
     with progress("impacts", first="fitting") as count, as_options("v50"):
+
+        def estimate(fired: armour.Shots) -> armour.FiringResult:
+            return armour.v50(fired, loaded, on_progress=count, **options)
+
         if each:
             _refuse_with_each({"--csv": csv, "--curve": curve, "--plot": plot})
-            firings = _each(table, where, sheet, kinds=1 if prior else 2)
-            answers = {name: armour.v50(fired, loaded, on_progress=count, **options) for name, fired in firings}
-            result, file = EachResult(answers), str(table)
+            found: Any = each_result(estimate, table, chosen(where), sheet, kinds=1 if prior else 2)
+            results, file = [*found.results.values()], str(table)
         else:
             fired = armour.read_shots(table, one_kind=prior, where=chosen(where), sheet=sheet)
-            tell_how_read(table, fired.read)
-            answer = armour.v50(fired, loaded, on_progress=count, **options)
-            answers = {"": answer}
-            result, file = answer, "" if loaded else fired.file
-            files = {
-                csv: lambda _: rows_csv(answer),
-                curve: lambda _: rows_csv(answer.band()),
-                plot: picture(lambda: armour.plot(answer), loaded),
-            }
-    show_result(result, loaded, as_json=as_json, verbose=verbose)
-    write(files, warnings_of(loaded, result.warnings, file, verbose=verbose))
-    if any(answer.decision in ("not met", "not decided") for answer in answers.values()):
+            found = estimate(say_how_read(table, fired))
+            results, file = [found], "" if loaded else fired.file
+            files = {csv: lambda _: rows_csv(found), curve: lambda _: rows_csv(found.band())}
+    answer(found, loaded, files, plot=plot, file=file, as_json=as_json, verbose=verbose)
+    if any(result.decision in ("not met", "not decided") for result in results):
         raise typer.Exit(CHECK_FAILED)
 
 
@@ -224,17 +211,14 @@ def calibrate(
         raise wrong_option("--lot", "must be given with --write or --write-scenario, and only then: the lot tested")
 
     with progress("tests") as count, as_options("calibrate"):
-        tests = armour.read_tests(table, loaded, where=chosen(where), sheet=sheet)
-        tell_how_read(table, tests.read)
+        tests = say_how_read(table, armour.read_tests(table, loaded, where=chosen(where), sheet=sheet))
         result = armour.calibrate(tests, loaded, on_progress=count, **given(fit=fit, law=law, prior=prior))
-    show_result(result, loaded, as_json=as_json, verbose=verbose)
     files: Files = {
         csv: lambda _: rows_csv(result),
         library: lambda _: library_text(result, tests, loaded, lot),
         fitted: lambda path: scenario_text(result, tests, loaded, lot, path),
-        plot: picture(lambda: armour.plot(result), loaded),
     }
-    write(files, warnings_of(loaded, result.warnings, tests.file, verbose=verbose))
+    answer(result, loaded, files, plot=plot, file=tests.file, as_json=as_json, verbose=verbose)
     if fitted is not None:
         propose(shlex.join(["armour", "check", str(fitted)]))
     elif result.evidence is not None and library is None:
@@ -264,34 +248,11 @@ def chosen(where: list[str] | None) -> dict[str, str]:
     return {key.strip(): value.strip() for key, _, value in (text.partition("=") for text in where or ())}
 
 
-def tell_how_read(table: object, read: "TableRead | None") -> None:
-    """Say how a table was read, unless it is as plain as can be."""
-    if read is not None and not read.plain:
-        say(f"read {table}: {read.words}")
-
-
 def _refuse_with_each(options: "Mapping[str, object]") -> None:
     """Refuse options of one answer."""
     for name, value in options.items():
         if value is not None:
             raise wrong_option(name, "must not be given with --each")
-
-
-def _each(table: Path, where: list[str] | None, sheet: str | None, kinds: int) -> "Iterator[tuple[str, armour.Shots]]":
-    """Yield the shots for each value of the column that tells targets apart, by column and value."""
-    from armour.statistics.v50 import firings_of
-
-    is_any = False
-    for name, value, found in firings_of(table, chosen(where), sheet):
-        if found < kinds:
-            say(f"note: {table}: {name} {value}: left out, as its shots have only one result")
-            continue
-        fired = armour.read_shots(table, one_kind=kinds == 1, where={**chosen(where), name: value}, sheet=sheet)
-        tell_how_read(table, fired.read)
-        is_any = True
-        yield f"{name} {value}", fired
-    if not is_any:
-        raise wrong_option("--each", "must be given with shots of both results for one value at least")
 
 
 def plan_shots(
@@ -369,6 +330,8 @@ def plan_shots(
     The scenario's ballistic limit, with the model error, is the prior of V50. Without a scenario, V50 is expected
     within the limits given or, without these, within 30 % of the middle of the shots.
     """
+    from armour.cli import firings
+
     if scenario is not None and is_table(scenario):
         table, scenario = scenario, table
     loaded = _scenario_of(scenario, changes)
@@ -394,7 +357,7 @@ def plan_shots(
         check_outputs(plot=plot, updated=table, force=force)
     earlier_firings = [armour.read_shots(path) for path in earlier or ()]
     for path, firing in zip(earlier or (), earlier_firings, strict=True):
-        tell_how_read(path, firing.read)
+        say_how_read(path, firing)
     options = given(
         procedure=procedure,
         half_width_m_s=half_width_m_s,
@@ -419,84 +382,12 @@ def plan_shots(
             files: Files = {}
             warnings: Sequence[str] = ()
             if result is None or table is None:
-                answer = _plan(plan, table, where, sheet, each=each)
+                planned = firings.next_plan(plan, table, chosen(where), sheet, each=each)
             else:
-                answer, warnings, content = _plan_after(plan, stack, table, result, velocity_m_s, chosen(where))
+                planned, warnings, content = firings.plan_after(plan, stack, table, result, velocity_m_s, chosen(where))
                 files = {table: content}
-        show_result(answer, loaded, as_json=as_json, verbose=verbose)
-        files = {**files, plot: picture(lambda: armour.plot(answer), loaded)}
-        write(files, warnings_of(loaded, (*warnings, *answer.warnings), verbose=verbose))
-
-
-def _plan(
-    plan: "Callable[..., ShotPlan]", table: Path | None, where: list[str] | None, sheet: str | None, *, each: bool
-) -> "EachResult | ShotPlan":
-    """Plan the next shot after those of a table, or after those at each target in it."""
-    is_new = table is not None and table.suffix == ".csv" and not exists(table)
-    if is_new:
-        say(f"note: {table}: no such file, so no shot has been fired; --result makes the file")
-    if table is not None and each:
-        from armour.analysis.results import EachResult
-
-        return EachResult({name: plan(fired) for name, fired in _each(table, where, sheet, kinds=1)})
-    fired = None
-    if table is not None and not is_new:
-        fired = armour.read_shots(table, one_kind=True, where=chosen(where), sheet=sheet)
-        tell_how_read(table, fired.read)
-    return plan(fired)
-
-
-def _plan_after(
-    plan: "Callable[..., ShotPlan]",
-    stack: ExitStack,
-    table: Path,
-    result: str,
-    velocity_m_s: float | None,
-    where: dict[str, str],
-) -> "tuple[ShotPlan, list[str], Callable[[Path], bytes]]":
-    """Plan the next shot after one that is added to a table, locked in a stack.
-
-    Also return warnings of the shot that is added, and what makes the new content of the table.
-    """
-    from armour.columns import perforates
-    from armour.csv_files import MUST_SAY, open_table
-    from armour.planning.firing import far_from
-    from armour.planning.shot_file import content_of, locked, with_shot
-    from armour.statistics.v50 import is_of_shots, shots_of
-
-    if perforates(result) is None:
-        raise wrong_option("--result", f"{MUST_SAY}, found {describe(result)}")
-
-    stack.enter_context(locked(table))
-    earlier_content = content_of(table)
-    fired = armour.Shots((), (), str(table))
-    if exists(table):
-        fired = armour.read_shots(table, one_kind=True, where=where)
-    before = plan(fired)
-    planned, limit = before.next_velocity_m_s, before.prior.v50_m_s
-    velocity = planned if velocity_m_s is None else velocity_m_s
-    if velocity is None:
-        raise wrong_option("--velocity-m-s", "must be given: no further shot was planned")
-    if message := far_from(limit, velocity):
-        raise wrong_option("--velocity-m-s", message)
-    warnings = []
-    if planned is not None and abs(velocity - planned) > FAR_FROM_PLAN * planned:
-        warnings.append(
-            f"the shot added to {table}, at {velocity:g} m/s, is far from the planned velocity, {planned:g} m/s"
-        )
-    content = with_shot(table, velocity, result, where)
-    fired = shots_of(open_table(table, is_of_shots, content=content), one_kind=True, where=where)
-    tell_how_read(table, fired.read)
-    after = plan(fired)
-    if velocity_m_s is None:
-        say(f"note: {table}: records the planned {velocity:g} m/s")
-
-    def content_with_shot(_path: Path) -> bytes:
-        if content_of(table) != earlier_content:
-            raise mistake(table, "", "cannot be written: it has changed since it was read; repeat the command")
-        return content
-
-    return after, warnings, content_with_shot
+        warnings = (*warnings, *planned.warnings)
+        answer(planned, loaded, files, warnings, plot=plot, as_json=as_json, verbose=verbose)
 
 
 def plan_tests(
@@ -560,9 +451,7 @@ def plan_tests(
     check_outputs(csv, tables=[csv], inputs=inputs, scenario=loaded, plot=plot, force=force)
     with progress("armours") as count, as_options("plan_tests", {"designs": "--design"}):
         source = _source(candidates)
-        earlier_tests = None if tests is None else armour.read_tests(tests, loaded)
-        if earlier_tests is not None:
-            tell_how_read(tests, earlier_tests.read)
+        earlier_tests = None if tests is None else say_how_read(tests, armour.read_tests(tests, loaded))
         options = given(
             fit=fit,
             law=law,
@@ -580,21 +469,21 @@ def plan_tests(
         "note: plan tests leaves with version 3: spread tests over the thicknesses that you will use, "
         "on two back plates at least"
     )
-    show_result(result, loaded, as_json=as_json, verbose=verbose)
-    files: Files = {csv: lambda _: csv_text(form_table(result)), plot: picture(lambda: armour.plot(result), loaded)}
-    write(files, warnings_of(loaded, result.warnings, verbose=verbose))
+    files: Files = {csv: lambda _: csv_text(form_table(result))}
+    answer(result, loaded, files, plot=plot, as_json=as_json, verbose=verbose)
 
 
 def _source(candidates: list[str]) -> "Grid | SweepCases":
     """Return the candidates."""
+    from armour.cli import sweeping
     from armour.planning.plan_tests import of_candidates
 
     if all("=" in text for text in candidates):
         with restated(of_candidates):
-            return grid_of("--candidates", candidates)
+            return sweeping.grid_of("--candidates", candidates)
     if len(candidates) > 1:
         raise wrong_option("--candidates", "must be one CSV file, or keys with values")
     [file] = candidates
     if not file.endswith(".csv") and not exists(file):
         raise wrong_option("--candidates", f'must be KEY=VALUES or a CSV file, found "{file}"')
-    return cases_of(file)
+    return sweeping.cases_of(file)

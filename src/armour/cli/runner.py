@@ -9,8 +9,9 @@ from contextlib import AbstractContextManager, chdir, contextmanager, suppress
 from functools import cache
 from os.path import exists, isfile
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
+import armour
 from armour.cli.console import emit, say, show, show_json
 from armour.errors import ArmourError, InputError, Problem, in_two_lines, mistake, refuse, restated
 from armour.files import decoded, parse_toml, read_text, unwritable, write_file, wrong_ending
@@ -20,7 +21,12 @@ from armour.scenario.keys import changes_of, line_of, lines_of, upwards, values_
 if TYPE_CHECKING:
     from armour.reporting.table import Table
     from armour.scenario.scenario import Scenario
+    from armour.statistics.measured import Tests
+    from armour.statistics.v50 import Shots
 
+Content = TypeVar("Content", bound="Shots | Tests")
+# Computations that take longer are announced.
+ANNOUNCED_S = 10.0
 # Exit codes of a question without an answer, and of a check that failed.
 NO_ANSWER, CHECK_FAILED = 1, 3
 STANDARD_INPUT = "standard input"
@@ -125,8 +131,8 @@ def read_scenario(
     are the keys and values of other options, None for one that is not given.  ``computed`` names the result of the
     command in messages.  A wrong value of an option is a problem of the command line.
     """
-    from armour.scenario.effect import check_effect
-    from armour.scenario.scenario import parse_changed, scenario_file
+    from armour.scenario import effect
+    from armour.scenario import scenario as scenarios
 
     changes = changes_of(assignments or ())
     options = {key: f"--set {key}" for key in changes}
@@ -138,17 +144,24 @@ def read_scenario(
     if str(path) == "-":
         file, folder, text = STANDARD_INPUT, Path(), decoded(sys.stdin.buffer, STANDARD_INPUT)
     else:
-        real_path = scenario_file(path)
+        real_path = scenarios.scenario_file(path)
         file, folder, text = str(path), real_path.parent, read_text(real_path)
     data = parse_toml(text, file)
     with restated(lambda problem: _blamed(problem, options) if problem.file == file else problem):
-        loaded = parse_changed(data, changes, file=file, folder=folder)
+        loaded = scenarios.parse_changed(data, changes, file=file, folder=folder)
     if VELOCITY in changes and "ballistic_limit" in reads and "impact" not in reads:
         # The same command line is often used for simulate first.
         say(f"note: --set {VELOCITY}: has no effect: {computed} does not depend on it")
         reads = {*reads, VELOCITY}
-    check_effect(values_by_key(changes), [(loaded, reads)], "command line", computed, "--set ")
+    effect.check_effect(values_by_key(changes), [(loaded, reads)], "command line", computed, "--set ")
     return loaded
+
+
+def say_how_read(table: object, content: Content) -> Content:
+    """Say how a table was read, unless it is as plain as can be, and return its content."""
+    if content.read is not None and not content.read.plain:
+        say(f"read {table}: {content.read.words}")
+    return content
 
 
 def accepted(changes: Iterable[str], reads: Collection[str]) -> list[str]:
@@ -177,16 +190,30 @@ def _blamed(problem: Problem, options: Mapping[str, str]) -> Problem:
     return problem
 
 
-def show_result(
-    result: Any, scenario: "Scenario | None", *, as_json: bool, verbose: bool, extra_data: Mapping[str, Any] = {}
+def answer(
+    result: Any,
+    scenario: "Scenario | None",
+    files: Files | None = None,
+    warnings: Iterable[str] | None = None,
+    *,
+    plot: Path | None = None,
+    file: str = "",
+    extra_data: Mapping[str, Any] = {},
+    as_json: bool,
+    verbose: bool,
 ) -> None:
-    """Show a result as tables, or with ``extra_data`` as JSON."""
+    """Show a result as tables, or with ``extra_data`` as JSON; write its files and its picture; warn.
+
+    The warnings are those of the result, unless others are given.
+    """
     from armour.reporting.by_result import by_result, tables_of
 
     result.of(every_row=verbose)
     tables = () if as_json else by_result(tables_of, result)(result)
     data = {**result.to_dict(), **extra_data} if as_json else {}
     show_answer(data, tables, as_json=as_json, heading=result.heading(), scenario=scenario)
+    shown = warnings_of(scenario, result.warnings if warnings is None else warnings, file, verbose=verbose)
+    write({**(files or {}), plot: picture(lambda: armour.plot(result), scenario)}, shown)
 
 
 def show_answer(
@@ -226,6 +253,12 @@ def picture(draw: Callable[[], Any], scenario: "Scenario | None") -> Callable[[P
 def propose(command: str) -> None:
     """Name the command to go on with, in one line, so that it can be copied."""
     emit(f"next: {command}\n", sys.stderr)
+
+
+def announce(seconds: float, words: str) -> None:
+    """Announce a computation that takes a while."""
+    if seconds > ANNOUNCED_S:
+        say(words)
 
 
 def drawing() -> Any:

@@ -1,8 +1,7 @@
 """Commands that answer a question about a scenario, or about many armours like it."""
 
 import shlex
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import ExitStack
+from collections.abc import Sequence
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -10,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 import armour
-from armour.analysis.quantities import DESIGNS, OF_WEIGHT, QUANTITIES, REQUIRED_QUANTITIES, reads_of
+from armour.analysis.quantities import DESIGNS, OF_WEIGHT, QUANTITIES, reads_of
 from armour.cli import completion, runner
-from armour.cli.console import emit, progress, say, show
+from armour.cli.console import emit, progress, show, show_json
 from armour.cli.folders import MOST_FILES, scenario_paths
 from armour.cli.options import (
     AS_JSON,
@@ -28,8 +27,8 @@ from armour.cli.options import (
     number_option,
     option,
 )
-from armour.cli.runner import Files, check_outputs, picture, read_scenario, show_result, warnings_of, write
-from armour.errors import InputError, Problem, counted, duration, mistake, refuse
+from armour.cli.runner import Files, answer, check_outputs, picture, read_scenario, warnings_of, write
+from armour.errors import InputError, Problem, counted, duration, refuse
 from armour.files import read_toml, shipped_suites, wrong_ending
 from armour.reporting.table import rows_csv
 from armour.scenario.inputs import OF_ERROR, ROUND_AND_ARMOUR, VELOCITY
@@ -40,8 +39,6 @@ if TYPE_CHECKING:
     from armour.design.check import CheckResult
     from armour.design.optimise import BestDesign, DesignResult
     from armour.scenario.scenario import Scenario
-    from armour.sweeps.cases import Grid, SweepCases
-    from armour.sweeps.sweep import Effort
 
 # Key of the probability that a design, a check and a report require.
 CONFIDENCE_KEY = "design.confidence"
@@ -52,8 +49,6 @@ CHECK = (
     *(*OF_WEIGHT, "design.added_thickness_mm", "design.added_cost_per_m2"),
     *("design.ceramic", "design.backing"),
 )
-# Computations that take longer are announced.
-ANNOUNCED_S = 10.0
 # Sections and keys that a ballistic limit depends on, see `armour.scenario.effect`.
 LIMIT_READS = (*ROUND_AND_ARMOUR, "ballistic_limit", *OF_ERROR, *OF_WEIGHT)
 IMPACT_READS = ("impact", "armour", "ballistic_limit", *OF_ERROR, *OF_WEIGHT)
@@ -87,9 +82,8 @@ def simulate(
     warnings = tuple(dict.fromkeys((*result.warnings, *of_limit, *confidence.warnings)))
     extra_data = {"warnings": list(warnings), "confidence": confidence.to_dict()}
     result.of(confidence=confidence)
-    show_result(result, loaded, as_json=as_json, verbose=verbose, extra_data=extra_data)
-    files = {history: lambda _: history_csv(result), plot: picture(lambda: armour.plot(result), loaded)}
-    write(files, warnings_of(loaded, warnings, verbose=verbose))
+    files: Files = {history: lambda _: history_csv(result)}
+    answer(result, loaded, files, warnings, plot=plot, extra_data=extra_data, as_json=as_json, verbose=verbose)
 
 
 def ballistic_limit(
@@ -108,8 +102,7 @@ def ballistic_limit(
     with progress("impacts", first="searching") as count:
         result = armour.ballistic_limit(loaded, on_progress=count)
     warnings = (*not_monotonic(result), *result.warnings)
-    show_result(result, loaded, as_json=as_json, verbose=verbose)
-    write({plot: picture(lambda: armour.plot(result), loaded)}, warnings_of(loaded, warnings, verbose=verbose))
+    answer(result, loaded, warnings=warnings, plot=plot, as_json=as_json, verbose=verbose)
 
 
 def compare(
@@ -128,8 +121,7 @@ def compare(
     with progress("impacts", first="searching") as count:
         result = armour.compare(loaded, on_progress=count)
     warnings = (*not_monotonic(result.limit), *result.limit.warnings)
-    show_result(result, loaded, as_json=as_json, verbose=verbose)
-    write({plot: picture(lambda: armour.plot(result), loaded)}, warnings_of(loaded, warnings, verbose=verbose))
+    answer(result, loaded, warnings=warnings, plot=plot, as_json=as_json, verbose=verbose)
 
 
 def check(
@@ -181,19 +173,19 @@ def check(
         results.append(result)
         suites.append(view.check_junit(result, loaded, perf_counter() - start, runner.origin_of(loaded)))
         warnings += warnings_of(loaded, result.warnings, verbose=verbose)
-    rows = ({"scenario": loaded.file, **row} for loaded, found in zip(scenarios, results, strict=True) for row in found)
-    if not (as_json or is_one):
+    answers = [*zip(scenarios, results, strict=True)]
+    if as_json and is_one:
+        runner.show_answer(results[0].to_dict(), (), as_json=True, scenario=scenarios[0])
+    elif as_json:
+        show_json(
+            [{"scenario": case.file, **found.to_dict(), "made_by": runner.origin_of(case)} for case, found in answers]
+        )
+    elif not is_one:
         emit("\n")
-        show(view.check_summary({loaded.file: result for loaded, result in zip(scenarios, results, strict=True)}))
-    data = [
-        {"scenario": loaded.file, **result.to_dict(), "made_by": runner.origin_of(loaded)}
-        for loaded, result in zip(scenarios, results, strict=True)
-    ]
-    one = results[0].to_dict() if is_one else data
-    runner.show_answer(one, (), as_json=as_json, scenario=scenarios[0])
+        show(view.check_summary({loaded.file: found for loaded, found in answers}))
     files: Files = {
         junit: lambda _: junit_xml(suites),
-        csv: lambda _: rows_csv(rows),
+        csv: lambda _: rows_csv({"scenario": loaded.file, **row} for loaded, found in answers for row in found),
         plot: picture(lambda: armour.plot(results[0]), scenarios[0]),
     }
     write(files, warnings)
@@ -245,18 +237,12 @@ def optimise(
     source = "-" if loaded.file == runner.STANDARD_INPUT else runner.source_word(loaded.file)
     with progress("impacts") as count, runner.as_options("optimise"):
         designs, seconds = effort(loaded)
-        if seconds > ANNOUNCED_S:
-            threats = counted(len(loaded.threats()), "threat")
-            say(f"{counted(designs, 'design')} against {threats}; about {duration(seconds)}")
+        threats = counted(len(loaded.threats()), "threat")
+        runner.announce(seconds, f"{counted(designs, 'design')} against {threats}; about {duration(seconds)}")
         result = armour.optimise(loaded, refine=refine, on_progress=count)
         map_page = "" if page is None else _map(result, loaded, source, changes or (), count)
-    show_result(result, loaded, as_json=as_json, verbose=verbose)
-    files: Files = {
-        csv: lambda _: view.design_csv(result),
-        page: lambda _: map_page,
-        plot: picture(lambda: armour.plot(result), loaded),
-    }
-    write(files, warnings_of(loaded, result.warnings, verbose=verbose))
+    files: Files = {csv: lambda _: view.design_csv(result), page: lambda _: map_page}
+    answer(result, loaded, files, plot=plot, as_json=as_json, verbose=verbose)
     if source != "-" and result.shown is not None:
         runner.propose(_check_of(loaded, result.shown, source, changes or ()))
     if result.reason:
@@ -309,8 +295,7 @@ def sensitivity(
     check_outputs(inputs=[scenario], scenario=loaded, plot=plot, force=force)
     with progress("impacts", first="computing") as count:
         result = armour.sensitivity(loaded, on_progress=count)
-    show_result(result, loaded, as_json=as_json, verbose=verbose)
-    write({plot: picture(lambda: armour.plot(result), loaded)}, warnings_of(loaded, result.warnings, verbose=verbose))
+    answer(result, loaded, plot=plot, as_json=as_json, verbose=verbose)
 
 
 def uncertainty(
@@ -328,8 +313,7 @@ def uncertainty(
     check_outputs(inputs=[scenario], scenario=loaded, plot=plot, force=force)
     with progress("samples") as count:
         result = armour.uncertainty(loaded, on_progress=count)
-    show_result(result, loaded, as_json=as_json, verbose=verbose)
-    write({plot: picture(lambda: armour.plot(result), loaded)}, warnings_of(loaded, result.warnings, verbose=verbose))
+    answer(result, loaded, plot=plot, as_json=as_json, verbose=verbose)
 
 
 def sweep(
@@ -364,10 +348,7 @@ def sweep(
     as_json: bool = AS_JSON,
 ) -> None:
     """Compute quantities over a grid or a table of cases; resume if interrupted."""
-    from armour.reporting.views.sweeps import SWEEP_ROWS, first_rows
-    from armour.scenario.scenario import heading
-    from armour.sweeps.store import read_table
-    from armour.sweeps.sweep import subject_of, write_sweep
+    from armour.cli import sweeping
 
     names = [name.strip() for name in quantities.split(",")]
     reads = reads_of(name for name in names if name in QUANTITIES)
@@ -377,102 +358,15 @@ def sweep(
         raise runner.wrong_option("--over", "must be given, or --cases, but not both")
     if threads is not None and not (type(threads) is int and threads > 0):
         raise runner.wrong_option("--threads", f"must be a whole number of at least 1, found {describe(threads)}")
-    if plot is not None:
-        _check_drawn(len(over or []), names[0])
-    with runner.as_options("sweep"), ExitStack() as stack:
-        source = grid_of("--over", over or []) if cases is None else cases_of(cases, sheet)
-        count = stack.enter_context(progress("rows", source.count))
-
-        def on_chunk(rows: int, stored: bool) -> None:
-            if stored:
-                say(f"resuming after {counted(rows, 'row')}")
-            count(rows, stored=stored)
-
-        workers = None
-        if scheduler:
-            from armour.sweeps.cluster import connected, workers_of  # imports Dask
-
-            workers = stack.enter_context(workers_of(stack.enter_context(connected(scheduler))))
-        rows = write_sweep(
-            loaded,
-            source,
-            names,
-            output,
-            replace=force,
-            command=runner.command_line(),
-            workers=workers,
-            threads=threads,
-            on_chunk=on_chunk,
-            approve=lambda effort: _approve(effort, yes),
-            tell=say,
-        )
-    say(f"wrote {output}: {counted(rows, 'row')}", *_notes(names, drawn=plot is not None))
-    lines = heading(subject_of(loaded, source, names), loaded.title)
-
-    runner.show_answer(
-        {"rows": rows, "output": str(output)},
-        [first_rows(read_table(output), loaded, source.keys)] if rows <= SWEEP_ROWS else (),
-        as_json=as_json,
-        heading=lines,
-        scenario=loaded,
-    )
-    write({plot: picture(lambda: _drawn(read_table(output), source.keys, names[0], loaded, lines), loaded)})
-
-
-def _drawn(
-    table: Mapping[str, Any], keys: Sequence[str], quantity: str, scenario: "Scenario", heading: Sequence[str]
-) -> Any:
-    """Draw a quantity of a sweep over its keys."""
-    from armour.reporting.pictures.drawing import Sheet, drawn
-    from armour.reporting.pictures.sweeps import draw_columns
-
-    return drawn(lambda sheet: draw_columns(table, keys, quantity, scenario, sheet), Sheet(), heading).figure
-
-
-def _check_drawn(keys: int, quantity: str) -> None:
-    """Check that a quantity over a number of keys can be drawn."""
-    if keys not in (1, 2):
-        raise runner.wrong_option("--plot", f"must be given with one or two --over keys, found {keys or 'none'}")
-    if quantity == "outcome":
+    if plot is not None and len(over or []) not in (1, 2):
+        message = f"must be given with one or two --over keys, found {len(over or []) or 'none'}"
+        raise runner.wrong_option("--plot", message)
+    if plot is not None and names[0] == "outcome":
         raise runner.wrong_option("--plot", "must be given with a number first in --quantities, found outcome")
-
-
-def _notes(names: list[str], *, drawn: bool) -> Iterator[str]:
-    """Yield notes on the meaning of the quantities of a sweep, and on the one drawn."""
-    required = [name for name in names if QUANTITIES[name].on_grid]
-    if required:
-        yield f"note: {', '.join(required)}: {REQUIRED_QUANTITIES}"
-    if drawn and len(names) > 1:
-        yield f"note: --plot draws {names[0]} alone, the first of --quantities"
-
-
-def cases_of(file: str | Path, sheet: str | None = None) -> "SweepCases":
-    """Return the cases of a table, and say how it was read."""
-    from armour.sweeps.cases import SweepCases
-
-    cases = SweepCases(file, sheet)
-    if cases.read:
-        say(f"read {file}: {cases.read}")
-    return cases
-
-
-def grid_of(option: str, texts: Sequence[str]) -> "Grid":
-    """Return the grid of the values of an option, and warn of ranges whose end is left out."""
-    from armour.sweeps.cases import Grid, axis_of
-
-    axes = tuple(map(axis_of, texts))
-    for axis in axes:
-        if axis.omission:
-            say(f"warning: {option} {axis.key}: {axis.omission}")
-    return Grid(axes)
-
-
-def _approve(effort: "Effort", yes: bool) -> None:
-    """Announce a sweep that takes a while; refuse a large one without ``--yes``."""
-    if effort.is_large and not yes:
-        raise mistake("sweep", "", f"{effort.words}; --yes to go on")
-    if effort.seconds > ANNOUNCED_S:
-        say(effort.words)
+    with runner.as_options("sweep"):
+        source = sweeping.grid_of("--over", over or []) if cases is None else sweeping.cases_of(cases, sheet)
+        options: Any = {"scheduler": scheduler, "threads": threads, "replace": force, "yes": yes, "as_json": as_json}
+        sweeping.write_and_show(loaded, source, names, output, plot, **options)
 
 
 # Keys that a report shows, and those that the results for the scenario's own armour depend on.
@@ -502,8 +396,7 @@ def report(
     from armour.reporting.scenario_report import contents_of, scenario_report
     from armour.reporting.views.validation import suite_report
     from armour.scenario.scenario import files_of, scenario_file
-    from armour.validation.suite import load_suite, suite_files
-    from armour.validation.validate import validate
+    from armour.validation.suite import suite_files
 
     confidence_option = [] if confidence is None else ["--confidence", str(confidence)]
     changes = changes or []
@@ -518,7 +411,7 @@ def report(
         if is_suite and is_given:
             raise runner.wrong_option(name, "must be given with a scenario, found a suite")
     if is_suite:
-        suite = load_suite(source, changes_of(changes))
+        suite = armour.load_suite(source, changes_of(changes))
         inputs = suite_files(suite)
     else:
         reads = (*BYLINE, "armour", *(AS_IS if as_is else DESIGNS))
@@ -529,7 +422,7 @@ def report(
     refuse(wrong_ending(output, REPORT_ENDINGS))
     if is_suite:
         with progress("cases", len(suite.cases)) as count:
-            content = suite_report(validate(suite, on_check=lambda _check, _total: count(1)), command)
+            content = suite_report(armour.validate(suite, on_check=lambda _check, _total: count(1)), command)
     else:
         with progress("armours") as count:
             contents = contents_of(scenario, count, as_is=as_is)

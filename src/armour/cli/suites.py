@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import typer
 
+import armour
 from armour.cli import completion, runner
 from armour.cli.console import progress, say, show
 from armour.cli.options import AS_JSON, CHANGES, FORCE, argument, file_option, flag, option
@@ -49,7 +50,7 @@ def validate(
     """
     from armour.reporting.formats import markdown_report
     from armour.reporting.views import validation as view
-    from armour.validation.suite import load_suite, suite_files
+    from armour.validation.suite import suite_files
     from armour.validation.validate import kept_by_update
 
     path = suite_file("paper" if suite is None else suite)
@@ -58,7 +59,7 @@ def validate(
     refuse(Problem("validate", "--update", message) for message in wrong if update)
     updated = suite if update else None
     with mistakes_in(junit, [path], force=force):
-        loaded = load_suite(path, changes_of(changes or ()))
+        loaded = armour.load_suite(path, changes_of(changes or ()))
     check_outputs(markdown, junit=junit, inputs=suite_files(loaded), updated=updated, force=force)
     chosen = loaded.only(only)
     if update and not any(case.regression for case in chosen.cases):
@@ -83,7 +84,6 @@ def _computed(suite: "Suite", *, quiet: bool) -> tuple["SuiteResult", list[float
     """Compute the cases, and return how many seconds each took; if interrupted, show those that are done."""
     from armour.reporting.views import validation as view
     from armour.validation.validate import result_of
-    from armour.validation.validate import validate as run_suite
 
     done: list[Check] = []
     times = [perf_counter()]
@@ -95,7 +95,7 @@ def _computed(suite: "Suite", *, quiet: bool) -> tuple["SuiteResult", list[float
                 times.append(perf_counter())
                 count(1)
 
-            return run_suite(suite, on_check=on_check), [end - start for start, end in pairwise(times)]
+            return armour.validate(suite, on_check=on_check), [end - start for start, end in pairwise(times)]
     except KeyboardInterrupt:
         if done and not quiet:
             show(*view.tables_of_suite(result_of(suite, done)))
