@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 import armour
-from armour.cli import completion
+from armour.cli import completion, runner
 from armour.cli.console import progress, say
 from armour.cli.options import (
     AS_JSON,
@@ -30,18 +30,7 @@ from armour.cli.options import (
     share,
     word_option,
 )
-from armour.cli.runner import (
-    CHECK_FAILED,
-    Files,
-    answer,
-    as_options,
-    check_outputs,
-    command_line,
-    propose,
-    read_scenario,
-    say_how_read,
-    wrong_option,
-)
+from armour.cli.runner import Files, answer, check_outputs, read_scenario, say_how_read, wrong_option
 from armour.cli.scenario_commands import LIMIT_READS
 from armour.errors import restated
 from armour.files import shipped_tests
@@ -140,7 +129,7 @@ def v50(
         requirement_fraction=requirement_fraction,
     )
     files: Files = {}
-    with progress("impacts", first="fitting") as count, as_options("v50"):
+    with progress("impacts", first="fitting") as count, runner.as_options("v50"):
 
         def estimate(fired: armour.Shots) -> armour.FiringResult:
             return armour.v50(fired, loaded, on_progress=count, **options)
@@ -156,7 +145,7 @@ def v50(
             files = {csv: lambda _: rows_csv(found), curve: lambda _: rows_csv(found.band())}
     answer(found, loaded, files, plot=plot, file=file, as_json=as_json, verbose=verbose)
     if any(result.decision in ("not met", "not decided") for result in results):
-        raise typer.Exit(CHECK_FAILED)
+        raise typer.Exit(runner.CHECK_FAILED)
 
 
 def calibrate(
@@ -210,7 +199,7 @@ def calibrate(
     if (not lot) != (library is None and fitted is None):
         raise wrong_option("--lot", "must be given with --write or --write-scenario, and only then: the lot tested")
 
-    with progress("tests") as count, as_options("calibrate"):
+    with progress("tests") as count, runner.as_options("calibrate"):
         tests = say_how_read(table, armour.read_tests(table, loaded, where=chosen(where), sheet=sheet))
         result = armour.calibrate(tests, loaded, on_progress=count, **given(fit=fit, law=law, prior=prior))
     files: Files = {
@@ -220,9 +209,9 @@ def calibrate(
     }
     answer(result, loaded, files, plot=plot, file=tests.file, as_json=as_json, verbose=verbose)
     if fitted is not None:
-        propose(shlex.join(["armour", "check", str(fitted)]))
+        runner.propose(shlex.join(["armour", "check", str(fitted)]))
     elif result.evidence is not None and library is None:
-        propose(f"{command_line()} --write-scenario fitted.toml --lot 'lot 1'")
+        runner.propose(f"{runner.command_line()} --write-scenario fitted.toml --lot 'lot 1'")
 
 
 def is_table(path: Path) -> bool:
@@ -377,7 +366,7 @@ def plan_shots(
     )
     # A table to which a shot is added stays locked until it is written.
     with ExitStack() as stack:
-        with progress("impacts", first="searching") as count, as_options("plan_shots", LIMITS):
+        with progress("impacts", first="searching") as count, runner.as_options("plan_shots", LIMITS):
             plan = partial(armour.plan_shots, loaded, on_progress=count, **options)
             files: Files = {}
             warnings: Sequence[str] = ()
@@ -449,7 +438,7 @@ def plan_tests(
     loaded = read_scenario(scenario, changes, FIT + OF_PRIOR * prior)
     inputs = [scenario, tests, *candidates, *(design or ())]
     check_outputs(csv, tables=[csv], inputs=inputs, scenario=loaded, plot=plot, force=force)
-    with progress("armours") as count, as_options("plan_tests", {"designs": "--design"}):
+    with progress("armours") as count, runner.as_options("plan_tests", {"designs": "--design"}):
         source = _source(candidates)
         earlier_tests = None if tests is None else say_how_read(tests, armour.read_tests(tests, loaded))
         options = given(

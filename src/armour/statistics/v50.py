@@ -11,20 +11,12 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field
 
+from armour import csv_files
 from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
 from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.columns import GROUPS, YES_MEANS, column_of, perforates
-from armour.csv_files import (
-    MUST_SAY,
-    Source,
-    TableRead,
-    check_one_target,
-    in_line_order,
-    open_table,
-    read_rows,
-    targets_of,
-)
+from armour.csv_files import Source, TableRead
 from armour.errors import Problem, counted, joined, mistake, refuse
 from armour.scenario.checked import Table, checked
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
@@ -331,7 +323,7 @@ def read_shots(
     InputError
         With every mistake in the file.
     """
-    return shots_of(open_table(path, is_of_shots, sheet), one_kind=one_kind, where=where)
+    return shots_of(csv_files.open_table(path, is_of_shots, sheet), one_kind=one_kind, where=where)
 
 
 def is_of_shots(name: str) -> bool:
@@ -348,7 +340,9 @@ def shots_of(source: Source, *, one_kind: bool = False, where: Mapping[str, str]
         )
         raise mistake(source.file, "", message)
     naming = ("shot", "result")
-    table = read_rows(source, numbers=KEYS[:1], texts=naming, needed=KEYS, noun="shot", where=where, least=not one_kind)
+    table = csv_files.read_rows(
+        source, numbers=KEYS[:1], texts=naming, needed=KEYS, noun="shot", where=where, least=not one_kind
+    )
     file, rows, problems = table.file, table.rows, table.problems
     velocities = [row.numbers.get("velocity_m_s", MIN_VELOCITY_M_S) for row in rows]
     words = [row.texts.get("result", "") for row in rows]
@@ -361,9 +355,9 @@ def shots_of(source: Source, *, one_kind: bool = False, where: Mapping[str, str]
             message = f"must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g}, found {written}"
             problems.append(Problem(file, f"{row.place}: velocity_m_s", f"{message}; is it in m/s?"))
         if result is None:
-            problems.append(Problem(file, f"{row.place}: result", f'{MUST_SAY}, found "{text}"'))
-    refuse(in_line_order(problems))
-    check_one_target(table, results, ", or --each for one answer each")
+            problems.append(Problem(file, f"{row.place}: result", f'{csv_files.MUST_SAY}, found "{text}"'))
+    refuse(csv_files.in_line_order(problems))
+    csv_files.check_one_target(table, results, ", or --each for one answer each")
     names = tuple(row.texts.get("shot", "") for row in rows)
     shots = Shots((*velocities,), (*map(bool, results),), file, names if any(names) else (), table.read)
     check_shots(shots, kinds=0 if one_kind else 2)
@@ -375,12 +369,14 @@ def firings_of(path: Table, where: Mapping[str, str], sheet: str | None) -> list
 
     Serial numbers, of one or two shots of one kind, are none.
     """
-    source = open_table(path, is_of_shots, sheet)
-    table = read_rows(source, numbers=KEYS[:1], texts=("shot", "result"), needed=KEYS, noun="shot", where=where)
-    refuse(in_line_order(table.problems))
+    source = csv_files.open_table(path, is_of_shots, sheet)
+    table = csv_files.read_rows(
+        source, numbers=KEYS[:1], texts=("shot", "result"), needed=KEYS, noun="shot", where=where
+    )
+    refuse(csv_files.in_line_order(table.problems))
     results = [perforates(row.texts.get("result", "")) for row in table.rows]
     for name, values in table.groups.items():
-        if found := targets_of(table, name, results):
+        if found := csv_files.targets_of(table, name, results):
             pairs = {*zip(values, results, strict=True)}
             return [(name, value, sum(value == other for other, _ in pairs)) for value in found]
     message = f"must have a column {joined(GROUPS, 'or')}, with several shots for each of its values"
@@ -620,12 +616,7 @@ def check_shots(shots: Shots, *, kinds: int = 2) -> None:
 def swapped_note(shots: Shots) -> Iterator[str]:
     """Yield a warning if the complete penetrations were no faster on average than the partial ones, of three each."""
     partial, complete = shots.of(complete=False), shots.of(complete=True)
-    if (
-        partial
-        and complete
-        and not has_curve(partial, complete)
-        and comb(len(shots.complete), len(complete)) >= SWAPPED
-    ):
+    if comb(len(shots.complete), len(complete)) >= SWAPPED and not has_curve(partial, complete):
         yield (
             f"the complete penetrations were no faster on average ({np.mean(complete):.1f} m/s) than the partial ones "
             f"({np.mean(partial):.1f} m/s); are the results swapped?"
@@ -638,7 +629,7 @@ def check_not_swapped(shots: Shots) -> None:
     So few shots that this happens by chance are taken as they are.
     """
     partial, complete = shots.of(complete=False), shots.of(complete=True)
-    if partial and complete and complete[-1] < partial[0] and comb(len(shots.complete), len(complete)) >= SWAPPED:
+    if comb(len(shots.complete), len(complete)) >= SWAPPED and complete[-1] < partial[0]:
         message = (
             f"must have complete penetrations that are not all slower than the partial ones, found complete ones up to "
             f"{complete[-1]:g} m/s and partial ones from {partial[0]:g} m/s; are the results swapped?"
