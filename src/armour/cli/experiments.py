@@ -30,7 +30,7 @@ from armour.cli.options import (
     share,
     word_option,
 )
-from armour.cli.runner import Files, answer, check_outputs, read_scenario, say_how_read, wrong_option
+from armour.cli.runner import Files, answer, check_options, check_outputs, read_scenario, say_how_read, wrong_option
 from armour.cli.scenario_commands import LIMIT_READS
 from armour.errors import restated
 from armour.files import shipped_tests
@@ -38,8 +38,6 @@ from armour.reporting.table import csv_text, rows_csv
 from armour.scenario.keys import describe
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
     from armour.scenario.scenario import Scenario
     from armour.sweeps.cases import Grid, SweepCases
 
@@ -116,8 +114,7 @@ def v50(
     if scenario is not None and is_table(scenario):
         table, scenario = scenario, table
     loaded = _scenario_of(scenario, changes, computed="the ballistic limit")
-    inputs = [table, scenario]
-    check_outputs(csv, curve, tables=[csv, curve], inputs=inputs, scenario=loaded, plot=plot, force=force)
+    check_outputs(tables=[csv, curve], inputs=[table, scenario], scenario=loaded, plot=plot, force=force)
     options = given(
         pairs=pairs,
         span_m_s=span_m_s,
@@ -135,7 +132,8 @@ def v50(
             return armour.v50(fired, loaded, on_progress=count, **options)
 
         if each:
-            _refuse_with_each({"--csv": csv, "--curve": curve, "--plot": plot})
+            files_of_one = {"--csv": csv, "--curve": curve, "--plot": plot}
+            check_options(*((name, file, "must not be given with --each") for name, file in files_of_one.items()))
             found: Any = each_result(estimate, table, chosen(where), sheet, kinds=1 if prior else 2)
             results, file = [*found.results.values()], str(table)
         else:
@@ -193,8 +191,7 @@ def calibrate(
     if is_table(scenario):
         table, scenario = scenario, table
     loaded = read_scenario(scenario, changes, FIT + OF_PRIOR * prior)
-    inputs = [table, scenario]
-    check_outputs(library, fitted, csv, tables=[csv], inputs=inputs, scenario=loaded, plot=plot, force=force)
+    check_outputs(library, fitted, tables=[csv], inputs=[table, scenario], scenario=loaded, plot=plot, force=force)
     lot = (lot or "").strip()
     if (not lot) != (library is None and fitted is None):
         raise wrong_option("--lot", "must be given with --write or --write-scenario, and only then: the lot tested")
@@ -235,13 +232,6 @@ def chosen(where: list[str] | None) -> dict[str, str]:
     if wrong := [text for text in where or () if "=" not in text]:
         raise wrong_option("--where", f"must be COLUMN=VALUE, found {describe(wrong[0])}")
     return {key.strip(): value.strip() for key, _, value in (text.partition("=") for text in where or ())}
-
-
-def _refuse_with_each(options: "Mapping[str, object]") -> None:
-    """Refuse options of one answer."""
-    for name, value in options.items():
-        if value is not None:
-            raise wrong_option(name, "must not be given with --each")
 
 
 def plan_shots(
@@ -325,24 +315,20 @@ def plan_shots(
         table, scenario = scenario, table
     loaded = _scenario_of(scenario, changes)
     check_outputs(inputs=[scenario, table, *(earlier or ())], scenario=loaded, plot=plot, force=force)
-    if (lower_m_s is None) != (upper_m_s is None):
-        raise wrong_option("--upper-m-s" if upper_m_s is None else "--lower-m-s", "must be given with the other limit")
-    if isinstance(velocity_m_s, str):
-        raise wrong_option("--velocity-m-s", f"must be a number, found {describe(velocity_m_s)}")
-    if table is None and (where or each or sheet is not None):
-        raise wrong_option("--where" if where else "--each" if each else "--sheet", "must be given with SHOTS")
-    if result is None:
-        if velocity_m_s is not None:
-            raise wrong_option("--velocity-m-s", "must be given with --result")
-        if each:
-            _refuse_with_each({"--plot": plot})
-    elif table is None:
-        raise wrong_option("--result", "must be given with SHOTS, to which it adds a shot")
-    elif simulate:
-        raise wrong_option("--result", "must not be given with --simulate: it records a shot that was fired")
-    elif each or sheet is not None:
-        raise wrong_option("--result", f"must not be given with {'--each' if each else '--sheet'}")
-    else:
+    is_fired, is_divided = result is not None, each or sheet is not None
+    check_options(
+        ("--upper-m-s", upper_m_s is None and lower_m_s is not None, "must be given with the other limit"),
+        ("--lower-m-s", lower_m_s is None and upper_m_s is not None, "must be given with the other limit"),
+        ("--velocity-m-s", isinstance(velocity_m_s, str), f"must be a number, found {describe(velocity_m_s)}"),
+        ("--where", table is None and where, "must be given with SHOTS"),
+        ("--each" if each else "--sheet", table is None and is_divided, "must be given with SHOTS"),
+        ("--velocity-m-s", velocity_m_s is not None and not is_fired, "must be given with --result"),
+        ("--plot", plot and each and not is_fired, "must not be given with --each"),
+        ("--result", is_fired and table is None, "must be given with SHOTS, to which it adds a shot"),
+        ("--result", is_fired and simulate, "must not be given with --simulate: it records a shot that was fired"),
+        ("--result", is_fired and is_divided, f"must not be given with {'--each' if each else '--sheet'}"),
+    )
+    if is_fired:
         check_outputs(plot=plot, updated=table, force=force)
     earlier_firings = [armour.read_shots(path) for path in earlier or ()]
     for path, firing in zip(earlier or (), earlier_firings, strict=True):
@@ -369,13 +355,11 @@ def plan_shots(
         with progress("impacts", first="searching") as count, runner.as_options("plan_shots", LIMITS):
             plan = partial(armour.plan_shots, loaded, on_progress=count, **options)
             files: Files = {}
-            warnings: Sequence[str] = ()
             if result is None or table is None:
-                planned = firings.next_plan(plan, table, chosen(where), sheet, each=each)
+                planned: Any = firings.next_plan(plan, table, chosen(where), sheet, each=each)
+                warnings = planned.warnings
             else:
-                planned, warnings, content = firings.plan_after(plan, stack, table, result, velocity_m_s, chosen(where))
-                files = {table: content}
-        warnings = (*warnings, *planned.warnings)
+                planned, warnings, files = firings.plan_after(plan, stack, table, result, velocity_m_s, chosen(where))
         answer(planned, loaded, files, warnings, plot=plot, as_json=as_json, verbose=verbose)
 
 
@@ -437,7 +421,7 @@ def plan_tests(
 
     loaded = read_scenario(scenario, changes, FIT + OF_PRIOR * prior)
     inputs = [scenario, tests, *candidates, *(design or ())]
-    check_outputs(csv, tables=[csv], inputs=inputs, scenario=loaded, plot=plot, force=force)
+    check_outputs(tables=[csv], inputs=inputs, scenario=loaded, plot=plot, force=force)
     with progress("armours") as count, runner.as_options("plan_tests", {"designs": "--design"}):
         source = _source(candidates)
         earlier_tests = None if tests is None else say_how_read(tests, armour.read_tests(tests, loaded))

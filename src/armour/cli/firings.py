@@ -8,7 +8,7 @@ from pathlib import Path
 import armour
 from armour.analysis.results import EachResult, Result
 from armour.cli.console import say
-from armour.cli.runner import say_how_read, wrong_option
+from armour.cli.runner import Files, say_how_read, wrong_option
 from armour.columns import perforates
 from armour.csv_files import MUST_SAY, open_table
 from armour.errors import mistake
@@ -61,10 +61,10 @@ def plan_after(
     result: str,
     velocity_m_s: float | None,
     where: Mapping[str, str],
-) -> tuple[ShotPlan, list[str], Callable[[Path], bytes]]:
+) -> tuple[ShotPlan, list[str], Files]:
     """Plan the next shot after one that is added to a table, locked in a stack.
 
-    Also return warnings of the shot that is added, and what makes the new content of the table.
+    Also return the warnings, also of the shot that is added, and the table with what makes its new content.
     """
     if perforates(result) is None:
         raise wrong_option("--result", f"{MUST_SAY}, found {describe(result)}")
@@ -97,4 +97,4 @@ def plan_after(
             raise mistake(table, "", "cannot be written: it has changed since it was read; repeat the command")
         return content
 
-    return after, warnings, content_with_shot
+    return after, [*warnings, *after.warnings], {table: content_with_shot}

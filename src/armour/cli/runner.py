@@ -40,10 +40,17 @@ def wrong_option(option: str, message: str) -> InputError:
     return mistake("command line", option, message)
 
 
+def check_options(*mistakes: tuple[str, object, str]) -> None:
+    """Refuse the first of some options, each with whether it is wrong and the condition that it must meet."""
+    for option, is_wrong, message in mistakes:
+        if is_wrong:
+            raise wrong_option(option, message)
+
+
 def check_outputs(
     *outputs: Path | None,
     inputs: Iterable[str | Path | None] = (),
-    tables: Iterable[Path | None] = (),
+    tables: Sequence[Path | None] = (),
     junit: Path | None = None,
     plot: Path | None = None,
     updated: Path | None = None,
@@ -52,10 +59,10 @@ def check_outputs(
 ) -> None:
     """Check that all outputs can be written, differ from each other and from inputs, and replace files only by force.
 
-    The files of the ``scenario`` are inputs too.  ``tables`` are those of the outputs that are CSV.  ``junit`` may
-    replace a file that this program has written as JUnit XML.  ``updated`` is both an input and an output.
+    The files of the ``scenario`` are inputs too.  ``tables`` are outputs that are CSV.  ``junit`` may replace a file
+    that this program has written as JUnit XML.  ``updated`` is both an input and an output.
     """
-    new = [path for path in (*outputs, junit, plot) if path is not None]
+    new = [path for path in (*outputs, *tables, junit, plot) if path is not None]
     refuse(Problem("-", "", "must be the name of a file to write") for path in new if str(path) == "-")
     problems = [] if plot is None else wrong_ending(plot, PLOT_ENDINGS)
     for table in tables:

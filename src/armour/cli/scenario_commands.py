@@ -72,7 +72,7 @@ def simulate(
 
     settings = {"--velocity": (VELOCITY, velocity)}
     loaded = read_scenario(scenario, changes, IMPACT_READS, settings, "the simulated impact")
-    check_outputs(history, tables=[history], inputs=[scenario], scenario=loaded, plot=plot, force=force)
+    check_outputs(tables=[history], inputs=[scenario], scenario=loaded, plot=plot, force=force)
     with progress("impacts", first="computing") as count:
         result = armour.simulate(loaded, history=history is not None or plot is not None)
         count(1, None)
@@ -158,7 +158,7 @@ def check(
     with runner.mistakes_in(junit, paths, force=force):
         scenarios = _read_each(paths, changes, confidence)
     inputs = [*paths, *(file for loaded in scenarios for file in files_of(loaded))]
-    check_outputs(csv, tables=[csv], junit=junit, inputs=inputs, plot=plot, force=force)
+    check_outputs(tables=[csv], junit=junit, inputs=inputs, plot=plot, force=force)
     results: list[CheckResult] = []
     suites, warnings = [], []
     for loaded in scenarios:
@@ -231,7 +231,7 @@ def optimise(
 
     settings = {"--confidence": (CONFIDENCE_KEY, confidence)}
     loaded = read_scenario(scenario, changes, DESIGNS, settings, "the design")
-    check_outputs(page, csv, tables=[csv], inputs=[scenario], scenario=loaded, plot=plot, force=force)
+    check_outputs(page, tables=[csv], inputs=[scenario], scenario=loaded, plot=plot, force=force)
     if page is not None:
         refuse(wrong_ending(page, (".html",)))
     source = "-" if loaded.file == runner.STANDARD_INPUT else runner.source_word(loaded.file)
@@ -354,15 +354,13 @@ def sweep(
     reads = reads_of(name for name in names if name in QUANTITIES)
     loaded = read_scenario(scenario, changes, (*ROUND_AND_ARMOUR, *reads), computed="the sweep")
     check_outputs(output, inputs=[scenario, cases], scenario=loaded, plot=plot, force=force)
-    if (cases is None) == (not over):
-        raise runner.wrong_option("--over", "must be given, or --cases, but not both")
-    if threads is not None and not (type(threads) is int and threads > 0):
-        raise runner.wrong_option("--threads", f"must be a whole number of at least 1, found {describe(threads)}")
-    if plot is not None and len(over or []) not in (1, 2):
-        message = f"must be given with one or two --over keys, found {len(over or []) or 'none'}"
-        raise runner.wrong_option("--plot", message)
-    if plot is not None and names[0] == "outcome":
-        raise runner.wrong_option("--plot", "must be given with a number first in --quantities, found outcome")
+    keys, is_count = len(over or []), threads is None or (type(threads) is int and threads > 0)
+    runner.check_options(
+        ("--over", (cases is None) == (not over), "must be given, or --cases, but not both"),
+        ("--threads", not is_count, f"must be a whole number of at least 1, found {describe(threads)}"),
+        ("--plot", plot and keys not in (1, 2), f"must be given with one or two --over keys, found {keys or 'none'}"),
+        ("--plot", plot and names[0] == "outcome", "must be given with a number first in --quantities, found outcome"),
+    )
     with runner.as_options("sweep"):
         source = sweeping.grid_of("--over", over or []) if cases is None else sweeping.cases_of(cases, sheet)
         options: Any = {"scheduler": scheduler, "threads": threads, "replace": force, "yes": yes, "as_json": as_json}
@@ -407,9 +405,10 @@ def report(
     if str(source) != "-":
         source = scenario_file(source, shipped_suites())
     is_suite = str(source) != "-" and {"case", "table"} & read_toml(source).keys()
-    for name, is_given in (("--as-is", as_is), ("--confidence", confidence_option)):
-        if is_suite and is_given:
-            raise runner.wrong_option(name, "must be given with a scenario, found a suite")
+    runner.check_options(
+        ("--as-is", is_suite and as_is, "must be given with a scenario, found a suite"),
+        ("--confidence", is_suite and confidence_option, "must be given with a scenario, found a suite"),
+    )
     if is_suite:
         suite = armour.load_suite(source, changes_of(changes))
         inputs = suite_files(suite)
