@@ -5,11 +5,12 @@ from contextlib import ExitStack
 from functools import partial
 from os.path import exists
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import typer
 
 import armour
+import armour.lazy as lazy
 from armour.cli import completion, runner
 from armour.cli.console import progress, say
 from armour.cli.options import (
@@ -36,10 +37,6 @@ from armour.errors import restated
 from armour.files import shipped_tests
 from armour.reporting.table import csv_text, rows_csv
 from armour.scenario.keys import describe
-
-if TYPE_CHECKING:
-    from armour.scenario.scenario import Scenario
-    from armour.sweeps.cases import Grid, SweepCases
 
 # Sections that a fit reads, and one more with a prior.
 FIT = ("impact", "armour", "ballistic_limit")
@@ -186,8 +183,6 @@ def calibrate(
     as_json: bool = AS_JSON,
 ) -> None:
     """Fit model inputs to tests."""
-    from armour.statistics.fitted_library import library_text, scenario_text
-
     if is_table(scenario):
         table, scenario = scenario, table
     loaded = read_scenario(scenario, changes, FIT + OF_PRIOR * prior)
@@ -201,8 +196,8 @@ def calibrate(
         result = armour.calibrate(tests, loaded, on_progress=count, **given(fit=fit, law=law, prior=prior))
     files: Files = {
         csv: lambda _: rows_csv(result),
-        library: lambda _: library_text(result, tests, loaded, lot),
-        fitted: lambda path: scenario_text(result, tests, loaded, lot, path),
+        library: lambda _: lazy.library_text(result, tests, loaded, lot),
+        fitted: lambda path: lazy.scenario_text(result, tests, loaded, lot, path),
     }
     answer(result, loaded, files, plot=plot, file=tests.file, as_json=as_json, verbose=verbose)
     if fitted is not None:
@@ -213,12 +208,12 @@ def calibrate(
 
 def is_table(path: Path) -> bool:
     """Return whether the name of a file is that of a table, which is given before or after a scenario."""
-    from armour.csv_files import WORKBOOKS  # help does not need what reads tables
-
-    return path.suffix.lower() in (".csv", ".tsv", ".txt", *WORKBOOKS) or path.as_posix() in shipped_tests()
+    return path.suffix.lower() in (".csv", ".tsv", ".txt", *lazy.WORKBOOKS) or path.as_posix() in shipped_tests()
 
 
-def _scenario_of(path: Path | None, changes: list[str] | None, computed: str = "the answer") -> "Scenario | None":
+def _scenario_of(
+    path: Path | None, changes: list[str] | None, computed: str = "the answer"
+) -> "armour.Scenario | None":
     """Read the scenario of a ballistic limit, if there is one."""
     if path is not None:
         return read_scenario(path, changes, LIMIT_READS, computed=computed)
@@ -417,8 +412,6 @@ def plan_tests(
     This command leaves with version 3: spread tests over the thicknesses that you will use, on two back plates at
     least.
     """
-    from armour.reporting.views.planning import form_table
-
     loaded = read_scenario(scenario, changes, FIT + OF_PRIOR * prior)
     inputs = [scenario, tests, *candidates, *(design or ())]
     check_outputs(tables=[csv], inputs=inputs, scenario=loaded, plot=plot, force=force)
@@ -442,17 +435,16 @@ def plan_tests(
         "note: plan tests leaves with version 3: spread tests over the thicknesses that you will use, "
         "on two back plates at least"
     )
-    files: Files = {csv: lambda _: csv_text(form_table(result))}
+    files: Files = {csv: lambda _: csv_text(lazy.form_table(result))}
     answer(result, loaded, files, plot=plot, as_json=as_json, verbose=verbose)
 
 
-def _source(candidates: list[str]) -> "Grid | SweepCases":
+def _source(candidates: list[str]) -> "lazy.Grid | lazy.SweepCases":
     """Return the candidates."""
     from armour.cli import sweeping
-    from armour.planning.plan_tests import of_candidates
 
     if all("=" in text for text in candidates):
-        with restated(of_candidates):
+        with restated(lazy.of_candidates):
             return sweeping.grid_of("--candidates", candidates)
     if len(candidates) > 1:
         raise wrong_option("--candidates", "must be one CSV file, or keys with values")

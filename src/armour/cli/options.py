@@ -8,6 +8,7 @@ from typing import Any
 
 import typer
 
+import armour.lazy as lazy
 from armour.cli import completion
 
 
@@ -28,9 +29,7 @@ def flag(description: str, *names: str, **settings: Any) -> Any:
 
 def number(text: str) -> float | str:
     """Return the number in a word or, if there is none, the word itself, which is refused later."""
-    from armour.csv_files import number as read_number  # imports what reads tables
-
-    value = read_number(text)
+    value = lazy.number(text)
     if value is None:
         return text
     return int(value) if text.lstrip("+-").isdigit() else value

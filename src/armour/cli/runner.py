@@ -9,22 +9,18 @@ from contextlib import AbstractContextManager, chdir, contextmanager, suppress
 from functools import cache
 from os.path import exists, isfile
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import armour
+import armour.lazy as lazy
 from armour.cli.console import emit, say, show, show_json
 from armour.errors import ArmourError, InputError, Problem, in_two_lines, mistake, refuse, restated
 from armour.files import decoded, parse_toml, read_text, unwritable, write_file, wrong_ending
+from armour.reporting.table import Table
 from armour.scenario.inputs import VELOCITY
 from armour.scenario.keys import changes_of, line_of, lines_of, upwards, values_by_key
 
-if TYPE_CHECKING:
-    from armour.reporting.table import Table
-    from armour.scenario.scenario import Scenario
-    from armour.statistics.measured import Tests
-    from armour.statistics.v50 import Shots
-
-Content = TypeVar("Content", bound="Shots | Tests")
+Content = TypeVar("Content", bound="armour.Shots | armour.Tests")
 # Computations that take longer are announced.
 ANNOUNCED_S = 10.0
 # Exit codes of a question without an answer, and of a check that failed.
@@ -54,7 +50,7 @@ def check_outputs(
     junit: Path | None = None,
     plot: Path | None = None,
     updated: Path | None = None,
-    scenario: "Scenario | None" = None,
+    scenario: "armour.Scenario | None" = None,
     force: bool = False,
 ) -> None:
     """Check that all outputs can be written, differ from each other and from inputs, and replace files only by force.
@@ -73,15 +69,11 @@ def check_outputs(
     problems += (problem for path in paths for problem in unwritable(path))
     sources = [0 if str(source) == "-" else source for source in inputs if source]  # the descriptor of standard input
     if scenario is not None:
-        from armour.scenario.scenario import files_of  # imports pydantic
-
-        sources += files_of(scenario)
+        sources += lazy.files_of(scenario)
     for path in filter(isfile, new):
-        from armour.reporting.junit import is_junit_of_armour  # imports a parser of XML
-
         if any(exists(source) and os.path.samefile(path, source) for source in sources):
             problems.append(Problem(str(path), "", "must not be the file that is read; choose another name"))
-        elif not (force or (path == junit and is_junit_of_armour(path))):
+        elif not (force or (path == junit and lazy.is_junit_of_armour(path))):
             problems.append(Problem(str(path), "", "exists already; choose another name, or --force"))
     if not problems:
         resolved = [path.resolve() for path in paths]
@@ -111,17 +103,15 @@ def mistakes_in(junit: Path | None, inputs: Sequence[Path], *, force: bool) -> I
     try:
         yield
     except InputError as error:
-        from armour.reporting.junit import TestCase, junit_suite, junit_xml
-
         if junit is not None:
             cases = [
-                TestCase(problem.file, problem.key or "file", "error", str(problem), None, problem.file, line)
+                lazy.TestCase(problem.file, problem.key or "file", "error", str(problem), None, problem.file, line)
                 for problem, line in with_lines(error.problems)
             ]
             with suppress(InputError):
                 check_outputs(junit=junit, inputs=[*inputs, *(problem.file for problem in error.problems)], force=force)
-                suite = junit_suite("invalid input", cases, 0.0, origin_of())
-                write({junit: lambda _: junit_xml([suite])})
+                suite = lazy.junit_suite("invalid input", cases, 0.0, origin_of())
+                write({junit: lambda _: lazy.junit_xml([suite])})
         raise
 
 
@@ -131,16 +121,13 @@ def read_scenario(
     reads: Collection[str],
     settings: Mapping[str, tuple[str, float | None]] = {},
     computed: str = "the answer",
-) -> "Scenario":
+) -> "armour.Scenario":
     """Read the scenario of a file, of a shipped one by its name, or, for "-", of standard input.
 
     ``assignments`` are those of ``--set``, which must set keys below those that the command ``reads``.  ``settings``
     are the keys and values of other options, None for one that is not given.  ``computed`` names the result of the
     command in messages.  A wrong value of an option is a problem of the command line.
     """
-    from armour.scenario import effect
-    from armour.scenario import scenario as scenarios
-
     changes = changes_of(assignments or ())
     options = {key: f"--set {key}" for key in changes}
     for option, (key, value) in settings.items():
@@ -151,16 +138,16 @@ def read_scenario(
     if str(path) == "-":
         file, folder, text = STANDARD_INPUT, Path(), decoded(sys.stdin.buffer, STANDARD_INPUT)
     else:
-        real_path = scenarios.scenario_file(path)
+        real_path = lazy.scenario_file(path)
         file, folder, text = str(path), real_path.parent, read_text(real_path)
     data = parse_toml(text, file)
     with restated(lambda problem: _blamed(problem, options) if problem.file == file else problem):
-        loaded = scenarios.parse_changed(data, changes, file=file, folder=folder)
+        loaded = lazy.parse_changed(data, changes, file=file, folder=folder)
     if VELOCITY in changes and "ballistic_limit" in reads and "impact" not in reads:
         # The same command line is often used for simulate first.
         say(f"note: --set {VELOCITY}: has no effect: {computed} does not depend on it")
         reads = {*reads, VELOCITY}
-    effect.check_effect(values_by_key(changes), [(loaded, reads)], "command line", computed, "--set ")
+    lazy.check_effect(values_by_key(changes), [(loaded, reads)], "command line", computed, "--set ")
     return loaded
 
 
@@ -173,9 +160,7 @@ def say_how_read(table: object, content: Content) -> Content:
 
 def accepted(changes: Iterable[str], reads: Collection[str]) -> list[str]:
     """Return those changes of ``--set`` that a command with such ``reads`` accepts."""
-    from armour.scenario.effect import is_read
-
-    return [change for change in changes if all(is_read(key, reads) for key in values_by_key(changes_of([change])))]
+    return [text for text in changes if all(lazy.is_read(key, reads) for key in values_by_key(changes_of([text])))]
 
 
 def source_word(file: str | Path) -> str:
@@ -199,7 +184,7 @@ def _blamed(problem: Problem, options: Mapping[str, str]) -> Problem:
 
 def answer(
     result: Any,
-    scenario: "Scenario | None",
+    scenario: "armour.Scenario | None",
     files: Files | None = None,
     warnings: Iterable[str] | None = None,
     *,
@@ -213,10 +198,8 @@ def answer(
 
     The warnings are those of the result, unless others are given.
     """
-    from armour.reporting.by_result import by_result, tables_of
-
     result.of(every_row=verbose)
-    tables = () if as_json else by_result(tables_of, result)(result)
+    tables = () if as_json else lazy.by_result(lazy.tables_of, result)(result)
     data = {**result.to_dict(), **extra_data} if as_json else {}
     show_answer(data, tables, as_json=as_json, heading=result.heading(), scenario=scenario)
     shown = warnings_of(scenario, result.warnings if warnings is None else warnings, file, verbose=verbose)
@@ -225,11 +208,11 @@ def answer(
 
 def show_answer(
     data: Mapping[str, Any] | Sequence[Mapping[str, Any]],
-    tables: "Iterable[Table | str]",
+    tables: Iterable[Table | str],
     *,
     as_json: bool,
     heading: Sequence[str] = (),
-    scenario: "Scenario | None" = None,
+    scenario: "armour.Scenario | None" = None,
 ) -> None:
     """Show an answer as tables below the lines of a heading, or as JSON, with its origin."""
     if as_json:
@@ -252,7 +235,7 @@ def write(files: Files, warnings: Iterable[str] = ()) -> None:
         say(*warnings)
 
 
-def picture(draw: Callable[[], Any], scenario: "Scenario | None") -> Callable[[Path], bytes]:
+def picture(draw: Callable[[], Any], scenario: "armour.Scenario | None") -> Callable[[Path], bytes]:
     """Return what makes the content of a picture, which records its origin."""
     return lambda path: drawing().saved(draw(), path.suffix.lower(), json.dumps(origin_of(scenario)))
 
@@ -282,11 +265,9 @@ def drawing() -> Any:
     return drawing
 
 
-def origin_of(scenario: "Scenario | None" = None) -> dict[str, str]:
+def origin_of(scenario: "armour.Scenario | None" = None) -> dict[str, str]:
     """Return the origin of the outputs of this command line."""
-    from armour.analysis.results import made_by
-
-    return made_by(scenario, command_line())
+    return lazy.made_by(scenario, command_line())
 
 
 def command_line() -> str:
@@ -303,7 +284,9 @@ def _without_folders(word: str) -> str:
     return option + equals + (str(path.relative_to(Path.cwd())) if path.is_relative_to(Path.cwd()) else path.name)
 
 
-def warnings_of(scenario: "Scenario | None", warnings: Iterable[str], file: str = "", *, verbose: bool) -> list[str]:
+def warnings_of(
+    scenario: "armour.Scenario | None", warnings: Iterable[str], file: str = "", *, verbose: bool
+) -> list[str]:
     """Return the notes on a scenario, and warnings, as lines for standard error.
 
     Unless all are asked for, there are two lines at most: those on what the model was compared with in one line, and

@@ -4,11 +4,12 @@ import shlex
 from collections.abc import Sequence
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import typer
 
 import armour
+import armour.lazy as lazy
 from armour.analysis.quantities import DESIGNS, OF_WEIGHT, QUANTITIES, reads_of
 from armour.cli import completion, runner
 from armour.cli.console import emit, progress, show, show_json
@@ -33,12 +34,6 @@ from armour.files import read_toml, shipped_suites, wrong_ending
 from armour.reporting.table import rows_csv
 from armour.scenario.inputs import OF_ERROR, ROUND_AND_ARMOUR, VELOCITY
 from armour.scenario.keys import changes_of, describe
-
-if TYPE_CHECKING:
-    from armour.analysis.results import OnProgress
-    from armour.design.check import CheckResult
-    from armour.design.optimise import BestDesign, DesignResult
-    from armour.scenario.scenario import Scenario
 
 # Key of the probability that a design, a check and a report require.
 CONFIDENCE_KEY = "design.confidence"
@@ -67,8 +62,6 @@ def simulate(
 ) -> None:
     """Simulate one impact."""
     # Imported here because other commands do not need numpy.
-    from armour.evidence.tests import scenario_warnings
-    from armour.reporting.views.analysis import history_csv
 
     settings = {"--velocity": (VELOCITY, velocity)}
     loaded = read_scenario(scenario, changes, IMPACT_READS, settings, "the simulated impact")
@@ -78,11 +71,11 @@ def simulate(
         count(1, None)
         confidence = armour.confidence(loaded, on_progress=count)
     limit = confidence.ballistic_limit_m_s
-    of_limit = () if limit is None else scenario_warnings(loaded, limit, "ballistic_limit", said=True)
+    of_limit = () if limit is None else lazy.scenario_warnings(loaded, limit, "ballistic_limit", said=True)
     warnings = tuple(dict.fromkeys((*result.warnings, *of_limit, *confidence.warnings)))
     extra_data = {"warnings": list(warnings), "confidence": confidence.to_dict()}
     result.of(confidence=confidence)
-    files: Files = {history: lambda _: history_csv(result)}
+    files: Files = {history: lambda _: lazy.history_csv(result)}
     answer(result, loaded, files, warnings, plot=plot, extra_data=extra_data, as_json=as_json, verbose=verbose)
 
 
@@ -95,13 +88,11 @@ def ballistic_limit(
     as_json: bool = AS_JSON,
 ) -> None:
     """Find the ballistic limit."""
-    from armour.analysis.ballistic_limit import not_monotonic
-
     loaded = read_scenario(scenario, changes, (*LIMIT_READS, *OF_WEIGHT), computed="the ballistic limit")
     check_outputs(inputs=[scenario], scenario=loaded, plot=plot, force=force)
     with progress("impacts", first="searching") as count:
         result = armour.ballistic_limit(loaded, on_progress=count)
-    warnings = (*not_monotonic(result), *result.warnings)
+    warnings = (*lazy.not_monotonic(result), *result.warnings)
     answer(result, loaded, warnings=warnings, plot=plot, as_json=as_json, verbose=verbose)
 
 
@@ -114,13 +105,11 @@ def compare(
     as_json: bool = AS_JSON,
 ) -> None:
     """Compare the model with simpler formulas."""
-    from armour.analysis.ballistic_limit import not_monotonic
-
     loaded = read_scenario(scenario, changes, (*LIMIT_READS, *OF_WEIGHT), computed="the ballistic limit")
     check_outputs(inputs=[scenario], scenario=loaded, plot=plot, force=force)
     with progress("impacts", first="searching") as count:
         result = armour.compare(loaded, on_progress=count)
-    warnings = (*not_monotonic(result.limit), *result.limit.warnings)
+    warnings = (*lazy.not_monotonic(result.limit), *result.limit.warnings)
     answer(result, loaded, warnings=warnings, plot=plot, as_json=as_json, verbose=verbose)
 
 
@@ -147,19 +136,15 @@ def check(
     the scenario requires: margins, probabilities of stopping and limits of [design]; if no probability is required, the
     ballistic limit by the model must reach the velocity. With several scenarios or a folder, --json prints an array.
     """
-    from armour.reporting.junit import junit_xml
-    from armour.reporting.views import design as view
-    from armour.scenario.scenario import files_of
-
     paths = scenario_paths(scenario, yes=yes)
     is_one = paths == scenario[:1]  # and no folder, however many scenarios are in it
     if plot is not None and not is_one:
         raise runner.wrong_option("--plot", "must be given with one scenario, not with several or a folder")
     with runner.mistakes_in(junit, paths, force=force):
         scenarios = _read_each(paths, changes, confidence)
-    inputs = [*paths, *(file for loaded in scenarios for file in files_of(loaded))]
+    inputs = [*paths, *(file for loaded in scenarios for file in lazy.files_of(loaded))]
     check_outputs(tables=[csv], junit=junit, inputs=inputs, plot=plot, force=force)
-    results: list[CheckResult] = []
+    results: list[armour.CheckResult] = []
     suites, warnings = [], []
     for loaded in scenarios:
         start = perf_counter()
@@ -169,9 +154,9 @@ def check(
             if results:
                 emit("\n")
             first, *other_lines = result.heading()
-            show(*other_lines, *view.tables_of_check(result), title=first if is_one else f"{loaded.file}: {first}")
+            show(*other_lines, *lazy.tables_of_check(result), title=first if is_one else f"{loaded.file}: {first}")
         results.append(result)
-        suites.append(view.check_junit(result, loaded, perf_counter() - start, runner.origin_of(loaded)))
+        suites.append(lazy.check_junit(result, loaded, perf_counter() - start, runner.origin_of(loaded)))
         warnings += warnings_of(loaded, result.warnings, verbose=verbose)
     answers = [*zip(scenarios, results, strict=True)]
     if as_json and is_one:
@@ -182,9 +167,9 @@ def check(
         )
     elif not is_one:
         emit("\n")
-        show(view.check_summary({loaded.file: found for loaded, found in answers}))
+        show(lazy.check_summary({loaded.file: found for loaded, found in answers}))
     files: Files = {
-        junit: lambda _: junit_xml(suites),
+        junit: lambda _: lazy.junit_xml(suites),
         csv: lambda _: rows_csv({"scenario": loaded.file, **row} for loaded, found in answers for row in found),
         plot: picture(lambda: armour.plot(results[0]), scenarios[0]),
     }
@@ -193,9 +178,9 @@ def check(
         raise typer.Exit(runner.CHECK_FAILED)
 
 
-def _read_each(paths: Sequence[Path], changes: Sequence[str] | None, confidence: Any) -> list["Scenario"]:
+def _read_each(paths: Sequence[Path], changes: Sequence[str] | None, confidence: Any) -> list["armour.Scenario"]:
     """Read the scenarios of a check, and report the mistakes in all of them together."""
-    scenarios: list[Scenario] = []
+    scenarios: list[armour.Scenario] = []
     problems: list[Problem] = []
     for path in paths:
         try:
@@ -226,9 +211,6 @@ def optimise(
     The scenario may define several threats, a catalogue of materials, and a quantity other than weight to minimise.
     Where no design is known to pass, the answer is the nearest one, with what it lacks, and the exit code 1.
     """
-    from armour.design.optimise import effort
-    from armour.reporting.views import design as view
-
     settings = {"--confidence": (CONFIDENCE_KEY, confidence)}
     loaded = read_scenario(scenario, changes, DESIGNS, settings, "the design")
     check_outputs(page, tables=[csv], inputs=[scenario], scenario=loaded, plot=plot, force=force)
@@ -236,12 +218,12 @@ def optimise(
         refuse(wrong_ending(page, (".html",)))
     source = "-" if loaded.file == runner.STANDARD_INPUT else runner.source_word(loaded.file)
     with progress("impacts") as count, runner.as_options("optimise"):
-        designs, seconds = effort(loaded)
+        designs, seconds = lazy.effort(loaded)
         threats = counted(len(loaded.threats()), "threat")
         runner.announce(seconds, f"{counted(designs, 'design')} against {threats}; about {duration(seconds)}")
         result = armour.optimise(loaded, refine=refine, on_progress=count)
         map_page = "" if page is None else _map(result, loaded, source, changes or (), count)
-    files: Files = {csv: lambda _: view.design_csv(result), page: lambda _: map_page}
+    files: Files = {csv: lambda _: lazy.design_csv(result), page: lambda _: map_page}
     answer(result, loaded, files, plot=plot, as_json=as_json, verbose=verbose)
     if source != "-" and result.shown is not None:
         runner.propose(_check_of(loaded, result.shown, source, changes or ()))
@@ -250,22 +232,22 @@ def optimise(
 
 
 def _map(
-    result: "DesignResult", scenario: "Scenario", source: str, changes: Sequence[str], on_progress: "OnProgress"
+    result: "armour.DesignResult",
+    scenario: "armour.Scenario",
+    source: str,
+    changes: Sequence[str],
+    on_progress: "lazy.OnProgress",
 ) -> str:
     """Return the page of the map of all designs."""
-    from armour.reporting.design_page import design_page
-    from armour.reporting.views import design as view
-    from armour.reporting.words import tested_here
-
     command, needed = ["armour", "simulate", source], runner.accepted(changes, IMPACT_READS)
-    answer = [str(line) for line in view.design_verdict(result)]
+    answer = [str(line) for line in lazy.design_verdict(result)]
     if (best := result.best) is not None:  # what the page does not tell: sampled probabilities, and own tests
-        own_tests = tested_here(best.model_error) if best.model_error else []
-        answer = [view.design_title(result), *own_tests] if best.probabilities or own_tests else []
-    return design_page(scenario, command, needed, on_progress, answer)
+        own_tests = lazy.tested_here(best.model_error) if best.model_error else []
+        answer = [lazy.design_title(result), *own_tests] if best.probabilities or own_tests else []
+    return lazy.design_page(scenario, command, needed, on_progress, answer)
 
 
-def _check_of(scenario: "Scenario", best: "BestDesign", source: str, changes: Sequence[str]) -> str:
+def _check_of(scenario: "armour.Scenario", best: "armour.BestDesign", source: str, changes: Sequence[str]) -> str:
     """Return the command that checks the best design of a scenario."""
     values = best.changes_to(scenario)
     replaced = {*values, CONFIDENCE_KEY}
@@ -390,12 +372,6 @@ def report(
 
     The report is one self-contained file with the answer, its uncertainty, charts (HTML) and the sources of all values.
     """
-    from armour.reporting.formats import REPORT_ENDINGS, report_text
-    from armour.reporting.scenario_report import contents_of, scenario_report
-    from armour.reporting.views.validation import suite_report
-    from armour.scenario.scenario import files_of, scenario_file
-    from armour.validation.suite import suite_files
-
     confidence_option = [] if confidence is None else ["--confidence", str(confidence)]
     changes = changes or []
     command = runner.command_line()
@@ -403,7 +379,7 @@ def report(
     optimise_words = ["armour", "optimise", runner.source_word(source), *confidence_option, *set_words]
     map_command = shlex.join([*optimise_words, "--map", "map.html"])
     if str(source) != "-":
-        source = scenario_file(source, shipped_suites())
+        source = lazy.scenario_file(source, shipped_suites())
     is_suite = str(source) != "-" and {"case", "table"} & read_toml(source).keys()
     runner.check_options(
         ("--as-is", is_suite and as_is, "must be given with a scenario, found a suite"),
@@ -411,21 +387,21 @@ def report(
     )
     if is_suite:
         suite = armour.load_suite(source, changes_of(changes))
-        inputs = suite_files(suite)
+        inputs = lazy.suite_files(suite)
     else:
         reads = (*BYLINE, "armour", *(AS_IS if as_is else DESIGNS))
         required = {"--confidence": (CONFIDENCE_KEY, confidence)}
         scenario = read_scenario(source, changes, reads, required, computed="the report")
-        inputs = [source, *files_of(scenario)]
+        inputs = [source, *lazy.files_of(scenario)]
     check_outputs(output, inputs=inputs, force=force)
-    refuse(wrong_ending(output, REPORT_ENDINGS))
+    refuse(wrong_ending(output, lazy.REPORT_ENDINGS))
     if is_suite:
         with progress("cases", len(suite.cases)) as count:
-            content = suite_report(armour.validate(suite, on_check=lambda _check, _total: count(1)), command)
+            content = lazy.suite_report(armour.validate(suite, on_check=lambda _check, _total: count(1)), command)
     else:
         with progress("armours") as count:
-            contents = contents_of(scenario, count, as_is=as_is)
-        content = scenario_report(contents, command, map_command)
+            contents = lazy.contents_of(scenario, count, as_is=as_is)
+        content = lazy.scenario_report(contents, command, map_command)
     if output.suffix.lower() == ".html":
         runner.drawing()
-    write({output: lambda path: report_text(content, path)})
+    write({output: lambda path: lazy.report_text(content, path)})
