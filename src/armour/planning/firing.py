@@ -19,6 +19,7 @@ from armour.planning.procedures import Aim, OperatingPoint, Rule, ShotSettings
 from armour.planning.shot_file import added
 from armour.scenario.checked import checked, instance
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
+from armour.statistics import v50
 from armour.statistics.curves import FittedCurve
 from armour.statistics.posterior import (
     SCATTER_FACTOR,
@@ -32,17 +33,7 @@ from armour.statistics.posterior import (
     pooled_scatter,
     posterior_of,
 )
-from armour.statistics.v50 import (
-    MAX_VELOCITY_M_S,
-    MIN_VELOCITY_M_S,
-    Fraction,
-    MeanV50,
-    Shots,
-    Velocity,
-    check_not_swapped,
-    check_shots,
-    swapped_note,
-)
+from armour.statistics.v50 import Fraction, MeanV50, Shots, Velocity
 from armour.units import feet_note
 
 Procedure = Literal["bayesian", "neyer", "langlie", "up-and-down"]
@@ -202,11 +193,11 @@ def plan_shots(
     shots: Shots | None = None,
     *,
     procedure: Procedure = "bayesian",
-    half_width_m_s: Annotated[float, Field(ge=0.1, le=MAX_VELOCITY_M_S)] | None = None,
+    half_width_m_s: Annotated[float, Field(ge=0.1, le=v50.MAX_VELOCITY_M_S)] | None = None,
     confidence: Confidence = CONFIDENCE,
     requirement_m_s: Velocity | None = None,
     requirement_fraction: Fraction = 0.5,
-    velocity_max_m_s: Velocity = MAX_VELOCITY_M_S,
+    velocity_max_m_s: Velocity = v50.MAX_VELOCITY_M_S,
     prior: bool = False,
     scatter_percent: Annotated[float, Field(ge=0.01, le=50.0)] = SCATTER_PERCENT,
     scatter_factor: Annotated[float, Field(ge=1.01, le=10.0)] = SCATTER_FACTOR,
@@ -214,7 +205,7 @@ def plan_shots(
     limits_m_s: Annotated[tuple[Velocity, Velocity], Field(strict=False)] | None = None,
     simulate: bool = False,
     true_v50_m_s: Velocity | None = None,
-    true_scatter_m_s: Annotated[float, Field(ge=0.01, le=MAX_VELOCITY_M_S)] | None = None,
+    true_scatter_m_s: Annotated[float, Field(ge=0.01, le=v50.MAX_VELOCITY_M_S)] | None = None,
     seed: Annotated[int, Field(ge=0)] = 0,
     on_progress: OnProgress = ignore_progress,
 ) -> ShotPlan:
@@ -289,11 +280,11 @@ def plan_shots(
     726.8
     """
     shots = shots or Shots((), ())
-    check_shots(shots, kinds=0)
+    v50.check_shots(shots, kinds=0)
     for firing in earlier:
-        check_shots(instance(firing, Shots))
+        v50.check_shots(instance(firing, Shots))
     for firing in (shots, *earlier):
-        check_not_swapped(firing)
+        v50.check_not_swapped(firing)
     required, without = requirement_m_s is not None, "must not be given without "
     undecided = f"must not be given with {procedure}, which has no requirement"
     other_end = "must not be given with a requirement, which ends the firing"
@@ -382,7 +373,7 @@ def plan_shots(
         scatter_factor=scatter_factor,
         warnings=(
             *_far_shots(shots, expectation, limit),
-            *swapped_note(shots),
+            *v50.swapped_note(shots),
             *contradictions,
             *(procedures.langlie_doubts(fired, settings) if procedure == "langlie" and aim else ()),
             *([NOT_ENDED] if simulate and aim else ()),
@@ -516,7 +507,7 @@ def limits_of(prior: FiringPrior, probability: float = LIMITS_PROBABILITY) -> tu
 
 def aimed(velocity_m_s: float) -> float:
     """Return a velocity to aim at, m/s, rounded to a tenth and within the range of velocities."""
-    return round(min(max(velocity_m_s, MIN_VELOCITY_M_S), MAX_VELOCITY_M_S), 1)
+    return round(min(max(velocity_m_s, v50.MIN_VELOCITY_M_S), v50.MAX_VELOCITY_M_S), 1)
 
 
 def far_from(limit_m_s: float, velocity_m_s: float) -> str:

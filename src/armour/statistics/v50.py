@@ -20,17 +20,8 @@ from armour.csv_files import Source, TableRead
 from armour.errors import Problem, counted, joined, mistake, refuse
 from armour.scenario.checked import Table, checked
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
-from armour.statistics.curves import (
-    CDFS,
-    INVERSE_CDFS,
-    FittedCurve,
-    Interval,
-    ShotLikelihood,
-    bounded,
-    curve_of,
-    has_curve,
-    penalised_band,
-)
+from armour.statistics import curves
+from armour.statistics.curves import FittedCurve, Interval, ShotLikelihood
 from armour.statistics.posterior import FiringEstimate, FiringPrior, learned, no_prior, posterior_of
 from armour.units import feet_note
 
@@ -273,7 +264,7 @@ class FiringResult(TableResult):
             ends = max(slowest - margin, MIN_VELOCITY_M_S), fastest + margin
             velocities_m_s = np.linspace(*ends, BAND_POINTS).tolist()
         partial, complete = shots.of(complete=False), shots.of(complete=True)
-        low, high = penalised_band(partial, complete, curve.curve, velocities_m_s, self.confidence)
+        low, high = curves.penalised_band(partial, complete, curve.curve, velocities_m_s, self.confidence)
         return [
             {"velocity_m_s": velocity, "probability": curve.probability(velocity), "probability_interval": ends}
             for velocity, *ends in zip(velocities_m_s, low.tolist(), high.tolist(), strict=True)
@@ -450,7 +441,7 @@ def v50(
         raise mistake("v50", "requirement_fraction", "must not be given without a requirement")
     partial, complete = shots.of(complete=False), shots.of(complete=True)
     # With a prior, shots that have no curve are informative too.
-    curved = not prior or has_curve(partial, complete)
+    curved = not prior or curves.has_curve(partial, complete)
     fits = _curves(partial, complete, confidence, penalised=False) if curved else []
     penalised_fits = _curves(partial, complete, confidence, penalised=True) if curved else []
     likelihood, recommended = penalised_fits[0] if penalised_fits else (None, None)
@@ -460,8 +451,8 @@ def v50(
         chances = likelihood.probability_interval(at_m_s, confidence)
         at = ProbabilityAt(at_m_s, recommended.probability(at_m_s), chances)
     if likelihood and recommended and fraction is not None:
-        z = float(INVERSE_CDFS[likelihood.link](fraction))
-        velocity = bounded(recommended.v50_m_s + z * recommended.scale_m_s)
+        z = float(curves.INVERSE_CDFS[likelihood.link](fraction))
+        velocity = curves.bounded(recommended.v50_m_s + z * recommended.scale_m_s)
         ends, lower = likelihood.velocity_interval(z, confidence), likelihood.lower_bound(z, confidence)
         velocity_of = VelocityOf(fraction, velocity, ends, lower)
     decision, accepting, rejecting = decided(likelihood, requirement_m_s, requirement_fraction, confidence)
@@ -519,8 +510,8 @@ def _curves(
     partial: Sequence[float], complete: Sequence[float], confidence: float, *, penalised: bool
 ) -> list[tuple[ShotLikelihood, FittedCurve]]:
     """Return the likelihoods of both kinds with their curves, without penalised ones that do not rise."""
-    likelihoods = (ShotLikelihood(partial, complete, link, penalised=penalised) for link in CDFS)
-    return [(shots, curve) for shots in likelihoods if (curve := curve_of(shots, confidence))]
+    likelihoods = (ShotLikelihood(partial, complete, link, penalised=penalised) for link in curves.CDFS)
+    return [(shots, curve) for shots in likelihoods if (curve := curves.curve_of(shots, confidence))]
 
 
 def _bounded(shots: ShotLikelihood, confidence: float) -> tuple[float, tuple[float, float]] | tuple[None, None]:
@@ -542,7 +533,7 @@ def _further(partial: Sequence[float], complete: Sequence[float], confidence: fl
     ends = max(near[0] - reach, MIN_VELOCITY_M_S), min(near[-1] + reach, MAX_VELOCITY_M_S)
     for velocity in np.linspace(*ends, FURTHER).round().tolist():
         for stopped, perforated in (([*partial, velocity], complete), (partial, [*complete, velocity])):
-            if has_curve(stopped, perforated):
+            if curves.has_curve(stopped, perforated):
                 shots = ShotLikelihood(stopped, perforated, "probit", penalised=True)
                 if best is None or shots.flat_deviance > best[0].flat_deviance:
                     best = shots, velocity, perforated is not complete
@@ -562,7 +553,7 @@ def decided(
         return "", None, None
     if shots is None:
         return "not decided", None, None
-    accepting = shots.chance_below(float(INVERSE_CDFS[shots.link](fraction)), requirement_m_s)
+    accepting = shots.chance_below(float(curves.INVERSE_CDFS[shots.link](fraction)), requirement_m_s)
     risk = 1.0 - confidence + VELOCITY_ROUNDING
     decision: Decision = "met" if accepting <= risk else "not met" if 1.0 - accepting <= risk else "not decided"
     return decision, accepting, 1.0 - accepting
@@ -616,7 +607,7 @@ def check_shots(shots: Shots, *, kinds: int = 2) -> None:
 def swapped_note(shots: Shots) -> Iterator[str]:
     """Yield a warning if the complete penetrations were no faster on average than the partial ones, of three each."""
     partial, complete = shots.of(complete=False), shots.of(complete=True)
-    if comb(len(shots.complete), len(complete)) >= SWAPPED and not has_curve(partial, complete):
+    if comb(len(shots.complete), len(complete)) >= SWAPPED and not curves.has_curve(partial, complete):
         yield (
             f"the complete penetrations were no faster on average ({np.mean(complete):.1f} m/s) than the partial ones "
             f"({np.mean(partial):.1f} m/s); are the results swapped?"
