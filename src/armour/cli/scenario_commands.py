@@ -240,11 +240,11 @@ def _map(
 ) -> str:
     """Return the page of the map of all designs."""
     command, needed = ["armour", "simulate", source], runner.accepted(changes, IMPACT_READS)
-    answer = [str(line) for line in lazy.design_verdict(result)]
+    verdict = [str(line) for line in lazy.design_verdict(result)]
     if (best := result.best) is not None:  # what the page does not tell: sampled probabilities, and own tests
         own_tests = lazy.tested_here(best.model_error) if best.model_error else []
-        answer = [lazy.design_title(result), *own_tests] if best.probabilities or own_tests else []
-    return lazy.design_page(scenario, command, needed, on_progress, answer)
+        verdict = [lazy.design_title(result), *own_tests] if best.probabilities or own_tests else []
+    return lazy.design_page(scenario, command, needed, on_progress, verdict)
 
 
 def _check_of(scenario: "armour.Scenario", best: "armour.BestDesign", source: str, changes: Sequence[str]) -> str:
