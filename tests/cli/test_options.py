@@ -41,10 +41,10 @@ def described(function: Any) -> dict[str, str]:
 @pytest.mark.parametrize("command", COMMANDS)
 def test_the_help_of_an_option_says_what_the_docstring_says(command: Any):
     meanings = described(getattr(armour, command.__name__))
-    hints = get_type_hints(command, include_extras=True)
-    shared = meanings.keys() & hints.keys() - OF_FILES
+    options = inspect.signature(command).parameters
+    shared = meanings.keys() & options.keys() - OF_FILES
     assert shared
-    helps = {name: hints[name].__metadata__[0].help.removesuffix(" Repeatable.") for name in shared}
+    helps = {name: options[name].default.help.removesuffix(" Repeatable.") for name in shared}
     assert helps == {name: meanings[name] for name in shared}
 
 
@@ -59,11 +59,11 @@ def test_every_parameter_that_a_word_or_a_number_sets_has_an_option(command: Any
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_completion_offers_the_words_of_a_choice(command: Any):
-    hints, offered = get_type_hints(getattr(armour, command.__name__)), get_type_hints(command, include_extras=True)
+    hints, options = get_type_hints(getattr(armour, command.__name__)), inspect.signature(command).parameters
     for name, hint in hints.items():
         kinds = [kind for kind in (hint, *get_args(hint)) if get_origin(kind) is Literal]
         if words := [word for kind in kinds for word in get_args(kind)]:
-            assert [*offered[name].__metadata__[0].autocompletion()] == words
+            assert [*options[name].default.autocompletion()] == words
 
 
 def test_words_that_are_numbers_become_numbers():

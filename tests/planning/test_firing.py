@@ -9,7 +9,7 @@ import pytest
 import armour
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.errors import InputError
-from armour.planning import firing
+from armour.planning import procedures
 from armour.planning.firing import plan_shots
 from armour.planning.procedures import PROCEDURES
 from armour.statistics.v50 import Shots
@@ -26,7 +26,7 @@ UNKNOWN = {"ceramic": "SiC", "backing": "Ti-6Al-4V"}
 @pytest.fixture(autouse=True)
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Simulate no continuations, which tests/planning/test_procedures.py does."""
-    monkeypatch.setattr(firing, "expected_shots", lambda *_: (4.0, 3.0))
+    monkeypatch.setattr(procedures, "expected_shots", lambda *_: (4.0, 3.0))
 
 
 @pytest.mark.parametrize("procedure", PROCEDURES)

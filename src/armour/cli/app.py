@@ -6,30 +6,18 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from shutil import get_terminal_size
-from typing import Annotated, Any
+from typing import Any
 
 import typer
 from typer.core import TyperCommand, TyperGroup
 
 from armour import MODEL_VERSION, __version__
 from armour.analysis.quantities import QUANTITIES, REQUIRED_QUANTITIES
+from armour.cli import experiments, scenario_commands, suites
 from armour.cli.console import emit, say
-from armour.cli.experiments import calibrate, plan_shots, plan_tests, v50
 from armour.cli.library import LISTED_KINDS, compile_, init, list_library, schema, section, show_entry
-from armour.cli.options import option
+from armour.cli.options import flag
 from armour.cli.runner import NO_ANSWER, with_lines
-from armour.cli.scenario_commands import (
-    ballistic_limit,
-    check,
-    compare,
-    optimise,
-    report,
-    sensitivity,
-    simulate,
-    sweep,
-    uncertainty,
-)
-from armour.cli.suites import figures, validate
 from armour.errors import MAX_PROBLEMS, ArmourError, InputError, NoAnswerError, Problem, mistake
 from armour.scenario.keys import describe
 
@@ -146,9 +134,7 @@ def _version(is_given: bool) -> None:
 
 
 @app.callback()
-def _armour(
-    version: Annotated[bool, option("Show the version.", "--version", callback=_version, is_eager=True)] = False,
-) -> None:
+def _armour(version: bool = flag("Show the version.", "--version", callback=_version, is_eager=True)) -> None:
     """Predict whether a light ceramic/metal armour stops a projectile, and find the lightest armour that does.
 
     First steps: `armour init mine.toml` writes a scenario with every key explained; `armour check mine.toml` checks
@@ -173,37 +159,42 @@ CERAMICS, PLATES = "armour.ceramic_thickness_mm=4:12:1", "armour.backing_thickne
 # Commands by the heading of the help, each with examples, which the tests run.
 COMMANDS: dict[str, dict[Callable[..., None], tuple[str, ...]]] = {
     "Predict": {
-        simulate: (f"simulate {W}", f"simulate {W} --velocity 700 --history run.csv --plot run.svg"),
-        ballistic_limit: (f"ballistic-limit {W}", f"ballistic-limit {W} --set armour.ceramic_thickness_mm=8 --json"),
-        check: (f"check {W} --confidence 0.9", "check wilkins bare_plate --junit check.xml"),
-        sweep: (f"sweep {W} --over armour.ceramic_thickness_mm=4:12:0.1 -o limits.csv --plot limits.svg",),
+        scenario_commands.simulate: (f"simulate {W}", f"simulate {W} --velocity 700 --history run.csv --plot run.svg"),
+        scenario_commands.ballistic_limit: (
+            f"ballistic-limit {W}",
+            f"ballistic-limit {W} --set armour.ceramic_thickness_mm=8 --json",
+        ),
+        scenario_commands.check: (f"check {W} --confidence 0.9", "check wilkins bare_plate --junit check.xml"),
+        scenario_commands.sweep: (
+            f"sweep {W} --over armour.ceramic_thickness_mm=4:12:0.1 -o limits.csv --plot limits.svg",
+        ),
     },
     "Design": {
-        optimise: (
+        scenario_commands.optimise: (
             f"optimise {PAPER}/optimum_7.62mm_AP --refine",
             "optimise catalogue --plot study.svg --csv front.csv",
         ),
-        report: (f"report {PAPER}/optimum_7.62mm_AP -o report.html", "report paper -o suite.html"),
+        scenario_commands.report: (f"report {PAPER}/optimum_7.62mm_AP -o report.html", "report paper -o suite.html"),
     },
     "Judge the answer": {
-        uncertainty: ("uncertainty uncertain --plot uncertainty.svg",),
-        sensitivity: (f"sensitivity {W} --plot sensitivity.svg",),
-        compare: (f"compare {W}",),
-        validate: ("validate", "validate paper --junit junit.xml"),
-        figures: ("figures . --only fig09",),
+        scenario_commands.uncertainty: ("uncertainty uncertain --plot uncertainty.svg",),
+        scenario_commands.sensitivity: (f"sensitivity {W} --plot sensitivity.svg",),
+        scenario_commands.compare: (f"compare {W}",),
+        suites.validate: ("validate", "validate paper --junit junit.xml"),
+        suites.figures: ("figures . --only fig09",),
     },
     "Use test data": {
-        v50: (f"v50 tests/shots {W} --plot v50.svg",),
-        calibrate: (
+        experiments.v50: (f"v50 tests/shots {W} --plot v50.svg",),
+        experiments.calibrate: (
             f"calibrate tests/wilkins {W} --write mine.toml --lot 'lot 7' --plot fit.svg",
             f"calibrate tests/wilkins {W} --law all --write-scenario fitted.toml --lot 'lot 7'",
         ),
-        plan_shots: (
+        experiments.plan_shots: (
             f"plan shots {W}",
             f"plan shots {W} firing.csv --result complete --plot plan.svg",
             f"plan shots {W} --simulate --true-v50-m-s 770 --true-scatter-m-s 15",
         ),
-        plan_tests: (
+        experiments.plan_tests: (
             f"plan tests {W} --candidates {CERAMICS} --candidates {PLATES} --scatter-percent 3",
             f"plan tests {W} --candidates {CERAMICS} --tests tests/wilkins --law ceramic --csv t.csv --plot t.svg",
         ),
@@ -222,11 +213,11 @@ for _kind in LISTED_KINDS:
 for _panel, _commands in COMMANDS.items():
     for _command, _examples in _commands.items():
         _parts = ["Examples:", *(f"`armour {example}`" for example in _examples)]
-        if _command is sweep:
+        if _command is scenario_commands.sweep:
             # As a text, since the column of descriptions is too narrow for the names.
             _parts[:0] = [f"Quantities: {', '.join(QUANTITIES)}.", f"required_...: {REQUIRED_QUANTITIES}."]
         _name, _epilog = _command.__name__.strip("_").replace("_", "-"), "\n\n".join(_parts)
-        if _command in (plan_shots, plan_tests):
+        if _command in (experiments.plan_shots, experiments.plan_tests):
             plan.command(_name.removeprefix("plan-"), cls=Command, epilog=_epilog)(_command)
         else:
             app.command(_name, cls=Command, epilog=_epilog, rich_help_panel=_panel)(_command)

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Iterator
 from glob import escape, glob
 from typing import Any, Literal, get_args, get_origin
 
+import armour.lazy as lazy
 from armour.analysis.quantities import QUANTITIES
 from armour.files import shipped_files, shipped_notebooks, shipped_suites, shipped_tests
 from armour.scenario.inputs import INPUTS, NAMES, NAMING, ROLES, THREAT
@@ -45,9 +46,7 @@ tables = _files(".csv", shipped_tests)
 
 def entries() -> list[str]:
     """Return the names in the library."""
-    from armour.scenario.library import named_threats, shipped_library
-
-    return [*(name for names in shipped_library().entries.values() for name in names), *named_threats()]
+    return [*(name for names in lazy.shipped_library().entries.values() for name in names), *lazy.named_threats()]
 
 
 def inputs() -> list[str]:
@@ -71,27 +70,22 @@ def numbers(incomplete: str) -> list[str]:
 
 def assignments(incomplete: str) -> list[str]:
     """Return inputs and keys, each with an equals sign or, after it, the words that the key can have."""
-    from armour.scenario.library import named_threats, shipped_library
-    from armour.scenario.scenario import Scenario
-
     key, equal, _ = incomplete.partition("=")
     if equal:
-        words = {name: shipped_library().names(ROLES[role]) for role, name in NAMES.items()}
-        words[THREAT] = list(named_threats())
-        choices = {name: _choices(annotation) for name, annotation in _keys(Scenario)}
+        words = {name: lazy.shipped_library().names(ROLES[role]) for role, name in NAMES.items()}
+        words[THREAT] = list(lazy.named_threats())
+        choices = {name: _choices(annotation) for name, annotation in _keys(lazy.Scenario)}
         return [f"{key}={word}" for word in (choices | words).get(key, ())]
     # The many keys of distributions are useful only once one has been begun.
     depth = 4 if incomplete.startswith("uncertainty.") else 3
-    keys = [key for key, _ in _keys(Scenario) if len(key.split(".")) <= depth]
+    keys = [key for key, _ in _keys(lazy.Scenario) if len(key.split(".")) <= depth]
     return [f"{key}=" for key in dict.fromkeys((*INPUTS, *keys))]
 
 
 def _keys(model: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
     """Yield the dotted keys, with types, of a section and of those within it, except lists and tables of any name."""
-    from armour.scenario.sections import model_in
-
     for name, field in model.model_fields.items():
-        inner = model_in(field.annotation)
+        inner = lazy.model_in(field.annotation)
         if inner is None:
             yield prefix + name, field.annotation
         elif get_origin(field.annotation) not in (list, dict) and name != "library":

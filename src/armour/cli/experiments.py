@@ -5,23 +5,25 @@ from contextlib import ExitStack
 from functools import partial
 from os.path import exists
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Any
 
 import typer
 
 import armour
-from armour.cli import completion
+import armour.lazy as lazy
+from armour.cli import completion, runner
 from armour.cli.console import progress, say
 from armour.cli.options import (
-    AsJson,
-    Changes,
-    Force,
-    OptionalScenario,
-    PlotFile,
-    ScenarioFile,
-    Verbose,
+    AS_JSON,
+    CHANGES,
+    FORCE,
+    OPTIONAL_SCENARIO,
+    PLOT,
+    SCENARIO,
+    VERBOSE,
     argument,
     file_option,
+    flag,
     given,
     inputs_option,
     number_option,
@@ -29,57 +31,26 @@ from armour.cli.options import (
     share,
     word_option,
 )
-from armour.cli.runner import (
-    CHECK_FAILED,
-    Files,
-    as_options,
-    check_outputs,
-    command_line,
-    picture,
-    propose,
-    read_scenario,
-    show_result,
-    warnings_of,
-    write,
-    wrong_option,
-)
-from armour.cli.scenario_commands import LIMIT_READS, cases_of, grid_of
-from armour.errors import mistake, restated
+from armour.cli.runner import Files, answer, check_options, check_outputs, read_scenario, say_how_read, wrong_option
+from armour.cli.scenario_commands import LIMIT_READS
+from armour.errors import restated
 from armour.files import shipped_tests
 from armour.reporting.table import csv_text, rows_csv
 from armour.scenario.keys import describe
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
-
-    from armour.analysis.results import EachResult
-    from armour.csv_files import TableRead
-    from armour.planning.firing import ShotPlan
-    from armour.scenario.scenario import Scenario
-    from armour.statistics.v50 import FiringResult
-    from armour.sweeps.cases import Grid, SweepCases
 
 # Sections that a fit reads, and one more with a prior.
 FIT = ("impact", "armour", "ballistic_limit")
 OF_PRIOR = ("uncertainty",)
 # Laws of the ceramic's flow stress.
 LAW_NAMES = ("constant", "ceramic", "backing", "product", "linear")
-# Fraction by which a measured velocity may miss the planned one without a warning.
-FAR_FROM_PLAN = 0.1
-Where = Annotated[
-    list[str] | None,
-    option("Read only the rows with this value in a column, as in panel=A; repeatable.", metavar="KEY=VALUE"),
-]
-Sheet = Annotated[str | None, option("Sheet of a workbook, by default the first.", metavar="NAME")]
-Each = Annotated[bool, option("Give one answer for each value of the column of panels, targets or the like.", "--each")]
-RequirementFraction = Annotated[
-    Any,
-    number_option(
-        "Fraction of shots that may perforate at the required velocity, 0.001 to 0.999; 0.5 sets the requirement on "
-        "V50; by default 0.5.",
-        share,
-    ),
-]
+WHERE = option("Read only the rows with this value in a column, as in panel=A; repeatable.", metavar="KEY=VALUE")
+SHEET = option("Sheet of a workbook, by default the first.", metavar="NAME")
+EACH = flag("Give one answer for each value of the column of panels, targets or the like.", "--each")
+REQUIREMENT_FRACTION = number_option(
+    "Fraction of shots that may perforate at the required velocity, 0.001 to 0.999; 0.5 sets the requirement on V50; "
+    "by default 0.5.",
+    share,
+)
 # Options by the names in messages about limits of V50.
 LIMITS = {
     "scenario": "SCENARIO",
@@ -90,80 +61,57 @@ LIMITS = {
 
 
 def v50(
-    table: Annotated[
-        Path,
-        argument(
-            "SHOTS",
-            'CSV file with the columns velocity_m_s and result ("stopped" or "perforated", or partial and complete). '
-            "`armour init FILE.csv --from tests/shots` writes an example.",
-            autocompletion=completion.tables,
-        ),
-    ],
-    scenario: OptionalScenario = None,
-    pairs: Annotated[
-        Any,
-        number_option(
-            "Number of shots of each kind in the MIL-STD-662F mean, at least 1; by default the greatest of 5, 3 and 2 "
-            "whose span is allowed."
-        ),
-    ] = None,
-    span_m_s: Annotated[
-        Any,
-        number_option(
-            "Greatest span of their velocities, m/s, at most 10,000; by default the usual one for 5, 3 or 2 shots of "
-            "each kind: 38.1, 27.4 or 18.3 (125, 90 or 60 ft/s). Required for other numbers of shots."
-        ),
-    ] = None,
-    confidence: Annotated[
-        Any, number_option("Confidence level of the intervals, 0.5 to 0.9999; by default 0.95.", share)
-    ] = None,
-    prior: Annotated[
-        bool,
-        option(
-            "Add the posterior of V50, whose prior is the scenario's ballistic limit with the model error.", "--prior"
-        ),
-    ] = False,
-    at_m_s: Annotated[
-        Any, number_option("Velocity, m/s, at which to give the probability of complete penetration.")
-    ] = None,
-    fraction: Annotated[
-        Any,
-        number_option(
-            "Fraction of shots, 0.001 to 0.999, for which to give the velocity at which it perforates; 0.01 gives V01.",
-            share,
-        ),
-    ] = None,
-    requirement_m_s: Annotated[
-        Any,
-        number_option(
-            "Required velocity, m/s: whether the armour's exceeds it is decided by the shots alone, by the one-sided "
-            "bounds, with a risk of about 1 minus the confidence."
-        ),
-    ] = None,
-    requirement_fraction: RequirementFraction = None,
-    csv: Annotated[Path | None, file_option("Write the fitted curves as CSV.")] = None,
-    curve: Annotated[Path | None, file_option("Write the recommended curve with its confidence band as CSV.")] = None,
-    plot: PlotFile = None,
-    where: Where = None,
-    each: Each = False,
-    sheet: Sheet = None,
-    force: Force = False,
-    changes: Changes = None,
-    verbose: Verbose = False,
-    as_json: AsJson = False,
+    table: Path = argument(
+        "SHOTS",
+        'CSV file with the columns velocity_m_s and result ("stopped" or "perforated", or partial and complete). '
+        "`armour init FILE.csv --from tests/shots` writes an example.",
+        autocompletion=completion.tables,
+    ),
+    scenario: Path | None = OPTIONAL_SCENARIO,
+    pairs: Any = number_option(
+        "Number of shots of each kind in the MIL-STD-662F mean, at least 1; by default the greatest of 5, 3 and 2 "
+        "whose span is allowed."
+    ),
+    span_m_s: Any = number_option(
+        "Greatest span of their velocities, m/s, at most 10,000; by default the usual one for 5, 3 or 2 shots of "
+        "each kind: 38.1, 27.4 or 18.3 (125, 90 or 60 ft/s). Required for other numbers of shots."
+    ),
+    confidence: Any = number_option("Confidence level of the intervals, 0.5 to 0.9999; by default 0.95.", share),
+    prior: bool = flag(
+        "Add the posterior of V50, whose prior is the scenario's ballistic limit with the model error.", "--prior"
+    ),
+    at_m_s: Any = number_option("Velocity, m/s, at which to give the probability of complete penetration."),
+    fraction: Any = number_option(
+        "Fraction of shots, 0.001 to 0.999, for which to give the velocity at which it perforates; 0.01 gives V01.",
+        share,
+    ),
+    requirement_m_s: Any = number_option(
+        "Required velocity, m/s: whether the armour's exceeds it is decided by the shots alone, by the one-sided "
+        "bounds, with a risk of about 1 minus the confidence."
+    ),
+    requirement_fraction: Any = REQUIREMENT_FRACTION,
+    csv: Path | None = file_option("Write the fitted curves as CSV."),
+    curve: Path | None = file_option("Write the recommended curve with its confidence band as CSV."),
+    plot: Path | None = PLOT,
+    where: list[str] | None = WHERE,
+    each: bool = EACH,
+    sheet: str | None = SHEET,
+    force: bool = FORCE,
+    changes: list[str] | None = CHANGES,
+    verbose: bool = VERBOSE,
+    as_json: bool = AS_JSON,
 ) -> None:
     """Estimate V50 from firing results.
 
     If a scenario with the same armour is given, its ballistic limit by the model is shown too. With a requirement, the
     exit code is 3 if it is not met or the shots do not decide it.
     """
-    from armour.analysis.results import EachResult  # imports pydantic, which help does not need
+    from armour.cli.firings import each_result
 
     if scenario is not None and is_table(scenario):
         table, scenario = scenario, table
     loaded = _scenario_of(scenario, changes, computed="the ballistic limit")
-    inputs = [table, scenario]
-    check_outputs(csv, curve, tables=[csv, curve], inputs=inputs, scenario=loaded, plot=plot, force=force)
+    check_outputs(tables=[csv, curve], inputs=[table, scenario], scenario=loaded, plot=plot, force=force)
     options = given(
         pairs=pairs,
         span_m_s=span_m_s,
@@ -174,126 +122,98 @@ def v50(
         requirement_m_s=requirement_m_s,
         requirement_fraction=requirement_fraction,
     )
-    result: EachResult | FiringResult
     files: Files = {}
-    with progress("impacts", first="fitting") as count, as_options("v50"):
+    with progress("impacts", first="fitting") as count, runner.as_options("v50"):
+
+        def estimate(fired: armour.Shots) -> armour.FiringResult:
+            return armour.v50(fired, loaded, on_progress=count, **options)
+
         if each:
-            _refuse_with_each({"--csv": csv, "--curve": curve, "--plot": plot})
-            firings = _each(table, where, sheet, kinds=1 if prior else 2)
-            answers = {name: armour.v50(fired, loaded, on_progress=count, **options) for name, fired in firings}
-            result, file = EachResult(answers), str(table)
+            files_of_one = {"--csv": csv, "--curve": curve, "--plot": plot}
+            check_options(*((name, file, "must not be given with --each") for name, file in files_of_one.items()))
+            found: Any = each_result(estimate, table, chosen(where), sheet, kinds=1 if prior else 2)
+            results, file = [*found.results.values()], str(table)
         else:
             fired = armour.read_shots(table, one_kind=prior, where=chosen(where), sheet=sheet)
-            tell_how_read(table, fired.read)
-            answer = armour.v50(fired, loaded, on_progress=count, **options)
-            answers = {"": answer}
-            result, file = answer, "" if loaded else fired.file
-            files = {
-                csv: lambda _: rows_csv(answer),
-                curve: lambda _: rows_csv(answer.band()),
-                plot: picture(lambda: armour.plot(answer), loaded),
-            }
-    show_result(result, loaded, as_json=as_json, verbose=verbose)
-    write(files, warnings_of(loaded, result.warnings, file, verbose=verbose))
-    if any(answer.decision in ("not met", "not decided") for answer in answers.values()):
-        raise typer.Exit(CHECK_FAILED)
+            found = estimate(say_how_read(table, fired))
+            results, file = [found], "" if loaded else fired.file
+            files = {csv: lambda _: rows_csv(found), curve: lambda _: rows_csv(found.band())}
+    answer(found, loaded, files, plot=plot, file=file, as_json=as_json, verbose=verbose)
+    if any(result.decision in ("not met", "not decided") for result in results):
+        raise typer.Exit(runner.CHECK_FAILED)
 
 
 def calibrate(
-    table: Annotated[
-        Path,
-        argument(
-            "TESTS",
-            "CSV file of tests. Its columns are test (a name); keys and inputs that differ, such as armour.ceramic; "
-            "and measurements: ballistic_limit_m_s, residual_velocity_m_s, residual_mass_g or outcome. "
-            "`armour init FILE.csv --from tests/wilkins` writes an example.",
-            autocompletion=completion.tables,
-        ),
-    ],
-    scenario: ScenarioFile,
-    fit: Annotated[
-        list[str] | None, inputs_option("Input to fit, or several; by default the ceramic's flow stress.")
-    ] = None,
-    law: Annotated[
-        str | None,
-        word_option(
-            "Law of the ceramic's flow stress, whose coefficients are fitted too: constant, ceramic (linear in its "
-            "thickness), backing (a power of the back plate's thickness), product (a power of the product of both) or "
-            "linear (in both); or all, to compare them and keep the one with the smallest leave-one-out error. By "
-            "default the scenario's law.",
-            *LAW_NAMES,
-            "all",
-            metavar="LAW",
-        ),
-    ] = None,
-    prior: Annotated[
-        bool,
-        option(
-            "Use the scenario's distributions of the fitted inputs as priors, normal or lognormal, with their "
-            "correlations. Estimates and intervals are then those of the posterior: the product of the likelihood and "
-            "the density of the inputs or, if lognormal, of their logarithms.",
-            "--prior",
-        ),
-    ] = False,
-    library: Annotated[
-        Path | None, file_option("Write a library file with the fitted entries.", "--write", metavar="LIB.toml")
-    ] = None,
-    fitted: Annotated[
-        Path | None,
-        file_option(
-            "Write the scenario with the fitted entries and their uncertainty.", "--write-scenario", metavar="FILE.toml"
-        ),
-    ] = None,
-    lot: Annotated[
-        str | None, option("Lot tested, after which written entries are named; required with them.", metavar="NAME")
-    ] = None,
-    csv: Annotated[Path | None, file_option("Write measured and computed values as CSV.")] = None,
-    where: Where = None,
-    sheet: Sheet = None,
-    plot: PlotFile = None,
-    force: Force = False,
-    changes: Changes = None,
-    verbose: Verbose = False,
-    as_json: AsJson = False,
+    table: Path = argument(
+        "TESTS",
+        "CSV file of tests. Its columns are test (a name); keys and inputs that differ, such as armour.ceramic; "
+        "and measurements: ballistic_limit_m_s, residual_velocity_m_s, residual_mass_g or outcome. "
+        "`armour init FILE.csv --from tests/wilkins` writes an example.",
+        autocompletion=completion.tables,
+    ),
+    scenario: Path = SCENARIO,
+    fit: list[str] | None = inputs_option("Input to fit, or several; by default the ceramic's flow stress."),
+    law: str | None = word_option(
+        "Law of the ceramic's flow stress, whose coefficients are fitted too: constant, ceramic (linear in its "
+        "thickness), backing (a power of the back plate's thickness), product (a power of the product of both) or "
+        "linear (in both); or all, to compare them and keep the one with the smallest leave-one-out error. By "
+        "default the scenario's law.",
+        *LAW_NAMES,
+        "all",
+        metavar="LAW",
+    ),
+    prior: bool = flag(
+        "Use the scenario's distributions of the fitted inputs as priors, normal or lognormal, with their "
+        "correlations. Estimates and intervals are then those of the posterior: the product of the likelihood and "
+        "the density of the inputs or, if lognormal, of their logarithms.",
+        "--prior",
+    ),
+    library: Path | None = file_option("Write a library file with the fitted entries.", "--write", metavar="LIB.toml"),
+    fitted: Path | None = file_option(
+        "Write the scenario with the fitted entries and their uncertainty.", "--write-scenario", metavar="FILE.toml"
+    ),
+    lot: str | None = option("Lot tested, after which written entries are named; required with them.", metavar="NAME"),
+    csv: Path | None = file_option("Write measured and computed values as CSV."),
+    where: list[str] | None = WHERE,
+    sheet: str | None = SHEET,
+    plot: Path | None = PLOT,
+    force: bool = FORCE,
+    changes: list[str] | None = CHANGES,
+    verbose: bool = VERBOSE,
+    as_json: bool = AS_JSON,
 ) -> None:
     """Fit model inputs to tests."""
-    from armour.statistics.fitted_library import library_text, scenario_text
-
     if is_table(scenario):
         table, scenario = scenario, table
     loaded = read_scenario(scenario, changes, FIT + OF_PRIOR * prior)
-    inputs = [table, scenario]
-    check_outputs(library, fitted, csv, tables=[csv], inputs=inputs, scenario=loaded, plot=plot, force=force)
+    check_outputs(library, fitted, tables=[csv], inputs=[table, scenario], scenario=loaded, plot=plot, force=force)
     lot = (lot or "").strip()
     if (not lot) != (library is None and fitted is None):
         raise wrong_option("--lot", "must be given with --write or --write-scenario, and only then: the lot tested")
 
-    with progress("tests") as count, as_options("calibrate"):
-        tests = armour.read_tests(table, loaded, where=chosen(where), sheet=sheet)
-        tell_how_read(table, tests.read)
+    with progress("tests") as count, runner.as_options("calibrate"):
+        tests = say_how_read(table, armour.read_tests(table, loaded, where=chosen(where), sheet=sheet))
         result = armour.calibrate(tests, loaded, on_progress=count, **given(fit=fit, law=law, prior=prior))
-    show_result(result, loaded, as_json=as_json, verbose=verbose)
     files: Files = {
         csv: lambda _: rows_csv(result),
-        library: lambda _: library_text(result, tests, loaded, lot),
-        fitted: lambda path: scenario_text(result, tests, loaded, lot, path),
-        plot: picture(lambda: armour.plot(result), loaded),
+        library: lambda _: lazy.library_text(result, tests, loaded, lot),
+        fitted: lambda path: lazy.scenario_text(result, tests, loaded, lot, path),
     }
-    write(files, warnings_of(loaded, result.warnings, tests.file, verbose=verbose))
+    answer(result, loaded, files, plot=plot, file=tests.file, as_json=as_json, verbose=verbose)
     if fitted is not None:
-        propose(shlex.join(["armour", "check", str(fitted)]))
+        runner.propose(shlex.join(["armour", "check", str(fitted)]))
     elif result.evidence is not None and library is None:
-        propose(f"{command_line()} --write-scenario fitted.toml --lot 'lot 1'")
+        runner.propose(f"{runner.command_line()} --write-scenario fitted.toml --lot 'lot 1'")
 
 
 def is_table(path: Path) -> bool:
     """Return whether the name of a file is that of a table, which is given before or after a scenario."""
-    from armour.csv_files import WORKBOOKS  # help does not need what reads tables
-
-    return path.suffix.lower() in (".csv", ".tsv", ".txt", *WORKBOOKS) or path.as_posix() in shipped_tests()
+    return path.suffix.lower() in (".csv", ".tsv", ".txt", *lazy.WORKBOOKS) or path.as_posix() in shipped_tests()
 
 
-def _scenario_of(path: Path | None, changes: list[str] | None, computed: str = "the answer") -> "Scenario | None":
+def _scenario_of(
+    path: Path | None, changes: list[str] | None, computed: str = "the answer"
+) -> "armour.Scenario | None":
     """Read the scenario of a ballistic limit, if there is one."""
     if path is not None:
         return read_scenario(path, changes, LIMIT_READS, computed=computed)
@@ -309,176 +229,105 @@ def chosen(where: list[str] | None) -> dict[str, str]:
     return {key.strip(): value.strip() for key, _, value in (text.partition("=") for text in where or ())}
 
 
-def tell_how_read(table: object, read: "TableRead | None") -> None:
-    """Say how a table was read, unless it is as plain as can be."""
-    if read is not None and not read.plain:
-        say(f"read {table}: {read.words}")
-
-
-def _refuse_with_each(options: "Mapping[str, object]") -> None:
-    """Refuse options of one answer."""
-    for name, value in options.items():
-        if value is not None:
-            raise wrong_option(name, "must not be given with --each")
-
-
-def _each(table: Path, where: list[str] | None, sheet: str | None, kinds: int) -> "Iterator[tuple[str, armour.Shots]]":
-    """Yield the shots for each value of the column that tells targets apart, by column and value."""
-    from armour.statistics.v50 import firings_of
-
-    is_any = False
-    for name, value, found in firings_of(table, chosen(where), sheet):
-        if found < kinds:
-            say(f"note: {table}: {name} {value}: left out, as its shots have only one result")
-            continue
-        fired = armour.read_shots(table, one_kind=kinds == 1, where={**chosen(where), name: value}, sheet=sheet)
-        tell_how_read(table, fired.read)
-        is_any = True
-        yield f"{name} {value}", fired
-    if not is_any:
-        raise wrong_option("--each", "must be given with shots of both results for one value at least")
-
-
 def plan_shots(
-    scenario: OptionalScenario = None,
-    table: Annotated[
-        Path | None,
-        argument(
-            "SHOTS",
-            "CSV file of the shots so far, with the columns velocity_m_s and result (stopped or perforated).",
-            autocompletion=completion.tables,
-        ),
-    ] = None,
-    procedure: Annotated[
-        str | None,
-        word_option(
-            "Rule for the next velocity: bayesian, neyer, langlie or up-and-down; by default bayesian.",
-            *("bayesian", "neyer", "langlie", "up-and-down"),
-            metavar="PROCEDURE",
-        ),
-    ] = None,
-    half_width_m_s: Annotated[
-        Any,
-        number_option(
-            "Half width of the interval of V50 at which the firing ends, 0.1 to 10,000 m/s; by default 15. The "
-            "up-and-down rule ends by default as in MIL-STD-662F, with three shots of each kind within 27.4 m/s."
-        ),
-    ] = None,
-    confidence: Annotated[
-        Any,
-        number_option(
-            "Confidence level of the interval, and of the requirement, 0.5 to 0.9999; by default 0.95.", share
-        ),
-    ] = None,
-    requirement_m_s: Annotated[
-        Any,
-        number_option(
-            "Required velocity, m/s. The Bayesian procedure then ends when the shots show that the requirement is met "
-            "or not met, with the consumer's and the producer's risk each at most 1 minus the confidence; the "
-            "up-and-down rule starts above it."
-        ),
-    ] = None,
-    requirement_fraction: RequirementFraction = None,
-    velocity_max_m_s: Annotated[
-        Any,
-        number_option("Greatest velocity that can be fired, m/s: no faster shot is planned; by default 10000.0."),
-    ] = None,
-    prior: Annotated[
-        bool,
-        option(
-            "Include the model's prediction in the decision on the requirement, which then uses the posterior and has "
-            "no stated risks.",
-            "--prior",
-        ),
-    ] = False,
-    scatter_percent: Annotated[
-        Any,
-        number_option(
-            "Expected scatter, the standard deviation of the response curve, 0.01 to 50 % of V50: the median of its "
-            "prior, and the initial guess of Neyer's procedure; by default 2.0."
-        ),
-    ] = None,
-    scatter_factor: Annotated[
-        Any,
-        number_option(
-            "Factor by which the scatter may differ from this, 1.01 to 10: one standard deviation of its logarithm; by "
-            "default 2.0."
-        ),
-    ] = None,
-    simulate: Annotated[bool, option("Simulate the rest of the firing, 100 shots at most.", "--simulate")] = False,
-    true_v50_m_s: Annotated[
-        Any,
-        number_option(
-            "True V50 of the simulated shots, m/s; by default V50 and the scatter are drawn from the posterior."
-        ),
-    ] = None,
-    true_scatter_m_s: Annotated[Any, number_option("True scatter of the simulated shots, m/s.")] = None,
-    seed: Annotated[Any, number_option("Seed of the simulation, at least 0; by default 0.")] = None,
-    lower_m_s: Annotated[
-        Any, number_option("Lower limit of V50, m/s, for langlie and neyer, or without a scenario.")
-    ] = None,
-    upper_m_s: Annotated[
-        Any, number_option("Upper limit of V50, m/s, for langlie and neyer, or without a scenario.")
-    ] = None,
-    earlier: Annotated[
-        list[Path] | None,
-        option(
-            "CSV file of an earlier firing at similar armour; its scatter is pooled with the expected one; repeatable.",
-            metavar="SHOTS",
-            autocompletion=completion.tables,
-        ),
-    ] = None,
-    result: Annotated[
-        str | None,
-        option(
-            "Result of the shot just fired: stopped (or partial, P, PP, no) or perforated (or complete, C, CP, yes); "
-            "it is appended to SHOTS.",
-            metavar="RESULT",
-        ),
-    ] = None,
-    velocity_m_s: Annotated[
-        Any, number_option("Measured velocity of this shot, m/s; by default the planned one.")
-    ] = None,
-    where: Where = None,
-    each: Each = False,
-    sheet: Sheet = None,
-    plot: PlotFile = None,
-    force: Force = False,
-    changes: Changes = None,
-    verbose: Verbose = False,
-    as_json: AsJson = False,
+    scenario: Path | None = OPTIONAL_SCENARIO,
+    table: Path | None = argument(
+        "SHOTS",
+        "CSV file of the shots so far, with the columns velocity_m_s and result (stopped or perforated).",
+        autocompletion=completion.tables,
+        default=None,
+    ),
+    procedure: str | None = word_option(
+        "Rule for the next velocity: bayesian, neyer, langlie or up-and-down; by default bayesian.",
+        *("bayesian", "neyer", "langlie", "up-and-down"),
+        metavar="PROCEDURE",
+    ),
+    half_width_m_s: Any = number_option(
+        "Half width of the interval of V50 at which the firing ends, 0.1 to 10,000 m/s; by default 15. The "
+        "up-and-down rule ends by default as in MIL-STD-662F, with three shots of each kind within 27.4 m/s."
+    ),
+    confidence: Any = number_option(
+        "Confidence level of the interval, and of the requirement, 0.5 to 0.9999; by default 0.95.", share
+    ),
+    requirement_m_s: Any = number_option(
+        "Required velocity, m/s. The Bayesian procedure then ends when the shots show that the requirement is met "
+        "or not met, with the consumer's and the producer's risk each at most 1 minus the confidence; the "
+        "up-and-down rule starts above it."
+    ),
+    requirement_fraction: Any = REQUIREMENT_FRACTION,
+    velocity_max_m_s: Any = number_option(
+        "Greatest velocity that can be fired, m/s: no faster shot is planned; by default 10000.0."
+    ),
+    prior: bool = flag(
+        "Include the model's prediction in the decision on the requirement, which then uses the posterior and has "
+        "no stated risks.",
+        "--prior",
+    ),
+    scatter_percent: Any = number_option(
+        "Expected scatter, the standard deviation of the response curve, 0.01 to 50 % of V50: the median of its "
+        "prior, and the initial guess of Neyer's procedure; by default 2.0."
+    ),
+    scatter_factor: Any = number_option(
+        "Factor by which the scatter may differ from this, 1.01 to 10: one standard deviation of its logarithm; by "
+        "default 2.0."
+    ),
+    simulate: bool = flag("Simulate the rest of the firing, 100 shots at most.", "--simulate"),
+    true_v50_m_s: Any = number_option(
+        "True V50 of the simulated shots, m/s; by default V50 and the scatter are drawn from the posterior."
+    ),
+    true_scatter_m_s: Any = number_option("True scatter of the simulated shots, m/s."),
+    seed: Any = number_option("Seed of the simulation, at least 0; by default 0."),
+    lower_m_s: Any = number_option("Lower limit of V50, m/s, for langlie and neyer, or without a scenario."),
+    upper_m_s: Any = number_option("Upper limit of V50, m/s, for langlie and neyer, or without a scenario."),
+    earlier: list[Path] | None = option(
+        "CSV file of an earlier firing at similar armour; its scatter is pooled with the expected one; repeatable.",
+        metavar="SHOTS",
+        autocompletion=completion.tables,
+    ),
+    result: str | None = option(
+        "Result of the shot just fired: stopped (or partial, P, PP, no) or perforated (or complete, C, CP, yes); "
+        "it is appended to SHOTS.",
+        metavar="RESULT",
+    ),
+    velocity_m_s: Any = number_option("Measured velocity of this shot, m/s; by default the planned one."),
+    where: list[str] | None = WHERE,
+    each: bool = EACH,
+    sheet: str | None = SHEET,
+    plot: Path | None = PLOT,
+    force: bool = FORCE,
+    changes: list[str] | None = CHANGES,
+    verbose: bool = VERBOSE,
+    as_json: bool = AS_JSON,
 ) -> None:
     """Plan the next shot of a V50 firing, given the shots so far.
 
     The scenario's ballistic limit, with the model error, is the prior of V50. Without a scenario, V50 is expected
     within the limits given or, without these, within 30 % of the middle of the shots.
     """
+    from armour.cli import firings
+
     if scenario is not None and is_table(scenario):
         table, scenario = scenario, table
     loaded = _scenario_of(scenario, changes)
     check_outputs(inputs=[scenario, table, *(earlier or ())], scenario=loaded, plot=plot, force=force)
-    if (lower_m_s is None) != (upper_m_s is None):
-        raise wrong_option("--upper-m-s" if upper_m_s is None else "--lower-m-s", "must be given with the other limit")
-    if isinstance(velocity_m_s, str):
-        raise wrong_option("--velocity-m-s", f"must be a number, found {describe(velocity_m_s)}")
-    if table is None and (where or each or sheet is not None):
-        raise wrong_option("--where" if where else "--each" if each else "--sheet", "must be given with SHOTS")
-    if result is None:
-        if velocity_m_s is not None:
-            raise wrong_option("--velocity-m-s", "must be given with --result")
-        if each:
-            _refuse_with_each({"--plot": plot})
-    elif table is None:
-        raise wrong_option("--result", "must be given with SHOTS, to which it adds a shot")
-    elif simulate:
-        raise wrong_option("--result", "must not be given with --simulate: it records a shot that was fired")
-    elif each or sheet is not None:
-        raise wrong_option("--result", f"must not be given with {'--each' if each else '--sheet'}")
-    else:
+    is_fired, is_divided = result is not None, each or sheet is not None
+    check_options(
+        ("--upper-m-s", upper_m_s is None and lower_m_s is not None, "must be given with the other limit"),
+        ("--lower-m-s", lower_m_s is None and upper_m_s is not None, "must be given with the other limit"),
+        ("--velocity-m-s", isinstance(velocity_m_s, str), f"must be a number, found {describe(velocity_m_s)}"),
+        ("--where", table is None and where, "must be given with SHOTS"),
+        ("--each" if each else "--sheet", table is None and is_divided, "must be given with SHOTS"),
+        ("--velocity-m-s", velocity_m_s is not None and not is_fired, "must be given with --result"),
+        ("--plot", plot and each and not is_fired, "must not be given with --each"),
+        ("--result", is_fired and table is None, "must be given with SHOTS, to which it adds a shot"),
+        ("--result", is_fired and simulate, "must not be given with --simulate: it records a shot that was fired"),
+        ("--result", is_fired and is_divided, f"must not be given with {'--each' if each else '--sheet'}"),
+    )
+    if is_fired:
         check_outputs(plot=plot, updated=table, force=force)
     earlier_firings = [armour.read_shots(path) for path in earlier or ()]
     for path, firing in zip(earlier or (), earlier_firings, strict=True):
-        tell_how_read(path, firing.read)
+        say_how_read(path, firing)
     options = given(
         procedure=procedure,
         half_width_m_s=half_width_m_s,
@@ -498,182 +347,77 @@ def plan_shots(
     )
     # A table to which a shot is added stays locked until it is written.
     with ExitStack() as stack:
-        with progress("impacts", first="searching") as count, as_options("plan_shots", LIMITS):
+        with progress("impacts", first="searching") as count, runner.as_options("plan_shots", LIMITS):
             plan = partial(armour.plan_shots, loaded, on_progress=count, **options)
             files: Files = {}
-            warnings: Sequence[str] = ()
             if result is None or table is None:
-                answer = _plan(plan, table, where, sheet, each=each)
+                planned: Any = firings.next_plan(plan, table, chosen(where), sheet, each=each)
+                warnings = planned.warnings
             else:
-                answer, warnings, content = _plan_after(plan, stack, table, result, velocity_m_s, chosen(where))
-                files = {table: content}
-        show_result(answer, loaded, as_json=as_json, verbose=verbose)
-        files = {**files, plot: picture(lambda: armour.plot(answer), loaded)}
-        write(files, warnings_of(loaded, (*warnings, *answer.warnings), verbose=verbose))
-
-
-def _plan(
-    plan: "Callable[..., ShotPlan]", table: Path | None, where: list[str] | None, sheet: str | None, *, each: bool
-) -> "EachResult | ShotPlan":
-    """Plan the next shot after those of a table, or after those at each target in it."""
-    is_new = table is not None and table.suffix == ".csv" and not exists(table)
-    if is_new:
-        say(f"note: {table}: no such file, so no shot has been fired; --result makes the file")
-    if table is not None and each:
-        from armour.analysis.results import EachResult
-
-        return EachResult({name: plan(fired) for name, fired in _each(table, where, sheet, kinds=1)})
-    fired = None
-    if table is not None and not is_new:
-        fired = armour.read_shots(table, one_kind=True, where=chosen(where), sheet=sheet)
-        tell_how_read(table, fired.read)
-    return plan(fired)
-
-
-def _plan_after(
-    plan: "Callable[..., ShotPlan]",
-    stack: ExitStack,
-    table: Path,
-    result: str,
-    velocity_m_s: float | None,
-    where: dict[str, str],
-) -> "tuple[ShotPlan, list[str], Callable[[Path], bytes]]":
-    """Plan the next shot after one that is added to a table, locked in a stack.
-
-    Also return warnings of the shot that is added, and what makes the new content of the table.
-    """
-    from armour.columns import perforates
-    from armour.csv_files import MUST_SAY, open_table
-    from armour.planning.firing import far_from
-    from armour.planning.shot_file import content_of, locked, with_shot
-    from armour.statistics.v50 import is_of_shots, shots_of
-
-    if perforates(result) is None:
-        raise wrong_option("--result", f"{MUST_SAY}, found {describe(result)}")
-
-    stack.enter_context(locked(table))
-    earlier_content = content_of(table)
-    fired = armour.Shots((), (), str(table))
-    if exists(table):
-        fired = armour.read_shots(table, one_kind=True, where=where)
-    before = plan(fired)
-    planned, limit = before.next_velocity_m_s, before.prior.v50_m_s
-    velocity = planned if velocity_m_s is None else velocity_m_s
-    if velocity is None:
-        raise wrong_option("--velocity-m-s", "must be given: no further shot was planned")
-    if message := far_from(limit, velocity):
-        raise wrong_option("--velocity-m-s", message)
-    warnings = []
-    if planned is not None and abs(velocity - planned) > FAR_FROM_PLAN * planned:
-        warnings.append(
-            f"the shot added to {table}, at {velocity:g} m/s, is far from the planned velocity, {planned:g} m/s"
-        )
-    content = with_shot(table, velocity, result, where)
-    fired = shots_of(open_table(table, is_of_shots, content=content), one_kind=True, where=where)
-    tell_how_read(table, fired.read)
-    after = plan(fired)
-    if velocity_m_s is None:
-        say(f"note: {table}: records the planned {velocity:g} m/s")
-
-    def content_with_shot(_path: Path) -> bytes:
-        if content_of(table) != earlier_content:
-            raise mistake(table, "", "cannot be written: it has changed since it was read; repeat the command")
-        return content
-
-    return after, warnings, content_with_shot
+                planned, warnings, files = firings.plan_after(plan, stack, table, result, velocity_m_s, chosen(where))
+        answer(planned, loaded, files, warnings, plot=plot, as_json=as_json, verbose=verbose)
 
 
 def plan_tests(
-    scenario: ScenarioFile,
-    candidates: Annotated[
-        list[str],
-        option(
-            "Armours available for testing: KEY=MIN:MAX:STEP or KEY=V,V,..., repeated to span a grid; or a CSV file "
-            "whose header names keys and, if targets differ in cost, cost.",
-            metavar="KEY=VALUES|FILE",
-            autocompletion=completion.numbers,
-        ),
-    ],
-    fit: Annotated[
-        list[str] | None, inputs_option("Input to determine, or several; by default the ceramic's flow stress.")
-    ] = None,
-    law: Annotated[
-        str | None,
-        word_option(
-            "Law of the ceramic's flow stress, as in calibrate, whose coefficients are determined too: constant, "
-            "ceramic, backing, product or linear.",
-            *LAW_NAMES,
-            metavar="LAW",
-        ),
-    ] = None,
-    number: Annotated[
-        Any,
-        number_option("Number of tests to plan, 1 to 200. A candidate may be tested several times. By default 4."),
-    ] = None,
-    criterion: Annotated[
-        str | None,
-        word_option(
-            '"D" minimises the joint confidence region of the inputs, "I" the mean variance of the designs\' ballistic '
-            "limits; by default D.",
-            *("D", "I"),
-            metavar="D|I",
-        ),
-    ] = None,
-    measure: Annotated[
-        str | None,
-        word_option(
-            "What a test measures: the ballistic limit, or whether one shot at impact.velocity_m_s perforates; by "
-            "default limit.",
-            *("limit", "outcome"),
-            metavar="limit|outcome",
-        ),
-    ] = None,
-    scatter_percent: Annotated[
-        Any,
-        number_option(
-            "Standard deviation of a test, % of the ballistic limit, 0.01 to 50; by default that of the earlier tests."
-        ),
-    ] = None,
-    cost: Annotated[Any, number_option("Cost of a test without its target.")] = None,
-    prior: Annotated[
-        bool, option("Use the scenario's distributions of the fitted inputs as priors.", "--prior")
-    ] = False,
-    tests: Annotated[
-        Path | None,
-        option("CSV file of earlier tests.", metavar="FILE", autocompletion=completion.tables),
-    ] = None,
-    design: Annotated[
-        list[Path] | None,
-        option(
-            "Scenario of the intended design, repeatable; by default SCENARIO.",
-            metavar="SCENARIO",
-            autocompletion=completion.scenarios,
-        ),
-    ] = None,
-    csv: Annotated[
-        Path | None, file_option("Write the earlier tests and the planned ones, to be filled in, as CSV.")
-    ] = None,
-    plot: PlotFile = None,
-    force: Force = False,
-    changes: Changes = None,
-    verbose: Verbose = False,
-    as_json: AsJson = False,
+    scenario: Path = SCENARIO,
+    candidates: list[str] = option(
+        "Armours available for testing: KEY=MIN:MAX:STEP or KEY=V,V,..., repeated to span a grid; or a CSV file "
+        "whose header names keys and, if targets differ in cost, cost.",
+        metavar="KEY=VALUES|FILE",
+        autocompletion=completion.numbers,
+        default=...,
+    ),
+    fit: list[str] | None = inputs_option("Input to determine, or several; by default the ceramic's flow stress."),
+    law: str | None = word_option(
+        "Law of the ceramic's flow stress, as in calibrate, whose coefficients are determined too: constant, "
+        "ceramic, backing, product or linear.",
+        *LAW_NAMES,
+        metavar="LAW",
+    ),
+    number: Any = number_option(
+        "Number of tests to plan, 1 to 200. A candidate may be tested several times. By default 4."
+    ),
+    criterion: str | None = word_option(
+        '"D" minimises the joint confidence region of the inputs, "I" the mean variance of the designs\' ballistic '
+        "limits; by default D.",
+        *("D", "I"),
+        metavar="D|I",
+    ),
+    measure: str | None = word_option(
+        "What a test measures: the ballistic limit, or whether one shot at impact.velocity_m_s perforates; by "
+        "default limit.",
+        *("limit", "outcome"),
+        metavar="limit|outcome",
+    ),
+    scatter_percent: Any = number_option(
+        "Standard deviation of a test, % of the ballistic limit, 0.01 to 50; by default that of the earlier tests."
+    ),
+    cost: Any = number_option("Cost of a test without its target."),
+    prior: bool = flag("Use the scenario's distributions of the fitted inputs as priors.", "--prior"),
+    tests: Path | None = option("CSV file of earlier tests.", metavar="FILE", autocompletion=completion.tables),
+    design: list[Path] | None = option(
+        "Scenario of the intended design, repeatable; by default SCENARIO.",
+        metavar="SCENARIO",
+        autocompletion=completion.scenarios,
+    ),
+    csv: Path | None = file_option("Write the earlier tests and the planned ones, to be filled in, as CSV."),
+    plot: Path | None = PLOT,
+    force: bool = FORCE,
+    changes: list[str] | None = CHANGES,
+    verbose: bool = VERBOSE,
+    as_json: bool = AS_JSON,
 ) -> None:
     """Choose the armours to test that best determine model inputs, or the ballistic limit of a design.
 
     This command leaves with version 3: spread tests over the thicknesses that you will use, on two back plates at
     least.
     """
-    from armour.reporting.views.planning import form_table
-
     loaded = read_scenario(scenario, changes, FIT + OF_PRIOR * prior)
     inputs = [scenario, tests, *candidates, *(design or ())]
-    check_outputs(csv, tables=[csv], inputs=inputs, scenario=loaded, plot=plot, force=force)
-    with progress("armours") as count, as_options("plan_tests", {"designs": "--design"}):
+    check_outputs(tables=[csv], inputs=inputs, scenario=loaded, plot=plot, force=force)
+    with progress("armours") as count, runner.as_options("plan_tests", {"designs": "--design"}):
         source = _source(candidates)
-        earlier_tests = None if tests is None else armour.read_tests(tests, loaded)
-        if earlier_tests is not None:
-            tell_how_read(tests, earlier_tests.read)
+        earlier_tests = None if tests is None else say_how_read(tests, armour.read_tests(tests, loaded))
         options = given(
             fit=fit,
             law=law,
@@ -691,24 +435,20 @@ def plan_tests(
         "note: plan tests leaves with version 3: spread tests over the thicknesses that you will use, "
         "on two back plates at least"
     )
-    show_result(result, loaded, as_json=as_json, verbose=verbose)
-    files: Files = {
-        csv: lambda _: csv_text(form_table(result)),
-        plot: picture(lambda: armour.plot(result), loaded),
-    }
-    write(files, warnings_of(loaded, result.warnings, verbose=verbose))
+    files: Files = {csv: lambda _: csv_text(lazy.form_table(result))}
+    answer(result, loaded, files, plot=plot, as_json=as_json, verbose=verbose)
 
 
-def _source(candidates: list[str]) -> "Grid | SweepCases":
+def _source(candidates: list[str]) -> "lazy.Grid | lazy.SweepCases":
     """Return the candidates."""
-    from armour.planning.plan_tests import of_candidates
+    from armour.cli import sweeping
 
     if all("=" in text for text in candidates):
-        with restated(of_candidates):
-            return grid_of("--candidates", candidates)
+        with restated(lazy.of_candidates):
+            return sweeping.grid_of("--candidates", candidates)
     if len(candidates) > 1:
         raise wrong_option("--candidates", "must be one CSV file, or keys with values")
     [file] = candidates
     if not file.endswith(".csv") and not exists(file):
         raise wrong_option("--candidates", f'must be KEY=VALUES or a CSV file, found "{file}"')
-    return cases_of(file)
+    return sweeping.cases_of(file)

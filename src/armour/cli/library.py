@@ -3,29 +3,28 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from shlex import quote
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Any
 
 import typer
 
+import armour.lazy as lazy
 from armour import __version__
 from armour.cli import completion
 from armour.cli.console import emit, say, show, show_json
-from armour.cli.options import AsJson, Force, argument, option
+from armour.cli.options import AS_JSON, FORCE, argument, flag, option
 from armour.cli.runner import check_outputs, show_answer, write
 from armour.errors import choices, mistake, refuse
 from armour.files import shipped_files, shipped_notebooks, shipped_suites, shipped_tests, wrong_ending
-
-if TYPE_CHECKING:
-    from armour.reporting.table import Table
+from armour.reporting.table import Table
 
 # Kinds that the library lists, each by a command of its own, in the plural.
 LISTED_KINDS = ("projectile", "ceramic", "threat", "metal")
 # Line by which editors find the schema to complete and check a scenario; see docs/howto/schema.md.
 SCHEMA_LINE = b"#:schema ./scenario.schema.json\n"
-Tested = Annotated[bool, option("List only entries for which tests provide a model error.", "--tested")]
+TESTED = flag("List only entries for which tests provide a model error.", "--tested")
 
 
-def list_library(ctx: typer.Context, tested: Tested = False, as_json: AsJson = False) -> None:
+def list_library(ctx: typer.Context, tested: bool = TESTED, as_json: bool = AS_JSON) -> None:
     """List projectiles, ceramics and threats; `armour library metals` lists the metals, which are many."""
     if ctx.invoked_subcommand is None:
         _list(LISTED_KINDS, tested=tested, as_json=as_json)
@@ -34,7 +33,7 @@ def list_library(ctx: typer.Context, tested: Tested = False, as_json: AsJson = F
 def section(kind: str) -> Callable[..., None]:
     """Return the command that lists the entries of a kind."""
 
-    def listed(ctx: typer.Context, tested: Tested = False, as_json: AsJson = False) -> None:
+    def listed(ctx: typer.Context, tested: bool = TESTED, as_json: bool = AS_JSON) -> None:
         options = ctx.parent.params if ctx.parent is not None else {}
         _list((kind,), tested=tested or options["tested"], as_json=as_json or options["as_json"])
 
@@ -44,24 +43,19 @@ def section(kind: str) -> Callable[..., None]:
 
 def _list(kinds: Sequence[str], *, tested: bool, as_json: bool) -> None:
     """List entries of some kinds."""
-    from armour.reporting.views.library import library_table, threat_table
-    from armour.scenario.library import named_threats, shipped_library
-
-    library, partners = shipped_library(), None
+    library, partners = lazy.shipped_library(), None
     data: dict[str, dict[str, Any]] = library.to_dict()
-    threats = named_threats()
+    threats = lazy.named_threats()
     if tested:
-        from armour.validation.tested import tested_with
-
-        partners = tested_with()
+        partners = lazy.tested_with()
         tested_data: dict[str, dict[str, Any]] = {kind: {} for kind in data}
         for (kind, name), words in partners.items():
             tested_data[kind][name] = {**data[kind][name], "tested_with": list(words)}
         data = tested_data
         threats = {name: threat for name, threat in threats.items() if ("projectile", threat.projectile) in partners}
     data["threat"] = {name: threat.model_dump() for name, threat in threats.items()}
-    tables: dict[str, Table | str] = {kind: library_table(library, kind, partners) for kind in library.entries}
-    tables["threat"] = threat_table(threats)
+    tables: dict[str, Table | str] = {kind: lazy.library_table(library, kind, partners) for kind in library.entries}
+    tables["threat"] = lazy.threat_table(threats)
     if len(kinds) > 1:
         tables["metal"] = f"{len(data['metal'])} metals: armour library metals{' --tested' * tested}"
     show_answer({kind: data[kind] for kind in kinds}, [tables[kind] for kind in kinds], as_json=as_json)
@@ -69,45 +63,38 @@ def _list(kinds: Sequence[str], *, tested: bool, as_json: bool) -> None:
 
 def show_entry(
     ctx: typer.Context,
-    name: Annotated[str, argument("NAME", "Name of the entry.", autocompletion=completion.entries)],
-    as_json: AsJson = False,
+    name: str = argument("NAME", "Name of the entry.", autocompletion=completion.entries),
+    as_json: bool = AS_JSON,
 ) -> None:
     """Show an entry with the source of every value."""
-    from armour.reporting.views.library import entry_tables, threat_table
-    from armour.scenario.library import named_threats, shipped_library
-
     as_json = as_json or (ctx.parent is not None and ctx.parent.params["as_json"])
-    if threat := named_threats().get(name):
+    if threat := lazy.named_threats().get(name):
         content = {"kind": "threat", "name": name, **threat.model_dump()}
         show_answer(
-            content, (threat_table({name: threat}), f"source: {threat.source}"), as_json=as_json, heading=[name]
+            content, (lazy.threat_table({name: threat}), f"source: {threat.source}"), as_json=as_json, heading=[name]
         )
         return
-    for entry in shipped_library().find(name):
-        show_answer(entry.to_dict(), entry_tables(entry), as_json=as_json, heading=[f"{entry.name} ({entry.kind})"])
+    for entry in lazy.shipped_library().find(name):
+        show_answer(
+            entry.to_dict(), lazy.entry_tables(entry), as_json=as_json, heading=[f"{entry.name} ({entry.kind})"]
+        )
 
 
 def init(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="File to write to.")] = Path("scenario.toml"),
-    source: Annotated[
-        str,
-        option(
-            "Copy a shipped scenario, suite, table of tests or notebook.",
-            "--from",
-            metavar="NAME",
-            autocompletion=completion.shipped_names,
-        ),
-    ] = "template",
-    names: Annotated[
-        bool, option("List the shipped scenarios, suites, tables of tests and notebooks.", "--list")
-    ] = False,
-    force: Force = False,
+    file: Path = typer.Argument(Path("scenario.toml"), metavar="FILE", help="File to write to."),
+    source: str = option(
+        "Copy a shipped scenario, suite, table of tests or notebook.",
+        "--from",
+        metavar="NAME",
+        autocompletion=completion.shipped_names,
+        default="template",
+    ),
+    names: bool = flag("List the shipped scenarios, suites, tables of tests and notebooks.", "--list"),
+    force: bool = FORCE,
 ) -> None:
     """Write a scenario, a suite, a table of tests or a notebook to start from."""
     if names:
-        from armour.reporting.views.library import shipped_tables
-
-        show(*shipped_tables())
+        show(*lazy.shipped_tables())
         return
     suites = shipped_suites()
     shipped = {**shipped_files("scenarios", ".toml"), **suites, **shipped_tests(), **shipped_notebooks()}
@@ -154,6 +141,4 @@ def schema() -> None:
 
     Editors use it to complete and check scenario files.
     """
-    from armour.scenario.scenario import scenario_schema
-
-    show_json({**scenario_schema(), "$comment": f"made by armour {__version__}"})
+    show_json({**lazy.scenario_schema(), "$comment": f"made by armour {__version__}"})

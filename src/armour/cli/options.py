@@ -4,29 +4,32 @@ An option that is not given is None or False; a default that matters to a comput
 """
 
 from collections.abc import Callable
-from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import typer
 
+import armour.lazy as lazy
 from armour.cli import completion
 
 
-def argument(metavar: str, description: str, **settings: Any) -> Any:
-    """Make an argument whose default, if any, the help does not show."""
-    return typer.Argument(metavar=metavar, help=description, show_default=False, **settings)
+def argument(metavar: str, description: str, default: Any = ..., **settings: Any) -> Any:
+    """Make an argument, which must be given if it has no default; the help does not show it."""
+    return typer.Argument(default, metavar=metavar, help=description, show_default=False, **settings)
 
 
-def option(description: str, *names: str, **settings: Any) -> Any:
-    """Make an option whose default the help does not show."""
-    return typer.Option(*names, help=description, show_default=False, **settings)
+def option(description: str, *names: str, default: Any = None, **settings: Any) -> Any:
+    """Make an option whose default the help does not show; with ``...`` in its place it must be given."""
+    return typer.Option(default, *names, help=description, show_default=False, **settings)
+
+
+def flag(description: str, *names: str, **settings: Any) -> Any:
+    """Make an option without a value."""
+    return option(description, *names, default=False, **settings)
 
 
 def number(text: str) -> float | str:
     """Return the number in a word or, if there is none, the word itself, which is refused later."""
-    from armour.csv_files import number as read_number  # imports what reads tables
-
-    value = read_number(text)
+    value = lazy.number(text)
     if value is None:
         return text
     return int(value) if text.lstrip("+-").isdigit() else value
@@ -63,23 +66,14 @@ def given(**options: Any) -> dict[str, Any]:
     return {name: value for name, value in options.items() if value is not None}
 
 
-SCENARIO = argument(
-    "SCENARIO",
-    "Scenario file (TOML), or name of a shipped scenario; - reads standard input.",
-    autocompletion=completion.scenarios,
+SCENARIO_WORDS = "Scenario file (TOML), or name of a shipped scenario; - reads standard input."
+SCENARIO = argument("SCENARIO", SCENARIO_WORDS, autocompletion=completion.scenarios)
+OPTIONAL_SCENARIO = argument("SCENARIO", SCENARIO_WORDS, default=None, autocompletion=completion.scenarios)
+CHANGES = option(
+    "Replace the value of a key; repeatable.", "--set", metavar="KEY=VALUE", autocompletion=completion.assignments
 )
-ScenarioFile = Annotated[Path, SCENARIO]
-OptionalScenario = Annotated[Path | None, SCENARIO]
-Changes = Annotated[
-    list[str] | None,
-    option(
-        "Replace the value of a key; repeatable.", "--set", metavar="KEY=VALUE", autocompletion=completion.assignments
-    ),
-]
-RequiredProbability = Annotated[
-    Any, number_option("Required probability of stopping each threat, such as 0.95.", share)
-]
-PlotFile = Annotated[Path | None, file_option("Draw the result to a .png, .svg or .pdf file.")]
-Force = Annotated[bool, option("Replace existing files.", "--force")]
-AsJson = Annotated[bool, option("Print one JSON object and nothing else.", "--json")]
-Verbose = Annotated[bool, option("Show every row and every warning.", "--verbose", "-v")]
+REQUIRED_PROBABILITY = number_option("Required probability of stopping each threat, such as 0.95.", share)
+PLOT = file_option("Draw the result to a .png, .svg or .pdf file.")
+FORCE = flag("Replace existing files.", "--force")
+AS_JSON = flag("Print one JSON object and nothing else.", "--json")
+VERBOSE = flag("Show every row and every warning.", "--verbose", "-v")

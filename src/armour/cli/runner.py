@@ -9,18 +9,20 @@ from contextlib import AbstractContextManager, chdir, contextmanager, suppress
 from functools import cache
 from os.path import exists, isfile
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, TypeVar
 
+import armour
+import armour.lazy as lazy
 from armour.cli.console import emit, say, show, show_json
 from armour.errors import ArmourError, InputError, Problem, in_two_lines, mistake, refuse, restated
 from armour.files import decoded, parse_toml, read_text, unwritable, write_file, wrong_ending
+from armour.reporting.table import Table
 from armour.scenario.inputs import VELOCITY
 from armour.scenario.keys import changes_of, line_of, lines_of, upwards, values_by_key
 
-if TYPE_CHECKING:
-    from armour.reporting.table import Table
-    from armour.scenario.scenario import Scenario
-
+Content = TypeVar("Content", bound="armour.Shots | armour.Tests")
+# Computations that take longer are announced.
+ANNOUNCED_S = 10.0
 # Exit codes of a question without an answer, and of a check that failed.
 NO_ANSWER, CHECK_FAILED = 1, 3
 STANDARD_INPUT = "standard input"
@@ -34,22 +36,29 @@ def wrong_option(option: str, message: str) -> InputError:
     return mistake("command line", option, message)
 
 
+def check_options(*mistakes: tuple[str, object, str]) -> None:
+    """Refuse the first of some options, each with whether it is wrong and the condition that it must meet."""
+    for option, is_wrong, message in mistakes:
+        if is_wrong:
+            raise wrong_option(option, message)
+
+
 def check_outputs(
     *outputs: Path | None,
     inputs: Iterable[str | Path | None] = (),
-    tables: Iterable[Path | None] = (),
+    tables: Sequence[Path | None] = (),
     junit: Path | None = None,
     plot: Path | None = None,
     updated: Path | None = None,
-    scenario: "Scenario | None" = None,
+    scenario: "armour.Scenario | None" = None,
     force: bool = False,
 ) -> None:
     """Check that all outputs can be written, differ from each other and from inputs, and replace files only by force.
 
-    The files of the ``scenario`` are inputs too.  ``tables`` are those of the outputs that are CSV.  ``junit`` may
-    replace a file that this program has written as JUnit XML.  ``updated`` is both an input and an output.
+    The files of the ``scenario`` are inputs too.  ``tables`` are outputs that are CSV.  ``junit`` may replace a file
+    that this program has written as JUnit XML.  ``updated`` is both an input and an output.
     """
-    new = [path for path in (*outputs, junit, plot) if path is not None]
+    new = [path for path in (*outputs, *tables, junit, plot) if path is not None]
     refuse(Problem("-", "", "must be the name of a file to write") for path in new if str(path) == "-")
     problems = [] if plot is None else wrong_ending(plot, PLOT_ENDINGS)
     for table in tables:
@@ -60,15 +69,11 @@ def check_outputs(
     problems += (problem for path in paths for problem in unwritable(path))
     sources = [0 if str(source) == "-" else source for source in inputs if source]  # the descriptor of standard input
     if scenario is not None:
-        from armour.scenario.scenario import files_of  # imports pydantic
-
-        sources += files_of(scenario)
+        sources += lazy.files_of(scenario)
     for path in filter(isfile, new):
-        from armour.reporting.junit import is_junit_of_armour  # imports a parser of XML
-
         if any(exists(source) and os.path.samefile(path, source) for source in sources):
             problems.append(Problem(str(path), "", "must not be the file that is read; choose another name"))
-        elif not (force or (path == junit and is_junit_of_armour(path))):
+        elif not (force or (path == junit and lazy.is_junit_of_armour(path))):
             problems.append(Problem(str(path), "", "exists already; choose another name, or --force"))
     if not problems:
         resolved = [path.resolve() for path in paths]
@@ -98,17 +103,15 @@ def mistakes_in(junit: Path | None, inputs: Sequence[Path], *, force: bool) -> I
     try:
         yield
     except InputError as error:
-        from armour.reporting.junit import TestCase, junit_suite, junit_xml
-
         if junit is not None:
             cases = [
-                TestCase(problem.file, problem.key or "file", "error", str(problem), None, problem.file, line)
+                lazy.TestCase(problem.file, problem.key or "file", "error", str(problem), None, problem.file, line)
                 for problem, line in with_lines(error.problems)
             ]
             with suppress(InputError):
                 check_outputs(junit=junit, inputs=[*inputs, *(problem.file for problem in error.problems)], force=force)
-                suite = junit_suite("invalid input", cases, 0.0, origin_of())
-                write({junit: lambda _: junit_xml([suite])})
+                suite = lazy.junit_suite("invalid input", cases, 0.0, origin_of())
+                write({junit: lambda _: lazy.junit_xml([suite])})
         raise
 
 
@@ -118,16 +121,13 @@ def read_scenario(
     reads: Collection[str],
     settings: Mapping[str, tuple[str, float | None]] = {},
     computed: str = "the answer",
-) -> "Scenario":
+) -> "armour.Scenario":
     """Read the scenario of a file, of a shipped one by its name, or, for "-", of standard input.
 
     ``assignments`` are those of ``--set``, which must set keys below those that the command ``reads``.  ``settings``
     are the keys and values of other options, None for one that is not given.  ``computed`` names the result of the
     command in messages.  A wrong value of an option is a problem of the command line.
     """
-    from armour.scenario.effect import check_effect
-    from armour.scenario.scenario import parse_changed, scenario_file
-
     changes = changes_of(assignments or ())
     options = {key: f"--set {key}" for key in changes}
     for option, (key, value) in settings.items():
@@ -138,24 +138,29 @@ def read_scenario(
     if str(path) == "-":
         file, folder, text = STANDARD_INPUT, Path(), decoded(sys.stdin.buffer, STANDARD_INPUT)
     else:
-        real_path = scenario_file(path)
+        real_path = lazy.scenario_file(path)
         file, folder, text = str(path), real_path.parent, read_text(real_path)
     data = parse_toml(text, file)
     with restated(lambda problem: _blamed(problem, options) if problem.file == file else problem):
-        loaded = parse_changed(data, changes, file=file, folder=folder)
+        loaded = lazy.parse_changed(data, changes, file=file, folder=folder)
     if VELOCITY in changes and "ballistic_limit" in reads and "impact" not in reads:
         # The same command line is often used for simulate first.
         say(f"note: --set {VELOCITY}: has no effect: {computed} does not depend on it")
         reads = {*reads, VELOCITY}
-    check_effect(values_by_key(changes), [(loaded, reads)], "command line", computed, "--set ")
+    lazy.check_effect(values_by_key(changes), [(loaded, reads)], "command line", computed, "--set ")
     return loaded
+
+
+def say_how_read(table: object, content: Content) -> Content:
+    """Say how a table was read, unless it is as plain as can be, and return its content."""
+    if content.read is not None and not content.read.plain:
+        say(f"read {table}: {content.read.words}")
+    return content
 
 
 def accepted(changes: Iterable[str], reads: Collection[str]) -> list[str]:
     """Return those changes of ``--set`` that a command with such ``reads`` accepts."""
-    from armour.scenario.effect import is_read
-
-    return [change for change in changes if all(is_read(key, reads) for key in values_by_key(changes_of([change])))]
+    return [text for text in changes if all(lazy.is_read(key, reads) for key in values_by_key(changes_of([text])))]
 
 
 def source_word(file: str | Path) -> str:
@@ -177,25 +182,37 @@ def _blamed(problem: Problem, options: Mapping[str, str]) -> Problem:
     return problem
 
 
-def show_result(
-    result: Any, scenario: "Scenario | None", *, as_json: bool, verbose: bool, extra_data: Mapping[str, Any] = {}
+def answer(
+    result: Any,
+    scenario: "armour.Scenario | None",
+    files: Files | None = None,
+    warnings: Iterable[str] | None = None,
+    *,
+    plot: Path | None = None,
+    file: str = "",
+    extra_data: Mapping[str, Any] = {},
+    as_json: bool,
+    verbose: bool,
 ) -> None:
-    """Show a result as tables, or with ``extra_data`` as JSON."""
-    from armour.reporting.by_result import by_result, tables_of
+    """Show a result as tables, or with ``extra_data`` as JSON; write its files and its picture; warn.
 
+    The warnings are those of the result, unless others are given.
+    """
     result.of(every_row=verbose)
-    tables = () if as_json else by_result(tables_of, result)(result)
+    tables = () if as_json else lazy.by_result(lazy.tables_of, result)(result)
     data = {**result.to_dict(), **extra_data} if as_json else {}
     show_answer(data, tables, as_json=as_json, heading=result.heading(), scenario=scenario)
+    shown = warnings_of(scenario, result.warnings if warnings is None else warnings, file, verbose=verbose)
+    write({**(files or {}), plot: picture(lambda: armour.plot(result), scenario)}, shown)
 
 
 def show_answer(
     data: Mapping[str, Any] | Sequence[Mapping[str, Any]],
-    tables: "Iterable[Table | str]",
+    tables: Iterable[Table | str],
     *,
     as_json: bool,
     heading: Sequence[str] = (),
-    scenario: "Scenario | None" = None,
+    scenario: "armour.Scenario | None" = None,
 ) -> None:
     """Show an answer as tables below the lines of a heading, or as JSON, with its origin."""
     if as_json:
@@ -218,7 +235,7 @@ def write(files: Files, warnings: Iterable[str] = ()) -> None:
         say(*warnings)
 
 
-def picture(draw: Callable[[], Any], scenario: "Scenario | None") -> Callable[[Path], bytes]:
+def picture(draw: Callable[[], Any], scenario: "armour.Scenario | None") -> Callable[[Path], bytes]:
     """Return what makes the content of a picture, which records its origin."""
     return lambda path: drawing().saved(draw(), path.suffix.lower(), json.dumps(origin_of(scenario)))
 
@@ -226,6 +243,12 @@ def picture(draw: Callable[[], Any], scenario: "Scenario | None") -> Callable[[P
 def propose(command: str) -> None:
     """Name the command to go on with, in one line, so that it can be copied."""
     emit(f"next: {command}\n", sys.stderr)
+
+
+def announce(seconds: float, words: str) -> None:
+    """Announce a computation that takes a while."""
+    if seconds > ANNOUNCED_S:
+        say(words)
 
 
 def drawing() -> Any:
@@ -242,11 +265,9 @@ def drawing() -> Any:
     return drawing
 
 
-def origin_of(scenario: "Scenario | None" = None) -> dict[str, str]:
+def origin_of(scenario: "armour.Scenario | None" = None) -> dict[str, str]:
     """Return the origin of the outputs of this command line."""
-    from armour.analysis.results import made_by
-
-    return made_by(scenario, command_line())
+    return lazy.made_by(scenario, command_line())
 
 
 def command_line() -> str:
@@ -263,7 +284,9 @@ def _without_folders(word: str) -> str:
     return option + equals + (str(path.relative_to(Path.cwd())) if path.is_relative_to(Path.cwd()) else path.name)
 
 
-def warnings_of(scenario: "Scenario | None", warnings: Iterable[str], file: str = "", *, verbose: bool) -> list[str]:
+def warnings_of(
+    scenario: "armour.Scenario | None", warnings: Iterable[str], file: str = "", *, verbose: bool
+) -> list[str]:
     """Return the notes on a scenario, and warnings, as lines for standard error.
 
     Unless all are asked for, there are two lines at most: those on what the model was compared with in one line, and

@@ -1,46 +1,39 @@
 """Commands that answer a question about a scenario, or about many armours like it."""
 
 import shlex
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import ExitStack
+from collections.abc import Sequence
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Any
 
 import typer
 
 import armour
-from armour.analysis.quantities import DESIGNS, OF_WEIGHT, QUANTITIES, REQUIRED_QUANTITIES, reads_of
+import armour.lazy as lazy
+from armour.analysis.quantities import DESIGNS, OF_WEIGHT, QUANTITIES, reads_of
 from armour.cli import completion, runner
-from armour.cli.console import emit, progress, say, show
+from armour.cli.console import emit, progress, show, show_json
 from armour.cli.folders import MOST_FILES, scenario_paths
 from armour.cli.options import (
-    AsJson,
-    Changes,
-    Force,
-    PlotFile,
-    RequiredProbability,
-    ScenarioFile,
-    Verbose,
+    AS_JSON,
+    CHANGES,
+    FORCE,
+    PLOT,
+    REQUIRED_PROBABILITY,
+    SCENARIO,
+    VERBOSE,
     argument,
     file_option,
+    flag,
     number_option,
     option,
 )
-from armour.cli.runner import Files, check_outputs, picture, read_scenario, show_result, warnings_of, write
-from armour.errors import InputError, Problem, counted, duration, mistake, refuse
+from armour.cli.runner import Files, answer, check_outputs, picture, read_scenario, warnings_of, write
+from armour.errors import InputError, Problem, counted, duration, refuse
 from armour.files import read_toml, shipped_suites, wrong_ending
 from armour.reporting.table import rows_csv
 from armour.scenario.inputs import OF_ERROR, ROUND_AND_ARMOUR, VELOCITY
 from armour.scenario.keys import changes_of, describe
-
-if TYPE_CHECKING:
-    from armour.analysis.results import OnProgress
-    from armour.design.check import CheckResult
-    from armour.design.optimise import BestDesign, DesignResult
-    from armour.scenario.scenario import Scenario
-    from armour.sweeps.cases import Grid, SweepCases
-    from armour.sweeps.sweep import Effort
 
 # Key of the probability that a design, a check and a report require.
 CONFIDENCE_KEY = "design.confidence"
@@ -51,8 +44,6 @@ CHECK = (
     *(*OF_WEIGHT, "design.added_thickness_mm", "design.added_cost_per_m2"),
     *("design.ceramic", "design.backing"),
 )
-# Computations that take longer are announced.
-ANNOUNCED_S = 10.0
 # Sections and keys that a ballistic limit depends on, see `armour.scenario.effect`.
 LIMIT_READS = (*ROUND_AND_ARMOUR, "ballistic_limit", *OF_ERROR, *OF_WEIGHT)
 IMPACT_READS = ("impact", "armour", "ballistic_limit", *OF_ERROR, *OF_WEIGHT)
@@ -60,98 +51,84 @@ CHECK_READS = (*IMPACT_READS, "threat", "uncertainty", *CHECK)
 
 
 def simulate(
-    scenario: ScenarioFile,
-    history: Annotated[Path | None, file_option("Write the state over time as CSV.")] = None,
-    plot: PlotFile = None,
-    velocity: Annotated[Any, number_option("Impact velocity, m/s; by default the scenario's.")] = None,
-    force: Force = False,
-    changes: Changes = None,
-    verbose: Verbose = False,
-    as_json: AsJson = False,
+    scenario: Path = SCENARIO,
+    history: Path | None = file_option("Write the state over time as CSV."),
+    plot: Path | None = PLOT,
+    velocity: Any = number_option("Impact velocity, m/s; by default the scenario's."),
+    force: bool = FORCE,
+    changes: list[str] | None = CHANGES,
+    verbose: bool = VERBOSE,
+    as_json: bool = AS_JSON,
 ) -> None:
     """Simulate one impact."""
     # Imported here because other commands do not need numpy.
-    from armour.evidence.tests import scenario_warnings
-    from armour.reporting.views.analysis import history_csv
 
     settings = {"--velocity": (VELOCITY, velocity)}
     loaded = read_scenario(scenario, changes, IMPACT_READS, settings, "the simulated impact")
-    check_outputs(history, tables=[history], inputs=[scenario], scenario=loaded, plot=plot, force=force)
+    check_outputs(tables=[history], inputs=[scenario], scenario=loaded, plot=plot, force=force)
     with progress("impacts", first="computing") as count:
         result = armour.simulate(loaded, history=history is not None or plot is not None)
         count(1, None)
         confidence = armour.confidence(loaded, on_progress=count)
     limit = confidence.ballistic_limit_m_s
-    of_limit = () if limit is None else scenario_warnings(loaded, limit, "ballistic_limit", said=True)
+    of_limit = () if limit is None else lazy.scenario_warnings(loaded, limit, "ballistic_limit", said=True)
     warnings = tuple(dict.fromkeys((*result.warnings, *of_limit, *confidence.warnings)))
     extra_data = {"warnings": list(warnings), "confidence": confidence.to_dict()}
     result.of(confidence=confidence)
-    show_result(result, loaded, as_json=as_json, verbose=verbose, extra_data=extra_data)
-    files = {history: lambda _: history_csv(result), plot: picture(lambda: armour.plot(result), loaded)}
-    write(files, warnings_of(loaded, warnings, verbose=verbose))
+    files: Files = {history: lambda _: lazy.history_csv(result)}
+    answer(result, loaded, files, warnings, plot=plot, extra_data=extra_data, as_json=as_json, verbose=verbose)
 
 
 def ballistic_limit(
-    scenario: ScenarioFile,
-    plot: PlotFile = None,
-    force: Force = False,
-    changes: Changes = None,
-    verbose: Verbose = False,
-    as_json: AsJson = False,
+    scenario: Path = SCENARIO,
+    plot: Path | None = PLOT,
+    force: bool = FORCE,
+    changes: list[str] | None = CHANGES,
+    verbose: bool = VERBOSE,
+    as_json: bool = AS_JSON,
 ) -> None:
     """Find the ballistic limit."""
-    from armour.analysis.ballistic_limit import not_monotonic
-
     loaded = read_scenario(scenario, changes, (*LIMIT_READS, *OF_WEIGHT), computed="the ballistic limit")
     check_outputs(inputs=[scenario], scenario=loaded, plot=plot, force=force)
     with progress("impacts", first="searching") as count:
         result = armour.ballistic_limit(loaded, on_progress=count)
-    warnings = (*not_monotonic(result), *result.warnings)
-    show_result(result, loaded, as_json=as_json, verbose=verbose)
-    write({plot: picture(lambda: armour.plot(result), loaded)}, warnings_of(loaded, warnings, verbose=verbose))
+    warnings = (*lazy.not_monotonic(result), *result.warnings)
+    answer(result, loaded, warnings=warnings, plot=plot, as_json=as_json, verbose=verbose)
 
 
 def compare(
-    scenario: ScenarioFile,
-    plot: PlotFile = None,
-    force: Force = False,
-    changes: Changes = None,
-    verbose: Verbose = False,
-    as_json: AsJson = False,
+    scenario: Path = SCENARIO,
+    plot: Path | None = PLOT,
+    force: bool = FORCE,
+    changes: list[str] | None = CHANGES,
+    verbose: bool = VERBOSE,
+    as_json: bool = AS_JSON,
 ) -> None:
     """Compare the model with simpler formulas."""
-    from armour.analysis.ballistic_limit import not_monotonic
-
     loaded = read_scenario(scenario, changes, (*LIMIT_READS, *OF_WEIGHT), computed="the ballistic limit")
     check_outputs(inputs=[scenario], scenario=loaded, plot=plot, force=force)
     with progress("impacts", first="searching") as count:
         result = armour.compare(loaded, on_progress=count)
-    warnings = (*not_monotonic(result.limit), *result.limit.warnings)
-    show_result(result, loaded, as_json=as_json, verbose=verbose)
-    write({plot: picture(lambda: armour.plot(result), loaded)}, warnings_of(loaded, warnings, verbose=verbose))
+    warnings = (*lazy.not_monotonic(result.limit), *result.limit.warnings)
+    answer(result, loaded, warnings=warnings, plot=plot, as_json=as_json, verbose=verbose)
 
 
 def check(
-    scenario: Annotated[
-        list[Path],
-        argument(
-            "SCENARIO",
-            "Scenario files (TOML), folders with scenarios in them or below, or names of shipped scenarios; - reads "
-            "standard input.",
-            autocompletion=completion.scenarios,
-        ),
-    ],
-    junit: Annotated[Path | None, file_option("Write the results as JUnit XML; such a file is replaced.")] = None,
-    csv: Annotated[Path | None, file_option("Write the limits as CSV, as given and with each change.")] = None,
-    confidence: RequiredProbability = None,
-    plot: PlotFile = None,
-    yes: Annotated[
-        bool, option(f"Read folders even if they have more than {MOST_FILES:,} .toml files.", "--yes")
-    ] = False,
-    force: Force = False,
-    changes: Changes = None,
-    verbose: Verbose = False,
-    as_json: AsJson = False,
+    scenario: list[Path] = argument(
+        "SCENARIO",
+        "Scenario files (TOML), folders with scenarios in them or below, or names of shipped scenarios; - reads "
+        "standard input.",
+        autocompletion=completion.scenarios,
+    ),
+    junit: Path | None = file_option("Write the results as JUnit XML; such a file is replaced."),
+    csv: Path | None = file_option("Write the limits as CSV, as given and with each change."),
+    confidence: Any = REQUIRED_PROBABILITY,
+    plot: Path | None = PLOT,
+    yes: bool = flag(f"Read folders even if they have more than {MOST_FILES:,} .toml files.", "--yes"),
+    force: bool = FORCE,
+    changes: list[str] | None = CHANGES,
+    verbose: bool = VERBOSE,
+    as_json: bool = AS_JSON,
 ) -> None:
     """Check armours against their threats, and with thinner layers, a faster round or at an angle.
 
@@ -159,19 +136,15 @@ def check(
     the scenario requires: margins, probabilities of stopping and limits of [design]; if no probability is required, the
     ballistic limit by the model must reach the velocity. With several scenarios or a folder, --json prints an array.
     """
-    from armour.reporting.junit import junit_xml
-    from armour.reporting.views import design as view
-    from armour.scenario.scenario import files_of
-
     paths = scenario_paths(scenario, yes=yes)
     is_one = paths == scenario[:1]  # and no folder, however many scenarios are in it
     if plot is not None and not is_one:
         raise runner.wrong_option("--plot", "must be given with one scenario, not with several or a folder")
     with runner.mistakes_in(junit, paths, force=force):
         scenarios = _read_each(paths, changes, confidence)
-    inputs = [*paths, *(file for loaded in scenarios for file in files_of(loaded))]
-    check_outputs(csv, tables=[csv], junit=junit, inputs=inputs, plot=plot, force=force)
-    results: list[CheckResult] = []
+    inputs = [*paths, *(file for loaded in scenarios for file in lazy.files_of(loaded))]
+    check_outputs(tables=[csv], junit=junit, inputs=inputs, plot=plot, force=force)
+    results: list[armour.CheckResult] = []
     suites, warnings = [], []
     for loaded in scenarios:
         start = perf_counter()
@@ -181,23 +154,23 @@ def check(
             if results:
                 emit("\n")
             first, *other_lines = result.heading()
-            show(*other_lines, *view.tables_of_check(result), title=first if is_one else f"{loaded.file}: {first}")
+            show(*other_lines, *lazy.tables_of_check(result), title=first if is_one else f"{loaded.file}: {first}")
         results.append(result)
-        suites.append(view.check_junit(result, loaded, perf_counter() - start, runner.origin_of(loaded)))
+        suites.append(lazy.check_junit(result, loaded, perf_counter() - start, runner.origin_of(loaded)))
         warnings += warnings_of(loaded, result.warnings, verbose=verbose)
-    rows = ({"scenario": loaded.file, **row} for loaded, found in zip(scenarios, results, strict=True) for row in found)
-    if not (as_json or is_one):
+    answers = [*zip(scenarios, results, strict=True)]
+    if as_json and is_one:
+        runner.show_answer(results[0].to_dict(), (), as_json=True, scenario=scenarios[0])
+    elif as_json:
+        show_json(
+            [{"scenario": case.file, **found.to_dict(), "made_by": runner.origin_of(case)} for case, found in answers]
+        )
+    elif not is_one:
         emit("\n")
-        show(view.check_summary({loaded.file: result for loaded, result in zip(scenarios, results, strict=True)}))
-    data = [
-        {"scenario": loaded.file, **result.to_dict(), "made_by": runner.origin_of(loaded)}
-        for loaded, result in zip(scenarios, results, strict=True)
-    ]
-    one = results[0].to_dict() if is_one else data
-    runner.show_answer(one, (), as_json=as_json, scenario=scenarios[0])
+        show(lazy.check_summary({loaded.file: found for loaded, found in answers}))
     files: Files = {
-        junit: lambda _: junit_xml(suites),
-        csv: lambda _: rows_csv(rows),
+        junit: lambda _: lazy.junit_xml(suites),
+        csv: lambda _: rows_csv({"scenario": loaded.file, **row} for loaded, found in answers for row in found),
         plot: picture(lambda: armour.plot(results[0]), scenarios[0]),
     }
     write(files, warnings)
@@ -205,9 +178,9 @@ def check(
         raise typer.Exit(runner.CHECK_FAILED)
 
 
-def _read_each(paths: Sequence[Path], changes: Sequence[str] | None, confidence: Any) -> list["Scenario"]:
+def _read_each(paths: Sequence[Path], changes: Sequence[str] | None, confidence: Any) -> list["armour.Scenario"]:
     """Read the scenarios of a check, and report the mistakes in all of them together."""
-    scenarios: list[Scenario] = []
+    scenarios: list[armour.Scenario] = []
     problems: list[Problem] = []
     for path in paths:
         try:
@@ -220,50 +193,38 @@ def _read_each(paths: Sequence[Path], changes: Sequence[str] | None, confidence:
 
 
 def optimise(
-    scenario: ScenarioFile,
-    refine: Annotated[
-        bool, option("Also find the best design with both layers free within their ranges.", "--refine")
-    ] = False,
-    csv: Annotated[
-        Path | None,
-        file_option("Write the Pareto front as CSV or, without one, the thinnest ceramic for each back plate."),
-    ] = None,
-    page: Annotated[Path | None, file_option("Write an interactive map of all designs, .html.", "--map")] = None,
-    changes: Changes = None,
-    confidence: RequiredProbability = None,
-    plot: PlotFile = None,
-    force: Force = False,
-    verbose: Verbose = False,
-    as_json: AsJson = False,
+    scenario: Path = SCENARIO,
+    refine: bool = flag("Also find the best design with both layers free within their ranges.", "--refine"),
+    csv: Path | None = file_option(
+        "Write the Pareto front as CSV or, without one, the thinnest ceramic for each back plate."
+    ),
+    page: Path | None = file_option("Write an interactive map of all designs, .html.", "--map"),
+    changes: list[str] | None = CHANGES,
+    confidence: Any = REQUIRED_PROBABILITY,
+    plot: Path | None = PLOT,
+    force: bool = FORCE,
+    verbose: bool = VERBOSE,
+    as_json: bool = AS_JSON,
 ) -> None:
     """Find the lightest armour that stops the threat.
 
     The scenario may define several threats, a catalogue of materials, and a quantity other than weight to minimise.
     Where no design is known to pass, the answer is the nearest one, with what it lacks, and the exit code 1.
     """
-    from armour.design.optimise import effort
-    from armour.reporting.views import design as view
-
     settings = {"--confidence": (CONFIDENCE_KEY, confidence)}
     loaded = read_scenario(scenario, changes, DESIGNS, settings, "the design")
-    check_outputs(page, csv, tables=[csv], inputs=[scenario], scenario=loaded, plot=plot, force=force)
+    check_outputs(page, tables=[csv], inputs=[scenario], scenario=loaded, plot=plot, force=force)
     if page is not None:
         refuse(wrong_ending(page, (".html",)))
     source = "-" if loaded.file == runner.STANDARD_INPUT else runner.source_word(loaded.file)
     with progress("impacts") as count, runner.as_options("optimise"):
-        designs, seconds = effort(loaded)
-        if seconds > ANNOUNCED_S:
-            threats = counted(len(loaded.threats()), "threat")
-            say(f"{counted(designs, 'design')} against {threats}; about {duration(seconds)}")
+        designs, seconds = lazy.effort(loaded)
+        threats = counted(len(loaded.threats()), "threat")
+        runner.announce(seconds, f"{counted(designs, 'design')} against {threats}; about {duration(seconds)}")
         result = armour.optimise(loaded, refine=refine, on_progress=count)
         map_page = "" if page is None else _map(result, loaded, source, changes or (), count)
-    show_result(result, loaded, as_json=as_json, verbose=verbose)
-    files: Files = {
-        csv: lambda _: view.design_csv(result),
-        page: lambda _: map_page,
-        plot: picture(lambda: armour.plot(result), loaded),
-    }
-    write(files, warnings_of(loaded, result.warnings, verbose=verbose))
+    files: Files = {csv: lambda _: lazy.design_csv(result), page: lambda _: map_page}
+    answer(result, loaded, files, plot=plot, as_json=as_json, verbose=verbose)
     if source != "-" and result.shown is not None:
         runner.propose(_check_of(loaded, result.shown, source, changes or ()))
     if result.reason:
@@ -271,22 +232,22 @@ def optimise(
 
 
 def _map(
-    result: "DesignResult", scenario: "Scenario", source: str, changes: Sequence[str], on_progress: "OnProgress"
+    result: "armour.DesignResult",
+    scenario: "armour.Scenario",
+    source: str,
+    changes: Sequence[str],
+    on_progress: "lazy.OnProgress",
 ) -> str:
     """Return the page of the map of all designs."""
-    from armour.reporting.design_page import design_page
-    from armour.reporting.views import design as view
-    from armour.reporting.words import tested_here
-
     command, needed = ["armour", "simulate", source], runner.accepted(changes, IMPACT_READS)
-    answer = [str(line) for line in view.design_verdict(result)]
+    verdict = [str(line) for line in lazy.design_verdict(result)]
     if (best := result.best) is not None:  # what the page does not tell: sampled probabilities, and own tests
-        own_tests = tested_here(best.model_error) if best.model_error else []
-        answer = [view.design_title(result), *own_tests] if best.probabilities or own_tests else []
-    return design_page(scenario, command, needed, on_progress, answer)
+        own_tests = lazy.tested_here(best.model_error) if best.model_error else []
+        verdict = [lazy.design_title(result), *own_tests] if best.probabilities or own_tests else []
+    return lazy.design_page(scenario, command, needed, on_progress, verdict)
 
 
-def _check_of(scenario: "Scenario", best: "BestDesign", source: str, changes: Sequence[str]) -> str:
+def _check_of(scenario: "armour.Scenario", best: "armour.BestDesign", source: str, changes: Sequence[str]) -> str:
     """Return the command that checks the best design of a scenario."""
     values = best.changes_to(scenario)
     replaced = {*values, CONFIDENCE_KEY}
@@ -300,12 +261,12 @@ def _check_of(scenario: "Scenario", best: "BestDesign", source: str, changes: Se
 
 
 def sensitivity(
-    scenario: ScenarioFile,
-    plot: PlotFile = None,
-    force: Force = False,
-    changes: Changes = None,
-    verbose: Verbose = False,
-    as_json: AsJson = False,
+    scenario: Path = SCENARIO,
+    plot: Path | None = PLOT,
+    force: bool = FORCE,
+    changes: list[str] | None = CHANGES,
+    verbose: bool = VERBOSE,
+    as_json: bool = AS_JSON,
 ) -> None:
     """Rank the inputs by their effect on the answers.
 
@@ -316,18 +277,17 @@ def sensitivity(
     check_outputs(inputs=[scenario], scenario=loaded, plot=plot, force=force)
     with progress("impacts", first="computing") as count:
         result = armour.sensitivity(loaded, on_progress=count)
-    show_result(result, loaded, as_json=as_json, verbose=verbose)
-    write({plot: picture(lambda: armour.plot(result), loaded)}, warnings_of(loaded, result.warnings, verbose=verbose))
+    answer(result, loaded, plot=plot, as_json=as_json, verbose=verbose)
 
 
 def uncertainty(
-    scenario: ScenarioFile,
-    samples: Annotated[Any, number_option("Number of samples, at least 128; by default the scenario's.")] = None,
-    plot: PlotFile = None,
-    force: Force = False,
-    changes: Changes = None,
-    verbose: Verbose = False,
-    as_json: AsJson = False,
+    scenario: Path = SCENARIO,
+    samples: Any = number_option("Number of samples, at least 128; by default the scenario's."),
+    plot: Path | None = PLOT,
+    force: bool = FORCE,
+    changes: list[str] | None = CHANGES,
+    verbose: bool = VERBOSE,
+    as_json: bool = AS_JSON,
 ) -> None:
     """Propagate input uncertainty to the outcome and the ballistic limit."""
     reads = ("impact", "armour", "ballistic_limit", "uncertainty", *OF_ERROR)
@@ -335,160 +295,58 @@ def uncertainty(
     check_outputs(inputs=[scenario], scenario=loaded, plot=plot, force=force)
     with progress("samples") as count:
         result = armour.uncertainty(loaded, on_progress=count)
-    show_result(result, loaded, as_json=as_json, verbose=verbose)
-    write({plot: picture(lambda: armour.plot(result), loaded)}, warnings_of(loaded, result.warnings, verbose=verbose))
+    answer(result, loaded, plot=plot, as_json=as_json, verbose=verbose)
 
 
 def sweep(
-    scenario: ScenarioFile,
-    output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE", help="Table to write, .csv or .parquet.")],
-    over: Annotated[
-        list[str] | None,
-        option(
-            "Key and its values, as MIN:MAX:STEP or V,V,...; repeat to span a grid.",
-            metavar="KEY=VALUES",
-            autocompletion=completion.numbers,
-        ),
-    ] = None,
-    cases: Annotated[
-        Path | None,
-        file_option(
-            "CSV file of cases, in place of --over: the header names the keys, such as armour.ceramic, and each row "
-            "gives their values, such as SiC."
-        ),
-    ] = None,
-    sheet: Annotated[str | None, option("Sheet of a workbook of cases, by default the first.", metavar="NAME")] = None,
-    quantities: Annotated[
-        str,
-        option(
-            "Quantities to compute, from the list below; by default the ballistic limit.",
-            metavar="NAME,...",
-            autocompletion=completion.quantities,
-        ),
-    ] = "ballistic_limit_m_s",
-    plot: PlotFile = None,
-    force: Force = False,
-    threads: Annotated[Any, number_option("Threads, at least 1; by default one per core.")] = None,
-    scheduler: Annotated[
-        str,
-        option('Compute on the Dask cluster at this address; "local" starts one on this machine.', metavar="ADDRESS"),
-    ] = "",
-    yes: Annotated[
-        bool, option("Run a sweep even if it takes hours or more disk space than is free.", "--yes")
-    ] = False,
-    changes: Changes = None,
-    as_json: AsJson = False,
+    scenario: Path = SCENARIO,
+    output: Path = typer.Option(..., "--output", "-o", metavar="FILE", help="Table to write, .csv or .parquet."),
+    over: list[str] | None = option(
+        "Key and its values, as MIN:MAX:STEP or V,V,...; repeat to span a grid.",
+        metavar="KEY=VALUES",
+        autocompletion=completion.numbers,
+    ),
+    cases: Path | None = file_option(
+        "CSV file of cases, in place of --over: the header names the keys, such as armour.ceramic, and each row "
+        "gives their values, such as SiC."
+    ),
+    sheet: str | None = option("Sheet of a workbook of cases, by default the first.", metavar="NAME"),
+    quantities: str = option(
+        "Quantities to compute, from the list below; by default the ballistic limit.",
+        metavar="NAME,...",
+        autocompletion=completion.quantities,
+        default="ballistic_limit_m_s",
+    ),
+    plot: Path | None = PLOT,
+    force: bool = FORCE,
+    threads: Any = number_option("Threads, at least 1; by default one per core."),
+    scheduler: str = option(
+        'Compute on the Dask cluster at this address; "local" starts one on this machine.',
+        metavar="ADDRESS",
+        default="",
+    ),
+    yes: bool = flag("Run a sweep even if it takes hours or more disk space than is free.", "--yes"),
+    changes: list[str] | None = CHANGES,
+    as_json: bool = AS_JSON,
 ) -> None:
     """Compute quantities over a grid or a table of cases; resume if interrupted."""
-    from armour.reporting.views.sweeps import SWEEP_ROWS, first_rows
-    from armour.scenario.scenario import heading
-    from armour.sweeps.store import read_table
-    from armour.sweeps.sweep import subject_of, write_sweep
+    from armour.cli import sweeping
 
     names = [name.strip() for name in quantities.split(",")]
     reads = reads_of(name for name in names if name in QUANTITIES)
     loaded = read_scenario(scenario, changes, (*ROUND_AND_ARMOUR, *reads), computed="the sweep")
     check_outputs(output, inputs=[scenario, cases], scenario=loaded, plot=plot, force=force)
-    if (cases is None) == (not over):
-        raise runner.wrong_option("--over", "must be given, or --cases, but not both")
-    if threads is not None and not (type(threads) is int and threads > 0):
-        raise runner.wrong_option("--threads", f"must be a whole number of at least 1, found {describe(threads)}")
-    if plot is not None:
-        _check_drawn(len(over or []), names[0])
-    with runner.as_options("sweep"), ExitStack() as stack:
-        source = grid_of("--over", over or []) if cases is None else cases_of(cases, sheet)
-        count = stack.enter_context(progress("rows", source.count))
-
-        def on_chunk(rows: int, stored: bool) -> None:
-            if stored:
-                say(f"resuming after {counted(rows, 'row')}")
-            count(rows, stored=stored)
-
-        workers = None
-        if scheduler:
-            from armour.sweeps.cluster import connected, workers_of  # imports Dask
-
-            workers = stack.enter_context(workers_of(stack.enter_context(connected(scheduler))))
-        rows = write_sweep(
-            loaded,
-            source,
-            names,
-            output,
-            replace=force,
-            command=runner.command_line(),
-            workers=workers,
-            threads=threads,
-            on_chunk=on_chunk,
-            approve=lambda effort: _approve(effort, yes),
-            tell=say,
-        )
-    say(f"wrote {output}: {counted(rows, 'row')}", *_notes(names, drawn=plot is not None))
-    lines = heading(subject_of(loaded, source, names), loaded.title)
-
-    runner.show_answer(
-        {"rows": rows, "output": str(output)},
-        [first_rows(read_table(output), loaded, source.keys)] if rows <= SWEEP_ROWS else (),
-        as_json=as_json,
-        heading=lines,
-        scenario=loaded,
+    keys, is_count = len(over or []), threads is None or (type(threads) is int and threads > 0)
+    runner.check_options(
+        ("--over", (cases is None) == (not over), "must be given, or --cases, but not both"),
+        ("--threads", not is_count, f"must be a whole number of at least 1, found {describe(threads)}"),
+        ("--plot", plot and keys not in (1, 2), f"must be given with one or two --over keys, found {keys or 'none'}"),
+        ("--plot", plot and names[0] == "outcome", "must be given with a number first in --quantities, found outcome"),
     )
-    write({plot: picture(lambda: _drawn(read_table(output), source.keys, names[0], loaded, lines), loaded)})
-
-
-def _drawn(
-    table: Mapping[str, Any], keys: Sequence[str], quantity: str, scenario: "Scenario", heading: Sequence[str]
-) -> Any:
-    """Draw a quantity of a sweep over its keys."""
-    from armour.reporting.pictures.drawing import Sheet, drawn
-    from armour.reporting.pictures.sweeps import draw_columns
-
-    return drawn(lambda sheet: draw_columns(table, keys, quantity, scenario, sheet), Sheet(), heading).figure
-
-
-def _check_drawn(keys: int, quantity: str) -> None:
-    """Check that a quantity over a number of keys can be drawn."""
-    if keys not in (1, 2):
-        raise runner.wrong_option("--plot", f"must be given with one or two --over keys, found {keys or 'none'}")
-    if quantity == "outcome":
-        raise runner.wrong_option("--plot", "must be given with a number first in --quantities, found outcome")
-
-
-def _notes(names: list[str], *, drawn: bool) -> Iterator[str]:
-    """Yield notes on the meaning of the quantities of a sweep, and on the one drawn."""
-    required = [name for name in names if QUANTITIES[name].on_grid]
-    if required:
-        yield f"note: {', '.join(required)}: {REQUIRED_QUANTITIES}"
-    if drawn and len(names) > 1:
-        yield f"note: --plot draws {names[0]} alone, the first of --quantities"
-
-
-def cases_of(file: str | Path, sheet: str | None = None) -> "SweepCases":
-    """Return the cases of a table, and say how it was read."""
-    from armour.sweeps.cases import SweepCases
-
-    cases = SweepCases(file, sheet)
-    if cases.read:
-        say(f"read {file}: {cases.read}")
-    return cases
-
-
-def grid_of(option: str, texts: Sequence[str]) -> "Grid":
-    """Return the grid of the values of an option, and warn of ranges whose end is left out."""
-    from armour.sweeps.cases import Grid, axis_of
-
-    axes = tuple(map(axis_of, texts))
-    for axis in axes:
-        if axis.omission:
-            say(f"warning: {option} {axis.key}: {axis.omission}")
-    return Grid(axes)
-
-
-def _approve(effort: "Effort", yes: bool) -> None:
-    """Announce a sweep that takes a while; refuse a large one without ``--yes``."""
-    if effort.is_large and not yes:
-        raise mistake("sweep", "", f"{effort.words}; --yes to go on")
-    if effort.seconds > ANNOUNCED_S:
-        say(effort.words)
+    with runner.as_options("sweep"):
+        source = sweeping.grid_of("--over", over or []) if cases is None else sweeping.cases_of(cases, sheet)
+        options: Any = {"scheduler": scheduler, "threads": threads, "replace": force, "yes": yes, "as_json": as_json}
+        sweeping.write_and_show(loaded, source, names, output, plot, **options)
 
 
 # Keys that a report shows, and those that the results for the scenario's own armour depend on.
@@ -497,35 +355,23 @@ AS_IS = ("impact", "threat", *CHECK, "ballistic_limit", "uncertainty", *OF_ERROR
 
 
 def report(
-    source: Annotated[
-        Path,
-        argument(
-            "SCENARIO|SUITE",
-            "Scenario or suite file (TOML), or name of a shipped one; - reads a scenario from standard input.",
-            autocompletion=completion.scenarios_and_suites,
-        ),
-    ],
-    output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE", help="File to write, .html or .md.")] = Path(
-        "report.html"
+    source: Path = argument(
+        "SCENARIO|SUITE",
+        "Scenario or suite file (TOML), or name of a shipped one; - reads a scenario from standard input.",
+        autocompletion=completion.scenarios_and_suites,
     ),
-    as_is: Annotated[
-        bool, option("Report on the scenario's own armour even if the scenario asks for a design.", "--as-is")
-    ] = False,
-    confidence: RequiredProbability = None,
-    force: Force = False,
-    changes: Changes = None,
+    output: Path = typer.Option(
+        Path("report.html"), "--output", "-o", metavar="FILE", help="File to write, .html or .md."
+    ),
+    as_is: bool = flag("Report on the scenario's own armour even if the scenario asks for a design.", "--as-is"),
+    confidence: Any = REQUIRED_PROBABILITY,
+    force: bool = FORCE,
+    changes: list[str] | None = CHANGES,
 ) -> None:
     """Write a report.
 
     The report is one self-contained file with the answer, its uncertainty, charts (HTML) and the sources of all values.
     """
-    from armour.reporting.formats import REPORT_ENDINGS, report_text
-    from armour.reporting.scenario_report import contents_of, scenario_report
-    from armour.reporting.views.validation import suite_report
-    from armour.scenario.scenario import files_of, scenario_file
-    from armour.validation.suite import load_suite, suite_files
-    from armour.validation.validate import validate
-
     confidence_option = [] if confidence is None else ["--confidence", str(confidence)]
     changes = changes or []
     command = runner.command_line()
@@ -533,28 +379,29 @@ def report(
     optimise_words = ["armour", "optimise", runner.source_word(source), *confidence_option, *set_words]
     map_command = shlex.join([*optimise_words, "--map", "map.html"])
     if str(source) != "-":
-        source = scenario_file(source, shipped_suites())
+        source = lazy.scenario_file(source, shipped_suites())
     is_suite = str(source) != "-" and {"case", "table"} & read_toml(source).keys()
-    for name, is_given in (("--as-is", as_is), ("--confidence", confidence_option)):
-        if is_suite and is_given:
-            raise runner.wrong_option(name, "must be given with a scenario, found a suite")
+    runner.check_options(
+        ("--as-is", is_suite and as_is, "must be given with a scenario, found a suite"),
+        ("--confidence", is_suite and confidence_option, "must be given with a scenario, found a suite"),
+    )
     if is_suite:
-        suite = load_suite(source, changes_of(changes))
-        inputs = suite_files(suite)
+        suite = armour.load_suite(source, changes_of(changes))
+        inputs = lazy.suite_files(suite)
     else:
         reads = (*BYLINE, "armour", *(AS_IS if as_is else DESIGNS))
         required = {"--confidence": (CONFIDENCE_KEY, confidence)}
         scenario = read_scenario(source, changes, reads, required, computed="the report")
-        inputs = [source, *files_of(scenario)]
+        inputs = [source, *lazy.files_of(scenario)]
     check_outputs(output, inputs=inputs, force=force)
-    refuse(wrong_ending(output, REPORT_ENDINGS))
+    refuse(wrong_ending(output, lazy.REPORT_ENDINGS))
     if is_suite:
         with progress("cases", len(suite.cases)) as count:
-            content = suite_report(validate(suite, on_check=lambda _check, _total: count(1)), command)
+            content = lazy.suite_report(armour.validate(suite, on_check=lambda _check, _total: count(1)), command)
     else:
         with progress("armours") as count:
-            contents = contents_of(scenario, count, as_is=as_is)
-        content = scenario_report(contents, command, map_command)
+            contents = lazy.contents_of(scenario, count, as_is=as_is)
+        content = lazy.scenario_report(contents, command, map_command)
     if output.suffix.lower() == ".html":
         runner.drawing()
-    write({output: lambda path: report_text(content, path)})
+    write({output: lambda path: lazy.report_text(content, path)})

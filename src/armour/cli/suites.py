@@ -6,76 +6,64 @@ from itertools import groupby, pairwise
 from operator import attrgetter
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Any, Literal
 
 import typer
 
+import armour
+import armour.lazy as lazy
 from armour.cli import completion, runner
 from armour.cli.console import progress, say, show
-from armour.cli.options import AsJson, Changes, Force, argument, file_option, option
+from armour.cli.options import AS_JSON, CHANGES, FORCE, argument, file_option, flag, option
 from armour.cli.runner import CHECK_FAILED, Files, check_outputs, mistakes_in, origin_of, picture, show_answer, write
 from armour.errors import Problem, mistake, refuse
 from armour.files import reason, suite_file
-from armour.reporting.table import csv_text
+from armour.reporting.table import Table, csv_text
 from armour.scenario.keys import changes_of
-
-if TYPE_CHECKING:
-    from armour.reporting.table import Table
-    from armour.validation.suite import Suite
-    from armour.validation.validate import Check, SuiteResult
 
 
 def validate(
-    suite: Annotated[
-        Path | None,
-        argument(
-            "SUITE",
-            "Suite file (TOML), or a shipped suite, such as paper (the default) or plates. A [[case]] has name, "
-            "scenario, quantity, expected, and band or band_percent. `armour init FILE.toml --from regression` writes "
-            "one.",
-            autocompletion=completion.suites,
-        ),
-    ] = None,
-    only: Annotated[str, option("Check only cases whose name contains the text.", metavar="TEXT")] = "",
-    changes: Changes = None,
-    update: Annotated[
-        bool, option("Replace the suite's regression values with the computed ones.", "--update")
-    ] = False,
-    verbose: Annotated[bool, option("Show every case, and why some are not scored.", "--verbose", "-v")] = False,
-    markdown: Annotated[Path | None, file_option("Write the result as Markdown.")] = None,
-    junit: Annotated[Path | None, file_option("Write the result as JUnit XML; such a file is replaced.")] = None,
-    force: Force = False,
-    as_json: AsJson = False,
+    suite: Path | None = argument(
+        "SUITE",
+        "Suite file (TOML), or a shipped suite, such as paper (the default) or plates. A [[case]] has name, "
+        "scenario, quantity, expected, and band or band_percent. `armour init FILE.toml --from regression` writes "
+        "one.",
+        autocompletion=completion.suites,
+        default=None,
+    ),
+    only: str = option("Check only cases whose name contains the text.", metavar="TEXT", default=""),
+    changes: list[str] | None = CHANGES,
+    update: bool = flag("Replace the suite's regression values with the computed ones.", "--update"),
+    verbose: bool = flag("Show every case, and why some are not scored.", "--verbose", "-v"),
+    markdown: Path | None = file_option("Write the result as Markdown."),
+    junit: Path | None = file_option("Write the result as JUnit XML; such a file is replaced."),
+    force: bool = FORCE,
+    as_json: bool = AS_JSON,
 ) -> None:
     """Check the model against a suite of cases.
 
     The exit code is 3 if a value lies outside its band; with --update, if a value that is not replaced does.
     """
-    from armour.reporting.formats import markdown_report
-    from armour.reporting.views import validation as view
-    from armour.validation.suite import load_suite, suite_files
-    from armour.validation.validate import kept_by_update
-
     path = suite_file("paper" if suite is None else suite)
     wrong = ["must be given a suite of your own; published values are not replaced"] if path != suite else []
     wrong += ["must not be given with --set, whose changes are not in the suite"] if changes else []
     refuse(Problem("validate", "--update", message) for message in wrong if update)
     updated = suite if update else None
     with mistakes_in(junit, [path], force=force):
-        loaded = load_suite(path, changes_of(changes or ()))
-    check_outputs(markdown, junit=junit, inputs=suite_files(loaded), updated=updated, force=force)
+        loaded = armour.load_suite(path, changes_of(changes or ()))
+    check_outputs(markdown, junit=junit, inputs=lazy.suite_files(loaded), updated=updated, force=force)
     chosen = loaded.only(only)
     if update and not any(case.regression for case in chosen.cases):
         message = "must be true for the suite, or a case or table without source, to be updated; other values stay"
         raise mistake(chosen.file, "regression", message)
     result, seconds = _computed(chosen, quiet=as_json)
-    judged = kept_by_update(result) if update else result
-    tables = view.tables_of_suite(judged.of(every_row=verbose)) if judged.checks else ()
+    judged = lazy.kept_by_update(result) if update else result
+    tables = lazy.tables_of_suite(judged.of(every_row=verbose)) if judged.checks else ()
     show_answer(result.to_dict(), tables, as_json=as_json)
     write(
         {
-            markdown: lambda _: markdown_report(view.suite_report(result)),
-            junit: lambda _: view.suite_junit(result, seconds, origin_of()),
+            markdown: lambda _: lazy.markdown_report(lazy.suite_report(result)),
+            junit: lambda _: lazy.suite_junit(result, seconds, origin_of()),
             updated: lambda _: _updated(chosen.file, result),
         }
     )
@@ -83,64 +71,54 @@ def validate(
         raise typer.Exit(CHECK_FAILED)
 
 
-def _computed(suite: "Suite", *, quiet: bool) -> tuple["SuiteResult", list[float]]:
+def _computed(suite: "armour.Suite", *, quiet: bool) -> tuple["armour.SuiteResult", list[float]]:
     """Compute the cases, and return how many seconds each took; if interrupted, show those that are done."""
-    from armour.reporting.views import validation as view
-    from armour.validation.validate import result_of
-    from armour.validation.validate import validate as run_suite
-
-    done: list[Check] = []
+    done: list[armour.Check] = []
     times = [perf_counter()]
     try:
         with progress("cases", len(suite.cases)) as count:
 
-            def on_check(check: "Check", _total: int) -> None:
+            def on_check(check: "armour.Check", _total: int) -> None:
                 done.append(check)
                 times.append(perf_counter())
                 count(1)
 
-            return run_suite(suite, on_check=on_check), [end - start for start, end in pairwise(times)]
+            return armour.validate(suite, on_check=on_check), [end - start for start, end in pairwise(times)]
     except KeyboardInterrupt:
         if done and not quiet:
-            show(*view.tables_of_suite(result_of(suite, done)))
+            show(*lazy.tables_of_suite(lazy.result_of(suite, done)))
         raise
 
 
-def _updated(suite: Path, result: "SuiteResult") -> bytes | None:
+def _updated(suite: Path, result: "armour.SuiteResult") -> bytes | None:
     """Return the suite with computed values, which are listed on standard error; None if nothing changes."""
-    from armour.reporting.views.validation import update_table
-    from armour.validation.validate import kept_by_update, updated_file, updates_of
-
-    if kept := kept_by_update(result).checks:
+    if kept := lazy.kept_by_update(result).checks:
         say(f"kept, as no regression values: {len(kept)} of {len(result.checks)} expected values")
-    updates = updates_of(result)
+    updates = lazy.updates_of(result)
     if not updates:
         say("every regression value is the computed one")
         return None
-    show(update_table(updates), stderr=True)
-    return updated_file(suite.read_bytes(), updates)
+    show(lazy.update_table(updates), stderr=True)
+    return lazy.updated_file(suite.read_bytes(), updates)
 
 
 def figures(
-    folder: Annotated[Path, argument("DIR", "Folder to write to.")],
-    only: Annotated[
-        str, option("Draw only the figure of this number, or those whose name contains the text.", metavar="TEXT")
-    ] = "",
-    image: Annotated[Literal["png", "svg"], typer.Option("--format", help="Format of the figures.")] = "png",
-    force: Force = False,
+    folder: Path = argument("DIR", "Folder to write to."),
+    only: str = option(
+        "Draw only the figure of this number, or those whose name contains the text.", metavar="TEXT", default=""
+    ),
+    image: Literal["png", "svg"] = typer.Option("png", "--format", help="Format of the figures."),
+    force: bool = FORCE,
 ) -> None:
     """Draw the paper's figures.
 
     These are figs. 3 to 14, and parity plots of table 3 and of bare plates. The values of each are also written as CSV.
     """
     drawing = runner.drawing()
-    from armour.reporting.pictures import validation as pictures
-    from armour.reporting.views import validation as view
-    from armour.validation.figures import PARITIES, compute_figure, paper_figures, parity, read_figures
 
-    path = paper_figures()
-    panels = {name: list(group) for name, group in groupby(read_figures(path), attrgetter("name"))}
-    names = [*panels, *PARITIES]
+    path = lazy.paper_figures()
+    panels = {name: list(group) for name, group in groupby(lazy.read_figures(path), attrgetter("name"))}
+    names = [*panels, *lazy.PARITIES]
     number = f"fig{only.zfill(2)}" if only.isdecimal() else ""
     chosen = [name for name in names if (name == number if number else only in name)]
     if not chosen:
@@ -156,19 +134,19 @@ def figures(
     # Each figure is written as soon as it is computed: all of them take a while.
     with progress("figures", len(chosen)) as count:
         for name in chosen:
-            if name in PARITIES:
-                result = parity(name)
-                table, draw = view.parity_table(result), partial(pictures.draw_suite, result)
+            if name in lazy.PARITIES:
+                result = lazy.parity(name)
+                table, draw = lazy.parity_table(result), partial(lazy.draw_suite, result)
             else:
-                figures = [compute_figure(section, path.parent) for section in panels[name]]
-                table, draw = view.figure_table(figures), partial(pictures.draw_figure, figures)
+                figures = [lazy.compute_figure(section, path.parent) for section in panels[name]]
+                table, draw = lazy.figure_table(figures), partial(lazy.draw_figure, figures)
             figure = drawing.drawn(draw, drawing.Sheet()).figure
             folder.mkdir(parents=True, exist_ok=True)
             write(_files_of(folder, name, image, table, figure))
             count(1)
 
 
-def _files_of(folder: Path, name: str, image: str, table: "Table", figure: Any) -> Files:
+def _files_of(folder: Path, name: str, image: str, table: Table, figure: Any) -> Files:
     """Return the files of a figure, with what makes their contents."""
     return {
         folder / f"{name}.csv": lambda _: csv_text(table),

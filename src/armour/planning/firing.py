@@ -12,26 +12,14 @@ from pydantic import Field
 from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
 from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.results import OnProgress, Result, ignore_progress
-from armour.analysis.variants import Floats
 from armour.errors import Problem, counted, mistake, refuse
 from armour.evidence.model_error import NORMAL, ModelError
-from armour.planning.procedures import (
-    PROCEDURES,
-    Aim,
-    OperatingPoint,
-    Rule,
-    ShotSettings,
-    decisions,
-    expected_shots,
-    langlie_doubts,
-    mean_of,
-    operating_characteristic,
-    posterior,
-    recommended_fit,
-)
+from armour.planning import procedures
+from armour.planning.procedures import Aim, OperatingPoint, Rule, ShotSettings
 from armour.planning.shot_file import added
 from armour.scenario.checked import checked, instance
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
+from armour.statistics import v50
 from armour.statistics.curves import FittedCurve
 from armour.statistics.posterior import (
     SCATTER_FACTOR,
@@ -45,17 +33,7 @@ from armour.statistics.posterior import (
     pooled_scatter,
     posterior_of,
 )
-from armour.statistics.v50 import (
-    MAX_VELOCITY_M_S,
-    MIN_VELOCITY_M_S,
-    Fraction,
-    MeanV50,
-    Shots,
-    Velocity,
-    check_not_swapped,
-    check_shots,
-    swapped_note,
-)
+from armour.statistics.v50 import Fraction, MeanV50, Shots, Velocity
 from armour.units import feet_note
 
 Procedure = Literal["bayesian", "neyer", "langlie", "up-and-down"]
@@ -215,11 +193,11 @@ def plan_shots(
     shots: Shots | None = None,
     *,
     procedure: Procedure = "bayesian",
-    half_width_m_s: Annotated[float, Field(ge=0.1, le=MAX_VELOCITY_M_S)] | None = None,
+    half_width_m_s: Annotated[float, Field(ge=0.1, le=v50.MAX_VELOCITY_M_S)] | None = None,
     confidence: Confidence = CONFIDENCE,
     requirement_m_s: Velocity | None = None,
     requirement_fraction: Fraction = 0.5,
-    velocity_max_m_s: Velocity = MAX_VELOCITY_M_S,
+    velocity_max_m_s: Velocity = v50.MAX_VELOCITY_M_S,
     prior: bool = False,
     scatter_percent: Annotated[float, Field(ge=0.01, le=50.0)] = SCATTER_PERCENT,
     scatter_factor: Annotated[float, Field(ge=1.01, le=10.0)] = SCATTER_FACTOR,
@@ -227,7 +205,7 @@ def plan_shots(
     limits_m_s: Annotated[tuple[Velocity, Velocity], Field(strict=False)] | None = None,
     simulate: bool = False,
     true_v50_m_s: Velocity | None = None,
-    true_scatter_m_s: Annotated[float, Field(ge=0.01, le=MAX_VELOCITY_M_S)] | None = None,
+    true_scatter_m_s: Annotated[float, Field(ge=0.01, le=v50.MAX_VELOCITY_M_S)] | None = None,
     seed: Annotated[int, Field(ge=0)] = 0,
     on_progress: OnProgress = ignore_progress,
 ) -> ShotPlan:
@@ -302,11 +280,11 @@ def plan_shots(
     726.8
     """
     shots = shots or Shots((), ())
-    check_shots(shots, kinds=0)
+    v50.check_shots(shots, kinds=0)
     for firing in earlier:
-        check_shots(instance(firing, Shots))
+        v50.check_shots(instance(firing, Shots))
     for firing in (shots, *earlier):
-        check_not_swapped(firing)
+        v50.check_not_swapped(firing)
     required, without = requirement_m_s is not None, "must not be given without "
     undecided = f"must not be given with {procedure}, which has no requirement"
     other_end = "must not be given with a requirement, which ends the firing"
@@ -352,21 +330,17 @@ def plan_shots(
         requirement_fraction=requirement_fraction,
         by_prior=prior,
     )
-    rule, fired = PROCEDURES[procedure], shots
+    rule, fired = procedures.PROCEDURES[procedure], shots
     if simulate:
-        dice = np.random.default_rng(seed)
-        if true_v50_m_s is None or true_scatter_m_s is None:
-            likely = posterior_of(expectation, shots.velocities_m_s, shots.complete)
-            point = dice.choice(len(likely.weights), p=likely.weights)
-            true_v50_m_s, true_scatter_m_s = likely.grid.v50_m_s[point].item(), likely.grid.scatter_m_s[point].item()
-        simulated_limits = dice.normal(true_v50_m_s, true_scatter_m_s, MAX_SIMULATED)
-        fired = _simulated(shots, settings, rule, simulated_limits, on_progress)
+        truth = (true_v50_m_s, true_scatter_m_s) if true_v50_m_s and true_scatter_m_s else None
+        fired, (true_v50_m_s, true_scatter_m_s) = simulate_firing(shots, rule, settings, truth, seed, on_progress)
     end_reason = rule.ended(fired, settings)
     aim = None if end_reason else _aim(rule, fired, settings)
     prior_of_v50 = posterior_of(expectation, (), ())
     posterior_of_v50 = posterior_of(expectation, fired.velocities_m_s, fired.complete)
     prior_estimate, estimate, share, contradictions = learned(prior_of_v50, posterior_of_v50, confidence)
-    further, further_90 = expected_shots(fired, settings) if procedure == "bayesian" and aim else (None, None)
+    is_bayesian = procedure == "bayesian"
+    further, further_90 = procedures.expected_shots(fired, settings) if is_bayesian and aim else (None, None)
     return ShotPlan(
         procedure=procedure,
         fired=fired,
@@ -384,8 +358,8 @@ def plan_shots(
         prior=prior_estimate,
         posterior=estimate,
         prior_share=share,
-        recommended=None if procedure == "bayesian" else recommended_fit(fired, confidence),
-        mean=mean_of(fired) if procedure == "up-and-down" else None,
+        recommended=None if is_bayesian else procedures.recommended_fit(fired, confidence),
+        mean=procedures.mean_of(fired) if procedure == "up-and-down" else None,
         model_ballistic_limit_m_s=None if limit is None else limit.ballistic_limit_m_s,
         model_error=model_error,
         expected_from=expectation.error.source,
@@ -393,15 +367,15 @@ def plan_shots(
         true_scatter_m_s=true_scatter_m_s,
         curve=_curve(prior_of_v50, posterior_of_v50, fired),
         contradicts_prior=bool(contradictions),
-        **_requirement(fired, settings, posterior_of_v50, operates=procedure == "bayesian" and not shots.complete),
+        **_requirement(fired, settings, posterior_of_v50, operates=is_bayesian and not shots.complete),
         earlier=len(earlier),
         scatter_percent=scatter_percent,
         scatter_factor=scatter_factor,
         warnings=(
             *_far_shots(shots, expectation, limit),
-            *swapped_note(shots),
+            *v50.swapped_note(shots),
             *contradictions,
-            *(langlie_doubts(fired, settings) if procedure == "langlie" and aim else ()),
+            *(procedures.langlie_doubts(fired, settings) if procedure == "langlie" and aim else ()),
             *([NOT_ENDED] if simulate and aim else ()),
             *(() if limit is None else limit.warnings),
         ),
@@ -434,15 +408,30 @@ def _expected_v50(
     return middle, ModelError(0.0, 100.0 * (high - low) / (2.0 * WITHIN * middle), NORMAL, source)
 
 
-def _simulated(fired: Shots, settings: ShotSettings, rule: Rule, limits: Floats, on_progress: OnProgress) -> Shots:
-    """Return shots followed by those of a rule, each of which perforates above a limit of its own, m/s."""
-    for limit in limits:
+def simulate_firing(
+    fired: Shots,
+    rule: Rule,
+    settings: ShotSettings,
+    truth: tuple[float, float] | None,
+    seed: int,
+    on_progress: OnProgress,
+) -> tuple[Shots, tuple[float, float]]:
+    """Return shots followed by those of a rule up to its end, and the true V50 and scatter, m/s.
+
+    Each shot perforates above a limit of its own, drawn from the truth, which may itself be drawn from the posterior.
+    """
+    dice = np.random.default_rng(seed)
+    if truth is None:
+        likely = posterior_of(settings.prior, fired.velocities_m_s, fired.complete)
+        point = dice.choice(len(likely.weights), p=likely.weights)
+        truth = likely.grid.v50_m_s[point].item(), likely.grid.scatter_m_s[point].item()
+    for limit in dice.normal(*truth, MAX_SIMULATED):
         if rule.ended(fired, settings):
             break
         velocity = aimed(_aim(rule, fired, settings).velocity_m_s)
         fired = added(fired, velocity, bool(limit < velocity))
         on_progress(1, None)
-    return fired
+    return fired, truth
 
 
 def _aim(rule: Rule, fired: Shots, settings: ShotSettings) -> Aim:
@@ -459,8 +448,8 @@ def _requirement(
     """Return the attributes of a plan about its requirement, with or without an operating characteristic."""
     if settings.requirement_m_s is None:
         return {"probability_met": None}
-    current = posterior(fired, settings)
-    [decision] = decisions(current.weights[None], current.grid, settings)
+    current = procedures.posterior(fired, settings)
+    [decision] = procedures.decisions(current.weights[None], current.grid, settings)
     evidence: dict[str, float] = {}
     if demand := settings.demand():
         [(met, not_met)] = demand.ratios(current.weights[None]).tolist()
@@ -469,7 +458,7 @@ def _requirement(
     return {
         "probability_met": posterior_of_v50.probability_above(settings.requirement_m_s, settings.requirement_fraction),
         "decision": ("", "met", "not met")[decision],
-        "operating_characteristic": operating_characteristic(settings) if operates else (),
+        "operating_characteristic": procedures.operating_characteristic(settings) if operates else (),
         **evidence,
     }
 
@@ -518,7 +507,7 @@ def limits_of(prior: FiringPrior, probability: float = LIMITS_PROBABILITY) -> tu
 
 def aimed(velocity_m_s: float) -> float:
     """Return a velocity to aim at, m/s, rounded to a tenth and within the range of velocities."""
-    return round(min(max(velocity_m_s, MIN_VELOCITY_M_S), MAX_VELOCITY_M_S), 1)
+    return round(min(max(velocity_m_s, v50.MIN_VELOCITY_M_S), v50.MAX_VELOCITY_M_S), 1)
 
 
 def far_from(limit_m_s: float, velocity_m_s: float) -> str:

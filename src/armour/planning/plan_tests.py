@@ -24,15 +24,7 @@ from armour.scenario.inputs import FLOW_STRESS, INPUTS, NAMES, VELOCITY
 from armour.scenario.keys import canonical
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.statistics import likelihood
-from armour.statistics.calibration import (
-    Law,
-    check_fitted,
-    check_same_prior,
-    fitted_names,
-    law_of,
-    under_law,
-    with_law,
-)
+from armour.statistics.calibration import Law, check_fitted, check_same_prior, fitted_names, law_of, under_law, with_law
 from armour.statistics.likelihood import InputFit, Likelihood
 from armour.statistics.measured import LIMIT, MaterialGroup, Tests, with_scatter
 from armour.sweeps.cases import Grid, SweepCases, source_of

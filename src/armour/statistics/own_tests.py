@@ -6,30 +6,15 @@ from pathlib import Path
 
 import numpy as np
 
-from armour.analysis.variants import (
-    MOST_MOVED_M_S,
-    Floats,
-    Variants,
-    ballistic_limits,
-    concatenated,
-    moved_m_s,
-)
+from armour.analysis.variants import MOST_MOVED_M_S, Floats, Variants, ballistic_limits, concatenated, moved_m_s
 from armour.csv_files import shipped_rows
 from armour.errors import counted
 from armour.evidence.fit import law_parameters, mixture_of, shipped_data
 from armour.evidence.model_error import other_settings
 from armour.evidence.tests import armours_of, is_outside, own_evidence, shipped_evidence, shipped_evidence_of
+from armour.scenario import library
 from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, cosine_of
-from armour.scenario.library import (
-    FLOW_STRESS_LAW,
-    IN_COMMON,
-    SERIES_KEY,
-    TEST_RESULTS,
-    VARIED,
-    LawTests,
-    LibraryEntry,
-    OwnTests,
-)
+from armour.scenario.library import LawTests, LibraryEntry, OwnTests
 from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S
 from armour.statistics.measured import LIMIT, Tests, series_of
 
@@ -51,7 +36,10 @@ NOTHING_OF_ERROR = (
 PENETRATOR = ("projectile.penetrator_diameter_mm", "projectile.penetrator_mass_g")
 IDENTITY = (CERAMIC, BACKING, OBLIQUITY, *PENETRATOR, "ballistic_limit_m_s")
 # What can be calibrated to own tests, by role: keys of the entry, and quantities.
-FITTED_KEYS = {"ceramic": ("flow_stress_GPa", *FLOW_STRESS_LAW), "backing": ("flow_stress_GPa", "shear_strength_MPa")}
+FITTED_KEYS = {
+    "ceramic": ("flow_stress_GPa", *library.FLOW_STRESS_LAW),
+    "backing": ("flow_stress_GPa", "shear_strength_MPa"),
+}
 QUANTITIES_OF_ROLE = {
     "ceramic": ("ceramic_strength_GPa", "backing_exponent", "product_exponent", "slopes"),
     "backing": ("backing_strength_GPa", "backing_shear_ratio"),
@@ -115,8 +103,8 @@ def own_tests(tests: Tests, fitted: Mapping[str, float], computed_m_s: Sequence[
     scatter = [abs(m.side) * SHOT_SCATTER * m.value if m.uncertainty is None else m.uncertainty for m in shots]
     q |= {"velocity_m_s": velocities, "uncertainty_m_s": np.array(scatter), "side": sides}
     series = [series_of(tests, shot.test) for shot in shots]
-    kept = (*VARIED, *IN_COMMON, *TEST_RESULTS, *[SERIES_KEY] * (len({*series}) > 1))
-    q[SERIES_KEY] = np.array([float(sorted({*series}).index(name)) for name in series])
+    kept = (*library.VARIED, *library.IN_COMMON, *library.TEST_RESULTS, *[library.SERIES_KEY] * (len({*series}) > 1))
+    q[library.SERIES_KEY] = np.array([float(sorted({*series}).index(name)) for name in series])
     return OwnTests(
         source=f"{counted(len(tests.names), 'test')} of {Path(tests.file).name}",
         calibrated={name: float(values[name][0]) for name in QUANTITIES_OF_ROLE[role]},

@@ -10,25 +10,11 @@ from numpy.polynomial.hermite_e import hermevander
 from numpy.polynomial.legendre import legvander
 from scipy.special import ndtri
 
+from armour.analysis import samples as sampling
 from armour.analysis.ballistic_limit import model_error
 from armour.analysis.estimates import CONFIDENCE, Estimate, jackknife, mean_of_replicates, proportion_of_replicates
 from armour.analysis.results import OnProgress, TableResult, ignore_progress, portions
-from armour.analysis.samples import (
-    REPLICATES,
-    Samples,
-    by_laws,
-    columns_of,
-    correlated,
-    moved_mean,
-    own_errors,
-    own_values,
-    points_of,
-    probability_of_perforation,
-    quantiles,
-    replicated_points,
-    sampled,
-    section_of,
-)
+from armour.analysis.samples import Samples, columns_of, sampled
 from armour.analysis.variants import Bools, Floats, ballistic_limits
 from armour.errors import NoLimitError, Note
 from armour.evidence.model_error import ErrorRows, ModelError
@@ -55,9 +41,11 @@ def first_order_indices(section: Uncertainty, points: Floats, values: Floats) ->
     """
     uniform = [distribution.distribution == "uniform" for distribution in section.inputs().values()]
     scaled_values = (values - values.mean()) / values.std()
-    replicates = zip(np.array_split(points, REPLICATES), np.array_split(scaled_values, REPLICATES), strict=True)
+    replicates = zip(
+        np.array_split(points, sampling.REPLICATES), np.array_split(scaled_values, sampling.REPLICATES), strict=True
+    )
     moments = [
-        [_moments(*column, scaled) for column in zip(correlated(section, part).T, uniform, strict=True)]
+        [_moments(*column, scaled) for column in zip(sampling.correlated(section, part).T, uniform, strict=True)]
         for part, scaled in replicates
     ]
     return [jackknife(_explained, by_replicate) for by_replicate in np.array(moments).swapaxes(0, 1)]
@@ -85,7 +73,7 @@ def total_indices(
 
     The function maps points of the unit cube, (n, inputs), to values, (n,); the number of samples is a power of 2.
     """
-    points, resampled = np.split(replicated_points("sobol", 2 * inputs, samples, seed), 2, axis=1)
+    points, resampled = np.split(sampling.replicated_points("sobol", 2 * inputs, samples, seed), 2, axis=1)
     values = function(points)
     sums = [_sums(values**0), _sums(values - values[0]), _sums((values - values[0]) ** 2)]
     indices = []
@@ -105,7 +93,7 @@ def _changed(sums: Floats) -> Floats:
 
 def _sums(values: Floats) -> Floats:
     """Return the sum over each replicate."""
-    return np.array([part.sum() for part in np.array_split(values, REPLICATES)])
+    return np.array([part.sum() for part in np.array_split(values, sampling.REPLICATES)])
 
 
 # Quantiles of the ballistic limit.
@@ -241,12 +229,12 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
     NoLimitError
         If a sample has no ballistic limit in the range of the search.
     """
-    section = section_of(scenario)
-    points = points_of(section)
+    section = sampling.section_of(scenario)
+    points = sampling.points_of(section)
     ranked = _ranked(section)
     total = section.samples + index_samples(section) * (len([name for name in ranked if name != ERROR]) + 1)
     if ERROR in ranked and len(ranked) > 1:
-        total += _index_size(section) * len(_laws(own_errors(scenario)))
+        total += _index_size(section) * len(_laws(sampling.own_errors(scenario)))
 
     def on_samples(count: int) -> None:
         on_progress(count, total)
@@ -255,13 +243,13 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
     exact = sampled(scenario, {}, 1)
     deterministic = float(sample_limits(exact)[0])
     error = model_error(exact.variants, deterministic)
-    mean = mean_of_replicates(np.array([part.mean() for part in np.array_split(limits, REPLICATES)]))
+    mean = mean_of_replicates(np.array([part.mean() for part in np.array_split(limits, sampling.REPLICATES)]))
     return UncertaintyResult(
         samples=section.samples,
         seed=section.seed,
         method=section.method,
         confidence=CONFIDENCE,
-        probability_of_perforation=probability_of_perforation(scenario),
+        probability_of_perforation=sampling.probability_of_perforation(scenario),
         ballistic_limit_m_s={name: quantile(limits, probability) for name, probability in V_P.items()},
         mean_m_s=mean.value,
         mean_interval_m_s=(mean.low, mean.high),
@@ -285,7 +273,7 @@ def _misplaced(section: Uncertainty, values: Mapping[str, float]) -> Iterator[No
         if name in values:
             if not distribution.contains(values[name]):
                 yield Note(f"does not contain the scenario's value, {values[name]:g}", f"uncertainty.{name}")
-            if means := moved_mean(distribution, values[name]):
+            if means := sampling.moved_mean(distribution, values[name]):
                 yield Note(f"truncation moves its mean from {means[0]:g} to {means[1]:.4g}", f"uncertainty.{name}")
 
 
@@ -293,7 +281,7 @@ def _in_portions(
     scenario: Scenario, points: Floats, on_samples: Callable[[int], None], *, with_error: bool = True
 ) -> Iterator[Samples]:
     """Yield the samples at points of the unit cube, (n, inputs), in portions; report each once it is computed."""
-    section, values = section_of(scenario), own_values(scenario)
+    section, values = sampling.section_of(scenario), sampling.own_values(scenario)
     for portion in portions(len(points), SAMPLES_AT_A_TIME):
         columns, count = columns_of(section, values, points[portion]), portion.stop - portion.start
         if not with_error:
@@ -316,7 +304,7 @@ def sample_limits(samples: Samples) -> Floats:
 
 def _share(hits: Bools) -> Estimate:
     """Estimate the probability of hits, (samples,), from replicates."""
-    parts = np.array_split(hits, REPLICATES)
+    parts = np.array_split(hits, sampling.REPLICATES)
     return proportion_of_replicates([int(part.sum()) for part in parts], [len(part) for part in parts])
 
 
@@ -369,7 +357,7 @@ def influences(
 
     The indices of the model error follow from the limits without it.
     """
-    section, values = section_of(scenario), own_values(scenario)
+    section, values = sampling.section_of(scenario), sampling.own_values(scenario)
     names, inputs = _ranked(section), list(section.inputs())
     if not names:
         return ()
@@ -380,7 +368,7 @@ def influences(
     varied = [name for name in names if name != ERROR]
     ends = {name: np.full(2 * len(varied), values[name]) for name in varied}
     for i, name in enumerate(varied):
-        ends[name][2 * i : 2 * i + 2] = quantiles(section.inputs()[name], ENDS, values[name])
+        ends[name][2 * i : 2 * i + 2] = sampling.quantiles(section.inputs()[name], ENDS, values[name])
     pairs = sample_limits(sampled(scenario, ends, 2 * len(varied))).reshape(-1, 2).tolist()
     limits_at_ends = {name: (float(low), float(high)) for name, (low, high) in zip(varied, pairs, strict=True)}
     if error is not None:
@@ -426,15 +414,15 @@ def error_indices(
     The armour's ballistic limit is the model's, by a law, times a ratio independent of it.  The moments of the ratio
     are known; only those of the limits by each law are estimated.
     """
-    errors = own_errors(scenario)
+    errors = sampling.own_errors(scenario)
     means, squares = _ratio_moments(errors)
-    points = replicated_points("sobol", len(section.inputs()), _index_size(section), section.seed)
+    points = sampling.replicated_points("sobol", len(section.inputs()), _index_size(section), section.seed)
     limits = np.zeros((len(means), len(points)))
     for law in _laws(errors):
         samples = _in_portions(scenario, points, on_samples, with_error=False)
-        variants = (by_laws(s.variants, errors, np.full(len(s.variants.velocities), law)) for s in samples)
+        variants = (sampling.by_laws(s.variants, errors, np.full(len(s.variants.velocities), law)) for s in samples)
         limits[law] = np.concatenate([sample_limits(Samples(rows, 1.0)) for rows in variants])
-    parts = np.array_split(limits, REPLICATES, axis=1)
+    parts = np.array_split(limits, sampling.REPLICATES, axis=1)
     sums = np.array(
         [[part.shape[1], *part.sum(axis=1), *(part**2).sum(axis=1), ((means @ part) ** 2).sum()] for part in parts]
     )

@@ -11,34 +11,17 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field
 
+from armour import csv_files
 from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
 from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.columns import GROUPS, YES_MEANS, column_of, perforates
-from armour.csv_files import (
-    MUST_SAY,
-    Source,
-    TableRead,
-    check_one_target,
-    in_line_order,
-    open_table,
-    read_rows,
-    targets_of,
-)
+from armour.csv_files import Source, TableRead
 from armour.errors import Problem, counted, joined, mistake, refuse
 from armour.scenario.checked import Table, checked
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
-from armour.statistics.curves import (
-    CDFS,
-    INVERSE_CDFS,
-    FittedCurve,
-    Interval,
-    ShotLikelihood,
-    bounded,
-    curve_of,
-    has_curve,
-    penalised_band,
-)
+from armour.statistics import curves
+from armour.statistics.curves import FittedCurve, Interval, ShotLikelihood
 from armour.statistics.posterior import FiringEstimate, FiringPrior, learned, no_prior, posterior_of
 from armour.units import feet_note
 
@@ -281,7 +264,7 @@ class FiringResult(TableResult):
             ends = max(slowest - margin, MIN_VELOCITY_M_S), fastest + margin
             velocities_m_s = np.linspace(*ends, BAND_POINTS).tolist()
         partial, complete = shots.of(complete=False), shots.of(complete=True)
-        low, high = penalised_band(partial, complete, curve.curve, velocities_m_s, self.confidence)
+        low, high = curves.penalised_band(partial, complete, curve.curve, velocities_m_s, self.confidence)
         return [
             {"velocity_m_s": velocity, "probability": curve.probability(velocity), "probability_interval": ends}
             for velocity, *ends in zip(velocities_m_s, low.tolist(), high.tolist(), strict=True)
@@ -301,11 +284,7 @@ class FiringResult(TableResult):
 
 @checked
 def read_shots(
-    path: Table,
-    *,
-    one_kind: bool = False,
-    where: Mapping[str, str] | None = None,
-    sheet: str | None = None,
+    path: Table, *, one_kind: bool = False, where: Mapping[str, str] | None = None, sheet: str | None = None
 ) -> Shots:
     """Read firing results.
 
@@ -335,7 +314,7 @@ def read_shots(
     InputError
         With every mistake in the file.
     """
-    return shots_of(open_table(path, is_of_shots, sheet), one_kind=one_kind, where=where)
+    return shots_of(csv_files.open_table(path, is_of_shots, sheet), one_kind=one_kind, where=where)
 
 
 def is_of_shots(name: str) -> bool:
@@ -352,7 +331,9 @@ def shots_of(source: Source, *, one_kind: bool = False, where: Mapping[str, str]
         )
         raise mistake(source.file, "", message)
     naming = ("shot", "result")
-    table = read_rows(source, numbers=KEYS[:1], texts=naming, needed=KEYS, noun="shot", where=where, least=not one_kind)
+    table = csv_files.read_rows(
+        source, numbers=KEYS[:1], texts=naming, needed=KEYS, noun="shot", where=where, least=not one_kind
+    )
     file, rows, problems = table.file, table.rows, table.problems
     velocities = [row.numbers.get("velocity_m_s", MIN_VELOCITY_M_S) for row in rows]
     words = [row.texts.get("result", "") for row in rows]
@@ -365,9 +346,9 @@ def shots_of(source: Source, *, one_kind: bool = False, where: Mapping[str, str]
             message = f"must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g}, found {written}"
             problems.append(Problem(file, f"{row.place}: velocity_m_s", f"{message}; is it in m/s?"))
         if result is None:
-            problems.append(Problem(file, f"{row.place}: result", f'{MUST_SAY}, found "{text}"'))
-    refuse(in_line_order(problems))
-    check_one_target(table, results, ", or --each for one answer each")
+            problems.append(Problem(file, f"{row.place}: result", f'{csv_files.MUST_SAY}, found "{text}"'))
+    refuse(csv_files.in_line_order(problems))
+    csv_files.check_one_target(table, results, ", or --each for one answer each")
     names = tuple(row.texts.get("shot", "") for row in rows)
     shots = Shots((*velocities,), (*map(bool, results),), file, names if any(names) else (), table.read)
     check_shots(shots, kinds=0 if one_kind else 2)
@@ -379,12 +360,14 @@ def firings_of(path: Table, where: Mapping[str, str], sheet: str | None) -> list
 
     Serial numbers, of one or two shots of one kind, are none.
     """
-    source = open_table(path, is_of_shots, sheet)
-    table = read_rows(source, numbers=KEYS[:1], texts=("shot", "result"), needed=KEYS, noun="shot", where=where)
-    refuse(in_line_order(table.problems))
+    source = csv_files.open_table(path, is_of_shots, sheet)
+    table = csv_files.read_rows(
+        source, numbers=KEYS[:1], texts=("shot", "result"), needed=KEYS, noun="shot", where=where
+    )
+    refuse(csv_files.in_line_order(table.problems))
     results = [perforates(row.texts.get("result", "")) for row in table.rows]
     for name, values in table.groups.items():
-        if found := targets_of(table, name, results):
+        if found := csv_files.targets_of(table, name, results):
             pairs = {*zip(values, results, strict=True)}
             return [(name, value, sum(value == other for other, _ in pairs)) for value in found]
     message = f"must have a column {joined(GROUPS, 'or')}, with several shots for each of its values"
@@ -458,7 +441,7 @@ def v50(
         raise mistake("v50", "requirement_fraction", "must not be given without a requirement")
     partial, complete = shots.of(complete=False), shots.of(complete=True)
     # With a prior, shots that have no curve are informative too.
-    curved = not prior or has_curve(partial, complete)
+    curved = not prior or curves.has_curve(partial, complete)
     fits = _curves(partial, complete, confidence, penalised=False) if curved else []
     penalised_fits = _curves(partial, complete, confidence, penalised=True) if curved else []
     likelihood, recommended = penalised_fits[0] if penalised_fits else (None, None)
@@ -468,8 +451,8 @@ def v50(
         chances = likelihood.probability_interval(at_m_s, confidence)
         at = ProbabilityAt(at_m_s, recommended.probability(at_m_s), chances)
     if likelihood and recommended and fraction is not None:
-        z = float(INVERSE_CDFS[likelihood.link](fraction))
-        velocity = bounded(recommended.v50_m_s + z * recommended.scale_m_s)
+        z = float(curves.INVERSE_CDFS[likelihood.link](fraction))
+        velocity = curves.bounded(recommended.v50_m_s + z * recommended.scale_m_s)
         ends, lower = likelihood.velocity_interval(z, confidence), likelihood.lower_bound(z, confidence)
         velocity_of = VelocityOf(fraction, velocity, ends, lower)
     decision, accepting, rejecting = decided(likelihood, requirement_m_s, requirement_fraction, confidence)
@@ -527,8 +510,8 @@ def _curves(
     partial: Sequence[float], complete: Sequence[float], confidence: float, *, penalised: bool
 ) -> list[tuple[ShotLikelihood, FittedCurve]]:
     """Return the likelihoods of both kinds with their curves, without penalised ones that do not rise."""
-    likelihoods = (ShotLikelihood(partial, complete, link, penalised=penalised) for link in CDFS)
-    return [(shots, curve) for shots in likelihoods if (curve := curve_of(shots, confidence))]
+    likelihoods = (ShotLikelihood(partial, complete, link, penalised=penalised) for link in curves.CDFS)
+    return [(shots, curve) for shots in likelihoods if (curve := curves.curve_of(shots, confidence))]
 
 
 def _bounded(shots: ShotLikelihood, confidence: float) -> tuple[float, tuple[float, float]] | tuple[None, None]:
@@ -550,7 +533,7 @@ def _further(partial: Sequence[float], complete: Sequence[float], confidence: fl
     ends = max(near[0] - reach, MIN_VELOCITY_M_S), min(near[-1] + reach, MAX_VELOCITY_M_S)
     for velocity in np.linspace(*ends, FURTHER).round().tolist():
         for stopped, perforated in (([*partial, velocity], complete), (partial, [*complete, velocity])):
-            if has_curve(stopped, perforated):
+            if curves.has_curve(stopped, perforated):
                 shots = ShotLikelihood(stopped, perforated, "probit", penalised=True)
                 if best is None or shots.flat_deviance > best[0].flat_deviance:
                     best = shots, velocity, perforated is not complete
@@ -570,7 +553,7 @@ def decided(
         return "", None, None
     if shots is None:
         return "not decided", None, None
-    accepting = shots.chance_below(float(INVERSE_CDFS[shots.link](fraction)), requirement_m_s)
+    accepting = shots.chance_below(float(curves.INVERSE_CDFS[shots.link](fraction)), requirement_m_s)
     risk = 1.0 - confidence + VELOCITY_ROUNDING
     decision: Decision = "met" if accepting <= risk else "not met" if 1.0 - accepting <= risk else "not decided"
     return decision, accepting, 1.0 - accepting
@@ -624,12 +607,7 @@ def check_shots(shots: Shots, *, kinds: int = 2) -> None:
 def swapped_note(shots: Shots) -> Iterator[str]:
     """Yield a warning if the complete penetrations were no faster on average than the partial ones, of three each."""
     partial, complete = shots.of(complete=False), shots.of(complete=True)
-    if (
-        partial
-        and complete
-        and not has_curve(partial, complete)
-        and comb(len(shots.complete), len(complete)) >= SWAPPED
-    ):
+    if comb(len(shots.complete), len(complete)) >= SWAPPED and not curves.has_curve(partial, complete):
         yield (
             f"the complete penetrations were no faster on average ({np.mean(complete):.1f} m/s) than the partial ones "
             f"({np.mean(partial):.1f} m/s); are the results swapped?"
@@ -642,7 +620,7 @@ def check_not_swapped(shots: Shots) -> None:
     So few shots that this happens by chance are taken as they are.
     """
     partial, complete = shots.of(complete=False), shots.of(complete=True)
-    if partial and complete and complete[-1] < partial[0] and comb(len(shots.complete), len(complete)) >= SWAPPED:
+    if comb(len(shots.complete), len(complete)) >= SWAPPED and complete[-1] < partial[0]:
         message = (
             f"must have complete penetrations that are not all slower than the partial ones, found complete ones up to "
             f"{complete[-1]:g} m/s and partial ones from {partial[0]:g} m/s; are the results swapped?"

@@ -1,0 +1,100 @@
+"""Answers to tables of shots: one for each target, the next shot to plan, and a shot that is added."""
+
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from os.path import exists
+from pathlib import Path
+
+import armour
+from armour.analysis.results import EachResult, Result
+from armour.cli.console import say
+from armour.cli.runner import Files, say_how_read, wrong_option
+from armour.columns import perforates
+from armour.csv_files import MUST_SAY, open_table
+from armour.errors import mistake
+from armour.planning.firing import ShotPlan, far_from
+from armour.planning.shot_file import content_of, locked, with_shot
+from armour.scenario.keys import describe
+from armour.statistics.v50 import Shots, firings_of, is_of_shots, shots_of
+
+# Fraction by which a measured velocity may miss the planned one without a warning.
+FAR_FROM_PLAN = 0.1
+
+
+def each_result(
+    answer: Callable[[Shots], Result], table: Path, where: Mapping[str, str], sheet: str | None, kinds: int
+) -> EachResult:
+    """Return the answer for each value of the column that tells targets apart, by column and value."""
+    results = {}
+    for name, value, found in firings_of(table, where, sheet):
+        if found < kinds:
+            say(f"note: {table}: {name} {value}: left out, as its shots have only one result")
+            continue
+        chosen = {**where, name: value}
+        fired = say_how_read(table, armour.read_shots(table, one_kind=kinds == 1, where=chosen, sheet=sheet))
+        results[f"{name} {value}"] = answer(fired)
+    if not results:
+        raise wrong_option("--each", "must be given with shots of both results for one value at least")
+    return EachResult(results)
+
+
+def next_plan(
+    plan: Callable[..., ShotPlan], table: Path | None, where: Mapping[str, str], sheet: str | None, *, each: bool
+) -> EachResult | ShotPlan:
+    """Plan the next shot after those of a table, or after those at each target in it."""
+    if table is None:
+        return plan(None)
+    is_new = table.suffix == ".csv" and not exists(table)
+    if is_new:
+        say(f"note: {table}: no such file, so no shot has been fired; --result makes the file")
+    if each:
+        return each_result(plan, table, where, sheet, kinds=1)
+    if is_new:
+        return plan(None)
+    return plan(say_how_read(table, armour.read_shots(table, one_kind=True, where=where, sheet=sheet)))
+
+
+def plan_after(
+    plan: Callable[..., ShotPlan],
+    stack: ExitStack,
+    table: Path,
+    result: str,
+    velocity_m_s: float | None,
+    where: Mapping[str, str],
+) -> tuple[ShotPlan, list[str], Files]:
+    """Plan the next shot after one that is added to a table, locked in a stack.
+
+    Also return the warnings, also of the shot that is added, and the table with what makes its new content.
+    """
+    if perforates(result) is None:
+        raise wrong_option("--result", f"{MUST_SAY}, found {describe(result)}")
+
+    stack.enter_context(locked(table))
+    earlier_content = content_of(table)
+    fired = Shots((), (), str(table))
+    if exists(table):
+        fired = armour.read_shots(table, one_kind=True, where=where)
+    before = plan(fired)
+    planned, limit = before.next_velocity_m_s, before.prior.v50_m_s
+    velocity = planned if velocity_m_s is None else velocity_m_s
+    if velocity is None:
+        raise wrong_option("--velocity-m-s", "must be given: no further shot was planned")
+    if message := far_from(limit, velocity):
+        raise wrong_option("--velocity-m-s", message)
+    warnings = []
+    if planned is not None and abs(velocity - planned) > FAR_FROM_PLAN * planned:
+        warnings.append(
+            f"the shot added to {table}, at {velocity:g} m/s, is far from the planned velocity, {planned:g} m/s"
+        )
+    content = with_shot(table, velocity, result, where)
+    source = open_table(table, is_of_shots, content=content)
+    after = plan(say_how_read(table, shots_of(source, one_kind=True, where=where)))
+    if velocity_m_s is None:
+        say(f"note: {table}: records the planned {velocity:g} m/s")
+
+    def content_with_shot(_path: Path) -> bytes:
+        if content_of(table) != earlier_content:
+            raise mistake(table, "", "cannot be written: it has changed since it was read; repeat the command")
+        return content
+
+    return after, [*warnings, *after.warnings], {table: content_with_shot}

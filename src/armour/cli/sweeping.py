@@ -1,0 +1,95 @@
+"""Cases of a sweep from options and tables, and what the command `sweep` does with them."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from armour.analysis.quantities import QUANTITIES, REQUIRED_QUANTITIES
+from armour.cli.console import progress, say
+from armour.cli.runner import announce, command_line, picture, show_answer, write
+from armour.errors import counted, mistake
+from armour.reporting.views.sweeps import SWEEP_ROWS, first_rows
+from armour.scenario.scenario import Scenario, heading
+from armour.sweeps.cases import Grid, SweepCases, axis_of
+from armour.sweeps.store import read_table
+from armour.sweeps.sweep import Effort, subject_of, write_sweep
+
+
+def cases_of(file: str | Path, sheet: str | None = None) -> SweepCases:
+    """Return the cases of a table, and say how it was read."""
+    cases = SweepCases(file, sheet)
+    if cases.read:
+        say(f"read {file}: {cases.read}")
+    return cases
+
+
+def grid_of(option: str, texts: Sequence[str]) -> Grid:
+    """Return the grid of the values of an option, and warn of ranges whose end is left out."""
+    axes = tuple(map(axis_of, texts))
+    for axis in axes:
+        if axis.omission:
+            say(f"warning: {option} {axis.key}: {axis.omission}")
+    return Grid(axes)
+
+
+def write_and_show(
+    scenario: Scenario,
+    source: Grid | SweepCases,
+    quantities: Sequence[str],
+    output: Path,
+    plot: Path | None,
+    *,
+    scheduler: str,
+    threads: int | None,
+    replace: bool,
+    yes: bool,
+    as_json: bool,
+) -> None:
+    """Write the rows of a sweep, computed on a cluster if there is one; show them, and draw the first quantity.
+
+    A sweep that takes a while is announced, and a large one refused without ``yes``.
+    """
+    with ExitStack() as stack:
+        count = stack.enter_context(progress("rows", source.count))
+        workers = None
+        if scheduler:
+            from armour.sweeps.cluster import connected, workers_of  # imports Dask
+
+            workers = stack.enter_context(workers_of(stack.enter_context(connected(scheduler))))
+
+        def on_chunk(rows: int, stored: bool) -> None:
+            if stored:
+                say(f"resuming after {counted(rows, 'row')}")
+            count(rows, stored=stored)
+
+        def approve(effort: Effort) -> None:
+            if effort.is_large and not yes:
+                raise mistake("sweep", "", f"{effort.words}; --yes to go on")
+            announce(effort.seconds, effort.words)
+
+        calls: Any = {"on_chunk": on_chunk, "approve": approve, "tell": say, "command": command_line()}
+        write_sweep(scenario, source, quantities, output, workers=workers, threads=threads, replace=replace, **calls)
+    say(f"wrote {output}: {counted(source.count, 'row')}", *_notes(quantities, drawn=plot is not None))
+    lines = heading(subject_of(scenario, source, quantities), scenario.title)
+    shown = [first_rows(read_table(output), scenario, source.keys)] if source.count <= SWEEP_ROWS else []
+    data = {"rows": source.count, "output": str(output)}
+    show_answer(data, shown, as_json=as_json, heading=lines, scenario=scenario)
+
+    def figure() -> Any:
+        from armour.reporting.pictures import drawing, sweeps
+
+        draw = partial(sweeps.draw_columns, read_table(output), source.keys, quantities[0], scenario)
+        return drawing.drawn(draw, drawing.Sheet(), lines).figure
+
+    write({plot: picture(figure, scenario)})
+
+
+def _notes(names: Sequence[str], *, drawn: bool) -> Iterator[str]:
+    """Yield notes on the meaning of the quantities of a sweep, and on the one drawn."""
+    required = [name for name in names if QUANTITIES[name].on_grid]
+    if required:
+        yield f"note: {', '.join(required)}: {REQUIRED_QUANTITIES}"
+    if drawn and len(names) > 1:
+        yield f"note: --plot draws {names[0]} alone, the first of --quantities"
