@@ -497,7 +497,7 @@ def _chosen(
             raise mistake(source.file, f"where {name}", f'must be one of {", ".join(values)}, found "{value}"')
         if columns[index].key in GROUPS:
             blank = [place for place, cells in lines if not cells[index] and place not in uncounted]
-            refuse(_not_filled(source.file, source.header[index], blank))
+            refuse(not_filled(source.file, source.header[index], blank))
         lines = [line for line in lines if line[1][index] == value]
     return lines
 
@@ -597,12 +597,12 @@ def targets_of(table: CsvTable, name: str, perforated: Sequence[bool | None]) ->
     found = [value for value, results in shots.items() if len(results) >= 3 or len({*results}) == 2]
     if found and len(shots) > 1:
         blank = [row.place for row, value in zip(table.rows, values, strict=True) if not value]
-        refuse(_not_filled(table.file, name, blank))
+        refuse(not_filled(table.file, name, blank))
     return [*filter(None, found)]
 
 
-def _not_filled(file: str, name: str, blank: Sequence[str]) -> Iterator[Problem]:
-    """Yield what is wrong with a column that tells targets apart, given the rows in which it is blank."""
+def not_filled(file: str, name: str, blank: Sequence[str]) -> Iterator[Problem]:
+    """Yield what is wrong with a column that says what was fired at, given the rows in which it is blank."""
     if blank:
         yield Problem(file, name, f"must be filled in every row that counts, found blank cells in {listed(blank)}")
 

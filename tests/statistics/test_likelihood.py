@@ -122,9 +122,11 @@ def test_a_fit_far_from_its_end_takes_no_dense_scans(monkeypatch: pytest.MonkeyP
     scans: list[int] = []
     searched = batch.ballistic_limits
 
-    def counted(rows: Floats, low: float, high: float, tolerance: float, options: Any, points: int) -> batch.Brackets:
+    def counted(
+        rows: Floats, low: float, high: float, tolerance: float, settings: Any, points: int, threads: Any
+    ) -> Any:
         scans.append(points)
-        return searched(rows, low, high, tolerance, options, points)
+        return searched(rows, low, high, tolerance, settings, points, threads)
 
     monkeypatch.setattr(batch, "ballistic_limits", counted)
     wilkins = shipped_scenario("wilkins")

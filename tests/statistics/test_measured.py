@@ -36,13 +36,12 @@ def test_the_words_of_firing_results_are_outcomes(tmp_path: Path):
 
 def test_tests_are_grouped_by_material(tmp_path: Path):
     path = csv_file(
-        tmp_path / "t.csv", f"armour.ceramic,{C},ballistic_limit_m_s", "AD85,6,700", "AD99.5,6,720", ",7,730"
+        tmp_path / "t.csv", f"armour.ceramic,{C},ballistic_limit_m_s", "AD85,6,700", "AD99.5,6,720", "AD85,7,730"
     )
     tests = read_tests(path, shipped_scenario("wilkins"))
     assert [(group.scenario.armour.ceramic, group.where.tolist()) for group in tests.groups] == [
-        ("AD85", [0]),
+        ("AD85", [0, 2]),
         ("AD99.5", [1]),
-        ("AD85", [2]),
     ]
 
 
@@ -68,6 +67,7 @@ EVERY = "uncertainties must be given for every measurement and outcome, or for n
         (f"test,{C},{LIMIT}", "a,6,700 a,6,710", 'row 1: test: must name one test, found "a"'),
         (f"{C},{LIMIT}", "6,700 -1,710", "rows: row 2: armour.ceramic_thickness_mm: must be at least 0, found -1"),
         (f"{C},{LIMIT}", "6,700 6,700", "row 2: repeats row 1"),
+        (f"{C},{LIMIT}", "6,700 ,710", f"{C}: must be filled in every row that counts, found blank cells in row 2"),
         (f"{C},{LIMIT},{UNCERTAINTY}", "6,700,5 7,710,", EVERY),
         (f"{OUTCOME},{LIMIT},{UNCERTAINTY}", "6,,,700,5 6,750,stopped,,", EVERY),
         (f"{C},{LIMIT}", "6,1e-300 7,700", "row 1: ballistic_limit_m_s: must be at least 0.001"),
@@ -81,11 +81,12 @@ def test_wrong_tests(header: str, rows: str, message: str):
 
 
 def test_all_mistakes_at_once(tmp_path: Path):
-    rows = ["6,x,", "-1,800,", "7,700,xx", "-3,-4,", "-5,,7.62 mm AP"]
+    rows = ["6,x,7.62 mm AP", "-1,800,", "7,700,xx", "-3,-4,7.62 mm AP", "-5,,7.62 mm AP"]
     path = csv_file(tmp_path / "t.csv", f"{C},ballistic_limit_m_s,impact.projectile", *rows)
     with pytest.raises(InputError) as error:
         read_tests(path, shipped_scenario("wilkins"))
     assert sorted(str(problem).removeprefix(f"{path}: ").split(" must ")[0] for problem in error.value.problems) == [
+        "impact.projectile:",
         "line 2: ballistic_limit_m_s:",
         f"line 3: {C}:",
         "line 4: impact.projectile:",
@@ -99,7 +100,7 @@ def test_all_mistakes_at_once(tmp_path: Path):
 ROWS: list[dict[str, Any]] = [
     {"test": "a", "armour.ceramic_thickness_mm": 4.06, "ballistic_limit_m_s": 619, "armour.ceramic": "AD85"},
     {"test": "b", "armour.ceramic_thickness_mm": 6.35, "ballistic_limit_m_s": float("nan"), "outcome": "stopped"}
-    | {"impact.velocity_m_s": 600.0, "armour.ceramic": None},
+    | {"impact.velocity_m_s": 600.0, "armour.ceramic": "AD85"},
 ]
 
 

@@ -365,7 +365,7 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
         runs=search.runs.count,
         every=as_results(designs, every, with_margins=True),
         margins_of_every_m_s=tuple(dict(zip(catalogue.titles, row, strict=True)) for row in margins),
-    ).of(_subject(catalogue), scenario=scenario)
+    ).of(_subject(catalogue, is_found=not reason), scenario=scenario)
 
 
 def _with_frontier(
@@ -817,7 +817,7 @@ def _exceeded(section: DesignSection, unlimited: Designs, place: int, threats: s
     )
 
 
-def _subject(catalogue: Catalogue) -> str:
+def _subject(catalogue: Catalogue, *, is_found: bool) -> str:
     """Return the title of a result, such as "Lightest AD85 on 6061-T6 against 7.62 mm AP at 850 m/s"."""
     varied: Varied = {
         NAMES["ceramic"]: [offer.ceramic.material for offer in catalogue.offers],
@@ -825,5 +825,6 @@ def _subject(catalogue: Catalogue) -> str:
         CERAMIC: (),
         BACKING: (),
     }
-    least = OBJECTIVES[catalogue.section.minimise].least.capitalize()
+    least = OBJECTIVES[catalogue.section.minimise].least
+    least = least.capitalize() if is_found else f"Search for the {least}"
     return f"{least} {catalogue.scenario.subject(varied, catalogue.scenario.threat)}"

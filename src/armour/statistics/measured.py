@@ -11,7 +11,17 @@ import numpy as np
 
 from armour.analysis.variants import Floats, Ints, Variants, variants_of
 from armour.columns import column_of, perforates
-from armour.csv_files import MUST_SAY, CsvRow, Source, TableRead, check_one_target, in_line_order, open_table, read_rows
+from armour.csv_files import (
+    MUST_SAY,
+    CsvRow,
+    Source,
+    TableRead,
+    check_one_target,
+    in_line_order,
+    not_filled,
+    open_table,
+    read_rows,
+)
 from armour.errors import InputError, Problem, counted, listed, mistake, refuse
 from armour.scenario.checked import Names, Table, checked
 from armour.scenario.inputs import INPUTS, NAMES, ROLES, VELOCITY
@@ -173,6 +183,10 @@ def read_tests(
     file, rows, problems = table.file, table.rows, table.problems
     names = tuple(row.texts.get("test", row.place) for row in rows)
     repeated_names = {name for name, count in Counter(names).items() if count > 1}
+    # A shot needs its velocity, a limit has none.
+    inputs = {*INPUTS, *NAMES.values()} - {VELOCITY}
+    for name in dict.fromkeys(name for row in rows for name in row.texts if name in inputs):
+        problems += not_filled(file, name, [row.place for row in rows if name not in row.texts])
     for row in rows:
         for key, message in _mistakes(row, repeated_names):
             problems.append(Problem(file, f"{row.place}: {key}" if key else row.place, message))
