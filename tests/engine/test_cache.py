@@ -353,3 +353,11 @@ def test_processes_with_numba(tmp_path: Path):
         assert not done.stderr
         found.append(done.stdout.split())
     assert found == [["42.0", "0"], ["42.0", "1"], ["42.0", "0"]]
+
+
+def test_the_seal_covers_code_from_any_module(tmp_path: Path):
+    code = tmp_path / "other.impacts-1.py311.nbc"
+    code.write_bytes(b"whole")
+    whole = cache.content_of(tmp_path, "impacts")
+    code.write_bytes(b"damaged")
+    assert cache.content_of(tmp_path, "impacts") != whole

@@ -134,7 +134,7 @@ def seal(path: Path, name: str) -> Path:
 
 def files_of(path: Path, name: str) -> list[Path]:
     """Return the files of the compiled code of a loop."""
-    return sorted(path.glob(f"loops.{name}-*"))
+    return sorted(path.glob(f"*.{name}-*"))
 
 
 def content_of(path: Path, name: str) -> str:
