@@ -1,4 +1,4 @@
-"""Results as figures, as reports and in notebooks, each by the view of its class."""
+"""Show results as figures, as reports and in notebooks."""
 
 from copy import copy
 from os import PathLike
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from armour.statistics.v50 import Shots
     from armour.validation.validate import SuiteResult
 
-# Texts of a scenario that no result depends on.
+# Keys of a scenario whose texts do not affect results.
 TEXTS = {"title", "author", "project", "date"}
 
 
@@ -91,7 +91,7 @@ def _same(scenario: Scenario, other: Scenario) -> bool:
 
 
 def in_html(result: Result) -> str | None:
-    """Return the tables of a result as HTML, for a notebook; None where it has none."""
+    """Return heading, tables and warnings of a result as HTML, for a notebook; None if its class has no tables."""
     from armour.reporting.formats import rendered
 
     if (tables := by_result(tables_of, result)) is None:

@@ -1,4 +1,4 @@
-"""Pictures of suites, of the paper's figures and of comparisons."""
+"""Draw suites, figures of the paper, and comparisons with simpler formulas."""
 
 from collections.abc import Sequence
 from math import sqrt
@@ -25,7 +25,10 @@ LEFT_OUT = "outcomes, relative differences, and those of no table or without an 
 
 @draw.register
 def draw_suite(result: SuiteResult, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw computed over expected values of a suite's tables or, without tables, of its cases, by quantity."""
+    """Draw the computed over the expected values of a suite, with a panel for each quantity.
+
+    They are those of its tables or, if it has none, of its cases.
+    """
     if not (checks := drawn_checks(result)):
         raise mistake("plot", "result", "must have a case whose value is a number, found none")
     by_quantity = grouped(checks, lambda check: check.case.quantity)
@@ -41,7 +44,7 @@ def draw_suite(result: SuiteResult, sheet: drawing.Sheet) -> drawing.Picture:
             group or CASES: [drawing.Compared(c.case.name, "expected", c.case.expected, c.computed) for c in members]
             for group, members in grouped(checks_of_quantity, lambda check: check.case.group).items()
         }
-        # The relative band, if all cases have the same; otherwise a tenth.
+        # Lines at the relative band, if all cases have the same, and else at 10 %.
         cases = [check.case for check in checks_of_quantity if abs(check.case.expected) > TINY]
         bands = {round((case.band or 0.0) / abs(case.expected), 4) for case in cases}
         [part] = bands if len(bands) == 1 else [0.0]
@@ -50,7 +53,7 @@ def draw_suite(result: SuiteResult, sheet: drawing.Sheet) -> drawing.Picture:
 
 
 def draw_figure(panels: Sequence[Figure], sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw a figure of the paper: the model's curves, with the numbers of the paper's text as marks."""
+    """Draw a figure of the paper: curves by the model, and marks for the numbers that the text of the paper gives."""
     picture = sheet.panels(panels[0].section.title, *[drawing.PANEL] * len(panels))
     named: set[str] = set()
     for axes, figure in zip(picture.axes, panels, strict=True):
@@ -85,7 +88,10 @@ def _draw_panel(axes: Axes, figure: Figure) -> None:
 
 @draw.register
 def draw_comparison(result: Comparison, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw the curves, and the limits within their range."""
+    """Draw residual velocities by the model and by the fitted formulas, with ballistic limits by other formulas.
+
+    Limits outside the range of the curves are named in the note.
+    """
     limit = result.limit.ballistic_limit_m_s
     impact = [point.impact_velocity_m_s for point in result.curve]
     limits = {f"Florence, {formula.projectile}": formula.ballistic_limit_m_s for formula in result.florence}
