@@ -419,7 +419,7 @@ def plan_tests(
     inputs = [scenario, tests, *candidates, *(design or ())]
     check_outputs(tables=[csv], inputs=inputs, scenario=loaded, plot=plot, force=force)
     with progress("armours") as count, runner.as_options("plan_tests", {"designs": "--design"}):
-        source = _source(candidates)
+        source = _candidates(candidates)
         earlier_tests = None if tests is None else say_how_read(tests, armour.read_tests(tests, loaded))
         options = given(
             fit=fit,
@@ -442,7 +442,7 @@ def plan_tests(
     answer(result, loaded, files, plot=plot, as_json=as_json, verbose=verbose)
 
 
-def _source(candidates: list[str]) -> "lazy.Grid | lazy.SweepCases":
+def _candidates(candidates: list[str]) -> "lazy.Grid | lazy.SweepCases":
     """Return the candidates for tests as a grid, from texts "KEY=VALUES", or from one CSV file."""
     from armour.cli import sweeping
 

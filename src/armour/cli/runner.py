@@ -323,6 +323,7 @@ def as_options(function: str, named: Mapping[str, str] = {}) -> AbstractContextM
 
 
 def _as_option(problem: Problem, named: Mapping[str, str]) -> Problem:
+    """Return a problem whose key begins with a parameter under the name of the option instead."""
     name, space, rest = problem.key.partition(" ")
     option = named.get(name, f"--{name.replace('_', '-')}" if name.isidentifier() else "")
     return Problem("command line", option + space + rest, problem.message) if option else problem

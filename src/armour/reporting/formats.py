@@ -89,20 +89,20 @@ def inline_svg(picture: "Picture", label: str, name: str) -> str:
         root.remove(part)
     for element in root.iter():
         for key, value in element.attrib.items():
-            element.set(key, _attribute(key, value, name))
+            element.set(key, _adapted_attribute(key, value, name))
     for size in ("width", "height"):
         del root.attrib[size]
     root.attrib |= {"role": "group", "aria-label": printable_lines(label)}
     for axes in picture.axes:
         for line in axes.lines:
             if isinstance(line, Points):
-                root.extend(list(_points(axes, line, float(figure.bbox.height))))
+                root.extend(list(_hover_circles(axes, line, float(figure.bbox.height))))
     ElementTree.register_namespace("", SVG)
     ElementTree.register_namespace("xlink", XLINK)
     return ElementTree.tostring(root, encoding="unicode")
 
 
-def _points(axes: "Axes", line: "Points", height: float) -> Iterator[ElementTree.Element]:
+def _hover_circles(axes: "Axes", line: "Points", height: float) -> Iterator[ElementTree.Element]:
     """Yield a transparent circle for each point of a line within the axes, which shows its words or values on hover.
 
     `height` is that of the figure, in points of 1/72 inch.
@@ -111,14 +111,14 @@ def _points(axes: "Axes", line: "Points", height: float) -> Iterator[ElementTree
     for index, (x, y) in enumerate(np.asarray(line.get_xydata(), float).tolist()):
         across, up = axes.transData.transform((x, y)).tolist()
         if window.contains(across, up):
-            words = line.words[index] if line.words else _values(axes, line, x, y)
+            words = line.words[index] if line.words else _hover_text(axes, line, x, y)
             place = {"cx": f"{across:.1f}", "cy": f"{height - up:.1f}", "r": f"{RADIUS:g}"}
             circle = ElementTree.Element("circle", {"class": "point", **place})
             ElementTree.SubElement(circle, "title").text = printable_lines(words)
             yield circle
 
 
-def _values(axes: "Axes", line: "Points", x: float, y: float) -> str:
+def _hover_text(axes: "Axes", line: "Points", x: float, y: float) -> str:
     """Return the text on hover of a point: names and values of x and y, each on a line.
 
     In a panel with a row for each name, the name of the row stands for y.
@@ -130,7 +130,7 @@ def _values(axes: "Axes", line: "Points", x: float, y: float) -> str:
     return "\n".join(filter(None, words))
 
 
-def _attribute(key: str, value: str, name: str) -> str:
+def _adapted_attribute(key: str, value: str, name: str) -> str:
     """Return the value of an SVG attribute, its identifiers prefixed by `name` and its colours those of the theme."""
     if key == "id":
         return f"{name}-{value}"

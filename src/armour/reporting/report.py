@@ -84,5 +84,6 @@ def reference_notes(texts: Iterable[str]) -> tuple[tuple[str, str], ...]:
 
 
 def _citation(source: dict[str, str]) -> str:
+    """Format an entry of references.toml."""
     parts = [source[part] for part in ("authors", "title", "where", "year") if part in source]
     return ", ".join(parts) + (f", doi {source['doi']}" if "doi" in source else "")

@@ -29,7 +29,10 @@ class CurveSection(Section):
 
 
 class FigureMark(Section):
-    """Points of the paper's text in the colour of the curve that ``of`` names; ``x_ends`` are ranges of their x."""
+    """Points that the paper's text gives, in the colour of the curve whose label is ``of``.
+
+    ``x_ends`` has the lowest and the highest x of each, if its x is a range.
+    """
 
     label: str
     of: str = ""
@@ -45,10 +48,10 @@ class FigureLevel(Section):
 
 
 class FigureSection(Section):
-    """A figure, or a panel of one: quantities of a scenario over one or more of its keys, which take the same values.
+    """A figure, or one panel of a figure: quantities of a scenario over the values ``range`` of its keys ``over``.
 
-    Sections with the same name are the panels of a figure.  ``add_to_x`` is added to the values of x, and the
-    quantities are divided by ``divide_by``.
+    All these keys take the same value.  Sections with the same name are the panels of a figure.  ``add_to_x`` is added
+    to the values on the x axis, and the quantities are divided by ``divide_by``.
     """
 
     name: str

@@ -46,18 +46,18 @@ def errors_of(computed: Iterable[tuple[Case, float | str | None]]) -> tuple[Erro
     magnitudes_by_name: dict[str, list[float]] = {}
     for case, value in rows:
         by_model = {"this model": value} if isinstance(value, float) else {}
-        for name, predicted in {**case.rivals, **by_model, **_florence(case)}.items():
+        for name, predicted in {**case.rivals, **by_model, **_florence_limits(case)}.items():
             magnitudes_by_name.setdefault(name, []).append(100.0 * abs(predicted / float(case.expected or 0.0) - 1.0))
     errors = [
         _error(cases[0].group, name, magnitudes, _fitted_before(cases[0]) if name == "this model" else "")
         for name, magnitudes in magnitudes_by_name.items()
     ]
     if len(cases) >= MIN_FITTED and cases[0].quantity == LIMIT:
-        errors += [*_refitted(cases), *_rules(cases)]
+        errors += [*_refitted_errors(cases), *_rule_errors(cases)]
     return tuple(errors)
 
 
-def _florence(case: Case) -> Mapping[str, float]:
+def _florence_limits(case: Case) -> Mapping[str, float]:
     """Return Florence's ballistic limits of a case, m/s, by name: for the penetrator and for the whole projectile.
 
     There are none if the case lacks values that the formula needs, or is not about a ballistic limit.
@@ -79,7 +79,7 @@ def _fitted_before(case: Case) -> str:
     return f"flow stress of {name}: {value.source}" if value is not None and value.status == "fitted" else ""
 
 
-def _refitted(cases: Sequence[Case]) -> Iterator[Error]:
+def _refitted_errors(cases: Sequence[Case]) -> Iterator[Error]:
     """Yield the errors of this model with the ceramic's flow stress fitted to the measured limits.
 
     Nothing is fitted if cases differ in the settings of the solver or of the search for the limit.
@@ -106,7 +106,7 @@ def _refitted(cases: Sequence[Case]) -> Iterator[Error]:
     yield _fitted_error(cases, "this model, flow stress refitted", fitted, *computed)
 
 
-def _rules(cases: Sequence[Case]) -> Iterator[Error]:
+def _rule_errors(cases: Sequence[Case]) -> Iterator[Error]:
     """Yield the errors of the areal density rule, limit = k A^p, fitted to the measured limits.
 
     First p is 1; then, if there are enough areal densities, p is fitted too.

@@ -184,8 +184,8 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
     Parameters
     ----------
     path : path-like
-        A TOML file or, if there is no such file, the name of a shipped suite, "paper" or "plates".  The files that it
-        names are relative to its folder or shipped ones, by their names.
+        A TOML file or, if there is no such file, the name of a shipped suite, "paper" or "plates".  Files that the
+        suite names are in its folder or, if not there, shipped ones.
     changes : mapping of str to object, optional
         Values that replace those of every scenario, by dotted key; tables are merged.
 
@@ -245,7 +245,7 @@ def _cases_of_suite(suite: SuiteSection, path: Path, changes: Mapping[str, objec
     wrong: dict[tuple[KeyPath, Problem], Problem] = {}
     for row in _rows(suite):
         try:
-            cases += _cases(row, suite, path.parent, changes)
+            cases += _cases_of_row(row, suite, path.parent, changes)
         except InputError as error:
             for problem in error.problems:
                 wrong.setdefault((row.place[:2], problem), _placed(problem, row, path))
@@ -291,16 +291,16 @@ def _rows(suite: SuiteSection) -> Iterator[_Row]:
             yield _Row(table, ("table", index, "file"))
 
 
-def _cases(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, object]) -> list[Case]:
+def _cases_of_row(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, object]) -> list[Case]:
     """Make the case of a row or, if its section names a file of tests, a case for each test in the file.
 
     `folder` is that of the suite, and `changes` apply to every scenario.
     """
-    section, file = row.section, _file(folder, row.section.scenario)
-    scenario = _scenario(file, section.set, row.inputs, changes)
+    section, file = row.section, _named_file(folder, row.section.scenario)
+    scenario = _changed_scenario(file, section.set, row.inputs, changes)
     replacement = None
     if section.replaced_by is not None:
-        replacement = _scenario(file, section.set, section.replaced_by, changes)
+        replacement = _changed_scenario(file, section.set, section.replaced_by, changes)
     check_answerable(section.quantity, scenario, replacement)
     name = ", ".join(map(_in_words, row.inputs, row.inputs.values())) or section.name
     case = Case(suite, section, name, scenario, row.expected, row.place, replacement, row.rivals, row.measured)
@@ -311,7 +311,7 @@ def _cases(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, o
 
 def _cases_of_file(common: Case, table: TableSection, folder: Path) -> list[Case]:
     """Return the cases of a table's file of tests; `common` is a case with what they share."""
-    path = _file(folder, table.file)
+    path = _named_file(folder, table.file)
     source = open_table(path, lambda name: name == table.quantity)
     if table.quantity not in source.header:
         # The message does not quote the columns found, since the file may be any file of the user.
@@ -354,12 +354,12 @@ def suite_files(suite: Suite) -> list[Path]:
     return [suite.file, *dict.fromkeys(scenarios), *(suite.file.parent / table.file for table in suite.tables)]
 
 
-def _scenario(file: Path, *changes: Mapping[str, object]) -> Scenario:
+def _changed_scenario(file: Path, *changes: Mapping[str, object]) -> Scenario:
     """Read a scenario from a file, and apply the changes one after the other."""
     return parse_changed(read_toml(file, quoted=False), *changes, file=named(file), folder=file.parent)
 
 
-def _file(folder: Path, name: str) -> Path:
+def _named_file(folder: Path, name: str) -> Path:
     """Return the path of a file that a suite names: in the suite's folder or else, by its name, a shipped one."""
     files = {**shipped_files("scenarios", ".toml"), **shipped_tests()}
     return files[name] if name in files and not exists(folder / name) else located(folder / name, {})

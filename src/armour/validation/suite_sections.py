@@ -38,6 +38,7 @@ def meets(cells: Cells, where: Mapping[str, Condition]) -> bool:
 
 
 def _meets(cell: float | str | None, condition: Condition) -> bool:
+    """Return whether a cell, or the number that it contains, meets a condition."""
     value = number(str(cell))
     if isinstance(condition, Between):
         return value is not None and condition.min <= value < condition.below
@@ -178,6 +179,7 @@ CASES = "cases"
 
 
 def _named_once(tables: list[TableSection]) -> list[TableSection]:
+    """Return the tables if their names differ; a validator."""
     names = [table.name for table in tables]
     for name in names:
         if names.count(name) > 1 or name == CASES:

@@ -307,12 +307,12 @@ def _calibrated_to(case: Case) -> str:
             continue
         for key, value in entry.values.items():
             for test in value.tests:
-                if case.quantity in test and all(_same(cell, values.get(name)) for name, cell in test.items()):
+                if case.quantity in test and all(_equal(cell, values.get(name)) for name, cell in test.items()):
                     return f"not scored: {key} of {entry.name} was calibrated to this test"
     return ""
 
 
-def _same(tested: float | str, value: object) -> bool:
+def _equal(tested: float | str, value: object) -> bool:
     """Return whether the values of a test and of a case are equal, numbers to a relative difference of 1e-6."""
     if isinstance(tested, str) or not isinstance(value, int | float):
         return tested == value

@@ -220,15 +220,15 @@ def draw_limit(result: LimitResult, sheet: drawing.Sheet) -> drawing.Picture:
     title = "; ".join([title, *map(str, caveat_lines(result))])
     picture = sheet.panels(title, *[drawing.PANEL] * (1 if residual_alone else 2), sharex=True)
     if error is not None and ends is not None:
-        likely, velocities = picture.axes[0], np.linspace(*reach, 200)
-        at = float(error.probability_of_stopping(limit, threat))
-        likely.set(ylabel="probability of stopping, %", ylim=(0.0, 102.0))
-        likely.axvspan(*ends, **drawing.SHADE, label="95 % interval")
-        likely.plot(velocities, 100.0 * error.probability_of_stopping(limit, velocities), color=drawing.BLUE)
-        likely.axvline(limit, linestyle=":", label=f"limit {limit:.0f} m/s", **drawing.RULE)
-        likely.axvline(threat, linestyle="--", linewidth=1.0, color=drawing.VERMILION)
-        label = f"{threat:g} m/s: {chance(at)}"
-        drawing.points(likely, [threat], [100.0 * at], marker="D", color=drawing.VERMILION, label=label)
+        stopping_axes, velocities = picture.axes[0], np.linspace(*reach, 200)
+        probability = float(error.probability_of_stopping(limit, threat))
+        stopping_axes.set(ylabel="probability of stopping, %", ylim=(0.0, 102.0))
+        stopping_axes.axvspan(*ends, **drawing.SHADE, label="95 % interval")
+        stopping_axes.plot(velocities, 100.0 * error.probability_of_stopping(limit, velocities), color=drawing.BLUE)
+        stopping_axes.axvline(limit, linestyle=":", label=f"limit {limit:.0f} m/s", **drawing.RULE)
+        stopping_axes.axvline(threat, linestyle="--", linewidth=1.0, color=drawing.VERMILION)
+        label = f"{threat:g} m/s: {chance(probability)}"
+        drawing.points(stopping_axes, [threat], [100.0 * probability], marker="D", color=drawing.VERMILION, label=label)
     residual = picture.axes[-1]
     residual.plot(impact, impact, linestyle=":", linewidth=1.0, color=drawing.INK, label="no armour")
     residual.plot(impact, [point.residual_velocity_m_s for point in curve], color=drawing.BLUE, label="projectile")

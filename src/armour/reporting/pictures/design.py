@@ -251,8 +251,10 @@ class _Map:
         if by_source is not None and len(by_source) > 1:
             axes.fill_between(x, by_source[0], by_source[-1], color=colour, **drawing.BAND)
         if not np.isnan(self.grid.stopped_m_s[..., threat, :]).all():
-            surely, hardly = map(self.grid.stopped_with, (USUAL_CHANCE, 1.0 - USUAL_CHANCE))
-            axes.fill_between(x, surely[..., threat].ravel(), hardly[..., threat].ravel(), color=colour, **drawing.BAND)
+            low_m_s, high_m_s = map(self.grid.stopped_with, (USUAL_CHANCE, 1.0 - USUAL_CHANCE))
+            axes.fill_between(
+                x, low_m_s[..., threat].ravel(), high_m_s[..., threat].ravel(), color=colour, **drawing.BAND
+            )
         is_outside = self.is_outside(threat)
         drawing.curve(axes, x, limits, is_outside, color=colour, label=drawing.legible(self.name(layer)))
         offer = getattr(self.catalogue.offers[self.grid.pair], layer)
@@ -263,9 +265,9 @@ class _Map:
         of_threat = self.catalogue.threats[threat]
         stops = least >= of_threat.required_m_s
         if (confidence := self.confidences[threat]) is not None:
-            sure = self.grid.stopped_with(confidence)[..., threat].ravel()
-            decided = ~np.isnan(sure) & (of_threat.margin_m_s == 0.0)
-            stops = (stops | decided) & (np.isnan(sure) | (sure >= of_threat.velocity_m_s))
+            stopped_m_s = self.grid.stopped_with(confidence)[..., threat].ravel()
+            decided = ~np.isnan(stopped_m_s) & (of_threat.margin_m_s == 0.0)
+            stops = (stops | decided) & (np.isnan(stopped_m_s) | (stopped_m_s >= of_threat.velocity_m_s))
         for filled, marker in product((True, False), (INSIDE, OUTSIDE_WORDS)):
             places = [p for p in offered.tolist() if stops[p] == filled and is_outside[p] == (marker == OUTSIDE_WORDS)]
             words = [f"{x[place]:g} mm: limit by the model {limits[place]:.0f} m/s" for place in places]
@@ -289,17 +291,17 @@ class _Map:
             label = f"refined: {_design_text(refined, self.result.minimised)}"
             yield refined, {"marker": "D", "color": drawing.GREEN, "label": label, "name": ""}
         if (best := self.result.shown) is not None:
-            sure = view.least_probability(best)
-            name = self._named(best, "probability unknown" if sure is None else f"{chance(sure)} stopped")
+            probability = view.least_probability(best)
+            name = self._named(best, "probability unknown" if probability is None else f"{chance(probability)} stopped")
             name += "\noutside the tests" if best.outside_tests else ""
             colour = drawing.VERMILION if self.result.reason else drawing.BLUE if any(self.confidences) else drawing.INK
             yield best, {**large, "name": name, "color": colour}
 
-    def _named(self, design: Design, sure: str) -> str:
-        """Return the name of a design: its thicknesses, its objective, and the text `sure` on its probability."""
+    def _named(self, design: Design, probability_text: str) -> str:
+        """Return the name of a design: its thicknesses, its objective, and the text on its probability."""
         thicknesses = f"{design.ceramic_thickness_mm:.4g} on " if design.ceramic else ""
         objective = view.OBJECTIVE_WORDS[self.result.minimised].with_unit(getattr(design, self.result.minimised))
-        return f"{thicknesses}{design.backing_thickness_mm:.4g} mm\n{objective}, {sure}"
+        return f"{thicknesses}{design.backing_thickness_mm:.4g} mm\n{objective}, {probability_text}"
 
     def _draw_offered(self, axes: Axes) -> None:
         """Draw a dot for each pair of thicknesses on offer, if there are few."""

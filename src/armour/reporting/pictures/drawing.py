@@ -125,14 +125,14 @@ def drawn(
             text.set_text(printable_lines(text.get_text()))
         if sheet.ax is not None:
             room = sheet.ax.bbox.width / sheet.ax.figure.dpi
-            sheet.ax.set_title("\n".join(_lines([lines[0]], room, FONT)))
+            sheet.ax.set_title("\n".join(_wrapped_lines([lines[0]], room, FONT)))
             if sheet.ax.get_legend_handles_labels()[0]:
                 sheet.ax.legend()
             return picture
         if any(lines):
-            _make_room(picture.figure, _write(picture.figure, list(filter(None, lines)), picture.note))
+            _make_room(picture.figure, _write_title_and_note(picture.figure, list(filter(None, lines)), picture.note))
         picture.figure.draw_without_rendering()  # places the panels
-        _make_room(picture.figure, [legend for axes in picture.axes for legend in _name(axes)])
+        _make_room(picture.figure, [legend for axes in picture.axes for legend in _label_curves(axes)])
     return picture
 
 
@@ -142,28 +142,28 @@ def _make_room(figure: Any, parts: Sequence[Any]) -> None:
     figure.set_figheight(figure.get_figheight() + height)
 
 
-def _write(figure: Figure, lines: Sequence[str], note: str) -> list[Any]:
+def _write_title_and_note(figure: Figure, lines: Sequence[str], note: str) -> list[Any]:
     """Write the title in bold, the subject beneath it, and the note below the panels, all at the left edge.
 
     `lines` has the title and, if there is one, the subject.  Return the two texts, for `_make_room`.
     """
     width, (title, *subject) = figure.get_figwidth(), lines
-    bold, plain = _lines([title], width, TITLE, BOLD), _lines(subject, width, FONT)
+    bold, plain = _wrapped_lines([title], width, TITLE, BOLD), _wrapped_lines(subject, width, FONT)
     look: Any = {"x": 0.05 / width, "ha": "left", "linespacing": 1.25}
     above = figure.suptitle("\n".join([*bold, *([""] * len(plain))]), fontsize=TITLE, fontweight="bold", **look)
     # Placed by its distance from the top edge, since a note or a legend makes the figure taller.
     place = offset_copy(figure.transFigure, figure, y=-0.05 - 1.25 * TITLE * len(bold) / 72.0, units="inches")
     figure.text(y=1.0, s="\n".join(plain), va="top", transform=place, **look)
-    return [above, figure.supxlabel("\n".join(_lines([note], width, NAME)), fontsize=NAME, **look)]
+    return [above, figure.supxlabel("\n".join(_wrapped_lines([note], width, NAME)), fontsize=NAME, **look)]
 
 
-def _lines(texts: Iterable[str], width: float, size: float, character: float = CHARACTER) -> list[str]:
+def _wrapped_lines(texts: Iterable[str], width: float, size: float, character: float = CHARACTER) -> list[str]:
     """Wrap texts to a width, inches; `size` is the font size, and `character` the mean width as a fraction of it."""
     room = max(10, int(72.0 * (width - 0.1) / (character * size)))
     return [line for text in texts for part in printable_lines(text).splitlines() for line in wrapped(part, room)]
 
 
-def _name(axes: Axes) -> list[Any]:
+def _label_curves(axes: Axes) -> list[Any]:
     """Label curves at their ends if there are several and there is room; put all else in a legend below the panel.
 
     Return the legend, if there is one.

@@ -190,7 +190,7 @@ def draw_firing(result: FiringResult, sheet: drawing.Sheet) -> drawing.Picture:
     panels = [1.1 * drawing.PANEL]
     if sheet.ax is None and fit is result.recommended:
         panels += [drawing.PANEL, drawing.PANEL]
-    words = f"V50 {fit.v50_m_s:.1f} m/s, {confidence} interval {interval(ends, '.1f')}" + (" m/s" if bounded else "")
+    title = f"V50 {fit.v50_m_s:.1f} m/s, {confidence} interval {interval(ends, '.1f')}" + (" m/s" if bounded else "")
     if posterior is not None:
         posterior_ends = interval(posterior.v50_interval_m_s, ".1f")
         notes.append(f"Posterior, with the model as prior: {level} interval {posterior_ends} m/s.")
@@ -199,8 +199,8 @@ def draw_firing(result: FiringResult, sheet: drawing.Sheet) -> drawing.Picture:
     if (required := result.requirement_m_s) is not None and not low <= required <= high:
         notes.append(f"The velocity required, {required:g} m/s, lies outside the axis: {result.decision}.")
     if result.extrapolated:
-        words = "V50 not bounded by these shots"
-    picture = sheet.panels(words, *panels, note=" ".join(notes))
+        title = "V50 not bounded by these shots"
+    picture = sheet.panels(title, *panels, note=" ".join(notes))
     axes = picture.axes[0]
     axes.set(xlabel=in_words(VELOCITY), ylabel="probability of complete penetration")
     axes.set(xlim=(low, high), ylim=(-0.02, 1.02))
@@ -241,12 +241,12 @@ def _draw_region(axes: Axes, fit: FittedCurve, shots: Shots, confidence: float, 
         ends = drawing.widened((slowest, fastest), 0.4)
     spread = max(shots.velocities_m_s) - min(shots.velocities_m_s)
     top = spread if widest is None else min(1.3 * widest, spread)
-    x, y = np.meshgrid(np.linspace(*ends, REGION_NODES), np.linspace(top / REGION_NODES, top, REGION_NODES))
-    deviances = likelihood.deviances(x.ravel(), y.ravel()).reshape(x.shape)
+    v50s, scatters = np.meshgrid(np.linspace(*ends, REGION_NODES), np.linspace(top / REGION_NODES, top, REGION_NODES))
+    deviances = likelihood.deviances(v50s.ravel(), scatters.ravel()).reshape(v50s.shape)
     # The deviance has a chi-squared distribution with two degrees of freedom, whose quantile is -2 ln(1 - level).
     levels = [0.0, *(-2.0 * np.log(1.0 - level) for level in sorted({0.5, confidence}))]
-    axes.contourf(x, y, deviances, levels, colors=[drawing.BLUE] * 2, alpha=0.25)
-    axes.contour(x, y, deviances, levels[1:], colors=drawing.BLUE, linewidths=1.0)
+    axes.contourf(v50s, scatters, deviances, levels, colors=[drawing.BLUE] * 2, alpha=0.25)
+    axes.contour(v50s, scatters, deviances, levels[1:], colors=drawing.BLUE, linewidths=1.0)
     title = f"V50 and scatter together, {percent(0.5)} and {percent(confidence)}"
     axes.set(xlabel="V50, m/s", ylabel="scatter, m/s", xlim=ends, ylim=(0.0, top), title=title)
     drawing.points(axes, [fit.v50_m_s], [fit.scale_m_s], color=drawing.BLUE)

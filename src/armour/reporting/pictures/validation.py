@@ -67,6 +67,7 @@ def draw_figure(panels: Sequence[Figure], sheet: drawing.Sheet) -> drawing.Pictu
 
 
 def _draw_panel(axes: Axes, figure: Figure) -> None:
+    """Draw the curves of a panel, and the levels and marks from the text of the paper."""
     section = figure.section
     axes.set(xlabel=section.x_label, ylabel=section.y_label, xlim=(figure.x[0], figure.x[-1]))
     for index, (label, values) in enumerate(figure.curves.items()):
@@ -96,7 +97,9 @@ def draw_comparison(result: Comparison, sheet: drawing.Sheet) -> drawing.Picture
     impact = [point.impact_velocity_m_s for point in result.curve]
     limits = {f"Florence, {formula.projectile}": formula.ballistic_limit_m_s for formula in result.florence}
     limits |= {f"areal density rule, p = {rule.p:.4g}": rule.ballistic_limit_m_s for rule in result.rules}
-    beyond = [f"{name} {at:.0f} m/s" for name, at in limits.items() if not impact[0] <= at <= impact[-1]]
+    beyond = [
+        f"{name} {velocity:.0f} m/s" for name, velocity in limits.items() if not impact[0] <= velocity <= impact[-1]
+    ]
     title = f"Ballistic limit {limit:.0f} m/s by this model"
     if limits:
         title += f", {min(limits.values()):.0f} to {max(limits.values()):.0f} m/s by formulas"
@@ -108,8 +111,10 @@ def draw_comparison(result: Comparison, sheet: drawing.Sheet) -> drawing.Picture
         fitted = [residual_velocity(velocity, limit, fit.ratio, fit.exponent) for velocity in impact]
         label = f"{fit.name}: ratio {fit.ratio:.3f}, exponent {fit.exponent:.2f}"
         axes.plot(impact, fitted, linestyle=style, color=colour, label=label)
-    for (name, at), style in zip(limits.items(), drawing.STYLES[1:], strict=False):
-        if impact[0] <= at <= impact[-1]:
-            axes.axvline(at, linestyle=style, label=drawing.legible(f"{name}: {at:.0f} m/s"), **drawing.RULE)
+    for (name, velocity), style in zip(limits.items(), drawing.STYLES[1:], strict=False):
+        if impact[0] <= velocity <= impact[-1]:
+            axes.axvline(
+                velocity, linestyle=style, label=drawing.legible(f"{name}: {velocity:.0f} m/s"), **drawing.RULE
+            )
     drawing.residual_axes(axes, drawing.widened([impact[0], impact[-1]]))
     return picture

@@ -417,7 +417,7 @@ def required(threat: CheckedThreat) -> str:
 
 
 def finding(threat: CheckedThreat) -> str:
-    """Return the probability or the ballistic limit of an armour against a threat, and what is required of it."""
+    """Return what an armour achieves against a threat, its probability of stopping or ballistic limit, and the aim."""
     limit, needed = threat.ballistic_limit_m_s, threat.velocity_m_s + threat.required_margin_m_s
     by_model = "no ballistic limit found" if limit is None else f"ballistic limit by the model {limit:.0f} m/s"
     rows = threat.requirements
@@ -489,6 +489,7 @@ def outcome(result: CheckResult) -> str:
 
 
 def _outcome(result: CheckResult) -> str:
+    """Return the verdict on an armour with the requirements not met, without caveats."""
     unmet = [row for row in result.requirements if row.verdict != "passes"]
     words = [*map(phrases.requirement_words, sorted(unmet, key=lambda row: row.verdict != "fails"))]
     if len(result.threats) == 1:

@@ -97,6 +97,7 @@ def scatter_note(plan: ShotPlan) -> str:
 
 
 def _risk(risk: float | None) -> str:
+    """Format the greatest accepted risk; None gives an empty text."""
     return "" if risk is None else f"at most {percent(risk)}"
 
 
@@ -109,6 +110,7 @@ def _ratio(ratio: float | None, risk: float | None) -> str:
 
 
 def _number_of_shots(median: float | None) -> str:
+    """Format a median number of shots; None means that it exceeds 100, where simulations end."""
     return "more than 100" if median is None else f"{median:.0f}"
 
 

@@ -125,7 +125,7 @@ def calibration_table(result: CalibrationResult) -> Table:
         Column.of("law", label="law of the ceramic's flow stress"),
         _error("mean error", result.mean_error_percent),
         _error("mean leave-one-out error", result.left_out_error_percent),
-        (Column("AICc", spec=".1f"), None if _has_prior(result) else _or(result.aicc, "too few tests")),
+        (Column("AICc", spec=".1f"), None if _has_prior(result) else _value_or(result.aicc, "too few tests")),
         Column.of("degrees_of_freedom", ".4g"),
         (Column("chi-squared", spec=".2f"), result.chi_squared if weighted else None),
         (Column("p value", spec=".2g"), result.p_value if weighted else None),
@@ -150,7 +150,7 @@ def coefficient_table(result: CalibrationResult) -> Table:
     return Table.of(
         result.coefficients,
         (Column("coefficient", prose=True), lambda c: in_words(c.name)),
-        (Column("estimate", spec=".4g"), lambda c: _or(c.estimate, "not identified")),
+        (Column("estimate", spec=".4g"), lambda c: _value_or(c.estimate, "not identified")),
         (known, lambda c: "; ".join(filter(None, (interval(c.interval, ".4g"), c.reason)))),
         (Column("part of the prior", "%", ".0f"), lambda c: c.prior_share and 100.0 * c.prior_share),
     )
@@ -169,13 +169,16 @@ def law_table(result: CalibrationResult) -> Table:
         result.laws,
         Column.of("law"),
         Column.of("coefficients", "d"),
-        (Column.of("mean_error_percent", ".1f"), lambda law: _or(law.mean_error_percent, few)),
-        (Column("mean leave-one-out error", "%", ".1f"), lambda law: _or(law.left_out_error_percent, few)),
-        (Column("AICc", spec=".1f"), lambda law: _or(law.aicc, "none with a prior" if _has_prior(result) else few)),
+        (Column.of("mean_error_percent", ".1f"), lambda law: _value_or(law.mean_error_percent, few)),
+        (Column("mean leave-one-out error", "%", ".1f"), lambda law: _value_or(law.left_out_error_percent, few)),
+        (
+            Column("AICc", spec=".1f"),
+            lambda law: _value_or(law.aicc, "none with a prior" if _has_prior(result) else few),
+        ),
     )
 
 
-def _or(value: float | None, words: str) -> Cell:
+def _value_or(value: float | None, words: str) -> Cell:
     """Return a value, or the words if it is None."""
     return words if value is None else value
 
@@ -264,8 +267,8 @@ def v50_table(result: FiringResult) -> Table:
 def recommended_table(fit: FittedCurve, level: float) -> Table:
     """Tabulate V50, V05, V95 and scatter of the recommended curve, with intervals and bounds at a confidence level."""
     rows = (
-        ("V50", fit.v50_m_s, interval(fit.v50_interval_m_s, ".0f"), _or(fit.v50_lower_m_s, "not bounded")),
-        ("V05", fit.v05_m_s, interval(fit.v05_interval_m_s, ".0f"), _or(fit.v05_lower_m_s, "not bounded")),
+        ("V50", fit.v50_m_s, interval(fit.v50_interval_m_s, ".0f"), _value_or(fit.v50_lower_m_s, "not bounded")),
+        ("V05", fit.v05_m_s, interval(fit.v05_interval_m_s, ".0f"), _value_or(fit.v05_lower_m_s, "not bounded")),
         ("V95", fit.v95_m_s, interval(fit.v95_interval_m_s, ".0f"), None),
         ("scatter", fit.scale_m_s, interval(fit.scale_interval_m_s, ".0f"), None),
     )

@@ -282,7 +282,7 @@ def suite_report(result: SuiteResult, command: str = "") -> Report:
 
     If `command` is given, the last section shows it, with the versions of the programs.
     """
-    sources = {name: _source(checks) for name, checks in check_groups(result).items()}
+    sources = {name: _source_and_reason(checks) for name, checks in check_groups(result).items()}
     sections = []
     if (usable := usable_table(result)).rows:
         sections.append(ReportSection("Errors of computed limits", (USABLE,), tables=(usable,)))
@@ -311,7 +311,7 @@ def suite_report(result: SuiteResult, command: str = "") -> Report:
     )
 
 
-def _source(checks: list[Check]) -> tuple[str, ...]:
+def _source_and_reason(checks: list[Check]) -> tuple[str, ...]:
     """Return the source of a table and the reason for its band in a sentence, taken from its first row."""
     case = checks[0].case
     text = "; ".join(filter(None, (case.source, case.reason and f"band: {case.reason}")))
@@ -358,7 +358,7 @@ def figure_table(panels: Sequence[Figure]) -> Table:
 def comparison_table(result: Comparison) -> Table:
     """Tabulate the ballistic limits by the model, by Florence's formula and by the areal density rules."""
     limit = result.limit.ballistic_limit_m_s
-    limits = {_florence(florence): florence.ballistic_limit_m_s for florence in result.florence}
+    limits = {_florence_name(florence): florence.ballistic_limit_m_s for florence in result.florence}
     limits |= {f"areal density rule, p = {rule.p:.4g}": rule.ballistic_limit_m_s for rule in result.rules}
     rows = [(name, other, deviation_percent(other, limit)) for name, other in limits.items()]
     columns = Column("formula", prose=True), BALLISTIC_LIMIT, Column("difference from the model", "%", "+.0f")
@@ -382,7 +382,7 @@ def optimum_table(result: Comparison) -> Table:
     """Tabulate the thicknesses that are best by Florence's formula at the armour's areal density, with their limits."""
     return Table.of(
         result.florence,
-        (Column("optimum by Florence", prose=True), _florence),
+        (Column("optimum by Florence", prose=True), _florence_name),
         Column.of("best_ceramic_thickness_mm", ".1f", "ceramic"),
         Column.of("best_backing_thickness_mm", ".1f", "back plate"),
         Column.of("best_thickness_ratio", ".1f", "ratio"),
@@ -391,7 +391,7 @@ def optimum_table(result: Comparison) -> Table:
     )
 
 
-def _florence(result: FlorenceResult) -> str:
+def _florence_name(result: FlorenceResult) -> str:
     """Return the name of a result of Florence's formula, with the projectile it takes."""
     return f"Florence, {result.projectile} ({result.mass_g:g} g, {result.diameter_mm:g} mm)"
 
