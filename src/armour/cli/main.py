@@ -16,7 +16,7 @@ REPLACEMENTS = {"\N{MULTIPLICATION SIGN}": "x", "─": "-", "²": "2", "³": "3"
 
 def main() -> None:
     """Run the command line."""
-    # Until a command runs, there is nothing to clean up, and an exception could be lost in an import: end at once.
+    # Before and after a command, end at once: there is nothing to clean up, and an import could lose an exception.
     _when_interrupted(_end)
     sys.unraisablehook = _end_if_interrupted
     interruptions = []

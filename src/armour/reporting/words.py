@@ -107,7 +107,7 @@ def threat_notes(scenario: Scenario | None) -> list[str]:
 
 
 def error_note(error: ModelError | None, scenario: Scenario | None) -> str:
-    """Return the model error and its source or, if it is None, why it is unknown for the scenario."""
+    """Return the model error and its source or, without an error, why it is unknown for the scenario."""
     if error is not None:
         return model_error_words(error)
     if scenario is None:

@@ -170,7 +170,7 @@ def left_out(result: DesignResult) -> str:
     return f"no ceramic passes on {counted(len(plates), 'back plate')}, {' to '.join(ends)} mm"
 
 
-# Distinguish a design from others of the same materials.
+# The thicknesses, which distinguish a design from others of the same materials.
 _thicknesses = attrgetter("ceramic_thickness_mm", "backing_thickness_mm")
 
 

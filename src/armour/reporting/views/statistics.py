@@ -306,7 +306,7 @@ MEAN_NOTES = {
 def answer(result: FiringResult) -> str:
     """Return V50 and the mean of velocities in a line.
 
-    The interval of V50 has the highest confidence at which it is bounded, which may be less than the one asked for.
+    The interval of V50 has the confidence level asked for or, if it is not bounded at this level, a lower one.
     """
     parts, fit, mean = [], result.recommended, result.mean
     if fit is not None:
