@@ -1,4 +1,4 @@
-"""The commands of the program, with examples; their help, and how they end."""
+"""Assemble the commands of the program with their help and examples, and turn errors into exit codes."""
 
 import logging
 import os
@@ -22,20 +22,20 @@ from armour.errors import MAX_PROBLEMS, ArmourError, InputError, NoAnswerError, 
 from armour.scenario.keys import describe
 
 WRONG_INPUT, INTERRUPTED = 2, 130
-# Least width of a terminal in which rich shows the longest names of options whole.
+# Least width of a terminal in which rich does not cut the longest names of options, characters.
 LEAST_WIDTH = 70
 
 
 class _Helpful:
-    """Shows help that fits narrow terminals."""
+    """Mixin of commands: its help fits narrow terminals, and shows no type beside switches."""
 
     def format_help(self, ctx: Any, formatter: Any) -> None:
-        """Print the help; a reader that has closed the pipe is no error, which rich ends with exit code 1."""
+        """Print the help; ignore the exit by which rich ends when the reader of a pipe has closed it."""
         with suppress(SystemExit):
             super().format_help(ctx, formatter)  # type: ignore[misc]
 
     def get_params(self, ctx: Any) -> list[Any]:
-        """Return the parameters; a switch has no type beside it."""
+        """Return the parameters, those of switches without a type."""
         params: list[Any] = super().get_params(ctx)  # type: ignore[misc]
         for param in params:
             param.metavar = "" if getattr(param, "is_flag", False) else param.metavar
@@ -43,7 +43,7 @@ class _Helpful:
 
 
 class Command(_Helpful, TyperCommand):
-    """A command, whose help is plain in a terminal where rich would cut the names of options."""
+    """A command; its help is plain text in a terminal so narrow that rich would cut the names of options."""
 
     def format_help(self, ctx: Any, formatter: Any) -> None:
         """Print the help."""
@@ -54,12 +54,12 @@ class Command(_Helpful, TyperCommand):
 
 
 class Reporting(_Helpful, TyperGroup):
-    """Commands whose errors end in a message and an exit code."""
+    """A group of commands whose errors end in a message and an exit code."""
 
     def make_context(self, info_name: Any, args: list[str], *others: Any, **settings: Any) -> Any:
-        """Parse the command line; an empty word, of a variable that is not set, would be read as the current folder.
+        """Parse the command line, and refuse an empty word, which would be read as the current folder.
 
-        In completion it is the word that has not begun.
+        It often comes from a shell variable that is not set.  Completion permits it, as a word not yet begun.
         """
         with _reported():
             _check_time()
@@ -74,7 +74,7 @@ class Reporting(_Helpful, TyperGroup):
 
 
 def _check_time() -> None:
-    """Refuse a SOURCE_DATE_EPOCH that is no time, on which matplotlib would fail."""
+    """Raise an error if SOURCE_DATE_EPOCH is not a number of seconds, with which matplotlib would fail."""
     time = os.environ.get("SOURCE_DATE_EPOCH")
     try:
         datetime.fromtimestamp(int(time or 0), UTC)
@@ -85,7 +85,7 @@ def _check_time() -> None:
 
 @contextmanager
 def _reported() -> Iterator[None]:
-    """Turn errors into messages and exit codes."""
+    """Turn errors in the block into messages and exit codes."""
     try:
         yield
     except InputError as error:
@@ -100,7 +100,7 @@ def _reported() -> Iterator[None]:
 
 
 def _located(problems: Sequence[Problem]) -> list[str]:
-    """Return the messages of the first problems, with the lines of TOML files where their keys are."""
+    """Return the messages of the first problems, each with the line of its key in a TOML file, if known."""
     shown = with_lines(problems[:MAX_PROBLEMS])
     messages = [str(problem) if line is None else f"{problem} (line {line})" for problem, line in shown]
     omitted = len(problems) - MAX_PROBLEMS
@@ -108,7 +108,7 @@ def _located(problems: Sequence[Problem]) -> list[str]:
 
 
 class _Saying(logging.Handler):
-    """Prints what the program logs: that it compiles, which takes a while."""
+    """Prints on standard error what the program logs, such as that it compiles, which takes a while."""
 
     def emit(self, record: logging.LogRecord) -> None:
         """Print a message."""
@@ -128,6 +128,7 @@ app = typer.Typer(
 
 
 def _version(is_given: bool) -> None:
+    """Print the version and exit if the option is given."""
     if is_given:
         emit(f"armour {__version__}, model {MODEL_VERSION}\n")
         raise typer.Exit
@@ -156,7 +157,7 @@ def _plan() -> None:
 W, PAPER = "wilkins", "paper"
 CERAMICS, PLATES = "armour.ceramic_thickness_mm=4:12:1", "armour.backing_thickness_mm=4:10:1"
 
-# Commands by the heading of the help, each with examples, which the tests run.
+# Commands by their heading in the help, each with examples; the tests run them.
 COMMANDS: dict[str, dict[Callable[..., None], tuple[str, ...]]] = {
     "Predict": {
         scenario_commands.simulate: (f"simulate {W}", f"simulate {W} --velocity 700 --history run.csv --plot run.svg"),
@@ -214,7 +215,7 @@ for _panel, _commands in COMMANDS.items():
     for _command, _examples in _commands.items():
         _parts = ["Examples:", *(f"`armour {example}`" for example in _examples)]
         if _command is scenario_commands.sweep:
-            # As a text, since the column of descriptions is too narrow for the names.
+            # In the text below, since the column of descriptions is too narrow for the names.
             _parts[:0] = [f"Quantities: {', '.join(QUANTITIES)}.", f"required_...: {REQUIRED_QUANTITIES}."]
         _name, _epilog = _command.__name__.strip("_").replace("_", "-"), "\n\n".join(_parts)
         if _command in (experiments.plan_shots, experiments.plan_tests):

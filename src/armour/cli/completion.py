@@ -1,7 +1,7 @@
-"""Completions that the shell offers for a word; typer keeps those that begin with it.
+"""Complete words in the shell: return candidates, of which typer keeps those that begin with the word.
 
-Nothing here needs numpy, so that completions appear at once.  Modules of scenarios are imported only when needed, since
-every command imports this module.
+Nothing here needs numpy, so that completions appear at once.  Every command imports this module, so it imports the
+modules of scenarios only when needed.
 """
 
 import os
@@ -15,7 +15,7 @@ from armour.analysis.quantities import QUANTITIES
 from armour.files import shipped_files, shipped_notebooks, shipped_suites, shipped_tests
 from armour.scenario.inputs import INPUTS, NAMES, NAMING, ROLES, THREAT
 
-# Names of files to offer: zsh evaluates the output of typer, and other shells insert words as they are.
+# Names of files that are safe to offer: zsh evaluates the output of typer, other shells insert it without quotes.
 _PLAIN = re.compile(rf"(?:[\w@%+=:,./-]|{re.escape(os.sep)}| (?! ))+")
 
 
@@ -29,7 +29,10 @@ def _shipped_scenarios() -> list[str]:
 
 
 def _files(ending: str, *shipped: Callable[[], Iterable[str]]) -> Callable[[str], list[str]]:
-    """Return the completion of shipped names, and of files beside them; without any, shells offer files and folders."""
+    """Return a function that completes a word to shipped names and to files with an ending.
+
+    If no shipped name begins with the word, it returns nothing, and shells complete to files and folders.
+    """
 
     def offered(incomplete: str) -> list[str]:
         names = [name for shipped_by_kind in shipped for name in shipped_by_kind() if name.startswith(incomplete)]
@@ -45,7 +48,7 @@ tables = _files(".csv", shipped_tests)
 
 
 def entries() -> list[str]:
-    """Return the names in the library."""
+    """Return the names of all entries and threats in the library."""
     return [*(name for names in lazy.shipped_library().entries.values() for name in names), *lazy.named_threats()]
 
 
@@ -55,35 +58,38 @@ def inputs() -> list[str]:
 
 
 def quantities(incomplete: str) -> list[str]:
-    """Return the names of quantities that can follow those in an incomplete list."""
+    """Complete a list of quantities separated by commas with each quantity that is not in it."""
     done, comma, _ = incomplete.rpartition(",")
     names = done.split(",") if comma else []
     return [done + comma + name for name in QUANTITIES if name not in names and set(names) <= {*QUANTITIES}]
 
 
 def numbers(incomplete: str) -> list[str]:
-    """Return the keys that a sweep can vary, each with an equals sign."""
+    """Return the keys that a sweep can vary, each followed by "=", while no "=" is typed."""
     if "=" in incomplete:
         return []
     return [word for word in assignments(incomplete) if word.rstrip("=") not in ("title", *NAMING)]
 
 
 def assignments(incomplete: str) -> list[str]:
-    """Return inputs and keys, each with an equals sign or, after it, the words that the key can have."""
+    """Return all inputs and keys, each followed by "="; once "=" is typed, the words that the key can have."""
     key, equal, _ = incomplete.partition("=")
     if equal:
         words = {name: lazy.shipped_library().names(ROLES[role]) for role, name in NAMES.items()}
         words[THREAT] = list(lazy.named_threats())
         choices = {name: _choices(annotation) for name, annotation in _keys(lazy.Scenario)}
         return [f"{key}={word}" for word in (choices | words).get(key, ())]
-    # The many keys of distributions are useful only once one has been begun.
+    # The many keys of distributions are offered only once "uncertainty." is typed.
     depth = 4 if incomplete.startswith("uncertainty.") else 3
     keys = [key for key, _ in _keys(lazy.Scenario) if len(key.split(".")) <= depth]
     return [f"{key}=" for key in dict.fromkeys((*INPUTS, *keys))]
 
 
 def _keys(model: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield the dotted keys, with types, of a section and of those within it, except lists and tables of any name."""
+    """Yield the dotted keys of a section and of the sections within it, each with its type.
+
+    Skip arrays of tables, tables with names of the user's choice, and the library.
+    """
     for name, field in model.model_fields.items():
         inner = lazy.model_in(field.annotation)
         if inner is None:
@@ -93,7 +99,7 @@ def _keys(model: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def _choices(annotation: Any) -> list[str]:
-    """Return the words of a type of a few words."""
+    """Return the words that a type permits by `Literal`, also within unions."""
     if get_origin(annotation) is Literal:
         return [word for word in get_args(annotation) if isinstance(word, str)]
     return [word for inner in get_args(annotation) for word in _choices(inner)]

@@ -1,4 +1,4 @@
-"""Tables, lines and JSON on standard output; messages and progress on standard error."""
+"""Print tables, lines and JSON on standard output, and messages and progress on standard error."""
 
 import json
 import os
@@ -14,7 +14,7 @@ from armour.reporting.table import Table, printable_lines
 
 
 def show(*items: Table | str, title: str = "", stderr: bool = False) -> None:
-    """Print tables and lines; a reader that has closed the pipe is no error."""
+    """Print tables and lines, fitted to the width of a terminal; a pipe that its reader has closed is no error."""
     from rich.console import Console
 
     from armour.cli.layout import UNLIMITED, rendered
@@ -25,11 +25,12 @@ def show(*items: Table | str, title: str = "", stderr: bool = False) -> None:
 
 
 def show_json(data: Mapping[str, Any] | Sequence[Mapping[str, Any]]) -> None:
-    """Print a JSON object, or an array of them, on standard output, in ASCII; a number that is not finite is null."""
+    """Print a JSON object, or an array of objects, in ASCII; NaN and infinity become null."""
     emit(json.dumps(_finite(data), indent=2, allow_nan=False) + "\n")
 
 
 def _finite(value: Any) -> Any:
+    """Replace NaN and infinity by None, in mappings and lists too."""
     if isinstance(value, Mapping):
         return {key: _finite(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):
@@ -44,14 +45,14 @@ def say(*lines: str) -> None:
 
 
 def emit(text: str, stream: IO[str] | None = None) -> None:
-    """Write lines to a stream, by default standard output, with control characters from files escaped."""
+    """Write a text to a stream, by default standard output, with control characters escaped."""
     _write(printable_lines(text), stream or sys.stdout)
 
 
 def _write(text: str, stream: IO[str]) -> None:
-    """Write printable text to a stream at once, so that errors appear here and not at the end.
+    """Write a text to a stream and flush it, so that errors appear here and not when the program ends.
 
-    A reader that has closed the pipe is no error; messages that cannot be written are lost.
+    A pipe that its reader has closed is no error.  On standard error, any text that cannot be written is dropped.
     """
     try:
         stream.write(text)
@@ -63,16 +64,16 @@ def _write(text: str, stream: IO[str]) -> None:
 
 
 def discard(stream: IO[str]) -> None:
-    """Discard the buffered content of a stream and everything written to it later."""
+    """Discard what a stream has buffered and all that is written to it later."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 @contextmanager
 def progress(unit: str, total: int | None = None, first: str = "") -> Iterator[Callable[..., None]]:
-    """Yield a function to call with progress; on a terminal it moves a bar with the rate and the remaining time.
+    """Yield a function to call with the number of units done since the last call; on a terminal, it moves a bar.
 
-    The total may also be given, or changed, with each count; without one, the bar only moves.  A count of units
-    ``stored`` before is not part of the rate.  ``first`` names the step before the first count; by default, compiling.
+    The total may also be given, or changed, with each call.  Units that were ``stored`` by an earlier run do not count
+    for the rate.  ``first`` is shown until the first call; by default, that code is compiled.
     """
     if not sys.stderr.isatty():
         yield lambda *_count, **_stored: None

@@ -1,4 +1,4 @@
-"""Commands on tests of armours: estimates from them, and plans of further tests."""
+"""Commands on tests of armours: estimate from them, and plan further ones."""
 
 import shlex
 from contextlib import ExitStack
@@ -38,7 +38,7 @@ from armour.files import shipped_tests
 from armour.reporting.table import csv_text, rows_csv
 from armour.scenario.keys import describe
 
-# Sections that a fit reads, and one more with a prior.
+# Sections that a fit reads, and the one that it also reads with a prior.
 FIT = ("impact", "armour", "ballistic_limit")
 OF_PRIOR = ("uncertainty",)
 # Laws of the ceramic's flow stress.
@@ -51,7 +51,7 @@ REQUIREMENT_FRACTION = number_option(
     "by default 0.5.",
     share,
 )
-# Options by the names in messages about limits of V50.
+# Options, by the parameters of `plan_shots` that messages about the limits of V50 name.
 LIMITS = {
     "scenario": "SCENARIO",
     "limits_m_s": "--lower-m-s, --upper-m-s",
@@ -207,14 +207,17 @@ def calibrate(
 
 
 def is_table(path: Path) -> bool:
-    """Return whether the name of a file is that of a table, which is given before or after a scenario."""
+    """Return whether a file is a table, by its name; commands accept a table before or after a scenario."""
     return path.suffix.lower() in (".csv", ".tsv", ".txt", *lazy.WORKBOOKS) or path.as_posix() in shipped_tests()
 
 
 def _scenario_of(
     path: Path | None, changes: list[str] | None, computed: str = "the answer"
 ) -> "armour.Scenario | None":
-    """Read the scenario of a ballistic limit, if there is one."""
+    """Read a scenario for its ballistic limit; return None without a path.
+
+    `changes` are those of ``--set``, and `computed` names the result in messages.
+    """
     if path is not None:
         return read_scenario(path, changes, LIMIT_READS, computed=computed)
     if changes:
@@ -223,7 +226,7 @@ def _scenario_of(
 
 
 def chosen(where: list[str] | None) -> dict[str, str]:
-    """Return the columns and values of ``--where``."""
+    """Return the values by column from the texts "COLUMN=VALUE" of ``--where``."""
     if wrong := [text for text in where or () if "=" not in text]:
         raise wrong_option("--where", f"must be COLUMN=VALUE, found {describe(wrong[0])}")
     return {key.strip(): value.strip() for key, _, value in (text.partition("=") for text in where or ())}
@@ -345,7 +348,7 @@ def plan_shots(
         true_scatter_m_s=true_scatter_m_s,
         seed=seed,
     )
-    # A table to which a shot is added stays locked until it is written.
+    # The stack keeps a table to which a shot is added locked until it is written.
     with ExitStack() as stack:
         with progress("impacts", first="searching") as count, runner.as_options("plan_shots", LIMITS):
             plan = partial(armour.plan_shots, loaded, on_progress=count, **options)
@@ -416,7 +419,7 @@ def plan_tests(
     inputs = [scenario, tests, *candidates, *(design or ())]
     check_outputs(tables=[csv], inputs=inputs, scenario=loaded, plot=plot, force=force)
     with progress("armours") as count, runner.as_options("plan_tests", {"designs": "--design"}):
-        source = _source(candidates)
+        source = _candidates(candidates)
         earlier_tests = None if tests is None else say_how_read(tests, armour.read_tests(tests, loaded))
         options = given(
             fit=fit,
@@ -439,8 +442,8 @@ def plan_tests(
     answer(result, loaded, files, plot=plot, as_json=as_json, verbose=verbose)
 
 
-def _source(candidates: list[str]) -> "lazy.Grid | lazy.SweepCases":
-    """Return the candidates."""
+def _candidates(candidates: list[str]) -> "lazy.Grid | lazy.SweepCases":
+    """Return the candidates for tests as a grid, from texts "KEY=VALUES", or from one CSV file."""
     from armour.cli import sweeping
 
     if all("=" in text for text in candidates):

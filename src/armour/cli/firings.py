@@ -1,4 +1,4 @@
-"""Answers to tables of shots: one for each target, the next shot to plan, and a shot that is added."""
+"""Answer questions on tables of shots: for each target separately, for the next shot, and after adding a shot."""
 
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
@@ -17,17 +17,21 @@ from armour.planning.shot_file import content_of, locked, with_shot
 from armour.scenario.keys import describe
 from armour.statistics.v50 import Shots, firings_of, is_of_shots, shots_of
 
-# Fraction by which a measured velocity may miss the planned one without a warning.
+# Relative difference between measured and planned velocity above which there is a warning.
 FAR_FROM_PLAN = 0.1
 
 
 def each_result(
     answer: Callable[[Shots], Result], table: Path, where: Mapping[str, str], sheet: str | None, kinds: int
 ) -> EachResult:
-    """Return the answer for each value of the column that tells targets apart, by column and value."""
+    """Call `answer` with the shots at each target in a table; name each result by column and value, as "panel A".
+
+    `where` has the values of columns that rows must have, and `sheet` is that of a workbook.  Targets whose shots have
+    fewer than `kinds` different results are left out.
+    """
     results = {}
-    for name, value, found in firings_of(table, where, sheet):
-        if found < kinds:
+    for name, value, kinds_found in firings_of(table, where, sheet):
+        if kinds_found < kinds:
             say(f"note: {table}: {name} {value}: left out, as its shots have only one result")
             continue
         chosen = {**where, name: value}
@@ -41,7 +45,7 @@ def each_result(
 def next_plan(
     plan: Callable[..., ShotPlan], table: Path | None, where: Mapping[str, str], sheet: str | None, *, each: bool
 ) -> EachResult | ShotPlan:
-    """Plan the next shot after those of a table, or after those at each target in it."""
+    """Call `plan` with the shots of a table, if there is one, or, with `each`, with those at each target in it."""
     if table is None:
         return plan(None)
     is_new = table.suffix == ".csv" and not exists(table)
@@ -62,9 +66,10 @@ def plan_after(
     velocity_m_s: float | None,
     where: Mapping[str, str],
 ) -> tuple[ShotPlan, list[str], Files]:
-    """Plan the next shot after one that is added to a table, locked in a stack.
+    """Plan the next shot after adding one, with its result, to a table; ``velocity_m_s`` defaults to the planned one.
 
-    Also return the warnings, also of the shot that is added, and the table with what makes its new content.
+    Return the plan, its warnings and those on the added shot, and the table as a file to write.  The table stays locked
+    until ``stack`` is closed.
     """
     if perforates(result) is None:
         raise wrong_option("--result", f"{MUST_SAY}, found {describe(result)}")

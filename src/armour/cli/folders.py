@@ -1,4 +1,4 @@
-"""The scenarios in a folder and in those below it."""
+"""Find the scenarios in a folder and in the folders below it."""
 
 import os
 from collections import Counter
@@ -9,16 +9,16 @@ from armour.cli.console import say
 from armour.errors import InputError, Problem, counted, mistake, refuse
 from armour.files import read_toml, reason
 
-# More files are read only on request: the folder may be a whole disk.
+# More files are read only with --yes, in case the folder is a whole disk.
 MOST_FILES = 1000
-# A file with none of these sections is a suite, a library or of another program.
+# A TOML file is a scenario if it has one of these sections.
 OF_SCENARIO = ("impact", "threat", "armour")
 
 
 def scenario_paths(sources: Sequence[Path], *, yes: bool) -> list[Path]:
-    """Return paths and names of scenarios, each folder replaced by the scenarios in it and in those below.
+    """Replace each folder among paths and names of scenarios by the scenarios in it and in the folders below.
 
-    More than MOST_FILES in folders are read only with ``yes``.  What is skipped is counted on standard error.
+    Without ``yes``, more than MOST_FILES files in folders are refused.  A note counts the files that are skipped.
     """
     skipped = Counter[tuple[str, str]]()
     files = {source: _toml_files(source, skipped) for source in dict.fromkeys(sources) if os.path.isdir(source)}
@@ -36,7 +36,10 @@ def scenario_paths(sources: Sequence[Path], *, yes: bool) -> list[Path]:
 
 
 def _toml_files(top: Path, skipped: Counter[tuple[str, str]]) -> list[Path]:
-    """Return the TOML files in a folder and in those below; count what else could have been one."""
+    """Return the TOML files in a folder and in the folders below, sorted, and count in `skipped` what is passed over.
+
+    Hidden files and folders, links and virtual environments are skipped.
+    """
 
     def fail(error: OSError) -> None:
         raise mistake(error.filename, "", f"cannot be read: {reason(error)}")
@@ -52,7 +55,7 @@ def _toml_files(top: Path, skipped: Counter[tuple[str, str]]) -> list[Path]:
 
 
 def _foreign(path: Path) -> str:
-    """Return what a file or folder is that is none of a project's own; "" for others."""
+    """Return why a file or folder is skipped, such as "hidden file"; "" if it is not."""
     if path.name.startswith("."):
         return "hidden folder" if path.is_dir() else "hidden file"
     if path.is_symlink():
@@ -63,7 +66,7 @@ def _foreign(path: Path) -> str:
 
 
 def _is_scenario(path: Path) -> bool:
-    """Return whether a file is to be read as a scenario; the mistakes in one that is no TOML are told later."""
+    """Return whether to read a file as a scenario; also if it is not valid TOML, so that its mistakes are reported."""
     try:
         return not read_toml(path).keys().isdisjoint(OF_SCENARIO)
     except InputError:

@@ -1,8 +1,8 @@
-"""Tables and lines laid out for the width of a console, with every word, name and number whole.
+"""Lay out tables and lines for the width of a terminal, without breaking any word, name or number.
 
-A table that is too wide first gets headings of several lines, then narrow gaps and texts of several lines, and at last
-becomes a block of lines for each row.  A terminal shows the first rows of a long table.  rich draws them; as it cuts
-words where the room is too small, the least width of each column is added up here.
+If a table is too wide, its headings are stacked; then gaps are narrowed and texts wrapped; at last each row becomes a
+block of lines.  Of a long table, a terminal shows the first rows.  The library rich draws the tables.  It cuts words
+that have no room, so this module first checks whether the least widths of the columns fit.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -20,27 +20,27 @@ from armour.files import printable
 from armour.reporting.table import Column, Table, VerdictLine, unbroken
 
 COLUMN_GAP = 2
-# Width of output to a pipe, where each row of a table stays on one line.
+# Width of output to a pipe, so large that each row of a table stays on one line.
 UNLIMITED = 1_000_000
-# Most rows on a terminal of a table whose rest is found elsewhere.
+# Largest number of rows that a terminal shows of a table whose other rows are found elsewhere.
 MOST_ROWS = 25
-# Ways to make a table fit, tried one after the other.
+# Layouts of a table, tried one after the other until it fits.
 PLAIN_LAYOUT, STACKED, NARROW = range(3)
-# Least width of a column of prose before the table becomes blocks.
+# Least width of a column of prose.
 PROSE_WIDTH = 16
-# For a space that does not break, at which rich would end a line: a character that no printable text has.
+# Stands for a no-break space, at which rich would break a line: a character that no printable text contains.
 STAND_IN = "\ue000"
-# A table has a line below its headings, and no others.
+# Box of rich with a line below the headings alone.
 ROW_RULE = Box("    \n    \n ── \n    \n    \n    \n    \n    \n")
 
 
 def rendered(items: Iterable[Table | str], room: int, title: str = "", colours: Any = None) -> str:
-    """Format tables and lines for a room, with an empty line between a table and what stands above it.
+    """Format tables and lines for a width of ``room`` characters, with an empty line above each table.
 
-    ``colours`` are those of the terminal, as rich calls them; without any, nothing is bold either.
+    ``colours`` is the name in rich of the terminal's colour system; if it is None, nothing is bold or coloured.
     """
     shown = StringIO()
-    # Wider than any line, as rich would cut the lines for which the room is too small.
+    # Wider than any line, as rich would cut lines that are too long.
     console = Console(file=shown, width=UNLIMITED, height=1, color_system=colours, force_terminal=bool(colours))
     above: Table | str = ""
     if title:
@@ -61,18 +61,18 @@ def rendered(items: Iterable[Table | str], room: int, title: str = "", colours: 
 
 
 def _text(console: Console, text: str, room: int, style: str = "") -> Text:
-    """Return a text that is wrapped between words; a word that is too long has a line of its own."""
+    """Wrap a text between words to a width of `room`, or to its longest word if that is wider."""
     words = Text(_unbroken(text), style)
     return Text("\n").join(words.wrap(console, max(room, _longest_word([words.plain]))))
 
 
 def _unbroken(text: str) -> str:
-    """Return a printable text in which no line ends between a number and its unit."""
+    """Escape control characters, and replace the spaces between numbers and units by `STAND_IN`."""
     return unbroken(printable(text)).replace("\N{NO-BREAK SPACE}", STAND_IN)
 
 
 def _parts(console: Console, table: Table, room: int) -> Iterator[Grid | Text | str]:
-    """Yield the parts of a table: its title, its rows, and where to find the rest."""
+    """Yield the parts of a table: its title, its rows or the first of them, and how to see the rest."""
     if table.title:
         yield _text(console, table.title, room, "bold")
     hidden_rows = len(table.rows) - MOST_ROWS
@@ -84,13 +84,13 @@ def _parts(console: Console, table: Table, room: int) -> Iterator[Grid | Text | 
 
 
 def _rows(table: Table, room: int) -> Iterator[Grid | str]:
-    """Yield the rows of a table under their headings or, where it does not fit or is a record, as blocks."""
+    """Yield the rows of a table in the first layout that fits or, if none does or it is a record, as blocks."""
     texts = [[_unbroken(text) for text in row] for row in table.texts()]
-    for fit in () if table.record else (PLAIN_LAYOUT, STACKED, NARROW):
-        headings = [_heading(column, fit) for column in table.columns]
+    for layout in () if table.record else (PLAIN_LAYOUT, STACKED, NARROW):
+        headings = [_heading(column, layout) for column in table.columns]
         cells = [[row[index] for row in texts] for index in range(len(headings))]
-        limits = [_limits(*column, fit) for column in zip(table.columns, headings, cells, strict=True)]
-        gap = COLUMN_GAP if fit != NARROW else 1
+        limits = [_limits(*column, layout) for column in zip(table.columns, headings, cells, strict=True)]
+        gap = COLUMN_GAP if layout != NARROW else 1
         widths = _shared(limits, room, gap)
         if widths is not None:
             yield _grid(texts, widths, [column.numeric for column in table.columns], gap, headings)
@@ -98,33 +98,38 @@ def _rows(table: Table, room: int) -> Iterator[Grid | str]:
     yield from _blocks(table, texts, room)
 
 
-def _heading(column: Column, fit: int) -> str:
-    """Return a heading; unless plain, its unit has a line of its own."""
-    separator = (", ", ",\n", "\n")[fit]
+def _heading(column: Column, layout: int) -> str:
+    """Return the heading of a column in a layout; unless that is plain, the unit has its own line."""
+    separator = (", ", ",\n", "\n")[layout]
     return separator.join(_unbroken(part) for part in (column.label, column.unit) if part)
 
 
-def _limits(column: Column, heading: str, cells: Sequence[str], fit: int) -> tuple[int, int]:
-    """Return the least and the greatest width that a column can use."""
-    longest, stacked = _longest(cells), fit != PLAIN_LAYOUT
+def _limits(column: Column, heading: str, cells: Sequence[str], layout: int) -> tuple[int, int]:
+    """Return the least and the greatest width that a column can use in a layout, characters."""
+    longest, stacked = _longest(cells), layout != PLAIN_LAYOUT
     least = max(_longest_word(cells), min(longest, PROSE_WIDTH)) if column.prose else longest
-    if fit == NARROW and not column.numeric:
+    if layout == NARROW and not column.numeric:
         least = _longest_word(cells)
-    # Stacked headings are wrapped, and take no room from prose.
+    # Stacked headings are wrapped, so only their longest word counts.
     least = max(least, _longest_word([heading]) if stacked else cell_len(heading))
     return least, max(least, longest)
 
 
 def _longest(texts: Iterable[str]) -> int:
+    """Return the width of the widest text, characters."""
     return max(map(cell_len, texts), default=0)
 
 
 def _longest_word(texts: Iterable[str]) -> int:
+    """Return the width of the widest word in the texts, characters."""
     return _longest(word for text in texts for word in text.split())
 
 
 def _shared(limits: Sequence[tuple[int, int]], room: int, gap: int = COLUMN_GAP) -> list[int] | None:
-    """Return the widths of columns, giving room first to those that need least; None if there is too little room."""
+    """Return the widths of columns that fit in `room` with gaps between them; None if even the least widths do not.
+
+    `limits` has the least and greatest width of each.  Columns that want least above their least width get it first.
+    """
     widths = [least for least, _ in limits]
     spare = room - sum(widths) - gap * (len(widths) - 1)
     if spare < 0:
@@ -145,7 +150,10 @@ def _grid(
     gap: int = COLUMN_GAP,
     headings: Sequence[str] = (),
 ) -> Grid:
-    """Lay rows out in columns, under their headings if there are any."""
+    """Lay out rows in columns of given widths, under headings if there are any.
+
+    `right` says which columns are aligned at the right.
+    """
     grid = Grid(box=ROW_RULE, show_header=bool(headings), show_edge=False, pad_edge=False, padding=(0, gap - 1, 0, 0))
     for index, width in enumerate(widths):
         heading = Text(headings[index]) if headings else ""
@@ -156,7 +164,7 @@ def _grid(
 
 
 def _blocks(table: Table, texts: Sequence[Sequence[str]], room: int) -> Iterator[Grid | str]:
-    """Yield a block for each row: a line for each quantity that it has, with label, value and unit."""
+    """Yield a block for each row of a table: a line for each cell that is not empty, with label, value and unit."""
     for index, row in enumerate(texts):
         quantities = [(column, text) for column, text in zip(table.columns, row, strict=True) if text]
         number = _longest(text for column, text in quantities if column.numeric)

@@ -1,4 +1,4 @@
-"""Commands on shipped data: the library, and files to start from."""
+"""Commands on shipped data: list the library, copy files to start from, compile, and print the schema."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -17,9 +17,9 @@ from armour.errors import choices, mistake, refuse
 from armour.files import shipped_files, shipped_notebooks, shipped_suites, shipped_tests, wrong_ending
 from armour.reporting.table import Table
 
-# Kinds that the library lists, each by a command of its own, in the plural.
+# Kinds of entries; each has a command, its plural, that lists them.
 LISTED_KINDS = ("projectile", "ceramic", "threat", "metal")
-# Line by which editors find the schema to complete and check a scenario; see docs/howto/schema.md.
+# First line of a scenario, by which editors find the schema to check it; see docs/howto/schema.md.
 SCHEMA_LINE = b"#:schema ./scenario.schema.json\n"
 TESTED = flag("List only entries for which tests provide a model error.", "--tested")
 
@@ -42,7 +42,7 @@ def section(kind: str) -> Callable[..., None]:
 
 
 def _list(kinds: Sequence[str], *, tested: bool, as_json: bool) -> None:
-    """List entries of some kinds."""
+    """List the entries of some kinds; with `tested`, only those for which tests provide a model error."""
     library, partners = lazy.shipped_library(), None
     data: dict[str, dict[str, Any]] = library.to_dict()
     threats = lazy.named_threats()

@@ -1,4 +1,4 @@
-"""Start of the command line."""
+"""Start the command line, and end it if it is interrupted."""
 
 import atexit
 import codecs
@@ -10,13 +10,13 @@ from collections.abc import Callable
 from io import TextIOWrapper
 from typing import Any
 
-# What is printed in place of the characters of rules and units, where an encoding lacks them.
+# Replacements for characters of rules and units that the encoding of an output lacks.
 REPLACEMENTS = {"\N{MULTIPLICATION SIGN}": "x", "─": "-", "²": "2", "³": "3", "µ": "u", "±": "+-", "°": " deg"}
 
 
 def main() -> None:
     """Run the command line."""
-    # Before and after a command there is nothing to clean up, and an exception could be lost in an import.
+    # Before and after a command, end at once: there is nothing to clean up, and an import could lose an exception.
     _when_interrupted(_end)
     sys.unraisablehook = _end_if_interrupted
     interruptions = []
@@ -30,13 +30,13 @@ def main() -> None:
     except KeyboardInterrupt:
         _end()
     except Exception:
-        if interruptions:  # pydantic, where it builds a schema or serializes, makes its own error of one
+        if interruptions:  # pydantic may turn a KeyboardInterrupt into an error of its own
             _end()
         raise
 
 
 def _run(interrupt: Callable[[int, object], None]) -> None:
-    """Run the command line; an interruption may come anywhere."""
+    """Run the command line; `interrupt` handles interruptions while a command runs."""
     try:
         _open_streams()
         codecs.register_error("plain", _plain)
@@ -45,11 +45,11 @@ def _run(interrupt: Callable[[int, object], None]) -> None:
                 stream.reconfigure(errors="plain")
         # Pydantic looks for plugins among all installed packages, which takes a while.
         os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
-        # A process started for --scheduler local would import modules of the current folder.
+        # Else the processes that --scheduler local starts would import modules from the current folder.
         os.environ["PYTHONSAFEPATH"] = "1"
-        # The matrices are small: threads for linear algebra would only make every start slower.
+        # Matrices are small, so threads for linear algebra would only slow down the start.
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-        # Nearly all that a start creates stays to the end: looking for garbage in it would take a quarter of the time.
+        # Nearly all objects that a start creates live to the end: collecting garbage would take a quarter of its time.
         gc.set_threshold(10_000)
         atexit.register(gc.freeze)
         from armour.cli.app import app
@@ -63,14 +63,14 @@ def _run(interrupt: Callable[[int, object], None]) -> None:
 
 
 def _plain(error: UnicodeError) -> tuple[str, int]:
-    """Return plain characters for those that the encoding of an output lacks."""
+    """Replace characters that an encoding lacks, and return where to go on; an error handler for `codecs`."""
     if not isinstance(error, UnicodeEncodeError):
         raise error
     return "".join(REPLACEMENTS.get(character, "?") for character in error.object[error.start : error.end]), error.end
 
 
 def _when_interrupted(act: Any) -> None:
-    """Set what happens when the user interrupts the process, or another process, such as a time limit, ends it."""
+    """Set the handler of the signals by which a user interrupts the process (SIGINT) or a program ends it (SIGTERM)."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, act)
 
@@ -84,21 +84,24 @@ def _end(*_signal: object) -> None:
 
 
 def _end_if_interrupted(lost: Any) -> None:
-    """End if an interruption came in a callback or a compiled module, which lose exceptions."""
+    """End if an interruption came in a callback or a compiled module, where Python cannot raise it.
+
+    `lost` describes the exception that was lost; it is the argument of `sys.unraisablehook`.
+    """
     if isinstance(lost.exc_value, KeyboardInterrupt):
         _end()
     sys.__unraisablehook__(lost)
 
 
 def _open_streams() -> None:
-    """Open closed streams on the null device, in their order, so that no file of a command takes their place."""
+    """Open standard streams that are closed on the null device, so that no file gets their descriptors."""
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:
             setattr(sys, name, os.fdopen(os.open(os.devnull, os.O_RDWR), mode, encoding="utf-8"))
 
 
 def _give_up(error: OSError) -> None:
-    """End with the message of the operating system, such as that of a full disk."""
+    """End with exit code 2 and the message of the operating system, such as that the disk is full."""
     from armour.cli.console import discard, say
     from armour.files import reason
 

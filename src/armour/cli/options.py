@@ -1,6 +1,6 @@
-"""What makes an option, with its help, in the signature of a command, and the options that commands share.
+"""Make options and arguments, with their help, for the signatures of commands; and the options that commands share.
 
-An option that is not given is None or False; a default that matters to a computation is that of the Python function.
+An option that is not given is None or False; the Python function that a command calls has the defaults of numbers.
 """
 
 from collections.abc import Callable
@@ -13,12 +13,12 @@ from armour.cli import completion
 
 
 def argument(metavar: str, description: str, default: Any = ..., **settings: Any) -> Any:
-    """Make an argument, which must be given if it has no default; the help does not show it."""
+    """Make a positional argument; it must be given if it has no default, which the help does not show."""
     return typer.Argument(default, metavar=metavar, help=description, show_default=False, **settings)
 
 
 def option(description: str, *names: str, default: Any = None, **settings: Any) -> Any:
-    """Make an option whose default the help does not show; with ``...`` in its place it must be given."""
+    """Make an option; it must be given if its default is ``...``, and the help does not show the default."""
     return typer.Option(default, *names, help=description, show_default=False, **settings)
 
 
@@ -28,7 +28,7 @@ def flag(description: str, *names: str, **settings: Any) -> Any:
 
 
 def number(text: str) -> float | str:
-    """Return the number in a word or, if there is none, the word itself, which is refused later."""
+    """Convert a word to a number; return other words as they are, since the function called refuses them."""
     value = lazy.number(text)
     if value is None:
         return text
@@ -36,33 +36,33 @@ def number(text: str) -> float | str:
 
 
 def share(text: str) -> float | str:
-    """Return a share, which may be given in per cent, or, if there is none, the word itself, which is refused later."""
+    """Convert a word to a fraction: "0.95" and "95%" give 0.95; return other words as they are, to be refused later."""
     value = number(text.removesuffix("%").rstrip())
     return text if isinstance(value, str) else value / 100.0 if text.endswith("%") else value
 
 
 def number_option(description: str, parser: Callable[[str], float | str] = number) -> Any:
-    """Make an option of a number, or of a share with that parser."""
+    """Make an option whose value is a number or, with `parser=share`, a fraction."""
     return option(description, metavar="NUMBER", parser=parser)
 
 
 def file_option(description: str, *names: str, metavar: str = "FILE") -> Any:
-    """Make an option of a file."""
+    """Make an option whose value is the name of a file."""
     return option(description, *names, metavar=metavar)
 
 
 def word_option(description: str, *words: str, metavar: str) -> Any:
-    """Make an option that completes to one of the words; others are refused later."""
+    """Make an option whose value is one of the words, which the shell completes; others are refused later."""
     return option(description, metavar=metavar, autocompletion=lambda: words)
 
 
 def inputs_option(description: str) -> Any:
-    """Make an option of names of inputs, to be given for each."""
+    """Make an option whose value is the name of an input; it can be repeated."""
     return option(f"{description} Repeatable.", metavar="INPUT", autocompletion=completion.inputs)
 
 
 def given(**options: Any) -> dict[str, Any]:
-    """Return the options that are given."""
+    """Return the options that are not None."""
     return {name: value for name, value in options.items() if value is not None}
 
 

@@ -1,4 +1,4 @@
-"""Steps of every command: read, check the outputs, compute, show, write files, warn, in this order."""
+"""Steps that commands share, in this order: read, check the outputs, compute, show, write files, warn."""
 
 import json
 import os
@@ -21,23 +21,27 @@ from armour.scenario.inputs import VELOCITY
 from armour.scenario.keys import changes_of, line_of, lines_of, upwards, values_by_key
 
 Content = TypeVar("Content", bound="armour.Shots | armour.Tests")
-# Computations that take longer are announced.
+# Computations that take longer than this, s, are announced.
 ANNOUNCED_S = 10.0
-# Exit codes of a question without an answer, and of a check that failed.
+# Exit codes: a question without an answer, and a check that failed.
 NO_ANSWER, CHECK_FAILED = 1, 3
 STANDARD_INPUT = "standard input"
 PLOT_ENDINGS = (".png", ".svg", ".pdf")
-# Files to write, None for one that is not asked for, with functions that make their contents, or None for nothing.
+# By path of a file to write, a function that returns its content, or None to write nothing.  The path None stands for a
+# file that is not asked for.
 Files = Mapping[Path | None, Callable[[Path], str | bytes | None]]
 
 
 def wrong_option(option: str, message: str) -> InputError:
-    """Return the error of a wrong option."""
+    """Return the error of a wrong option of the command line."""
     return mistake("command line", option, message)
 
 
 def check_options(*mistakes: tuple[str, object, str]) -> None:
-    """Refuse the first of some options, each with whether it is wrong and the condition that it must meet."""
+    """Raise the error of the first wrong option.
+
+    Each of ``mistakes`` has an option, whether it is wrong, and the condition that it must meet.
+    """
     for option, is_wrong, message in mistakes:
         if is_wrong:
             raise wrong_option(option, message)
@@ -53,10 +57,11 @@ def check_outputs(
     scenario: "armour.Scenario | None" = None,
     force: bool = False,
 ) -> None:
-    """Check that all outputs can be written, differ from each other and from inputs, and replace files only by force.
+    """Check that all outputs can be written and differ from each other and from inputs; raise an error otherwise.
 
-    The files of the ``scenario`` are inputs too.  ``tables`` are outputs that are CSV.  ``junit`` may replace a file
-    that this program has written as JUnit XML.  ``updated`` is both an input and an output.
+    Only with ``force`` may an output replace a file, except that ``junit`` may replace JUnit XML written by this
+    program.  The files of the ``scenario`` are inputs too.  ``tables`` are CSV outputs.  ``updated`` is both an input
+    and an output.
     """
     new = [path for path in (*outputs, *tables, junit, plot) if path is not None]
     refuse(Problem("-", "", "must be the name of a file to write") for path in new if str(path) == "-")
@@ -83,7 +88,7 @@ def check_outputs(
 
 
 def with_lines(problems: Iterable[Problem]) -> Iterator[tuple[Problem, int | None]]:
-    """Yield problems with the lines of TOML files where their keys are."""
+    """Yield each problem with the line of the TOML file where its key is; None if there is no such line."""
 
     @cache
     def lines(file: str) -> dict[str, int]:
@@ -99,7 +104,10 @@ def with_lines(problems: Iterable[Problem]) -> Iterator[tuple[Problem, int | Non
 
 @contextmanager
 def mistakes_in(junit: Path | None, inputs: Sequence[Path], *, force: bool) -> Iterator[None]:
-    """Write the mistakes found in the inputs to the JUnit XML as well, where one is asked for and can be written."""
+    """If the block raises an InputError, also write its problems to ``junit``, if given and possible.
+
+    ``inputs`` are files that it must not replace.
+    """
     try:
         yield
     except InputError as error:
@@ -122,11 +130,11 @@ def read_scenario(
     settings: Mapping[str, tuple[str, float | None]] = {},
     computed: str = "the answer",
 ) -> "armour.Scenario":
-    """Read the scenario of a file, of a shipped one by its name, or, for "-", of standard input.
+    """Read a scenario from a file, from a shipped scenario by its name or, for "-", from standard input.
 
-    ``assignments`` are those of ``--set``, which must set keys below those that the command ``reads``.  ``settings``
-    are the keys and values of other options, None for one that is not given.  ``computed`` names the result of the
-    command in messages.  A wrong value of an option is a problem of the command line.
+    ``assignments`` are those of ``--set``; they must set keys that the command ``reads``, or keys below these.
+    ``settings`` has, for other options, the key that each sets and its value, None if it is not given.  ``computed``
+    names the result of the command in messages.  Errors in a value that an option sets name the option.
     """
     changes = changes_of(assignments or ())
     options = {key: f"--set {key}" for key in changes}
@@ -152,29 +160,32 @@ def read_scenario(
 
 
 def say_how_read(table: object, content: Content) -> Content:
-    """Say how a table was read, unless it is as plain as can be, and return its content."""
+    """Say how a table was read, if that was not obvious, and return its content."""
     if content.read is not None and not content.read.plain:
         say(f"read {table}: {content.read.words}")
     return content
 
 
 def accepted(changes: Iterable[str], reads: Collection[str]) -> list[str]:
-    """Return those changes of ``--set`` that a command with such ``reads`` accepts."""
+    """Return the changes of ``--set`` whose keys a command reads, given the keys ``reads``."""
     return [text for text in changes if all(lazy.is_read(key, reads) for key in values_by_key(changes_of([text])))]
 
 
 def source_word(file: str | Path) -> str:
-    """Return a file as a word of a command line, in which a name that begins with a hyphen would be an option."""
+    """Return a file as a word of a command line; "./" precedes a hyphen, which would begin an option."""
     return f"./{file}" if str(file).startswith("-") and str(file) != "-" else str(file)
 
 
 def set_options(changes: Iterable[str]) -> list[str]:
-    """Return changes as words of a command line."""
+    """Return changes as words of a command line, each after ``--set``."""
     return [word for change in changes for word in ("--set", change)]
 
 
 def _blamed(problem: Problem, options: Mapping[str, str]) -> Problem:
-    """Return a problem with the option that sets its key, one below or one above it, if there is one."""
+    """Return a problem under the name of the option that causes it, if one sets its key or a key below or above it.
+
+    ``options`` has the options by the key that each sets.
+    """
     for key, option in sorted(options.items(), reverse=True):
         if key in upwards(problem.key) or problem.key in upwards(key):
             where = f"--set {problem.key}" if option.startswith("--set") else option
@@ -194,9 +205,9 @@ def answer(
     as_json: bool,
     verbose: bool,
 ) -> None:
-    """Show a result as tables, or with ``extra_data`` as JSON; write its files and its picture; warn.
+    """Show a result as tables or, with ``extra_data``, as JSON; write its files and its picture; print warnings.
 
-    The warnings are those of the result, unless others are given.
+    The warnings are those of the result, unless ``warnings`` are given; ``file`` is the file that they name.
     """
     result.of(every_row=verbose)
     tables = () if as_json else lazy.by_result(lazy.tables_of, result)(result)
@@ -214,7 +225,7 @@ def show_answer(
     heading: Sequence[str] = (),
     scenario: "armour.Scenario | None" = None,
 ) -> None:
-    """Show an answer as tables below the lines of a heading, or as JSON, with its origin."""
+    """Show an answer as tables below a heading or, as JSON, with the command and versions that made it."""
     if as_json:
         show_json({**data, "made_by": origin_of(scenario)} if isinstance(data, Mapping) else data)
     elif shown := [*tables]:
@@ -222,13 +233,13 @@ def show_answer(
 
 
 def write(files: Files, warnings: Iterable[str] = ()) -> None:
-    """Write the files that are asked for, each reported on standard error; whether or not they are written, warn."""
+    """Write the files that are asked for, and say so; print the warnings even if a file cannot be written."""
     try:
-        # All are made before one is written.
+        # Make all contents before writing any.
         contents = [(path, content(path)) for path, content in files.items() if path is not None]
         for path, content in contents:
             if content is not None:
-                # A name of a file may have bytes that are not Unicode; they are escaped.
+                # File names in the content may have bytes that are not Unicode; escape them.
                 write_file(path, content.encode(errors="backslashreplace") if isinstance(content, str) else content)
                 say(f"wrote {path}")
     finally:
@@ -236,23 +247,26 @@ def write(files: Files, warnings: Iterable[str] = ()) -> None:
 
 
 def picture(draw: Callable[[], Any], scenario: "armour.Scenario | None") -> Callable[[Path], bytes]:
-    """Return what makes the content of a picture, which records its origin."""
+    """Return a function that makes the content of a picture's file, with a record of what made it."""
     return lambda path: drawing().saved(draw(), path.suffix.lower(), json.dumps(origin_of(scenario)))
 
 
 def propose(command: str) -> None:
-    """Name the command to go on with, in one line, so that it can be copied."""
+    """Print the command to go on with on a single line, so that it can be copied."""
     emit(f"next: {command}\n", sys.stderr)
 
 
 def announce(seconds: float, words: str) -> None:
-    """Announce a computation that takes a while."""
+    """Print the words if a computation takes longer than `ANNOUNCED_S`."""
     if seconds > ANNOUNCED_S:
         say(words)
 
 
 def drawing() -> Any:
-    """Import what draws, elsewhere: matplotlib would read settings in the current folder, and stop at a wrong one."""
+    """Import and return the module that draws.
+
+    During the import, the current folder is that of this file, as matplotlib would read settings there.
+    """
     os.environ |= {"MPLBACKEND": "agg", "MATPLOTLIBRC": os.devnull}
     if folder := os.environ.get("MPLCONFIGDIR"):
         os.environ["MPLCONFIGDIR"] = os.path.abspath(folder)
@@ -266,7 +280,7 @@ def drawing() -> Any:
 
 
 def origin_of(scenario: "armour.Scenario | None" = None) -> dict[str, str]:
-    """Return the origin of the outputs of this command line."""
+    """Return what outputs record about their origin: the command line, the versions, and the scenario."""
     return lazy.made_by(scenario, command_line())
 
 
@@ -276,7 +290,7 @@ def command_line() -> str:
 
 
 def _without_folders(word: str) -> str:
-    """Return a word of a command line; an absolute path is relative to the working folder, or its name alone."""
+    """Return a word of a command line; make an absolute path relative, or reduce it to its name, to hide folders."""
     option, equals, text = word.rpartition("=")
     path = Path(text)
     if not path.is_absolute():
@@ -287,10 +301,10 @@ def _without_folders(word: str) -> str:
 def warnings_of(
     scenario: "armour.Scenario | None", warnings: Iterable[str], file: str = "", *, verbose: bool
 ) -> list[str]:
-    """Return the notes on a scenario, and warnings, as lines for standard error.
+    """Return the notes on a scenario, and the warnings, as lines for standard error.
 
-    Unless all are asked for, there are two lines at most: those on what the model was compared with in one line, and
-    the first other one.
+    ``file`` is the file that the warnings name, by default the scenario's.  Without ``verbose``, at most two lines of
+    warnings remain: one for all inputs outside the tests, and the first of the others.
     """
     notes = () if scenario is None else (f"note: {note}" for note in scenario.notes)
     where = file or (scenario.file if scenario else "")
@@ -301,11 +315,15 @@ def warnings_of(
 
 
 def as_options(function: str, named: Mapping[str, str] = {}) -> AbstractContextManager[None]:
-    """Name the parameters of a function as options in messages; ``named`` has the names of exceptions."""
+    """Make errors in the block name options instead of the parameters of a function.
+
+    A parameter "a_b" is the option "--a-b", unless ``named`` has another name for it.
+    """
     return restated(lambda problem: _as_option(problem, named) if problem.file == function else problem)
 
 
 def _as_option(problem: Problem, named: Mapping[str, str]) -> Problem:
+    """Return a problem whose key begins with a parameter under the name of the option instead."""
     name, space, rest = problem.key.partition(" ")
     option = named.get(name, f"--{name.replace('_', '-')}" if name.isidentifier() else "")
     return Problem("command line", option + space + rest, problem.message) if option else problem

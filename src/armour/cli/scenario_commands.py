@@ -35,16 +35,16 @@ from armour.reporting.table import rows_csv
 from armour.scenario.inputs import OF_ERROR, ROUND_AND_ARMOUR, VELOCITY
 from armour.scenario.keys import changes_of, describe
 
-# Key of the probability that a design, a check and a report require.
+# Key of the required probability of stopping, which `--confidence` sets.
 CONFIDENCE_KEY = "design.confidence"
-# Keys of a design that a check reads: what it requires, what is added, and the costs of materials.
+# Keys of [design] that a check reads: requirements, what is added to the armour, and materials with their costs.
 CHECK = (
     *("design.confidence", "design.thickness_tolerance_mm"),
     *("design.areal_density_max_kg_m2", "design.thickness_max_mm", "design.cost_max_per_m2"),
     *(*OF_WEIGHT, "design.added_thickness_mm", "design.added_cost_per_m2"),
     *("design.ceramic", "design.backing"),
 )
-# Sections and keys that a ballistic limit depends on, see `armour.scenario.effect`.
+# Sections and keys that ballistic limits, impacts and checks depend on; see `armour.scenario.effect`.
 LIMIT_READS = (*ROUND_AND_ARMOUR, "ballistic_limit", *OF_ERROR, *OF_WEIGHT)
 IMPACT_READS = ("impact", "armour", "ballistic_limit", *OF_ERROR, *OF_WEIGHT)
 CHECK_READS = (*IMPACT_READS, "threat", "uncertainty", *CHECK)
@@ -61,8 +61,6 @@ def simulate(
     as_json: bool = AS_JSON,
 ) -> None:
     """Simulate one impact."""
-    # Imported here because other commands do not need numpy.
-
     settings = {"--velocity": (VELOCITY, velocity)}
     loaded = read_scenario(scenario, changes, IMPACT_READS, settings, "the simulated impact")
     check_outputs(tables=[history], inputs=[scenario], scenario=loaded, plot=plot, force=force)
@@ -137,7 +135,7 @@ def check(
     ballistic limit by the model must reach the velocity. With several scenarios or a folder, --json prints an array.
     """
     paths = scenario_paths(scenario, yes=yes)
-    is_one = paths == scenario[:1]  # and no folder, however many scenarios are in it
+    is_one = paths == scenario[:1]  # false for a folder, however many scenarios are in it
     if plot is not None and not is_one:
         raise runner.wrong_option("--plot", "must be given with one scenario, not with several or a folder")
     with runner.mistakes_in(junit, paths, force=force):
@@ -179,7 +177,10 @@ def check(
 
 
 def _read_each(paths: Sequence[Path], changes: Sequence[str] | None, confidence: Any) -> list["armour.Scenario"]:
-    """Read the scenarios of a check, and report the mistakes in all of them together."""
+    """Read the scenarios of a check, and raise one error with the mistakes in all of them.
+
+    `changes` are those of ``--set``, and `confidence` is the value of ``--confidence``.
+    """
     scenarios: list[armour.Scenario] = []
     problems: list[Problem] = []
     for path in paths:
@@ -238,17 +239,23 @@ def _map(
     changes: Sequence[str],
     on_progress: "lazy.OnProgress",
 ) -> str:
-    """Return the page of the map of all designs."""
+    """Return the HTML page with the map of all designs.
+
+    `source` is the scenario as a word of a command line, and `changes` are those of ``--set``.
+    """
     command, needed = ["armour", "simulate", source], runner.accepted(changes, IMPACT_READS)
     verdict = [str(line) for line in lazy.design_verdict(result)]
-    if (best := result.best) is not None:  # what the page does not tell: sampled probabilities, and own tests
+    if (best := result.best) is not None:  # what the page does not show: sampled probabilities, and own tests
         own_tests = lazy.tested_here(best.model_error) if best.model_error else []
         verdict = [lazy.design_title(result), *own_tests] if best.probabilities or own_tests else []
     return lazy.design_page(scenario, command, needed, on_progress, verdict)
 
 
 def _check_of(scenario: "armour.Scenario", best: "armour.BestDesign", source: str, changes: Sequence[str]) -> str:
-    """Return the command that checks the best design of a scenario."""
+    """Return the command that checks the best design of a scenario.
+
+    `source` is the scenario as a word of a command line, and `changes` are those of ``--set``.
+    """
     values = best.changes_to(scenario)
     replaced = {*values, CONFIDENCE_KEY}
     kept = [
@@ -349,7 +356,7 @@ def sweep(
         sweeping.write_and_show(loaded, source, names, output, plot, **options)
 
 
-# Keys that a report shows, and those that the results for the scenario's own armour depend on.
+# Keys whose texts a report shows, and keys that a report on the scenario's own armour depends on.
 BYLINE = ("author", "project", "date")
 AS_IS = ("impact", "threat", *CHECK, "ballistic_limit", "uncertainty", *OF_ERROR, "optimise")
 

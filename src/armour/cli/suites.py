@@ -72,7 +72,10 @@ def validate(
 
 
 def _computed(suite: "armour.Suite", *, quiet: bool) -> tuple["armour.SuiteResult", list[float]]:
-    """Compute the cases, and return how many seconds each took; if interrupted, show those that are done."""
+    """Compute the cases of a suite; return the result and the time of each, s.
+
+    If interrupted, show those that are done, unless ``quiet``.
+    """
     done: list[armour.Check] = []
     times = [perf_counter()]
     try:
@@ -91,7 +94,10 @@ def _computed(suite: "armour.Suite", *, quiet: bool) -> tuple["armour.SuiteResul
 
 
 def _updated(suite: Path, result: "armour.SuiteResult") -> bytes | None:
-    """Return the suite with computed values, which are listed on standard error; None if nothing changes."""
+    """Return the content of a suite's file with its regression values updated; None if nothing changes.
+
+    The new values are listed on standard error.
+    """
     if kept := lazy.kept_by_update(result).checks:
         say(f"kept, as no regression values: {len(kept)} of {len(result.checks)} expected values")
     updates = lazy.updates_of(result)
@@ -128,10 +134,10 @@ def figures(
         os.listdir(folder)
         check_outputs(*(folder / f"{name}.{ending}" for name in chosen for ending in ("csv", image)), force=force)
     except FileNotFoundError:
-        pass  # it is made with the first figure
+        pass  # the folder is made with the first figure
     except OSError as error:
         raise mistake(folder, "", f"cannot be written to: {reason(error)}") from None
-    # Each figure is written as soon as it is computed: all of them take a while.
+    # Write each figure as soon as it is computed, as all of them take a while.
     with progress("figures", len(chosen)) as count:
         for name in chosen:
             if name in lazy.PARITIES:
@@ -147,7 +153,7 @@ def figures(
 
 
 def _files_of(folder: Path, name: str, image: str, table: Table, figure: Any) -> Files:
-    """Return the files of a figure, with what makes their contents."""
+    """Return the files of a figure, its table and its picture, with functions that make their contents."""
     return {
         folder / f"{name}.csv": lambda _: csv_text(table),
         folder / f"{name}.{image}": picture(lambda: figure, None),

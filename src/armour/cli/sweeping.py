@@ -1,4 +1,4 @@
-"""Cases of a sweep from options and tables, and what the command `sweep` does with them."""
+"""Read the cases of a sweep from options or a table, and run the command `sweep`."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
@@ -18,7 +18,7 @@ from armour.sweeps.sweep import Effort, subject_of, write_sweep
 
 
 def cases_of(file: str | Path, sheet: str | None = None) -> SweepCases:
-    """Return the cases of a table, and say how it was read."""
+    """Open a table of cases, and say how it was read if that was not obvious; `sheet` is that of a workbook."""
     cases = SweepCases(file, sheet)
     if cases.read:
         say(f"read {file}: {cases.read}")
@@ -26,7 +26,10 @@ def cases_of(file: str | Path, sheet: str | None = None) -> SweepCases:
 
 
 def grid_of(option: str, texts: Sequence[str]) -> Grid:
-    """Return the grid of the values of an option, and warn of ranges whose end is left out."""
+    """Return the grid of the axes in `texts`, such as "key=4:12:1", and warn if a step misses the end of a range.
+
+    `option` is the option in the warnings.
+    """
     axes = tuple(map(axis_of, texts))
     for axis in axes:
         if axis.omission:
@@ -47,9 +50,10 @@ def write_and_show(
     yes: bool,
     as_json: bool,
 ) -> None:
-    """Write the rows of a sweep, computed on a cluster if there is one; show them, and draw the first quantity.
+    """Compute a sweep, write its rows to ``output`` and show them, and draw the first quantity to ``plot``.
 
-    A sweep that takes a while is announced, and a large one refused without ``yes``.
+    ``scheduler`` is the address of a cluster, if there is one, and ``threads`` are those of this process.  A sweep that
+    takes a while is announced; a large one is refused without ``yes``.
     """
     with ExitStack() as stack:
         count = stack.enter_context(progress("rows", source.count))

@@ -1,4 +1,4 @@
-"""The functions that show a result, `tables_of` and `draw`, which `functools.singledispatch` chooses by its class."""
+"""`tables_of` and `draw`, which show a result; `functools.singledispatch` chooses the implementation by its class."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -18,21 +18,21 @@ def tables_of(result: Result) -> list[Table | str]:
 
 @singledispatch
 def draw(result: Result, sheet: Any) -> Any:
-    """Draw a result on a sheet, and return the picture; see `armour.reporting.pictures.drawing`."""
+    """Draw a result on a sheet and return the picture; see `Sheet` and `Picture` in `reporting.pictures.drawing`."""
     raise NotImplementedError(type(result).__name__)
 
 
-# Packages with a module for each package of results: views/design.py shows those of armour/design.
+# Packages of the implementations.  Each has a module for each package of results: views/design.py for armour/design.
 VIEW_PACKAGES = {tables_of: "views", draw: "pictures"}
 
 
 def by_result(function: Any, result: object) -> Any:
-    """Return one of the functions above for the class of a result, from a module that is imported now; None without."""
+    """Import and return the implementation of `tables_of` or `draw` for the class of a result; None without any."""
     import_module(f"armour.reporting.{VIEW_PACKAGES[function]}.{type(result).__module__.split('.')[1]}")
     chosen = function.dispatch(type(result))
     return None if chosen is function.dispatch(object) else chosen
 
 
 def drawing_of(result: object, **changes: str) -> Callable[[Any], Any]:
-    """Return what draws a result on a sheet, with changes, such as another title."""
+    """Return a function that draws a result on a sheet; `changes` replace fields of the picture, such as its title."""
     return lambda sheet: replace(by_result(draw, result)(result, sheet), **changes)

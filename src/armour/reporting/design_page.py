@@ -1,4 +1,4 @@
-"""The designs of a scenario as one interactive page, which needs no network and no library."""
+"""Write the designs of a scenario as one interactive HTML page, which needs no network and no JavaScript library."""
 
 import json
 from base64 import b64encode
@@ -25,13 +25,13 @@ from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Layer
 from armour.units import MM
 
-# Probabilities of which a page has the velocities that are stopped.  With the interpolation of the page, probabilities
-# of 1 to 99 % are right to 0.002, also where the laws of the evidence are far apart.
+# The page has the velocity that each design stops with each of these probabilities, and interpolates between them.
+# Probabilities of 1 to 99 % are then right to 0.002, even where the laws of the flow stress differ widely.
 PROBABILITIES = (0.99, 0.975, 0.95, 0.9, 0.85, 0.77, 0.68, 0.59, 0.5, 0.41, 0.32, 0.23, 0.15, 0.08, 0.04, 0.02, 0.01)
-# Designs times threats up to which a page takes less than 1.5 MB.
+# Largest number of designs times threats on a page, which then takes less than 1.5 MB.
 MOST_DESIGNS = 25_000
-# Nodes along an axis of given thicknesses, 0 for no more than these, and of a free range: the first pair of numbers
-# with which the page is not too large is used.
+# Pairs of numbers of nodes along an axis: of thicknesses in steps (0 adds none between these), and of a free range.
+# The first pair with which the page is not too large is used.
 PAGE_NODES = ((31, 61), (21, 41), (13, 25), (0, 13))
 
 
@@ -50,9 +50,9 @@ def design_page(
     command : sequence of str
         Words of the command that simulates the scenario.
     changes : iterable of str
-        Changes of the scenario that the command needs, such as "ceramic.flow_stress_GPa=5".
+        Changes to the scenario that the command needs, such as "ceramic.flow_stress_GPa=5".
     on_progress : callable, optional
-        Called with impacts.
+        Called with the impacts computed since the last call, and their total.
     answer : sequence of str
         What `armour optimise` says if it names no best design, such as the flow stress that is needed.
 
@@ -72,7 +72,7 @@ def design_page(
 
 
 def _question(catalogue: Catalogue) -> dict[str, Any]:
-    """Return what the page needs of the scenario beside the designs: requirements, own armour, threats, notes."""
+    """Return the data of the page other than designs: requirements, the scenario's own armour, threats and notes."""
     from scipy.special import ndtri  # slow to import
 
     section, scenario = catalogue.section, catalogue.scenario
@@ -103,6 +103,7 @@ def _question(catalogue: Catalogue) -> dict[str, Any]:
 
 
 def _subject(catalogue: Catalogue) -> str:
+    """Return the title of the page, such as "AD85 on 6061-T6 against 7.62 mm AP"."""
     layers = catalogue.section.ceramic, catalogue.section.backing
     materials = (" or ".join(dict.fromkeys(layer.material for layer in options)) for options in layers)
     armour = " on ".join(filter(None, materials))
@@ -110,6 +111,11 @@ def _subject(catalogue: Catalogue) -> str:
 
 
 def _threat(catalogue: Catalogue, i: int) -> dict[str, Any]:
+    """Return the data of the i-th threat.
+
+    "own" is the required probability of stopping, if the threat has one, and "rod" the penetrator's length and diameter
+    in mm.
+    """
     threat, bound = catalogue.threats[i], float(catalogue.bounds[i])
     most = threat.probability_of_perforation
     rows = catalogue.against_each(catalogue.candidates(0, np.ones(1), np.ones(1)))
@@ -126,7 +132,7 @@ def _threat(catalogue: Catalogue, i: int) -> dict[str, Any]:
 
 
 def _notes(catalogue: Catalogue) -> Iterator[str]:
-    """Give what the page does not show."""
+    """Yield sentences on what the page leaves out."""
     section = catalogue.section
     if section.minimise != "areal_density_kg_m2":
         objective = "cost" if section.minimise == COST_COLUMN else "thickness"
@@ -146,7 +152,7 @@ def _notes(catalogue: Catalogue) -> Iterator[str]:
 
 
 def _pairs(catalogue: Catalogue, on_progress: OnProgress) -> list[dict[str, Any]]:
-    """Return the designs of every pair of materials, on the finest grids that are not too much for a page."""
+    """Return the data of every pair of materials, on the finest grids that fit on a page."""
     offers = [offer[:2] for offer in catalogue.offers]
     for nodes, free in PAGE_NODES:
         grids = [(_nodes(ceramic, nodes, free), _nodes(backing, nodes, free)) for ceramic, backing in offers]
@@ -164,7 +170,10 @@ def _pairs(catalogue: Catalogue, on_progress: OnProgress) -> list[dict[str, Any]
 
 
 def _nodes(layer: Layer, nodes: int, free: int) -> Floats:
-    """Return the thicknesses of a layer that are on offer, with others between them where these are few, mm."""
+    """Return the thicknesses of a layer that are on offer, mm, with others between them up to about `nodes` in all.
+
+    Of a free range, return `free` evenly spaced thicknesses.
+    """
     offered = layer.thicknesses()
     if layer.free_range():
         return np.linspace(offered[0], offered[-1], free)
@@ -174,10 +183,11 @@ def _nodes(layer: Layer, nodes: int, free: int) -> Floats:
 
 
 def _pair(catalogue: Catalogue, pair: int, grid: tuple[Floats, Floats], on_progress: OnProgress) -> dict[str, Any]:
+    """Return the data of a pair of materials; `grid` has its ceramic and back plate thicknesses, mm."""
     ceramics, backings = grid = with_known_edges(catalogue, pair, *grid)
     offer = catalogue.offers[pair]
     designs = design_map(catalogue, pair, ceramics, backings, PROBABILITIES, on_progress)
-    # A slider of the page has the greatest areal density.
+    # A slider of the page limits the areal density, so it excludes no design here.
     massless = designs.candidates._replace(areal_density_kg_m2=np.zeros(len(designs.candidates.pair)))
     violations = catalogue.violations(massless)
     tested = [thicknesses_tested(catalogue, pair, i) for i in range(len(catalogue.threats))]
@@ -206,12 +216,14 @@ def _pair(catalogue: Catalogue, pair: int, grid: tuple[Floats, Floats], on_progr
 
 
 def _outside(catalogue: Catalogue, designs: DesignMap) -> dict[str, Any]:
-    """Return the designs inside the tests, and in what all designs lie outside; the velocities of a page may change.
+    """Return where the designs lie outside the tests, whatever the velocities, which a user of the page can change.
 
-    Beside these are sentences on designs up to a ceramic thickness, mm, and the threats whose limits are too low.
+    "inside" has the places of the designs inside the tests, "outside" the quantities in which all lie outside,
+    "caveats" sentences with the greatest ceramic thickness, mm, that they apply to, and "low" whether the ballistic
+    limit against each threat is too low.
     """
     rows, threats = catalogue.against_each(designs.candidates), len(catalogue.threats)
-    found = outside_tests(rows.armours, np.full_like(rows.velocities, np.nan), threats)
+    factors = outside_tests(rows.armours, np.full_like(rows.velocities, np.nan), threats)
     ceramic_mm, notes = np.repeat(designs.candidates.ceramic_mm, threats), []
     for note, where in limits_of_model(rows.armours, [rows.materials[0].backing]):
         notes += [(note.text, float(ceramic_mm[where].max()))] if note.said != "not known" else []
@@ -220,15 +232,16 @@ def _outside(catalogue: Catalogue, designs: DesignMap) -> dict[str, Any]:
     return {
         "caveats": [(f"{words[:1].upper()}{words[1:]}.", most_mm) for words, most_mm in notes],
         "low": is_limit_too_low(rows.armours.parameters)[:threats].tolist(),
-        "inside": [place for place, outside in enumerate(found) if not outside],
-        "outside": outside_words(in_common(found)),
+        "inside": [place for place, outside in enumerate(factors) if not outside],
+        "outside": outside_words(in_common(factors)),
     }
 
 
 def _over_sources(catalogue: Catalogue, designs: DesignMap) -> list[list[float]] | None:
-    """Return the limits with the least and the greatest flow stress of sources, of designs and threats in turn.
+    """Return the ballistic limits, m/s, with the least and the greatest flow stress that sources give.
 
-    There are none without sources, nor if both thicknesses vary, as they would take too much room.
+    Each list has the designs in turn, against every threat.  Return None without sources, and if both thicknesses
+    vary, as the limits would take too much room.
     """
     if min(len(designs.ceramic_mm), len(designs.backing_mm)) > 1:
         return None
@@ -237,14 +250,14 @@ def _over_sources(catalogue: Catalogue, designs: DesignMap) -> list[list[float]]
 
 
 def _places(nodes: Floats, layer: Layer) -> list[int]:
-    """Return the places of the thicknesses on offer among the nodes; all of a free range."""
+    """Return the indices of the thicknesses on offer among the nodes, mm; for a free range, all indices."""
     if layer.free_range():
         return list(range(len(nodes)))
     return np.searchsorted(nodes, layer.thicknesses()).tolist()
 
 
 def _source(catalogue: Catalogue, designs: DesignMap) -> str:
-    """Return what the probabilities of a pair rest on."""
+    """Return the source of the model error of a pair; "" if no probability is known."""
     places = np.flatnonzero(~np.isnan(designs.stopped_m_s[..., 0, 0]))
     if not len(places):
         return ""
@@ -255,10 +268,11 @@ def _source(catalogue: Catalogue, designs: DesignMap) -> str:
 
 
 def _numbers(designs: DesignMap) -> dict[str, Any]:
-    """Return limits and velocities that are stopped as bytes.
+    """Encode ballistic limits and stopped velocities, m/s, in base64 for the script of the page.
 
-    Of each design and threat there is the limit, the least of the velocities, 0 where it is unknown, both as 32-bit
-    floats, and the differences of the velocities as 16-bit multiples of the step, rounded down in sum.
+    For each design and threat, "floats" has two 32-bit floats: the limit, and the least stopped velocity (0 if
+    unknown).  "differences" has those between successive stopped velocities, as 16-bit multiples of "step"; their sums
+    are rounded down.
     """
     limits = designs.limits_m_s.reshape(-1)
     stopped = np.nan_to_num(designs.stopped_m_s.reshape(len(limits), -1))

@@ -1,6 +1,6 @@
-"""Reports and tables as HTML, one self-contained page without scripts, and as Markdown.
+"""Format reports as HTML, one self-contained page without scripts, and reports and tables as Markdown.
 
-In HTML the pictures are SVG, which has the page's colours and shows the values of points on hover.
+Pictures in HTML are SVG.  They follow the colours of the page and show the values of points on hover.
 """
 
 import re
@@ -27,19 +27,19 @@ REPORT_ENDINGS = (".html", ".md")
 SVG, XLINK = "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"
 TEMPLATES = Path(__file__).parent / "templates"
 WIDTH_INCHES, POINTS_PER_INCH = 4.2, 72
-# Colours of pictures that follow the theme of the page.
+# Colours of pictures, and the variables of the style sheet that replace them, so that pictures follow the theme.
 THEME = {"#16191c": "var(--ink)", "#6a7178": "var(--soft)", "#0072b2": "var(--blue)", "#ffffff": "var(--paper)"}
-# Radius of a point that shows its values, points of 1/72 inch.
+# Radius around a point within which a pointer shows its values, in points (1/72 inch).
 RADIUS = 6.0
 
 
 def _safe_text(text: str) -> str:
-    """Escape the control characters of a text, and let no line end between a number and its unit."""
+    """Escape the control characters of a text, and keep numbers and their units on one line."""
     return unbroken(printable_lines(text))
 
 
 def report_text(report: Report, path: Path) -> str:
-    """Return a report in the format of a file with one of the endings, HTML or Markdown."""
+    """Format a report as Markdown if the path ends in .md, else as HTML."""
     return markdown_report(report) if path.suffix.lower() == ".md" else html_report(report)
 
 
@@ -58,7 +58,10 @@ def html_report(report: Report) -> str:
 
 
 def rendered(template: str, safe_text: Callable[[str], str] = _safe_text, **context: Any) -> str:
-    """Render a template, with its texts made safe by a function and, if it is HTML, escaped."""
+    """Render a template of this package with the variables in `context`.
+
+    `safe_text` is applied to every text inserted; HTML templates also escape it.
+    """
     environment = Environment(
         loader=FileSystemLoader(TEMPLATES),
         autoescape=select_autoescape(),
@@ -72,9 +75,9 @@ def rendered(template: str, safe_text: Callable[[str], str] = _safe_text, **cont
 
 
 def inline_svg(picture: "Picture", label: str, name: str) -> str:
-    """Return a picture of `drawn` as an SVG element with a label.
+    """Return a picture as an SVG element, which screen readers announce by its label.
 
-    The name is the prefix of the element's identifiers, different for every picture of a page.
+    `name` is a prefix of the element's identifiers, different for every picture of a page.
     """
     # Imported here, as it is slow, and not every page has pictures.
     from armour.reporting.pictures.drawing import Points, saved
@@ -86,34 +89,40 @@ def inline_svg(picture: "Picture", label: str, name: str) -> str:
         root.remove(part)
     for element in root.iter():
         for key, value in element.attrib.items():
-            element.set(key, _attribute(key, value, name))
+            element.set(key, _adapted_attribute(key, value, name))
     for size in ("width", "height"):
         del root.attrib[size]
     root.attrib |= {"role": "group", "aria-label": printable_lines(label)}
     for axes in picture.axes:
         for line in axes.lines:
             if isinstance(line, Points):
-                root.extend(list(_points(axes, line, float(figure.bbox.height))))
+                root.extend(list(_hover_circles(axes, line, float(figure.bbox.height))))
     ElementTree.register_namespace("", SVG)
     ElementTree.register_namespace("xlink", XLINK)
     return ElementTree.tostring(root, encoding="unicode")
 
 
-def _points(axes: "Axes", line: "Points", height: float) -> Iterator[ElementTree.Element]:
-    """Yield a transparent circle for each point within the axes, which shows its words or its values on hover."""
+def _hover_circles(axes: "Axes", line: "Points", height: float) -> Iterator[ElementTree.Element]:
+    """Yield a transparent circle for each point of a line within the axes, which shows its words or values on hover.
+
+    `height` is that of the figure, in points of 1/72 inch.
+    """
     window = axes.bbox.padded(1.0)
     for index, (x, y) in enumerate(np.asarray(line.get_xydata(), float).tolist()):
         across, up = axes.transData.transform((x, y)).tolist()
         if window.contains(across, up):
-            words = line.words[index] if line.words else _values(axes, line, x, y)
+            words = line.words[index] if line.words else _hover_text(axes, line, x, y)
             place = {"cx": f"{across:.1f}", "cy": f"{height - up:.1f}", "r": f"{RADIUS:g}"}
             circle = ElementTree.Element("circle", {"class": "point", **place})
             ElementTree.SubElement(circle, "title").text = printable_lines(words)
             yield circle
 
 
-def _values(axes: "Axes", line: "Points", x: float, y: float) -> str:
-    """Return the values of a point in words, by the names of the line and of the axes or, in rows, of its row."""
+def _hover_text(axes: "Axes", line: "Points", x: float, y: float) -> str:
+    """Return the text on hover of a point: names and values of x and y, each on a line.
+
+    In a panel with a row for each name, the name of the row stands for y.
+    """
     name, up, rows = str(line.get_label()), axes.get_ylabel(), axes.get_yticklabels()
     row = rows[round(y)].get_text().replace("\n", " ") if rows and not up else ""
     height = f"{up}: {number(y, '.4g')}" if up else row
@@ -121,8 +130,8 @@ def _values(axes: "Axes", line: "Points", x: float, y: float) -> str:
     return "\n".join(filter(None, words))
 
 
-def _attribute(key: str, value: str, name: str) -> str:
-    """Return an attribute with its identifiers prefixed and its colours those of the theme."""
+def _adapted_attribute(key: str, value: str, name: str) -> str:
+    """Return the value of an SVG attribute, its identifiers prefixed by `name` and its colours those of the theme."""
     if key == "id":
         return f"{name}-{value}"
     if key == f"{{{XLINK}}}href" and value.startswith("#"):
@@ -141,19 +150,19 @@ def markdown_report(report: Report) -> str:
 
 
 def markdown_table(table: Table) -> str:
-    """Format a table, without its title."""
+    """Format a table as Markdown, without its title."""
     return rendered("table.md", markdown_text, table=table).rstrip()
 
 
 def markdown_text(text: str) -> str:
     """Escape the markup and the control characters of a text, and join its lines."""
     text = re.sub(r"[\\|*_<>`\[~$&]", r"\\\g<0>", printable(" ".join(text.split())))
-    # What begins a heading, a list or a rule at the start of a line.
+    # Also escape what would begin a heading, a list or a rule at the start of a line.
     return re.sub(r"^(#{0,5}|\d{0,9})([#+\-.)])(?=[ -]|$)", r"\1\\\2", text)
 
 
 def _fenced(text: str, language: str) -> Markup:
-    """Return text within a fence longer than any in it."""
+    """Return text as a fenced block of code; the fence is longer than any run of backticks in the text."""
     text = printable_lines(text)
     fence = "`" * max(3, 1 + max((len(run) for run in re.findall("`+", text)), default=0))
     return Markup(f"{fence}{language}\n{text.rstrip()}\n{fence}")

@@ -1,4 +1,4 @@
-"""JUnit XML, which continuous integration reads."""
+"""Write results as JUnit XML, which continuous-integration services read."""
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
@@ -9,14 +9,15 @@ from xml.etree import ElementTree
 
 from armour.files import printable
 
-# The beginning of every file, by which one of ours is told from others.
+# First bytes of every file that `junit_xml` makes, by which it is recognised.
 BEGINNING = b"<?xml version='1.0' encoding='utf-8'?>\n<testsuites name=\"armour\""
 
 
 class TestCase(NamedTuple):
-    """A test case: class, name, "failure", "error", "skipped" or "" if it passed, a message, and the time it took.
+    """A test case: its group and title, its result, a message and the time it took, in seconds.
 
-    Its file, and the line of a mistake there, are those of the input.
+    `result` is "failure", "error", "skipped" or, if it passed, "".  `file` is the input file, and `line` the line of a
+    mistake in it.
     """
 
     group: str
@@ -29,7 +30,10 @@ class TestCase(NamedTuple):
 
 
 def junit_suite(name: str, cases: Iterable[TestCase], seconds: float, origin: Mapping[str, str]) -> ElementTree.Element:
-    """Return a test suite, and what made it."""
+    """Return the element of a test suite with its cases.
+
+    `seconds` is the time that all of them took.  `origin` has properties of the suite, such as the program version.
+    """
     suite = ElementTree.Element("testsuite", name=printable(name), time=f"{seconds:.3f}")
     properties = ElementTree.SubElement(suite, "properties")
     for key, text in origin.items():
@@ -38,7 +42,7 @@ def junit_suite(name: str, cases: Iterable[TestCase], seconds: float, origin: Ma
     for case in cases:
         counts[case.group, case.title] += 1
         count = counts[case.group, case.title]
-        number = f" ({count})" if count > 1 else ""  # readers take equal names for one case
+        number = f" ({count})" if count > 1 else ""  # services merge cases of equal names
         title = printable(case.title) + number
         element = ElementTree.SubElement(suite, "testcase", classname=printable(case.group), name=title)
         if case.file:
@@ -58,7 +62,7 @@ def junit_suite(name: str, cases: Iterable[TestCase], seconds: float, origin: Ma
 
 
 def junit_xml(suites: Iterable[ElementTree.Element]) -> bytes:
-    """Format test suites."""
+    """Format elements of test suites as one JUnit file."""
     root = ElementTree.Element("testsuites", name="armour")
     root.extend(suites)
     ElementTree.indent(root)

@@ -1,4 +1,4 @@
-"""A report: what its HTML and Markdown versions show."""
+"""The contents of a report, which `armour.reporting.formats` writes as HTML or as Markdown."""
 
 import re
 import sys
@@ -17,7 +17,7 @@ PACKAGES = ("numpy", "scipy", "numba", "llvmlite")
 
 
 class Card(NamedTuple):
-    """A statement of the answer: its subject, the statement and what goes with it."""
+    """A box at the top of a report: a statement, its subject above it and a detail below it."""
 
     subject: str
     statement: str
@@ -26,39 +26,45 @@ class Card(NamedTuple):
 
 @dataclass(frozen=True)
 class ReportSection:
-    """A heading with paragraphs, text of a file or a command, pictures, tables, and notes on named things, in order.
+    """A section of a report: heading, paragraphs, code, pictures, tables and notes, shown in this order.
 
-    Tables have their titles where there are several.  HTML has the pictures, and folds what only explains the answer.
+    Tables show their titles if there are several.  Only HTML shows the pictures, and only HTML can be folded.
     """
 
     heading: str
     paragraphs: tuple[str, ...] = ()
-    code: str = ""
-    language: str = ""
-    pictures: tuple[Callable[[Any], Any], ...] = ()  # each is drawn on a sheet
+    code: str = ""  # text of a file, or a command
+    language: str = ""  # of the code, such as "toml"
+    pictures: tuple[Callable[[Any], Any], ...] = ()  # functions that draw on a sheet
     tables: tuple[Table, ...] = ()
-    notes: tuple[tuple[str, str], ...] = ()
-    folded: bool = False
-    drawn: bool = False  # whether the pictures show the contents of the tables, which HTML then leaves out
+    notes: tuple[tuple[str, str], ...] = ()  # names, each with a text
+    folded: bool = False  # whether HTML shows the heading alone until a reader opens the section
+    drawn: bool = False  # whether HTML leaves out the tables, because the pictures show the same numbers
 
 
 @dataclass(frozen=True)
 class Report:
-    """A report: a verdict, the answer, and sections; cross-section and pictures are in HTML only."""
+    """A report, in the order shown: title, byline, cards, lead, text, warnings and sections.
+
+    Only HTML shows the cross-section and the pictures.
+    """
 
     title: str
-    lead: str  # the verdict, if there is one
+    lead: str  # the verdict; empty if there is none
     sections: tuple[ReportSection, ...]
     cards: tuple[Card, ...] = ()
     warnings: tuple[str, ...] = ()
-    cross_section: Scenario | None = None  # of the armour that is drawn to scale
-    passed: bool | None = None  # None without requirements
-    byline: tuple[tuple[str, str], ...] = ()  # such as the author: what it is, and its text
-    text: str = ""  # after the verdict
+    cross_section: Scenario | None = None  # its armour is drawn to scale
+    passed: bool | None = None  # colours the lead; None without requirements
+    byline: tuple[tuple[str, str], ...] = ()  # names and texts, such as ("author", "A. Smith")
+    text: str = ""  # a paragraph after the lead
 
 
 def origin_section(command: str, words: str = "", scenario: Scenario | None = None) -> ReportSection:
-    """Return the section with the command that makes a report, the scenario, and the versions it depends on."""
+    """Return the section with the command that makes a report, the versions of the programs and the scenario's hash.
+
+    `words`, if given, are its first paragraph.
+    """
     versions = [("armour", __version__), ("model", MODEL_VERSION), ("Python", sys.version.split()[0])]
     versions += installed(PACKAGES)
     table = Table((Column("program"), Column("version")), tuple(versions))
@@ -68,12 +74,16 @@ def origin_section(command: str, words: str = "", scenario: Scenario | None = No
 
 
 def reference_notes(texts: Iterable[str]) -> tuple[tuple[str, str], ...]:
-    """Return the sources of the bibliography that texts cite by keys in brackets, in the order of the citations."""
+    """Return key and citation of each source that the texts cite as "[key]", in the order of first citation.
+
+    Keys that are not in references.toml are skipped.
+    """
     sources = read_toml(shipped("configs") / "references.toml")
     keys = dict.fromkeys(key for text in texts for key in re.findall(r"\[(\w+)\]", text) if key in sources)
     return tuple((key, _citation(sources[key])) for key in keys)
 
 
 def _citation(source: dict[str, str]) -> str:
+    """Format an entry of references.toml."""
     parts = [source[part] for part in ("authors", "title", "where", "year") if part in source]
     return ", ".join(parts) + (f", doi {source['doi']}" if "doi" in source else "")

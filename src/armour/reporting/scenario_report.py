@@ -1,4 +1,4 @@
-"""Report on a scenario: its answer, and the results that explain it and say how reliable it is."""
+"""Make the report on a scenario: its answer, and the results that explain it and show how reliable it is."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -35,12 +35,12 @@ from armour.validation.tested import nearest_measured
 
 # Keys of [design] that ask for a design; the others apply to any armour.
 ASKING = {"minimise", "pareto", "runners_up_percent", "ceramic", "backing"}
-# What the tested armours beside a weight have in common.
+# Note on the tested armours in the table of weights.
 TESTED = (
     "Measured armours were tested at normal incidence with a core whose diameter, mass and density differ by at most "
     "10 %: with a ceramic, and of each metal, the one whose limit is nearest."
 )
-# What the model leaves out, see docs/limits.md.
+# Assumptions of the model; docs/limits.md has more.
 ASSUMPTIONS = (
     ("Penetrator", "a flat-ended cylinder of one material; jacket, tip, sabot and fracture of the core are left out"),
     ("Flight", "straight, without ricochet or yaw; an angle acts through the thickness along the line of fire"),
@@ -55,21 +55,24 @@ ASSUMPTIONS = (
 
 @dataclass(frozen=True)
 class Contents:
-    """Results of a scenario as it was read, and of the armour reported: the best design, or the scenario's own."""
+    """All results that a report on a scenario shows.
 
-    scenario: Scenario
-    design: DesignResult | None  # None for the scenario's own armour
-    check: CheckResult  # of the armour, with exact inputs
-    threats: tuple[CheckedThreat, ...]  # the same, with the scenario's distributions where they apply
-    answer: Scenario  # the armour against the threat most likely to perforate it
+    The armour reported is the best design found or, without a search, the scenario's own.
+    """
+
+    scenario: Scenario  # as it was read
+    design: DesignResult | None  # None if the report is about the scenario's own armour
+    check: CheckResult  # of the armour reported, with exact inputs
+    threats: tuple[CheckedThreat, ...]  # those of the check, with distributions of the inputs where these apply
+    answer: Scenario  # the armour reported against the threat most likely to perforate it
     impact: ImpactResult  # with its history
     sensitivity: SensitivityResult | None  # None without a ballistic limit in the range of the search
-    uncertainty: UncertaintyResult | None  # None too without distributions that apply to the answer
+    uncertainty: UncertaintyResult | None  # also None if no distributions apply to the answer
     warnings: tuple[str, ...]
 
     @property
     def sampled(self) -> tuple[str, ...]:
-        """The threats that the distributions apply to."""
+        """Names of the threats to which the distributions of the inputs apply."""
         return tuple(threat.threat for threat in self.threats if threat.sampled is not None)
 
     @property
@@ -79,15 +82,15 @@ class Contents:
 
 
 def asks_for_design(scenario: Scenario) -> bool:
-    """Return whether a scenario asks for the best design."""
+    """Return whether a scenario asks for a design, and not only about its own armour."""
     section = scenario.design
     return scenario.optimise is not None or (section is not None and not section.model_fields_set.isdisjoint(ASKING))
 
 
 def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *, as_is: bool = False) -> Contents:
-    """Answer a scenario and gather the results that a report shows.
+    """Compute a scenario and gather the results that a report shows.
 
-    The armour is the best design if the scenario asks for one, unless its own armour is to be reported as it is.
+    The armour reported is the best design if the scenario asks for one, unless `as_is` keeps its own armour.
     """
 
     def on_part(done: int, _total: int | None) -> None:
@@ -132,7 +135,10 @@ def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *
 
 
 def _or_none(question: Callable[..., Any], answer: Scenario, on_progress: OnProgress) -> Any:
-    """Return the answer to a question; None if it has none, as of an armour that no velocity perforates."""
+    """Call a function such as `ballistic_limit` for a scenario; return None if it has no answer.
+
+    An armour that no velocity perforates, for example, has no ballistic limit.
+    """
     try:
         return question(answer, on_progress=on_progress)
     except NoAnswerError:
@@ -140,7 +146,10 @@ def _or_none(question: Callable[..., Any], answer: Scenario, on_progress: OnProg
 
 
 def scenario_report(contents: Contents, command: str, map_command: str = "") -> Report:
-    """Report the results of a scenario; the commands are those that make the report and a map of the designs."""
+    """Make the report from its results.
+
+    `command` makes the report, and `map_command`, if any, the interactive page of the designs; the report shows both.
+    """
     passed, lead = _verdict(contents)
     caveats = [f"{words[:1].upper()}{words[1:]}." for words in phrases.said_of(contents.warnings)]
     return Report(
@@ -156,19 +165,19 @@ def scenario_report(contents: Contents, command: str, map_command: str = "") -> 
 
 
 def _byline(scenario: Scenario) -> tuple[tuple[str, str], ...]:
-    """Return title, project, author and date, where the scenario has them, and the version of the program."""
+    """Return names and texts of title, project, author and date, if given, and of the program version."""
     texts = {"scenario": scenario.title, "project": scenario.project, "author": scenario.author, "date": scenario.date}
     return (*((name, text) for name, text in texts.items() if text), ("program version", f"armour {__version__}"))
 
 
 def _has_requirements(contents: Contents) -> bool:
-    """Return whether more is required than that the ballistic limit by the model reaches the velocity."""
+    """Return whether a scenario requires anything beyond a ballistic limit by the model that reaches the velocity."""
     rows = design_view.requirements_of(contents.check)
     return any(row.required or row.quantity == "interlayers" for row in rows if row.quantity != design_view.SOURCES)
 
 
 def _verdict(contents: Contents) -> tuple[bool | None, str]:
-    """Return whether the armour meets the requirements, None without any, and this in words."""
+    """Return whether the armour meets the requirements, and the same in words; None and "" without requirements."""
     if contents.design is not None and contents.design.reason:
         return False, f"{design_view.design_title(contents.design)}."
     if not _has_requirements(contents):
@@ -184,7 +193,7 @@ def _verdict(contents: Contents) -> tuple[bool | None, str]:
 
 
 def _probability(contents: Contents) -> Card:
-    """Return the probability of stopping the threat that most likely perforates, and what it rests on."""
+    """Return the card with the probability of stopping the threat most likely to perforate, and what it rests on."""
     threat, count = contents.threat, len(contents.threats)
     statement = probability = phrases.chance(threat.probability_of_stopping, threat.model_error)
     unknown = [threat.threat for threat in contents.threats if threat.probability_of_stopping is None]
@@ -198,7 +207,7 @@ def _probability(contents: Contents) -> Card:
 
 
 def _basis(contents: Contents) -> str:
-    """Return what the probability rests on, or why it is unknown."""
+    """Return what the probability of stopping rests on or, if it is unknown, why."""
     threat, error = contents.threat, ""
     if threat.model_error:
         error = "; ".join([phrases.from_tests(threat.model_error), *phrases.tested_here(threat.model_error)])
@@ -211,7 +220,7 @@ def _basis(contents: Contents) -> str:
 
 
 def _armour(contents: Contents) -> Card:
-    """Return the armour with thickness, areal density and cost, with the digits of their tables."""
+    """Return the card with the armour, its areal density, thickness and cost, and a tested armour near its limit."""
     design, subject = contents.design, "Armour"
     if design is not None and design.shown is not None:
         subject = f"{OBJECTIVES[design.minimised].least.capitalize()} design"
@@ -225,7 +234,7 @@ def _armour(contents: Contents) -> Card:
 
 
 def _requirements(contents: Contents) -> Card:
-    """Return the required probabilities and margins, and the bounds of a design."""
+    """Return the card with the required probabilities and margins, the limits of [design], and inert layers."""
     threats = contents.threats
     probabilities = sorted({p for threat in threats if (p := threat.required_probability) is not None})
     margins = sorted({threat.required_margin_m_s for threat in threats} - {0.0})
@@ -238,7 +247,7 @@ def _requirements(contents: Contents) -> Card:
 
 
 def _warnings(contents: Contents) -> Iterator[str]:
-    """Give all warnings, those on the armour first, with words in place of the keys that they are about."""
+    """Yield all warnings, notes first, with the names of inputs instead of their keys."""
     others = [warning for warning in contents.warnings if not isinstance(warning, Note)]
     for warning in contents.warnings:
         if not isinstance(warning, Note):
@@ -246,7 +255,7 @@ def _warnings(contents: Contents) -> Iterator[str]:
         name = warning.key.removeprefix("uncertainty.")
         words = warning.key
         if warning.key.startswith("threat["):
-            # Of several threats, the text names those that it is about.
+            # With several threats, the text of the warning names those that it is about.
             words = contents.threats[0].threat if len(contents.threats) == 1 else ""
         elif name in INPUTS or name in NAMES.values():
             words = in_words(name) if name == warning.key else f"distribution of the {in_words(name)}"
@@ -257,7 +266,7 @@ def _warnings(contents: Contents) -> Iterator[str]:
 
 
 def _sections(contents: Contents, command: str, map_command: str) -> Iterator[ReportSection]:
-    """Give the sections: first the answer, then, folded, what explains it."""
+    """Yield the sections: first the answer, and then, folded, what explains it."""
     design, scenario, answer, threat = contents.design, contents.scenario, contents.answer, contents.threat
     ordered = sorted(contents.check.threats, key=lambda checked: checked.threat != threat.threat)
     what_ifs = [table for each in ordered for table in design_view.what_if_tables(each, f"against {each.threat}")]
@@ -274,7 +283,6 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Re
     if design is not None:
         yield from _offer(design)
         hint = ("This command makes an interactive page of all designs:",) if map_command else ()
-        # The title of the map is the answer, which the report begins with.
         yield ReportSection("Map of the designs", hint, map_command, "console", pictures=(partial(_map, design),))
     yield ReportSection("Assumptions and limits", notes=ASSUMPTIONS)
     entries = list(filter(None, map(answer.entry_of, ROLES)))
@@ -307,7 +315,7 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Re
 
 
 def _own_tests(answer: Scenario) -> Iterator[ReportSection]:
-    """Give the own tests of the materials of an armour, with where they are from."""
+    """Yield a section for each material of the armour with own tests, with their source."""
     for entry in filter(None, map(answer.entry_of, ("ceramic", "backing"))):
         if entry.evidence is not None and (tests := predicted_tests(entry, entry.evidence)):
             source = f"{entry.name}: {entry.evidence.source}, calibrated with armour."
@@ -315,7 +323,7 @@ def _own_tests(answer: Scenario) -> Iterator[ReportSection]:
 
 
 def _threats(contents: Contents) -> Table:
-    """Return every threat with its requirement, the probability and the ballistic limit."""
+    """Tabulate the threats: what is required, the probability of stopping, the ballistic limit and the margin."""
     names = {threat.title: threat.name or threat.standard for threat in contents.scenario.threats()}
     is_mixed = 0 < len(contents.sampled) < len(contents.threats)
     kinds = {name: "distributions" if name in contents.sampled else "exact" for name in names}
@@ -338,7 +346,7 @@ def _threats(contents: Contents) -> Table:
 
 
 def _offer(design: DesignResult) -> Iterator[ReportSection]:
-    """Give the designs on offer or, if there are many, the best of each pair, with the margin against every threat."""
+    """Yield the section with the designs on offer or, if they are many, the best of each pair of materials."""
     designs = design.every or design_view.best_of_pairs(design)
     if len(designs) > 1:
         table, notes = design_view.offer_table(design), design_view.outside_notes(designs)
@@ -348,7 +356,7 @@ def _offer(design: DesignResult) -> Iterator[ReportSection]:
 
 
 def _search(design: DesignResult) -> ReportSection:
-    """Return how the best design compares with others."""
+    """Return the section that compares the best design with others: the frontier, or the pairs of materials."""
     heading, table = "Required ceramic for each back plate", design_view.frontier_table(design)
     notes = design_view.outside_notes(design.frontier)
     if len(design.pairs) > 1:
@@ -360,7 +368,7 @@ def _search(design: DesignResult) -> ReportSection:
 
 
 def _map(design: DesignResult, sheet: Any) -> Any:
-    """Draw the map of the designs on a sheet."""
+    """Draw the map of the designs on a sheet, without its title, which would repeat the answer of the report."""
     from armour.reporting.pictures.design import draw_map_of_design  # slow to import
 
     return replace(draw_map_of_design(design, sheet), title="")
@@ -374,7 +382,7 @@ def _front(design: DesignResult, sheet: Any) -> Any:
 
 
 def _impact(contents: Contents) -> ReportSection:
-    """Return the impact stage by stage, with where the projectile's energy goes."""
+    """Return the section with the impact stage by stage, and the energy that the projectile loses."""
     energy = energy_balance(contents.answer, contents.impact)
     words = (
         f"Against {contents.threat.threat}, by the model. The projectile has {energy.before:.2f} J at impact and "
@@ -386,7 +394,7 @@ def _impact(contents: Contents) -> ReportSection:
 
 
 def _which_armour(contents: Contents) -> str:
-    """Return which armour is reported where the scenario asks for a design, and how to get the other."""
+    """Return which armour is reported if the scenario asks for a design, and how to report on the other; else ""."""
     if contents.design is not None:
         armour = contents.scenario.armour_words()
         return f"This report is about the design found, not the scenario's own armour, {armour}; use --as-is for that."

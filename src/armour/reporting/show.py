@@ -1,4 +1,4 @@
-"""Results as figures, as reports and in notebooks, each by the view of its class."""
+"""Show results as figures, as reports and in notebooks."""
 
 from copy import copy
 from os import PathLike
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from armour.statistics.v50 import Shots
     from armour.validation.validate import SuiteResult
 
-# Texts of a scenario that no result depends on.
+# Keys of a scenario whose texts do not affect results.
 TEXTS = {"title", "author", "project", "date"}
 
 
@@ -44,9 +44,9 @@ CalibrationResult, FiringResult, PlannedTests, ShotPlan, SuiteResult or SweepRes
     shots : Shots, optional
         Shots of a V50.  Only a result that is made by hand needs them.
     title : str, optional
-        In place of the picture's own.
+        Title in place of the picture's own.
     ax : matplotlib.axes.Axes, optional
-        Axes to draw into, of a picture with one panel, in place of a new figure.
+        Axes to draw into, in place of a new figure; only for a picture with one panel.
 
     Returns
     -------
@@ -56,7 +56,7 @@ CalibrationResult, FiringResult, PlannedTests, ShotPlan, SuiteResult or SweepRes
     Raises
     ------
     InputError
-        If the result cannot be drawn, or not without what is missing, or the scenario or the shots are of another one.
+        If the result cannot be drawn, if what it needs is missing, or if the scenario or the shots are not its own.
 
     Examples
     --------
@@ -74,7 +74,7 @@ CalibrationResult, FiringResult, PlannedTests, ShotPlan, SuiteResult or SweepRes
     if not isinstance(ax, Axes | None):
         raise mistake("plot", "ax", f"must be axes of matplotlib, found {type(ax).__name__}")
     question = result.question
-    if scenario is not None and "scenario" in question and not _same(scenario, question["scenario"]):
+    if scenario is not None and "scenario" in question and not _gives_same_results(scenario, question["scenario"]):
         raise mistake("plot", "scenario", "must be the scenario of the result, found another; it can be left out")
     if shots is not None and shots != question.get("shots", shots):
         raise mistake("plot", "shots", "must be the shots of the result, found others; they can be left out")
@@ -84,14 +84,14 @@ CalibrationResult, FiringResult, PlannedTests, ShotPlan, SuiteResult or SweepRes
     return figure
 
 
-def _same(scenario: Scenario, other: Scenario) -> bool:
+def _gives_same_results(scenario: Scenario, other: Scenario) -> bool:
     """Return whether two scenarios give the same results."""
     sections, other_sections = (item.model_dump(exclude=TEXTS | {"library"}) for item in (scenario, other))
     return sections == other_sections and scenario.inputs() == other.inputs()
 
 
 def in_html(result: Result) -> str | None:
-    """Return the tables of a result as HTML, for a notebook; None where it has none."""
+    """Return heading, tables and warnings of a result as HTML, for a notebook; None if its class has no tables."""
     from armour.reporting.formats import rendered
 
     if (tables := by_result(tables_of, result)) is None:
@@ -117,9 +117,9 @@ def report(
     path : path-like
         File to write: one self-contained .html file with pictures, or .md for Markdown without them.
     as_is : bool, default False
-        Whether to report on the scenario's own armour, also where the scenario asks for a design.
+        Whether to report on the scenario's own armour even if the scenario asks for a design.
     confidence : float, optional
-        Probability of stopping each threat that is required, in place of ``design.confidence`` of the scenario.
+        Required probability of stopping each threat, in place of the scenario's ``design.confidence``.
     on_progress : callable, optional
         Called with the number of armours computed since the last call, and None, as their total is not known.
 

@@ -1,6 +1,6 @@
-"""Numbers, intervals and texts as they are shown, and tables of them for people and for CSV files.
+"""Format numbers, intervals and texts, and make tables of them for people and for CSV files.
 
-Text from files is made safe for terminals and XML.
+Control characters in text from files are escaped, so that it is safe for terminals and XML.
 """
 
 import csv
@@ -22,45 +22,45 @@ Cell = float | int | str | None
 
 
 class VerdictLine(str):
-    """A line that says how an answer ends, well or not; a terminal shows it in green or red."""
+    """A line that says how an answer ends; a terminal shows it in green if that is good, else in red."""
 
     good: bool
 
     def __new__(cls, text: str, *, good: bool) -> Self:
-        """Make a verdict."""
+        """Make the line; `good` chooses its colour."""
         line = super().__new__(cls, text)
         line.good = good
         return line
 
 
-# The space between a number and its unit, or after ±.
+# Matches the space between a number and its unit, or after ±.
 BESIDE_NUMBER = re.compile(rf"(?<=\d) (?=({'|'.join(map(re.escape, [*ENDINGS.values(), 'J']))})(?![\w/]))|(?<=±) ")
 
 
 def printable_lines(text: str) -> str:
-    """Escape the control characters of a text from a file; line ends stay."""
+    """Escape the control characters of a text from a file, but keep its line ends."""
     return "\n".join(map(printable, text.split("\n")))
 
 
 def unbroken(text: str) -> str:
-    """Return a text in which no line ends between a number and its unit or ±: the space there does not break."""
+    """Replace the spaces between numbers and units, and after ±, by no-break spaces."""
     return BESIDE_NUMBER.sub("\N{NO-BREAK SPACE}", text)
 
 
 def wrapped(text: str, width: int) -> list[str]:
-    """Wrap a text between words, but not between a number and its unit."""
+    """Wrap a text to lines of at most `width` characters, never between a number and its unit."""
     return [line.replace("\N{NO-BREAK SPACE}", " ") for line in wrap(unbroken(text), width)]
 
 
 def percent(part: float) -> str:
-    """Format a part, such as a confidence level, in per cent."""
+    """Format a fraction, such as a confidence level, in per cent: 0.95 gives "95 %"."""
     return f"{100.0 * part:g} %"
 
 
 def number(value: float | str, spec: str) -> str:
-    """Format a number, with its thousands separated from 10,000 on; a text is returned as it is.
+    """Format a number by a format specification, with thousands separated from 10,000 on.
 
-    A number that is not finite has no value and gives an empty text.
+    A text is returned as it is.  NaN and infinity give an empty text.
     """
     if isinstance(value, str):
         return value
@@ -79,7 +79,7 @@ def with_interval(value: float, ends: tuple[float | None, float | None] | None, 
 
 
 def interval(ends: tuple[float | None, float | None] | None, spec: str) -> str:
-    """Format an interval, if there is one; an end that is None is not bounded."""
+    """Format an interval; None gives an empty text, and an end that is None is unbounded."""
     if ends is None:
         return ""
     low, high = ends
@@ -90,28 +90,28 @@ def interval(ends: tuple[float | None, float | None] | None, spec: str) -> str:
 
 @dataclass(frozen=True)
 class Column:
-    """A column of a table: its heading in words, and the unit."""
+    """A column of a table: its label and unit, and how its cells are formatted."""
 
     label: str
     unit: str = ""
     spec: str = ""  # format specification of numbers, such as ".2f"; empty for text
     prose: bool = False  # whether text may be wrapped between words
-    key: str = ""  # attribute that the column shows, and heading in CSV files, which have no column without a key
+    key: str = ""  # attribute of items that it shows, and heading in CSV files, which omit columns without a key
 
     @classmethod
     def of(cls, key: str, spec: str = "", label: str = "", *, prose: bool = False) -> Self:
-        """Return the column of a quantity, an input, a key or an attribute, with label and format unless given."""
+        """Return the column of a quantity, input, key or attribute; label and format follow from `key` unless given."""
         words, unit = label_and_unit(key)
         return cls(label or words, unit, spec or (QUANTITIES[key].spec if key in QUANTITIES else ""), prose, key)
 
     @classmethod
     def of_each(cls, **specs: str) -> list[Self]:
-        """Return the columns of attributes, given their formats."""
+        """Return a column for each keyword, an attribute with its format specification."""
         return [cls.of(key, spec) for key, spec in specs.items()]
 
     @property
     def heading(self) -> str:
-        """Label and unit."""
+        """Label and unit, such as "velocity, m/s"."""
         return ", ".join(part for part in (self.label, self.unit) if part)
 
     @property
@@ -120,7 +120,7 @@ class Column:
         return bool(self.spec)
 
     def text(self, value: Cell) -> str:
-        """Format a value; None gives an empty text, and a text is returned as it is."""
+        """Format a cell of the column; None gives an empty text, and a text is returned as it is."""
         return "" if value is None else number(value, self.spec)
 
     def with_unit(self, value: Cell) -> str:
@@ -128,23 +128,24 @@ class Column:
         return f"{self.text(value)} {self.unit}".rstrip()
 
 
-# A column of the attribute that its key names, or a column and its value, or the function of an item that gives it.
+# Where the cells of a column come from: a column alone shows the attribute of each item that its key names; with a
+# second member, it shows this value, or what this function returns for the item.
 Source = Column | tuple[Column, Cell | Callable[[Any], Cell]]
 
 
 @dataclass(frozen=True)
 class Table:
-    """Rows of values under their columns; a record is a single row, which is listed quantity by quantity."""
+    """Rows of cells under columns; a record is a table of one row, shown with a line for each column."""
 
     columns: tuple[Column, ...]
     rows: tuple[tuple[Cell, ...], ...]
     title: str = ""
     record: bool = False
-    rest: str = ""  # how to get all rows, where a terminal shows the first ones only
+    rest: str = ""  # option that shows all rows, where a terminal shows only the first
 
     @classmethod
     def of(cls, items: Iterable[Any], *sources: Source, title: str = "", rest: str = "") -> Self:
-        """Make a table with a row for each item, without the columns that are empty in all of them."""
+        """Make a table with a row for each item; omit columns without a value in any row."""
         pairs = [_with_value(source) for source in sources]
         rows = [[value(item) if callable(value) else value for _, value in pairs] for item in items]
         return cls.of_rows([column for column, _ in pairs], rows, title=title, rest=rest)
@@ -153,33 +154,33 @@ class Table:
     def of_rows(
         cls, columns: Sequence[Column], rows: Sequence[Sequence[Cell]], title: str = "", rest: str = ""
     ) -> Self:
-        """Make a table of rows, without the columns that are empty in all of them."""
+        """Make a table of rows, each with a cell for every column; omit columns without a value in any row."""
         used = [not rows or any(column.text(row[index]) for row in rows) for index, column in enumerate(columns)]
         cells = tuple(tuple(compress(row, used)) for row in rows)
         return cls(tuple(compress(columns, used)), cells, title, rest=rest)
 
     @classmethod
     def of_one(cls, item: Any, *sources: Source, title: str = "") -> Self:
-        """Make a table of one item, without the quantities that have no value."""
+        """Make a record of one item; omit columns without a value."""
         return replace(cls.of([item], *sources, title=title), record=True)
 
     def texts(self) -> list[list[str]]:
-        """Return the rows with every value formatted."""
+        """Return the rows with every cell formatted as text."""
         return [[column.text(cell) for column, cell in zip(self.columns, row, strict=True)] for row in self.rows]
 
 
 def in_words(name: str) -> str:
-    """Return label and unit of a quantity, an input or a key, such as "ceramic flow stress, GPa"."""
+    """Return the label and unit of a quantity, input or key, such as "ceramic flow stress, GPa"."""
     return Column.of(name).heading
 
 
 def deviation_percent(value: float | None, reference: float) -> float | None:
-    """Return the deviation of a value from a reference, per cent."""
+    """Return the relative deviation of a value from a reference, %; None if there is no value."""
     return None if value is None else 100.0 * (value / reference - 1.0)
 
 
 def grouped(items: Iterable[Any], key: Callable[[Any], Any]) -> dict[Any, list[Any]]:
-    """Return items by a key."""
+    """Group items by the value of a function, in the order of first appearance."""
     groups: dict[Any, list[Any]] = {}
     for item in items:
         groups.setdefault(key(item), []).append(item)
@@ -187,7 +188,7 @@ def grouped(items: Iterable[Any], key: Callable[[Any], Any]) -> dict[Any, list[A
 
 
 def of_part(part: Callable[[Any], Any], *sources: Source) -> Iterator[Source]:
-    """Give the sources of a part of each item, empty for an item without this part."""
+    """Apply sources to a part of each item, which `part` returns; cells are empty if it returns None."""
 
     def source_of(column: Column, value: Callable[[Any], Cell]) -> Source:
         return column, lambda item: None if part(item) is None else value(part(item))
@@ -196,11 +197,12 @@ def of_part(part: Callable[[Any], Any], *sources: Source) -> Iterator[Source]:
 
 
 def _with_value(source: Source) -> tuple[Column, Any]:
+    """Return the column of a source, and its value or the function of an item that gives it."""
     return (source, attrgetter(source.key)) if isinstance(source, Column) else source
 
 
 def csv_text(table: Table) -> str:
-    """Format a table as a CSV file: the keys of its columns, and numbers with all their digits."""
+    """Format the columns of a table that have a key as CSV, under these keys and with numbers unrounded."""
     text = StringIO()
     writer = csv.writer(text, lineterminator="\n")
     keyed = [index for index, column in enumerate(table.columns) if column.key]
@@ -210,13 +212,17 @@ def csv_text(table: Table) -> str:
 
 
 def rows_csv(rows: Iterable[Mapping[str, Any]]) -> str:
-    """Format rows of a result as a CSV file; an interval, such as "v50_interval_m_s", has two columns, low and high."""
+    """Format mappings with the same keys as CSV; an interval becomes two columns.
+
+    "v50_interval_m_s", for example, becomes "v50_interval_low_m_s" and "v50_interval_high_m_s".
+    """
     cells = [dict(_with_ends(row)) for row in rows]
     keys = list(cells[0])
     return csv_text(Table(tuple(Column(key, key=key) for key in keys), tuple(tuple(row.values()) for row in cells)))
 
 
 def _with_ends(row: Mapping[str, Any]) -> Iterator[tuple[str, Cell]]:
+    """Yield the keys and cells of a row, with both ends of each interval instead of the interval."""
     for key, value in row.items():
         if "interval" in key:
             low, high = value or (None, None)
@@ -227,6 +233,7 @@ def _with_ends(row: Mapping[str, Any]) -> Iterator[tuple[str, Cell]]:
 
 
 def _csv_cell(cell: Cell) -> Cell:
+    """Return a cell as CSV has it: text safe for spreadsheets, and nothing for NaN and infinity."""
     if isinstance(cell, str):
         return csv_cell(cell)
     return None if cell is None or not isfinite(cell) else cell

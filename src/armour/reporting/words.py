@@ -1,4 +1,4 @@
-"""Words on the probability that an armour stops its threat, the model error and the flow stress of a ceramic."""
+"""Sentences on the probability of stopping, the model error, and the flow stress of a ceramic without tests."""
 
 from collections.abc import Iterable
 from functools import cache
@@ -18,22 +18,25 @@ from armour.scenario.schema import OBJECTIVES
 
 BALLISTIC_LIMIT = Column.of("ballistic_limit_m_s")
 STOPPING = Column("probability of stopping the projectile", prose=True)
-# With a back plate that exists already, the weight of it all is shown too.
+# Areal density including a back plate that exists already; empty without one.
 WHOLE: Source = (
     Column.of("whole_areal_density_kg_m2", label="whole armour"),
     lambda item: item.whole_areal_density_kg_m2 if item.whole_areal_density_kg_m2 != item.areal_density_kg_m2 else None,
 )
-# What distributions tell where the model error is not known.
+# Caveat of a probability where the model error is not known.
 SAMPLED_ALONE = "a probability from the given distributions alone takes the model as exact"
 
 
 def estimated(estimate: Estimate | None, spec: str) -> str:
-    """Format an estimate with its interval, if there is one."""
+    """Format an estimate with its interval; None gives an empty text."""
     return "" if estimate is None else with_interval(estimate.value, (estimate.low, estimate.high), spec)
 
 
 def chance(probability: float | None, error: ModelError | None = None) -> str:
-    """Format a probability of stopping, such as "73 %": rounded down, so that none is shown that is not reached."""
+    """Format a probability of stopping, such as "73 %"; it is rounded down, so as never to overstate it.
+
+    It reads "at least" if `error` says that the ballistic limit may be higher.
+    """
     if probability is None:
         return "unknown"
     if error is not None and error.at_least and probability <= 0.99:
@@ -44,19 +47,19 @@ def chance(probability: float | None, error: ModelError | None = None) -> str:
 
 
 def risk(probability: float) -> str:
-    """Format the probability of perforation, given that of stopping: both add up to 100 %."""
+    """Format the probability of perforation, given the probability of stopping; with `chance`, they add up to 100 %."""
     if probability < 0.01:
         return "above 99 %"
     return "below 1 %" if probability > 0.99 else f"{100.0 - rounded_down(100.0 * probability):.0f} %"
 
 
 def rounded_down(number: float, decimals: int = 0) -> float:
-    """Return a positive number rounded down, but for the error of the arithmetic."""
+    """Round a positive number down, except where only floating-point error keeps it below the next step."""
     return floor(round(number * 10**decimals, 9)) / 10**decimals
 
 
 def requirement_parts(row: Requirement) -> tuple[str, str, str]:
-    """Return what is required, how much of it, and what the armour has, in words."""
+    """Return a requirement in words: the quantity, the amount required, and what the armour has."""
     least, found = f"at least {row.required:g}", "unknown" if row.found is None else f"{row.found:.4g}"
     if row.quantity == "margin_m_s":
         return "margin by the model", f"at least {row.required:+g} m/s", f"{row.found or 0.0:+.0f} m/s"
@@ -78,7 +81,7 @@ def requirement_parts(row: Requirement) -> tuple[str, str, str]:
 
 
 def requirement_words(row: Requirement) -> str:
-    """Return what an armour has of what is required, such as "areal density 41.5 kg/m², at most 20 kg/m² allowed"."""
+    """Return what an armour has and what is required, such as "areal density 41.5 kg/m², at most 20 kg/m² allowed"."""
     if row.quantity == "backing_density_kg_m3":
         return no_metal(row.found or 0.0)
     if row.quantity == "interlayers":
@@ -88,20 +91,23 @@ def requirement_words(row: Requirement) -> str:
 
 
 def said_of(warnings: Iterable[str], *kinds: str) -> list[str]:
-    """Return what the model cannot do, as far as the warnings say that the answer contains it; by default caveats."""
+    """Return the texts of warnings that the answer itself must show, without repeats.
+
+    `kinds` are values of `Note.said`, by default "caveat" and "too low".
+    """
     kinds = kinds or ("caveat", "too low")
     return list(dict.fromkeys(note.text for note in warnings if isinstance(note, Note) and note.said in kinds))
 
 
 def threat_notes(scenario: Scenario | None) -> list[str]:
-    """Return what the library says of threats named by a standard that was not read itself."""
+    """Return status and source of each threat of a scenario whose values in the library are unconfirmed."""
     names = dict.fromkeys(threat.threat for threat in scenario.threats()) if scenario else {}
     found = [(name, named_threats()[name]) for name in names if name]
     return [f"{name}: {threat.status}, {threat.source}" for name, threat in found if threat.status == "unconfirmed"]
 
 
 def error_note(error: ModelError | None, scenario: Scenario | None) -> str:
-    """Return what the model error is and rests on, in a sentence; if it is unknown, why, given the scenario."""
+    """Return the model error and its source or, without an error, why it is unknown for the scenario."""
     if error is not None:
         return model_error_words(error)
     if scenario is None:
@@ -112,12 +118,12 @@ def error_note(error: ModelError | None, scenario: Scenario | None) -> str:
 
 
 def model_error_words(error: ModelError) -> str:
-    """Return what the model error is, what it is estimated from, and what it is extrapolated from."""
+    """Return the model error and its source, where it is extrapolated, and any own tests of the same armour."""
     return "; ".join([from_tests(error), *extrapolation(error), *tested_here(error)])
 
 
 def from_tests(error: ModelError) -> str:
-    """Return what the model error is, and what it is estimated from."""
+    """Return the model error and its source, such as "model error: ± 7.0 %, from 13 tests"."""
     if error.ratio.logarithmic:
         low, median, high = (error.quantiles_percent[level] for level in ("0.025", "0.5", "0.975"))
         words = f"model error: {number(median, '+.0f')} % ({interval((low, high), '+.0f')} %), from {error.source}"
@@ -127,12 +133,12 @@ def from_tests(error: ModelError) -> str:
 
 
 def extrapolation(error: ModelError) -> list[str]:
-    """Return what the model error is extrapolated from, if it is."""
+    """Return a line with the quantities in which the model error is extrapolated beyond its tests, if any."""
     return [f"extrapolated from {', '.join(error.extrapolated)}"] if error.extrapolated else []
 
 
 def tested_here(error: ModelError) -> list[str]:
-    """Return what own tests of this very armour measured, and what the others say, if there are such tests."""
+    """Return what own tests of the same armour measured, if any, and what the other own tests alone predict."""
     if (here := error.tests_here) is None:
         return []
     count = len(here.limits_m_s)
@@ -156,7 +162,10 @@ def tested_here(error: ModelError) -> list[str]:
 
 
 def flow_stress_notes(needed: NeededFlowStress | None, against: str = "the threat") -> list[str]:
-    """Return with which flow stress a ceramic without tests stops a threat, and the limits over its sources."""
+    """Return the least flow stress with which a ceramic without tests stops a threat, in words.
+
+    A second line gives the ballistic limits with the flow stresses of its sources, if there are any.
+    """
     if needed is None:
         return []
     least, likely, sources = needed.needed_GPa, needed.needed_for_probability_GPa, needed.sources_GPa
@@ -182,26 +191,29 @@ def flow_stress_notes(needed: NeededFlowStress | None, against: str = "the threa
 
 @cache
 def least_flow_stress() -> float:
-    """Return the least flow stress of a ceramic of the shipped library, by any source, GPa."""
+    """Return the least flow stress that any source gives for any ceramic of the shipped library, GPa."""
     ceramics = shipped_library().entries["ceramic"].values()
     return min(stress for each in ceramics for stress in (each["flow_stress_GPa"], *each.flow_stress_sources_GPa))
 
 
 def needed_words(needed: NeededFlowStress | None) -> str | None:
-    """Return the needed flow stress of a ceramic without tests in a table, GPa."""
+    """Return the flow stress that a ceramic without tests needs, GPa, as the text of a cell; None gives None."""
     if needed is None or needed.needed_GPa is None:
         return None if needed is None else "above 100"
-    # A number below all ceramics would say no more than that.
+    # A number would add nothing: every ceramic of the library has more.
     return "less than any" if needed.needed_GPa < least_flow_stress() else rounded_up(needed.needed_GPa)
 
 
 def rounded_up(number: float) -> str:
-    """Format a positive number rounded up to a tenth, but for the error of the arithmetic."""
+    """Format a positive number rounded up to a tenth; floating-point error above a tenth is ignored."""
     return f"{ceil(10.0 * number - 1e-9) / 10.0:g}"
 
 
 def basis_notes(answer: ConfidenceResult | CheckedThreat) -> list[str]:
-    """Return what the probability rests on, or why it is unknown and what the flow stress must be."""
+    """Return what a probability of stopping rests on: the model error, or the distributions of the inputs alone.
+
+    If it is unknown, return why, and the flow stress that the ceramic needs.
+    """
     if answer.probability_of_stopping is not None:
         error = answer.model_error
         return [SAMPLED_ALONE if error is None else model_error_words(error)]
@@ -212,6 +224,6 @@ def basis_notes(answer: ConfidenceResult | CheckedThreat) -> list[str]:
 
 
 def with_error(median_m_s: float | None, interval_m_s: tuple[float, float] | None) -> Source:
-    """Return where the model error puts the ballistic limit of the armour."""
+    """Return the column and the cell with the ballistic limit corrected for the model error, and its 95 % interval."""
     limit = "" if median_m_s is None else f"{median_m_s:.0f} m/s (95 % interval {interval(interval_m_s, '.0f')} m/s)"
     return Column("with the model error", prose=True), limit

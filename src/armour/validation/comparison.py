@@ -1,4 +1,4 @@
-"""Comparison of the model with simpler formulas for a scenario's armour."""
+"""Compare the model with simpler formulas for a scenario's armour."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -37,7 +37,7 @@ class RuleResult:
     ballistic_limit_m_s : float
         Ballistic limit of the armour, m/s.
     areal_density_kg_m2 : float
-        Areal density that has the ballistic limit by the model, kg/m².
+        Areal density at which the rule gives the ballistic limit by the model, kg/m².
     """
 
     k: float
@@ -70,13 +70,13 @@ class Comparison(TableResult):
     rules : tuple of RuleResult
         The rule with p = 1 and with p fitted; empty if the tests used another round or other materials.
     errors : tuple of Error
-        Errors of every method on these tests, the model with the values of the library, with the attributes that
-        `SuiteResult` lists; empty if there are no rules.
+        Errors of every method on these tests, with the attributes that `SuiteResult` lists; empty without rules.  The
+        model has the values of the library.
     florence_missing : tuple of str
         Keys of the library that Florence's limit needs and the metal of the back plate lacks.
     measured : tuple of MeasuredArmour
-        Armours tested with such a core, each with the areal density and the ballistic limit: with a ceramic, and of
-        each metal, the one whose limit is nearest to that by the model.
+        Tested armours whose ballistic limits are nearest to the one by the model: one with a ceramic, and one bare
+        plate of each metal.  Only tests with a core like that of the scenario count.
     """
 
     areal_density_kg_m2: float
@@ -181,17 +181,18 @@ def compare(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) ->
 
 @cache
 def _tests() -> Suite:
-    """Return the measured ballistic limits to which the areal density rule is fitted."""
+    """Return the part of the paper's suite with the measured limits to which the areal density rule is fitted."""
     return load_suite(paper_suite()).only(COMPARED_TESTS)
 
 
 @cache
 def _errors() -> tuple[Error, ...]:
+    """Return the errors of every method on these tests."""
     return validate(_tests()).errors
 
 
 def _tests_in_words(cases: Sequence[Case]) -> str:
-    """Return number, round, materials and areal densities of tests."""
+    """Return number, round, materials and range of areal densities of tests, as text."""
     projectile, ceramic, backing = (cases[0].scenario.name_of(role) for role in ROLES)
     densities = areal_densities(cases)
     span = f"{densities.min():.1f} to {densities.max():.1f} kg/m²"
@@ -199,12 +200,17 @@ def _tests_in_words(cases: Sequence[Case]) -> str:
 
 
 def areal_density_rules(scenario: Scenario, limit_m_s: float) -> tuple[RuleResult, ...]:
-    """Return the rule with p = 1 and with p fitted for an armour, given its limit by the model; none without tests."""
+    """Return the results of the areal density rule for an armour, with p = 1 and with p fitted.
+
+    `limit_m_s` is the armour's limit by the model.  There are none if the tests used another round or other materials.
+    """
     cases, rules = _tests().cases, []
     if any(scenario.entry_of(role) != cases[0].scenario.entry_of(role) for role in ROLES):
         return ()
     for p in (1.0, None):
         rule = formulas.fit_areal_density_rule(areal_densities(cases), measured_limits(cases), p)
-        weight = (limit_m_s / rule.k) ** (1.0 / rule.p) * scenario.cosine()
-        rules.append(RuleResult(rule.k, rule.p, p is None, rule.limit(formulas.along_fire_kg_m2(scenario)), weight))
+        areal_density = (limit_m_s / rule.k) ** (1.0 / rule.p) * scenario.cosine()
+        rules.append(
+            RuleResult(rule.k, rule.p, p is None, rule.limit(formulas.along_fire_kg_m2(scenario)), areal_density)
+        )
     return tuple(rules)

@@ -1,4 +1,4 @@
-"""Figures of the paper: their descriptions, and their curves computed by the model."""
+"""Read the descriptions of the paper's figures, and compute their curves by the model."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from armour.scenario.sections import Section, validated
 from armour.validation.suite import load_suite
 from armour.validation.validate import SuiteResult, validate
 
-# Parity figures: the suite whose expected values each figure shows, and the text that the names of its cases contain.
+# Figures of computed over expected values: the suite of each, and a text that the names of its cases contain.
 PARITIES = {"parity_table3": ("paper", "table 3"), "parity_plates": ("plates", "")}
 
 
@@ -29,7 +29,10 @@ class CurveSection(Section):
 
 
 class FigureMark(Section):
-    """Points of the paper's text in the colour of the curve that ``of`` names; ``x_ends`` are ranges of their x."""
+    """Points that the paper's text gives, in the colour of the curve whose label is ``of``.
+
+    ``x_ends`` has the lowest and the highest x of each, if its x is a range.
+    """
 
     label: str
     of: str = ""
@@ -45,10 +48,10 @@ class FigureLevel(Section):
 
 
 class FigureSection(Section):
-    """A figure, or a panel of one: quantities of a scenario over one or more of its keys, which take the same values.
+    """A figure, or one panel of a figure: quantities of a scenario over the values ``range`` of its keys ``over``.
 
-    Sections with the same name are the panels of a figure.  ``add_to_x`` is added to the values of x, and the
-    quantities are divided by ``divide_by``.
+    All these keys take the same value.  Sections with the same name are the panels of a figure.  ``add_to_x`` is added
+    to the values on the x axis, and the quantities are divided by ``divide_by``.
     """
 
     name: str
@@ -74,7 +77,7 @@ class FigureFile(Section):
 
 @dataclass(frozen=True)
 class Figure:
-    """Curves of a figure, or of a panel of one, by label, over ``x``; None where a curve has no value."""
+    """Curves of a figure or of one of its panels, by label, over ``x``; None where a curve has no value."""
 
     section: FigureSection
     x: tuple[float, ...]
@@ -92,24 +95,24 @@ def read_figures(path: Path) -> list[FigureSection]:
 
 
 def compute_figure(section: FigureSection, folder: Path) -> Figure:
-    """Compute the curves of a section, whose scenario is relative to the folder."""
-    base = load_scenario(folder / section.scenario)
+    """Compute the curves of a figure; the file of its scenario is in the folder."""
+    scenario = load_scenario(folder / section.scenario)
     x = section.range.values()
     columns = dict.fromkeys(section.over, np.array(x))
     curves = {}
     for curve in section.curve:
-        computed = evaluate(base.replaced(curve.set), columns, section.quantities)
+        computed = evaluate(scenario.replaced(curve.set), columns, section.quantities)
         for name in section.quantities:
             parts = [curve.label] if curve.label else []
             if len(section.quantities) > 1 or not parts:
                 parts.append(QUANTITIES[name].label)
             scaled = computed[name] / section.divide_by
             curves[", ".join(parts)] = tuple(float(value) if np.isfinite(value) else None for value in scaled)
-    # Rounded so that a sum has no more digits than its terms.
+    # Rounded, so that sums have no spurious digits.
     return Figure(section, tuple(round(value + section.add_to_x, 9) for value in x), curves)
 
 
 def parity(name: str) -> SuiteResult:
-    """Compute the cases of a parity figure."""
+    """Compute the cases of a figure of `PARITIES`."""
     suite, text = PARITIES[name]
     return validate(load_suite(shipped_suites()[suite]).only(text))

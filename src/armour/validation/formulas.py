@@ -1,7 +1,7 @@
 """Simpler formulas to compare with the model: Florence's ballistic limit, an areal density rule, residual velocities.
 
-``1`` is the ceramic and ``2`` the back plate: densities rho, thicknesses h, and the back plate's ultimate tensile
-strength sigma2 and strain to fracture eps2, all in SI units.
+Symbols are those of Florence's formula, in SI units.  The index 1 is the ceramic and 2 the back plate: density rho,
+thickness h, and of the back plate the ultimate tensile strength sigma2 and the strain to fracture eps2.
 """
 
 from collections.abc import Sequence
@@ -10,7 +10,7 @@ from math import pi, sqrt
 from typing import Literal, NamedTuple
 
 import numpy as np
-import scipy  # whose parts are imported on first use, as Florence's limit does not need them
+import scipy  # imports its parts on first use; Florence's limit does not need them
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.results import OnProgress
@@ -21,16 +21,16 @@ from armour.scenario.keys import key_name
 from armour.scenario.scenario import Scenario
 from armour.units import MM, MPA, G
 
-# Range of the exponent of Lambert and Jonas.
+# Range in which the exponent of Lambert and Jonas is fitted.
 EXPONENTS = (1.0, 20.0)
 # Largest ratio of residual to impact velocity far above the limit; a larger one would create energy.
 MAX_VELOCITY_RATIO = 1.0
-# Range of the exponent of the areal density.
+# Largest exponent of the areal density that is fitted.
 MAX_POWER = 4.0
 
 
 class Plates(NamedTuple):
-    """Armour in the symbols of Florence's formula, SI units."""
+    """An armour in the symbols of Florence's formula: densities, thicknesses, strength and strain, in SI units."""
 
     rho1: float
     h1: float
@@ -41,7 +41,7 @@ class Plates(NamedTuple):
 
 
 def conoid_radius(r: float, h1: float) -> float:
-    """Return the radius a of the loaded area of the back plate, m: ``r + 2 h1``."""
+    """Return the radius of the loaded area of the back plate, m: a = r + 2 h1, with the projectile's radius r, m."""
     return r + 2.0 * h1
 
 
@@ -59,8 +59,9 @@ def florence_limit(m: float, r: float, plates: Plates) -> float:
 def florence_split(m: float, r: float, rho1: float, rho2: float, areal_density: float) -> tuple[float, float]:
     """Compute the thicknesses with the highest Florence limit at a given areal density.
 
-    They satisfy ``rho1/(rho2 h2) = (4/a) (1 + pi a^2 A/(m + pi a^2 A))``.  The left side falls with h2 and the right
-    side rises, so that there is at most one solution; a very thin armour has none, and a bare plate is best.
+    They satisfy ``rho1/(rho2 h2) = (4/a) (1 + pi a^2 A/(m + pi a^2 A))``, with the areal density A, kg/m², and a from
+    `conoid_radius`.  The left side falls with h2 and the right side rises, so there is at most one solution.  A very
+    thin armour has none, and a bare plate is best.  Return h1 and h2, m.
     """
 
     def ceramic(h2: float) -> float:
@@ -79,21 +80,21 @@ def florence_split(m: float, r: float, rho1: float, rho2: float, areal_density: 
 
 
 class ArealDensityRule(NamedTuple):
-    """Rule that the ballistic limit, m/s, is k times the areal density, kg/m², to the power p."""
+    """The rule limit = k A^p for the ballistic limit, m/s, and the areal density A, kg/m²."""
 
     k: float
     p: float
 
     def limit(self, areal_density: float) -> float:
-        """Return the ballistic limit, m/s, of an areal density, kg/m²."""
+        """Return the ballistic limit at an areal density, kg/m², m/s."""
         return float(self.k * areal_density**self.p)
 
 
 def fit_areal_density_rule(areal_densities: Floats, limits: Floats, p: float | None = None) -> ArealDensityRule:
     """Fit the rule ``limit = k A^p`` to measured ballistic limits by least squares of the relative errors.
 
-    For a given p the factor is ``k = sum(s) / sum(s^2)`` with ``s = A^p / limit``; p minimises the remaining sum of
-    squares, ``n - sum(s)^2 / sum(s^2)``.
+    For a given p, the factor is ``k = sum(s) / sum(s^2)`` with ``s = A^p / limit``.  The fitted p minimises the sum of
+    squares that remains, ``n - sum(s)^2 / sum(s^2)``.
 
     Parameters
     ----------
@@ -108,7 +109,7 @@ def fit_areal_density_rule(areal_densities: Floats, limits: Floats, p: float | N
     -------
     ArealDensityRule
     """
-    # Relative to their geometric mean, the powers of the areal densities do not overflow.
+    # Divided by their geometric mean, so that powers of the areal densities do not overflow.
     middle = float(np.exp(np.mean(np.log(areal_densities))))
     ratios = areal_densities / middle
 
@@ -117,8 +118,8 @@ def fit_areal_density_rule(areal_densities: Floats, limits: Floats, p: float | N
         return -float(s.sum() ** 2 / (s @ s))
 
     if p is None:
-        least = scipy.optimize.minimize_scalar
-        p = float(least(remainder, bounds=(0.0, MAX_POWER), method="bounded", options={"xatol": 1e-8}).x)
+        minimise = scipy.optimize.minimize_scalar
+        p = float(minimise(remainder, bounds=(0.0, MAX_POWER), method="bounded", options={"xatol": 1e-8}).x)
     s = ratios**p / limits
     return ArealDensityRule(float(s.sum() / (s @ s)) / middle**p, p)
 
@@ -151,45 +152,48 @@ def residual_velocity(V: float, limit: float, ratio: float, exponent: float) -> 
 
 
 def fit_lambert_jonas(impact: Sequence[float], residual: Sequence[float], limit: float) -> ResidualVelocityFit:
-    """Fit ratio and exponent of Lambert and Jonas by least squares."""
+    """Fit ratio and exponent of Lambert and Jonas to impact and residual velocities, m/s, by least squares.
+
+    `limit` is the ballistic limit, m/s.
+    """
 
     def fit(exponent: float) -> ResidualVelocityFit:
         return _fit_ratio("Lambert-Jonas", impact, residual, limit, exponent)
 
-    least = scipy.optimize.minimize_scalar
-    best = least(lambda x: fit(x).rms_m_s, bounds=EXPONENTS, method="bounded", options={"xatol": 1e-6})
+    minimise = scipy.optimize.minimize_scalar
+    best = minimise(lambda exponent: fit(exponent).rms_m_s, bounds=EXPONENTS, method="bounded", options={"xatol": 1e-6})
     return fit(float(best.x))
 
 
 def fit_recht_ipson(impact: Sequence[float], residual: Sequence[float], limit: float) -> ResidualVelocityFit:
-    """Fit the ratio of Recht and Ipson by least squares; the exponent is 2."""
+    """Fit the ratio of Recht and Ipson to impact and residual velocities, m/s, by least squares; the exponent is 2."""
     return _fit_ratio("Recht-Ipson", impact, residual, limit, 2.0)
 
 
 def _fit_ratio(
     name: str, impact: Sequence[float], residual: Sequence[float], limit: float, exponent: float
 ) -> ResidualVelocityFit:
-    """Fit the ratio for a given exponent."""
-    shape = [residual_velocity(V, limit, 1.0, exponent) for V in impact]
-    ratio = sum(s * v for s, v in zip(shape, residual, strict=True)) / sum(s * s for s in shape)
+    """Fit the ratio to impact and residual velocities, m/s, by least squares, for a given exponent."""
+    at_ratio_1 = [residual_velocity(V, limit, 1.0, exponent) for V in impact]
+    ratio = sum(s * v for s, v in zip(at_ratio_1, residual, strict=True)) / sum(s * s for s in at_ratio_1)
     ratio = min(max(ratio, 0.0), MAX_VELOCITY_RATIO)
-    squares = sum((ratio * s - v) ** 2 for s, v in zip(shape, residual, strict=True))
-    return ResidualVelocityFit(name, ratio, exponent, sqrt(squares / len(shape)))
+    squares = sum((ratio * s - v) ** 2 for s, v in zip(at_ratio_1, residual, strict=True))
+    return ResidualVelocityFit(name, ratio, exponent, sqrt(squares / len(at_ratio_1)))
 
 
 Body = Literal["penetrator", "whole projectile"]
-# Bodies that Florence's formula can take as the projectile: keys of mass and diameter.
+# Bodies that Florence's formula can take as the projectile, with the keys of their mass and diameter.
 BODIES: dict[Body, tuple[str, str]] = {
     "penetrator": ("penetrator_mass_g", "penetrator_diameter_mm"),
     "whole projectile": ("projectile_mass_g", "caliber_mm"),
 }
-# Keys of the metal that only Florence's formula needs.
+# Keys of a metal that only Florence's formula needs: tensile strength and strain to fracture.
 TENSILE = ("ultimate_tensile_strength_MPa", "strain_to_fracture")
 
 
 @dataclass(frozen=True)
 class FlorenceResult:
-    """Florence's limit of an armour, and the armour of the same areal density with the highest limit by this formula.
+    """Florence's ballistic limit of an armour, and the best armour of the same areal density by this formula.
 
     Attributes
     ----------
@@ -234,7 +238,7 @@ def missing_for_florence(scenario: Scenario) -> list[Problem]:
 
 
 def bodies_of(scenario: Scenario) -> list[Body]:
-    """Return the bodies of the projectile with a known mass and diameter."""
+    """Return the bodies of the projectile whose mass and diameter are known."""
     values = scenario.entry("projectile", scenario.impact.projectile).values
     return [body for body, keys in BODIES.items() if all(key in values for key in keys)]
 
@@ -253,12 +257,12 @@ def along_fire_kg_m2(scenario: Scenario) -> float:
 
 
 def florence_ballistic_limit(scenario: Scenario, body: Body = "penetrator") -> float:
-    """Compute Florence's limit of a scenario's armour, m/s."""
+    """Compute Florence's limit of a scenario's armour, m/s, with a body taken as the projectile."""
     return florence_limit(*_in_symbols(scenario, body))
 
 
 def florence_result(scenario: Scenario, body: Body, on_progress: OnProgress) -> FlorenceResult:
-    """Compute Florence's limit, and the best armour of the same areal density by Florence's formula."""
+    """Compute Florence's limit of a scenario's armour, and by this formula the best armour of its areal density."""
     mass_g, diameter_mm = mass_and_diameter(scenario, body)
     m, r, plates = _in_symbols(scenario, body)
     cosine = scenario.cosine()
@@ -283,7 +287,10 @@ def florence_result(scenario: Scenario, body: Body, on_progress: OnProgress) -> 
 
 
 def _in_symbols(scenario: Scenario, body: Body) -> tuple[float, float, Plates]:
-    """Return mass and radius of a body, and the armour along the line of fire, in the symbols of Florence's formula."""
+    """Return the arguments of `florence_limit` for a scenario: mass, kg, radius, m, and the layers.
+
+    Thicknesses are along the line of fire.
+    """
     mass_g, diameter_mm = mass_and_diameter(scenario, body)
     armour, metal = scenario.core_armour(), scenario.entry("metal", scenario.armour.backing)
     strength, strain = TENSILE

@@ -1,4 +1,4 @@
-"""The questions that a suite asks about a scenario, or about one with a material replaced, and their answers."""
+"""Questions that the cases of a suite ask about a scenario, or about replacing one of its materials, and answers."""
 
 from collections.abc import Callable
 from functools import cached_property
@@ -13,19 +13,19 @@ from armour.scenario.scenario import Scenario
 
 
 class Subject:
-    """A scenario and, if given, the same with a material replaced; nothing is computed twice."""
+    """A scenario, and the same with a material replaced if a question needs it; keeps what it has computed."""
 
     def __init__(self, scenario: Scenario, replacement: Scenario | None = None) -> None:
         self.scenario, self.replacement = scenario, replacement
 
     @cached_property
     def answers(self) -> QuantityValues:
-        """The engine's answers about the scenario: one row."""
+        """Values of the quantities for the scenario, in arrays of one row."""
         return QuantityValues(groups_of(self.scenario, {})[0].variants)
 
     @cached_property
     def lightest(self) -> BestDesign:
-        """The lightest design of the scenario's grid; a NoAnswerError says why there is none."""
+        """The lightest design of the scenario's grid; raise NoAnswerError, with the reason, if there is none."""
         result = optimise(self.scenario)
         if result.best is None:
             raise NoAnswerError(result.explanation)
@@ -33,7 +33,10 @@ class Subject:
 
     @cached_property
     def required(self) -> tuple[Variants, Variants]:
-        """Armours with the least thickness of the layer whose material is replaced, before and after that."""
+        """The armours with the original material and with its replacement.
+
+        In each, the layer of this material has the least thickness that stops the projectile.
+        """
         assert self.replacement is not None, "a suite gives replaced_by with SAVINGS"
         before, after = self.answers, Subject(self.replacement).answers
         if self.scenario.armour.ceramic != self.replacement.armour.ceramic:
@@ -41,14 +44,14 @@ class Subject:
         return before.with_least_backing, after.with_least_backing
 
 
-# Questions about the lightest design, named after its attributes.
+# Questions about the lightest design: "optimum_" and an attribute of the design.
 LIGHTEST = ("optimum_ceramic_thickness_mm", "optimum_backing_thickness_mm", "optimum_areal_density_kg_m2")
-# Questions about replacing a material by another: the quantity reduced, reported in per cent of its value.
+# Questions about replacing a material: the reduction of this quantity, in per cent of its value before.
 SAVINGS: dict[str, Callable[[Variants], Floats]] = {
     "thickness_saved_percent": lambda armours: armours.ceramics_mm + armours.backings_mm,
     "weight_saved_percent": lambda armours: armours.areal_densities_kg_m2(),
 }
-# All questions that a suite may ask, and the parts of a scenario that each depends on, see `armour.scenario.effect`.
+# All questions that a suite may ask, with the sections and keys that each depends on; see `armour.scenario.effect`.
 QUESTIONS: dict[str, tuple[str, ...]] = {
     **{name: quantity.reads for name, quantity in QUANTITIES.items()},
     **dict.fromkeys(LIGHTEST, DESIGNS),
@@ -78,7 +81,10 @@ def answer(name: str, subject: Subject) -> float | str:
 
 
 def check_answerable(name: str, scenario: Scenario, replacement: Scenario | None) -> None:
-    """Check that a scenario has the grid that a question needs, and that exactly one material is replaced."""
+    """Raise an error if a scenario lacks the grid that a question needs, or if not exactly one material is replaced.
+
+    `replacement` is the scenario with a material replaced; None for most questions.
+    """
     if "optimise" in QUESTIONS[name]:
         grid_of(scenario)
     if replacement is not None:

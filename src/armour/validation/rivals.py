@@ -1,4 +1,7 @@
-"""Errors of the model, of rival predictions and of simpler formulas on the same tests, in sample and leave-one-out."""
+"""Compare the errors of the model, of rival predictions and of simpler formulas on the same tests.
+
+Errors of fits are given in sample and leave-one-out.
+"""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -12,16 +15,16 @@ from armour.statistics.measured import LIMIT, read_tests
 from armour.validation import formulas
 from armour.validation.suite import Case
 
-# Least number of tests, and of different areal densities, for a fit.
+# Least number of tests for a fit, and of different areal densities to fit the exponent too.
 MIN_FITTED = 3
 
 
 @dataclass(frozen=True)
 class Error:
-    """Mean and largest magnitude of the relative errors of a method of prediction for a table.
+    """Mean and largest magnitude of the relative errors of a method, ``predictor``, on the ``count`` tests of a table.
 
-    ``fitted`` describes the fit and its tests, if there was one.  After a fit to the table itself, by least squares of
-    the relative errors, ``left_out_percent`` is the mean with each test left out of the fit that predicts it.
+    ``fitted`` describes the fit of the method and its tests, if there was one.  If it was fitted to the table itself,
+    ``left_out_percent`` is the mean error when the fit that predicts a test leaves this test out.
     """
 
     table: str
@@ -34,28 +37,31 @@ class Error:
 
 
 def errors_of(computed: Iterable[tuple[Case, float | str | None]]) -> tuple[Error, ...]:
-    """Return the errors of all predictions, given a table's cases with this model's values; none without rivals.
+    """Return the errors of the rivals of a table, of this model and of simpler formulas; none if it has no rivals.
 
-    The predictions are those of the rivals, of this model and of simpler formulas.
+    `computed` has the cases of the table, each with its value by this model.
     """
     rows = [(case, value) for case, value in computed if case.rivals and abs(float(case.expected or 0.0)) >= TINY]
     cases = [case for case, _ in rows]
-    percents: dict[str, list[float]] = {}
+    magnitudes_by_name: dict[str, list[float]] = {}
     for case, value in rows:
         by_model = {"this model": value} if isinstance(value, float) else {}
-        for name, predicted in {**case.rivals, **by_model, **_florence(case)}.items():
-            percents.setdefault(name, []).append(100.0 * abs(predicted / float(case.expected or 0.0) - 1.0))
+        for name, predicted in {**case.rivals, **by_model, **_florence_limits(case)}.items():
+            magnitudes_by_name.setdefault(name, []).append(100.0 * abs(predicted / float(case.expected or 0.0) - 1.0))
     errors = [
         _error(cases[0].group, name, magnitudes, _fitted_before(cases[0]) if name == "this model" else "")
-        for name, magnitudes in percents.items()
+        for name, magnitudes in magnitudes_by_name.items()
     ]
     if len(cases) >= MIN_FITTED and cases[0].quantity == LIMIT:
-        errors += [*_refitted(cases), *_rules(cases)]
+        errors += [*_refitted_errors(cases), *_rule_errors(cases)]
     return tuple(errors)
 
 
-def _florence(case: Case) -> Mapping[str, float]:
-    """Return Florence's limits of a case, for the penetrator and for the whole projectile."""
+def _florence_limits(case: Case) -> Mapping[str, float]:
+    """Return Florence's ballistic limits of a case, m/s, by name: for the penetrator and for the whole projectile.
+
+    There are none if the case lacks values that the formula needs, or is not about a ballistic limit.
+    """
     scenario = case.scenario
     if case.quantity != LIMIT or formulas.missing_for_florence(scenario):
         return {}
@@ -67,16 +73,16 @@ def _florence(case: Case) -> Mapping[str, float]:
 
 
 def _fitted_before(case: Case) -> str:
-    """Return the source of the flow stress of a case's ceramic, if it was fitted to tests; "" otherwise."""
+    """Return the source of the flow stress of a case's ceramic if it was fitted to tests; else ""."""
     name = case.scenario.name_of("ceramic")
     value = case.scenario.entry("ceramic", name).values["flow_stress_GPa"] if name else None
     return f"flow stress of {name}: {value.source}" if value is not None and value.status == "fitted" else ""
 
 
-def _refitted(cases: Sequence[Case]) -> Iterator[Error]:
+def _refitted_errors(cases: Sequence[Case]) -> Iterator[Error]:
     """Yield the errors of this model with the ceramic's flow stress fitted to the measured limits.
 
-    Nothing is fitted if the rows of the table differ in their settings.
+    Nothing is fitted if cases differ in the settings of the solver or of the search for the limit.
     """
     # Imported here for scipy, which a suite without rivals does not need.
     from armour.statistics import calibration, likelihood
@@ -100,8 +106,11 @@ def _refitted(cases: Sequence[Case]) -> Iterator[Error]:
     yield _fitted_error(cases, "this model, flow stress refitted", fitted, *computed)
 
 
-def _rules(cases: Sequence[Case]) -> Iterator[Error]:
-    """Yield the errors of the areal density rule, fitted to the measured limits with p = 1 and with p fitted too."""
+def _rule_errors(cases: Sequence[Case]) -> Iterator[Error]:
+    """Yield the errors of the areal density rule, limit = k A^p, fitted to the measured limits.
+
+    First p is 1; then, if there are enough areal densities, p is fitted too.
+    """
     densities, limits = areal_densities(cases), measured_limits(cases)
     for p in (1.0, None):
         if p is None and len(np.unique(densities.round(6))) < MIN_FITTED:
@@ -128,11 +137,17 @@ def measured_limits(cases: Sequence[Case]) -> Floats:
 
 
 def _fitted_error(cases: Sequence[Case], predictor: str, fitted: str, predicted: Floats, left_out: Floats) -> Error:
-    """Return the errors of a prediction fitted to the measured limits, in sample and with each test left out."""
-    in_sample, out = (100.0 * np.abs(values / measured_limits(cases) - 1.0) for values in (predicted, left_out))
-    return _error(cases[0].group, predictor, in_sample.tolist(), fitted, float(out.mean()))
+    """Return the errors of a method fitted to the measured limits.
+
+    `predicted` and `left_out`, (cases,), are its limits, m/s, with all tests in the fit and with the test left out.
+    """
+    in_sample, out_of_sample = (
+        100.0 * np.abs(values / measured_limits(cases) - 1.0) for values in (predicted, left_out)
+    )
+    return _error(cases[0].group, predictor, in_sample.tolist(), fitted, float(out_of_sample.mean()))
 
 
 def _error(table: str, predictor: str, percents: Sequence[float], fitted: str, left_out: float | None = None) -> Error:
+    """Return the error of a method, given the magnitudes of its relative errors, %."""
     mean = sum(percents) / len(percents)
     return Error(table, predictor, len(percents), mean, max(percents), left_out, fitted)

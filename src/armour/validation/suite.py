@@ -1,4 +1,4 @@
-"""Suites: cases with expected values, listed in the suite or in files of tests."""
+"""Read suites: cases with expected values, which are listed in the suite or in files of tests."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -42,7 +42,7 @@ class Case:
     suite : SuiteSection
         The suite, as its file gives it.
     section : CaseSection or TableSection
-        The case, or the table of which it is a row, as the file gives it.
+        The case or, for a row of a table, the table, as the file gives it.
     name : str
     scenario : Scenario
     expected : float or str or None
@@ -50,11 +50,11 @@ class Case:
     place : tuple of str and int
         Keys and indices of the expected value in the file.
     replacement : Scenario or None
-        The scenario with one material replaced, for the saving.
+        The scenario with one material replaced; only for a quantity that this saves.
     rivals : mapping of str to float
         Predictions of other methods, by name.
     measured : float or None
-        If given, the expected value is the magnitude of the relative difference from it, in per cent.
+        If given, the expected value is the magnitude of the relative difference from this, in per cent.
     cells : mapping of str to float or str
         Row of the CSV file from which the case is read: its inputs, measurements and notes.
     """
@@ -72,22 +72,22 @@ class Case:
 
     @property
     def scenarios(self) -> tuple[Scenario, ...]:
-        """The scenario and, if there is one, that with a material replaced."""
+        """The scenario and, if there is one, the scenario with a material replaced."""
         return (self.scenario,) if self.replacement is None else (self.scenario, self.replacement)
 
     @property
     def group(self) -> str:
-        """Name of the table to which the case belongs; empty for a single case."""
+        """Name of the table to which the case belongs; empty for a case outside tables."""
         return self.section.name if isinstance(self.section, TableSection) else ""
 
     @property
     def full_name(self) -> str:
-        """Name of the case, preceded by that of its table."""
+        """Name of the case, preceded by the name of its table, if it has one."""
         return f"{self.group}: {self.name}" if self.group else self.name
 
     @property
     def quantity(self) -> str:
-        """One of `armour.validation.questions.QUESTIONS`."""
+        """Name of the quantity computed, one of `armour.validation.questions.QUESTIONS`."""
         return self.section.quantity
 
     @property
@@ -97,7 +97,7 @@ class Case:
 
     @property
     def band(self) -> float | None:
-        """Largest deviation allowed, in the unit of the quantity."""
+        """Largest deviation allowed, in the unit of the expected value; None if there is no band."""
         percent = self.section.band_percent
         if percent is None or self.expected is None:
             return self.section.band
@@ -124,7 +124,7 @@ class Case:
         return is_regression(self.section, self.suite) and not self.cells
 
     def compared(self, value: float | str) -> float | str:
-        """Return a computed value or, if a measured value is given, its relative difference from that, per cent."""
+        """Return a computed value or, if `measured` is given, the magnitude of its relative difference from this, %."""
         if self.measured is None or isinstance(value, str):
             return value
         return 100.0 * abs(value / self.measured - 1.0)
@@ -166,7 +166,7 @@ class Suite:
         if not cases:
             raise mistake(self.file, "", f'must have a case whose name contains "{text}", found none')
         names = {case.group for case in cases}
-        # The bands of a table with a file hold for all its rows together.
+        # Bands of the mean and RMS of a table with a file are for all its rows, so drop them if some are left out.
         partial = {case.group for case in self.cases if case.cells and not is_chosen(case)}
         no_bands: dict[str, Any] = {"group": [], "rms_band_percent": None, "mean_band_percent": None}
         tables = (
@@ -184,8 +184,8 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
     Parameters
     ----------
     path : path-like
-        A TOML file or, if there is no such file, the name of a shipped suite, "paper" or "plates".  The files that it
-        names are relative to its folder or shipped ones, by their names.
+        A TOML file or, if there is no such file, the name of a shipped suite, "paper" or "plates".  Files that the
+        suite names are in its folder or, if not there, shipped ones.
     changes : mapping of str to object, optional
         Values that replace those of every scenario, by dotted key; tables are merged.
 
@@ -214,7 +214,10 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
 
 
 def _in_valid_parts(data: Mapping[str, Any], path: Path, changes: Mapping[str, object]) -> Iterator[Problem]:
-    """Yield the problems in the scenarios of those cases and tables of a suite that are valid."""
+    """Yield the problems in the scenarios of a suite that is invalid, for its cases and tables that are valid.
+
+    `data` is the content of the suite's file.
+    """
     common = {key: value for key, value in data.items() if key in SuiteSection.model_fields.keys() - {"case", "table"}}
     for kind in ("case", "table"):
         parts = data.get(kind)
@@ -229,7 +232,7 @@ def _in_valid_parts(data: Mapping[str, Any], path: Path, changes: Mapping[str, o
 
 
 def _cases_of_suite(suite: SuiteSection, path: Path, changes: Mapping[str, object]) -> list[Case]:
-    """Return the cases of the sections of a suite."""
+    """Make the cases of a suite; raise one error with the mistakes in all of them."""
     if not suite.case and not suite.table:
         raise mistake(path, "case", "is missing: a suite must have at least one case or table")
     unexpected = [
@@ -238,11 +241,11 @@ def _cases_of_suite(suite: SuiteSection, path: Path, changes: Mapping[str, objec
         if case.expected is None and not is_regression(case, suite)
     ]
     cases: list[Case] = []
-    # A mistake in many rows of a table is reported for the first of them.
+    # By table and problem, so that a mistake in many rows of a table is reported only for the first.
     wrong: dict[tuple[KeyPath, Problem], Problem] = {}
     for row in _rows(suite):
         try:
-            cases += _cases(row, suite, path.parent, changes)
+            cases += _cases_of_row(row, suite, path.parent, changes)
         except InputError as error:
             for problem in error.problems:
                 wrong.setdefault((row.place[:2], problem), _placed(problem, row, path))
@@ -251,7 +254,7 @@ def _cases_of_suite(suite: SuiteSection, path: Path, changes: Mapping[str, objec
 
 
 def _placed(problem: Problem, row: "_Row", path: Path) -> Problem:
-    """Return a problem in the scenario of a case with its place in the suite; leave one in a file of tests."""
+    """Locate a problem in the scenario of a case in the suite's file; one in a file of tests stays as it is."""
     if row.section.file:
         return problem
     key = row.place[:4] if problem.key in row.inputs else (*row.place[:2], "scenario")
@@ -259,27 +262,28 @@ def _placed(problem: Problem, row: "_Row", path: Path) -> Problem:
 
 
 class _Row(NamedTuple):
-    """Contents of the suite's file for a case, a row of a table, or a table whose rows are in a file of tests."""
+    """What a suite's file says about a case, a row of a table, or a table whose rows are in a file of tests."""
 
     section: CaseSection | TableSection
     place: KeyPath
     expected: float | str | None = 0.0
-    first: bool = True  # whether it is the case of its section, or the first of them
+    first: bool = True  # whether it is the first, or only, case of its section
     inputs: Mapping[str, float] = {}
     rivals: Mapping[str, float] = {}
     measured: float | None = None
 
 
 def _rows(suite: SuiteSection) -> Iterator[_Row]:
+    """Yield the rows of the tables of a suite, then its cases, and then its tables with files."""
     for index, table in enumerate(suite.table):
         column = table.columns.index(EXPECTED) if table.rows else 0
-        for row, numbers in enumerate(table.rows):
+        for row_index, numbers in enumerate(table.rows):
             values = dict(zip(table.columns, numbers, strict=True))
             rivals = {name: values[name] for name in table.rivals}
             measured = values.pop(MEASURED_COLUMN) if table.compares else None
             inputs = {name: value for name, value in values.items() if name not in (EXPECTED, *rivals)}
-            place = ("table", index, "rows", row, column)
-            yield _Row(table, place, values[EXPECTED], not row, inputs, rivals, measured)
+            place = ("table", index, "rows", row_index, column)
+            yield _Row(table, place, values[EXPECTED], not row_index, inputs, rivals, measured)
     for index, case in enumerate(suite.case):
         yield _Row(case, ("case", index, EXPECTED), case.expected, measured=case.measured)
     for index, table in enumerate(suite.table):
@@ -287,13 +291,16 @@ def _rows(suite: SuiteSection) -> Iterator[_Row]:
             yield _Row(table, ("table", index, "file"))
 
 
-def _cases(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, object]) -> list[Case]:
-    """Make the case of a row of a suite; a row that names a file of tests gives a case for each test."""
-    section, file = row.section, _file(folder, row.section.scenario)
-    scenario = _scenario(file, section.set, row.inputs, changes)
+def _cases_of_row(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, object]) -> list[Case]:
+    """Make the case of a row or, if its section names a file of tests, a case for each test in the file.
+
+    `folder` is that of the suite, and `changes` apply to every scenario.
+    """
+    section, file = row.section, _named_file(folder, row.section.scenario)
+    scenario = _changed_scenario(file, section.set, row.inputs, changes)
     replacement = None
     if section.replaced_by is not None:
-        replacement = _scenario(file, section.set, section.replaced_by, changes)
+        replacement = _changed_scenario(file, section.set, section.replaced_by, changes)
     check_answerable(section.quantity, scenario, replacement)
     name = ", ".join(map(_in_words, row.inputs, row.inputs.values())) or section.name
     case = Case(suite, section, name, scenario, row.expected, row.place, replacement, row.rivals, row.measured)
@@ -303,11 +310,11 @@ def _cases(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, o
 
 
 def _cases_of_file(common: Case, table: TableSection, folder: Path) -> list[Case]:
-    """Return the cases of a table's file of tests, given what they have in common."""
-    path = _file(folder, table.file)
+    """Return the cases of a table's file of tests; `common` is a case with what they share."""
+    path = _named_file(folder, table.file)
     source = open_table(path, lambda name: name == table.quantity)
     if table.quantity not in source.header:
-        # Its columns are not quoted: it may be any file of the user.
+        # The message does not quote the columns found, since the file may be any file of the user.
         raise mistake(source.file, "", f"must be a table of tests with the column {table.quantity}")
     tests = read_tests(path, common.scenario, common.suite.notes)
     scenarios = {int(place): group.scenario for group in tests.groups for place in group.where}
@@ -323,34 +330,37 @@ def _cases_of_file(common: Case, table: TableSection, folder: Path) -> list[Case
 
 
 def _check_changes(case: Case, inputs: Mapping[str, float]) -> None:
-    """Check that the changes and the columns of a section all have an effect, given its first case."""
+    """Check that all changes and columns of a section have an effect on its quantity, given its first case.
+
+    `inputs` has the values of the columns.
+    """
     file, reads = case.scenario.file, _reads_of(case)
     for changes in (case.section.set, case.section.replaced_by or {}):
         keys = canonical([*map(key_name, values_by_key(changes)), *inputs], file)
         check_effect(map(parts_of, keys), [(scenario, reads) for scenario in case.scenarios], file, case.quantity)
-        # Entries of the library may be based on each other.
+        # Entries of the library are not checked as columns, since they may be based on each other.
         columns = [key for key in keys if not key.startswith("library.")]
         check_columns(case.scenario, columns, reads, file, case.quantity)
 
 
 def _reads_of(case: Case) -> set[str]:
-    """Return the parts of its scenarios on which the quantity of a case depends."""
+    """Return the sections and keys of a scenario on which the quantity of a case depends."""
     return {*ROUND_AND_ARMOUR, *QUESTIONS[case.quantity]}
 
 
 def suite_files(suite: Suite) -> list[Path]:
-    """Return the files that a suite is read from: its own, those of its scenarios, and its tables."""
+    """Return the files from which a suite is read: its own, those of its scenarios, and its files of tests."""
     scenarios = [file for case in suite.cases for file in files_of(case.scenario)]
     return [suite.file, *dict.fromkeys(scenarios), *(suite.file.parent / table.file for table in suite.tables)]
 
 
-def _scenario(file: Path, *changes: Mapping[str, object]) -> Scenario:
-    """Return the scenario of a file with changes, one after the other."""
+def _changed_scenario(file: Path, *changes: Mapping[str, object]) -> Scenario:
+    """Read a scenario from a file, and apply the changes one after the other."""
     return parse_changed(read_toml(file, quoted=False), *changes, file=named(file), folder=file.parent)
 
 
-def _file(folder: Path, name: str) -> Path:
-    """Return the file that a suite in a folder names: a path there or, if there is none, a shipped name."""
+def _named_file(folder: Path, name: str) -> Path:
+    """Return the path of a file that a suite names: in the suite's folder or else, by its name, a shipped one."""
     files = {**shipped_files("scenarios", ".toml"), **shipped_tests()}
     return files[name] if name in files and not exists(folder / name) else located(folder / name, {})
 

@@ -1,4 +1,4 @@
-"""The contents of a suite file: its cases, its tables of cases, and conditions on the rows of a file of tests."""
+"""Sections of a suite file: cases, tables of cases, and conditions that select rows of a file of tests."""
 
 from collections.abc import Mapping
 from math import inf
@@ -18,13 +18,13 @@ Cells = Mapping[str, float | str]
 
 
 class Between(Section):
-    """Numbers from a minimum to below a maximum."""
+    """A range of numbers, from a minimum to below a maximum."""
 
     min: float = -inf
     below: float = inf
 
 
-# Condition on a cell: a number or text, a list of them, or a range.
+# Condition on a cell: it must equal a number or text, be in a list of these, or lie in a range.
 Condition = Annotated[
     Annotated[list[NumberOrText], Tag(LIST_TAG)] | Annotated[Between, Tag(RANGE_TAG)],
     Discriminator(lambda value: LIST_TAG if isinstance(value, list) else RANGE_TAG),
@@ -33,11 +33,12 @@ Condition = Annotated[
 
 
 def meets(cells: Cells, where: Mapping[str, Condition]) -> bool:
-    """Return whether the cells of a row, without the empty ones, meet every condition."""
+    """Return whether the cells of a row meet the conditions in `where`, by column; an empty cell meets none."""
     return all(_meets(cells.get(column), condition) for column, condition in where.items())
 
 
 def _meets(cell: float | str | None, condition: Condition) -> bool:
+    """Return whether a cell, or the number that it contains, meets a condition."""
     value = number(str(cell))
     if isinstance(condition, Between):
         return value is not None and condition.min <= value < condition.below
@@ -56,7 +57,7 @@ Width = Annotated[float, Field(ge=0.0, le=LARGEST)]
 
 
 class GroupSection(Section):
-    """Rows of a table that are summarised together, with the bands of their relative deviations."""
+    """Rows of a table that are summarised together, with bands of the mean and RMS of their relative deviations."""
 
     name: Name
     where: dict[str, Condition] = {}
@@ -100,7 +101,7 @@ class _Expectation(Section):
 
 
 def _outcome(expected: float | str) -> float | str:
-    """Return an outcome, which has several names, by its name in results."""
+    """Return the name in results of an outcome, such as "stopped" for "partial"; other values as they are."""
     perforated = perforates(expected) if isinstance(expected, str) else None
     return expected if perforated is None else "perforated" if perforated else "stopped"
 
@@ -115,7 +116,7 @@ class CaseSection(_Expectation):
 
     @model_validator(mode="after")
     def _fits_the_quantity(self) -> "CaseSection":
-        # A regression value has none until an update fills it in.
+        # A regression value has no expected value until an update fills it in.
         if self.expected is not None and self.quantity == "outcome":
             if perforates(str(self.expected)) is None:
                 raise ValueError(f"expected {MUST_SAY}, found {describe(self.expected)}")
@@ -130,7 +131,7 @@ class CaseSection(_Expectation):
 
 
 class TableSection(_Expectation, GroupSection):
-    """A table of cases that differ in some values of the scenario: rows of the suite, or of a CSV file of tests."""
+    """A table of cases that differ in some inputs of a scenario; its rows are in the suite or in a CSV file."""
 
     columns: list[Name] = []
     rows: Annotated[list[list[Number]], Field(min_length=1)] = []
@@ -169,15 +170,16 @@ class TableSection(_Expectation, GroupSection):
 
     @property
     def compares(self) -> bool:
-        """Whether the expected values are differences from measured ones."""
+        """Whether the expected values are relative differences from measured ones."""
         return MEASURED_COLUMN in self.columns and MEASURED_COLUMN not in self.rivals
 
 
-# Name under which cases outside a table are listed.
+# Name of the table in which cases outside tables are shown.
 CASES = "cases"
 
 
 def _named_once(tables: list[TableSection]) -> list[TableSection]:
+    """Return the tables if their names differ; a validator."""
     names = [table.name for table in tables]
     for name in names:
         if names.count(name) > 1 or name == CASES:

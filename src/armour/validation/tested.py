@@ -1,4 +1,4 @@
-"""Armours that were tested: what entries of the library were tested with, and those nearest to a ballistic limit."""
+"""Find tested armours: what each library entry was tested with, and the tests nearest to a ballistic limit."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -15,13 +15,13 @@ from armour.scenario.scenario import Scenario, load_scenario
 from armour.statistics.measured import LIMIT
 from armour.units import MM
 
-# Relative difference up to which cores, in diameter, mass and density, and limits are alike.
+# Largest relative difference of ballistic limits that are alike, and of cores in diameter, mass and density.
 ALIKE_PART = 0.1
 
 
 @dataclass(frozen=True)
 class MeasuredArmour:
-    """An armour of which the ballistic limit was measured, at normal incidence.
+    """An armour whose ballistic limit was measured at normal incidence.
 
     Attributes
     ----------
@@ -35,14 +35,14 @@ class MeasuredArmour:
     ballistic_limit_m_s: float
 
     def is_near(self, limit_m_s: float) -> bool:
-        """Return whether the measured limit is near another one."""
+        """Return whether the measured limit is within 10 % of another one, m/s."""
         return abs(self.ballistic_limit_m_s / limit_m_s - 1.0) <= ALIKE_PART
 
 
 def nearest_measured(scenario: Scenario, limit_m_s: float) -> tuple[MeasuredArmour, ...]:
-    """Return the armours tested with such a core whose limits are nearest to one: with a ceramic, and of each metal.
+    """Return the tested armours nearest to a ballistic limit: one with a ceramic, and one bare plate of each metal.
 
-    There is none at an angle.
+    Only tests with a core like that of the scenario count.  At an angle there are none.
     """
     core = [scenario.inputs()[name] for name in ROD]
     nearest: dict[str, MeasuredArmour] = {}
@@ -56,13 +56,19 @@ def nearest_measured(scenario: Scenario, limit_m_s: float) -> tuple[MeasuredArmo
 
 @cache
 def _measured() -> tuple[tuple[str, tuple[float, ...], MeasuredArmour], ...]:
-    """Return the shipped tests, each with its kind, and the values of `ROD` of its core."""
-    case, tests = load_scenario(shipped_files("scenarios", ".toml")["wilkins"]), []
+    """Return the shipped tests at normal incidence.
+
+    Each has its kind ("ceramic" or the metal of a bare plate), the values of the inputs `ROD` of its core, and the
+    armour.
+    """
+    wilkins, tests = load_scenario(shipped_files("scenarios", ".toml")["wilkins"]), []
     for row in shipped_rows("tests/wilkins"):
-        tile = case.replaced({key: float(row[key]) for key in (CERAMIC, BACKING)})
+        scenario = wilkins.replaced({key: float(row[key]) for key in (CERAMIC, BACKING)})
         limit = float(row[LIMIT])
-        measured = MeasuredArmour(tile.armour_words(), case.impact.projectile, tile.areal_density_kg_m2(), limit)
-        tests.append(("ceramic", tuple(case.inputs()[name] for name in ROD), measured))
+        measured = MeasuredArmour(
+            scenario.armour_words(), wilkins.impact.projectile, scenario.areal_density_kg_m2(), limit
+        )
+        tests.append(("ceramic", tuple(wilkins.inputs()[name] for name in ROD), measured))
     for row in shipped_rows("tests/plates"):
         if float(row[OBLIQUITY]) == 0.0:
             thickness_mm, density = float(row[BACKING]), float(row["backing.density_kg_m3"])
@@ -74,9 +80,9 @@ def _measured() -> tuple[tuple[str, tuple[float, ...], MeasuredArmour], ...]:
 
 @cache
 def tested_with() -> dict[tuple[Kind, str], tuple[str, ...]]:
-    """Return the rounds with which each material was tested, and the materials of each round, by kind and name."""
+    """Return what each library entry was tested with, by its kind and name: rounds for a material, and vice versa."""
     # Files of the same name in the working folder must not replace the shipped ones.
-    library, case = shipped_library(), load_scenario(shipped_files("scenarios", ".toml")["wilkins"])
+    library, wilkins = shipped_library(), load_scenario(shipped_files("scenarios", ".toml")["wilkins"])
     rounds = library.known("projectile")
     plates = [row for row in shipped_rows("tests/plates") if row["round"] in rounds]
     tested: dict[tuple[Kind, str], dict[str, None]] = {}
@@ -89,17 +95,17 @@ def tested_with() -> dict[tuple[Kind, str], tuple[str, ...]]:
         NAMES["projectile"]: np.array([rounds[row["round"]] for row in plates]),
         BACKING: np.array([float(row[BACKING]) for row in plates]),
     }
-    for group in groups_of(case.replaced({CERAMIC: 0.0}), bare):
+    for group in groups_of(wilkins.replaced({CERAMIC: 0.0}), bare):
         if group.variants.errors.known.any():
             metal, projectile = (str(bare[NAMES[role]][group.where[0]]) for role in ("backing", "projectile"))
             add("metal", metal, projectile)
             add("projectile", projectile, metal)
     layers = {key: np.array([float(row[key]) for row in shipped_rows("tests/wilkins")]) for key in (CERAMIC, BACKING)}
-    metal, projectile = case.armour.backing, case.impact.projectile
+    metal, projectile = wilkins.armour.backing, wilkins.impact.projectile
     for ceramic in library.names("ceramic"):
-        [group] = groups_of(case.replaced({NAMES["ceramic"]: ceramic}), layers)
+        [group] = groups_of(wilkins.replaced({NAMES["ceramic"]: ceramic}), layers)
         if group.variants.errors.known.any():
             add("ceramic", ceramic, f"{projectile}, on {metal}")
-            add("metal", metal, f"{projectile}, with {case.armour.ceramic}")
-            add("projectile", projectile, f"{case.armour.ceramic} on {metal}")
+            add("metal", metal, f"{projectile}, with {wilkins.armour.ceramic}")
+            add("projectile", projectile, f"{wilkins.armour.ceramic} on {metal}")
     return {entry: tuple(words) for entry, words in tested.items()}

@@ -1,4 +1,4 @@
-"""Check the model against a suite: computed values, their deviations, and whether these lie within their bands."""
+"""Check the model against a suite: compute its cases, and compare the deviations with their bands."""
 
 import codecs
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -47,19 +47,22 @@ class Check:
 
     @property
     def deviation(self) -> float | None:
-        """Computed less expected value; None if either is not a number."""
+        """Computed minus expected value; None if either is not a number."""
         if isinstance(self.computed, float) and isinstance(self.case.expected, float):
             return self.computed - self.case.expected
         return None
 
     @property
     def in_group(self) -> bool:
-        """Whether the case is a row of a file of tests, which is scored with the other rows, not by itself."""
+        """Whether the case is a row of a file of tests without a band of its own; its table is scored as a whole."""
         return bool(self.case.cells) and self.status == "not scored" and not (self.case.not_scored or self.message)
 
     @property
     def deviation_percent(self) -> float | None:
-        """Deviation relative to the expected value, in per cent; None for a value that is a relative difference."""
+        """Deviation relative to the expected value, %.
+
+        None without a deviation, near 0, and if the expected value is itself a relative difference.
+        """
         expected, deviation = self.case.expected, self.deviation
         if deviation is None or not isinstance(expected, float) or abs(expected) < TINY:
             return None
@@ -139,9 +142,10 @@ class SuiteResult(TableResult):
         One per table and one per group of it.
     errors : tuple of Error
         For each table with rival predictions: errors of the rivals, of this model and of simpler formulas.  Each has
-        the ``table``, the ``predictor``, the ``count`` of rows, the mean and the largest magnitude of the relative
-        errors, ``mean_percent`` and ``largest_percent``, and, if something is ``fitted`` to the table, a description of
-        it and ``left_out_percent``, the mean with each test left out of the fit that predicts it, or None.
+        the ``table``, the ``predictor`` and the ``count`` of rows.  ``mean_percent`` and ``largest_percent`` are the
+        mean and the largest magnitude of the relative errors.  ``fitted`` describes what was fitted, if anything.
+        ``left_out_percent`` is the mean with each test left out of the fit that predicts it; None without a fit to the
+        table.
     description : str
         Description of the suite, from its file.
     """
@@ -211,7 +215,7 @@ def validate(suite: Suite | str | PathLike[str], *, on_check: OnCheck | None = N
     Raises
     ------
     InputError
-        If a run of a scenario does not end, or with every mistake in the file of a suite.
+        With every mistake in the file of a suite; or if a run of a scenario does not end.
     """
     if not isinstance(suite, Suite):
         suite = load_suite(suite)
@@ -229,7 +233,7 @@ def validate(suite: Suite | str | PathLike[str], *, on_check: OnCheck | None = N
 
 
 def result_of(suite: Suite, checks: Sequence[Check]) -> SuiteResult:
-    """Return the result of the cases that have been checked."""
+    """Make the result of a suite from the checks of its cases, or of those that are done."""
     tables = [(table, [check for check in checks if check.case.group == table.name]) for table in suite.tables]
     return SuiteResult(
         title=suite.title,
@@ -242,7 +246,10 @@ def result_of(suite: Suite, checks: Sequence[Check]) -> SuiteResult:
 
 
 def check(case: Case, subjects: dict[tuple[str, ...], Subject]) -> Check:
-    """Compute a case; a subject that several cases share is computed once and kept by the contents of its scenarios."""
+    """Compute and judge a case.
+
+    `subjects` keeps what cases about the same scenarios share, by the hashes of these scenarios.
+    """
     digests = tuple(scenario.digest() for scenario in case.scenarios)
     try:
         subject = subjects.setdefault(digests, Subject(*case.scenarios))
@@ -252,7 +259,10 @@ def check(case: Case, subjects: dict[tuple[str, ...], Subject]) -> Check:
 
 
 def _judged(case: Case, computed: float | str | None, message: str = "") -> Check:
-    """Return the check of a computed value; if it is None, the message says why.  Rows of files may have no band."""
+    """Compare a computed value with the band of its case; if it is None, `message` says why.
+
+    A row of a file of tests may have no band, and is then not scored by itself.
+    """
     status: CheckStatus = "not scored"
     calibrated = _calibrated_to(case)
     if not (case.not_scored or calibrated):
@@ -268,7 +278,10 @@ def _judged(case: Case, computed: float | str | None, message: str = "") -> Chec
 
 
 def _values_of_tests(cases: Sequence[Case]) -> dict[int, float | None]:
-    """Compute the cases of files of tests, those of a scenario at once; return values by place, None if unanswered."""
+    """Compute all cases that are rows of files of tests, in one batch for each scenario, quantity and set of inputs.
+
+    Return the values by index of the case; None where there is no answer.
+    """
     batches: dict[tuple[int, str, tuple[str, ...]], list[int]] = {}
     for place, case in enumerate(cases):
         if case.cells:
@@ -284,7 +297,7 @@ def _values_of_tests(cases: Sequence[Case]) -> dict[int, float | None]:
 
 
 def _calibrated_to(case: Case) -> str:
-    """Return the value of the case's materials that was calibrated to this test, in words; empty if there is none."""
+    """Return why a case is not scored if a value of its materials was calibrated to the same test; else ""."""
     names = {key: case.scenario.name_of(role) for role, key in NAMES.items()}
     measured = case.expected if case.measured is None else case.measured
     values: Mapping[str, object] = {**case.scenario.inputs(), **names, **case.cells, case.quantity: measured}
@@ -294,13 +307,13 @@ def _calibrated_to(case: Case) -> str:
             continue
         for key, value in entry.values.items():
             for test in value.tests:
-                if case.quantity in test and all(_same(cell, values.get(name)) for name, cell in test.items()):
+                if case.quantity in test and all(_equal(cell, values.get(name)) for name, cell in test.items()):
                     return f"not scored: {key} of {entry.name} was calibrated to this test"
     return ""
 
 
-def _same(tested: float | str, value: object) -> bool:
-    """Return whether a test and a case have the same value."""
+def _equal(tested: float | str, value: object) -> bool:
+    """Return whether the values of a test and of a case are equal, numbers to a relative difference of 1e-6."""
     if isinstance(tested, str) or not isinstance(value, int | float):
         return tested == value
     return abs(value - tested) <= 1e-6 * abs(tested)
@@ -315,6 +328,7 @@ def _summaries(table: TableSection, rows: Sequence[Check]) -> Iterator[TableSumm
 
 
 def _summary(table: TableSection, bands: GroupSection, rows: Sequence[Check]) -> TableSummary:
+    """Summarise the deviations of rows, and compare them with the bands of their table or group, ``bands``."""
     percent = bool(table.file) or table.rms_band_percent is not None
     deviations = [row.deviation_percent if percent else row.deviation for row in rows]
     numbers = [deviation for deviation in deviations if deviation is not None]
@@ -347,7 +361,7 @@ UPDATE_DIGITS = 8
 
 
 def updates_of(result: SuiteResult) -> list[Check]:
-    """Return the checks of regression values that differ from the computed ones, rounded as they are written."""
+    """Return the checks whose regression values an update replaces, with computed values rounded as it writes them."""
     updates = []
     for check in result.checks:
         computed = float(f"{check.computed:.{UPDATE_DIGITS}g}") if isinstance(check.computed, float) else check.computed
@@ -357,7 +371,7 @@ def updates_of(result: SuiteResult) -> list[Check]:
 
 
 def kept_by_update(result: SuiteResult) -> SuiteResult:
-    """Return the result without the regression values, which an update replaces."""
+    """Return the result without the cases that an update replaces."""
     checks = tuple(check for check in result.checks if not check.case.regression)
     groups = {check.case.group for check in checks}
     summaries = tuple(summary for summary in result.summaries if summary.name in groups)
@@ -365,7 +379,7 @@ def kept_by_update(result: SuiteResult) -> SuiteResult:
 
 
 def updated_file(content: bytes, updates: Sequence[Check]) -> bytes:
-    """Return a suite file with new expected values; keep its comments, layout, line ends and byte order mark."""
+    """Return the content of a suite file with new expected values; comments, layout and line ends stay as they are."""
     import tomlkit  # slow to import
 
     mark = codecs.BOM_UTF8 if content.startswith(codecs.BOM_UTF8) else b""

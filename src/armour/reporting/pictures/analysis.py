@@ -1,4 +1,4 @@
-"""Pictures of impacts and of ballistic limits."""
+"""Draw impacts and ballistic limits."""
 
 from itertools import pairwise
 from math import inf
@@ -26,7 +26,7 @@ VELOCITIES = {
     "penetration U": "penetration_velocity_m_s",
     "target W": "target_velocity_m_s",
 }
-# Panels over time: y axis, height, and curves by label.
+# Panels over time: label of the y axis, height, inches, and attribute of the history for each curve, by its label.
 PANELS: Any = (
     ("velocity, m/s", 1.1 * drawing.PANEL, VELOCITIES),
     ("penetrator length L, mm", 0.75 * drawing.PANEL, {"": "length_mm"}),
@@ -34,24 +34,24 @@ PANELS: Any = (
 )
 CERAMIC_COLOUR, METAL_COLOUR, ROD_COLOUR = "#d9c48f", "#a9b8c6", "#5c6875"
 EDGE: Any = {"edgecolor": drawing.INK, "linewidth": 0.5}
-# Pictures of an impact at most, the least height of armour that they show, in diameters of the penetrator and as a part
-# of their length, and the scale drawn, mm.
+# Largest number of pictures of an impact; height of armour that each shows, at least so many penetrator diameters and
+# this fraction of the length of rod and armour; length of the scale bar, mm.
 PICTURES, SHOWN_DIAMETERS, SHOWN_PART, SCALE_MM = 6, 3.6, 0.6, 10.0
-# Part of the width of a picture that a panel takes at least.
+# Least fraction of the width of a figure that a panel takes.
 PART = 0.8
-# Characters in a line of words above a picture, and the time between events of one at most, µs.
+# Characters in a line of text above a picture; events closer in time than AT_ONCE_US, µs, count as one.
 EVENT_CHARACTERS, AT_ONCE_US = 12, 1e-3
-# Height of the words and of the scale below the pictures of an impact, as a multiple of the font size.
+# Height of the text and of the scale bar below the pictures of an impact, as a multiple of the font size.
 BELOW = 4.9
 
 
 @draw.register
 def draw_impact(result: ImpactResult, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw the armour and the penetrator, and below them velocities, length and depths over time."""
+    """Draw armour and penetrator at several moments, and below them velocities, length and depths over time."""
     history = result.history
     if history is None:
         raise mistake("plot", "result", "must have its history: simulate(scenario, history=True)")
-    # Below 5 % of the impact velocity the projectile hardly moves; 1.5 times the time until then is shown.
+    # Below 5 % of the impact velocity the projectile hardly moves; show 1.5 times the time until then.
     slow = history.time_us[history.velocity_m_s <= 0.05 * result.impact_velocity_m_s]
     shown = min(result.duration_us, 1.5 * float(slow[0])) if slow.size else result.duration_us
     words = f"stopped at a depth of {result.penetration_depth_mm:.3g} mm"
@@ -83,7 +83,10 @@ def draw_impact(result: ImpactResult, sheet: drawing.Sheet) -> drawing.Picture:
 
 
 def _name_stages(axes: Axes, result: ImpactResult, shown: float, inches: float) -> None:
-    """Name the stages above a panel of at least a width, inches, in words where there is room, or by their codes."""
+    """Name the stages above a panel: in words where there is room, else by their codes, or not at all.
+
+    `shown` is the last time drawn, µs, and `inches` the least width of the panel.
+    """
     low, high = axes.get_ylim()
     axes.set_ylim(low, high)
     for stage in result.stages:
@@ -100,7 +103,10 @@ def _name_stages(axes: Axes, result: ImpactResult, shown: float, inches: float) 
 
 
 class _Scene:
-    """Pictures to scale along the line of fire, side by side: at the start and at the end of each stage."""
+    """Pictures of an impact along the line of fire, to scale and side by side: at impact and at the end of each stage.
+
+    Lengths are in mm.
+    """
 
     def __init__(self, result: ImpactResult, history: History) -> None:
         p = result.question["scenario"].core_armour()
@@ -113,11 +119,11 @@ class _Scene:
         self.depths, self.lengths, self.bulges, self.velocities = states
         left = np.minimum(self.depths - self.lengths, 0.0)
         right = self.ceramic + self.backing + self.bulges
-        # Each has its width, but for those too narrow for words.
+        # Each picture takes its own width, or more if it is too narrow for its text.
         mean = (right - left).mean()
         slots = (right - left).clip(min=0.85 * mean) + 0.15 * mean
         self.middles, self.width = np.cumsum(slots) - 0.5 * slots, float(slots.sum())
-        self.starts = self.middles - 0.5 * (left + right)  # of the armour
+        self.starts = self.middles - 0.5 * (left + right)  # x of the front face of the armour
         self.high = 0.5 * max(SHOWN_DIAMETERS * self.diameter, SHOWN_PART * (self.rod + self.ceramic + self.backing))
         self.words = [
             f"{time:.3g} µs\n{velocity:.0f} m/s\n" + "\n".join(wrapped(event, EVENT_CHARACTERS))
@@ -125,12 +131,12 @@ class _Scene:
         ]
 
     def high_inches(self, inches: float) -> float:
-        """Return the height of the pictures in a width, inches."""
+        """Return the height of a panel with the pictures, inches, given its width, inches."""
         lines = max(words.count("\n") + 1 for words in self.words)
         return (inches - 0.1) * 2.05 * self.high / self.width + (1.3 * lines + BELOW) * drawing.SMALL_FONT / 72.0
 
     def draw(self, axes: Axes, inches: float) -> None:
-        """Draw the pictures in a width, inches."""
+        """Draw the pictures in a panel of a given width, inches."""
         high = self.high
         hatches = ["xxx" if time >= self.fragmented_us - AT_ONCE_US else "" for time, _ in self.moments]
         for seen in zip(self.starts, self.depths, self.lengths, self.bulges, hatches, strict=True):
@@ -142,7 +148,7 @@ class _Scene:
         for middle, words, rod, length in zip(self.middles, self.words, rods, self.lengths, strict=True):
             axes.text(middle, high, words, va="bottom", **look)
             axes.text(rod, -1.05 * high, f"penetrator\n{length:.3g} mm", va="top", **look)
-        # Below the words, whose height is no length.
+        # The scale bar is below the text, whose height does not scale with the axes.
         figure: Any = axes.figure
         below = offset_copy(axes.transData, figure, y=-(BELOW - 0.5) * drawing.SMALL_FONT, units="points")
         axes.plot([0.0, SCALE_MM], [-1.05 * high] * 2, color=drawing.INK, linewidth=1.0, transform=below, clip_on=False)
@@ -154,7 +160,10 @@ class _Scene:
         axes.set_axis_off()
 
     def _draw_moment(self, axes: Axes, start: float, depth: float, length: float, bulge: float, hatch: str) -> None:
-        """Draw what is seen of layers and penetrator, with the hatch of the ceramic."""
+        """Draw the layers and the penetrator at a moment; `hatch` is the pattern of the ceramic.
+
+        `start` is the x of the front face; depth, length and bulge are those of the moment.
+        """
         half, high, total = 0.5 * self.diameter, self.high, self.ceramic + self.backing
         for colour, near, far, pattern in (
             (CERAMIC_COLOUR, 0.0, self.ceramic, hatch),
@@ -171,7 +180,7 @@ class _Scene:
 
 
 def _moments(result: ImpactResult, fragmented_us: float) -> list[tuple[float, str]]:
-    """Return the times of the pictures, µs, and what happens then: the first events, and the last."""
+    """Return the times of the pictures, µs, and the event at each: the first ones, up to `PICTURES`, with the last."""
     events = [(0.0, "impact")]
     for stage, after in pairwise(result.stages):
         event = STAGES[after.stage].begins
@@ -187,7 +196,10 @@ def _moments(result: ImpactResult, fragmented_us: float) -> list[tuple[float, st
 
 
 def _fragmented_us(p: Parameters, history: History) -> float:
-    """Return when the crack meets the penetrator (7), µs, which begins no stage in dwell; infinite if it does not."""
+    """Return when the crack meets the penetrator, equation (7), µs; infinite if it never does.
+
+    In dwell this begins no stage.
+    """
     if not p.Hc0:
         return inf
     crossed = history.depth_mm + history.time_us * 1e-6 * equations.crack_velocity(p.Ec, p.rho_c) / MM
@@ -196,7 +208,7 @@ def _fragmented_us(p: Parameters, history: History) -> float:
 
 @draw.register
 def draw_limit(result: LimitResult, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw the probability of stopping, if it is known, and the residual velocity over the impact velocity."""
+    """Draw the residual velocity over the impact velocity and, above it, the probability of stopping, if known."""
     scenario, limit = drawing.recorded(result, "scenario"), result.ballistic_limit_m_s
     threat, error, ends = scenario.impact.velocity_m_s, result.model_error, result.interval_m_s
     curve = residual_velocity_curve(scenario, result)
@@ -208,15 +220,15 @@ def draw_limit(result: LimitResult, sheet: drawing.Sheet) -> drawing.Picture:
     title = "; ".join([title, *map(str, caveat_lines(result))])
     picture = sheet.panels(title, *[drawing.PANEL] * (1 if residual_alone else 2), sharex=True)
     if error is not None and ends is not None:
-        likely, velocities = picture.axes[0], np.linspace(*reach, 200)
-        at = float(error.probability_of_stopping(limit, threat))
-        likely.set(ylabel="probability of stopping, %", ylim=(0.0, 102.0))
-        likely.axvspan(*ends, **drawing.SHADE, label="95 % interval")
-        likely.plot(velocities, 100.0 * error.probability_of_stopping(limit, velocities), color=drawing.BLUE)
-        likely.axvline(limit, linestyle=":", label=f"limit {limit:.0f} m/s", **drawing.RULE)
-        likely.axvline(threat, linestyle="--", linewidth=1.0, color=drawing.VERMILION)
-        label = f"{threat:g} m/s: {chance(at)}"
-        drawing.points(likely, [threat], [100.0 * at], marker="D", color=drawing.VERMILION, label=label)
+        stopping_axes, velocities = picture.axes[0], np.linspace(*reach, 200)
+        probability = float(error.probability_of_stopping(limit, threat))
+        stopping_axes.set(ylabel="probability of stopping, %", ylim=(0.0, 102.0))
+        stopping_axes.axvspan(*ends, **drawing.SHADE, label="95 % interval")
+        stopping_axes.plot(velocities, 100.0 * error.probability_of_stopping(limit, velocities), color=drawing.BLUE)
+        stopping_axes.axvline(limit, linestyle=":", label=f"limit {limit:.0f} m/s", **drawing.RULE)
+        stopping_axes.axvline(threat, linestyle="--", linewidth=1.0, color=drawing.VERMILION)
+        label = f"{threat:g} m/s: {chance(probability)}"
+        drawing.points(stopping_axes, [threat], [100.0 * probability], marker="D", color=drawing.VERMILION, label=label)
     residual = picture.axes[-1]
     residual.plot(impact, impact, linestyle=":", linewidth=1.0, color=drawing.INK, label="no armour")
     residual.plot(impact, [point.residual_velocity_m_s for point in curve], color=drawing.BLUE, label="projectile")

@@ -1,4 +1,4 @@
-"""Pictures of design searches and of checks."""
+"""Draw design searches and checks."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -21,10 +21,10 @@ from armour.reporting.views import design as view
 from armour.reporting.words import chance, said_of
 from armour.scenario.schema import OBJECTIVES
 
-# Largest numbers of pairs of materials that are shown as points and as lines; nodes of the grid along an axis; largest
-# number of designs on offer that are shown as dots.
+# Largest numbers of pairs of materials that are drawn as points and as lines; number of nodes of a map along an axis;
+# largest number of designs on offer that are drawn as dots.
 MAX_PAIRS_DRAWN, MAX_LINES, MAP_NODES, MAX_DOTS = 12, 6, 25, 250
-# Probability that a map shows if the scenario requires no confidence.
+# Probability of stopping whose frontier a map shows if the scenario requires no confidence.
 USUAL_CHANCE = 0.95
 # Opacity of a tinted region.
 TINT = 0.14
@@ -33,7 +33,7 @@ INSIDE, OUTSIDE_WORDS = "o", "s"
 
 
 class _Panel(NamedTuple):
-    """A panel: its height, inches, its title, the function that draws it, and a note."""
+    """A panel: its height, inches, its title, the function that draws it, and a note for below the picture."""
 
     height: float
     title: str
@@ -43,14 +43,20 @@ class _Panel(NamedTuple):
 
 @draw.register
 def draw_design(result: DesignResult, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw the limits if one thickness varies, else a map of the best pair; below it the pairs and the Pareto front."""
+    """Draw a map of the best pair of materials, with panels for the pairs and the Pareto front below it.
+
+    If only one thickness varies, draw the ballistic limits over it instead.
+    """
     pairs = [_pairs_panel(result)] if len(view.best_of_pairs(result)) > 1 else []
     front = [_front_panel(result)] if result.pareto else []
     return draw_map_of_design(result, sheet, [*pairs, *front])
 
 
 def draw_map_of_design(result: DesignResult, sheet: drawing.Sheet, below: Sequence[_Panel] = ()) -> drawing.Picture:
-    """Draw the map of the best pair, with panels below it, or limits over the one thickness that varies."""
+    """Draw the map of the best pair of materials, with more panels below it.
+
+    If only one thickness varies, draw the ballistic limits over it instead, without these panels.
+    """
     layer, maps = _maps(result)
     if layer:
         return _draw_lines(result, layer, maps, sheet)
@@ -59,17 +65,18 @@ def draw_map_of_design(result: DesignResult, sheet: drawing.Sheet, below: Sequen
 
 
 def _title(result: DesignResult) -> str:
-    """Return the best design, and what the model cannot do for it."""
+    """Return the best design in a line, with the caveats of the model."""
     return "; ".join([view.design_title(result), *said_of(result.warnings)])
 
 
 def draw_front_of_design(result: DesignResult, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw the Pareto front."""
+    """Draw the Pareto front alone."""
     panel = _front_panel(result)
     return _draw_panels(panel.title, [panel._replace(title="")], sheet)
 
 
 def _draw_panels(answer: str, panels: Sequence[_Panel], sheet: drawing.Sheet) -> drawing.Picture:
+    """Draw panels one below the other, under the answer as their title."""
     notes = " ".join(filter(None, (panel.note for panel in panels)))
     picture = sheet.panels(answer, *(panel.height for panel in panels), note=notes)
     for axes, panel in zip(picture.axes, panels, strict=True):
@@ -79,7 +86,10 @@ def _draw_panels(answer: str, panels: Sequence[_Panel], sheet: drawing.Sheet) ->
 
 
 def _maps(result: DesignResult) -> "tuple[str, list[_Map]]":
-    """Return the layer whose thickness alone varies, or an empty text, and the maps of the pairs that are drawn."""
+    """Return the maps to draw, and before them "ceramic" or "backing" if the thickness of this layer alone varies.
+
+    Without such a layer, the text is empty, and the map is that of the best pair.
+    """
     catalogue = catalogue_of(drawing.recorded(result, "scenario"))
     names = [(offer.ceramic.material, offer.backing.material) for offer in catalogue.offers]
     design = result.reported
@@ -92,23 +102,23 @@ def _maps(result: DesignResult) -> "tuple[str, list[_Map]]":
         grid = with_known_edges(catalogue, pair, *(_nodes(layer) for layer in layers))
         return _Map(result, catalogue, design_map(catalogue, pair, *grid, probabilities), confidences)
 
-    single = [tuple(len(layer.thicknesses()) == 1 for layer in offer[:2]) for offer in catalogue.offers]
-    if not any(single[best]):
+    is_single_by_pair = [tuple(len(layer.thicknesses()) == 1 for layer in offer[:2]) for offer in catalogue.offers]
+    if not any(is_single_by_pair[best]):
         return "", [pair_map(best)]
-    layer = "backing" if single[best][0] and not single[best][1] else "ceramic"
-    pairs = [pair for pair, is_single in enumerate(single) if is_single[layer == "ceramic"]]
+    layer = "backing" if is_single_by_pair[best][0] and not is_single_by_pair[best][1] else "ceramic"
+    pairs = [pair for pair, is_single in enumerate(is_single_by_pair) if is_single[layer == "ceramic"]]
     pairs.sort(key=lambda pair: pair != best)
     return layer, [pair_map(pair) for pair in pairs[:MAX_LINES]]
 
 
 def _nodes(offered: Any) -> Any:
-    """Return nodes of a map between the thicknesses on offer, which are among them where these are few."""
+    """Return evenly spaced thicknesses over the range on offer, mm, with all those on offer if they are few."""
     even = np.linspace(offered[0], offered[-1], MAP_NODES) if len(offered) > 1 else offered
     return np.union1d(even, offered) if len(offered) <= MAP_NODES else even
 
 
 def _draw_lines(result: DesignResult, layer: str, maps: "Sequence[_Map]", sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw the limits of pairs of materials over one thickness, a panel for each threat."""
+    """Draw the ballistic limits of pairs of materials over the thickness of one layer, with a panel for each threat."""
     catalogue = maps[0].catalogue
     stop = " as required" if any(maps[0].confidences) else " by the model"
     if any(pair_map.over_sources is not None for pair_map in maps):
@@ -128,7 +138,10 @@ def _draw_lines(result: DesignResult, layer: str, maps: "Sequence[_Map]", sheet:
 
 @dataclass(frozen=True)
 class _Map:
-    """A map of the designs of a pair, with the confidence required against each threat, None where none is."""
+    """A map of the designs of a pair of materials.
+
+    `confidences` has the required probability of stopping each threat, None where none is required.
+    """
 
     result: DesignResult
     catalogue: Catalogue
@@ -137,21 +150,26 @@ class _Map:
 
     @cached_property
     def governing(self) -> int:
-        """The index of the governing threat of the named design."""
+        """Index of the governing threat of the best or nearest design; 0 without either."""
         return self.result.threats.index(self.result.shown.governing) if self.result.shown else 0
 
     def surely_m_s(self, confidences: Sequence[float]) -> Any:
-        """Return the least excess of velocities that are stopped over the threats', m/s, (ceramics, back plates)."""
+        """Return how far the stopped velocity exceeds that of the threat, m/s, (ceramics, back plates).
+
+        A velocity is stopped with the confidence given for each threat; the threat with the least excess counts.
+        """
         stopped = [self.grid.stopped_with(level)[..., threat] for threat, level in enumerate(confidences)]
         return (np.stack(stopped, axis=-1) - self.catalogue.velocities_m_s).min(axis=-1)
 
     def frontiers(self) -> list[tuple[Any, Any, str, dict[str, Any]]]:
-        """Return where half of the armours stop the threat, where as many as required do, and where limits suffice.
+        """Return the frontiers to draw, each with values, tinted range, label and line style.
 
-        Each has values that are 0 on a line, the range of them that is tinted, its name, and the look of the line.
+        The values, (ceramics, back plates), are 0 on the frontier; the map is tinted where they lie in the range.  The
+        frontiers are those of a probability of stopping of 50 %, of what is required and, if no probability is
+        required, of the ballistic limit by the model.
         """
         largest = max((level for level in self.confidences if level is not None), default=USUAL_CHANCE)
-        even = self.surely_m_s([0.5] * len(self.confidences))
+        half = self.surely_m_s([0.5] * len(self.confidences))
         required = self.surely_m_s([largest if level is None else level for level in self.confidences])
         margins_m_s = self.catalogue.margins_m_s
         above_m_s = self.grid.limits_m_s - self.catalogue.velocities_m_s - margins_m_s
@@ -164,7 +182,7 @@ class _Map:
                 label = "meets the requirements"
         often, by_model = "perforated more often than not", f"ballistic limit by the model = velocity{margin}"
         frontiers: list[Any] = [
-            (even, (-np.inf, 0.0), often, {"color": drawing.VERMILION, "linestyle": "--"}),
+            (half, (-np.inf, 0.0), often, {"color": drawing.VERMILION, "linestyle": "--"}),
             (required, (0.0, np.inf), label, {"color": drawing.BLUE, "linestyle": "-"}),
             (above_m_s.min(axis=-1), None, by_model, {"color": drawing.INK, "linestyle": "-"}),
         ]
@@ -204,11 +222,17 @@ class _Map:
 
     @cached_property
     def over_sources(self) -> Any:
-        """Limits with the flow stresses of sources, (sources, ceramics, back plates, threats); None without them."""
+        """Ballistic limits, m/s, (sources, ceramics, back plates, threats), with the flow stress of each source.
+
+        None without sources.
+        """
         return limits_over_sources(self.catalogue, self.grid)
 
     def name(self, layer: str) -> str:
-        """Return what distinguishes the pair from others: the layer's material and, if that varies, the other's."""
+        """Return the name of the pair in a picture over the thickness of a layer.
+
+        It is that of the ceramic alone, if the ceramic varies in thickness and there is only one metal.
+        """
         ceramic, backing = (offer.material for offer in self.catalogue.offers[self.grid.pair][:2])
         if not ceramic:
             return backing
@@ -217,65 +241,70 @@ class _Map:
         return ceramic if one_metal and layer == "ceramic" else f"{ceramic} on {backing}"
 
     def draw_line(self, axes: Axes, layer: str, threat: int, colour: str) -> None:
-        """Draw the limits against a threat over a thickness, with their uncertainty and the designs on offer."""
+        """Draw the ballistic limits against a threat over the thickness of a layer.
+
+        Bands show the limits over the sources of the flow stress, and the model error.  Dots are the designs on offer.
+        """
         x = getattr(self.grid, f"{layer}_mm")
         limits = self.grid.limits_m_s[..., threat].ravel()
-        ends = None if self.over_sources is None else self.over_sources[..., threat].reshape(-1, len(x))
-        if ends is not None and len(ends) > 1:
-            axes.fill_between(x, ends[0], ends[-1], color=colour, **drawing.BAND)
+        by_source = None if self.over_sources is None else self.over_sources[..., threat].reshape(-1, len(x))
+        if by_source is not None and len(by_source) > 1:
+            axes.fill_between(x, by_source[0], by_source[-1], color=colour, **drawing.BAND)
         if not np.isnan(self.grid.stopped_m_s[..., threat, :]).all():
-            surely, hardly = map(self.grid.stopped_with, (USUAL_CHANCE, 1.0 - USUAL_CHANCE))
-            axes.fill_between(x, surely[..., threat].ravel(), hardly[..., threat].ravel(), color=colour, **drawing.BAND)
+            low_m_s, high_m_s = map(self.grid.stopped_with, (USUAL_CHANCE, 1.0 - USUAL_CHANCE))
+            axes.fill_between(
+                x, low_m_s[..., threat].ravel(), high_m_s[..., threat].ravel(), color=colour, **drawing.BAND
+            )
         is_outside = self.is_outside(threat)
         drawing.curve(axes, x, limits, is_outside, color=colour, label=drawing.legible(self.name(layer)))
         offer = getattr(self.catalogue.offers[self.grid.pair], layer)
         if offer.free_range():
             return
         offered = np.searchsorted(x, offer.thicknesses())
-        least = limits if ends is None else ends[0]
+        least = limits if by_source is None else by_source[0]
         of_threat = self.catalogue.threats[threat]
         stops = least >= of_threat.required_m_s
         if (confidence := self.confidences[threat]) is not None:
-            sure = self.grid.stopped_with(confidence)[..., threat].ravel()
-            decided = ~np.isnan(sure) & (of_threat.margin_m_s == 0.0)
-            stops = (stops | decided) & (np.isnan(sure) | (sure >= of_threat.velocity_m_s))
+            stopped_m_s = self.grid.stopped_with(confidence)[..., threat].ravel()
+            decided = ~np.isnan(stopped_m_s) & (of_threat.margin_m_s == 0.0)
+            stops = (stops | decided) & (np.isnan(stopped_m_s) | (stopped_m_s >= of_threat.velocity_m_s))
         for filled, marker in product((True, False), (INSIDE, OUTSIDE_WORDS)):
             places = [p for p in offered.tolist() if stops[p] == filled and is_outside[p] == (marker == OUTSIDE_WORDS)]
             words = [f"{x[place]:g} mm: limit by the model {limits[place]:.0f} m/s" for place in places]
             drawing.points(axes, x[places], limits[places], words, filled=filled, color=colour, marker=marker)
 
     def is_outside(self, threat: int) -> Any:
-        """Return whether the designs of a grid along one layer lie outside the tests against a threat."""
+        """Return whether each design of the map lies outside the tests against a threat, (designs,)."""
         rows = self.catalogue.against_each(self.grid.candidates)
         rows = rows.at(np.arange(threat, len(rows.velocities), len(self.catalogue.threats)))
         return np.array([bool(outside) for outside in outside_tests(rows.armours, rows.velocities)])
 
     def _marked(self) -> Iterator[tuple[Design, dict[str, Any]]]:
-        """Yield the lightest designs: that stops half of the time, the refined one, and the one that is required."""
+        """Yield the designs to mark, with their style: the best at 50 %, the refined one, and the best or nearest."""
         large = {"markersize": 9.0}
         if any(self.confidences) and not np.isnan(self.grid.stopped_m_s).all():
-            even = lightest(self.catalogue, self.grid.pair, 0.5)
-            if even is not None:
-                name = self._named(even, "50 % or more")
-                yield even, {**large, "name": name, "filled": False, "color": drawing.VERMILION}
+            half = lightest(self.catalogue, self.grid.pair, 0.5)
+            if half is not None:
+                name = self._named(half, "50 % or more")
+                yield half, {**large, "name": name, "filled": False, "color": drawing.VERMILION}
         if (refined := self.result.refined) is not None:
             label = f"refined: {_design_text(refined, self.result.minimised)}"
             yield refined, {"marker": "D", "color": drawing.GREEN, "label": label, "name": ""}
         if (best := self.result.shown) is not None:
-            sure = view.least_probability(best)
-            name = self._named(best, "probability unknown" if sure is None else f"{chance(sure)} stopped")
+            probability = view.least_probability(best)
+            name = self._named(best, "probability unknown" if probability is None else f"{chance(probability)} stopped")
             name += "\noutside the tests" if best.outside_tests else ""
             colour = drawing.VERMILION if self.result.reason else drawing.BLUE if any(self.confidences) else drawing.INK
             yield best, {**large, "name": name, "color": colour}
 
-    def _named(self, design: Design, sure: str) -> str:
-        """Return the name of a design: thicknesses, objective, and probability of stopping."""
+    def _named(self, design: Design, probability_text: str) -> str:
+        """Return the name of a design: its thicknesses, its objective, and the text on its probability."""
         thicknesses = f"{design.ceramic_thickness_mm:.4g} on " if design.ceramic else ""
         objective = view.OBJECTIVE_WORDS[self.result.minimised].with_unit(getattr(design, self.result.minimised))
-        return f"{thicknesses}{design.backing_thickness_mm:.4g} mm\n{objective}, {sure}"
+        return f"{thicknesses}{design.backing_thickness_mm:.4g} mm\n{objective}, {probability_text}"
 
     def _draw_offered(self, axes: Axes) -> None:
-        """Draw the thicknesses on offer, if there are few."""
+        """Draw a dot for each pair of thicknesses on offer, if there are few."""
         layers = self.catalogue.offers[self.grid.pair][:2]
         offered = list(product(*(layer.thicknesses() for layer in layers)))
         if len(offered) <= MAX_DOTS and not any(layer.free_range() for layer in layers):
@@ -285,7 +314,7 @@ class _Map:
             drawing.points(axes, x, y, words, filled=False, **look)
 
     def _draw_tested(self, axes: Axes) -> None:
-        """Draw the outline of the thicknesses that were tested."""
+        """Outline the range of thicknesses that were tested."""
         tested = thicknesses_tested(self.catalogue, self.grid.pair, self.governing)
         if len(tested) == 2:
             (left, right), (low, high) = tested["backing"], tested["ceramic"]
@@ -293,7 +322,7 @@ class _Map:
             axes.plot(x, y, linestyle="-.", linewidth=1.0, color=drawing.GREEN, label="thicknesses tested")
 
     def note(self) -> str:
-        """Return what the probabilities of the map are."""
+        """Return a note on what the probabilities of the map include."""
         if np.isnan(self.grid.stopped_m_s).all():
             return "No probability is known for these designs."
         notes = []
@@ -305,7 +334,10 @@ class _Map:
 
 
 def _tint(axes: Axes, x: Any, y: Any, values: Any, ends: tuple[float, float], label: str, **look: Any) -> None:
-    """Tint the region where values lie between two; the legend shows its edge too, if the look has a line."""
+    """Tint the region where values, (y, x), lie between the two ends.
+
+    The patch in the legend has an edge if `look` has a line style.
+    """
     z = np.ma.masked_invalid(np.array(values, float))
     low, high = max(ends[0], z.min() - 1.0), min(ends[1], z.max() + 1.0)
     if low < z.max() and high > z.min():
@@ -315,7 +347,7 @@ def _tint(axes: Axes, x: Any, y: Any, values: Any, ends: tuple[float, float], la
 
 
 def _pairs_panel(result: DesignResult) -> _Panel:
-    """Return the panel of the best design of each pair of materials."""
+    """Return the panel with the best design of each pair of materials, over the objective."""
     best = view.best_of_pairs(result)
     shown = best[:MAX_PAIRS_DRAWN]
     names = [view.pair_words(design) for design in shown]
@@ -323,9 +355,9 @@ def _pairs_panel(result: DesignResult) -> _Panel:
     def draw_pairs(axes: Axes) -> None:
         drawing.name_rows(axes, names)
         looks = {True: "", False: "outside the tests", None: "outside the tests, and no probability is known"}
-        standing = [not each.outside_tests if each.model_error is not None else None for each in shown]
+        inside_tests = [not each.outside_tests if each.model_error is not None else None for each in shown]
         for inside, label in looks.items():
-            places = [place for place, each in enumerate(standing) if each is inside]
+            places = [place for place, each in enumerate(inside_tests) if each is inside]
             values = [getattr(shown[place], result.minimised) for place in places]
             look: Any = {"filled": inside, "label": label, "markersize": 6.0, "color": drawing.BLUE}
             drawing.points(axes, values, places, **look, marker=OUTSIDE_WORDS if inside is None else INSIDE)
@@ -338,7 +370,7 @@ def _pairs_panel(result: DesignResult) -> _Panel:
 
 
 def _front_panel(result: DesignResult) -> _Panel:
-    """Return the panel of the Pareto front over its first two criteria, with a series for each pair of materials."""
+    """Return the panel with the Pareto front over its first two criteria, with a series for each pair of materials."""
     keys = result.criteria[:2]
 
     def draw_designs(axes: Axes, designs: Sequence[Design], name: str, **look: Any) -> None:
@@ -366,7 +398,7 @@ def _front_panel(result: DesignResult) -> _Panel:
 
 
 def _design_text(design: Design, *criteria: str) -> str:
-    """Return the thicknesses of a design and its values of criteria."""
+    """Return the thicknesses of a design and its values of the given criteria, as text."""
     words = view.OBJECTIVE_WORDS
     values = (f"{words[key].label} {words[key].with_unit(getattr(design, key))}" for key in criteria)
     return ", ".join([f"{design.ceramic_thickness_mm:.4g} on {design.backing_thickness_mm:.4g} mm", *values])
@@ -374,7 +406,7 @@ def _design_text(design: Design, *criteria: str) -> str:
 
 @draw.register
 def draw_check(result: CheckResult, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw a panel for each threat, with a row for the armour as given and one for every change."""
+    """Draw the ballistic limits in a panel for each threat, with a row for the armour as given and for each change."""
     by_threat = [(threat.as_given(), *threat.what_ifs) for threat in result.threats]
     names = [[f"{row.change}: {chance(row.probability_of_stopping)}" for row in what_ifs] for what_ifs in by_threat]
     heights = [drawing.rows_height(changes, titled=True) for changes in names]

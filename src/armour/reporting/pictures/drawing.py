@@ -1,4 +1,4 @@
-"""What all pictures share: colours, sheets with panels, marks, legends, titles and files."""
+"""Draw the parts that all pictures share: panels, marks, legends and titles, in common colours; save pictures."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ INK, SOFT, PAPER = "#16191c", "#6a7178", "#ffffff"
 COLOURS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, INK)
 STYLES: Any = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (8, 2)))
 MARKERS = "os^DvP"
-# Sizes of text, points.
+# Sizes of text, points: default, title, legend and names of marks, and labels in small type.
 FONT, TITLE, NAME, SMALL_FONT = 9.0, 10.5, 8.0, 7.0
 STYLE: Any = {
     "axes.axisbelow": True,
@@ -45,7 +45,7 @@ STYLE: Any = {
     "lines.markersize": 5.0,
     "svg.fonttype": "none",
     "svg.hashsalt": "armour",
-    "text.parse_math": False,  # titles are the user's
+    "text.parse_math": False,  # a title from the user may contain "$"
 }
 # A new figure starts from matplotlib's defaults, not from the settings of a user or a folder.
 SETTINGS: Any = {key: value for key, value in mpl.rcParamsDefault.items() if key != "backend"} | STYLE
@@ -53,10 +53,11 @@ SETTINGS: Any = {key: value for key, value in mpl.rcParamsDefault.items() if key
 METADATA: dict[str, Any] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
 # Width of a picture and height of a panel, inches.
 WIDTH, PANEL = 5.2, 2.6
-# Width of a plain and of a bold character as a part of the font size; longest name at the end of a curve, characters.
+# Width of a plain and of a bold character, as fractions of the font size; longest name at the end of a curve,
+# characters.
 CHARACTER, BOLD, END_CHARACTERS = 0.56, 0.64, 20
-# Looks of a reference line, of a shaded range, of a band about a curve, and of the paper behind a name; width of the
-# caps of a range, points.
+# Styles of a reference line, of a shaded range, of a band about a curve, and of the paper behind a name.  CAP is the
+# width of the caps of an error bar, points.
 RULE: Any = {"linewidth": 1.0, "color": INK}
 SHADE: Any = {"color": SOFT, "alpha": 0.18, "linewidth": 0}
 BAND: Any = {"alpha": 0.3, "linewidth": 0}
@@ -65,21 +66,21 @@ BEHIND: Any = {"facecolor": PAPER, "alpha": 0.75, "linewidth": 0, "pad": 0.5}
 
 
 class NotebookFigure(Figure):
-    """A figure that a notebook shows."""
+    """A figure that a notebook shows without pyplot."""
 
     def _repr_png_(self) -> bytes:
         return saved(self, ".png", dpi=100)
 
 
 class Points(Line2D):
-    """Separate points, of which a page shows the words on hover, or else the values."""
+    """Separate points; a page shows the words of a point on hover or, without words, its coordinates."""
 
     words: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
 class Picture:
-    """Panels with a title, which gives the answer, and a note."""
+    """Panels, with a title that gives the answer and a note below."""
 
     axes: list[Axes]
     title: str
@@ -93,13 +94,13 @@ class Picture:
 
 @dataclass(frozen=True)
 class Sheet:
-    """What to draw on: a new figure of a given width, inches, or a user's axes."""
+    """What to draw on: a new figure, `width` inches wide, or the axes `ax` of a user."""
 
     width: float = WIDTH
     ax: Axes | None = None
 
     def panels(self, title: str, *heights: float, note: str = "", sharex: bool = False) -> Picture:
-        """Return a picture with empty panels of given heights, inches, below each other."""
+        """Return a picture with empty panels, one below the other, with the given heights, inches."""
         if self.ax is not None:
             if len(heights) > 1:
                 raise mistake("plot", "ax", f"must not be given for a picture of {len(heights)} panels")
@@ -112,10 +113,10 @@ class Sheet:
 def drawn(
     draw: Callable[[Sheet], Picture], sheet: Sheet, heading: Sequence[str] = (), title: str | None = None
 ) -> Picture:
-    """Draw a picture with its legends, title, subject (the first line of the heading) and note.
+    """Draw a picture by `draw`, and add its title, subject, note and legends.
 
-    A title that is given replaces title and subject.  One that is empty leaves legends alone; a picture in a user's
-    axes has no note.
+    The subject is the first line of `heading`.  `title` replaces the picture's title and the subject; an empty one
+    leaves out title, subject and note.  A picture in a user's axes has neither subject nor note.
     """
     with mpl.rc_context(SETTINGS if sheet.ax is None else STYLE):
         picture = draw(sheet)
@@ -124,43 +125,49 @@ def drawn(
             text.set_text(printable_lines(text.get_text()))
         if sheet.ax is not None:
             room = sheet.ax.bbox.width / sheet.ax.figure.dpi
-            sheet.ax.set_title("\n".join(_lines([lines[0]], room, FONT)))
+            sheet.ax.set_title("\n".join(_wrapped_lines([lines[0]], room, FONT)))
             if sheet.ax.get_legend_handles_labels()[0]:
                 sheet.ax.legend()
             return picture
         if any(lines):
-            _make_room(picture.figure, _write(picture.figure, list(filter(None, lines)), picture.note))
+            _make_room(picture.figure, _write_title_and_note(picture.figure, list(filter(None, lines)), picture.note))
         picture.figure.draw_without_rendering()  # places the panels
-        _make_room(picture.figure, [legend for axes in picture.axes for legend in _name(axes)])
+        _make_room(picture.figure, [legend for axes in picture.axes for legend in _label_curves(axes)])
     return picture
 
 
 def _make_room(figure: Any, parts: Sequence[Any]) -> None:
-    """Make a figure taller by the height of the parts outside its panels, so that these keep their height."""
+    """Make a figure taller by the height of its titles, notes or legends, so that its panels keep their height."""
     height = sum(part.get_window_extent().height for part in parts) / figure.dpi
     figure.set_figheight(figure.get_figheight() + height)
 
 
-def _write(figure: Figure, lines: Sequence[str], note: str) -> list[Any]:
-    """Write the title in bold, the subject beneath it, and the note below the panels, all at the left edge."""
+def _write_title_and_note(figure: Figure, lines: Sequence[str], note: str) -> list[Any]:
+    """Write the title in bold, the subject beneath it, and the note below the panels, all at the left edge.
+
+    `lines` has the title and, if there is one, the subject.  Return the two texts, for `_make_room`.
+    """
     width, (title, *subject) = figure.get_figwidth(), lines
-    bold, plain = _lines([title], width, TITLE, BOLD), _lines(subject, width, FONT)
+    bold, plain = _wrapped_lines([title], width, TITLE, BOLD), _wrapped_lines(subject, width, FONT)
     look: Any = {"x": 0.05 / width, "ha": "left", "linespacing": 1.25}
     above = figure.suptitle("\n".join([*bold, *([""] * len(plain))]), fontsize=TITLE, fontweight="bold", **look)
-    # At a distance from the top edge, since a note or a legend makes the figure taller.
+    # Placed by its distance from the top edge, since a note or a legend makes the figure taller.
     place = offset_copy(figure.transFigure, figure, y=-0.05 - 1.25 * TITLE * len(bold) / 72.0, units="inches")
     figure.text(y=1.0, s="\n".join(plain), va="top", transform=place, **look)
-    return [above, figure.supxlabel("\n".join(_lines([note], width, NAME)), fontsize=NAME, **look)]
+    return [above, figure.supxlabel("\n".join(_wrapped_lines([note], width, NAME)), fontsize=NAME, **look)]
 
 
-def _lines(texts: Iterable[str], width: float, size: float, character: float = CHARACTER) -> list[str]:
-    """Wrap texts of a font size to a width, inches."""
+def _wrapped_lines(texts: Iterable[str], width: float, size: float, character: float = CHARACTER) -> list[str]:
+    """Wrap texts to a width, inches; `size` is the font size, and `character` the mean width as a fraction of it."""
     room = max(10, int(72.0 * (width - 0.1) / (character * size)))
     return [line for text in texts for part in printable_lines(text).splitlines() for line in wrapped(part, room)]
 
 
-def _name(axes: Axes) -> list[Any]:
-    """Name several curves at their ends if there is room, and everything else in a legend below the panel."""
+def _label_curves(axes: Axes) -> list[Any]:
+    """Label curves at their ends if there are several and there is room; put all else in a legend below the panel.
+
+    Return the legend, if there is one.
+    """
     handles: list[Any] = axes.get_legend_handles_labels()[0]
     lines: list[Any] = [h for h in handles if isinstance(h, Line2D) and h.get_linestyle() != "None"]
     curves = [line for line in lines if np.size(line.get_xdata()) > 2]
@@ -176,7 +183,7 @@ def _name(axes: Axes) -> list[Any]:
     room = int(72.0 * box.width / figure.dpi / (CHARACTER * NAME))  # characters
     labels = ["\n".join(wrapped(handle.get_label(), room - 7)) for handle in handles]
     columns = room // (max(len(line) for label in labels for line in label.splitlines()) + 7)
-    # Measured from the panel, which keeps its height.
+    # Placed by its distance from the panel, which keeps its height.
     left, down = (box.x0 - axes.bbox.x0) / figure.dpi, (axes.bbox.y0 - box.y0) / figure.dpi
     place = offset_copy(axes.transAxes, figure, x=left, y=-down, units="inches")
     look = {"loc": "upper left", "bbox_to_anchor": (0.0, 0.0), "bbox_transform": place, "borderaxespad": 0.4}
@@ -184,7 +191,10 @@ def _name(axes: Axes) -> list[Any]:
 
 
 def _have_room(axes: Axes, curves: Sequence[Any]) -> bool:
-    """Return whether short names fit at the ends of curves: on the right, within the panel, and apart."""
+    """Return whether curves can be labelled at their ends.
+
+    Their names must be short, and the ends must be the rightmost points, within the panel and apart from each other.
+    """
     points = [np.asarray(line.get_xydata(), float) for line in curves]
     ends = axes.transData.transform([xy[-1] for xy in points])
     gaps = np.diff(np.sort(ends[:, 1])) * 72.0 / axes.figure.dpi
@@ -197,14 +207,17 @@ def _have_room(axes: Axes, curves: Sequence[Any]) -> bool:
 
 
 def saved(figure: Figure, suffix: str, made_by: str = "", **options: Any) -> bytes:
-    """Return the content of a figure's file, in the format of a suffix, a key of `METADATA`, with what made it."""
+    """Return a figure as the content of a file; `suffix`, a key of `METADATA`, is its format.
+
+    `made_by` is recorded in the file, and `options` are those of `Figure.savefig`.
+    """
     content = BytesIO()
     metadata = METADATA[suffix] | {"Subject" if suffix == ".pdf" else "Description": made_by}
     with mpl.rc_context(SETTINGS):
         figure.draw_without_rendering()
         engine = figure.get_layout_engine()
         figure.set_layout_engine("none")
-        # The last digits of a layout differ from process to process, and matplotlib makes identifiers of them.
+        # Rounded, because the last digits of a layout differ between processes, and identifiers in SVG depend on them.
         for axes in figure.axes:
             axes.set_position(np.round(axes.get_position(original=True).bounds, 9).tolist())
             axes.set_in_layout(True)
@@ -214,25 +227,31 @@ def saved(figure: Figure, suffix: str, made_by: str = "", **options: Any) -> byt
 
 
 def recorded(result: Result, key: str) -> Any:
-    """Return the scenario or shots recorded with a result; refuse one that was made by hand and has none."""
+    """Return what is recorded with a result under a key, "scenario" or "shots"; raise an error if it has none.
+
+    Only results made by hand have none.
+    """
     if (value := result.question.get(key)) is None:
         raise mistake("plot", key, "must be given to draw this result")
     return value
 
 
 def legible(label: str) -> str:
-    """Return a user's text as a label, with a space before an underscore, which would hide it from the legend."""
+    """Return a user's text as a label; a space precedes a leading underscore, which would hide it from the legend."""
     return printable_lines(f" {label}" if label.startswith("_") else label)
 
 
 def look_of(index: int) -> dict[str, Any]:
-    """Return the colour and marker of one of several series; repeated colours get other markers."""
+    """Return colour and marker of the series with an index; when colours repeat, the markers differ."""
     turn, colour = divmod(index, len(COLOURS))
     return {"color": COLOURS[colour], "marker": MARKERS[(colour + turn) % len(MARKERS)]}
 
 
 def points(axes: Axes, x: Any, y: Any, words: Sequence[str] = (), *, filled: bool = True, **look: Any) -> None:
-    """Draw separate points; leave out those beyond fixed limits, since marks are not clipped at the panel's edge."""
+    """Draw separate points, with their words on hover.
+
+    Marks are not clipped at the edge of the panel, so points beyond fixed limits of an axis are left out.
+    """
     x, y = np.array(x, float), np.array(y, float)
     for values, (low, high), free in (
         (x, sorted(axes.get_xlim()), axes.get_autoscalex_on()),
@@ -249,7 +268,7 @@ def points(axes: Axes, x: Any, y: Any, words: Sequence[str] = (), *, filled: boo
 
 
 def curve(axes: Axes, x: Any, y: Any, is_outside: Any, **look: Any) -> None:
-    """Draw a curve, dashed and with hollow marks where it is outside the tests, (n,)."""
+    """Draw a curve through n points, dashed and with hollow marks where `is_outside`, (n,), is true."""
     outside = {"markerfacecolor": "none", "linestyle": "--"} if is_outside.any() else {}
     axes.plot(x, y, **look | outside)
     if outside and not is_outside.all():
@@ -257,7 +276,7 @@ def curve(axes: Axes, x: Any, y: Any, is_outside: Any, **look: Any) -> None:
 
 
 def ranges(axes: Axes, y: Any, ends: Sequence[Sequence[float]], colour: str) -> None:
-    """Draw ranges along x at given y."""
+    """Draw a horizontal bar at each of the given y, between the two x in `ends`."""
     low, high = np.sort(np.array(ends, float), axis=1).T
     # As lists: matplotlib 3.10 converts arrays of one element in a way that numpy deprecates.
     middles, halves = (0.5 * (low + high)).tolist(), (0.5 * (high - low)).tolist()
@@ -265,7 +284,7 @@ def ranges(axes: Axes, y: Any, ends: Sequence[Sequence[float]], colour: str) -> 
 
 
 def velocity_line(axes: Axes, velocity: float | None, colour: str, style: str, name: str = "") -> None:
-    """Draw a line at a velocity that is within the panel, in the legend if it has a name."""
+    """Draw a vertical line at a velocity, m/s, if it is within the panel; with a name, it is in the legend."""
     low, high = axes.get_xlim()
     if velocity is not None and low <= velocity <= high:
         label = f"{name} {velocity:.1f} m/s" if name else ""
@@ -273,7 +292,10 @@ def velocity_line(axes: Axes, velocity: float | None, colour: str, style: str, n
 
 
 def name_point(axes: Axes, x: float, y: float, name: str, *, above: bool = True) -> None:
-    """Write the name of a point above it to the right, or below it to the left, if there is room."""
+    """Write a name above a point to the right or, with `above` false, below it to the left.
+
+    The side changes where the panel has no room.
+    """
     [(across, up)] = axes.transAxes.inverted().transform(axes.transData.transform([(x, y)])).tolist()
     right = across < 0.67 if above else across < 0.33
     above = above or up < 0.1
@@ -285,10 +307,11 @@ def name_point(axes: Axes, x: float, y: float, name: str, *, above: bool = True)
 def contours(
     axes: Axes, x: Any, y: Any, z: Any, levels: Any, at: float | None = None, label: str = "", **look: Any
 ) -> None:
-    """Draw contours at given levels, or at about a given number of them, labelled along a rising diagonal of the panel.
+    """Draw contours of z, (y, x).
 
-    ``at`` is how far that diagonal lies above the middle one, as a part of the panel, so that the labels of several
-    quantities do not coincide; without it, the contours are not labelled.  A label that has no room is left out.
+    `levels` has the levels, or is about how many there are.  With `at`, the contours have labels along a rising
+    diagonal, which lies that fraction of the panel above the middle one; with another fraction for each quantity,
+    labels do not coincide.  Labels without room are left out.
     """
     z = np.ma.masked_invalid(np.array(z, float))
     if np.ndim(levels) == 0:
@@ -306,14 +329,17 @@ def contours(
 
 
 def _on_diagonal(vertices: Any, axes: Axes, at: float) -> Any:
-    """Return the point of a line that is nearest to a rising diagonal, away from the edges; None if there is none."""
+    """Return the vertex of a contour nearest to a rising diagonal; None if all are near the edges of the panel.
+
+    `vertices` is (n, 2); `at` is how far the diagonal lies above the middle one, as a fraction of the panel.
+    """
     parts = axes.transLimits.transform(vertices)
     distance = abs(parts[:, 1] - parts[:, 0] - at) + 10.0 * (np.minimum(parts, 1.0 - parts).min(axis=1) < 0.06)
     return tuple(vertices[distance.argmin()]) if distance.min() < 10.0 else None
 
 
 def colours_of(axes: Axes, x: Any, y: Any, z: Any, heading: str) -> None:
-    """Draw a quantity over a grid as colours that are light enough for lines and names to be legible."""
+    """Draw a quantity z, (y, x), as colours with a colour bar; they are light, so that lines and names are legible."""
     colours = mpl.colors.ListedColormap(mpl.colormaps["Blues"](np.linspace(0.02, 0.5, 256)))
     axes.grid(visible=False)
     mesh = axes.pcolormesh(x, y, np.ma.masked_invalid(z), cmap=colours, shading="nearest", rasterized=True)
@@ -321,7 +347,7 @@ def colours_of(axes: Axes, x: Any, y: Any, z: Any, heading: str) -> None:
 
 
 def residual_axes(axes: Axes, limits: tuple[float, float]) -> None:
-    """Name the axes of residual over impact velocity."""
+    """Label the axes of residual velocity over impact velocity; `limits` are those of the x axis, m/s."""
     axes.set(xlabel=in_words(VELOCITY), ylabel=in_words("residual_velocity_m_s"), xlim=limits)
     axes.set_ylim(bottom=0.0)
 
@@ -335,7 +361,10 @@ def rows_height(names: Iterable[str], *, titled: bool = False) -> float:
 def rows(
     axes: Axes, names: Sequence[str], values: Mapping[str, Sequence[float | None]], start: float | None = None
 ) -> None:
-    """Draw the values of each name as marks in its row, with stems from a start if that is given."""
+    """Draw series of values as marks, with a row for each name; `start`, if given, is the x from which stems begin.
+
+    `values` has the series by label, each with a value for every name, None to leave it out.
+    """
     name_rows(axes, names)
     if start is not None:
         axes.axvline(start, **RULE)
@@ -348,7 +377,7 @@ def rows(
 
 
 def name_rows(axes: Axes, names: Sequence[str]) -> None:
-    """Name the rows of a panel, with the first on top."""
+    """Label the rows of a panel, the first on top."""
     axes.set_yticks(range(len(names)), ["\n".join(wrapped(printable_lines(name), 22)) for name in names])
     axes.set_ylim(len(names) - 0.5, -0.5)
     axes.grid(visible=False, axis="y")
@@ -357,7 +386,11 @@ def name_rows(axes: Axes, names: Sequence[str]) -> None:
 
 
 class Compared(NamedTuple):
-    """An expected and a computed value, with a name, the word for the first and its standard deviation, if any."""
+    """An expected and a computed value of the case `name`.
+
+    `word` says what the expected value is, such as "measured", and `deviation` is its standard deviation, 0 if none is
+    known.
+    """
 
     name: str
     word: str
@@ -369,7 +402,11 @@ class Compared(NamedTuple):
 def agreement(
     axes: Axes, quantity: str, word: str, groups: Mapping[str, Sequence[Compared]], part: float = 0.0
 ) -> None:
-    """Draw computed over expected values, with the line of agreement and, if a part is given, lines that part away."""
+    """Draw computed over expected values of a quantity, with the line of agreement.
+
+    `word` names the expected values on the axis, and `groups` has the values by label.  With `part`, lines show
+    deviations of plus and minus that fraction.
+    """
     column = Column.of(quantity, ".5g")
 
     def known(pair: Compared) -> str:
@@ -378,7 +415,7 @@ def agreement(
 
     pairs = [pair for group in groups.values() for pair in group]
     low, high = widened(end for p in pairs for end in (p.expected - p.deviation, p.expected + p.deviation, p.computed))
-    # The axes of values that are close together reach the lines on both sides.
+    # If the values are close together, widen the axes to show the lines on both sides.
     margin = part * high if high - low < part * high else 0.0
     span = low - margin, high + margin
     axes.set(xlabel=f"{word} {column.heading}", ylabel=f"computed {column.heading}", xlim=span, ylim=span)
@@ -397,7 +434,7 @@ def agreement(
 
 
 def widened(values: Iterable[float], part: float = 0.05) -> tuple[float, float]:
-    """Return the range of values, widened by a part of it at each end."""
+    """Return the least and greatest value, moved apart by a fraction of their difference at each end."""
     numbers = list(values)
     margin = part * (max(numbers) - min(numbers)) or 0.05 * abs(numbers[0]) or 1.0
     return min(numbers) - margin, max(numbers) + margin

@@ -1,4 +1,4 @@
-"""Pictures of plans of shots and of tests."""
+"""Draw plans of shots and of tests."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -19,7 +19,7 @@ from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, VELOCITY
 
 @draw.register
 def draw_shot_plan(plan: ShotPlan, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw the densities of V50, and beneath them the shots or the operating characteristic of their procedure."""
+    """Draw the probability density of V50, and below it the shots or, if computed, the operating characteristic."""
     simulated = bool(plan.operating_characteristic)
     note = f"{plan.stopped}." if plan.stopped else ""
     picture = sheet.panels(_title(plan), drawing.PANEL, drawing.PANEL, note=note, sharex=not simulated)
@@ -40,7 +40,7 @@ def draw_shot_plan(plan: ShotPlan, sheet: drawing.Sheet) -> drawing.Picture:
 
 
 def _title(plan: ShotPlan) -> str:
-    """Return what is next, and what is known after the shots so far."""
+    """Return the next velocity, and V50 from the shots so far."""
     following = "Firing ended" if plan.next_velocity_m_s is None else f"Next shot at {plan.next_velocity_m_s:.1f} m/s"
     basis = f"after {counted(len(plan.fired.complete), 'shot')}" if plan.fired.complete else "by the prior"
     ends = interval(plan.posterior.v50_interval_m_s, ".0f")
@@ -61,7 +61,10 @@ def _draw_densities(axes: Axes, plan: ShotPlan) -> None:
 
 
 def _draw_operating(axes: Axes, plan: ShotPlan) -> None:
-    """Draw the fractions of simulated firings that accept and reject armours around the requirement."""
+    """Draw the operating characteristic: the fractions of simulated firings that accept and that reject an armour.
+
+    It is over the true V50 of the armour, around the required velocity.
+    """
     armours = plan.operating_characteristic
     v50 = [armour.v50_m_s for armour in armours]
     look: Any = {"marker": "o", "markerfacecolor": "none"}
@@ -85,16 +88,16 @@ def _draw_velocities(axes: Axes, plan: ShotPlan, *, named: bool) -> None:
 
 GAIN = "relative gain of one more test"
 GAINS = "Gain of one more test{}, relative to the average planned test (1: as good)."
-# Candidates up to which each has its gain as a number.
+# Largest number of candidates whose gains are written as numbers.
 MAX_NUMBERS = 60
 
 
 @draw.register
 def draw_planned_tests(result: PlannedTests, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw the gain of one more test over the inputs that vary, with the planned tests and their numbers.
+    """Draw the gain of one more test over the inputs that vary, and mark the planned tests.
 
-    It is a map over two of them, by preference the thicknesses, or a curve over one; the greatest gain is shown where
-    candidates differ in more.
+    It is a curve over one input, or a map over two, preferably the thicknesses.  Where several candidates share these
+    inputs, the greatest gain is shown.
     """
     varied = [key for key in result.candidates if key in INPUTS and len(set(result.candidates[key])) > 1]
     keys = [key for key in (CERAMIC, BACKING) if key in varied] or varied[:1] or [next(iter(result.candidates))]
@@ -114,7 +117,7 @@ def draw_planned_tests(result: PlannedTests, sheet: drawing.Sheet) -> drawing.Pi
         places = [(value, greatest[int(np.searchsorted(x, value))]) for (value,) in places]
     else:
         axes.set(xlim=drawing.widened(columns[0], 0.15), ylim=drawing.widened(columns[1], 0.15))
-        order = np.argsort(gains, kind="stable")  # the greatest is written last
+        order = np.argsort(gains, kind="stable")  # `on_grid` keeps the last, which is the greatest
         _draw_candidates(axes, *drawing.on_grid(columns[0][order], columns[1][order], gains[order]))
     repeats = Counter(places)
     drawing.points(axes, *zip(*repeats, strict=True), label="planned", markersize=7.0, color=drawing.VERMILION)
@@ -125,7 +128,7 @@ def draw_planned_tests(result: PlannedTests, sheet: drawing.Sheet) -> drawing.Pi
 
 
 def _tests_title(result: PlannedTests) -> str:
-    """Return how many tests are planned, and what is known after them."""
+    """Return how many tests are planned, and the half-width of the first coefficient expected after them."""
     title = f"Planned: {counted(len(result.planned) - 1, 'test')}"
     for name, half_width in result.planned[-1].half_widths.items():
         if half_width is not None:
@@ -135,7 +138,7 @@ def _tests_title(result: PlannedTests) -> str:
 
 
 def _note(result: PlannedTests, velocities: Sequence[float]) -> str:
-    """Return what a gain is, and the velocities of shots."""
+    """Return a note on what a gain is, and on the velocities of the planned shots, if there are any."""
     note = GAINS.format("" if result.planned[-1].total_cost is None else " per unit cost")
     if not result.sensitivities:
         note = "The planned tests do not determine the inputs, so no gain is shown."
@@ -144,7 +147,7 @@ def _note(result: PlannedTests, velocities: Sequence[float]) -> str:
 
 
 def _draw_candidates(axes: Axes, x: Any, y: Any, z: Any) -> None:
-    """Draw the gains of candidates: numbers beside points or, where they are many and a grid, colours."""
+    """Draw the gains of candidates, z, (y, x): as numbers beside points or, on a large complete grid, as colours."""
     if len(x) * len(y) > MAX_NUMBERS and np.isfinite(z).all():
         drawing.colours_of(axes, x, y, z, GAIN)
         return

@@ -1,4 +1,4 @@
-"""Pictures of uncertainties, sensitivities, calibrations and V50 from firing results."""
+"""Draw uncertainties, sensitivities, calibrations and V50 from firing results."""
 
 from collections.abc import Sequence
 
@@ -21,22 +21,23 @@ from armour.statistics.sensitivity import SensitivityResult
 from armour.statistics.uncertainty import UncertaintyResult
 from armour.statistics.v50 import FiringResult, Shots
 
+# Kinds of shots: label, whether the penetration is complete, colour and marker.
 PENETRATIONS = (
     ("partial penetration", False, drawing.GREEN, "o"),
     ("complete penetration", True, drawing.VERMILION, "^"),
 )
-# Probabilities between which the curve is shown whole.
+# The velocity axis shows the curve from this probability of perforation to 1 minus it.
 SHOWN_PROBABILITY = 0.002
 
 
 @draw.register
 def draw_uncertainty(result: UncertaintyResult, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw the probability of perforation over velocity, and the ballistic limit at quantiles of each input."""
+    """Draw the probability of perforation over velocity, and the ballistic limits at two quantiles of each input."""
     curve, p, level = result.curve, result.probability_of_perforation, percent(result.confidence)
-    at = drawing.recorded(result, "scenario").impact.velocity_m_s
+    velocity = drawing.recorded(result, "scenario").impact.velocity_m_s
     names = [Column.of(index.input).label for index in result.inputs]
-    title = f"Perforated with a probability of {risk(1.0 - p.value)} at {at:g} m/s"
-    note = f"{level} intervals by sampling: {p.low:.3f} to {p.high:.3f} at {at:g} m/s; the band for the curve."
+    title = f"Perforated with a probability of {risk(1.0 - p.value)} at {velocity:g} m/s"
+    note = f"{level} intervals by sampling: {p.low:.3f} to {p.high:.3f} at {velocity:g} m/s; the band for the curve."
     heights = [drawing.PANEL, *([drawing.rows_height(names, titled=True)] if names else [])]
     picture = sheet.panels(title, *heights, note=note, sharex=True)
     axes = picture.axes[0]
@@ -49,8 +50,8 @@ def draw_uncertainty(result: UncertaintyResult, sheet: drawing.Sheet) -> drawing
         colour = drawing.SOFT if name in result.ballistic_limit_m_s else drawing.INK
         axes.axvline(limit, linestyle=style, linewidth=1.0, color=colour, label=f"{name} {limit:.1f} m/s")
     interval = [[p.value - p.low], [p.high - p.value]]
-    axes.errorbar([at], [p.value], interval, fmt="none", ecolor=drawing.VERMILION, capsize=drawing.CAP)
-    drawing.points(axes, [at], [p.value], color=drawing.VERMILION, label=f"{p.value:.3f} at {at:g} m/s")
+    axes.errorbar([velocity], [p.value], interval, fmt="none", ecolor=drawing.VERMILION, capsize=drawing.CAP)
+    drawing.points(axes, [velocity], [p.value], color=drawing.VERMILION, label=f"{p.value:.3f} at {velocity:g} m/s")
     if names:
         low, high = zip(*(index.limits_m_s for index in result.inputs), strict=True)
         swings = {"input at its 5 % quantile": low, "input at its 95 % quantile": high}
@@ -60,15 +61,20 @@ def draw_uncertainty(result: UncertaintyResult, sheet: drawing.Sheet) -> drawing
     rising = (probability > SHOWN_PROBABILITY) & (probability < 1.0 - SHOWN_PROBABILITY)
     uncertain = np.array(curve.velocity_m_s)[rising].tolist()
     changed = [limit for index in result.inputs for limit in index.limits_m_s]
-    picture.axes[-1].set(xlabel="velocity, m/s", xlim=drawing.widened([at, *limits.values(), *uncertain, *changed]))
+    picture.axes[-1].set(
+        xlabel="velocity, m/s", xlim=drawing.widened([velocity, *limits.values(), *uncertain, *changed])
+    )
     return picture
 
 
 @draw.register
 def draw_sensitivity(result: SensitivityResult, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw the elasticities; inputs with the largest of the first answer, the limit where there is one, are on top."""
+    """Draw the elasticities of each answer, in a row for each input.
+
+    Inputs are sorted by the first answer, which is the ballistic limit if there is one; the largest is on top.
+    """
     answers = [name for name, value in result.answers.items() if value is not None]
-    # Without an elasticity an input, such as the velocity for the ballistic limit, is below those with one.
+    # An input without an elasticity, such as the velocity for the ballistic limit, sorts as 0.
     inputs = [item for item in result.inputs if any(item.elasticities[answer] is not None for answer in answers)]
     inputs.sort(key=lambda item: [-abs(item.elasticities[answer] or 0.0) for answer in answers])
     names, titles = [Column.of(item.input).label for item in inputs], [Column.of(name).label for name in answers]
@@ -83,14 +89,14 @@ def draw_sensitivity(result: SensitivityResult, sheet: drawing.Sheet) -> drawing
     return picture
 
 
-# Rows of deviations.
+# Largest number of rows with deviations; words for what a test measured, by its bound.
 MAX_TESTS = 40
 WORDS = {"": "measured", "at least": "stopped at", "at most": "perforated at"}
 
 
 @draw.register
 def draw_calibration(result: CalibrationResult, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw the computed over the measured values, and the deviations, for each quantity that was measured."""
+    """Draw computed over measured values, and deviations, for each quantity measured; and own tests, if any."""
     title = f"Calibration to {len({residual.test for residual in result.residuals})} tests"
     if result.mean_error_percent is not None:
         title += f": mean error {result.mean_error_percent:.1f} %"
@@ -124,14 +130,14 @@ def draw_calibration(result: CalibrationResult, sheet: drawing.Sheet) -> drawing
 
 
 def _farthest(result: CalibrationResult) -> list[tuple[str, OwnTest]]:
-    """Return the own tests that deviate most from the prediction by the others, each with its name."""
+    """Return names and own tests, at most `MAX_TESTS`, that deviate most from the prediction by the others."""
     names = [residual.test for residual in result.residuals if residual.quantity == LIMIT]
     pairs = list(zip(names, result.own_tests, strict=False))
     return sorted(pairs, key=lambda pair: -abs(pair[1].measured_m_s / pair[1].predicted_m_s - 1.0))[:MAX_TESTS]
 
 
 def _draw_own_tests(axes: Axes, own: Sequence[tuple[str, OwnTest]]) -> None:
-    """Draw what own tests measured, and what the others of the lot predict."""
+    """Draw the limits that own tests measured, and the intervals that the others of the lot predict for them."""
     values: dict[str, list[float | None]] = {WORDS[bound]: [None] * len(own) for bound in WORDS}
     for place, (_, test) in enumerate(own):
         values[WORDS[test.bound]][place] = test.measured_m_s
@@ -142,12 +148,12 @@ def _draw_own_tests(axes: Axes, own: Sequence[tuple[str, OwnTest]]) -> None:
 
 
 def _largest(residuals: Sequence[Residual]) -> list[Residual]:
-    """Return the residuals with the largest deviations from measured values."""
+    """Return the residuals, at most `MAX_TESTS`, with the largest relative deviations."""
     return sorted(residuals, key=lambda r: -abs(deviation_percent(r.computed, r.measured) or 0.0))[:MAX_TESTS]
 
 
 def _draw_deviations(axes: Axes, quantity: str, residuals: Sequence[Residual]) -> None:
-    """Draw deviations from measured values; of many tests those with the largest."""
+    """Draw the relative deviations from measured values, %, the largest ones if there are many."""
     title, shown = f"Deviation of the computed {Column.of(quantity).label}", _largest(residuals)
     if len(shown) < len(residuals):
         title += f", the {MAX_TESTS} largest of {len(residuals)}"
@@ -158,21 +164,21 @@ def _draw_deviations(axes: Axes, quantity: str, residuals: Sequence[Residual]) -
     axes.set(title=title, xlabel="deviation, %")
 
 
-# Nodes of V50 and of the scatter in a joint region.
+# Number of values of V50, and of the scatter, in the grid for their joint region.
 REGION_NODES = 121
-# Height of the posterior's interval of V50, below that of the shots alone.
+# Height at which the posterior interval of V50 is drawn; the interval from the shots alone is at 0.5.
 POSTERIOR = 0.4
 
 
 @draw.register
 def draw_firing(result: FiringResult, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw the probability of a complete penetration over the velocity, the joint region and the shots in order."""
+    """Draw the probability of complete penetration over velocity, the region of V50 and scatter, and the shots."""
     shots = drawing.recorded(result, "shots")
     if not result.fits:
         raise mistake(shots.file, "", "must have a curve to draw, and these shots have none")
-    fit, after, model = result.recommended or result.fits[0], result.posterior, result.model_ballistic_limit_m_s
-    # Limits beyond half the range of the shots are left out.
-    shown = [*shots.velocities_m_s, *(() if after is None else after.v50_interval_m_s)]
+    fit, posterior, model = result.recommended or result.fits[0], result.posterior, result.model_ballistic_limit_m_s
+    # The axis extends by half the range of the shots; limits beyond it are left out.
+    shown = [*shots.velocities_m_s, *(() if posterior is None else posterior.v50_interval_m_s)]
     low, high = drawing.widened(shown, 0.5)
     level, notes = percent(result.confidence), []
     confidence, ends = level, fit.v50_interval_m_s
@@ -184,17 +190,17 @@ def draw_firing(result: FiringResult, sheet: drawing.Sheet) -> drawing.Picture:
     panels = [1.1 * drawing.PANEL]
     if sheet.ax is None and fit is result.recommended:
         panels += [drawing.PANEL, drawing.PANEL]
-    words = f"V50 {fit.v50_m_s:.1f} m/s, {confidence} interval {interval(ends, '.1f')}" + (" m/s" if bounded else "")
-    if after is not None:
-        after_ends = interval(after.v50_interval_m_s, ".1f")
-        notes.append(f"Posterior, with the model as prior: {level} interval {after_ends} m/s.")
+    title = f"V50 {fit.v50_m_s:.1f} m/s, {confidence} interval {interval(ends, '.1f')}" + (" m/s" if bounded else "")
+    if posterior is not None:
+        posterior_ends = interval(posterior.v50_interval_m_s, ".1f")
+        notes.append(f"Posterior, with the model as prior: {level} interval {posterior_ends} m/s.")
     if model is not None and not low <= model <= high:
         notes.append(f"The model's ballistic limit, {model:.1f} m/s, lies outside the axis.")
     if (required := result.requirement_m_s) is not None and not low <= required <= high:
         notes.append(f"The velocity required, {required:g} m/s, lies outside the axis: {result.decision}.")
     if result.extrapolated:
-        words = "V50 not bounded by these shots"
-    picture = sheet.panels(words, *panels, note=" ".join(notes))
+        title = "V50 not bounded by these shots"
+    picture = sheet.panels(title, *panels, note=" ".join(notes))
     axes = picture.axes[0]
     axes.set(xlabel=in_words(VELOCITY), ylabel="probability of complete penetration")
     axes.set(xlim=(low, high), ylim=(-0.02, 1.02))
@@ -209,10 +215,10 @@ def draw_firing(result: FiringResult, sheet: drawing.Sheet) -> drawing.Picture:
             start, end = (edge if e is None else e for e, edge in zip(ends, (low, high), strict=True))
             drawing.ranges(axes, [0.5], [(start, end)], drawing.BLUE)
         drawing.points(axes, [fit.v50_m_s], [0.5], color=drawing.BLUE)
-    if after is not None:
-        name = f"posterior, V50 {after.v50_m_s:.1f} m/s"
-        drawing.ranges(axes, [POSTERIOR], [after.v50_interval_m_s], drawing.PURPLE)
-        drawing.points(axes, [after.v50_m_s], [POSTERIOR], marker="D", color=drawing.PURPLE, label=name)
+    if posterior is not None:
+        name = f"posterior, V50 {posterior.v50_m_s:.1f} m/s"
+        drawing.ranges(axes, [POSTERIOR], [posterior.v50_interval_m_s], drawing.PURPLE)
+        drawing.points(axes, [posterior.v50_m_s], [POSTERIOR], marker="D", color=drawing.PURPLE, label=name)
     if result.mean is not None:
         drawing.velocity_line(axes, result.mean.v50_m_s, drawing.SOFT, "-", MEANS[result.mean.rule])
     name = f"{result.decision}: {velocity_name(result.requirement_fraction)} required"
@@ -225,26 +231,29 @@ def draw_firing(result: FiringResult, sheet: drawing.Sheet) -> drawing.Picture:
 
 
 def _draw_region(axes: Axes, fit: FittedCurve, shots: Shots, confidence: float, ends: tuple[float, float]) -> None:
-    """Draw the joint confidence regions of V50 and scatter, at one half and at the confidence level."""
+    """Draw the joint confidence regions of V50 and scatter, at 50 % and at the confidence level.
+
+    `ends` is the range of V50 to draw, m/s, if its interval is not bounded.
+    """
     likelihood = ShotLikelihood(shots.of(complete=False), shots.of(complete=True), fit.curve, penalised=True)
     (slowest, fastest), widest = fit.v50_interval_m_s, fit.scale_interval_m_s[1]
     if slowest is not None and fastest is not None:
         ends = drawing.widened((slowest, fastest), 0.4)
     spread = max(shots.velocities_m_s) - min(shots.velocities_m_s)
     top = spread if widest is None else min(1.3 * widest, spread)
-    x, y = np.meshgrid(np.linspace(*ends, REGION_NODES), np.linspace(top / REGION_NODES, top, REGION_NODES))
-    deviances = likelihood.deviances(x.ravel(), y.ravel()).reshape(x.shape)
-    # Of two quantities, the deviance has a chi-squared distribution of two degrees of freedom.
+    v50s, scatters = np.meshgrid(np.linspace(*ends, REGION_NODES), np.linspace(top / REGION_NODES, top, REGION_NODES))
+    deviances = likelihood.deviances(v50s.ravel(), scatters.ravel()).reshape(v50s.shape)
+    # The deviance has a chi-squared distribution with two degrees of freedom, whose quantile is -2 ln(1 - level).
     levels = [0.0, *(-2.0 * np.log(1.0 - level) for level in sorted({0.5, confidence}))]
-    axes.contourf(x, y, deviances, levels, colors=[drawing.BLUE] * 2, alpha=0.25)
-    axes.contour(x, y, deviances, levels[1:], colors=drawing.BLUE, linewidths=1.0)
+    axes.contourf(v50s, scatters, deviances, levels, colors=[drawing.BLUE] * 2, alpha=0.25)
+    axes.contour(v50s, scatters, deviances, levels[1:], colors=drawing.BLUE, linewidths=1.0)
     title = f"V50 and scatter together, {percent(0.5)} and {percent(confidence)}"
     axes.set(xlabel="V50, m/s", ylabel="scatter, m/s", xlim=ends, ylim=(0.0, top), title=title)
     drawing.points(axes, [fit.v50_m_s], [fit.scale_m_s], color=drawing.BLUE)
 
 
 def _draw_order(axes: Axes, shots: Shots, ends: tuple[float | None, float | None] | None) -> None:
-    """Draw the shots in their order, with the interval of V50."""
+    """Draw the velocities of the shots in the order fired; `ends` is the interval of V50, m/s, None for none."""
     for kind, complete, colour, marker in PENETRATIONS:
         numbers = [number for number, result in enumerate(shots.complete, start=1) if result == complete]
         fired = [shots.velocities_m_s[number - 1] for number in numbers]
@@ -258,7 +267,7 @@ def _draw_order(axes: Axes, shots: Shots, ends: tuple[float | None, float | None
 
 
 def draw_shots(axes: Axes, shots: Shots) -> None:
-    """Draw the shots of each kind, as points at their probabilities, 0 and 1."""
+    """Draw the shots over velocity: partial penetrations at probability 0, complete ones at 1."""
     for kind, complete, colour, marker in PENETRATIONS:
         if velocities := shots.of(complete=complete):
             drawing.points(axes, velocities, [complete] * len(velocities), marker=marker, label=kind, color=colour)

@@ -1,4 +1,4 @@
-"""Picture of a sweep: a quantity over one key or two."""
+"""Draw sweeps: a quantity over one key or two."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -19,13 +19,13 @@ from armour.units import MM
 
 # Quantities that are zero where the projectile is stopped.
 RESIDUALS = ("residual_velocity_m_s", "residual_mass_g")
-# Rows of a sweep whose points are marked on a curve.
+# Largest number of points of a curve that have marks.
 MAX_MARKERS = 40
 
 
 @draw.register
 def draw_sweep(result: SweepResult, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw the first quantity of a sweep that is a number."""
+    """Draw the first numerical quantity of a sweep."""
     if len(result.keys) > 2:
         raise mistake("plot", "result", f"must be a sweep over one or two keys, found {len(result.keys)}")
     numbers = [name for name in result.quantities if is_number(result[name])]
@@ -38,9 +38,10 @@ def draw_sweep(result: SweepResult, sheet: drawing.Sheet) -> drawing.Picture:
 def draw_columns(
     table: Mapping[str, Any], keys: Sequence[str], name: str, scenario: Scenario, sheet: drawing.Sheet
 ) -> drawing.Picture:
-    """Draw a quantity over one key of a sweep, as a curve, or two, as a map; thicknesses have areal densities.
+    """Draw the quantity `name` over one numerical key of a sweep, as a curve, or over two, as a map.
 
-    Over a key of names there is a mark for each name, and over such a key and numbers a curve for each.
+    `table` has an array (rows,) by name of key or quantity.  A key whose values are names gives a mark for each name
+    or, beside a numerical key, a curve.  A map over both thicknesses also has lines of equal areal density.
     """
     answer, values = Column.of(name, ".4g"), table[name]
     title = f"{answer.label[:1].upper()}{answer.label[1:]} over {' and '.join(Column.of(key).label for key in keys)}"
@@ -72,7 +73,7 @@ def draw_columns(
 
 
 def _draw_names(axes: Axes, table: Mapping[str, Any], named: Sequence[str], answer: Column, values: Any) -> None:
-    """Draw values by the names of one key or of two."""
+    """Draw values, (rows,), as marks: a row for each name of the first key, a series for each name of the second."""
     names, by_name = list(dict.fromkeys(table[named[0]].tolist())), {}
     for label, mask in _by_name(table, named[1:]):
         answers = dict(zip(table[named[0]][mask].tolist(), values[mask].tolist(), strict=True))
@@ -84,7 +85,10 @@ def _draw_names(axes: Axes, table: Mapping[str, Any], named: Sequence[str], answ
 def _draw_curves(
     axes: Axes, table: Mapping[str, Any], key: str, named: Sequence[str], answer: Column, is_outside: Any
 ) -> None:
-    """Draw values over a key of numbers, a curve for each name of another key; hollow outside the tests."""
+    """Draw a quantity over a numerical key, with a curve for each name of another key, if `named` has one.
+
+    Where `is_outside`, (rows,), is true, the curve is dashed, and its marks are hollow.
+    """
     x, values = table[key], table[answer.key]
     for index, (label, mask) in enumerate(_by_name(table, named)):
         order = np.flatnonzero(mask)[np.argsort(x[mask], kind="stable")]
@@ -93,15 +97,15 @@ def _draw_curves(
             look["marker"] = ""
         drawing.curve(axes, x[order], values[order], is_outside[order], **look)
     axes.set(xlabel=in_words(key), ylabel=answer.heading)
-    # The axis reaches rows without an answer too, and a single row has a point.
+    # Include rows without an answer, and widen the range of a single row.
     if np.isnan(values).any() or len(set(x)) == 1:
         axes.set_xlim(drawing.widened(x.tolist()))
 
 
 def _draw_map(axes: Axes, table: Mapping[str, Any], keys: Sequence[str], answer: Column, scenario: Scenario) -> None:
-    """Draw a quantity over two keys of numbers."""
+    """Draw a quantity over two numerical keys as colours and contours."""
     x, y, z = drawing.on_grid(table[keys[0]], table[keys[1]], table[answer.key])
-    # A residual velocity of zero is no level of the perforated ones: contours towards it would follow the cells.
+    # Where the projectile is stopped, a residual is left out: contours towards its zero would follow the cells.
     shown: Any = np.where(z > 0.0, z, np.nan) if answer.key in RESIDUALS else z
     drawing.colours_of(axes, x, y, shown, answer.heading)
     if min(z.shape) > 1:
@@ -115,7 +119,7 @@ def _draw_map(axes: Axes, table: Mapping[str, Any], keys: Sequence[str], answer:
 
 
 def _by_name(table: Mapping[str, Any], keys: Sequence[str]) -> list[tuple[str, Any]]:
-    """Return each name of a key with its rows, as a mask; without a key all rows."""
+    """Return each name of the first key with a mask of its rows, (rows,); without keys, "" with all rows."""
     if not keys:
         return [("", np.ones(len(next(iter(table.values()))), dtype=bool))]
     names = table[keys[0]]

@@ -1,4 +1,4 @@
-"""Pictures of suites, of the paper's figures and of comparisons."""
+"""Draw suites, figures of the paper, and comparisons with simpler formulas."""
 
 from collections.abc import Sequence
 from math import sqrt
@@ -25,7 +25,10 @@ LEFT_OUT = "outcomes, relative differences, and those of no table or without an 
 
 @draw.register
 def draw_suite(result: SuiteResult, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw computed over expected values of a suite's tables or, without tables, of its cases, by quantity."""
+    """Draw the computed over the expected values of a suite, with a panel for each quantity.
+
+    They are those of its tables or, if it has none, of its cases.
+    """
     if not (checks := drawn_checks(result)):
         raise mistake("plot", "result", "must have a case whose value is a number, found none")
     by_quantity = grouped(checks, lambda check: check.case.quantity)
@@ -41,7 +44,7 @@ def draw_suite(result: SuiteResult, sheet: drawing.Sheet) -> drawing.Picture:
             group or CASES: [drawing.Compared(c.case.name, "expected", c.case.expected, c.computed) for c in members]
             for group, members in grouped(checks_of_quantity, lambda check: check.case.group).items()
         }
-        # The relative band, if all cases have the same; otherwise a tenth.
+        # Lines at the relative band, if all cases have the same, and else at 10 %.
         cases = [check.case for check in checks_of_quantity if abs(check.case.expected) > TINY]
         bands = {round((case.band or 0.0) / abs(case.expected), 4) for case in cases}
         [part] = bands if len(bands) == 1 else [0.0]
@@ -50,7 +53,7 @@ def draw_suite(result: SuiteResult, sheet: drawing.Sheet) -> drawing.Picture:
 
 
 def draw_figure(panels: Sequence[Figure], sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw a figure of the paper: the model's curves, with the numbers of the paper's text as marks."""
+    """Draw a figure of the paper: curves by the model, and marks for the numbers that the text of the paper gives."""
     picture = sheet.panels(panels[0].section.title, *[drawing.PANEL] * len(panels))
     named: set[str] = set()
     for axes, figure in zip(picture.axes, panels, strict=True):
@@ -64,6 +67,7 @@ def draw_figure(panels: Sequence[Figure], sheet: drawing.Sheet) -> drawing.Pictu
 
 
 def _draw_panel(axes: Axes, figure: Figure) -> None:
+    """Draw the curves of a panel, and the levels and marks from the text of the paper."""
     section = figure.section
     axes.set(xlabel=section.x_label, ylabel=section.y_label, xlim=(figure.x[0], figure.x[-1]))
     for index, (label, values) in enumerate(figure.curves.items()):
@@ -85,12 +89,17 @@ def _draw_panel(axes: Axes, figure: Figure) -> None:
 
 @draw.register
 def draw_comparison(result: Comparison, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw the curves, and the limits within their range."""
+    """Draw residual velocities by the model and by the fitted formulas, with ballistic limits by other formulas.
+
+    Limits outside the range of the curves are named in the note.
+    """
     limit = result.limit.ballistic_limit_m_s
     impact = [point.impact_velocity_m_s for point in result.curve]
     limits = {f"Florence, {formula.projectile}": formula.ballistic_limit_m_s for formula in result.florence}
     limits |= {f"areal density rule, p = {rule.p:.4g}": rule.ballistic_limit_m_s for rule in result.rules}
-    beyond = [f"{name} {at:.0f} m/s" for name, at in limits.items() if not impact[0] <= at <= impact[-1]]
+    beyond = [
+        f"{name} {velocity:.0f} m/s" for name, velocity in limits.items() if not impact[0] <= velocity <= impact[-1]
+    ]
     title = f"Ballistic limit {limit:.0f} m/s by this model"
     if limits:
         title += f", {min(limits.values()):.0f} to {max(limits.values()):.0f} m/s by formulas"
@@ -102,8 +111,10 @@ def draw_comparison(result: Comparison, sheet: drawing.Sheet) -> drawing.Picture
         fitted = [residual_velocity(velocity, limit, fit.ratio, fit.exponent) for velocity in impact]
         label = f"{fit.name}: ratio {fit.ratio:.3f}, exponent {fit.exponent:.2f}"
         axes.plot(impact, fitted, linestyle=style, color=colour, label=label)
-    for (name, at), style in zip(limits.items(), drawing.STYLES[1:], strict=False):
-        if impact[0] <= at <= impact[-1]:
-            axes.axvline(at, linestyle=style, label=drawing.legible(f"{name}: {at:.0f} m/s"), **drawing.RULE)
+    for (name, velocity), style in zip(limits.items(), drawing.STYLES[1:], strict=False):
+        if impact[0] <= velocity <= impact[-1]:
+            axes.axvline(
+                velocity, linestyle=style, label=drawing.legible(f"{name}: {velocity:.0f} m/s"), **drawing.RULE
+            )
     drawing.residual_axes(axes, drawing.widened([impact[0], impact[-1]]))
     return picture

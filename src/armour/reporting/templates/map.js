@@ -1,5 +1,5 @@
 "use strict";
-// Answers are those of thicknesses on offer, lines between them are interpolated.
+// Answers are for thicknesses on offer; lines between them are interpolated.
 const DATA = JSON.parse(document.getElementById("data").textContent);
 const { threats, scores } = DATA, T = threats.length, Q = scores.length;
 const margins = threats.some(t => t.margin);
@@ -11,7 +11,7 @@ const $ = id => document.getElementById(id);
 
 const bytes = text => Uint8Array.from(atob(text), each => each.charCodeAt(0)).buffer;
 
-// Limits and velocities stopped, in the order of their scores; NaN: unknown.
+// Ballistic limits and stopped velocities, by score; NaN: unknown.
 function decoded(pair) {
   const floats = new Float32Array(bytes(pair.floats)), differences = new Uint16Array(bytes(pair.differences));
   const m = pair.backings.length, count = pair.ceramics.length * m;
@@ -29,7 +29,7 @@ function decoded(pair) {
     (pair.densities[0] * pair.ceramics[floor(k / m)] + pair.densities[1] * pair.backings[k % m]) / 1000 + DATA.added.areal);
   const excluded = new Set(pair.excluded), rank = pair.areal.map(each => round(each * 1e9));
   pair.onOffer = pair.offered[0].flatMap(i => pair.offered[1].map(j => i * m + j));
-  // By areal density; of equals, the first one is found first.
+  // Sort by areal density; equals keep their order.
   pair.designs = pair.onOffer.filter(k => !excluded.has(k)).sort((a, b) => rank[a] - rank[b] || a - b);
   pair.said = pair.untested ? `${pair.ceramic} (untested)` : pair.ceramic;
   pair.name = pair.ceramic ? `${pair.said} on ${pair.backing}` : pair.backing;
@@ -97,7 +97,7 @@ const state = {
 };
 const on = (element, type, act) => element.addEventListener(type, act);
 const current = () => DATA.pairs[state.pair];
-// Scores that are asked for against each threat; null where none is.
+// Required score against each threat; null: none.
 const confidences = () => threats.map(t => t.own ?? (state.confidence === null ? null : state.confidence / 100));
 const wanted = () => confidences().map(c => c && scoreOf(c));
 const required = t => state.velocities[t] + threats[t].margin;
@@ -115,10 +115,10 @@ const light = (pair, k) => pair.areal[k] <= state.most + 1e-9;
 // 32-bit floats are right to 1e-4 m/s.
 const stops = (pair, k, t, z) =>
   (!limited(t, z) || pair.limits[k * T + t] >= required(t) - 1e-4) && (z === null || scored(pair, k, t) >= z - 1e-6);
-// Whether the computed limit decides: where a margin or no probability is asked for.
+// Whether the limit by the model decides: if a margin or no probability is required.
 const limited = (t, z) => z === null || threats[t].margin > 0;
 
-// Lightest design that does what is asked, of known probability if there is one.
+// Lightest design that meets what is asked, of known probability if possible.
 function lightest(pair, asked = wanted()) {
   const key = [asked, state.velocities, state.most].join("|"), found = (pair.found ??= new Map());
   if (!found.has(key)) {
@@ -137,8 +137,8 @@ function lightest(pair, asked = wanted()) {
   }
   return found.get(key);
 }
-// What to show of a pair: the lightest design or, without one that is known to do what is asked, the lightest by the
-// computed limit, or the one that lacks least.
+// Design of a pair to show: the lightest known to meet what is asked; else the lightest by the computed limit; else the
+// nearest.
 function answer(pair) {
   const best = pair.single || DATA.interlayer ? null : lightest(pair);
   if (best !== null) return { k: best, reason: "" };
@@ -154,7 +154,7 @@ function answer(pair) {
   const low = within.length && threats.every((_, t) => pair.low[t] || lack(pair, nearest, t) <= 0);
   return { k: nearest, reason: low ? "low limit" : "none passes" };
 }
-// What the limit lacks to the one that is asked for, m/s.
+// Shortfall of the limit from the required one, m/s.
 function lack(pair, k, t) {
   const d = k * T + t, z = isNaN(scored(pair, k, t)) ? null : wanted()[t], sure = z === null ? Infinity : stopped(pair, d, z);
   return max(limited(t, z) ? required(t) - pair.limits[d] : -Infinity, state.velocities[t] - sure);
@@ -185,7 +185,7 @@ function overVelocity(pair, t, xs) {
     asked.every((z, i) => i === t || stops(pair, k, i, z)) ? min(limited(t, asked[t]) ? pair.limits[k * T + t] - threats[t].margin : Infinity, fast ? fast[k] : Infinity) + 1e-4 : NaN);
 }
 
-// Velocities stopped, as asked for or with an even chance, less those of one threat or all, m/s.
+// Velocities stopped, with the required or an even chance, minus those of one threat or all, m/s.
 function reserve(pair, asked, only) {
   const least = new Float64Array(pair.areal.length).fill(Infinity);
   for (let t = 0; t < T; t++) {
@@ -282,7 +282,7 @@ function besides(pair, best, ring) {
   return words.join(" ");
 }
 
-// Words of a shell.
+// Quote for a shell.
 const quoted = word => (/^[\w@%+=:,./-]+$/.test(word) ? word : `'${word.replaceAll("'", `'"'"'`)}'`);
 function command(pair, k) {
   const t = governing(pair, k), threat = threats[t], [c, b] = thicknesses(pair, k), own = DATA.own;
@@ -417,7 +417,7 @@ function viewOf(pair) {
   return { pair, grey: {}, equal: {}, near, width, height, narrow, frame, across, up, n: pair.ceramics.length, m: pair.backings.length, x, y };
 }
 
-// One thickness differs: the limits, less those required, over it.
+// Margins over the thickness, if only one varies.
 const margin = (pair, k, t) => pair.limits[k * T + t] - required(t);
 function lineViewOf(pair, view, scale) {
   const { frame } = view, values = view.m > 1 ? pair.backings : pair.ceramics;
@@ -473,7 +473,7 @@ function label(lines, said, of) {
   taken.push(...points);
   words.append(text(x, y + 4, said, `halo mid small ${of}`, { transform: `rotate(${(angle * 180 / Math.PI).toFixed(1)} ${x.toFixed(1)} ${y.toFixed(1)})` }));
 }
-// Put words where a field is above 0 and there is the most room.
+// Put words where a field is above 0 and has most room.
 function caption(field, said, of) {
   const { frame, near, m, taken, words } = view, half = 3.6 * said.length;
   let best = null, most = 14;

@@ -1,4 +1,4 @@
-"""Impacts, ballistic limits and the probability that an armour stops its threat."""
+"""Tables of impacts, of ballistic limits and of the probability that an armour stops its threat."""
 
 from typing import NamedTuple
 
@@ -11,7 +11,7 @@ from armour.reporting.table import Column, Source, Table, VerdictLine, rows_csv
 
 
 class StageWords(NamedTuple):
-    """A stage in words: what it begins with, its name, and what it is."""
+    """A stage of an impact in words: the event that begins it, its name, and its description."""
 
     begins: str
     name: str
@@ -33,7 +33,7 @@ STAGES = {
 
 @tables_of.register
 def tables_of_each(result: EachResult) -> list[Table | str]:
-    """Return the tables of each of several results, below its name."""
+    """Return the tables of several results, those of each below its name."""
     shown: list[Table | str] = []
     for name, part in result.results.items():
         shown += [f"{name}: {part.heading()[0]}", *by_result(tables_of, part)(part)]
@@ -42,7 +42,7 @@ def tables_of_each(result: EachResult) -> list[Table | str]:
 
 @tables_of.register
 def tables_of_impact(result: ImpactResult) -> list[Table | str]:
-    """Return the outcome of an impact, its probability where that was computed, and what remains, stage by stage."""
+    """Return the outcome of an impact, its probability if computed, what remains of the projectile, and the stages."""
     parts: list[Table | str] = [verdict(result)]
     if (confidence := result.question.get("confidence")) is not None:
         parts += tables_of_confidence(confidence)
@@ -56,7 +56,7 @@ def tables_of_impact(result: ImpactResult) -> list[Table | str]:
 
 
 def verdict(result: ImpactResult) -> VerdictLine:
-    """Return the outcome in a line, with what the model cannot do."""
+    """Return the outcome of an impact as a line, with the caveats of the model."""
     stopped = result.outcome == "stopped"
     residual = "" if stopped else f", residual velocity {result.residual_velocity_m_s:.0f} m/s"
     words = verdict_words(result, result.outcome + residual)
@@ -64,21 +64,21 @@ def verdict(result: ImpactResult) -> VerdictLine:
 
 
 def verdict_words(result: ImpactResult, outcome: str) -> str:
-    """Return the outcome, given in words, with what the model cannot do, or why it is not known."""
+    """Return the outcome, given in words, with the caveats of the model or, if it is not known, the reason."""
     unknown = phrases.said_of(result.warnings, "not known", *(["too low"] if result.outcome == "perforated" else []))
     words = [f"not known: {result.outcome} by the model, but {reason}" for reason in unknown] or [outcome]
     return "; ".join([*words, *(caveat for caveat in phrases.said_of(result.warnings) if caveat not in unknown)])
 
 
 def caveat_lines(result: LimitResult) -> list[Table | str]:
-    """Return what the model cannot do, in a line each."""
+    """Return a line for each caveat of the model on a ballistic limit."""
     unknown = phrases.said_of(result.warnings, "not known")
     lines = [VerdictLine(f"not known: {words}", good=False) for words in unknown]
     return [*lines, *phrases.said_of(result.warnings)]
 
 
 def stage_table(result: ImpactResult) -> Table:
-    """Return the stages of an impact with the projectile's losses in each."""
+    """Tabulate the stages of an impact: times, and what the projectile loses of velocity, length and energy in each."""
     description: Source = Column("description", prose=True), lambda record: STAGES[record.stage].words
     numbers = Column.of_each(start_us=".1f", end_us=".1f", velocity_lost_m_s=".0f", length_lost_mm=".1f")
     energy = Column("energy lost", "J", ".0f", key="energy_lost_J")
@@ -86,21 +86,24 @@ def stage_table(result: ImpactResult) -> Table:
 
 
 def history_csv(result: ImpactResult) -> str | None:
-    """Return the run over time as CSV; None where it was not kept."""
+    """Format the history of an impact as CSV; None if it was not kept."""
     if result.history is None:
         return None
     return rows_csv(result.history)
 
 
 def crossing_table(result: LimitResult) -> Table:
-    """Return every change of the outcome with the velocity."""
+    """Tabulate the velocities at which the outcome changes, and the outcome above each."""
     columns = Column("velocity", "m/s", ".1f"), Column("outcome above")
     return Table(columns, tuple((crossing.bracket_m_s[1], crossing.above) for crossing in result.crossings))
 
 
 @tables_of.register
 def tables_of_limit(result: LimitResult) -> list[Table | str]:
-    """Return all tables of a ballistic limit, and what was looked at; the changes of the outcome only where several."""
+    """Return the ballistic limit, the model error and the velocities scanned.
+
+    If the outcome changes more than once, a table of the changes follows.
+    """
     low, high = result.scanned_range_m_s
     below, above = result.bracket_m_s
     scanned = f"{result.scanned_velocities} velocities from {low:g} to {high:g} m/s were scanned"
@@ -115,7 +118,7 @@ def tables_of_limit(result: LimitResult) -> list[Table | str]:
 
 @tables_of.register
 def tables_of_confidence(result: ConfidenceResult) -> list[Table | str]:
-    """Return the probability, and what it rests on."""
+    """Return the probability of stopping with the ballistic limit, and what it rests on."""
     limit, probability = phrases.with_error(result.median_m_s, result.interval_m_s), result.probability_of_stopping
     stopping = phrases.STOPPING, None if probability is None else phrases.chance(probability, result.model_error)
     return [Table.of_one(result, phrases.BALLISTIC_LIMIT, limit, stopping), *phrases.basis_notes(result)]

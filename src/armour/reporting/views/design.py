@@ -1,4 +1,4 @@
-"""Design searches, and checks of one armour against each of its threats."""
+"""Tables of design searches, and of checks of one armour against each of its threats."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -23,18 +23,18 @@ from armour.reporting.table import Column, Source, Table, VerdictLine, csv_text,
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import OBJECTIVES, InertLayer
 
-# Probability of stopping the projectile below which the notes say how to ask for more, and how.
+# Below this probability of stopping, a note says how likely perforation is, and how to ask for a safer design.
 LOW, ASK = 0.75, "--confidence 0.95 designs for 95 %"
-# Rows of the frontier that are shown unless all are asked for.
+# Rows of the frontier that are shown by default.
 FRONTIER_ROWS = 5
 AREAL_DENSITY = Column.of("areal_density_kg_m2")
-# Thicknesses are shown with at most 3 decimals, and with no more than those of a table need.
+# At most 3 decimals; `_aligned` drops those that no thickness of a table needs.
 CERAMIC_THICKNESS, BACKING_THICKNESS = (Column.of(f"{layer}_thickness_mm", ".3f") for layer in ("ceramic", "backing"))
 THICKNESS = Column.of("thickness_mm", ".4g", "total thickness")
 COST = Column.of("cost_per_m2", ".0f")
 LIMIT = Column.of("ballistic_limit_m_s", label="limit")
 GOVERNED_BY = Column("governed by", prose=True)
-# The margin of the armour itself depends on the model error.
+# Called so because the actual margin also depends on the model error.
 MARGIN_BY_MODEL = Column.of("margin_m_s", "+.0f", "margin by the model")
 REQUIRED = Column("required margin", "m/s", "+.0f")
 OUTSIDE = Column("outside the tests in", prose=True, key="outside_tests")
@@ -44,20 +44,20 @@ METALS = (
     "the model gives the strength of the back plate more effect than the paper has: do not rely on this comparison of "
     "metals of different strength"
 )
-# Words on layers without ballistic effect.
+# Words for the places of layers without ballistic effect, and for those without a name.
 PLACES = {"front": "in front", "between": "between tile and back plate", "behind": "behind"}
 UNNAMED = "added for adhesive or cover"
 EXISTS = "areal density, thickness and cost without the back plate, which exists"
 
 
 def required_margins(scenario: Scenario | None) -> dict[str, float]:
-    """Return the margins that the threats of a scenario require, m/s, by threat."""
+    """Return the required margins of a scenario by threat, m/s, where they are not 0."""
     threats = () if scenario is None else scenario.threat
     return {threat.title: threat.margin_m_s for threat in threats if threat.margin_m_s}
 
 
 def best_table(design: BestDesign, required: Mapping[str, float], title: str = "") -> Table:
-    """Return a design quantity by quantity, with the margins that the threats require."""
+    """Tabulate a design in a line for each quantity; `required` has the required margins by threat, m/s."""
     limit: list[Source] = [phrases.BALLISTIC_LIMIT]
     if (limit_m_s := design.ballistic_limit_m_s) is None:
         limit = [(Column("ballistic limit"), "outside the range")]
@@ -82,7 +82,7 @@ def best_table(design: BestDesign, required: Mapping[str, float], title: str = "
 
 
 def design_verdict(result: DesignResult) -> list[Table | str]:
-    """Return, without a best design, what is nearest to one, and why it is no more than that."""
+    """Return lines on a search without a best design: the nearest design, what it lacks, and why; else none."""
     nearest, unlimited = result.nearest, result.without_limits
     if not result.reason:
         return []
@@ -106,19 +106,22 @@ def design_verdict(result: DesignResult) -> list[Table | str]:
 
 
 def _excesses(design: BestDesign) -> list[str]:
-    """Return by how much a design exceeds limits."""
+    """Return a phrase for each limit of [design] that a design exceeds, and by how much."""
     units = {objective.bound: objective.unit for objective in OBJECTIVES.values()}
     return [f"{excess:.3g}{units[key]} more than design.{key} allows" for key, excess in design.exceeds.items()]
 
 
 def _needed(design: BestDesign) -> tuple[NeededFlowStress | None, str]:
-    """Return the greatest flow stress that the untested ceramic of a design needs, and against which threat."""
+    """Return what flow stress the untested ceramic of a design needs, and the threat that needs the greatest.
+
+    Return None and "" for a tested ceramic.
+    """
     threat = max(design.flow_stress, key=lambda threat: design.flow_stress[threat].needed_GPa or inf, default="")
     return design.flow_stress.get(threat), threat
 
 
 def _aligned(table: Table) -> Table:
-    """Show the thicknesses of a table with the decimals that they need."""
+    """Return a table with the same number of decimals for all thicknesses, no more than needed."""
     aligned = [column in (CERAMIC_THICKNESS, BACKING_THICKNESS, THICKNESS) for column in table.columns]
     texts = [text for row in table.texts() for text in compress(row, aligned)]
     decimals = max((len(text.rstrip("0").partition(".")[2]) for text in texts), default=0)
@@ -127,7 +130,10 @@ def _aligned(table: Table) -> Table:
 
 
 def frontier_table(result: DesignResult) -> Table:
-    """Return, for each back plate of the best pair, the least ceramic that passes, with notes on some."""
+    """Tabulate, for each back plate of the best pair, the thinnest ceramic that passes.
+
+    Notes mark the best design and ceramics at the least thickness on offer.
+    """
     several = len(result.threats) > 1
     governing = dict(zip(map(_thicknesses, result.frontier), result.frontier_governed_by, strict=True))
 
@@ -148,7 +154,7 @@ def frontier_table(result: DesignResult) -> Table:
 
 
 def _around_best(result: DesignResult) -> DesignResult:
-    """Return a result with the part of its frontier that is around the best design."""
+    """Return a result whose frontier is cut down to `FRONTIER_ROWS` rows around the best design."""
     places = [_thicknesses(design) for design in result.frontier]
     best = _thicknesses(_shown(result))
     middle = places.index(best) if best in places else 0
@@ -158,18 +164,21 @@ def _around_best(result: DesignResult) -> DesignResult:
 
 
 def left_out(result: DesignResult) -> str:
-    """Return the back plates without a row in the frontier, on which no ceramic passes."""
+    """Return a note on the back plates without a row in the frontier, because no ceramic on them passes."""
     plates = result.without_mm
     ends = dict.fromkeys((f"{plates[0]:g}", f"{plates[-1]:g}"))
     return f"no ceramic passes on {counted(len(plates), 'back plate')}, {' to '.join(ends)} mm"
 
 
-# By which a design is told from others of its materials.
+# The thicknesses, which distinguish a design from others of the same materials.
 _thicknesses = attrgetter("ceramic_thickness_mm", "backing_thickness_mm")
 
 
 def margin_table(result: DesignResult, required: Mapping[str, float]) -> Table:
-    """Return the best design's margin against each threat, and the probabilities of stop and of perforation."""
+    """Tabulate, for each threat, the best design's margin and its probabilities of stopping and of perforation.
+
+    `required` has the required margins by threat, m/s.
+    """
     best, sampled = _shown(result), Column("probability of perforation by sampling, 95 % interval")
     return Table.of(
         best.margins_m_s,
@@ -184,7 +193,7 @@ def margin_table(result: DesignResult, required: Mapping[str, float]) -> Table:
 
 
 def pair_table(result: DesignResult) -> Table:
-    """Return every pair of materials with its best design, or the reason why it has none."""
+    """Tabulate every pair of materials with its best design, or the reason why it has none."""
     numbers = AREAL_DENSITY, THICKNESS, COST, LIMIT, MARGIN_BY_MODEL
     needed: Source = NEEDED, lambda best: phrases.needed_words(_needed(best)[0])
     outside = outside_tests(best_of_pairs(result))
@@ -200,7 +209,10 @@ def pair_table(result: DesignResult) -> Table:
 
 
 def design_table(designs: Sequence[Design], title: str, margins_m_s: Sequence[Mapping[str, float]] = ()) -> Table:
-    """Return designs, such as those of the Pareto front, a row each, with their margins against several threats."""
+    """Tabulate designs, such as those of the Pareto front, in a row each.
+
+    `margins_m_s` has, for each design, its margins by threat; they are shown if there are several threats.
+    """
     design, margins = itemgetter(0), itemgetter(1)
     threats = [*margins_m_s[0]] if margins_m_s else []
     against = ((Column(f"margin against {threat}", "m/s", "+.0f"), itemgetter(threat)) for threat in threats)
@@ -217,9 +229,9 @@ def design_table(designs: Sequence[Design], title: str, margins_m_s: Sequence[Ma
 
 
 def outside_tests(items: Sequence[Any]) -> tuple[Column, Callable[[Any], str]]:
-    """Return the column that says in what designs, or an armour against threats, lie outside the tests.
+    """Return the column with the quantities in which each item, a design or a threat, lies outside the tests.
 
-    What they have in common is in `outside_notes`.
+    Quantities in which all items lie outside alike are left to `outside_notes`.
     """
     common, is_any = in_common([item.outside_tests for item in items]), any(item.outside_tests for item in items)
 
@@ -236,7 +248,11 @@ def best_of_pairs(result: DesignResult) -> list[BestDesign]:
 
 
 def pair_notes(result: DesignResult) -> list[str]:
-    """Return what flow stress ceramics of one source need, where all lie outside the tests, and a caveat on metals."""
+    """Return notes below the table of pairs.
+
+    They give the flow stress that ceramics of a single source need, the quantities in which all pairs lie outside the
+    tests, and the caveats of `pair_caveats`.
+    """
     best, notes = best_of_pairs(result), []
     for each in best:
         if any(row.quantity == SOURCES for row in each.requirements):
@@ -246,13 +262,13 @@ def pair_notes(result: DesignResult) -> list[str]:
 
 
 def pair_caveats(result: DesignResult) -> list[str]:
-    """Return what the model cannot do for pairs that are not named first, and for metals of different strength."""
+    """Return the caveats of the model on pairs other than the best, and on comparing metals of different strength."""
     metals = {each.backing for each in best_of_pairs(result) if each.ceramic}
     return phrases.said_of(result.warnings, "pairs") + [METALS] * (len(metals) > 1)
 
 
 def offer_table(result: DesignResult) -> Table:
-    """Return the designs on offer or, if there are many, the best of each pair, with the margin against each threat."""
+    """Tabulate all designs on offer or, if the result does not keep them, the best of each pair."""
     if result.every:
         return design_table(result.every, "designs on offer", result.margins_of_every_m_s)
     best = best_of_pairs(result)
@@ -260,19 +276,19 @@ def offer_table(result: DesignResult) -> Table:
 
 
 def in_common(every: Sequence[Mapping[str, float]]) -> dict[str, float]:
-    """Return in what all of several designs lie outside the tests alike."""
+    """Return the quantities in which all of several designs lie outside the tests by the same factor."""
     first, *others = every or [{}]
     return {key: factor for key, factor in first.items() if all(each.get(key) == factor for each in others)}
 
 
 def outside_notes(items: Sequence[Any]) -> list[str]:
-    """Return in what all designs of a table, or an armour against all of its threats, lie outside the tests."""
+    """Return a note on the quantities in which all items, designs or threats, lie outside the tests, if any."""
     common = outside_words(in_common([item.outside_tests for item in items]))
     return [f"{'all lie ' * (len(items) > 1)}outside the tests in {common}"] if common else []
 
 
 def thin_designs(designs: Iterable[Design], scenario: Scenario | None) -> list[str]:
-    """Return from which thickness on ceramics were tested, if that of a design is thinner."""
+    """Return a note on the least ceramic thickness tested, if any design is thinner."""
     ceramics = ((design.ceramic_thickness_mm, design.outside_tests.get(THIN, 1.0)) for design in designs)
     tested_mm = [mm / factor for mm, factor in ceramics if factor < 1.0]
     if not tested_mm or scenario is None:
@@ -283,7 +299,7 @@ def thin_designs(designs: Iterable[Design], scenario: Scenario | None) -> list[s
 
 
 def _result(result: DesignResult, pair: Pair) -> str:
-    """Return why the best design of a pair is not the best of all, or what it is."""
+    """Return why the best design of a pair is not the best of all or, if it is, in which sense."""
     if pair.reason or pair.best is None:
         return pair.reason
     least = OBJECTIVES[result.minimised].least
@@ -291,7 +307,7 @@ def _result(result: DesignResult, pair: Pair) -> str:
 
 
 def design_csv(result: DesignResult) -> str:
-    """Return the Pareto front as CSV or, where none is asked for, the frontier; without one, every design."""
+    """Format designs as CSV: the Pareto front; without one, the frontier; without either, every design kept."""
     untested: Source = Column("tests", key="untested"), lambda design: "untested" if design.untested else ""
     numbers = CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, COST, MARGIN_BY_MODEL
     outside: Source = OUTSIDE, lambda design: outside_words(design.outside_tests)
@@ -300,14 +316,14 @@ def design_csv(result: DesignResult) -> str:
 
 
 def _shown(result: DesignResult) -> BestDesign:
-    """Return the best design or, without one, the nearest, of a result that has one of them."""
+    """Return the best design or, without one, the nearest; the result must have either."""
     assert result.shown is not None
     return result.shown
 
 
 @tables_of.register
 def tables_of_design(result: DesignResult) -> list[Table | str]:
-    """Return all tables of a design search: the frontier of a single pair of materials, or a row for each pair."""
+    """Return the best design of a search, its frontier or a row for each pair of materials, and the Pareto front."""
     scenario: Scenario | None = result.question.get("scenario")
     required, best, named = required_margins(scenario), result.shown, list[Design](best_of_pairs(result))
     shown: list[Table | str] = [*design_verdict(result), *phrases.said_of(result.warnings)]
@@ -345,24 +361,24 @@ def tables_of_design(result: DesignResult) -> list[Table | str]:
 
 
 def _answer(scenario: Scenario, best: BestDesign) -> Scenario:
-    """Return the scenario with the best design against its governing threat."""
+    """Return the scenario with the best design as its armour and the governing threat as its impact."""
     [governing] = [threat for threat in scenario.threats() if threat.title == best.governing]
     return scenario.replaced(best.changes_to(scenario)).against(governing)
 
 
 def margin_notes(best: BestDesign) -> list[str]:
-    """Return, if the best design is likely to be perforated, how likely, and how to ask for less."""
+    """Return a note on how likely perforation of the best design is, if its probability of stopping is low."""
     least = min((p for p in best.probabilities_of_stopping.values() if p is not None), default=1.0)
     return [f"perforated with a probability of {phrases.risk(least)}; {ASK}"] if least < LOW else []
 
 
-# What designs are compared by, named as in their tables.
+# Columns of the objectives by key, with more digits than in the tables above, so that close designs differ.
 OBJECTIVE_SPECS = {AREAL_DENSITY: ".2f", THICKNESS: ".5g", COST: ".2f", MARGIN_BY_MODEL: "+.1f"}
 OBJECTIVE_WORDS = {column.key: replace(column, spec=spec) for column, spec in OBJECTIVE_SPECS.items()}
 
 
 def design_title(result: DesignResult) -> str:
-    """Return the best design, and how surely it stops the threats; or what there is without one."""
+    """Return the best design in a line, with its probability of stopping; without one, the verdict of the search."""
     if result.reason:
         words = str(design_verdict(result)[0])
         return words[:1].upper() + words[1:]
@@ -375,25 +391,25 @@ def design_title(result: DesignResult) -> str:
 
 
 def least_probability(design: BestDesign) -> float | None:
-    """Return the least of the probabilities that a design stops each threat; None if one is unknown."""
+    """Return the least probability of stopping of a design over its threats; None if any is unknown."""
     probabilities = design.probabilities_of_stopping.values()
     return None if None in probabilities else min(p for p in probabilities if p is not None)
 
 
 def pair_words(design: Design | Pair) -> str:
-    """Return the materials of a design."""
+    """Return the materials of a design, such as "AD85 on 6061-T6"."""
     return f"{design.ceramic} on {design.backing}" if design.ceramic else design.backing
 
 
 PROBABILITY = Column("probability", prose=True)
 INTERVAL = Column("95 % interval", "m/s", prose=True)
 MARGIN = Column.of("margin_m_s", "+.0f")
-# Words of the verdicts, of which one that is overlooked does harm.
+# Verdicts as shown; "fails" is in capitals so that nobody overlooks it.
 VERDICTS = {"passes": "passes", "fails": "FAILS", "not known": "not known"}
 
 
 def required(threat: CheckedThreat) -> str:
-    """Return what is required of an armour against a threat."""
+    """Return what is required of an armour against a threat, such as "at least 95 % and a margin of 20 m/s"."""
     margin = f" and a margin of {threat.required_margin_m_s:g} m/s" if threat.required_margin_m_s else ""
     if threat.required_probability is not None:
         return f"at least {percent(threat.required_probability)}{margin}"
@@ -401,7 +417,7 @@ def required(threat: CheckedThreat) -> str:
 
 
 def finding(threat: CheckedThreat) -> str:
-    """Return the probability or the ballistic limit of an armour against a threat, and what is required of it."""
+    """Return what an armour achieves against a threat, its probability of stopping or ballistic limit, and the aim."""
     limit, needed = threat.ballistic_limit_m_s, threat.velocity_m_s + threat.required_margin_m_s
     by_model = "no ballistic limit found" if limit is None else f"ballistic limit by the model {limit:.0f} m/s"
     rows = threat.requirements
@@ -421,7 +437,7 @@ def finding(threat: CheckedThreat) -> str:
 
 
 def requirement_table(result: CheckResult) -> Table:
-    """Return all that is required of an armour, and what it has."""
+    """Tabulate all requirements on an armour, with what it has and the verdict on each."""
     rows = []
     for row in requirements_of(result):
         name, asked, found = phrases.requirement_parts(row)
@@ -433,12 +449,12 @@ def requirement_table(result: CheckResult) -> Table:
 
 
 def requirements_of(result: CheckResult) -> list[Requirement]:
-    """Return all that is required of an armour."""
+    """Return the requirements on an armour against each threat, and then those against none."""
     return [row for threat in result.threats for row in threat.requirements] + list(result.requirements)
 
 
 def threat_table(result: CheckResult) -> Table:
-    """Return each threat with the ballistic limit and its interval, the margin, the probability and the verdict."""
+    """Tabulate the threats: ballistic limit with its interval, margin, probability of stopping and verdict."""
     return Table.of(
         result.threats,
         Column.of("threat", prose=True),
@@ -452,9 +468,9 @@ def threat_table(result: CheckResult) -> Table:
 
 
 def what_if_tables(threat: CheckedThreat, title: str) -> list[Table]:
-    """Return an armour with each change against a threat: the probabilities or, where these are not known, margins.
+    """Return a table of what changes to the armour do: probabilities of stopping or, if unknown, margins.
 
-    There is no table if no velocity perforates the armour, changed or not.
+    The first row is the armour as given.  If no velocity perforates the armour, changed or not, there is no table.
     """
     as_given = threat.as_given()
     is_known, rows = as_given.probability_of_stopping is not None, []
@@ -467,12 +483,13 @@ def what_if_tables(threat: CheckedThreat, title: str) -> list[Table]:
 
 
 def outcome(result: CheckResult) -> str:
-    """Return whether an armour meets all that is required of it, or what it does not meet, and what is not modelled."""
+    """Return the verdict on an armour in a line, with the requirements not met and the caveats of the model."""
     unknown = phrases.said_of(result.warnings, "not known") * (len(result.threats) > 1)
     return "; ".join([_outcome(result), *unknown, *phrases.said_of(result.warnings)])
 
 
 def _outcome(result: CheckResult) -> str:
+    """Return the verdict on an armour with the requirements not met, without caveats."""
     unmet = [row for row in result.requirements if row.verdict != "passes"]
     words = [*map(phrases.requirement_words, sorted(unmet, key=lambda row: row.verdict != "fails"))]
     if len(result.threats) == 1:
@@ -487,9 +504,9 @@ def _outcome(result: CheckResult) -> str:
 
 
 def standing(threat: CheckedThreat) -> tuple[int, float, float]:
-    """Return a key that sorts threats, those most likely to perforate first, of equals that of the least margin.
+    """Return a sort key that puts the threats most likely to perforate first, and among equals the least margin.
 
-    A threat of unknown probability comes first if it perforates by the model, and last otherwise.
+    A threat of unknown probability comes first if its margin is less than required, and last otherwise.
     """
     unlimited = -inf if threat.verdict == "fails" else inf
     margin = unlimited if threat.margin_m_s is None else threat.margin_m_s - threat.required_margin_m_s
@@ -499,7 +516,10 @@ def standing(threat: CheckedThreat) -> tuple[int, float, float]:
 
 
 def amounts(result: CheckResult) -> str:
-    """Return areal density, thickness and cost of an armour, also of the whole one if a part exists already."""
+    """Return areal density, thickness and cost of an armour in a line.
+
+    If the back plate exists already, give the first two also with it.
+    """
     cost = f", cost {COST.text(result.cost_per_m2)} per m²" if result.cost_per_m2 else ""
     words = f"{AREAL_DENSITY.text(result.areal_density_kg_m2)} kg/m², {round(result.thickness_mm, 3):g} mm thick{cost}"
     if result.whole_thickness_mm == result.thickness_mm:
@@ -509,7 +529,7 @@ def amounts(result: CheckResult) -> str:
 
 
 def layer_words(layers: Sequence[InertLayer]) -> list[str]:
-    """Return what each layer without ballistic effect is, and where."""
+    """Return a phrase for each layer without ballistic effect: its name, place, thickness and areal density."""
     words = []
     for layer in layers:
         amounts = ((layer.thickness_mm, "mm"), (layer.areal_density_kg_m2, "kg/m²"))
@@ -520,7 +540,10 @@ def layer_words(layers: Sequence[InertLayer]) -> list[str]:
 
 @tables_of.register
 def tables_of_check(result: CheckResult) -> list[Table | str]:
-    """Return the verdict, the threats, and what changes do against the one most likely to perforate, or each."""
+    """Return the verdict, the threats and the requirements, and what changes to the armour do.
+
+    The changes are for the threat most likely to perforate or, with `every_row` in the question, for each.
+    """
     several = len(result.threats) > 1
     scenario = result.question["scenario"]
     shown: list[Table | str] = [VerdictLine(outcome(result), good=result.verdict == "passes"), amounts(result)]
@@ -540,7 +563,7 @@ def tables_of_check(result: CheckResult) -> list[Table | str]:
 
 
 def check_summary(results: Mapping[str, CheckResult]) -> VerdictLine:
-    """Return how many armours pass, each of a file, and which do not."""
+    """Return a line with how many of several armours pass, and which do not; `results` has their checks by file."""
     words = [f"passes: {sum(result.verdict == 'passes' for result in results.values())} of {len(results)}"]
     for missed in ("fails", "not known"):
         if files := [file for file, result in results.items() if result.verdict == missed]:
@@ -549,9 +572,9 @@ def check_summary(results: Mapping[str, CheckResult]) -> VerdictLine:
 
 
 def check_junit(result: CheckResult, scenario: Scenario, seconds: float, origin: Mapping[str, str]) -> Element:
-    """Return the check of a scenario as a test suite: a test case for every threat and limit of [design].
+    """Return the JUnit element of a check, with a test case for each threat and each limit of [design].
 
-    Its names stay if thicknesses, velocities or angles change.  The first case has the time, in seconds, of all.
+    Names of cases do not contain thicknesses, velocities or angles.  `seconds` is the time of the whole check.
     """
     file, threats = scenario.file, zip(result.threats, scenario.threats(), strict=True)
     parts = [(given.round_name, threat.verdict, finding(threat)) for threat, given in threats]

@@ -1,4 +1,4 @@
-"""The library of projectiles and materials, and what is shipped."""
+"""Tables of the library of projectiles and materials, and of the files shipped with the program."""
 
 from collections.abc import Callable, Mapping, Sequence
 
@@ -8,11 +8,11 @@ from armour.reporting.table import Column, Source, Table
 from armour.scenario.inputs import Kind
 from armour.scenario.library import DYNAMIC, KINDS, OPTIONAL, STATIC, Library, LibraryEntry, NamedThreat
 
-# Rounds of materials, or materials of rounds, by kind and name.
+# By kind and name of a library entry: the names of what it was tested with, rounds for a material and vice versa.
 Tested = Mapping[tuple[Kind, str], Sequence[str]]
-# Numbers of a threat.
+# Numerical attributes of a threat that its table shows.
 VALUES = ("velocity_m_s", "tolerance_m_s", "obliquity_deg")
-# Shipped tables of tests, which have no title, and what they are for.
+# Contents and use of the shipped tables of tests, which have no titles of their own.
 TABLES_OF_TESTS = {
     "tests/plates": "ballistic limits of 1,084 bare plates, for armour validate plates",
     "tests/shots": "firing results on one armour, for armour v50",
@@ -22,10 +22,10 @@ TABLES_OF_TESTS = {
 
 
 def library_table(library: Library, kind: Kind, tested: Tested | None = None) -> Table:
-    """Return the entries of a kind: name, values that are not derived in all of them, 4 digits, and description.
+    """Tabulate the entries of a kind: name, values to 4 digits, and description.
 
-    Of metals the dynamic yield strength is shown only where it is known.  If `tested` is given, only the entries in it
-    are listed, with what they were tested with in place of the description.
+    A value that is derived in every entry has no column.  If `tested` is given, list only its entries, and what each
+    was tested with instead of its description.
     """
     entries = [entry for entry in library.entries[kind].values() if tested is None or (kind, entry.name) in tested]
     used_keys = {key for entry in entries for key in entry.values if key not in (*OPTIONAL, *entry.derived)} | {STATIC}
@@ -44,12 +44,13 @@ def library_table(library: Library, kind: Kind, tested: Tested | None = None) ->
 
 
 def _shown(entry: LibraryEntry, key: str) -> float | None:
+    """Return a value of an entry to 4 digits; None if it is absent, or if only the static strength is known."""
     is_shown = key in entry.values and not (key == DYNAMIC and entry.is_static)
     return float(f"{entry[key]:.4g}") if is_shown else None
 
 
 def threat_table(threats: Mapping[str, NamedThreat]) -> Table:
-    """Return threats with their rounds and velocities."""
+    """Tabulate the named threats: round, projectile, velocity with its tolerance, angle and status."""
     return Table.of(
         threats.items(),
         (Column("threat", prose=True), lambda item: item[0]),
@@ -61,7 +62,7 @@ def threat_table(threats: Mapping[str, NamedThreat]) -> Table:
 
 
 def shipped_tables() -> list[Table | str]:
-    """Return tables of what can be copied: scenarios, suites, tables of tests or shots, and notebooks."""
+    """Return a table for each kind of shipped file: scenarios, suites, tables of tests or shots, and notebooks."""
     titled = {"scenario": shipped_files("scenarios", ".toml"), "suite for armour validate": shipped_suites()}
     shown = {
         kind: {name: str(read_toml(path)["title"]) for name, path in files.items()} for kind, files in titled.items()
@@ -76,13 +77,16 @@ KEY = Column("key")
 
 
 def entry_table(entry: LibraryEntry, first: Column = KEY, words: Callable[[str], str] = str) -> Table:
-    """Return the values of an entry of the library, with status and source; on request with keys in words."""
+    """Tabulate the values of a library entry, with status and source.
+
+    `first` is the column of the keys, which `words` turns into text.
+    """
     columns = (first, Column("value", spec="g"), Column("status"), Column("source", prose=True))
     return Table(columns, tuple((words(key), v.value, v.status, v.source) for key, v in entry.values.items()))
 
 
 def entry_tables(entry: LibraryEntry) -> list[Table | str]:
-    """Return the description and the table of an entry."""
+    """Return the description of a library entry, its aliases, any doubt about it, and the table of its values."""
     aliases = f"also {', '.join(entry.aliases)}" if entry.aliases else ""
     doubtful = f"doubtful: {entry.doubtful}" if entry.doubtful else ""
     return [*filter(None, (entry.description, aliases, doubtful)), entry_table(entry)]

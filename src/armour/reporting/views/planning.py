@@ -1,4 +1,4 @@
-"""Plans of shots and of tests."""
+"""Tables of plans of shots and of tests."""
 
 import re
 from dataclasses import replace
@@ -55,7 +55,7 @@ def tables_of_shot_plan(plan: ShotPlan) -> list[Table | str]:
 
 
 def _plan_table(plan: ShotPlan) -> Table:
-    """Return the next shot, what ends the firing, and the present estimates."""
+    """Tabulate the next shot, when the firing ends, and the estimates from the shots so far."""
     fit, mean, fraction = plan.recommended, plan.mean, plan.requirement_fraction
     ends = None if fit is None else fit.v50_interval_m_s
     required = "V50" if fraction == 0.5 else f"velocity at which {percent(fraction)} perforate"
@@ -90,17 +90,19 @@ def _plan_table(plan: ShotPlan) -> Table:
 
 
 def scatter_note(plan: ShotPlan) -> str:
-    """Return what the prior of the scatter is from."""
+    """Return a note on the prior of the scatter, which combines earlier firings with the expected scatter."""
     firings = "an earlier firing" if plan.earlier == 1 else f"{plan.earlier} earlier firings"
     scatter = f"{plan.scatter_percent:.2g} % of V50 within a factor of {plan.scatter_factor:.2g}"
     return f"the prior for the scatter, {scatter}, combines {firings} and the scatter that was expected"
 
 
 def _risk(risk: float | None) -> str:
+    """Format the greatest accepted risk; None gives an empty text."""
     return "" if risk is None else f"at most {percent(risk)}"
 
 
 def _ratio(ratio: float | None, risk: float | None) -> str:
+    """Format a likelihood ratio and the ratio that decides, 1 over the accepted risk, such as "3.2 of 20"."""
     if ratio is None or risk is None:
         return ""
     reached = f"{rounded_down(min(ratio, 9999.0), 1):g}" if ratio >= 1.0 else f"{ratio:.2g}"
@@ -108,11 +110,12 @@ def _ratio(ratio: float | None, risk: float | None) -> str:
 
 
 def _number_of_shots(median: float | None) -> str:
+    """Format a median number of shots; None means that it exceeds 100, where simulations end."""
     return "more than 100" if median is None else f"{median:.0f}"
 
 
 def operating_table(plan: ShotPlan) -> Table:
-    """Return what becomes of firings at armours around the requirement."""
+    """Tabulate the decisions and numbers of shots of simulated firings, for true V50 around the required velocity."""
     scatter = plan.operating_characteristic[0].scatter_m_s
     return Table.of(
         plan.operating_characteristic,
@@ -125,7 +128,7 @@ def operating_table(plan: ShotPlan) -> Table:
 
 
 def _shot_table(plan: ShotPlan) -> Table:
-    """Return the shots in their order."""
+    """Tabulate the shots in the order fired."""
     fired = plan.fired
     kinds = ["complete" if complete else "partial" for complete in fired.complete]
     rows = zip_longest(fired.names, fired.velocities_m_s, kinds, fillvalue="")
@@ -161,7 +164,7 @@ SLOPE_NOTE = "slope: relative change of the flow stress per projectile diameter 
 
 
 def plan_table(result: PlannedTests) -> Table:
-    """Return what the tests are planned for."""
+    """Tabulate the settings of a plan of tests: criterion, candidates, scatter, inputs to fit, and its efficiency."""
     measured = relative_to = "ballistic limit"
     if result.measure == "outcome":
         measured, relative_to = "outcome of one shot, stopped or perforated", "impact velocity"
@@ -183,7 +186,7 @@ def plan_table(result: PlannedTests) -> Table:
 
 
 def step_table(result: PlannedTests) -> Table:
-    """Return the tests in their order, with what is known after each."""
+    """Tabulate the planned tests in order, with the half-widths of the intervals expected after each."""
     before = result.planned[0]
     is_nothing_known = {*before.half_widths.values(), *before.limit_half_widths_m_s} == {None}
     steps = result.planned[1:] if is_nothing_known else result.planned
@@ -212,9 +215,9 @@ def tables_of_planned_tests(result: PlannedTests) -> list[Table | str]:
 
 
 def form_table(result: PlannedTests) -> Table:
-    """Return a table of tests for `armour calibrate` whose measured values are to be filled in.
+    """Return a form: a table of the planned tests for `armour calibrate`, with the measured values left blank.
 
-    It has the tests made before, too; the names of the planned tests go on from theirs.
+    Tests made before come first, with their values.  The numbering of planned tests continues from theirs.
     """
     tests: Tests | None = result.question.get("tests")
     has_scatter = tests.weighted if tests is not None else result.scatter_known

@@ -1,4 +1,4 @@
-"""Uncertainties, sensitivities, calibrations and V50 from firing results."""
+"""Tables of uncertainties, sensitivities, calibrations, and V50 from firing results."""
 
 from collections.abc import Sequence
 from operator import attrgetter, itemgetter
@@ -44,11 +44,14 @@ INDEX_NOTE = "true indices lie between 0 and 1; sampling error can push estimate
 
 
 def estimate_table(result: UncertaintyResult) -> Table:
-    """Return the estimated probability, quantiles and mean."""
+    """Tabulate the probability of stopping, %, and quantiles and mean of the ballistic limit, m/s.
+
+    Intervals show the sampling errors.
+    """
     mean, p = Estimate(result.mean_m_s, *result.mean_interval_m_s), result.probability_of_perforation
     stopped = Estimate(*(rounded_down(100.0 * (1.0 - part), 1) for part in (p.value, p.high, p.low)))
     limits = {**result.ballistic_limit_m_s, "mean ballistic limit": mean}
-    # A probability and velocities have different decimals, so that the numbers are formatted here.
+    # Formatted here, because a probability and velocities have different decimals.
     parts = [(STOPPING.label, "%", stopped, ".1f"), *((name, "m/s", each, ".0f") for name, each in limits.items())]
     sampling = Column(f"sampling error, {percent(result.confidence)} interval")
     columns = (Column("quantity"), Column("unit"), Column("estimate", spec="g"), sampling)
@@ -57,7 +60,7 @@ def estimate_table(result: UncertaintyResult) -> Table:
 
 
 def index_table(result: UncertaintyResult) -> Table:
-    """Return the Sobol' indices of each input, and the ballistic limits at its quantiles."""
+    """Tabulate the Sobol' indices of each input, and the ballistic limits at its 5 and 95 % quantiles."""
     return Table.of(
         result.inputs,
         (Column("input", prose=True), lambda item: in_words(item.input)),
@@ -69,7 +72,7 @@ def index_table(result: UncertaintyResult) -> Table:
 
 @tables_of.register
 def tables_of_uncertainty(result: UncertaintyResult) -> list[Table | str]:
-    """Return all tables of a propagated uncertainty."""
+    """Return all tables of an uncertainty analysis, with notes."""
     error = error_note(result.model_error, result.question.get("scenario"))
     parts: list[Table | str] = [estimate_table(result), SAMPLING_NOTE, error]
     parts += [SAMPLED_ALONE] if result.model_error is None else []
@@ -92,7 +95,10 @@ ELASTICITY_NOTE = "% per %: change of the answer, in per cent of it, when the in
 
 
 def elasticity_table(result: SensitivityResult) -> Table:
-    """Return the elasticities: the change of each answer that has a value, in per cent, when an input grows by 1 %."""
+    """Tabulate the elasticities: the change of each answer, %, when an input grows by 1 %.
+
+    Answers without a value, such as the residual velocity of a stopped projectile, have no column.
+    """
     answers = [name for name, value in result.answers.items() if value is not None]
     changes = ((Column(Column.of(name).label, "% per %", "+.2f"), itemgetter(name)) for name in answers)
     inputs: Source = Column("input", prose=True), lambda item: in_words(item.input)
@@ -101,7 +107,7 @@ def elasticity_table(result: SensitivityResult) -> Table:
 
 @tables_of.register
 def tables_of_sensitivity(result: SensitivityResult) -> list[Table | str]:
-    """Return all tables of a sensitivity analysis."""
+    """Return the answers of a sensitivity analysis and their elasticities, with a note."""
     answers: list[Source] = []
     for name, value in result.answers.items():
         none = "none (stopped)" if name == "residual_velocity_m_s" else "none"
@@ -110,7 +116,7 @@ def tables_of_sensitivity(result: SensitivityResult) -> list[Table | str]:
 
 
 def calibration_table(result: CalibrationResult) -> Table:
-    """Return the quality of a fit to tests, and how well the tests' uncertainties, if any, explain the deviations."""
+    """Tabulate the errors of a fit to tests, its AICc and, if the tests have uncertainties, its chi-squared test."""
     weighted = result.weights == "uncertainties"
     return Table.of_one(
         result,
@@ -119,7 +125,7 @@ def calibration_table(result: CalibrationResult) -> Table:
         Column.of("law", label="law of the ceramic's flow stress"),
         _error("mean error", result.mean_error_percent),
         _error("mean leave-one-out error", result.left_out_error_percent),
-        (Column("AICc", spec=".1f"), None if _has_prior(result) else _or(result.aicc, "too few tests")),
+        (Column("AICc", spec=".1f"), None if _has_prior(result) else _value_or(result.aicc, "too few tests")),
         Column.of("degrees_of_freedom", ".4g"),
         (Column("chi-squared", spec=".2f"), result.chi_squared if weighted else None),
         (Column("p value", spec=".2g"), result.p_value if weighted else None),
@@ -129,20 +135,22 @@ def calibration_table(result: CalibrationResult) -> Table:
 
 
 def _error(label: str, value: float | None) -> Source:
+    """Return the column of an error, %, with its value, or with "too few tests" if there is none."""
     return (Column(label), "too few tests") if value is None else (Column(label, "%", ".1f"), value)
 
 
 def _has_prior(result: CalibrationResult) -> bool:
+    """Return whether any coefficient of a calibration has a prior."""
     return any(coefficient.prior_share is not None for coefficient in result.coefficients)
 
 
 def coefficient_table(result: CalibrationResult) -> Table:
-    """Return the fitted coefficients with their intervals, or the reason why one is not identified."""
+    """Tabulate the fitted coefficients with their intervals, or the reasons why they are not identified."""
     known = Column(f"{percent(result.confidence)} interval", prose=True)
     return Table.of(
         result.coefficients,
         (Column("coefficient", prose=True), lambda c: in_words(c.name)),
-        (Column("estimate", spec=".4g"), lambda c: _or(c.estimate, "not identified")),
+        (Column("estimate", spec=".4g"), lambda c: _value_or(c.estimate, "not identified")),
         (known, lambda c: "; ".join(filter(None, (interval(c.interval, ".4g"), c.reason)))),
         (Column("part of the prior", "%", ".0f"), lambda c: c.prior_share and 100.0 * c.prior_share),
     )
@@ -155,24 +163,28 @@ PRIOR_NOTE = (
 
 
 def law_table(result: CalibrationResult) -> Table:
-    """Return the laws that were compared."""
+    """Tabulate the laws of the flow stress that were compared: their errors and AICc."""
     few = "too few tests"
     return Table.of(
         result.laws,
         Column.of("law"),
         Column.of("coefficients", "d"),
-        (Column.of("mean_error_percent", ".1f"), lambda law: _or(law.mean_error_percent, few)),
-        (Column("mean leave-one-out error", "%", ".1f"), lambda law: _or(law.left_out_error_percent, few)),
-        (Column("AICc", spec=".1f"), lambda law: _or(law.aicc, "none with a prior" if _has_prior(result) else few)),
+        (Column.of("mean_error_percent", ".1f"), lambda law: _value_or(law.mean_error_percent, few)),
+        (Column("mean leave-one-out error", "%", ".1f"), lambda law: _value_or(law.left_out_error_percent, few)),
+        (
+            Column("AICc", spec=".1f"),
+            lambda law: _value_or(law.aicc, "none with a prior" if _has_prior(result) else few),
+        ),
     )
 
 
-def _or(value: float | None, words: str) -> Cell:
+def _value_or(value: float | None, words: str) -> Cell:
+    """Return a value, or the words if it is None."""
     return words if value is None else value
 
 
 def correlation_table(result: CalibrationResult) -> Table:
-    """Return the correlations of the coefficients, which are numbered in the heading."""
+    """Tabulate the correlations of the coefficients, whose numbers head the columns."""
     names = [f"{number} {in_words(c.name)}" for number, c in enumerate(result.coefficients, start=1)]
     numbers = (Column(name.partition(" ")[0], spec="+.3f") for name in names)
     rows: list[tuple[Cell, ...]] = [(name, *values) for name, values in zip(names, result.correlation, strict=True)]
@@ -180,7 +192,7 @@ def correlation_table(result: CalibrationResult) -> Table:
 
 
 def residual_table(result: CalibrationResult) -> Table:
-    """Return measured and computed values, test by test; one-sided tests have a bound and no deviation."""
+    """Tabulate measured and computed values, test by test; shots give a bound and have no deviation."""
     quantities = {residual.quantity for residual in result.residuals}
     shared = Column.of(*quantities) if len(quantities) == 1 else Column("")
 
@@ -202,7 +214,7 @@ def residual_table(result: CalibrationResult) -> Table:
 
 
 def own_test_table(tests: Sequence[OwnTest]) -> Table:
-    """Return own tests with the limits that are computed for them and predicted from the others."""
+    """Tabulate own tests: the measured limits, those computed, and those predicted from the other own tests."""
     predicted = Column("predicted from the others (95 % interval)", "m/s")
     return Table.of(
         tests,
@@ -217,7 +229,7 @@ def own_test_table(tests: Sequence[OwnTest]) -> Table:
 
 
 def own_measured(test: OwnTest) -> str:
-    """Return what an own test measured, with its standard deviation."""
+    """Return what an own test measured, m/s, with its standard deviation, such as "at least 820 ± 15"."""
     deviation = f" ± {test.uncertainty_m_s:.0f}" if test.uncertainty_m_s else ""
     return f"{test.bound}{' ' * bool(test.bound)}{test.measured_m_s:.0f}{deviation}"
 
@@ -232,7 +244,7 @@ def tables_of_calibration(result: CalibrationResult) -> list[Table | str]:
 
 
 def v50_table(result: FiringResult) -> Table:
-    """Return the extreme velocities of the shots, and the mean of MIL-STD-662F."""
+    """Tabulate the shots: their numbers, the zone of mixed results, the mean of MIL-STD-662F, and the model's limit."""
     rule: list[Source] = [(Column("V50, mean"), "none: too few shots of each kind within the span allowed")]
     if (mean := result.mean) is not None:
         rule = [
@@ -253,10 +265,10 @@ def v50_table(result: FiringResult) -> Table:
 
 
 def recommended_table(fit: FittedCurve, level: float) -> Table:
-    """Return the velocities and the scatter of the recommended curve, with their intervals."""
+    """Tabulate V50, V05, V95 and scatter of the recommended curve, with intervals and bounds at a confidence level."""
     rows = (
-        ("V50", fit.v50_m_s, interval(fit.v50_interval_m_s, ".0f"), _or(fit.v50_lower_m_s, "not bounded")),
-        ("V05", fit.v05_m_s, interval(fit.v05_interval_m_s, ".0f"), _or(fit.v05_lower_m_s, "not bounded")),
+        ("V50", fit.v50_m_s, interval(fit.v50_interval_m_s, ".0f"), _value_or(fit.v50_lower_m_s, "not bounded")),
+        ("V05", fit.v05_m_s, interval(fit.v05_interval_m_s, ".0f"), _value_or(fit.v05_lower_m_s, "not bounded")),
         ("V95", fit.v95_m_s, interval(fit.v95_interval_m_s, ".0f"), None),
         ("scatter", fit.scale_m_s, interval(fit.scale_interval_m_s, ".0f"), None),
     )
@@ -266,7 +278,7 @@ def recommended_table(fit: FittedCurve, level: float) -> Table:
 
 
 def curve_table(result: FiringResult) -> Table:
-    """Return all fitted curves, with their intervals."""
+    """Tabulate all fitted curves: V50 and scatter with their intervals, V05 and V95."""
     level = f"{percent(result.confidence)} interval"
     return Table.of(
         (*result.penalised_fits, *result.fits),
@@ -282,7 +294,7 @@ def curve_table(result: FiringResult) -> Table:
 PENALISED = "intervals by penalised likelihood; with few shots those of maximum likelihood are too narrow"
 
 
-# Names of the mean, and notes on it, by its rule.
+# Names of the mean of velocities, and notes on it, by the rule for the span of its shots.
 MEANS = {"usual span": "MIL-STD-662F", "given span": "mean within the span given", "no usual rule": "mean of shots"}
 MEAN_NOTES = {
     "usual span": "the span allowed is usual with this number of shots; MIL-STD-662F leaves it to the specification",
@@ -292,7 +304,10 @@ MEAN_NOTES = {
 
 
 def answer(result: FiringResult) -> str:
-    """Return V50 with an interval that is bounded, or what would bound it, and the mean of the standard."""
+    """Return V50 and the mean of velocities in a line.
+
+    The interval of V50 has the confidence level asked for or, if it is not bounded at this level, a lower one.
+    """
     parts, fit, mean = [], result.recommended, result.mean
     if fit is not None:
         words, level = f"V50 {fit.v50_m_s:.0f} m/s", result.bounded_confidence
@@ -319,7 +334,7 @@ FIXED = (
 
 
 def further_note(result: FiringResult) -> list[str]:
-    """Return which one further result would bound V50 best."""
+    """Return a note on the one further shot that would bound V50 best, if the result has one."""
     if (further := result.further) is None:
         return []
     shot = f"a {'complete' if further.complete else 'partial'} penetration at {further.velocity_m_s:.0f} m/s"
@@ -332,7 +347,10 @@ def further_note(result: FiringResult) -> list[str]:
 
 
 def point_notes(result: FiringResult) -> list[str]:
-    """Return the points of the recommended curve that were asked for."""
+    """Return notes on the points of the recommended curve that were asked for, with their intervals.
+
+    They are the probability of perforation at a velocity, and the velocity at which a fraction perforates.
+    """
     notes, level = [], percent(result.confidence)
     if (at := result.at) is not None:
         perforated, ends = risk(1.0 - at.probability), f"{chance(at.interval[0])} to {risk(1.0 - at.interval[1])}"
@@ -346,13 +364,16 @@ def point_notes(result: FiringResult) -> list[str]:
 
 
 def velocity_name(fraction: float) -> str:
-    """Return the name of the velocity at which a fraction perforates, such as V50 or V05."""
+    """Return the name of the velocity at which a fraction perforates, such as "V05" for 0.05."""
     number = f"{100.0 * fraction:.3g}"
     return f"V{number.zfill(2)}"
 
 
 def requirement_verdict(result: FiringResult) -> list[str]:
-    """Return whether a requirement is met, with the risks of accepting and of rejecting the armour now."""
+    """Return whether the required velocity is met, with the risks of accepting and of rejecting the armour now.
+
+    Without a requirement, return no line.
+    """
     if result.requirement_m_s is None:
         return []
     required = f"{result.requirement_m_s:g} m/s required of {velocity_name(result.requirement_fraction)}"
@@ -373,7 +394,7 @@ def rounded_risk(risk: float) -> str:
 
 @tables_of.register
 def tables_of_firing(result: FiringResult) -> list[Table | str]:
-    """Return V50 in a line, whether a requirement is met, the curve, the posterior, the shots and all curves."""
+    """Return whether a requirement is met, V50, the recommended curve, the posterior, the shots and all curves."""
     shown: list[Table | str] = [*requirement_verdict(result), *filter(None, (answer(result),))]
     shown += [*further_note(result), *point_notes(result)]
     if result.recommended is not None:
@@ -401,7 +422,7 @@ def tables_of_firing(result: FiringResult) -> list[Table | str]:
 
 
 def prior_table(prior: FiringEstimate, posterior: FiringEstimate, level: float) -> Table:
-    """Return V50 and the scatter before and after the shots."""
+    """Tabulate V50 and the scatter before and after the shots, with intervals at a confidence level."""
     v50, scatter = (Column(f"{name}, {percent(level)} interval", "m/s") for name in ("V50", "scatter"))
     return Table.of(
         (("prior", prior), ("posterior", posterior)),
@@ -413,7 +434,7 @@ def prior_table(prior: FiringEstimate, posterior: FiringEstimate, level: float) 
 
 
 def share_note(share: float) -> str:
-    """Return how much of a posterior is the prior."""
+    """Return a note on how much the prior contributes to the posterior of V50; `share` is part of the precision."""
     if share >= 1.0:
         return "the shots do not narrow V50: its posterior is no narrower than its prior"
     part = f"{100.0 * share:.{0 if share > 0.095 else 1}f} %"

@@ -1,4 +1,4 @@
-"""Sweeps."""
+"""Tables of sweeps."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -11,19 +11,23 @@ from armour.reporting.table import Column, Table
 from armour.scenario.scenario import Scenario
 from armour.sweeps.sweep import SweepResult
 
-# Rows of a sweep that are shown.
+# Largest number of rows of a sweep that a terminal shows.
 SWEEP_ROWS = 20
 
 
 @tables_of.register
 def tables_of_sweep(result: SweepResult) -> list[Table | str]:
-    """Return the first rows of a sweep."""
+    """Return the first rows of a sweep, with a note if there are more."""
     notes = [f"the first {SWEEP_ROWS} of {result.rows:,} rows"] if result.rows > SWEEP_ROWS else []
     return [first_rows(result.columns, result.scenario, result.keys), *notes]
 
 
 def first_rows(columns: Mapping[str, Any], scenario: Scenario, keys: Sequence[str]) -> Table:
-    """Return the first rows of the columns of a sweep, and whether they are inside the tests if not all are."""
+    """Tabulate the first rows of a sweep.
+
+    `columns` has an array (rows,) by name; the names in `keys` are the swept inputs.  If any row shown lies outside the
+    tests, a last column says which do.
+    """
     first = {name: values[:SWEEP_ROWS] for name, values in columns.items()}
     quantities = [name for name in columns if name not in keys]
     is_outside = outside_of(scenario, {key: first[key] for key in keys}, quantities)
@@ -36,5 +40,5 @@ def first_rows(columns: Mapping[str, Any], scenario: Scenario, keys: Sequence[st
 
 
 def is_number(values: Any) -> bool:
-    """Return whether a column holds numbers."""
+    """Return whether an array holds numbers."""
     return values.dtype.kind in "iuf"

@@ -1,4 +1,4 @@
-"""Suites of cases, the paper's figures, and comparisons with simpler formulas."""
+"""Tables and reports of suites, of the paper's figures, and of comparisons with simpler formulas."""
 
 from collections.abc import Mapping, Sequence
 from math import floor, log10
@@ -24,12 +24,12 @@ from armour.validation.validate import FAILED, Check, SuiteResult, TableSummary
 
 
 def check_groups(result: SuiteResult) -> dict[str, list[Check]]:
-    """Return the checks of a suite by table."""
+    """Return the checks of a suite by the name of their table."""
     return grouped(result.checks, lambda check: check.case.group or CASES)
 
 
 def check_table(checks: Sequence[Check], title: str = "") -> Table:
-    """Return expected and computed values with the bands they are held to."""
+    """Tabulate expected and computed values, their deviations, and the bands in which these must lie."""
     units = {check.case.unit for check in checks}
     shared = units.pop() if len(units) == 1 else ""
     return Table.of(
@@ -37,7 +37,7 @@ def check_table(checks: Sequence[Check], title: str = "") -> Table:
         (Column("case", prose=True), lambda check: check.case.name),
         (Column("unit"), lambda check: "" if shared else check.case.unit),
         (Column("expected", shared, ".10g"), lambda check: check.case.expected),
-        # Each case has decimals of its own, so that computed value and deviation are formatted here.
+        # Formatted here, because the number of decimals depends on the case.
         (Column("computed", shared, "g"), lambda check: _in_decimals(check.case, check.computed)),
         (Column("deviation", shared, "g"), lambda check: _in_decimals(check.case, check.deviation, "+")),
         Column.of("deviation_percent", "+.2f", "relative deviation"),
@@ -48,7 +48,7 @@ def check_table(checks: Sequence[Check], title: str = "") -> Table:
 
 
 def _in_decimals(case: Case, value: float | str | None, sign: str = "") -> str | None:
-    """Format a value of a case with one decimal more than the expected value and its band have."""
+    """Format a value with one decimal more than the expected value or the band of its case, whichever has more."""
     if value is None:
         return None
     value_decimals = len(number(case.expected or 0.0, ".10g").partition(".")[2])
@@ -57,14 +57,14 @@ def _in_decimals(case: Case, value: float | str | None, sign: str = "") -> str |
 
 
 def failure(check: Check) -> str:
-    """Return expected and computed value of a check, with the band."""
+    """Return the values of a check in a line: expected, computed, deviation and band."""
     table = check_table([check])
     cells = zip(table.columns[1:-1], table.texts()[0][1:-1], strict=True)
     return ", ".join(f"{column.label} {text} {column.unit}".rstrip() for column, text in cells if text)
 
 
 def summary_table(result: SuiteResult) -> Table:
-    """Return the deviations of each table of a suite as a whole, except those of rows in files."""
+    """Tabulate the mean, RMS and largest deviation of each table of a suite, except tables whose rows are in a file."""
     file_tables = {check.case.group for check in result.checks if check.case.cells}
     return Table.of(
         [summary for summary in result.summaries if summary.name not in file_tables],
@@ -81,7 +81,7 @@ def summary_table(result: SuiteResult) -> Table:
 
 
 def group_table(result: SuiteResult, name: str) -> Table:
-    """Return the relative deviations of a table whose rows are in a file, all of them and by group."""
+    """Tabulate the relative deviations of one table whose rows are in a file: of all rows, and of each group."""
     return Table.of(
         [summary for summary in result.summaries if summary.name == name],
         (Column("tests", prose=True), lambda summary: summary.group or "all"),
@@ -96,7 +96,7 @@ def group_table(result: SuiteResult, name: str) -> Table:
 
 
 def held_to(summary: TableSummary) -> str:
-    """Return mean and root mean square of a table or group with the bands that they are held to."""
+    """Return the mean and RMS deviation of a table or group in a line, each beside its band; omit those without one."""
     unit, parts = summary.unit, []
     if summary.rms_band is not None:
         parts.append(f"RMS {summary.rms:.2f} {unit}, RMS band {summary.rms_band:g} {unit}")
@@ -107,7 +107,7 @@ def held_to(summary: TableSummary) -> str:
 
 
 def error_tables(errors: Sequence[Error]) -> list[Table]:
-    """Return the errors of the predictions that each table compares."""
+    """Return a table for each table of a suite that compares predictions, with the errors of each predictor."""
     predictor = Column.of("predictor", label="predicted by", prose=True)
     numbers = [Column.of("mean_percent", ".1f", "mean error"), Column.of("left_out_percent", ".1f")]
     columns = predictor, *numbers, Column.of("largest_percent", ".1f"), Column.of("fitted", prose=True)
@@ -118,7 +118,10 @@ def error_tables(errors: Sequence[Error]) -> list[Table]:
 
 
 def note_rows(checks: Sequence[Check]) -> list[tuple[str, str]]:
-    """Return why cases are not scored, have no answer or have their band; the same note of a table once."""
+    """Return names and notes of cases: why they have no answer, are not scored, or have their band.
+
+    A note that several rows of a table share appears once, under the name of the table.
+    """
     notes = []
     for check in checks:
         case = check.case
@@ -130,20 +133,21 @@ def note_rows(checks: Sequence[Check]) -> list[tuple[str, str]]:
 
 
 def verdict(result: SuiteResult) -> str:
-    """Return the outcome of a suite in a line."""
+    """Return the outcome of a suite in a line, such as "9 of 10 within their bands, 1 outside"."""
     failed = [f"{count} {status}" for status in FAILED if (count := result.count(status))]
     return ", ".join([f"{result.count('within')} of {result.count('within', *FAILED)} within their bands", *failed])
 
 
 def is_scored(result: SuiteResult) -> bool:
-    """Return whether a case of a suite is held to a band."""
+    """Return whether any case of a suite is scored."""
     return result.count("within", *FAILED) > 0
 
 
 def suite_tables(result: SuiteResult) -> list[Table]:
-    """Return the tables of a suite: the cases of each table or its groups, the tables as a whole, and the errors.
+    """Return all tables of a suite: its cases, its tables as a whole, and the errors of predictions.
 
-    Of the rows of a file, those outside their bands, or without an answer, follow the groups.
+    A table whose rows are in a file shows its groups instead, and those rows that are outside their bands or have no
+    answer.
     """
     tables = []
     for name, checks in check_groups(result).items():
@@ -154,26 +158,26 @@ def suite_tables(result: SuiteResult) -> list[Table]:
 
 
 def failed_table(name: str, checks: Sequence[Check]) -> list[Table]:
-    """Return a table of those checks that are outside their bands or without an answer, if there are any."""
+    """Return a table of the checks that are outside their bands or have no answer, if there are any."""
     failed = [check for check in checks if check.status in FAILED]
     return [check_table(failed, f"{name}: not within their bands")] if failed else []
 
 
-# Deviations below this, in any unit, say no more than that they are small.
+# Smaller deviations, in any unit, are shown as "below" this.
 SMALL_DEVIATION = 0.01
 
 
 def _magnitude(value: float, unit: str) -> str:
-    """Return the magnitude of a deviation in words."""
+    """Format the magnitude of a deviation with its unit."""
     return f"below {SMALL_DEVIATION:g} {unit}" if 0.0 < value < SMALL_DEVIATION else f"{value:.3g} {unit}"
 
 
 def overview_table(result: SuiteResult) -> Table:
-    """Return a line for each table of a suite: how many cases are within their bands, and their deviations."""
+    """Tabulate, in a row for each table of a suite, how many cases are within their bands, and the deviations."""
     groups = check_groups(result)
     whole = {summary.name: summary for summary in result.summaries if not summary.group}
 
-    def line(name: str, checks: Sequence[Check]) -> tuple[str, ...]:
+    def cells_of(name: str, checks: Sequence[Check]) -> tuple[str, ...]:
         scored = [check for check in checks if check.status != "not scored"]
         within = f"{sum(check.status == 'within' for check in scored)} of {len(scored)}" if scored else ""
         if summary := whole.get(name):
@@ -185,15 +189,15 @@ def overview_table(result: SuiteResult) -> Table:
         return within or "not scored", "", "", "" if worst is None else _magnitude(worst, "%")
 
     words = map(Column, ("within", "RMS", "RMS band", "worst"))
-    rows: list[tuple[Cell, ...]] = [(name, len(checks), *line(name, checks)) for name, checks in groups.items()]
+    rows: list[tuple[Cell, ...]] = [(name, len(checks), *cells_of(name, checks)) for name, checks in groups.items()]
     return Table.of_rows((Column("table", prose=True), Column("cases", spec="d"), *words), rows)
 
 
 @tables_of.register
 def tables_of_suite(result: SuiteResult) -> list[Table | str]:
-    """Return a line for each table of a suite, or every row where that was asked for, the failures and the verdict.
+    """Return an overview of a suite, its failures and its verdict; with `every_row` in the question, all tables.
 
-    Regression values that are not filled in yet are always named.
+    Cases whose expected value is not filled in yet are always named.
     """
     every_row = result.question.get("every_row")
     shown: list[Table | str] = [*suite_tables(result)] if every_row else [overview_table(result)]
@@ -211,13 +215,13 @@ def tables_of_suite(result: SuiteResult) -> list[Table | str]:
 
 
 def update_table(updates: Sequence[Check]) -> Table:
-    """Return the expected values that an update changes."""
+    """Tabulate the expected values that an update replaces, and the computed values that replace them."""
     columns = Column("case", prose=True), Column("expected", spec=".10g"), Column("computed", spec=".10g")
     return Table.of_rows(columns, [(check.case.full_name, check.case.expected, check.computed) for check in updates])
 
 
 def parity_table(result: SuiteResult) -> Table:
-    """Return expected and computed values of a suite's tables."""
+    """Tabulate the expected and computed values of all cases of a suite."""
     columns = [*map(Column.of, ("table", "row", "quantity")), *Column.of_each(expected="g", computed="g")]
     cases = ((check.case, check.computed) for check in result.checks)
     rows = [(case.group, case.name, case.quantity, case.expected, computed) for case, computed in cases]
@@ -225,12 +229,15 @@ def parity_table(result: SuiteResult) -> Table:
 
 
 def drawn_checks(result: SuiteResult) -> list[Check]:
-    """Return what a picture of a suite shows: the numbers of its tables, or else of its cases."""
+    """Return the checks that a picture of a suite shows.
+
+    They are the numbers in its tables or, if there are none, all its numbers; relative differences are left out.
+    """
     checks = [check for check in result.checks if check.deviation is not None and check.case.measured is None]
     return [check for check in checks if check.case.group] or checks
 
 
-# Part of the tests whose limits an allowance covers.
+# Fraction of the tests in which the computed limit, lowered by the allowance, does not exceed the measured one.
 COVERED_PART = 0.95
 USABLE = (
     "A result within its band has not changed since the band was set; it need not be close to the tests. Lowered by "
@@ -240,7 +247,7 @@ USABLE = (
 
 
 def usable_table(result: SuiteResult) -> Table:
-    """Return the relative errors of computed limits on the tests of each table, and what they mean for use."""
+    """Tabulate the relative errors of computed ballistic limits for each table of tests, and the allowance."""
     groups = check_groups(result)
 
     def is_measured(summary: TableSummary) -> bool:
@@ -259,9 +266,9 @@ def usable_table(result: SuiteResult) -> Table:
 
 
 def allowance_percent(checks: Sequence[Check]) -> float | None:
-    """Return by how much computed limits are to be lowered, %, so that 95 % of the measured ones reach them.
+    """Return by how much to lower computed limits, %, so that 95 % of them do not exceed the measured ones.
 
-    It is None if none was computed.
+    Return None if no limit was computed.
     """
     errors = sorted((check.deviation_percent for check in checks if check.deviation_percent is not None), reverse=True)
     if not errors:
@@ -271,11 +278,11 @@ def allowance_percent(checks: Sequence[Check]) -> float | None:
 
 
 def suite_report(result: SuiteResult, command: str = "") -> Report:
-    """Report the outcome of a suite: whether it is unchanged, the errors of the limits, and what both rest on.
+    """Make the report on a suite: verdict, errors of computed limits, picture, tables, and reasons for the bands.
 
-    With a command, also the origin.
+    If `command` is given, the last section shows it, with the versions of the programs.
     """
-    sources = {name: _source(checks) for name, checks in check_groups(result).items()}
+    sources = {name: _source_and_reason(checks) for name, checks in check_groups(result).items()}
     sections = []
     if (usable := usable_table(result)).rows:
         sections.append(ReportSection("Errors of computed limits", (USABLE,), tables=(usable,)))
@@ -304,17 +311,17 @@ def suite_report(result: SuiteResult, command: str = "") -> Report:
     )
 
 
-def _source(checks: list[Check]) -> tuple[str, ...]:
-    """Return source and reason of a table, which all its rows share."""
+def _source_and_reason(checks: list[Check]) -> tuple[str, ...]:
+    """Return the source of a table and the reason for its band in a sentence, taken from its first row."""
     case = checks[0].case
     text = "; ".join(filter(None, (case.source, case.reason and f"band: {case.reason}")))
     return (f"{text[:1].upper()}{text[1:]}.",) if case.group and text else ()
 
 
 def suite_junit(result: SuiteResult, seconds: Sequence[float], origin: Mapping[str, str]) -> bytes:
-    """Format the outcome of a suite: a test case for every case, and for every table that is held to a band.
+    """Format the outcome of a suite as JUnit XML, with a test case for each case and each table that has a band.
 
-    The first of the cases that are computed together has the time, in seconds, of all of them.
+    `seconds` has the time of each check; where cases are computed together, the first has the time of all of them.
     """
     kinds = {**dict.fromkeys(FAILED, "failure"), "not scored": "skipped"}
     cases = []
@@ -331,7 +338,10 @@ def suite_junit(result: SuiteResult, seconds: Sequence[float], origin: Mapping[s
 
 
 def figure_table(panels: Sequence[Figure]) -> Table:
-    """Return the curves of a figure, a column each; its panels, of equally many points, side by side."""
+    """Tabulate the curves of a figure of the paper, a column each.
+
+    Panels stand side by side; they must have equally many points.
+    """
     quantities = {quantity.label for quantity in QUANTITIES.values()}
     columns: dict[str, Sequence[float | None]] = {}
     for panel in panels:
@@ -346,9 +356,9 @@ def figure_table(panels: Sequence[Figure]) -> Table:
 
 
 def comparison_table(result: Comparison) -> Table:
-    """Return ballistic limits by the model, by Florence and by the rule."""
+    """Tabulate the ballistic limits by the model, by Florence's formula and by the areal density rules."""
     limit = result.limit.ballistic_limit_m_s
-    limits = {_florence(florence): florence.ballistic_limit_m_s for florence in result.florence}
+    limits = {_florence_name(florence): florence.ballistic_limit_m_s for florence in result.florence}
     limits |= {f"areal density rule, p = {rule.p:.4g}": rule.ballistic_limit_m_s for rule in result.rules}
     rows = [(name, other, deviation_percent(other, limit)) for name, other in limits.items()]
     columns = Column("formula", prose=True), BALLISTIC_LIMIT, Column("difference from the model", "%", "+.0f")
@@ -358,7 +368,7 @@ def comparison_table(result: Comparison) -> Table:
 def weight_table(
     areal_density_kg_m2: float, limit_m_s: float, rules: Sequence[RuleResult], measured: Sequence[MeasuredArmour]
 ) -> Table:
-    """Return the areal density of an armour beside those of rules and of the tested armours nearest in limit."""
+    """Tabulate the areal density of an armour, that of the rules, and of tested armours nearest in ballistic limit."""
     rows = [("this armour, by the model", areal_density_kg_m2, limit_m_s)]
     rows += [(f"areal density rule, p = {rule.p:.4g}", rule.areal_density_kg_m2, limit_m_s) for rule in rules]
     for each in measured:
@@ -369,10 +379,10 @@ def weight_table(
 
 
 def optimum_table(result: Comparison) -> Table:
-    """Return the thicknesses of the same areal density that are best by Florence, with their ballistic limits."""
+    """Tabulate the thicknesses that are best by Florence's formula at the armour's areal density, with their limits."""
     return Table.of(
         result.florence,
-        (Column("optimum by Florence", prose=True), _florence),
+        (Column("optimum by Florence", prose=True), _florence_name),
         Column.of("best_ceramic_thickness_mm", ".1f", "ceramic"),
         Column.of("best_backing_thickness_mm", ".1f", "back plate"),
         Column.of("best_thickness_ratio", ".1f", "ratio"),
@@ -381,12 +391,13 @@ def optimum_table(result: Comparison) -> Table:
     )
 
 
-def _florence(result: FlorenceResult) -> str:
+def _florence_name(result: FlorenceResult) -> str:
+    """Return the name of a result of Florence's formula, with the projectile it takes."""
     return f"Florence, {result.projectile} ({result.mass_g:g} g, {result.diameter_mm:g} mm)"
 
 
 def rule_note(result: Comparison) -> str:
-    """Return what the rule of areal density is fitted to, or why it is not."""
+    """Return a note on the areal density rules: their factors and tests, or why there are none."""
     if not result.rules:
         return f"areal density rule: none, without tests of this round and these materials; there are {result.tests}"
     factors = " and ".join(f"k = {rule.k:.2f} with p = {rule.p:.4g}" for rule in result.rules)
@@ -394,7 +405,7 @@ def rule_note(result: Comparison) -> str:
 
 
 def fit_table(result: Comparison) -> Table:
-    """Return the fits to the model's residual velocities."""
+    """Tabulate the parameters of the formulas that are fitted to the model's residual velocities."""
     return Table.of(
         result.fits,
         Column.of("name", label="residual velocity by", prose=True),
