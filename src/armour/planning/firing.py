@@ -516,7 +516,7 @@ def aimed(velocity_m_s: float) -> float:
 
 
 def far_from(limit_m_s: float, velocity_m_s: float) -> str:
-    """Return a message that a velocity is too far from the expected V50 to be right; "" if it is near."""
+    """Return a message that a velocity is too far from the expected V50, `limit_m_s`, to be right; "" if it is near."""
     if limit_m_s / ABSURD_FACTOR <= velocity_m_s <= limit_m_s * ABSURD_FACTOR:
         return ""
     near = f"must be near the V50 expected, {limit_m_s:.0f} m/s: a third to three times it"

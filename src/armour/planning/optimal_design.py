@@ -33,7 +33,7 @@ class Task(NamedTuple):
     targets: Floats | None  # for criterion I, (t, k); None for D
 
     def information(self, chosen: Sequence[int] | Ints) -> Floats:
-        """Return the information of the base and of tests of candidates, given by index, (k, k)."""
+        """Return the information from the base and from tests of the candidates at the indices `chosen`, (k, k)."""
         rows = self.rows[np.asarray(chosen, dtype=int)]
         return self.base + rows.T @ rows
 
@@ -50,7 +50,7 @@ class Task(NamedTuple):
         return losses
 
     def sensitivities(self, information: Floats) -> Floats:
-        """Return how fast the loss falls as information from each candidate is added, (n,), given that so far."""
+        """Return the rates, (n,), at which the loss falls as each candidate adds to the information, (k, k)."""
         inverse = np.linalg.inv(information)
         if self.targets is None:
             return np.einsum("nk,kl,nl->n", self.rows, inverse, self.rows)
@@ -70,7 +70,7 @@ def identified(base: Floats, rows: Floats) -> Floats:
 
 
 def _root(information: Floats) -> Floats:
-    """Return k rows, (k, k), that together give an information matrix, (k, k)."""
+    """Return k rows, (k, k), whose information is a given matrix, (k, k)."""
     values, vectors = np.linalg.eigh(information)
     return np.sqrt(np.maximum(values, 0.0))[:, None] * vectors.T
 
@@ -81,7 +81,7 @@ def missing_tests(base: Floats, rows: Floats) -> int:
 
 
 def _scaled(base: Floats, rows: Floats) -> tuple[Floats, Floats]:
-    """Return rows that give the base, and `rows`, all scaled so that their information is alike in all directions."""
+    """Return a root of the base, (k, k), and `rows`, both scaled so that all directions have like total information."""
     root = _root(base)
     stacked = np.vstack([root, rows])
     triangle = np.linalg.qr(stacked, mode="r")
@@ -125,7 +125,10 @@ def _sequence(task: Task, allowed: Ints, number: int, *, repeats: bool = True) -
 
 
 def _first(task: Task, allowed: Ints) -> list[int]:
-    """Return the fewest allowed candidates that make the information regular: the best determinant for the cost."""
+    """Return the fewest allowed candidates that make the information regular.
+
+    Of such sets, this one has the greatest determinant for its cost.
+    """
     rows = task.rows[allowed]
     root, scaled = _scaled(task.base, rows)
     count = missing_tests(task.base, rows)

@@ -271,7 +271,7 @@ class LimitModel(NamedTuple):
         refuse(problems)
 
     def gradients(self, x: Floats, limits: Floats) -> Floats:
-        """Return the gradients of the logarithms of the limits, (n, k), at `x`, (k,), where `limits`, m/s, are (n,)."""
+        """Return the gradients, (n, k), of the logarithms of the limits at `x`, (k,), where these are `limits`, m/s."""
 
         def changes(x: Floats) -> Floats:
             self.on_progress(len(limits), None)
@@ -436,9 +436,10 @@ def plan_tests(
 
 
 def _informing(candidates: Candidates, gradients: Floats, limits: Floats, scatter: float, measure: Measure) -> Floats:
-    """Return the row of each candidate, (n, k): a test of it gives the information f f' about the inputs, f its row.
+    """Return the rows of the information about the inputs from a test of each candidate, (n, k).
 
-    `gradients`, (n, k), are those of the logarithms of the `limits`, m/s, (n,); `scatter` is relative.
+    The information from a row f is f f'.  `gradients`, (n, k), are those of the logarithms of the `limits`, m/s, (n,);
+    `scatter` is relative to the limit.
     """
     if measure == "limit":
         return gradients / scatter

@@ -59,7 +59,7 @@ class Demand(NamedTuple):
     met: Floats  # 1 for curves that meet the requirement, 0 for those that do not, 0.5 at the edge, (points,)
 
     def posterior(self, velocities_m_s: Sequence[float], complete: Sequence[bool]) -> Posterior:
-        """Return the curves, weighted by the likelihood of shots, m/s, some of them complete; there may be none."""
+        """Return the curves with their probabilities given shots; `complete` is true for complete penetrations."""
         return Posterior(self.grid, normalised(self.log_weights + self.grid.log_likelihood(velocities_m_s, complete)))
 
     def ratios(self, weights: Floats) -> Floats:
@@ -505,7 +505,7 @@ class OperatingPoint:
 
 
 def operating_characteristic(settings: ShotSettings) -> tuple[OperatingPoint, ...]:
-    """Simulate firings at armours that meet the requirement more or less, all with the expected scatter."""
+    """Simulate firings at armours from below to above the requirement, all with the expected scatter."""
     assert settings.requirement_m_s is not None
     current, scatter = posterior(Shots((), ()), settings, FUTURE_NODES), settings.scatter_m_s
     v50_at_edge = settings.requirement_m_s - float(ndtri(settings.requirement_fraction)) * scatter

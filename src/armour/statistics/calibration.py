@@ -66,7 +66,7 @@ def with_law(scenario: Scenario, law: Law | None) -> Scenario:
 
 
 def with_ceramic(scenario: Scenario, values: dict[str, float]) -> Scenario:
-    """Return the scenario with `values` of its ceramic, by key of the library entry, which may lack these keys."""
+    """Return the scenario with other values of its ceramic, by key; the library entry may lack these keys."""
     entry = scenario.entry_of("ceramic")
     assert entry is not None
     table: dict[str, Any] = dict(values)
@@ -315,7 +315,7 @@ def calibrate(
 
 
 def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str]) -> CalibrationResult:
-    """Return the result with the evidence that its tests give, or with a warning that they give none.
+    """Return the result with its evidence, the tests as a library entry stores them, or a warning that there is none.
 
     `tests` have the law of the result; `inputs` are the names of the fitted inputs.
     """
@@ -369,7 +369,7 @@ def check_fitted(fit: Sequence[str], law: str | None, function: str) -> None:
 
 
 def check_same_prior(tests: Tests, scenario: Scenario, function: str) -> None:
-    """Check that a scenario has the same distributions as the one that the tests were read with, which are the prior.
+    """Check that `scenario` has the distributions, used as a prior, of the scenario that the tests were read with.
 
     Messages name `function`, the public function that was called.
     """
@@ -450,8 +450,8 @@ def out_of_line(deviations: Floats, left_out: Floats, coefficients: int) -> Bool
 
     `deviations`, (n,), are the relative deviations of the fit to all measurements; in `left_out`, (n,), each is that of
     a fit to the others.  A measurement is out of line if its studentised left-out deviation exceeds a quantile of
-    Student's t, with Bonferroni's correction.  In a linear model, it adds the product of its two deviations to the sum
-    of squares.
+    Student's t, with Bonferroni's correction.  In a linear model, a measurement adds the product of its two deviations
+    to the sum of squares.
     """
     freedom = len(deviations) - coefficients - 1
     if freedom < 1:

@@ -259,9 +259,10 @@ class ShotLikelihood:
         return Curve(float(point[0]), float(point[1]), -self._loss(point))
 
     def _highest(self, line: Callable[[Floats], Floats], places: Floats) -> Curve:
-        """Return the likeliest curve of a family, by searches ever closer to the best of its members.
+        """Return the likeliest curve of a family with one parameter, by refining a grid of this parameter.
 
-        `line` gives the intercepts and slopes, (m, 2), of the members at m places; the first `places` ascend.
+        `line` returns the intercepts and slopes, (m, 2), of the curves with m values of the parameter; `places` are the
+        first values, ascending.
         """
         for _ in range(1 + NARROWINGS):
             points = line(places)
@@ -271,7 +272,7 @@ class ShotLikelihood:
         return self._curve(points[best])
 
     def with_value(self, z: float, x: float) -> Curve:
-        """Return the likeliest of the curves whose argument of F is `z` at the standardised velocity `x`."""
+        """Return the likeliest of the curves with the probability F(z) at the standardised velocity `x`."""
         return self._highest(lambda slopes: np.column_stack([z - slopes * x, slopes]), SLOPES)
 
     def with_slope(self, slope: float) -> Curve:
@@ -301,7 +302,7 @@ class ShotLikelihood:
         return direction * inf if end is None else end
 
     def quantile_end(self, z: float, direction: float, root: float) -> float:
-        """Return an end of the interval of the standardised velocity at which the argument of F is `z`.
+        """Return an end of the interval of the standardised velocity at which the probability is F(z).
 
         `direction` is -1 for the lower end and 1 for the upper one; `root` is the square root of the deviance at it.
         """
@@ -314,13 +315,13 @@ class ShotLikelihood:
         return self.bound(lambda location: self.with_value(z, location), estimate, direction, root)
 
     def velocity_interval(self, z: float, confidence: float) -> Interval:
-        """Return the confidence interval of the velocity, m/s, at which the argument of F is `z`."""
+        """Return the confidence interval of the velocity, m/s, at which shots perforate with the probability F(z)."""
         root = float(ndtri(0.5 + 0.5 * confidence))
         low, high = (bounded(self.mean + self.deviation * self.quantile_end(z, side, root)) for side in (-1.0, 1.0))
         return low, high
 
     def lower_bound(self, z: float, confidence: float) -> float | None:
-        """Return the one-sided lower confidence bound of the velocity, m/s, at which the argument of F is `z`."""
+        """Return the one-sided lower bound of the velocity, m/s, at which shots perforate with the probability F(z)."""
         return bounded(self.mean + self.deviation * self.quantile_end(z, -1.0, float(ndtri(confidence))))
 
     def probability_interval(self, velocity_m_s: float, confidence: float) -> tuple[float, float]:
@@ -330,7 +331,10 @@ class ShotLikelihood:
         return low, high
 
     def chance_below(self, z: float, velocity_m_s: float) -> float:
-        """Return 1 minus the confidence at which `lower_bound` of `z` is `velocity_m_s`."""
+        """Return 1 minus the confidence at which the lower bound of a velocity is `velocity_m_s`.
+
+        The bounded velocity is that at which shots perforate with the probability F(z), as in `lower_bound`.
+        """
         x = (velocity_m_s - self.mean) / self.deviation
         deviance = 2.0 * max(self.mode.value - self.with_value(z, x).value, 0.0)
         return float(ndtr(copysign(sqrt(deviance), x - (z - self.mode.intercept) / self.mode.slope)))
@@ -355,7 +359,7 @@ class ShotLikelihood:
         return 0.0 if self.separated else end(-1.0), inf if self.holds(self.flat, root) else end(1.0)
 
     def argument_interval(self, x: float, root: float) -> tuple[float, float]:
-        """Return the ends of the interval of the argument of F at the standardised velocity `x`.
+        """Return the ends of the interval of z, the argument of F, at the standardised velocity `x`.
 
         `root` is the square root of the deviance at the ends.
         """
@@ -421,8 +425,8 @@ def penalised_band(
 
     shots = ShotLikelihood(partial, complete, link, penalised=True)
     root = float(ndtri(0.5 + 0.5 * confidence))
-    places = (np.array(velocities_m_s) - shots.mean) / shots.deviation
-    nodes = np.linspace(places[0], places[-1], 13)
+    standardised = (np.array(velocities_m_s) - shots.mean) / shots.deviation
+    nodes = np.linspace(standardised[0], standardised[-1], 13)
     ends = np.array([shots.argument_interval(float(node), root) for node in nodes])
-    low, high = CDFS[link](PchipInterpolator(nodes, ends.clip(-40.0, 40.0))(places)).T
+    low, high = CDFS[link](PchipInterpolator(nodes, ends.clip(-40.0, 40.0))(standardised)).T
     return low, high

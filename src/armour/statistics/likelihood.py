@@ -50,7 +50,7 @@ class Prior(NamedTuple):
         return derivatives
 
     def deviations(self, x: Floats) -> Floats:
-        """Return the standard deviations, in their units, of the q inputs near a point, (q,)."""
+        """Return the standard deviations of the q inputs near a point, in the units of the inputs, (q,)."""
         return self.widths * np.where(self.logs, x[self.where], 1.0)
 
     def centred(self, x: Floats) -> Floats:

@@ -191,8 +191,8 @@ def read_tests(
         for key, message in _mistakes(row, repeated_names):
             problems.append(Problem(file, f"{row.place}: {key}" if key else row.place, message))
     measurements = [measurement for test, row in enumerate(rows) for measurement in _measurements(test, row)]
-    weighted = {MEASURED[m.quantity] in rows[m.test].texts for m in measurements}
-    if len(weighted) == 2:
+    uncertainties_given = {MEASURED[m.quantity] in rows[m.test].texts for m in measurements}
+    if len(uncertainties_given) == 2:
         message = "uncertainties must be given for every measurement and outcome, or for none"
         problems.append(Problem(file, "", message))
     groups, group_problems = _groups(rows, scenario, file)
@@ -205,7 +205,7 @@ def read_tests(
             raise mistake(file, name, f"must be the same for all tests, found {found}; choose one: --where {choice}")
     cells: list[dict[str, float | str]] = [{**row.texts, **row.numbers} for row in rows]
     places = tuple(row.place for row in rows)
-    is_weighted = weighted == {True}
+    is_weighted = uncertainties_given == {True}
     return Tests(file, names, (*groups,), (*measurements,), is_weighted, (*cells,), scenario, places, table.read)
 
 

@@ -92,23 +92,24 @@ def pooled_scatter(
 ) -> tuple[float, float]:
     """Return the expected scatter of a further firing, given earlier ones: median, % of V50, and factor.
 
-    Each of the earlier `firings` is its velocities, m/s, and whether each was a complete penetration.  `percent` and
-    `factor` are expected without them.  The scatters of firings are log-normal about a common median, which is
-    log-normal too; the standard deviation of their logarithms is half-normal.  The V50 of a firing is unknown: its
-    likelihood is the mean over all V50s.
+    The factor is one standard deviation of the scatter's logarithm; `percent` and `factor` are expected without earlier
+    firings.  Each of the `firings` is its velocities, m/s, and whether each was complete.
+
+    The scatters of firings are log-normal about a common median, which is log-normal too; the standard deviation of
+    their logarithms is half-normal.  The V50 of a firing is unknown: its likelihood is the mean over all V50s.
     """
-    middle, deviation = log(percent / 100.0), log(factor) * (1.0 - FRACTION**2) ** 0.5
-    log_ratio = middle + np.linspace(-SCATTER_ENDS, SCATTER_ENDS, POOL_NODES[1]) * log(factor)
+    log_median, log_deviation = log(percent / 100.0), log(factor) * (1.0 - FRACTION**2) ** 0.5
+    log_ratio = log_median + np.linspace(-SCATTER_ENDS, SCATTER_ENDS, POOL_NODES[1]) * log(factor)
     between = BETWEEN[:, None, None] * FRACTION * log(factor)
     # Probabilities of the scatter of a firing, (between, medians, scatters), given between and the median.
-    spread = np.exp(-0.5 * ((log_ratio[:, None] - log_ratio) / between) ** 2)
-    spread /= spread.sum(axis=2, keepdims=True)
-    log_weights = -0.5 * (BETWEEN[:, None] ** 2 + ((log_ratio - middle) / deviation) ** 2)
+    scatter_probabilities = np.exp(-0.5 * ((log_ratio[:, None] - log_ratio) / between) ** 2)
+    scatter_probabilities /= scatter_probabilities.sum(axis=2, keepdims=True)
+    log_weights = -0.5 * (BETWEEN[:, None] ** 2 + ((log_ratio - log_median) / log_deviation) ** 2)
     for velocities, complete in firings:
         v50 = np.linspace(min(velocities) * (1.0 - BEYOND_SHOTS), max(velocities) * (1.0 + BEYOND_SHOTS), POOL_NODES[0])
         grid = V50Grid.over(v50, log_ratio)
         likelihood = np.exp(grid.log_likelihood(velocities, complete)).reshape(grid.shape).mean(axis=0)
-        log_weights += np.log(np.maximum(spread @ likelihood, 1e-300))
+        log_weights += np.log(np.maximum(scatter_probabilities @ likelihood, 1e-300))
     weights = normalised(log_weights)
     mean = float((weights @ log_ratio).sum())
     variance = float((weights * ((log_ratio - mean) ** 2 + between[:, :, 0] ** 2)).sum())
@@ -143,7 +144,7 @@ class V50Grid(NamedTuple):
         return cls(np.repeat(v50_m_s, len(log_ratio)), scatter, (len(v50_m_s), len(log_ratio)))
 
     def log_likelihood(self, velocities_m_s: Sequence[float], complete: Sequence[bool]) -> Floats:
-        """Return the log-likelihood of each point, (points,), given shots and whether each was complete, or none."""
+        """Return the log-likelihood of shots by each point, (points,); `complete` is true for complete penetrations."""
         log_likelihood = np.zeros(len(self.v50_m_s))
         for velocity, result in zip(velocities_m_s, complete, strict=True):
             argument = (velocity - self.v50_m_s) / self.scatter_m_s
@@ -181,9 +182,14 @@ class Posterior(NamedTuple):
         """Return quantiles of the scatter, m/s; each point represents the scatters up to midway to the next ones."""
         logs = np.log(self.grid.scatter_m_s)
         step = logs[1] - logs[0]
-        places = np.linspace(logs.min() - 0.5 * step, logs.max() + 0.5 * step, 2 * self.grid.shape[1])
-        below = np.array([expected(np.clip(0.5 + (place - logs) / step, 0.0, 1.0), self.weights) for place in places])
-        return np.exp(np.interp(ndtri(probabilities), _normal_quantiles(below), places)).tolist()
+        log_scatters = np.linspace(logs.min() - 0.5 * step, logs.max() + 0.5 * step, 2 * self.grid.shape[1])
+        below = np.array(
+            [
+                expected(np.clip(0.5 + (log_scatter - logs) / step, 0.0, 1.0), self.weights)
+                for log_scatter in log_scatters
+            ]
+        )
+        return np.exp(np.interp(ndtri(probabilities), _normal_quantiles(below), log_scatters)).tolist()
 
     def variance(self, target: Floats) -> float:
         """Return the variance of a quantity, given its values at the points, (points,)."""
@@ -218,9 +224,9 @@ def no_prior(scenario: Scenario) -> InputError:
 def posterior_of(
     prior: FiringPrior, velocities_m_s: Sequence[float], complete: Sequence[bool], nodes: tuple[int, int] = GRID_NODES
 ) -> Posterior:
-    """Return the posterior given shots, m/s, and whether each was complete; there may be none.
+    """Return the posterior of V50 and the scatter given shots, of which there may be none.
 
-    `nodes` are the numbers of V50s and of scatters in the grid.
+    `complete` is true for complete penetrations; `nodes` are the numbers of V50s and of scatters in the grid.
     """
     limit, velocities = prior.limit_m_s, np.array(velocities_m_s)
     low, high = prior.error.interval(limit, GRID_TAIL)

@@ -287,7 +287,7 @@ def _in_portions(
 ) -> Iterator[Samples]:
     """Yield the samples at points in the unit cube, (n, inputs), in portions.
 
-    `on_samples` is called with the number of samples in a portion once that is computed.  Without `with_error`, the
+    `on_samples` is called with the number of samples in each portion after this is computed.  Without `with_error`, the
     samples have no model error.
     """
     section, values = sampling.section_of(scenario), sampling.own_values(scenario)
@@ -364,8 +364,8 @@ def influences(
 ) -> tuple[Influence, ...]:
     """Estimate the influence of each input on the ballistic limit.
 
-    `limits`, m/s, (n,), are those at `points` in the unit cube, (n, inputs); total indices need further samples, and
-    those of the model error need limits without this error.
+    `limits`, m/s, (n,), are those at `points` in the unit cube, (n, inputs).  Further samples are computed for the
+    total indices, and limits without the model error for the indices of this error.
     """
     section, values = sampling.section_of(scenario), sampling.own_values(scenario)
     names, inputs = _ranked(section), list(section.inputs())
@@ -406,7 +406,7 @@ def influences(
 
 
 def _at_least(first: Estimate, total: Estimate) -> Estimate:
-    """Return a total index, with its interval, raised to at least the first-order index, with its own."""
+    """Return a total index and its interval, each number raised to at least that of the first-order index."""
     ends = zip((first.value, first.low, first.high), (total.value, total.low, total.high), strict=True)
     return Estimate(*map(max, ends))
 

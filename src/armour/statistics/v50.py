@@ -513,7 +513,7 @@ def v50(
 def _curves(
     partial: Sequence[float], complete: Sequence[float], confidence: float, *, penalised: bool
 ) -> list[tuple[ShotLikelihood, FittedCurve]]:
-    """Return the likelihood and the curve by each link, probit and logit, but no penalised curve that does not rise."""
+    """Return the likelihood and the curve by each link, probit and logit, without penalised curves that do not rise."""
     likelihoods = (ShotLikelihood(partial, complete, link, penalised=penalised) for link in curves.CDFS)
     return [(shots, curve) for shots in likelihoods if (curve := curves.curve_of(shots, confidence))]
 
@@ -591,7 +591,7 @@ def _far_away(shots: Shots, model: LimitResult) -> Iterator[str]:
 
 
 def check_shots(shots: Shots, *, kinds: int = 2) -> None:
-    """Check shots, from a file or not; partial and complete penetrations must make up at least `kinds` kinds."""
+    """Check velocities and results of shots, from a file or not; at least `kinds` of the two kinds must be present."""
     velocities = shots.velocities_m_s
     if not all(hasattr(column, "__len__") for column in (velocities, shots.complete)):
         raise mistake(shots.file, "", "must be sequences of velocities and of results")
@@ -612,7 +612,7 @@ def check_shots(shots: Shots, *, kinds: int = 2) -> None:
 
 
 def swapped_note(shots: Shots) -> Iterator[str]:
-    """Yield a warning if complete penetrations were no faster on average than partial ones, but for few shots."""
+    """Yield a warning if complete penetrations were no faster on average than partial ones; none for few shots."""
     partial, complete = shots.of(complete=False), shots.of(complete=True)
     if comb(len(shots.complete), len(complete)) >= SWAPPED and not curves.has_curve(partial, complete):
         yield (

@@ -77,7 +77,7 @@ class Grid:
         return {axis.key: np.array(axis.values)[i] for axis, i in zip(self.axes, indices, strict=True)}
 
     def place(self, start: int, row: int, problem: Problem) -> Problem:
-        """Return a problem of the row `start + row` with the values of this row, or with the key of an axis."""
+        """Return a problem of the row `start + row`, named by the values of this row or by the key of an axis."""
         if problem.key in self.keys:
             return Problem("sweep", f"over {problem.key}", problem.message)
         row_values = {key: values[0].item() for key, values in self.rows(np.array([start + row])).items()}
@@ -140,7 +140,7 @@ class SweepCases:
         return {key: column[places] for key, column in self._columns.items()}
 
     def place(self, start: int, row: int, problem: Problem) -> Problem:
-        """Return a problem of the row `start + row` with the line of this row."""
+        """Return a problem of the row `start + row`, named by the line of this row in the table."""
         return Problem(self.file, f"{self._place} {self._lines[start + row]}", f"{problem.key}: {problem.message}")
 
 

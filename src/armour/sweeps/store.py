@@ -52,7 +52,7 @@ Tell = Callable[[str], None]
 
 
 class Chunk(NamedTuple):
-    """Part of a table."""
+    """Consecutive rows of a table, with the warnings that concern them."""
 
     columns: Mapping[str, Any]  # by name, (rows,) each
     warnings: Mapping[str, int]  # number of rows that each warning concerns

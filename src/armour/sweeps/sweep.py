@@ -381,7 +381,7 @@ def effort_of(
 ) -> Effort:
     """Estimate the effort of a sweep from the time of rows spread over it, and of as many rows at its start.
 
-    The latter may be slower; they stand for a chunk.
+    The rows at the start, consecutive as in a chunk, may be slower.
     """
     row_s = slowest_row_s = row_bytes = 0.0
     for sample, number in enumerate(SAMPLES):
