@@ -86,7 +86,7 @@ def _scaled(base: Floats, rows: Floats) -> tuple[Floats, Floats]:
     stacked = np.vstack([root, rows])
     triangle = np.linalg.qr(stacked, mode="r")
     scaled = np.linalg.solve(np.asarray(triangle).T, stacked.T).T
-    # The base alone has lengths up to 1, while one candidate of many has only a small part of the whole.
+    # Make the longest row of a candidate 1: with many candidates, each has only a small part of the total.
     scaled /= max(np.linalg.norm(scaled[len(root) :], axis=1).max(), 1e-150)
     return scaled[: len(root)], scaled[len(root) :]
 

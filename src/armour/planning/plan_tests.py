@@ -317,11 +317,11 @@ def plan_tests(
 ) -> PlannedTests:
     """Choose the tests that best determine fitted inputs or the ballistic limits of designs.
 
-    The information of a test is that of the likelihood of `armour.calibrate`, linearised at the fit to earlier tests
-    or, without a fit, at the scenario's values.
+    The information from a test follows from the likelihood of `armour.calibrate`, linearised at the fit to earlier
+    tests or, without a fit, at the scenario's values.
 
-    This function leaves with version 3: spread tests over the thicknesses that you will use, on two back plates at
-    least.
+    This function leaves with version 3.  Instead, spread tests over the thicknesses that you will use, on at least two
+    back plates.
 
     Parameters
     ----------

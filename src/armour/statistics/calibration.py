@@ -304,7 +304,7 @@ def calibrate(
         for inputs, result in fits
         if law == "all"
     )
-    # The least leave-one-out error first, and a law without one last.
+    # The law with the least leave-one-out error comes first, and laws without such an error last.
     fits.sort(key=lambda pair: np.inf if (error := pair[1].left_out_error_percent) is None else error)
     results = ((inputs, replace(result, coefficients=intervals(inputs), laws=laws)) for inputs, result in fits)
     first = next(results)

@@ -167,7 +167,7 @@ class Likelihood(NamedTuple):
 
     @property
     def needed(self) -> int:
-        """Number of measurements that a fit needs: as many as inputs without prior; k + 1 without uncertainties."""
+        """Number of measurements that a fit needs: inputs plus 1 or, with uncertainties, inputs without prior (at least 1)."""
         count = len(self.names)
         return max(count - len(self.prior.where), 1) if self.tests.weighted else count + 1
 
@@ -241,7 +241,7 @@ class Precision:
     covariance: Floats  # of the inputs in their units, (k, k)
     spread: float  # the scatter, corrected for the number of fitted inputs; 1 if uncertainties are given
     degrees_of_freedom: float
-    chi_squared: float  # sum of the squared deviations of the measured values
+    chi_squared: float  # of the measured values; if uncertainties are given, also of the scores of the prior
     p_value: float | None
     widened_by: float  # factor by which the intervals are widened
     threshold: float  # deviance at the ends of the intervals

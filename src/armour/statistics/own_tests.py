@@ -88,8 +88,8 @@ def own_tests(tests: Tests, fitted: Mapping[str, float], computed_m_s: Sequence[
         return None
     scenario = tests.groups[0].scenario
     places = np.argsort(np.concatenate([group.where for group in tests.groups]))
-    variants_by_group = concatenated([group.variants() for group in tests.groups])
-    variants, entry = variants_by_group.at(places[[shot.test for shot in shots]]), scenario.entry_of(role)
+    grouped_variants = concatenated([group.variants() for group in tests.groups])
+    variants, entry = grouped_variants.at(places[[shot.test for shot in shots]]), scenario.entry_of(role)
     q, sides = variants.armours.quantities(), np.array([float(shot.side) for shot in shots])
     velocities = np.array([shot.value for shot in shots])
     if entry is None or not ((q["ceramic_thickness_ratio"] == 0.0) == (role == "backing")).all():
@@ -206,7 +206,7 @@ def _rounded(values: Floats) -> tuple[float, ...]:
 
 
 def _limits(variants: Variants, role: str, values: Mapping[str, float]) -> Floats:
-    """Return the ballistic limits of variants, m/s, searched at all velocities, with `values` by key of an entry."""
+    """Return the ballistic limits of variants, m/s, at any velocity, with `values`, by key, of the entry in a role."""
     ends = SLOWEST_M_S, FASTEST_M_S
     return ballistic_limits(variants.with_fields(law_parameters(role, values)), ends).clip(*ends)
 

@@ -258,7 +258,7 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         ballistic_limit_m_s={name: quantile(limits, probability) for name, probability in V_P.items()},
         mean_m_s=mean.value,
         mean_interval_m_s=(mean.low, mean.high),
-        # 0 of equal limits, whatever their mean rounds to
+        # Exactly 0 if all limits are equal, although their mean may be rounded.
         standard_deviation_m_s=float((limits - limits[0]).std(ddof=1)),
         deterministic_m_s=deterministic,
         curve=probability_curve(limits),

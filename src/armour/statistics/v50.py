@@ -544,7 +544,7 @@ def _further(partial: Sequence[float], complete: Sequence[float], confidence: fl
                 shots = ShotLikelihood(stopped, perforated, "probit", penalised=True)
                 if best is None or shots.flat_deviance > best[0].flat_deviance:
                     best = shots, velocity, perforated is not complete
-    assert best is not None  # the shots have a curve, and so have they with the slowest partial penetration once more
+    assert best is not None  # the shots have a curve, and still have one with a further slow partial penetration
     shots, velocity, is_complete = best
     return FurtherShot(velocity, is_complete, *_bounded(shots, confidence))
 
