@@ -4,9 +4,10 @@ A curve is P = F(z) with z = a + b x.  F is the normal or the logistic distribut
 slope; x is the standardised velocity: relative to the mean of the shots' velocities, in their standard deviations.
 
 The penalised likelihood is the likelihood of the shots multiplied by the Jeffreys prior, the square root of the
-determinant of the Fisher information of a and b [Firth1993], [Heinze2002].  If the shots are separated, the plain
-likelihood is greatest at an infinite slope, the penalised one at a finite slope.  Intervals are of profile likelihood:
-they contain the values with a deviance, 2 times the loss of log-likelihood from the maximum, up to a threshold.
+determinant of the Fisher information of a and b [Firth1993], [Heinze2002].  If the shots are separated, every complete
+penetration faster than every partial one, the plain likelihood is greatest at an infinite slope, the penalised one at a
+finite slope.  Intervals are of profile likelihood: they contain the values with a deviance, 2 times the loss of
+log-likelihood from the maximum, up to a threshold.
 """
 
 from collections.abc import Callable, Sequence
@@ -181,7 +182,8 @@ class ShotLikelihood:
         if len(x) > MANY:
             self._condense(x, signs, np.quantile(x, np.linspace(0.0, 1.0, FIRST_CELLS + 1)[1:-1]))
         if self.separated:
-            # All V50s in the gap are equally likely.  If both kinds share one velocity, the probability at it is free.
+            # All V50s in the gap are equally likely.  If both kinds share a velocity in place of a gap, the probability
+            # at it is that of its complete penetrations.
             share = (signs[x == lowest] > 0.0).mean() if lowest == highest else 0.5
             self.mode = self._curve(np.array([INVERSE_CDFS[link](share) - STEEP * self.middle, STEEP]))
         else:

@@ -167,7 +167,7 @@ class Likelihood(NamedTuple):
 
     @property
     def needed(self) -> int:
-        """Number of measurements that a fit needs: inputs plus 1 or, with uncertainties, inputs without prior (at least 1)."""
+        """Number of measurements that a fit needs: inputs plus 1 or, with uncertainties, inputs without a prior."""
         count = len(self.names)
         return max(count - len(self.prior.where), 1) if self.tests.weighted else count + 1
 

@@ -88,8 +88,8 @@ def own_tests(tests: Tests, fitted: Mapping[str, float], computed_m_s: Sequence[
         return None
     scenario = tests.groups[0].scenario
     places = np.argsort(np.concatenate([group.where for group in tests.groups]))
-    grouped_variants = concatenated([group.variants() for group in tests.groups])
-    variants, entry = grouped_variants.at(places[[shot.test for shot in shots]]), scenario.entry_of(role)
+    all_variants = concatenated([group.variants() for group in tests.groups])
+    variants, entry = all_variants.at(places[[shot.test for shot in shots]]), scenario.entry_of(role)
     q, sides = variants.armours.quantities(), np.array([float(shot.side) for shot in shots])
     velocities = np.array([shot.value for shot in shots])
     if entry is None or not ((q["ceramic_thickness_ratio"] == 0.0) == (role == "backing")).all():
