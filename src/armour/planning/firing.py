@@ -40,13 +40,13 @@ Procedure = Literal["bayesian", "neyer", "langlie", "up-and-down"]
 # Procedures that start from limits of V50 and have no requirement.
 LIMITED = ("langlie", "neyer")
 HALF_WIDTH_M_S = 15.0
-# Probability of V50 within the limits of Langlie's and Neyer's procedures, unless they are given.
+# Probability of V50 within the limits of Langlie's and Neyer's procedures, unless these limits are given.
 LIMITS_PROBABILITY = 0.99
 PLAN_POINTS = 201
-# Without a model error, V50 is expected with a probability of 95 % within this fraction of the model's limit, or of the
-# middle of the shots; the second number is the quantile of the normal distribution for that probability.
+# Without a model error, V50 is expected within the fraction WIDE of the model's limit or of the middle of the shots,
+# with a probability of 95 %; WITHIN is the normal quantile for this probability.
 WIDE, WITHIN = 0.3, 1.96
-# Shots outside the interval of V50 with this probability, widened by a fraction of the limit, give a warning.
+# Shots outside the interval of V50 with FAR_PROBABILITY, widened by FAR_PART of the limit, give a warning.
 FAR_PROBABILITY, FAR_PART = 0.999, 0.1
 # A shot or a requirement is refused if its velocity differs from the expected V50 by more than this factor.
 ABSURD_FACTOR = 3.0
@@ -58,11 +58,11 @@ NOT_ENDED = f"the simulation stopped after {MAX_SIMULATED} shots before the firi
 
 @dataclass(frozen=True)
 class PlanCurve:
-    """Prior and posterior over velocity, for a chart."""
+    """Prior and posterior of V50 over velocity, for a chart."""
 
     velocity_m_s: tuple[float, ...]
     prior: tuple[float, ...]  # probability density of V50, s/m
-    posterior: tuple[float, ...]
+    posterior: tuple[float, ...]  # probability density of V50, s/m
     probability: tuple[float, ...]  # of complete penetration, by the posterior
 
 
@@ -74,9 +74,9 @@ class ShotPlan(Result):
     ----------
     procedure : {"bayesian", "neyer", "langlie", "up-and-down"}
     fired : Shots
-        The shots so far, with those that are simulated.
+        The shots so far, followed by the simulated ones.
     simulated : int
-        Number of the shots, the last ones, that are simulated.
+        Number of simulated shots, the last ones.
     next_velocity_m_s : float or None
         Velocity of the next shot, m/s; None if the firing has ended.
     reason : str
@@ -87,7 +87,7 @@ class ShotPlan(Result):
         Median number of further shots in simulated continuations by the Bayesian procedure; None if it exceeds 100,
         and for the other procedures.
     expected_shots_90 : float or None
-        The same with a confidence of 90 %; also None if the confidence is no more than that.
+        The same number for a confidence of 90 %; None also if the confidence asked for is at most 90 %.
     confidence : float
         Confidence level of the intervals and of the requirement.
     half_width_m_s : float or None
@@ -104,12 +104,13 @@ class ShotPlan(Result):
         Greatest probability that armour which does not meet the requirement is accepted, and that armour which meets it
         is rejected: 1 minus the confidence.  None without a requirement, and if the decision uses the prior.
     evidence_met, evidence_not_met : float or None
-        Likelihood of the shots averaged over curves that meet the requirement, or do not, divided by the greatest
-        likelihood of a curve of the other side.  The decision is made once one is at least the inverse of the risk.
+        Evidence for and against the requirement.  ``evidence_met`` is the likelihood of the shots averaged over curves
+        that meet the requirement, divided by the greatest likelihood of a curve that does not; ``evidence_not_met`` is
+        the reverse.  The decision is made once either is at least the inverse of the risk.
     operating_characteristic : tuple of OperatingPoint
         Outcomes of simulated firings at armours around the requirement, with a V50 ``v50_m_s`` and a scatter
-        ``scatter_m_s``, m/s: the fractions that end with it ``met`` and ``not_met``, and the median of ``shots``, None
-        above 100.  Empty once a shot has been fired.
+        ``scatter_m_s``, m/s: the fractions of firings that end with the requirement ``met`` and ``not_met``, and the
+        median number of ``shots``, None above 100.  Empty once a shot has been fired.
     earlier : int
         Number of earlier firings whose scatters are pooled.
     scatter_percent, scatter_factor : float
@@ -137,7 +138,7 @@ class ShotPlan(Result):
         Over ``velocity_m_s``, m/s: the densities of V50, ``prior`` and ``posterior``, s/m, and by the posterior the
         ``probability`` of complete penetration.
     contradicts_prior : bool
-        Whether the posterior V50 or scatter lies outside its 99 % interval by the prior.
+        Whether the posterior median of V50 or of the scatter lies outside its 99 % interval by the prior.
     warnings : tuple of str
         Shots far from the model's limit or contradicting the prior, limits that shots have reached, a simulation that
         did not end, and ways in which the scenario differs from what the model was compared with.
@@ -215,8 +216,8 @@ def plan_shots(
     ----------
     scenario : Scenario, optional
         Armour and projectile; its ballistic limit by the model, with the model error, is the prior of V50.  Without
-        one, or if the error is not known, V50 is expected within ``limits_m_s``, or else within 30 % of the limit by
-        the model or of the middle of the shots.
+        a scenario, or if the error is not known, V50 is expected within ``limits_m_s`` or, without these, within 30 %
+        of the model's limit or of the middle of the shots.
     shots : Shots, optional
         Shots so far, possibly all of one kind.
     procedure : {"bayesian", "neyer", "langlie", "up-and-down"}
@@ -241,13 +242,15 @@ def plan_shots(
         Expected scatter, the standard deviation of the response curve, 0.01 to 50 % of V50: the median of its prior,
         and the initial guess of Neyer's procedure.
     scatter_factor : float, default 2.0
-        Factor by which the scatter may differ from this, 1.01 to 10: one standard deviation of its logarithm.
+        Factor by which the scatter may differ from the expected one, 1.01 to 10: one standard deviation of its
+        logarithm.
     earlier : sequence of Shots
-        Earlier firings at armours of the kind, each with penetrations of both kinds.  Their scatters, pooled with the
-        expected one, take its place.
+        Earlier firings at such armours, each with partial and complete penetrations.  Their scatters are pooled with
+        the expected one.
     limits_m_s : tuple of float, optional
         Limits of V50, m/s, that Langlie's and Neyer's procedures start from, by default the interval of the model's
-        limit with a probability of 99 %; for the others, what is expected of V50 without a model error.
+        limit with a probability of 99 %.  For the other procedures, the range in which V50 is expected if the model
+        error is not known.
     simulate : bool
         Whether to simulate the rest of the firing, 100 shots at most.
     true_v50_m_s : float, optional
@@ -286,13 +289,13 @@ def plan_shots(
     for firing in (shots, *earlier):
         v50.check_not_swapped(firing)
     required, without = requirement_m_s is not None, "must not be given without "
-    undecided = f"must not be given with {procedure}, which has no requirement"
+    no_requirement = f"must not be given with {procedure}, which has no requirement"
     other_end = "must not be given with a requirement, which ends the firing"
     low, high = limits_m_s or (0.0, inf)
     conflicts = [
         ("requirement_fraction", requirement_fraction != 0.5 and not required, f"{without}a requirement"),
         ("prior", prior and not required, f"{without}a requirement"),
-        ("requirement_m_s", required and procedure in LIMITED, undecided),
+        ("requirement_m_s", required and procedure in LIMITED, no_requirement),
         ("half_width_m_s", half_width_m_s and required and procedure == "bayesian", other_end),
         ("true_v50_m_s", true_v50_m_s and not simulate, f"{without}simulating"),
         ("true_scatter_m_s", true_scatter_m_s and not simulate, f"{without}simulating"),
@@ -338,7 +341,7 @@ def plan_shots(
     aim = None if end_reason else _aim(rule, fired, settings)
     prior_of_v50 = posterior_of(expectation, (), ())
     posterior_of_v50 = posterior_of(expectation, fired.velocities_m_s, fired.complete)
-    prior_estimate, estimate, share, contradictions = learned(prior_of_v50, posterior_of_v50, confidence)
+    prior_estimate, estimate, prior_share, contradictions = learned(prior_of_v50, posterior_of_v50, confidence)
     is_bayesian = procedure == "bayesian"
     further, further_90 = procedures.expected_shots(fired, settings) if is_bayesian and aim else (None, None)
     return ShotPlan(
@@ -357,7 +360,7 @@ def plan_shots(
         limits_m_s=limits,
         prior=prior_estimate,
         posterior=estimate,
-        prior_share=share,
+        prior_share=prior_share,
         recommended=None if is_bayesian else procedures.recommended_fit(fired, confidence),
         mean=procedures.mean_of(fired) if procedure == "up-and-down" else None,
         model_ballistic_limit_m_s=None if limit is None else limit.ballistic_limit_m_s,
@@ -385,9 +388,10 @@ def plan_shots(
 def _expected_v50(
     limit: LimitResult | None, fired: Shots, limits_m_s: tuple[float, float] | None
 ) -> tuple[float, ModelError]:
-    """Return the V50 expected before the shots, m/s, and its error.
+    """Return the V50 that is expected, m/s, and its error.
 
-    It is the model's limit or, if the model error is not known, follows from limits or shots.
+    They are the model's limit and the model error or, if this error is not known, follow from limits of V50, from the
+    model's limit alone or from the shots.
     """
     if limit is not None and limit.model_error is not None:
         return limit.ballistic_limit_m_s, limit.model_error
@@ -416,9 +420,10 @@ def simulate_firing(
     seed: int,
     on_progress: OnProgress,
 ) -> tuple[Shots, tuple[float, float]]:
-    """Return shots followed by those of a rule up to its end, and the true V50 and scatter, m/s.
+    """Simulate the rest of a firing by a rule; return all shots, and the true V50 and scatter, m/s.
 
-    Each shot perforates above a limit of its own, drawn from the truth, which may itself be drawn from the posterior.
+    `truth` is the true V50 and scatter, m/s; without it, both are drawn from the posterior.  Each shot perforates if it
+    is faster than a limit of its own, drawn from a normal distribution about the true V50.
     """
     dice = np.random.default_rng(seed)
     if truth is None:
@@ -435,7 +440,7 @@ def simulate_firing(
 
 
 def _aim(rule: Rule, fired: Shots, settings: ShotSettings) -> Aim:
-    """Return the next velocity by a rule, no greater than can be fired."""
+    """Return the next velocity by a rule, but at most the greatest that can be fired."""
     aim, greatest = rule.aim(fired, settings), settings.velocity_max_m_s
     if aim.velocity_m_s <= greatest:
         return aim
@@ -445,7 +450,7 @@ def _aim(rule: Rule, fired: Shots, settings: ShotSettings) -> Aim:
 def _requirement(
     fired: Shots, settings: ShotSettings, posterior_of_v50: Posterior, *, operates: bool
 ) -> dict[str, Any]:
-    """Return the attributes of a plan about its requirement, with or without an operating characteristic."""
+    """Return the attributes of a plan about its requirement; `operates` adds the operating characteristic."""
     if settings.requirement_m_s is None:
         return {"probability_met": None}
     current = procedures.posterior(fired, settings)
@@ -464,7 +469,7 @@ def _requirement(
 
 
 def _why_outside(velocity_m_s: float, fired: Shots) -> str:
-    """Return why a velocity lies beyond those of all shots; "" if it does not, or without shots of both kinds."""
+    """Return why a velocity lies outside the range of the shots; "" if it does not, or without shots of both kinds."""
     partial, complete = fired.of(complete=False), fired.of(complete=True)
     velocities = sorted(fired.velocities_m_s)
     if not partial or not complete or velocities[0] <= velocity_m_s <= velocities[-1]:
@@ -477,7 +482,7 @@ def _why_outside(velocity_m_s: float, fired: Shots) -> str:
 
 
 def _curve(prior: Posterior, posterior: Posterior, fired: Shots) -> PlanCurve:
-    """Return the curves over the velocities at which they change."""
+    """Return the curves over the velocities of the prior's 99 % interval and of the shots."""
     low, high = prior.grid.v50_quantiles(prior.weights, (0.005, 0.995))[0].tolist()
     shown = (low, high, *fired.velocities_m_s)
     velocities = np.linspace(min(shown), max(shown), PLAN_POINTS)
@@ -487,7 +492,7 @@ def _curve(prior: Posterior, posterior: Posterior, fired: Shots) -> PlanCurve:
 
 
 def _far_shots(shots: Shots, prior: FiringPrior, limit: LimitResult | None) -> Iterator[str]:
-    """Yield a warning of shots whose velocities are far from any V50 that the prior expects."""
+    """Yield a warning if shots seem to be in ft/s, or are far from any V50 that the prior expects."""
     low, high = limits_of(prior, FAR_PROBABILITY)
     margin = FAR_PART * prior.limit_m_s
     note = feet_note(median(shots.velocities_m_s), limit.ballistic_limit_m_s) if limit and shots.velocities_m_s else ""
@@ -501,17 +506,17 @@ def _far_shots(shots: Shots, prior: FiringPrior, limit: LimitResult | None) -> I
 
 
 def limits_of(prior: FiringPrior, probability: float = LIMITS_PROBABILITY) -> tuple[float, float]:
-    """Return the interval of the model's limit with a probability, m/s."""
+    """Return the interval in which the prior expects V50 with a probability, m/s."""
     return prior.error.interval(prior.limit_m_s, 0.5 * (1.0 - probability))
 
 
 def aimed(velocity_m_s: float) -> float:
-    """Return a velocity to aim at, m/s, rounded to a tenth and within the range of velocities."""
+    """Return a velocity to aim at, m/s: rounded to a tenth and moved into the range that is allowed."""
     return round(min(max(velocity_m_s, v50.MIN_VELOCITY_M_S), v50.MAX_VELOCITY_M_S), 1)
 
 
 def far_from(limit_m_s: float, velocity_m_s: float) -> str:
-    """Return a message that a velocity is too far from the expected V50 to be right; "" if it is near."""
+    """Return a message that a velocity is too far from the expected V50, `limit_m_s`, to be right; "" if it is near."""
     if limit_m_s / ABSURD_FACTOR <= velocity_m_s <= limit_m_s * ABSURD_FACTOR:
         return ""
     near = f"must be near the V50 expected, {limit_m_s:.0f} m/s: a third to three times it"

@@ -1,4 +1,4 @@
-"""Choose the armours to test next, which best determine fitted inputs or the ballistic limit of a design."""
+"""Choose the tests to make next: those that best determine fitted inputs or the ballistic limits of designs."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ from armour.statistics.likelihood import InputFit, Likelihood
 from armour.statistics.measured import LIMIT, MaterialGroup, Tests, with_scatter
 from armour.sweeps.cases import Grid, SweepCases, source_of
 
-# Column of the cost of a candidate.
+# Column of the costs of candidates.
 COST_CRITERION = "cost"
 MAX_CANDIDATES, MAX_COST = 10_000, 1e12
 
@@ -49,22 +49,23 @@ Designs = Annotated[Scenario | Sequence[Scenario], PlainValidator(_scenarios)]
 
 @dataclass(frozen=True)
 class PlannedTest:
-    """A planned test, and the state of knowledge after it.
+    """A planned test, and how well the tests up to it determine the inputs and limits.
 
     Attributes
     ----------
     number : int
-        1 for the first; 0 for the state before all tests.
+        1 for the first test; 0 for the state before all tests.
     inputs : dict of str to float or str
         Inputs of its armour, and the velocity if the outcome is measured, by key of the scenario.
     ballistic_limit_m_s : float or None
-        By the model, m/s.
+        Ballistic limit of its armour by the model, m/s.
     cost, total_cost : float or None
         Cost of this test, and of all tests up to it; None without costs.
     half_widths : dict of str to float or None
-        Expected half-width of the interval of each fitted input, in its unit; None if the tests do not determine it.
+        Expected half-width of the interval of each fitted input, in its unit, after this test; None for an input that
+        the tests do not determine.
     limit_half_widths_m_s : tuple of float or None
-        The same of the ballistic limit of each design, m/s.
+        Expected half-width of the interval of the ballistic limit of each design, m/s, after this test.
     """
 
     number: int
@@ -91,7 +92,7 @@ class PlannedTests(TableResult):
     law : str
         Law of the ceramic's flow stress; empty if the flow stress is not fitted.
     values : dict of str to float
-        Fitted inputs, at whose values the tests are planned.
+        Values of the fitted inputs at which the tests are planned.
     tests : str
         File of the earlier tests; empty without any.
     scatter_percent : float
@@ -99,14 +100,14 @@ class PlannedTests(TableResult):
     scatter_known : bool
         Whether the scatter is given; otherwise it is estimated from the tests, which widens the intervals.
     scatter_source : {"given", "uncertainties", "residuals"}
-        Source of the scatter: the argument, or the uncertainties or residuals of the earlier tests.
+        Where the scatter is from: the argument, or the uncertainties or the residuals of the earlier tests.
     designs : tuple of str
         Files of the designs whose ballistic limits are to be determined.
     design_limits_m_s : tuple of float
         Their ballistic limits, m/s.
     efficiency : float or None
-        Lower bound on the efficiency of these tests, 0 to 1, relative to the best distribution of the same cost over
-        the candidates; None if they do not determine the inputs or, by "I", the limits of the designs.
+        Lower bound on the efficiency of the planned tests, 0 to 1, compared with the best distribution of the same cost
+        over the candidates; None if these tests do not determine the inputs or, by "I", the limits of the designs.
     not_identified : tuple of str
         Fitted inputs that all candidates together do not determine.
     candidates : dict of str to tuple
@@ -156,30 +157,30 @@ class PlannedTests(TableResult):
 
 @dataclass(frozen=True)
 class Candidates:
-    """Armours that can be tested, and the velocities of their shots if outcomes are measured."""
+    """The n armours that can be tested, with the velocities of the shots if outcomes are measured."""
 
     file: str
-    places: tuple[str, ...]  # in messages, (n,)
-    columns: dict[str, Any]  # inputs and names by key, (n,)
-    costs: Floats | None  # (n,)
+    places: tuple[str, ...]  # name of each in messages, (n,)
+    columns: dict[str, Any]  # inputs and names of materials by key, (n,) each
+    costs: Floats | None  # of a test of each, (n,)
     groups: tuple[MaterialGroup, ...]
 
     def values(self) -> dict[str, tuple[float | str, ...]]:
-        """Return the columns as plain data."""
+        """Return the columns as tuples, by key."""
         return {key: tuple(column.tolist()) for key, column in self.columns.items()}
 
     def inputs(self, place: int) -> dict[str, float | str]:
-        """Return the inputs of one candidate."""
+        """Return the inputs of the candidate at an index, by key."""
         return {key: column[place].item() for key, column in self.columns.items()}
 
     def subject(self, scenario: Scenario) -> str:
-        """Return materials and rounds, such as "Tests of AD85 on 6061-T6 against 7.62 mm AP"."""
+        """Return what the tests are of, such as "Tests of AD85 on 6061-T6 against 7.62 mm AP"."""
         varied = {key: () if key in INPUTS else column for key, column in self.values().items()}
         return f"Tests of {scenario.subject({**ANY_VELOCITY, **varied})}"
 
 
 def of_candidates(problem: Problem) -> Problem:
-    """Say "candidates" instead of "sweep" in an error message."""
+    """Return a problem of a sweep as one of the candidates of `plan_tests`."""
     if problem.file != "sweep":
         return problem
     return problem._replace(file="plan_tests", key=f"candidates {problem.key.removeprefix('over').strip()}".strip())
@@ -187,7 +188,10 @@ def of_candidates(problem: Problem) -> Problem:
 
 @restated(of_candidates)
 def candidates_of(scenario: Scenario, choice: Choice, measure: Measure, cost: float | None) -> Candidates:
-    """Return the candidates of a choice, checked; they have costs if the choice has, or if a test has a cost."""
+    """Read and check the candidates that the user chose.
+
+    They have costs if `choice` has a column of costs, or if `cost`, that of a test without its target, is given.
+    """
     source = choice if isinstance(choice, Grid | SweepCases) else source_of(choice)
     file = source.file if isinstance(source, SweepCases) else "candidates"
     count = source.count
@@ -216,7 +220,7 @@ def candidates_of(scenario: Scenario, choice: Choice, measure: Measure, cost: fl
 
 
 def _check_columns(scenario: Scenario, columns: Mapping[str, Any], measure: Measure, file: str) -> None:
-    """Check that the columns are keys that a test may have and that have an effect."""
+    """Check that each column is a key that a test may have, and that it has an effect."""
     allowed = (*INPUTS, *NAMES.values())
     refuse(
         Problem(file, key, f"must be an input or a name that a test has{choices(key, (*allowed, COST_CRITERION))}")
@@ -233,21 +237,21 @@ def _check_columns(scenario: Scenario, columns: Mapping[str, Any], measure: Meas
 
 
 class LimitModel(NamedTuple):
-    """Ballistic limits of n candidates and designs as functions of k inputs."""
+    """Ballistic limits of n armours, the candidates and then the designs, as functions of k inputs."""
 
-    groups: tuple[MaterialGroup, ...]  # under the law of the flow stress
-    places: tuple[tuple[str, str], ...]  # file and place of each in messages, (n,)
+    groups: tuple[MaterialGroup, ...]  # with the law of the flow stress
+    places: tuple[tuple[str, str], ...]  # file and place of each armour in messages, (n,)
     names: tuple[str, ...]  # of the inputs
     units: Floats  # of the inputs: a scenario's values, or 1, (k,)
     on_progress: OnProgress
 
     @property
     def scenario(self) -> Scenario:
-        """The first scenario."""
+        """Scenario of the first candidate."""
         return self.groups[0].scenario
 
     def limits(self, x: Floats) -> Floats:
-        """Return the limits, m/s, (n,), given the inputs in their units, (k,)."""
+        """Return the limits of the n armours, m/s, (n,), at `x`, the inputs in their units, (k,)."""
         limits = np.empty(len(self.places))
         for group in self.groups:
             inputs = np.repeat([x * self.units], len(group.where), axis=0).T
@@ -255,7 +259,7 @@ class LimitModel(NamedTuple):
         return limits
 
     def check(self, limits: Floats) -> None:
-        """Check that all limits are within the ranges of their searches."""
+        """Check that all limits, m/s, (n,), are within the ranges of their searches."""
         problems = []
         for group in self.groups:
             section = group.scenario.ballistic_limit
@@ -267,7 +271,7 @@ class LimitModel(NamedTuple):
         refuse(problems)
 
     def gradients(self, x: Floats, limits: Floats) -> Floats:
-        """Return the gradients of the limits, relative to the limits, (n, k)."""
+        """Return the gradients, (n, k), of the logarithms of the limits at `x`, (k,), where these are `limits`, m/s."""
 
         def changes(x: Floats) -> Floats:
             self.on_progress(len(limits), None)
@@ -279,7 +283,10 @@ class LimitModel(NamedTuple):
 def limit_model(
     candidates: Candidates, designs: Sequence[Scenario], fit: Sequence[str], law: Law | None, on_progress: OnProgress
 ) -> LimitModel:
-    """Return the limits of candidates, followed by those of designs, as functions of inputs, which are checked."""
+    """Return the limits of candidates, followed by those of designs, as functions of the inputs to fit.
+
+    Check that these inputs can be fitted.
+    """
     places, groups = [(candidates.file, place) for place in candidates.places], [*candidates.groups]
     for design in designs:
         groups.append(MaterialGroup(design, np.array([len(places)]), {}))
@@ -310,24 +317,24 @@ def plan_tests(
 ) -> PlannedTests:
     """Choose the tests that best determine fitted inputs or the ballistic limits of designs.
 
-    The information of a test is that of the likelihood of `armour.calibrate`, linearised at the fit to earlier tests
-    or, without a fit, at the scenario's values.
+    The information from a test follows from the likelihood of `armour.calibrate`, linearised at the fit to earlier
+    tests or, without a fit, at the scenario's values.
 
-    This function leaves with version 3: spread tests over the thicknesses that you will use, on two back plates at
-    least.
+    This function leaves with version 3.  Instead, spread tests over the thicknesses that you will use, on at least two
+    back plates.
 
     Parameters
     ----------
     scenario : Scenario
         Inputs that the tests have in common.
     candidates : mapping of str to values, or path-like
-        Armours that can be tested, as for `armour.sweep`: every combination of values, or a CSV file.  Its column
-        ``cost`` is the cost of a target.
+        Armours that can be tested, as for `armour.sweep`: every combination of values, or a CSV file.  A column
+        ``cost`` has the costs of the targets.
     fit : str or sequence of str, default "ceramic.flow_stress_GPa"
         Input to determine, or several; by default the ceramic's flow stress.
     law : str, optional
-        Law of the ceramic's flow stress, as in calibrate, whose coefficients are determined too: constant, ceramic,
-        backing, product or linear.
+        Law of the ceramic's flow stress, as in `armour.calibrate`: constant, ceramic, backing, product or linear.  Its
+        coefficients are determined too.
     number : int, default 4
         Number of tests to plan, 1 to 200.  A candidate may be tested several times.
     tests : Tests, optional
@@ -345,7 +352,7 @@ def plan_tests(
     prior : bool, default False
         Whether to use the scenario's distributions of the fitted inputs as priors.
     on_progress : callable, optional
-        Called with the number of armours computed since the last call, and None.
+        Called with the number of armours computed since the last call, and None, as the total is not known.
 
     Returns
     -------
@@ -367,7 +374,7 @@ def plan_tests(
     _check_materials([(design.file, design) for design in designs], armours.groups[0].scenario, fit)
     model = limit_model(armours, designs, fit, law, on_progress)
     scatter = None if scatter_percent is None else scatter_percent / 100.0
-    earlier = None
+    earlier_likelihood = None
     if tests is not None:
         if scatter is not None and not tests.weighted:
             tests = with_scatter(tests, scatter)
@@ -375,20 +382,20 @@ def plan_tests(
             check_same_prior(tests, scenario, "plan_tests")
         tests_by_law, names = under_law(tests, fit, law)
         _check_materials([(tests.file, tests_by_law.groups[0].scenario)], model.scenario, names)
-        earlier = likelihood.likelihood_of(tests_by_law, names, on_progress, prior=prior)
+        earlier_likelihood = likelihood.likelihood_of(tests_by_law, names, on_progress, prior=prior)
         # The scenario of the tests may have other values than the candidates.
-        model = model._replace(units=earlier.units)
-    knowledge = _knowledge(earlier, model, scatter, prior=prior)
+        model = model._replace(units=earlier_likelihood.units)
+    knowledge = _knowledge(earlier_likelihood, model, scatter, prior=prior)
     limits = model.limits(knowledge.x)
     model.check(limits)
     gradients, count = model.gradients(knowledge.x, limits), len(armours.places)
     rows = _informing(armours, gradients[:count], limits[:count], knowledge.scatter, measure)
-    # A test with a standard deviation of a million of a relative change of an input counts for nothing.
+    # A test that determines inputs only to a million times their values counts for nothing.
     if (rows**2).sum(axis=1).max() < 1e-12:
         message = f"must depend on {', '.join(model.names)}, found no candidate that does"
         raise mistake(armours.file, "", message)
     basis = optimal_design.identified(knowledge.base, rows)
-    inputs = _determined(np.eye(len(basis)), basis)
+    input_directions = _determined(np.eye(len(basis)), basis)
     targets = _determined(gradients[count:] * limits[count:, None], basis)  # m/s
     if criterion == "I" and np.isnan(targets).any():
         message = 'must not be "I": the candidates do not determine the limit of a design'
@@ -400,9 +407,11 @@ def plan_tests(
         targets=targets if criterion == "I" else None,
     )
     chosen = optimal_design.best_set(task, number)
-    quantities = np.vstack([inputs * model.units[:, None], targets])
-    half_widths = [_half_widths(task, chosen[:place], knowledge, quantities, measure) for place in range(number + 1)]
-    undetermined = tuple(name for name, row in zip(model.names, inputs, strict=True) if np.isnan(row).any())
+    quantity_gradients = np.vstack([input_directions * model.units[:, None], targets])
+    half_widths = [
+        _half_widths(task, chosen[:place], knowledge, quantity_gradients, measure) for place in range(number + 1)
+    ]
+    undetermined = tuple(name for name, row in zip(model.names, input_directions, strict=True) if np.isnan(row).any())
     sensitivities = _sensitivities(task, chosen)
     comparable = len(sensitivities) > 0 and (criterion == "I" or not undetermined)
     return PlannedTests(
@@ -427,7 +436,11 @@ def plan_tests(
 
 
 def _informing(candidates: Candidates, gradients: Floats, limits: Floats, scatter: float, measure: Measure) -> Floats:
-    """Return the rows of the information on the inputs from a test of each candidate, (n, k)."""
+    """Return the rows of the information about the inputs from a test of each candidate, (n, k).
+
+    The information from a row f is f f'.  `gradients`, (n, k), are those of the logarithms of the `limits`, m/s, (n,);
+    `scatter` is relative to the limit.
+    """
     if measure == "limit":
         return gradients / scatter
     velocities = candidates.columns[VELOCITY].astype(np.float64)
@@ -440,7 +453,7 @@ def _informing(candidates: Candidates, gradients: Floats, limits: Floats, scatte
 def _sensitivities(task: Task, chosen: Sequence[int]) -> Floats:
     """Return the gain per cost of one more test of each candidate, relative to the average planned test.
 
-    It is empty if the planned tests do not determine the inputs.
+    The array, (n,), is empty if the planned tests, at the indices `chosen`, do not determine the inputs.
     """
     information = task.information(chosen)
     if optimal_design.missing_tests(information, task.rows):
@@ -453,11 +466,15 @@ def _sensitivities(task: Task, chosen: Sequence[int]) -> Floats:
 def _planned(
     candidates: Candidates, chosen: Sequence[int], limits: Floats, half_widths: Sequence[Floats], names: Sequence[str]
 ) -> tuple[PlannedTest, ...]:
-    """Return the plan before the tests and after each of them, given the half-widths of inputs and limits."""
+    """Return the state before the tests, and each planned test.
+
+    `chosen` are the indices of their candidates, whose limits are `limits`, m/s, (n,).  `half_widths` are those of the
+    k inputs, called `names`, and of the t designs' limits, before the tests and after each, (k + t,) each.
+    """
     costs = None if candidates.costs is None else candidates.costs[chosen]
     planned = []
-    for number, row in enumerate(half_widths):
-        widths = [float(width) if isfinite(width) else None for width in row]
+    for number, half_widths_after in enumerate(half_widths):
+        widths = [float(width) if isfinite(width) else None for width in half_widths_after]
         last = chosen[number - 1]
         planned.append(
             PlannedTest(
@@ -482,17 +499,21 @@ def _warnings(task: Task, number: int, undetermined: Sequence[str]) -> Iterator[
 
 
 class _Knowledge(NamedTuple):
-    """State of knowledge before the planned tests."""
+    """What is known of the inputs and of the scatter before the planned tests."""
 
     x: Floats  # inputs in their units, (k,)
-    base: Floats  # information of the inputs, (k, k)
-    scatter: float  # of a test, relative
+    base: Floats  # information about the inputs, (k, k)
+    scatter: float  # standard deviation of a test, relative to the limit
     freedom: float | None  # degrees of freedom of the scatter; None if it is given
     warnings: tuple[str, ...]
 
 
 def _knowledge(earlier: Likelihood | None, model: LimitModel, scatter: float | None, *, prior: bool) -> _Knowledge:
-    """Return the knowledge of the inputs from earlier tests and the prior, and the scatter of a test."""
+    """Return what earlier tests and the prior say of the inputs, and the scatter of a test.
+
+    `scatter` is the one given by the user, relative to the limit.  With too few earlier tests for a fit, the values are
+    those of the prior or, without one, of the scenario.
+    """
     fit = None
     if earlier is not None:
         tests = earlier.tests
@@ -504,10 +525,10 @@ def _knowledge(earlier: Likelihood | None, model: LimitModel, scatter: float | N
         raise mistake("plan_tests", "scatter_percent", message)
     if fit is not None:
         return _fitted(fit, scatter)
-    scores = likelihood.prior_of(model.scenario, model.names, model.units) if prior else likelihood.NO_PRIOR
+    distributions = likelihood.prior_of(model.scenario, model.names, model.units) if prior else likelihood.NO_PRIOR
     values = model.scenario.inputs()
-    x = scores.centred(np.array([values.get(name, 0.0) for name in model.names]) / model.units)
-    base = scores.rows(x).T @ scores.rows(x)
+    x = distributions.centred(np.array([values.get(name, 0.0) for name in model.names]) / model.units)
+    base = distributions.rows(x).T @ distributions.rows(x)
     warning = "the plan is optimal only near the inputs' present values, which no tests support"
     if earlier is not None:
         rows = likelihood.rows_at(earlier, x, 1.0)[1]
@@ -516,7 +537,7 @@ def _knowledge(earlier: Likelihood | None, model: LimitModel, scatter: float | N
 
 
 def _fitted(fit: InputFit, scatter: float) -> _Knowledge:
-    """Return the knowledge from a fit to earlier tests."""
+    """Return what a fit to earlier tests says of the inputs; `scatter`, relative, is that of a test."""
     tests, rows = fit.likelihood.tests, fit.rows.copy()
     rows[: len(tests.measurements)] *= fit.best.scatter / fit.spread
     rows /= fit.widened_by
@@ -535,13 +556,16 @@ def _fitted(fit: InputFit, scatter: float) -> _Knowledge:
 
 
 def _given_scatter(tests: Tests) -> float | None:
-    """Return the root mean square of the uncertainties of measured limits over the limits; None if none is given."""
+    """Return the root mean square of the relative uncertainties of limits in the tests; None if none is given."""
     relative = [m.uncertainty / m.value for m in tests.measurements if m.quantity == LIMIT and m.uncertainty]
     return sqrt(sum(part**2 for part in relative) / len(relative)) if relative else None
 
 
 def _check_materials(scenarios: Sequence[tuple[str, Scenario]], first: Scenario, names: Sequence[str]) -> None:
-    """Check that scenarios, each with its file, have the materials whose properties are fitted, with equal others."""
+    """Check that scenarios, each with its file, have the same materials as `first` where inputs of these are fitted.
+
+    `names` are the fitted inputs; the other values of these materials must be the same too.
+    """
     must = "must be the same as for the candidates, with the same values"
     refuse(
         Problem(file, key, f"{must}, as it is fitted: {first.name_of(role)}, found {scenario.name_of(role)}")
@@ -553,15 +577,15 @@ def _check_materials(scenarios: Sequence[tuple[str, Scenario]], first: Scenario,
 
 
 def _values_of(scenario: Scenario, role: str, fitted: Sequence[str]) -> dict[str, float]:
-    """Return the values of a projectile or material that are not fitted, by input."""
+    """Return the values of the projectile or material in a role that are not fitted, by input."""
     inputs = scenario.inputs().items()
     return {name: value for name, value in inputs if name.startswith(f"{role}.") and name not in fitted}
 
 
 def _determined(vectors: Floats, basis: Floats) -> Floats:
-    """Return vectors, (m, k), in the basis that the tests determine, (k, r); NaN for those outside its span."""
+    """Return m vectors, (m, k), in coordinates of the r directions in `basis`, (k, r); NaN if outside their span."""
     inside: Floats = vectors @ basis
-    # A hundredth of a vector may lie outside.
+    # A hundredth of the length of a vector may lie outside.
     outside = np.linalg.norm(vectors - inside @ basis.T, axis=1) > 0.01 * np.linalg.norm(vectors, axis=1)
     inside[outside] = nan
     return inside
@@ -570,9 +594,10 @@ def _determined(vectors: Floats, basis: Floats) -> Floats:
 def _half_widths(
     task: Task, chosen: Sequence[int], knowledge: _Knowledge, gradients: Floats, measure: Measure
 ) -> Floats:
-    """Return the expected half-widths of the intervals of m quantities after tests, given their gradients, (m, k).
+    """Return the expected half-widths of the intervals of m quantities, (m,), after tests of candidates `chosen`.
 
-    They are NaN for quantities that the tests do not determine.
+    `gradients`, (m, r), are those of the quantities by the r parameters of the task.  A half-width is NaN if the tests
+    do not determine the quantity.
     """
     information = task.information(chosen)
     if optimal_design.missing_tests(information, task.rows):

@@ -1,11 +1,11 @@
 """Choose the velocities of a V50 firing and end it: up and down, Langlie's, Neyer's and the Bayesian procedure.
 
-Whether a requirement is met is decided from shots alone, at stated risks, or with the prior.
+Whether a requirement is met is decided from the shots alone, at stated risks, or with the prior.
 
-The Bayesian procedure fires the shot that is expected to be most informative, given the model's limit and its error.
-The target is V50 or, with a requirement, whether the velocity at which a given fraction of shots perforates exceeds the
-required one.  The gain of a shot is the expected reduction of the variance of this target by its result,
-Cov(target, result)^2 / Var(result) over the posterior.
+The Bayesian procedure fires the shot that is expected to say most about a target, given the model's limit and its
+error.  The target is V50 or, with a requirement, whether the requirement is met: whether the velocity at which a given
+fraction of shots perforate exceeds the required velocity.  The gain of a shot is the expected reduction of the variance
+of the target by its result, Cov(target, result)^2 / Var(result) over the posterior.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -31,52 +31,57 @@ from armour.statistics.posterior import (
 )
 from armour.statistics.v50 import MAX_VELOCITY_M_S, MIN_VELOCITY_M_S, SPANS_M_S, MeanV50, Shots, mean_v50
 
-# Nodes of the distance between the velocity in question and the required one, and of the scatter.  The distance, in
-# scatters, is the hyperbolic sine of a normal variable with the standard deviation SPREAD, up to FARTHEST; the scatter
-# is log-normal, up to SCATTER_DEVIATIONS.
+# The velocity in question is that at which the given fraction of shots perforate.  Numbers of nodes: of its distance
+# from the required velocity, and of the scatter.  The distance, in scatters, is the hyperbolic sine of a normal
+# variable with the standard deviation SPREAD, up to FARTHEST; the scatter is log-normal, up to SCATTER_DEVIATIONS.
 DEMAND_NODES, SPREAD, FARTHEST, SCATTER_DEVIATIONS = (30, 7), 1.6, 4.2, 2.4
-# Curves that just meet the requirement: nodes of their scatter, its range in units of the required velocity, and the
-# weight of each curve, negligible in the average.
+# Curves that just meet the requirement: number of nodes of their scatter, range of their scatter in units of the
+# required velocity, and weight of each curve, negligible in averages.
 EDGE_NODES, EDGE_SCATTERS, EDGE_WEIGHT = 41, (1e-3, 0.5), 1e-12
 
 
 class Demand(NamedTuple):
-    """Curves that meet a requirement, do not meet it, or just meet it; the last count half on either side.
+    """Response curves that meet a requirement, do not meet it, or just meet it.
 
-    The requirement is that the velocity at which a fraction of shots perforates exceeds the required one.  The evidence
-    that it is met is the likelihood of the shots averaged over curves that meet it, divided by the greatest likelihood
-    of a curve that does not.  If the requirement is not met, this ratio ever exceeds 1/risk with a probability of at
-    most `risk`, whatever rule chooses the velocities and ends the firing [Wasserman2020].  The same holds with the
-    sides exchanged.
+    The requirement is that the velocity at which a fraction of shots perforate exceeds the required velocity.  The
+    evidence that it is met is a ratio: the likelihood of the shots averaged over curves that meet the requirement,
+    divided by the greatest likelihood of a curve that does not meet it.  If the requirement is not met, this ratio ever
+    exceeds 1/risk with a probability of at most `risk`, whatever rule chooses the velocities and ends the firing
+    [Wasserman2020].  The same holds with the sides exchanged.
 
-    The logarithm of the likelihood of normal curves is concave in intercept and slope, in which each side is convex.
-    Wherever the ratio exceeds 1, the likeliest curve of the other side is therefore one that just meets the
+    The log-likelihood of normal curves is concave in intercept and slope, and the curves of each side are a convex set
+    of intercepts and slopes.  Where the ratio exceeds 1, the likeliest curve of the other side therefore just meets the
     requirement.
     """
 
     grid: V50Grid
-    log_weights: Floats  # (points,)
-    met: Floats  # (points,): 1 where a curve meets it, 0 where it does not, 0.5 where it just does
+    log_weights: Floats  # of the curves in averages, (points,)
+    met: Floats  # 1 for curves that meet the requirement, 0 for those that do not, 0.5 at the edge, (points,)
 
     def posterior(self, velocities_m_s: Sequence[float], complete: Sequence[bool]) -> Posterior:
-        """Return the curves with their weights given shots, of which there may be none."""
+        """Return the curves with their probabilities given shots; `complete` is true for complete penetrations."""
         return Posterior(self.grid, normalised(self.log_weights + self.grid.log_likelihood(velocities_m_s, complete)))
 
     def ratios(self, weights: Floats) -> Floats:
-        """Return the evidence for and against the requirement by n distributions, (n, points) -> (n, 2)."""
+        """Return the evidence for and against the requirement, (n, 2), by n distributions over curves, (n, points)."""
         edge = weights[:, self.met == 0.5].max(axis=1) / EDGE_WEIGHT
         sides = np.column_stack([weights @ (self.met == 1.0), weights @ (self.met == 0.0)])
         return 2.0 * sides / np.maximum(edge, 1e-290)[:, None]
 
 
 def demand_of(requirement_m_s: float, fraction: float, scatter_m_s: float, scatter_factor: float) -> Demand:
-    """Return the curves for a requirement; the expected scatter affects only how many shots are needed."""
-    position = np.linspace(-FARTHEST, FARTHEST, DEMAND_NODES[0])
-    deviation = np.linspace(-SCATTER_DEVIATIONS, SCATTER_DEVIATIONS, DEMAND_NODES[1])
-    distance = np.append(np.repeat(np.sinh(position), DEMAND_NODES[1]), np.zeros(EDGE_NODES))
+    """Return the curves for a requirement, m/s, on the velocity at which `fraction` of the shots perforate.
+
+    The expected scatter and its factor affect only how many shots are needed, not the risks.
+    """
+    arsinh_distance = np.linspace(-FARTHEST, FARTHEST, DEMAND_NODES[0])
+    scatter_deviation = np.linspace(-SCATTER_DEVIATIONS, SCATTER_DEVIATIONS, DEMAND_NODES[1])
+    distance = np.append(np.repeat(np.sinh(arsinh_distance), DEMAND_NODES[1]), np.zeros(EDGE_NODES))
     edge_scatters = requirement_m_s * np.geomspace(*EDGE_SCATTERS, EDGE_NODES)
-    scatter = np.append(np.tile(scatter_m_s * np.exp(log(scatter_factor) * deviation), DEMAND_NODES[0]), edge_scatters)
-    weights = np.exp(-0.5 * np.add.outer((position / SPREAD) ** 2, deviation**2)).ravel()
+    scatter = np.append(
+        np.tile(scatter_m_s * np.exp(log(scatter_factor) * scatter_deviation), DEMAND_NODES[0]), edge_scatters
+    )
+    weights = np.exp(-0.5 * np.add.outer((arsinh_distance / SPREAD) ** 2, scatter_deviation**2)).ravel()
     weights = np.append(weights / weights.sum(), np.full(EDGE_NODES, EDGE_WEIGHT))
     grid = V50Grid(requirement_m_s + (distance - float(ndtri(fraction))) * scatter, scatter, (1, len(scatter)))
     return Demand(grid, np.log(weights), 0.5 + 0.5 * np.sign(distance))
@@ -85,8 +90,8 @@ def demand_of(requirement_m_s: float, fraction: float, scatter_m_s: float, scatt
 class ShotSettings(NamedTuple):
     """Settings of a procedure; velocities in m/s."""
 
-    prior: FiringPrior  # of V50 and the scatter, whose medians are the estimates of the other procedures
-    limits_m_s: tuple[float, float] = (-inf, inf)  # of V50; for Langlie's and Neyer's procedures
+    prior: FiringPrior  # of V50 and the scatter; its medians are the first estimates in the other procedures
+    limits_m_s: tuple[float, float] = (-inf, inf)  # of V50, for Langlie's and Neyer's procedures
     half_width_m_s: float | None = None  # of the interval of V50 that ends the firing; None if the rule has another end
     confidence: float = 0.95
     requirement_m_s: float | None = None
@@ -96,25 +101,25 @@ class ShotSettings(NamedTuple):
 
     @property
     def scatter_m_s(self) -> float:
-        """Expected standard deviation of the response curve, m/s."""
+        """Expected scatter, the standard deviation of the response curve, m/s."""
         return self.prior.limit_m_s * self.prior.scatter_percent / 100.0
 
     def demand(self) -> Demand | None:
-        """Return the curves for a requirement that is decided from shots alone; None for any other firing."""
+        """Return the curves for the requirement, if there is one and it is decided from shots alone; otherwise None."""
         if self.requirement_m_s is None or self.by_prior:
             return None
         return demand_of(self.requirement_m_s, self.requirement_fraction, self.scatter_m_s, self.prior.scatter_factor)
 
 
 class Aim(NamedTuple):
-    """Velocity of the next shot, m/s, and why."""
+    """Velocity of the next shot, m/s, and the reason for it."""
 
     velocity_m_s: float
     why: str
 
 
 def recommended_fit(shots: Shots, confidence: float) -> FittedCurve | None:
-    """Return the probit curve of greatest penalised likelihood; None if the shots have none."""
+    """Return the probit curve of greatest penalised likelihood; None if no rising curve fits the shots."""
     partial, complete = shots.of(complete=False), shots.of(complete=True)
     if not has_curve(partial, complete):
         return None
@@ -122,7 +127,7 @@ def recommended_fit(shots: Shots, confidence: float) -> FittedCurve | None:
 
 
 def narrow_enough(interval: tuple[float | None, float | None], settings: ShotSettings) -> str:
-    """Return why an interval of V50 ends the firing; "" if it is too wide."""
+    """Return the reason to end the firing if an interval of V50, m/s, is narrow enough; else ""."""
     low, high = interval
     if settings.half_width_m_s is None or low is None or high is None or 0.5 * (high - low) > settings.half_width_m_s:
         return ""
@@ -130,7 +135,7 @@ def narrow_enough(interval: tuple[float | None, float | None], settings: ShotSet
 
 
 def stopped(shots: Shots, settings: ShotSettings) -> str:
-    """Return why the firing ends; "" if it continues."""
+    """Return why the firing ends by the recommended curve of the shots; "" if it continues."""
     fit = recommended_fit(shots, settings.confidence)
     return "" if fit is None else narrow_enough(fit.v50_interval_m_s, settings)
 
@@ -145,9 +150,8 @@ def next_up_and_down(shots: Shots, settings: ShotSettings) -> Aim:
     """Return the velocity of the next shot by the up-and-down rule of MIL-STD-662F [DoD1997].
 
     The first shot is at the estimated V50 or, with a requirement, 75 ft/s above the required velocity.  Each further
-    one is slower than the last shot after a complete penetration and faster after a partial one: by 100 ft/s until
-    there is a shot of each kind, then by 50 ft/s.  The firing ends with enough shots of each kind for the mean, within
-    its usual span.
+    shot is slower than the last shot after a complete penetration and faster after a partial one: by 100 ft/s until
+    there are both kinds, then by 50 ft/s.
     """
     if not shots.complete:
         if settings.requirement_m_s is None:
@@ -161,7 +165,7 @@ def next_up_and_down(shots: Shots, settings: ShotSettings) -> Aim:
 
 
 def stopped_up_and_down(shots: Shots, settings: ShotSettings) -> str:
-    """Return why the firing ends; "" if it continues."""
+    """Return why the firing ends: a mean by MIL-STD-662F or, if asked for, a narrow interval; "" if it continues."""
     if settings.half_width_m_s is not None:
         return stopped(shots, settings)
     if mean_of(shots) is None:
@@ -170,21 +174,22 @@ def stopped_up_and_down(shots: Shots, settings: ShotSettings) -> str:
 
 
 def mean_of(shots: Shots) -> MeanV50 | None:
-    """Return the mean of MIL-STD-662F that ends the firing; None if too few shots are within its span."""
+    """Return the mean of MIL-STD-662F that ends the firing: of three shots of each kind, if within the usual span."""
     partial, complete = shots.of(complete=False), shots.of(complete=True)
     return mean_v50(partial, complete, PAIRS) if partial and complete else None
 
 
-# A limit is in doubt if this many last shots are alike and the next is within this fraction of the range from it.
+# A limit is in doubt if the last ALIKE results are the same and the next velocity is near it: within the fraction NEAR
+# of the distance between the limits.
 ALIKE, NEAR = 5, 0.02
 
 
 def next_by_langlie(shots: Shots, settings: ShotSettings) -> Aim:
     """Return the velocity of the next shot by Langlie's one-shot test [Langlie1962].
 
-    The first shot is midway between the limits.  Each further one is midway between the last shot and the latest shot
-    since which as many penetrations were complete as partial.  Without such a shot, it is midway between the last shot
-    and a limit: the lower one after a complete penetration, the upper one after a partial one.
+    The first shot is midway between the limits.  Each further shot is midway between the last shot and an earlier one:
+    the latest from which on as many penetrations were complete as partial.  Without such a shot, it is midway between
+    the last shot and a limit: the lower limit after a complete penetration, the upper limit after a partial one.
     """
     lower, upper = settings.limits_m_s
     if not shots.complete:
@@ -203,7 +208,7 @@ def next_by_langlie(shots: Shots, settings: ShotSettings) -> Aim:
 
 
 def langlie_doubts(shots: Shots, settings: ShotSettings) -> Iterator[str]:
-    """Yield a warning if the shots leave the limits or stay at one of them."""
+    """Yield a warning if the next velocity lies outside the limits, and if the last shots have approached a limit."""
     lower, upper = settings.limits_m_s
     velocity, last_results = next_by_langlie(shots, settings).velocity_m_s, shots.complete[-ALIKE:]
     if not lower <= velocity <= upper:
@@ -217,19 +222,21 @@ def langlie_doubts(shots: Shots, settings: ShotSettings) -> Iterator[str]:
         )
 
 
-# Arguments of the normal distribution function at which the gain in information is examined.
+# Velocities at which the gain in information is computed, in scatters above V50.
 ARGUMENTS = np.arange(-4000, 4001) / 1000.0
-# The best argument if a constant probability, that of an infinite scatter, fits the shots best.
+# The best of them if a constant probability, that of an infinite scatter, fits the shots best.
 FLAT = 1.31525757633905
 
 
 def next_by_neyer(shots: Shots, settings: ShotSettings) -> Aim:
     """Return the velocity of the next shot by Neyer's D-optimal test [Neyer1994].
 
-    1. A binary search finds shots of both kinds and brings their velocities within the guessed scatter of each other.
-    2. Until shots of the two kinds overlap, and V50 and scatter have unique maximum-likelihood estimates, V50 is taken
-       midway between the kinds, and the guessed scatter is multiplied by 0.8 after each shot.
-    3. V50 and scatter are the maximum-likelihood estimates, V50 within and the scatter at most the range of the shots.
+    1. A binary search finds shots of both kinds, until the lowest complete penetration is less than the guessed scatter
+       above the highest partial one.
+    2. Until the two kinds overlap, so that V50 and scatter have unique maximum-likelihood estimates, V50 is taken
+       midway between these two shots, and the guessed scatter is multiplied by 0.8 after each shot.
+    3. Then V50 and scatter are estimated by maximum likelihood: V50 within the range of the shots, and the scatter at
+       most as large as this range.
 
     In parts 2 and 3 the next velocity maximises the determinant of the Fisher information.
     """
@@ -277,28 +284,28 @@ def _gaps(shots: Shots) -> list[float]:
 
 
 def _d_optimal(velocities: Sequence[float], v50: float, scatter: float) -> float:
-    """Return the velocity, m/s, that maximises the determinant of the information on V50 and scatter."""
+    """Return the next velocity, m/s, that maximises the determinant of the Fisher information on V50 and scatter."""
     z = (np.array(velocities) - v50) / scatter
     weights, gained = (np.exp(LOG_INFORMATION["probit"](arguments)) for arguments in (z, ARGUMENTS))
     gain = gained * (weights.sum() * ARGUMENTS**2 - 2.0 * (weights @ z) * ARGUMENTS + weights @ (z * z))
     return v50 + scatter * float(ARGUMENTS[np.argmax(gain)])
 
 
-# Number of velocities examined.  They cover V50 except for the probability TAIL at each end, or WIDE_TAIL if the
-# scatter is implausible, and SCATTERS scatters more; or AROUND scatters on either side of a requirement.
+# Number of velocities examined.  Their range is that of V50, without the probability TAIL at each end, or WIDE_TAIL if
+# the scatter is implausible, and SCATTERS scatters more; or AROUND scatters on either side of a requirement.
 CANDIDATES, TAIL, WIDE_TAIL, SCATTERS, AROUND = 101, 1e-3, 0.025, 2.0, 4.0
-# Simulated continuations of the firing, to estimate the number of further shots: their number, the nodes of their grid,
-# the number of their velocities and the most shots of each.
+# Simulated continuations of the firing, to estimate the number of further shots: number of continuations, nodes of
+# their grid, number of velocities examined, and greatest number of shots in each.
 FUTURES, FUTURE_NODES, FUTURE_CANDIDATES, MOST_SHOTS = 40, (401, 11), 61, 100
 # Another confidence for which the number of shots is estimated.
 OTHER_CONFIDENCE = 0.9
-# Points of an operating characteristic: simulated firings at each, and the distances of the velocity in question from
-# the required one, in scatters.
+# Operating characteristic: simulated firings at each of its armours, and the distances, in scatters, of the velocity in
+# question from the required velocity.
 FIRINGS, DISTANCES = 100, (-3.0, -2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0, 3.0)
 
 
 def posterior(shots: Shots, settings: ShotSettings, nodes: tuple[int, int] = GRID_NODES) -> Posterior:
-    """Return the posterior given the shots, or without the prior if the requirement is decided from shots alone."""
+    """Return the posterior given the shots or, if a requirement is decided from them alone, the weighted curves."""
     if demand := settings.demand():
         return demand.posterior(shots.velocities_m_s, shots.complete)
     return posterior_of(settings.prior, shots.velocities_m_s, shots.complete, nodes)
@@ -323,7 +330,7 @@ def next_bayesian(shots: Shots, settings: ShotSettings) -> Aim:
 
 
 def stopped_bayesian(shots: Shots, settings: ShotSettings) -> str:
-    """Return why the firing ends; "" if it continues."""
+    """Return why the firing ends: a decision on the requirement or a narrow interval of V50; "" if it continues."""
     current = posterior(shots, settings)
     if settings.requirement_m_s is None:
         return narrow_enough(current.estimate(settings.confidence).v50_interval_m_s, settings)
@@ -338,7 +345,7 @@ def stopped_bayesian(shots: Shots, settings: ShotSettings) -> str:
 
 
 def decisions(weights: Floats, grid: V50Grid, settings: ShotSettings) -> Ints:
-    """Return 1 if a requirement is met, -1 if it is not and 0 while it is undecided, by n distributions, (n,)."""
+    """Return 1 if the requirement is met, -1 if not and 0 if undecided, (n,), by n distributions, (n, points)."""
     if demand := settings.demand():
         accepted, rejected = (demand.ratios(weights) * (1.0 - settings.confidence) >= 1.0).T
     else:
@@ -348,7 +355,7 @@ def decisions(weights: Floats, grid: V50Grid, settings: ShotSettings) -> Ints:
 
 
 def target(grid: V50Grid, settings: ShotSettings) -> Floats:
-    """Return the quantity to determine, at the points of a grid: V50, or whether the requirement is met."""
+    """Return the target at the points of a grid, (points,): V50, m/s, or 1 if the requirement is met and 0 if not."""
     if settings.requirement_m_s is None:
         return grid.v50_m_s
     if demand := settings.demand():
@@ -357,9 +364,10 @@ def target(grid: V50Grid, settings: ShotSettings) -> Floats:
 
 
 def gains(weights: Floats, target: Floats, response: Floats) -> Floats:
-    """Return the expected reduction of the variance of a target, (points,), by a shot at each of m velocities.
+    """Return the expected reduction of the variance of a target by a shot at each of m velocities, (n, m).
 
-    The weights of n distributions, (n, points), and the response at the velocities, (m, points), give (n, m).
+    `weights`, (n, points), are n distributions over the points, at which the target has values, (points,).
+    `response`, (m, points), is the probability of complete penetration at each velocity.
     """
     # Unlike matrix products, these do not depend on the number of threads, as no grid has more than 10,000 points.
     probability = np.vecdot(weights[:, None], response).clip(1e-12, 1.0 - 1e-12)
@@ -369,7 +377,7 @@ def gains(weights: Floats, target: Floats, response: Floats) -> Floats:
 
 
 def candidates(current: Posterior, settings: ShotSettings, count: int) -> Floats:
-    """Return evenly spaced velocities to choose from, m/s."""
+    """Return `count` evenly spaced velocities to choose the next one from, m/s."""
     greatest = settings.scatter_m_s * settings.prior.scatter_factor ** float(ndtri(0.5 + 0.5 * PLAUSIBLE))
     scatter = float(expected(current.grid.scatter_m_s, current.weights))
     if settings.demand():
@@ -385,7 +393,7 @@ def candidates(current: Posterior, settings: ShotSettings, count: int) -> Floats
 
 
 class Firings:
-    """Many simultaneous firings, each with a posterior over the points of one grid."""
+    """n simulated firings at the same time, each with its posterior over the points of a common grid, (n, points)."""
 
     def __init__(self, current: Posterior, settings: ShotSettings, count: int, velocities: int) -> None:
         self.settings, self.grid = settings, current.grid
@@ -395,23 +403,24 @@ class Firings:
         self.target = target(current.grid, settings)
 
     def aims(self) -> Floats:
-        """Return the next velocity of each firing."""
+        """Return the next velocity of each firing, m/s, (n,)."""
         return self.velocities[gains(self.weights, self.target, self.response).argmax(axis=1)]
 
     def add(self, velocities: Floats, complete: Bools) -> None:
-        """Add a shot to each firing."""
+        """Add a shot to each firing, given its velocity, m/s, (n,), and whether it was complete, (n,)."""
         response = self.grid.response(velocities)
         self.weights *= np.where(complete[:, None], response, 1.0 - response)
         self.weights /= self.weights.sum(axis=1, keepdims=True)
 
     def intervals(self, confidence: float) -> Floats:
-        """Return the ends of the interval of V50 of each firing, (n, 2)."""
+        """Return the ends of the interval of V50 of each firing, m/s, (n, 2)."""
         return self.grid.v50_quantiles(self.weights, (0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence))
 
     def ended(self, confidence: float) -> Ints:
-        """Return 1 for firings that end with the requirement met or a narrow interval, -1 for those with it not met.
+        """Return how each firing stands, (n,), at a confidence.
 
-        Firings that continue have 0.
+        1 is the end with the requirement met or with a narrow interval of V50, -1 the end with the requirement not met;
+        0 is no end yet.
         """
         settings = self.settings._replace(confidence=confidence)
         if settings.requirement_m_s is not None:
@@ -420,17 +429,18 @@ class Firings:
         return (0.5 * (high - low) <= (settings.half_width_m_s or 0.0)).astype(int)
 
     def keep(self, kept: Bools) -> None:
-        """Keep some of the firings."""
+        """Keep some of the firings, given a mask, (n,), and drop the others."""
         self.weights = self.weights[kept]
 
 
 def fire(
     firings: Firings, v50_m_s: Floats, scatter_m_s: Floats, dice: np.random.Generator, least: int = 1
 ) -> tuple[Floats, Ints, Floats]:
-    """Simulate a firing at each of n armours, while at least a number of firings continue.
+    """Simulate `firings`, one at each of n armours with a true V50 and scatter, m/s, (n,).
 
-    Return for each the number of shots at its end, infinite if it has none; its result, see `Firings.ended`; and the
-    number of shots at which it would have ended with a confidence of 90 %.
+    Stop when fewer than `least` of them continue.  Return the number of shots of each at its end, (n,), infinite
+    without an end; how it ended, (n,), as by `Firings.ended`; and the number of shots at which it would have ended with
+    a confidence of 90 %, (n,).
     """
     shots, shots_90 = np.full((2, len(v50_m_s)), inf)
     ended = np.zeros(len(v50_m_s), dtype=int)
@@ -451,9 +461,9 @@ def fire(
 
 
 def expected_shots(shots: Shots, settings: ShotSettings) -> tuple[float | None, float | None]:
-    """Return the median number of further shots in simulated continuations, and the same with a confidence of 90 %.
+    """Return the median number of further shots in simulated continuations, and this number for a confidence of 90 %.
 
-    A number is None if it exceeds the maximum, and the second one if the confidence is no more than that.
+    A number is None if it exceeds MOST_SHOTS; the second is None also if the confidence asked for is at most 90 %.
     """
     current = posterior(shots, settings, FUTURE_NODES)
     # Even if the decision does not use the prior, the prior predicts the number of shots.
@@ -468,7 +478,7 @@ def expected_shots(shots: Shots, settings: ShotSettings) -> tuple[float | None, 
 
 
 def _median(shots: Floats) -> float | None:
-    """Return the median of numbers of shots; None if it is infinite."""
+    """Return the median of numbers of shots, (n,); None if it is infinite."""
     median = float(np.median(shots))
     return median if isfinite(median) else None
 
@@ -495,15 +505,15 @@ class OperatingPoint:
 
 
 def operating_characteristic(settings: ShotSettings) -> tuple[OperatingPoint, ...]:
-    """Simulate firings at armours of the expected scatter around a requirement."""
+    """Simulate firings at armours from below to above the requirement, all with the expected scatter."""
     assert settings.requirement_m_s is not None
     current, scatter = posterior(Shots((), ()), settings, FUTURE_NODES), settings.scatter_m_s
-    edge = settings.requirement_m_s - float(ndtri(settings.requirement_fraction)) * scatter
-    points = edge + scatter * np.array(DISTANCES)
-    armours = np.repeat(points, FIRINGS)
+    v50_at_edge = settings.requirement_m_s - float(ndtri(settings.requirement_fraction)) * scatter
+    true_v50 = v50_at_edge + scatter * np.array(DISTANCES)
+    armours = np.repeat(true_v50, FIRINGS)
     firings = Firings(current, settings, len(armours), FUTURE_CANDIDATES)
     shots, ended, _ = fire(firings, armours, np.full(len(armours), scatter), np.random.default_rng(0))
-    outcomes = zip(points.tolist(), shots.reshape(-1, FIRINGS), ended.reshape(-1, FIRINGS), strict=True)
+    outcomes = zip(true_v50.tolist(), shots.reshape(-1, FIRINGS), ended.reshape(-1, FIRINGS), strict=True)
     return tuple(
         OperatingPoint(v50, scatter, float((ends > 0).mean()), float((ends < 0).mean()), _median(numbers))
         for v50, numbers, ends in outcomes
@@ -511,7 +521,7 @@ def operating_characteristic(settings: ShotSettings) -> tuple[OperatingPoint, ..
 
 
 class Rule(NamedTuple):
-    """Functions of the shots so far: the next velocity, and why the firing has ended, "" if it continues."""
+    """Functions of the shots so far: the next velocity, and why the firing has ended, "" if it has not."""
 
     aim: Callable[[Shots, ShotSettings], Aim]
     ended: Callable[[Shots, ShotSettings], str]

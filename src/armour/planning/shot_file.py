@@ -17,15 +17,18 @@ from armour.files import reason
 from armour.statistics.v50 import Shots, is_of_shots
 
 HEADER = ("shot", "velocity_m_s", "result")
-# Time to wait for other commands that are adding a shot to the same file; each takes a second or two.
+# Time to wait for other commands that are adding shots to the same file; each command takes a second or two.
 WAIT_S = 120.0
-# Most digits of the number of a shot; a longer name is a name.
+# Most digits of a name that counts as the number of a shot.
 MOST_DIGITS = 15
 
 
 @contextmanager
 def locked(path: Path) -> Iterator[None]:
-    """Keep other commands from adding a shot to a file, by a lock file beside it, as the file itself is replaced."""
+    """Keep other commands from adding a shot to a file, by a lock file beside it.
+
+    The file itself cannot be the lock, as it is replaced.
+    """
     target = Path(os.path.realpath(path))
     lock = FileLock(target.with_name(f".{target.name}.lock"), timeout=WAIT_S)
     try:
@@ -45,10 +48,10 @@ def content_of(path: Path) -> bytes | None:
 
 
 def with_shot(path: Path, velocity_m_s: float, word: str, where: Mapping[str, str] | None = None) -> bytes:
-    """Return the content of a file of shots, which need not exist, with one more shot.
+    """Return the content of a file of shots with one more shot; the file need not exist.
 
-    The row has the columns, the unit and the marks of the file, and its words are spelt like those of the last shot;
-    ``where`` has the cells of other columns.
+    The new row has the columns, the unit and the decimal marks of the file, and words spelt like those of earlier
+    shots.  ``word`` is the result; ``where`` has the cells of other columns, by name.
     """
     content = content_of(path)
     content = f"{','.join(HEADER)}\n".encode() if content is None else content
@@ -84,13 +87,17 @@ def with_shot(path: Path, velocity_m_s: float, word: str, where: Mapping[str, st
 
 
 def _number(velocity_m_s: float, factor: float) -> str:
-    """Return a velocity in the unit of a column: exactly in m/s, and with nine digits in another unit."""
+    """Return a velocity as text in the unit of a column, `factor` m/s: exact in m/s, else with nine digits."""
     value = velocity_m_s / factor
     return f"{value:.9g}" if factor != 1.0 else f"{value:g}" if float(f"{value:g}") == value else repr(value)
 
 
 def _spelt(says: bool, word: str, cells: Sequence[str], column: Column) -> str:
-    """Return a word that says so, as a column has it, or else of the pair of its last word, capitalised like it."""
+    """Return the text by which a column says yes or no: that a shot perforated, or that it counts.
+
+    It is the last of the cells that mean `says`.  Without one, it is the counterpart of the last word in the column or
+    else `word`, capitalised like the last word.
+    """
     meant = no_crosses(cells, column)
     if same := [cell for cell, text in zip(cells, meant, strict=True) if column.says(text) == says]:
         return same[-1]
@@ -103,12 +110,12 @@ def _spelt(says: bool, word: str, cells: Sequence[str], column: Column) -> str:
 
 
 def next_name(names: Sequence[str], count: int) -> str:
-    """Return the name of the next shot: the greatest name that is a number or, without one, the count, plus 1."""
+    """Return the name of the next shot: the greatest number among the names, or else the number of shots, plus 1."""
     numbers = (int(name) for name in names if name.isdecimal() and len(name) <= MOST_DIGITS)
     return str(max(numbers, default=count) + 1)
 
 
 def added(shots: Shots, velocity_m_s: float, complete: bool) -> Shots:
-    """Return shots with one more."""
+    """Return shots with one more, named if the others are."""
     names = (*shots.names, next_name(shots.names, len(shots.complete))) if shots.names else ()
     return Shots((*shots.velocities_m_s, velocity_m_s), (*shots.complete, complete), shots.file, names)

@@ -47,14 +47,17 @@ LAWS: dict[Law, tuple[str, ...]] = {
 
 
 def law_of(scenario: Scenario) -> str:
-    """Return the law of the scenario's ceramic, or "combined" for several laws at once."""
+    """Return the law of the flow stress of the scenario's ceramic; "combined" for coefficients of several laws."""
     values = scenario.inputs()
     nonzero = {key for key in FLOW_STRESS_LAW if values.get(f"ceramic.{key}")}
     return next((law for law, keys in LAWS.items() if nonzero == set(keys)), "combined")
 
 
 def with_law(scenario: Scenario, law: Law | None) -> Scenario:
-    """Return the scenario with the coefficients of one law only, 0 if its ceramic lacks them; by default its own."""
+    """Return the scenario with a ceramic that has the coefficients of one law only; without a law, as it is.
+
+    Coefficients of other laws become 0, and so do those of `law` that the ceramic lacks.
+    """
     if law is None:
         return scenario
     values = scenario.inputs()
@@ -63,7 +66,7 @@ def with_law(scenario: Scenario, law: Law | None) -> Scenario:
 
 
 def with_ceramic(scenario: Scenario, values: dict[str, float]) -> Scenario:
-    """Return the scenario with other values of its ceramic, by key, which its entry may lack."""
+    """Return the scenario with other values of its ceramic, by key; the library entry may lack these keys."""
     entry = scenario.entry_of("ceramic")
     assert entry is not None
     table: dict[str, Any] = dict(values)
@@ -77,9 +80,9 @@ ASSUMED = (
     "the intervals depend on it"
 )
 ONE_SIDED = "all shots have the same outcome: if shots with the other one were left out, the fitted limits are wrong"
-# Number of random orders of deviations with which those of the tests are compared.
+# Number of random permutations of the deviations in a permutation test.
 PERMUTATIONS = 4999
-# Least difference of a computed value from a bound that counts: half of the last digit shown.
+# A computed value may miss a bound by this much, half of the last digit shown, and still meet it.
 AT_BOUND = 0.005
 
 
@@ -92,7 +95,7 @@ class Residual:
     test, quantity : str
     measured, computed : float
     left_out : float or None
-        Computed with coefficients fitted to the other tests; None if these are too few.
+        Value computed with coefficients fitted to the other tests; None if these are too few.
     bound : {"", "at least", "at most"}
         Bound on the ballistic limit that the outcome of a test gives; empty for a measured value.
     uncertainty : float or None
@@ -109,13 +112,13 @@ class Residual:
 
     @property
     def missed_by(self) -> float:
-        """How far the computed value is beyond the bound; negative if it meets it, or without one."""
+        """Distance of the computed value beyond the bound; negative if it meets the bound, -inf without one."""
         sides = {"at least": 1.0, "at most": -1.0}
         return sides[self.bound] * (self.measured - self.computed) if self.bound else -np.inf
 
     @property
     def met(self) -> bool:
-        """Whether the computed value meets the bound, to a hundredth."""
+        """Whether the computed value meets the bound, within `AT_BOUND`; true without a bound."""
         return self.missed_by <= AT_BOUND
 
 
@@ -152,40 +155,44 @@ class CalibrationResult(TableResult):
     weights : {"uncertainties", "relative"}
         Standard deviations of the measurements: those given, or one fraction of the measured values.
     coefficients : tuple of Coefficient
-        An end of an interval that the tests do not bound is None.
+        The fitted inputs.  An end of an interval that the tests do not bound is None.
     correlation : tuple of tuple of float
-        Correlation matrix of the coefficients, of the model linearised at the estimate.
+        Correlation matrix of the coefficients, from the model linearised at the estimate.
     residuals : tuple of Residual
     mean_error_percent, left_out_error_percent : float or None
-        Mean absolute deviations, in sample and leave-one-out, bounds excluded, %; None if there are none.
+        Mean absolute deviations of the measured values, in sample and leave-one-out, %; None if there are none.
+        Bounds are excluded.
     degrees_of_freedom : float
-        Of the scatter or, if uncertainties are given, of chi-squared: with measured values alone, their number minus
-        that of the coefficients.
+        Degrees of freedom of the scatter or, if uncertainties are given, of chi-squared.  With measured values alone,
+        this is the number of values minus the number of coefficients.
     chi_squared : float
-        Sum of the squared deviations of measured values, divided by their uncertainties or by the values.
+        Sum of the squared deviations of measured values, each divided by its uncertainty or, if none are given, by the
+        value.  If uncertainties are given, deviations from a prior are added.
     starts, starts_agreeing : int
         Number of starting points of the fit, and of those that converged to the same solution.
     confidence : float
         Confidence level of the intervals.
     p_value : float or None
-        Probability of a greater chi-squared if the model and the uncertainties given are right; None without them.
+        Probability of a greater chi-squared if the model and the uncertainties given are right; None without
+        uncertainties or without degrees of freedom.
     widened_by : float
-        Factor of the intervals, more than 1 if the p value is less than 0.05: the Birge ratio, the square root of
-        chi-squared over the degrees of freedom.
+        Factor by which the intervals are widened.  If the p value is less than 0.05 and there is no prior, it is the
+        Birge ratio, the square root of chi-squared over the degrees of freedom; otherwise 1.
     aicc : float or None
-        Akaike's information criterion, corrected for the number of tests; lower is better.  None for too few tests, and
-        with a prior.
+        Akaike's information criterion, corrected for the number of measurements; lower is better.  None for too few
+        measurements, and with a prior.
     laws : tuple of LawFit
         The laws that were compared.
     evidence : mapping or None
         Distribution of the ballistic limits of such armours given the tests: the key ``evidence`` of the fitted entry
-        in a library file.  None if no ballistic limit was measured or shot at, and for several inputs, or an input
-        that is not identified.
+        in a library file.  None if the tests do not determine it, for example if none measured or shot at a ballistic
+        limit, if properties of two materials or of the projectile were fitted, or if one of several inputs is not
+        identified.
     warnings : tuple of str
-        A bad fit, tests that do not follow the others, and ways in which tests are unlike what the model was
+        A bad fit, tests out of line with the others, and ways in which tests are unlike those that the model was
         compared with before.
     own_tests : tuple of OwnTest
-        The limits and shots that the evidence holds, each as the others predict it.
+        The limits and shots that the evidence holds, each with the limit that the others predict for it.
     """
 
     tests: str
@@ -234,9 +241,9 @@ def calibrate(
 
     A measured value is normally distributed about the model's value, with its uncertainty or, if none are given, with a
     standard deviation that is an unknown fraction, common to all, of the measured value.  If the model stops the
-    projectile of a test, its residual velocity is negative: the impact velocity minus the ballistic limit.  A test with
-    an outcome alone has the probability that a ballistic limit of that distribution is above, or below, the impact
-    velocity.
+    projectile of a test, its residual velocity is negative: the impact velocity minus the ballistic limit.  The
+    likelihood of an outcome alone is the probability that a ballistic limit with that distribution is above the impact
+    velocity (stopped) or below it (perforated).
 
     Parameters
     ----------
@@ -297,18 +304,21 @@ def calibrate(
         for inputs, result in fits
         if law == "all"
     )
-    # The least leave-one-out error first, and a law without one last.
+    # The law with the least leave-one-out error comes first, and laws without such an error last.
     fits.sort(key=lambda pair: np.inf if (error := pair[1].left_out_error_percent) is None else error)
     results = ((inputs, replace(result, coefficients=intervals(inputs), laws=laws)) for inputs, result in fits)
     first = next(results)
     identified = (pair for pair in chain([first], results) if all(c.estimate is not None for c in pair[1].coefficients))
     best, result = next(identified, first)
-    by_law = tests._replace(groups=best.likelihood.tests.groups)
-    return _with_evidence(result, by_law, fit).of(subject_of(tests), scenario=scenario, tests=tests)
+    tests_by_law = tests._replace(groups=best.likelihood.tests.groups)
+    return _with_evidence(result, tests_by_law, fit).of(subject_of(tests), scenario=scenario, tests=tests)
 
 
 def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str]) -> CalibrationResult:
-    """Return a result with the evidence of the tests under its law, or with a warning that they give none."""
+    """Return the result with its evidence, the tests as a library entry stores them, or a warning that there is none.
+
+    `tests` have the law of the result; `inputs` are the names of the fitted inputs.
+    """
     scenario, notes = tests.groups[0].scenario, list[str]()
     values = {c.name: c.estimate for c in result.coefficients if c.estimate is not None}
     # A single value that the tests do not identify keeps its present value; the tests still inform about the limits.
@@ -317,38 +327,41 @@ def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str
         notes = [f"{name} stays at {value:g}: the tests do not identify it" for name, value in values.items()]
     entry = scenario.entry_of(inputs[0].partition(".")[0])
     computed = [r.computed for r in result.residuals if r.quantity == LIMIT]
-    kept = own_tests(tests, values, computed) if len(values) == len(result.coefficients) else None
+    stored = own_tests(tests, values, computed) if len(values) == len(result.coefficients) else None
     implausible, doubtful = list[str](), set[int]()
-    if kept is not None and entry is not None:
-        evidence = own_evidence(entry, kept)
+    if stored is not None and entry is not None:
+        evidence = own_evidence(entry, stored)
         shots = [place for place, m in enumerate(tests.measurements) if m.quantity == LIMIT]
         doubtful = {shots[place] for place in evidence.doubtful}
         if not evidence.fits:
-            kept, implausible = None, [f"{_line(tests, place)}: {evidence.source}" for place in sorted(doubtful)]
+            stored, implausible = None, [f"{_line(tests, place)}: {evidence.source}" for place in sorted(doubtful)]
             doubtful = set()
-    if kept is not None:
+    if stored is not None:
         notes += repeated(tests)
-        own = predicted_tests(entry, kept) if entry is not None else ()
-        result = replace(result, evidence=kept.model_dump(exclude_none=True), own_tests=own)
+        predictions = predicted_tests(entry, stored) if entry is not None else ()
+        result = replace(result, evidence=stored.model_dump(exclude_none=True), own_tests=predictions)
     elif {name.partition(".")[0] for name in inputs} != {"projectile"}:
         notes = [f"of the entry, {NOTHING_OF_ERROR}"]
-    apart = (*_out_of_line(tests, result, doubtful), *_split(tests, result.residuals))
-    return replace(result, warnings=(*_in_feet(tests), *implausible, *apart, *result.warnings, *notes))
+    deviating = (*_out_of_line(tests, result, doubtful), *_split(tests, result.residuals))
+    return replace(result, warnings=(*_in_feet(tests), *implausible, *deviating, *result.warnings, *notes))
 
 
 def under_law(tests: Tests, inputs: Sequence[str], law: Law | None) -> tuple[Tests, list[str]]:
-    """Return tests with a law of the flow stress, by default their own, and all inputs to fit."""
+    """Return the tests with a law of the flow stress, by default their own, and the names of all inputs to fit."""
     groups = tuple(group._replace(scenario=with_law(group.scenario, law)) for group in tests.groups)
     return tests._replace(groups=groups, scenario=with_law(tests.scenario, law)), fitted_names(inputs, law)
 
 
 def fitted_names(inputs: Sequence[str], law: Law | None) -> list[str]:
-    """Return inputs to fit with the coefficients of a law of the flow stress."""
+    """Return the names of the inputs to fit, followed by the coefficients of a law of the flow stress."""
     return [*dict.fromkeys([*inputs, *(f"ceramic.{key}" for key in (LAWS[law] if law else ()))])]
 
 
 def check_fitted(fit: Sequence[str], law: str | None, function: str) -> None:
-    """Check that there is an input to fit, and a law only if the flow stress is fitted."""
+    """Check that there is an input to fit, and a law only if the flow stress is fitted.
+
+    Messages name `function`, the public function that was called.
+    """
     if not fit:
         raise mistake(function, "fit", "must name at least one input")
     if law is not None and FLOW_STRESS not in fit:
@@ -356,7 +369,10 @@ def check_fitted(fit: Sequence[str], law: str | None, function: str) -> None:
 
 
 def check_same_prior(tests: Tests, scenario: Scenario, function: str) -> None:
-    """Check that the scenario that tests were read with, whose distributions are the prior, has those of a scenario."""
+    """Check that `scenario` has the distributions, used as a prior, of the scenario that the tests were read with.
+
+    Messages name `function`, the public function that was called.
+    """
     read_with = tests.scenario
     names = (scenario.uncertainty or Uncertainty()).inputs()
     values, read_values = ([inputs.get(name) for name in names] for inputs in (scenario.inputs(), read_with.inputs()))
@@ -374,9 +390,10 @@ def fit_by_law(
     prior: bool = False,
     assumes: bool = True,
 ) -> tuple[InputFit, CalibrationResult]:
-    """Return a fit with one law, and its result without the coefficients, whose intervals are slow to compute.
+    """Fit inputs with one law, and return the fit and its result.
 
-    If there are too few tests to estimate their scatter, it may be assumed.
+    The result lacks its coefficients, as their intervals are slow to compute.  With `assumes`, a scatter is assumed if
+    there are too few tests to estimate it.
     """
     tests, inputs = under_law(tests, inputs, law)
     likelihood = likelihood_of(tests, inputs, on_progress, prior=prior)
@@ -400,7 +417,7 @@ def fit_by_law(
     errors = np.sqrt(np.maximum(np.diag(fit.covariance), 1e-300))
     correlation = fit.covariance / np.outer(errors, errors)
     np.fill_diagonal(correlation, 1.0)
-    values = [r for r in residuals if not r.bound]
+    measured_values = [r for r in residuals if not r.bound]
     return fit, CalibrationResult(
         tests=tests.file,
         law=(law or law_of(tests.groups[0].scenario)) if FLOW_STRESS in inputs else "",
@@ -408,8 +425,8 @@ def fit_by_law(
         coefficients=(),
         correlation=tuple(map(tuple, correlation.tolist())),
         residuals=residuals,
-        mean_error_percent=_mean_percent([(r.computed, r.measured) for r in values]),
-        left_out_error_percent=_mean_percent([(r.left_out, r.measured) for r in values]),
+        mean_error_percent=_mean_percent([(r.computed, r.measured) for r in measured_values]),
+        left_out_error_percent=_mean_percent([(r.left_out, r.measured) for r in measured_values]),
         degrees_of_freedom=fit.degrees_of_freedom,
         chi_squared=fit.chi_squared,
         starts=fit.starts,
@@ -429,10 +446,12 @@ def fit_by_law(
 
 
 def out_of_line(deviations: Floats, left_out: Floats, coefficients: int) -> Bools:
-    """Return which measurements are out of line, (n,), from the deviations of fits with and without each.
+    """Return which of n measurements are out of line with the others, (n,).
 
-    Their studentised left-out deviations exceed a quantile of Student's t, with Bonferroni's correction.  In a linear
-    model, a measurement adds the product of both deviations to the sum of squares.
+    `deviations`, (n,), are the relative deviations of the fit to all measurements; in `left_out`, (n,), each is that of
+    a fit to the others.  A measurement is out of line if its studentised left-out deviation exceeds a quantile of
+    Student's t, with Bonferroni's correction.  In a linear model, a measurement adds the product of its two deviations
+    to the sum of squares.
     """
     freedom = len(deviations) - coefficients - 1
     if freedom < 1:
@@ -444,14 +463,15 @@ def out_of_line(deviations: Floats, left_out: Floats, coefficients: int) -> Bool
 
 
 def _out_of_line(tests: Tests, result: CalibrationResult, doubtful: Collection[int]) -> Iterator[str]:
-    """Yield a warning for each measurement that is out of line with the others, with its line.
+    """Yield a warning for each measurement that is out of line with the others, with its line in the file.
 
-    These are the doubtful ones, those far from the fit of all, and bounds that it misses by too much.
+    These are the measurements at the indices `doubtful`, those that `out_of_line` returns, and outcomes whose bounds
+    the fit misses by too much.
     """
     residuals, count = result.residuals, len(result.residuals)
-    values = np.array([place for place, r in enumerate(residuals) if not r.bound], dtype=np.int64)
+    measured_places = np.array([place for place, r in enumerate(residuals) if not r.bound], dtype=np.int64)
     measured, computed, left_out, scales = (
-        np.array([getattr(residuals[place], key) for place in values], dtype=np.float64)
+        np.array([getattr(residuals[place], key) for place in measured_places], dtype=np.float64)
         for key in ("measured", "computed", "left_out", "uncertainty")
     )
     scales = np.where(np.isnan(scales), measured, scales)
@@ -462,7 +482,7 @@ def _out_of_line(tests: Tests, result: CalibrationResult, doubtful: Collection[i
         for place, r in enumerate(residuals)
         if r.missed_by > farthest * max((r.uncertainty or 0.0) * result.widened_by, LEAST_REST * r.measured)
     }
-    for place in sorted({*values[outliers].tolist(), *doubtful, *missed}):
+    for place in sorted({*measured_places[outliers].tolist(), *doubtful, *missed}):
         r = residuals[place]
         expected = f"the fit gives {r.computed:.4g}"
         if r.left_out is not None:
@@ -475,20 +495,23 @@ def _out_of_line(tests: Tests, result: CalibrationResult, doubtful: Collection[i
 
 
 def _split(tests: Tests, residuals: Sequence[Residual]) -> Iterator[str]:
-    """Yield a warning for each column, which is no input, by whose names the deviations of limits differ."""
+    """Yield a warning for each column of origin, such as the laboratory, by which the deviations of limits differ.
+
+    A permutation test compares the deviations with the same ones in random orders.
+    """
     places = [i for i, m in enumerate(tests.measurements) if m.quantity == LIMIT and not m.side]
     deviations = np.array([np.log(residuals[i].measured / residuals[i].computed) for i in places])
     deviations = deviations - deviations.mean() if places else deviations
     for column in ORIGINS:
         names = np.array([str(tests.cells[tests.measurements[i].test].get(column, "")) for i in places])
-        of_name = names == np.unique(names)[:, None]
-        counts, dice = of_name.sum(axis=1), np.random.default_rng(1)
-        # The sum of squares between the names, of the deviations and of them in random orders.
+        has_name = names == np.unique(names)[:, None]
+        counts, dice = has_name.sum(axis=1), np.random.default_rng(1)
+        # Sums of squares between the names: first that of the deviations, then those of the random orders.
         shuffled = dice.permuted(np.tile(deviations, (PERMUTATIONS, 1)), axis=1)
-        squares = ((np.vstack([deviations, shuffled]) @ of_name.T) ** 2 / counts).sum(axis=1)
+        squares = ((np.vstack([deviations, shuffled]) @ has_name.T) ** 2 / counts).sum(axis=1)
         chance = float((squares > squares[0] * (1.0 - 1e-9)).mean())
         if len(counts) > 1 and chance < FALSE_ALARMS:
-            means = 100.0 * (np.exp(of_name @ deviations / counts) - 1.0)
+            means = 100.0 * (np.exp(has_name @ deviations / counts) - 1.0)
             by_name = [f"{name or 'none'} {mean:+.1f} %" for name, mean in zip(np.unique(names), means, strict=True)]
             remedy = "the probabilities allow for it, but the intervals of the fitted inputs do not"
             if column not in SERIES_COLUMNS:
@@ -500,14 +523,14 @@ def _split(tests: Tests, residuals: Sequence[Residual]) -> Iterator[str]:
 
 
 def _line(tests: Tests, place: int) -> str:
-    """Return the line, and the name, of the test of a measurement."""
+    """Return the line of a test in its file, and the name of the test, given the index of one of its measurements."""
     test = tests.measurements[place].test
     line, name = tests.places[test], tests.names[test]
     return line if name == line else f"{line} ({name})"
 
 
 def _in_feet(tests: Tests) -> Iterator[str]:
-    """Yield a warning if the limits and velocities measured are unlike those of the model by the factor of ft/s."""
+    """Yield a warning if measured limits and velocities seem to be in ft/s, as the model's are so much smaller."""
     measured = [m.value for m in tests.measurements if m.quantity == LIMIT]
     if not measured:
         return
@@ -517,7 +540,7 @@ def _in_feet(tests: Tests) -> Iterator[str]:
 
 
 def _outside_limits(tests: Tests) -> Iterator[str]:
-    """Yield a warning for each limit of the tests of the model outside which some of these tests lie."""
+    """Return warnings of tests that are unlike those the model was compared with, each with the number of tests."""
     counts: Counter[str] = Counter()
     for group in tests.groups:
         counts.update(dict(group.variants().outside_limits(velocities=False)))
@@ -539,14 +562,14 @@ def _bad_fit(fit: InputFit) -> tuple[str, ...]:
 
 
 def _left_out(fit: InputFit) -> Floats:
-    """Return each measurement's value with inputs fitted to the other tests; NaN if these are too few."""
+    """Return the values of the m measurements by inputs fitted to the other tests, (m,); NaN if these are too few."""
     tests, needed = fit.likelihood.tests, len(fit.best.x)
     if tests.weighted:
         needed -= len(fit.likelihood.prior.where)
     elif any(m.side for m in tests.measurements):
         needed += 1
     test_indices = np.array([m.test for m in tests.measurements])
-    # Of many tests, several are left out at a time.
+    # Of more than 100 tests, several are left out at a time.
     folds = min(len(tests.names), 100)
     inputs = np.full((len(fit.best.x), len(tests.names)), np.nan)
     for fold in range(folds):

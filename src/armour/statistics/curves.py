@@ -1,9 +1,13 @@
-"""Probability of complete penetration over velocity, fitted to shots by maximum likelihood, plain or penalised.
+"""Fit the probability of complete penetration over velocity to shots, by plain or penalised maximum likelihood.
 
-The likelihood of P = F(a + b x), x a standardised velocity, is that of the shots alone or, penalised, multiplied by the
-Jeffreys prior, the square root of the determinant of the Fisher information of a and b [Firth1993], [Heinze2002].
-Where the shots separate, the plain likelihood is greatest at an infinite slope, the penalised one at a finite one.  The
-intervals are those of the profile of the likelihood.
+A curve is P = F(z) with z = a + b x.  F is the normal or the logistic distribution function, a the intercept and b the
+slope; x is the standardised velocity: relative to the mean of the shots' velocities, in their standard deviations.
+
+The penalised likelihood is the likelihood of the shots multiplied by the Jeffreys prior, the square root of the
+determinant of the Fisher information of a and b [Firth1993], [Heinze2002].  If the shots are separated, every complete
+penetration faster than every partial one, the plain likelihood is greatest at an infinite slope, the penalised one at a
+finite slope.  Intervals are of profile likelihood: they contain the values with a deviance, 2 times the loss of
+log-likelihood from the maximum, up to a threshold.
 """
 
 from collections.abc import Callable, Sequence
@@ -23,28 +27,30 @@ from armour.errors import NoAnswerError
 Link = Literal["probit", "logit"]
 Velocities = Sequence[float]
 Interval = tuple[float | None, float | None]
-# Distribution functions of the links, the normal and the logistic one, and their inverses.
+# Distribution functions F by link, the normal and the logistic one, and their inverses.
 CDFS: dict[Link, Callable[[Any], Any]] = {"probit": ndtr, "logit": expit}
 INVERSE_CDFS: dict[Link, Callable[[float], Any]] = {"probit": ndtri, "logit": logit}
-# Logarithms of the distribution functions, and of the Fisher information of a shot on their argument.
+# Logarithm of F(z), and of the Fisher information of a shot about z.
 LOG_CDFS: dict[Link, Callable[[Floats], Floats]] = {"probit": log_ndtr, "logit": log_expit}
 LOG_INFORMATION: dict[Link, Callable[[Floats], Floats]] = {
     "probit": lambda z: -z * z - log(2.0 * pi) - log_ndtr(z) - log_ndtr(-z),
     "logit": lambda z: log_expit(z) + log_expit(-z),
 }
-# Argument of the distribution function at probability 0.95.
+# z at a probability of 0.95.
 Z95: dict[Link, float] = {link: float(quantile(0.95)) for link, quantile in INVERSE_CDFS.items()}
-# Slopes, per standard deviation of the velocities, to search along a line, and the one that stands for an infinite one.
+# Slopes to search, and the slope that stands for an infinite one.
 SLOPES, STEEP = np.geomspace(1e-6, 5e3, 81), 2.0**20
-# Range of the search for intercepts, as arguments of F beyond the shots, and their number.
+# Intercepts to search: from z = -BEYOND at the fastest shot to z = BEYOND at the slowest, and their number.
 BEYOND, INTERCEPTS = 8.0, 61
-# Repetitions of a search between the neighbours of the likeliest point, and the points of each.
+# A search is repeated NARROWINGS times between the neighbours of the likeliest point, each time with NODES points.
 NARROWINGS, NODES = 4, 21
-# More shots than MANY are condensed in cells: first in FIRST_CELLS of equally many shots, then in cells as wide as
-# FINENESS of the scatter near V50, and wider far from it.  The NEAREST shots of each kind to the other one are kept.
+# More shots than MANY are condensed in cells of velocity: first in FIRST_CELLS cells with equal numbers of shots, then
+# in cells that are FINENESS scatters wide near V50, and wider far from it.  The NEAREST shots of each kind to the other
+# kind are kept as they are.
 MANY, FIRST_CELLS, FINENESS, NEAREST = 250, 40, 0.2, 20
-# In the penalty no shot counts as farther than FAR widths of the velocities from them, without every OUTER-th at either
-# end: the information of a curve that is nearly flat grows with such a distance, about which the shot says nothing.
+# In the penalty, velocities are clipped to the middle range of the shots, which leaves out one in OUTER at either end,
+# and FAR times this range to either side.  Otherwise a nearly flat curve would gain information with the distance of a
+# single far shot.
 FAR, OUTER = 2.0, 8
 
 
@@ -57,12 +63,12 @@ class FittedCurve:
     curve : str
         "probit", a normal distribution of the velocities that perforate, or "logit", a logistic one.
     v50_m_s : float
-        Velocity of probability one half, m/s; of maximum likelihood the middle of the gap of separated shots.
+        Velocity of probability one half, m/s.  For separated shots, maximum likelihood gives the middle of their gap.
     v50_interval_m_s : tuple of float or None
         Confidence interval of V50, m/s; None for an end that the shots do not bound.
     scale_m_s : float
-        Standard deviation of the normal or scale of the logistic distribution, m/s; of maximum likelihood 0 if the
-        shots are separated.
+        Standard deviation of the normal or scale of the logistic distribution, m/s.  For separated shots, maximum
+        likelihood gives 0.
     scale_interval_m_s : tuple of float or None
         Confidence interval of the scale, m/s; None for an upper end that the shots do not bound.
     log_likelihood : float
@@ -72,10 +78,10 @@ class FittedCurve:
     method : str
         "maximum likelihood" or "penalised likelihood".
     v05_interval_m_s, v95_interval_m_s : tuple of float or None, or None
-        Their confidence intervals, m/s; None for other curves than those of penalised likelihood.
+        Confidence intervals of V05 and V95, m/s; None for curves of maximum likelihood.
     v50_lower_m_s, v05_lower_m_s : float or None
         One-sided lower confidence bounds of V50 and V05, m/s, at the confidence level of the intervals; None if the
-        shots do not bound them, and for other curves than those of penalised likelihood.
+        shots do not bound them, and for curves of maximum likelihood.
     """
 
     curve: Link
@@ -102,19 +108,21 @@ class FittedCurve:
 def profile_end(
     deviance: Callable[[float], float], estimate: float, farthest: float, root: float, step: float, tolerance: float
 ) -> float | None:
-    """Return the end of the interval of a quantity between its estimate and a farthest value; None if there is none.
+    """Return the end of the profile-likelihood interval of a quantity between `estimate` and `farthest`.
+
+    Return None if the interval reaches beyond `farthest`.
 
     Parameters
     ----------
     deviance : callable
-        -2 times the logarithm of the greatest likelihood with a value of the quantity over that with any.
+        Deviance of a value of the quantity: 2 times the greatest log-likelihood minus that with the value held.
     estimate, farthest : float
     root : float
-        Root of the deviance at the end.  The root is nearly linear in the quantity.
+        Square root of the deviance at the end.  This root is nearly linear in the quantity.
     step : float
         The first step from the estimate; each further one is twice as long.
     tolerance : float
-        Of the end.
+        Tolerance of the end, in the unit of the quantity.
     """
 
     @cache
@@ -131,11 +139,11 @@ def profile_end(
 
 
 class Curve(NamedTuple):
-    """Argument of F as intercept plus slope times the standardised velocity, and its likelihood."""
+    """The curve F(intercept + slope * x), and its log-likelihood."""
 
     intercept: float
     slope: float
-    value: float  # logarithm of the likelihood, with the penalty
+    value: float  # log-likelihood, with the penalty if there is one
 
 
 def has_curve(partial: Velocities, complete: Velocities) -> bool:
@@ -144,7 +152,11 @@ def has_curve(partial: Velocities, complete: Velocities) -> bool:
 
 
 class ShotLikelihood:
-    """Likelihood of the velocities of partial and complete penetrations, with its maximum and confidence region."""
+    """Likelihood of curves given the velocities of partial and complete penetrations, m/s.
+
+    In its methods, `z` is an argument of F and `x` a standardised velocity, as in the module's docstring; `root` is the
+    square root of the deviance at the end of an interval.
+    """
 
     def __init__(self, partial: Velocities, complete: Velocities, link: Link, *, penalised: bool = False) -> None:
         if not has_curve(partial, complete):
@@ -163,14 +175,15 @@ class ShotLikelihood:
         between = ordered[:-1] + np.array([[0.25], [0.5], [0.75]]) * np.diff(ordered)
         lowest, highest = float(x[signs < 0.0].max()), float(x[signs > 0.0].min())
         self.middle, self.separated = 0.5 * (lowest + highest), lowest <= highest and not penalised
-        # A search looks between any two of few shots: their penalised likelihood can have several maxima along a line.
+        # With few shots, V50 is searched for between any two: the penalised likelihood can have several maxima.
         self.places = np.append(ordered, between) if len(x) <= 60 else np.array([self.middle])
         low, high = np.sort(x)[[len(x) // OUTER, -1 - len(x) // OUTER]]
         self.nearby = low - FAR * (high - low), high + FAR * (high - low)
         if len(x) > MANY:
             self._condense(x, signs, np.quantile(x, np.linspace(0.0, 1.0, FIRST_CELLS + 1)[1:-1]))
         if self.separated:
-            # Any velocity in the gap is as likely, and any probability at a velocity that both kinds share.
+            # All V50s in the gap are equally likely.  If both kinds share a velocity in place of a gap, the probability
+            # at it is that of its complete penetrations.
             share = (signs[x == lowest] > 0.0).mean() if lowest == highest else 0.5
             self.mode = self._curve(np.array([INVERSE_CDFS[link](share) - STEEP * self.middle, STEEP]))
         else:
@@ -183,7 +196,11 @@ class ShotLikelihood:
         self.flat = self.with_slope(0.0)  # the maximum at a constant probability
 
     def _condense(self, x: Floats, signs: Floats, edges: Floats) -> None:
-        """Let two points stand for the shots of a kind in a cell, with the same mean, variance and third moment."""
+        """Replace the shots of a kind in a cell by two weighted points with the same mean, variance and third moment.
+
+        `x`, (n,), are the velocities of all shots; `signs`, (n,), are 1 for complete and -1 for partial penetrations.
+        `edges` separate the cells.
+        """
         parts = []
         for sign in (-1.0, 1.0):
             ordered = sign * np.sort(sign * x[signs == sign])  # those nearest to the other kind come first
@@ -191,34 +208,42 @@ class ShotLikelihood:
             _, cells, counts = np.unique(np.searchsorted(edges, far), return_inverse=True, return_counts=True)
             means = np.bincount(cells, far) / counts
             deviations = np.sqrt(np.bincount(cells, (far - means[cells]) ** 2) / counts) + 1e-12
-            skew = 0.5 * np.bincount(cells, ((far - means[cells]) / deviations[cells]) ** 3) / counts
-            root = np.sqrt(1.0 + skew**2)
-            places = np.concatenate([near, means + deviations * (skew - root), means + deviations * (skew + root)])
-            shares = 0.5 + 0.5 * np.array([skew, -skew]) / root
+            half_skew = 0.5 * np.bincount(cells, ((far - means[cells]) / deviations[cells]) ** 3) / counts
+            root = np.sqrt(1.0 + half_skew**2)
+            places = np.concatenate(
+                [near, means + deviations * (half_skew - root), means + deviations * (half_skew + root)]
+            )
+            shares = 0.5 + 0.5 * np.array([half_skew, -half_skew]) / root
             weights = np.concatenate([np.ones(len(near)), *(shares * counts)])
             parts.append((places, np.full(len(places), sign), weights))
         self.x, self.signs, self.counts = (np.concatenate(columns) for columns in zip(*parts, strict=True))
 
     def _likeliest(self) -> Curve:
-        """Return the maximum over all curves."""
-        lines = (_of_slope(self._intercepts(slope), slope) for slope in SLOPES)
+        """Return the likeliest of all curves."""
+        lines = (_points_with_slope(self._intercepts(slope), slope) for slope in SLOPES)
         bests = ((values.max(), *points[values.argmax()]) for points in lines for values in [self._values(points)])
         start = np.array(max(bests)[1:])
         simplex = start + np.array([[0.0, 0.0], [0.1, 0.0], [0.0, 0.1 * max(start[1], 0.1)]])
         options: Any = {"initial_simplex": simplex, "xatol": 1e-9, "fatol": 1e-13}
-        return self._curve(minimize(self._lost, start, method="Nelder-Mead", options=options).x)
+        return self._curve(minimize(self._loss, start, method="Nelder-Mead", options=options).x)
 
     def log_likelihoods(self, z: Floats) -> Floats:
-        """Return the logarithms of the likelihoods of the shots, (n,), by arguments of F, (m, n) -> (m,)."""
+        """Return the log-likelihood of all n shots for each of m curves, (m,).
+
+        `z`, (m, n), is intercept + slope * x of each curve at each shot.
+        """
         return (self.counts * LOG_CDFS[self.link](self.signs * z)).sum(axis=1)
 
     def _values(self, points: Floats) -> Floats:
-        """Return the logarithms of the likelihoods, with the penalty, at intercepts and slopes, (m, 2) -> (m,)."""
+        """Return the log-likelihoods of m curves, (m,), with the penalty if there is one.
+
+        `points`, (m, 2), are their intercepts and slopes.
+        """
         z = points[:, :1] + points[:, 1:] * self.x
         values = self.log_likelihoods(z)
         if self.penalised:
-            # The Fisher information of the shots, relative to the greatest and about their centre, keeps the
-            # determinant exact for curves however steep.
+            # Information relative to the greatest of a shot, and velocities relative to their centre, keep the
+            # determinant exact for any steepness of the curves.
             x = self.x if self.nearby[0] == self.nearby[1] else self.x.clip(*self.nearby)
             log_weights = LOG_INFORMATION[self.link](points[:, :1] + points[:, 1:] * x)
             greatest = log_weights.max(axis=1)
@@ -229,14 +254,18 @@ class ShotLikelihood:
             values = values + greatest + 0.5 * np.log(np.maximum(determinants, 1e-200))
         return values
 
-    def _lost(self, point: Floats) -> float:
+    def _loss(self, point: Floats) -> float:
         return -float(self._values(point[None])[0])
 
     def _curve(self, point: Floats) -> Curve:
-        return Curve(float(point[0]), float(point[1]), -self._lost(point))
+        return Curve(float(point[0]), float(point[1]), -self._loss(point))
 
     def _highest(self, line: Callable[[Floats], Floats], places: Floats) -> Curve:
-        """Return the maximum along a line, (m,) -> (m, 2), between the neighbours of the best of ascending places."""
+        """Return the likeliest curve of a family with one parameter, by refining a grid of this parameter.
+
+        `line` returns the intercepts and slopes, (m, 2), of the curves with m values of the parameter; `places` are the
+        first values, ascending.
+        """
         for _ in range(1 + NARROWINGS):
             points = line(places)
             values = self._values(points)
@@ -245,26 +274,27 @@ class ShotLikelihood:
         return self._curve(points[best])
 
     def with_value(self, z: float, x: float) -> Curve:
-        """Return the maximum over the curves whose argument of F has a value at a velocity."""
+        """Return the likeliest of the curves with the probability F(z) at the standardised velocity `x`."""
         return self._highest(lambda slopes: np.column_stack([z - slopes * x, slopes]), SLOPES)
 
     def with_slope(self, slope: float) -> Curve:
-        """Return the maximum over the curves of a slope."""
-        return self._highest(lambda intercepts: _of_slope(intercepts, slope), self._intercepts(slope))
+        """Return the likeliest of the curves with a slope."""
+        return self._highest(lambda intercepts: _points_with_slope(intercepts, slope), self._intercepts(slope))
 
     def _intercepts(self, slope: float) -> Floats:
-        """Return intercepts of curves of a slope, ascending, one of which is near the likeliest."""
+        """Return ascending intercepts to try with a slope; the likeliest one is near one of them."""
         ends = -BEYOND - slope * self.x.max(), BEYOND - slope * self.x.min()
         return np.unique(np.append(np.linspace(*ends, INTERCEPTS), -slope * self.places).round(9))
 
     def holds(self, curve: Curve, root: float) -> bool:
-        """Return whether a curve is in the confidence region."""
+        """Return whether a curve is in the confidence region: its deviance is at most `root` squared."""
         return 2.0 * (self.mode.value - curve.value) <= root**2
 
     def bound(self, profile: Callable[[float], Curve], start: float, direction: float, root: float) -> float:
-        """Return the end of the interval of a quantity, from its estimate in a direction; infinite if there is none.
+        """Return the end of the interval of a quantity on one side of its estimate, `start`; infinite without an end.
 
-        The profile gives the maximum for a value of the quantity.  The root is that of the deviance at the end.
+        `profile` returns the likeliest curve with a given value of the quantity.  `direction` is -1 for the lower end
+        and 1 for the upper one; `root` is the square root of the deviance at the end.
         """
 
         def deviance(value: float) -> float:
@@ -274,48 +304,55 @@ class ShotLikelihood:
         return direction * inf if end is None else end
 
     def quantile_end(self, z: float, direction: float, root: float) -> float:
-        """Return an end of the interval of the velocity at which the argument of F has a value."""
-        # Far away the slope is 0 and the probability constant: at most that of the quantile above it, at least below.
-        above = direction * (z - self.flat.intercept) >= 0.0
-        if self.holds(self.flat if above else self._curve(np.array([z, 0.0])), root):
+        """Return an end of the interval of the standardised velocity at which the probability is F(z).
+
+        `direction` is -1 for the lower end and 1 for the upper one; `root` is the square root of the deviance at it.
+        """
+        # Far away, the likeliest curve has slope 0.  Its constant probability is at most F(z) for the upper end of the
+        # interval, and at least F(z) for the lower end.
+        includes_flat = direction * (z - self.flat.intercept) >= 0.0
+        if self.holds(self.flat if includes_flat else self._curve(np.array([z, 0.0])), root):
             return direction * inf
         estimate = (z - self.mode.intercept) / self.mode.slope
         return self.bound(lambda location: self.with_value(z, location), estimate, direction, root)
 
     def velocity_interval(self, z: float, confidence: float) -> Interval:
-        """Return the interval of the velocity at which the argument of F has a value, m/s."""
+        """Return the confidence interval of the velocity, m/s, at which shots perforate with the probability F(z)."""
         root = float(ndtri(0.5 + 0.5 * confidence))
         low, high = (bounded(self.mean + self.deviation * self.quantile_end(z, side, root)) for side in (-1.0, 1.0))
         return low, high
 
     def lower_bound(self, z: float, confidence: float) -> float | None:
-        """Return the one-sided lower bound of the velocity at which the argument of F has a value, m/s."""
+        """Return the one-sided lower bound of the velocity, m/s, at which shots perforate with the probability F(z)."""
         return bounded(self.mean + self.deviation * self.quantile_end(z, -1.0, float(ndtri(confidence))))
 
     def probability_interval(self, velocity_m_s: float, confidence: float) -> tuple[float, float]:
-        """Return the interval of the probability of complete penetration at a velocity, m/s."""
+        """Return the confidence interval of the probability of complete penetration at a velocity, m/s."""
         x, root = (velocity_m_s - self.mean) / self.deviation, float(ndtri(0.5 + 0.5 * confidence))
         low, high = (float(CDFS[self.link](end)) for end in self.argument_interval(x, root))
         return low, high
 
     def chance_below(self, z: float, velocity_m_s: float) -> float:
-        """Return 1 minus the confidence of the lower bound, of a velocity as of `lower_bound`, that lies at another."""
+        """Return 1 minus the confidence at which the lower bound of a velocity is `velocity_m_s`.
+
+        The bounded velocity is that at which shots perforate with the probability F(z), as in `lower_bound`.
+        """
         x = (velocity_m_s - self.mean) / self.deviation
         deviance = 2.0 * max(self.mode.value - self.with_value(z, x).value, 0.0)
         return float(ndtr(copysign(sqrt(deviance), x - (z - self.mode.intercept) / self.mode.slope)))
 
     def deviances(self, v50_m_s: Floats, scale_m_s: Floats) -> Floats:
-        """Return the deviances of curves, (m,)."""
+        """Return the deviances of m curves, (m,), given their V50s and scales, m/s, (m,)."""
         values = self._values(np.column_stack([(self.mean - v50_m_s) / scale_m_s, self.deviation / scale_m_s]))
         return 2.0 * (self.mode.value - values)
 
     @property
     def flat_deviance(self) -> float:
-        """Deviance of a constant probability: the interval of V50 is bounded if it exceeds that of its ends."""
+        """Deviance of a constant probability; the interval of V50 is bounded if this exceeds that at its ends."""
         return 2.0 * (self.mode.value - self.flat.value)
 
     def scale_interval(self, root: float) -> tuple[float, float]:
-        """Return the ends of the interval of the scale, the inverse of the slope."""
+        """Return the ends of the interval of the scale, 1 / slope, where the square root of the deviance is `root`."""
 
         def end(direction: float) -> float:
             estimate = -log(self.mode.slope)
@@ -324,14 +361,17 @@ class ShotLikelihood:
         return 0.0 if self.separated else end(-1.0), inf if self.holds(self.flat, root) else end(1.0)
 
     def argument_interval(self, x: float, root: float) -> tuple[float, float]:
-        """Return the ends of the interval of the argument of F at a velocity."""
+        """Return the ends of the interval of z, the argument of F, at the standardised velocity `x`.
+
+        `root` is the square root of the deviance at the ends.
+        """
         start = self.mode.intercept + self.mode.slope * x
         low, high = (self.bound(lambda z: self.with_value(z, x), start, side, root) for side in (-1.0, 1.0))
         return low, high
 
 
-def _of_slope(intercepts: Floats, slope: float) -> Floats:
-    """Return intercepts and slopes, (m, 2)."""
+def _points_with_slope(intercepts: Floats, slope: float) -> Floats:
+    """Return curves as intercepts and slopes, (m, 2), given m intercepts and one slope."""
     return np.column_stack([intercepts, np.full(len(intercepts), slope)])
 
 
@@ -340,14 +380,14 @@ def fit_curve(
 ) -> FittedCurve | None:
     """Fit a curve to the velocities of partial and complete penetrations, m/s, by maximum likelihood.
 
-    None if the penalised likelihood is greatest for a curve that does not rise, or whose V50 is not positive.
+    Return None if the penalised likelihood is greatest for a curve that does not rise, or whose V50 is not positive.
     """
     return curve_of(ShotLikelihood(partial, complete, link, penalised=penalised), confidence)
 
 
 def curve_of(shots: ShotLikelihood, confidence: float) -> FittedCurve | None:
-    """Return the likeliest curve as `fit_curve` does."""
-    (a, b, _), mean, deviation, z = shots.mode, shots.mean, shots.deviation, Z95[shots.link]
+    """Return the likeliest curve and its intervals given the likelihood of the shots, as `fit_curve` does."""
+    (a, b, _), mean, deviation, z95 = shots.mode, shots.mean, shots.deviation, Z95[shots.link]
     penalised, v50 = shots.penalised, mean + deviation * (shots.middle if shots.separated else -a / b)
     if penalised and (b <= 0.0 or v50 <= 0.0):
         return None
@@ -360,32 +400,35 @@ def curve_of(shots: ShotLikelihood, confidence: float) -> FittedCurve | None:
         scale_m_s=scale,
         scale_interval_m_s=(deviation * narrowest, bounded(deviation * widest)),
         log_likelihood=float(shots.log_likelihoods((a + b * shots.x)[None])[0]),
-        v05_m_s=bounded(v50 - z * scale) if scale else None,
-        v95_m_s=bounded(v50 + z * scale) if scale else None,
+        v05_m_s=bounded(v50 - z95 * scale) if scale else None,
+        v95_m_s=bounded(v50 + z95 * scale) if scale else None,
         method="penalised likelihood" if penalised else "maximum likelihood",
-        v05_interval_m_s=shots.velocity_interval(-z, confidence) if penalised else None,
-        v95_interval_m_s=shots.velocity_interval(z, confidence) if penalised else None,
+        v05_interval_m_s=shots.velocity_interval(-z95, confidence) if penalised else None,
+        v95_interval_m_s=shots.velocity_interval(z95, confidence) if penalised else None,
         v50_lower_m_s=shots.lower_bound(0.0, confidence) if penalised else None,
-        v05_lower_m_s=shots.lower_bound(-z, confidence) if penalised else None,
+        v05_lower_m_s=shots.lower_bound(-z95, confidence) if penalised else None,
     )
 
 
 def bounded(value: float) -> float | None:
-    """Return a velocity or scale, m/s; None if it is infinite or not positive."""
+    """Return a velocity or scale, m/s, as it is, or None if it is infinite or not positive."""
     return value if 0.0 < value < inf else None
 
 
 def penalised_band(
     partial: Velocities, complete: Velocities, link: Link, velocities_m_s: Velocities, confidence: float = CONFIDENCE
 ) -> tuple[Floats, Floats]:
-    """Return the pointwise confidence interval of the probability at ascending velocities, m/s, from low to high."""
+    """Return the lower and upper ends, (n,), of the pointwise confidence intervals of the probability at n velocities.
+
+    The velocities, m/s, ascend.
+    """
     # Slow to import, and only charts need it.
     from scipy.interpolate import PchipInterpolator
 
     shots = ShotLikelihood(partial, complete, link, penalised=True)
     root = float(ndtri(0.5 + 0.5 * confidence))
-    places = (np.array(velocities_m_s) - shots.mean) / shots.deviation
-    nodes = np.linspace(places[0], places[-1], 13)
+    standardised = (np.array(velocities_m_s) - shots.mean) / shots.deviation
+    nodes = np.linspace(standardised[0], standardised[-1], 13)
     ends = np.array([shots.argument_interval(float(node), root) for node in nodes])
-    low, high = CDFS[link](PchipInterpolator(nodes, ends.clip(-40.0, 40.0))(places)).T
+    low, high = CDFS[link](PchipInterpolator(nodes, ends.clip(-40.0, 40.0))(standardised)).T
     return low, high

@@ -1,4 +1,4 @@
-"""Library files and scenarios with calibrated entries."""
+"""Write library files and scenario files with calibrated entries."""
 
 import re
 from collections.abc import Callable, Mapping
@@ -68,9 +68,9 @@ def save_fit(
 
 
 def library_text(result: CalibrationResult, tests: Tests, scenario: Scenario, lot: str) -> str:
-    """Return a library file with the calibrated entries and the tests that they were calibrated to.
+    """Return the text of a library file with the calibrated entries and the tests that they were calibrated to.
 
-    The file needs only the shipped library, and the scenario must allow its entries.
+    The file needs only the shipped library.  The entries must make a valid scenario in `scenario`.
     """
     tables, names = _entries(result, tests, lot)
     _usable(lambda: scenario.replaced({"library": tables, **names}))
@@ -78,9 +78,9 @@ def library_text(result: CalibrationResult, tests: Tests, scenario: Scenario, lo
 
 
 def scenario_text(result: CalibrationResult, tests: Tests, scenario: Scenario, lot: str, path: Path) -> str:
-    """Return a scenario file, for a path, with the calibrated entries.
+    """Return the text of a scenario file with the calibrated entries, to be written at `path`.
 
-    If the entries do not hold the tests, it has the distributions of the fitted inputs.
+    If the entries do not hold the tests as evidence, the file has the distributions of the fitted inputs.
     """
     for coefficient in result.coefficients:
         if result.evidence is None and coefficient.interval and None in coefficient.interval:
@@ -118,7 +118,10 @@ def scenario_text(result: CalibrationResult, tests: Tests, scenario: Scenario, l
 
 
 def _rename(data: dict[str, Any], scenario: Scenario, names: Mapping[str, tuple[str | None, str]]) -> None:
-    """Use calibrated entries in a scenario's threats and catalogue too, given the tested and the new name by role."""
+    """Replace tested entries by calibrated ones in the threats and the catalogue of a scenario.
+
+    `data` are the tables of its file, to be changed; `names` has the tested and the calibrated name by role.
+    """
     design, layers = scenario.design or DesignSection(), data.get("design", {})
     for role, key, sections, tables in (
         ("projectile", "projectile", scenario.threat, data.get("threat", [])),
@@ -132,14 +135,14 @@ def _rename(data: dict[str, Any], scenario: Scenario, names: Mapping[str, tuple[
 
 
 def _compact(text: str) -> str:
-    """Return a TOML file with each list of numbers on one line; names of files and lots may be no text."""
+    """Return a TOML text with each list of numbers on one line; refuse names that are not UTF-8."""
     if wrong := next((line for line in text.split("\n") if printable(line) != line), ""):
         raise mistake("calibrate", "", f"must be given names in UTF-8, found {printable(wrong)}")
     return NUMBER_LIST.sub(lambda numbers: f"[{', '.join(numbers[1].replace(',', ' ').split())}]", text)
 
 
 def _usable(scenario_of: Callable[[], Scenario]) -> Scenario:
-    """Return the scenario made from a fit; a NoAnswerError says why none is valid."""
+    """Return the scenario that a function makes from a fit; raise a NoAnswerError if it is not valid."""
     try:
         return scenario_of()
     except InputError as error:
@@ -148,7 +151,7 @@ def _usable(scenario_of: Callable[[], Scenario]) -> Scenario:
 
 
 def _entries(result: CalibrationResult, tests: Tests, lot: str) -> tuple[dict[str, Any], dict[str, str]]:
-    """Return the calibrated entries as tables of a library file, and their names by key of the scenario."""
+    """Return the calibrated entries as tables of a library file, and their names by key of a scenario."""
     tables: dict[str, Any] = {}
     names: dict[str, str] = {}
     for coefficient in result.coefficients:
@@ -178,9 +181,9 @@ def _entries(result: CalibrationResult, tests: Tests, lot: str) -> tuple[dict[st
 
 
 def _base_of(entry: LibraryEntry, law: str) -> dict[str, Any]:
-    """Return the base of a calibrated entry, without the coefficients of other laws of the flow stress.
+    """Return what a calibrated entry starts from: the name of `entry` if it is shipped, otherwise its values.
 
-    It is an entry of the shipped library by name or, if that lacks it, the values of the entry.
+    Coefficients of laws of the flow stress other than `law` are set to 0.
     """
     base: dict[str, Any] = {"based_on": entry.name}
     if shipped_library().entries[entry.kind].get(entry.name) != entry:
@@ -191,7 +194,7 @@ def _base_of(entry: LibraryEntry, law: str) -> dict[str, Any]:
 
 
 def _test_table(tests: Tests, test: int, calibrated_role: str) -> dict[str, float | str]:
-    """Return the inputs and measurements of a test, without the name of the calibrated entry."""
+    """Return the inputs and measurements of the test at an index, without the name of the calibrated entry."""
     scenario = next(group.scenario for group in tests.groups if test in group.where)
     cells = tests.cells[test]
     names = {key: scenario.name_of(role) for role, key in NAMES.items() if role != calibrated_role}

@@ -1,4 +1,8 @@
-"""Fit of a scenario's inputs to tests by maximum likelihood, with prior knowledge and profile-likelihood intervals."""
+"""Fit a scenario's inputs to tests by maximum likelihood, with a prior or not, and profile-likelihood intervals.
+
+A point `x`, (k,), has the k fitted inputs in their units.  The unit of an input is the scenario's own value, so that
+1.1 is 10 % more; that of a coefficient of a law of the flow stress is 1.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -26,31 +30,31 @@ from armour.statistics.measured import LIMIT, MASS, RESIDUAL, MaterialGroup, Tes
 
 
 class Prior(NamedTuple):
-    """Distributions of q of k inputs, normal in the inputs or in their logarithms."""
+    """Normal or lognormal distributions of q of the k fitted inputs."""
 
     where: Ints  # indices of the inputs, (q,)
     logs: Bools  # whether the logarithm is normal, (q,)
-    centres: Floats  # of inputs in their units, or of their logarithms, (q,)
-    widths: Floats
-    root: Floats  # of the inverse of the correlation matrix, (q, q): its transpose times itself
+    centres: Floats  # means of the inputs in their units, or of their logarithms, (q,)
+    widths: Floats  # standard deviations of the inputs in their units, or of their logarithms, (q,)
+    root: Floats  # (q, q): root.T @ root is the inverse of the correlation matrix
 
     def scores(self, x: Floats) -> Floats:
-        """Return independent standard normal scores of inputs in their units, (q,)."""
+        """Return the inputs at a point, (k,), as q independent standard normal scores, (q,)."""
         inputs = x[self.where]
         return self.root @ ((np.where(self.logs, np.log(np.abs(inputs)), inputs) - self.centres) / self.widths)
 
     def rows(self, x: Floats) -> Floats:
-        """Return the derivatives of the scores by the inputs, (q, k)."""
+        """Return the derivatives of the scores by the inputs at a point, (q, k)."""
         derivatives = np.zeros((len(self.where), len(x)))
         derivatives[:, self.where] = self.root / self.deviations(x)
         return derivatives
 
     def deviations(self, x: Floats) -> Floats:
-        """Return the standard deviations of the inputs near a point, (q,)."""
+        """Return the standard deviations of the q inputs near a point, in the units of the inputs, (q,)."""
         return self.widths * np.where(self.logs, x[self.where], 1.0)
 
     def centred(self, x: Floats) -> Floats:
-        """Return a point with the inputs that have a distribution at its centre."""
+        """Return a point with the q inputs moved to the centres of their distributions, (k,)."""
         centre = x.copy()
         centre[self.where] = np.where(self.logs, np.exp(self.centres), self.centres)
         return centre
@@ -60,7 +64,10 @@ NO_PRIOR = Prior(np.empty(0, dtype=int), np.empty(0, dtype=bool), np.empty(0), n
 
 
 def prior_of(scenario: Scenario, names: Sequence[str], units: Floats) -> Prior:
-    """Return a scenario's distributions of fitted inputs, of which there must be at least one."""
+    """Return a scenario's distributions of the inputs `names` as a prior; at least one input must have one.
+
+    `units`, (k,), are the units of the inputs.
+    """
     section, values = scenario.uncertainty or Uncertainty(), scenario.inputs()
     distributions = {name: distribution for name, distribution in section.inputs().items() if name in names}
     if not distributions:
@@ -85,18 +92,18 @@ def prior_of(scenario: Scenario, names: Sequence[str], units: Floats) -> Prior:
     return Prior(where, logs, centres, widths, root)
 
 
-# Bounds of an input in units of the scenario's own value; of a coefficient of a law, which may be negative.
+# Bounds of a fitted input, in its unit, and greatest absolute value of a coefficient of a law.
 MIN_RATIO, MAX_VALUE_RATIO, MAX_COEFFICIENT = 0.1, 10.0, 3.0
 # Tolerance of ballistic limits, m/s, and change of inputs for the derivatives.
 LIMIT_TOLERANCE_M_S = 1e-9
 DIFFERENCE = 1e-4
-# Accuracy of the inputs of a fit, and of fits compared with it, in which an input is held or tests are left out.
+# Accuracy of the inputs in a fit, and in fits that are compared with it, with an input held or tests left out.
 FIT_TOLERANCE, COMPARED_TOLERANCE = 1e-10, 1e-5
 # Change of inputs, in their units, up to which a fit to fewer tests is linearised.
 SMALL_CHANGE = 1e-3
 # Values this close to each other are equal.
 CLOSE = 1e-3
-# Range of the scatter.
+# Range of the scatter, a fraction of the measured value.
 SCATTER_BOUNDS = 1e-6, 1.0
 # Least p value at which the given uncertainties are taken to explain the deviations.
 MIN_P_VALUE = 0.05
@@ -113,13 +120,13 @@ class Coefficient:
     estimate : float or None
         In the unit of the name; None if the tests do not identify it.
     interval : tuple of float or None, or None
-        Profile-likelihood interval; None for an end that is open.
+        Profile-likelihood interval; None for an end that is open, or if both are.
     reason : str
-        Reason why it is not identified.
+        Reason why the input is not identified; empty if it is.
     standard_error : float or None
-        Of the model linearised at the estimate.
+        Standard error, from the model linearised at the estimate; None without an estimate.
     prior_share : float or None
-        Share of the prior in its precision, 0 to 1; None without a prior of it.
+        Share of the prior in the precision of the estimate, 0 to 1; None if the input has no prior.
     """
 
     name: str
@@ -134,9 +141,9 @@ class Likelihood(NamedTuple):
     """The likelihood of k inputs given m measurements.
 
     A measured value is normally distributed about the model's value.  Its standard deviation is the given uncertainty
-    or, without uncertainties, a fraction of the value, the scatter, which is common to all.  An outcome has the
-    probability that a ballistic limit of this distribution lies on its side of the impact velocity.  A prior counts as
-    measured values of its normal scores.
+    or, without uncertainties, a fraction of the value, the scatter, which is common to all.  The likelihood of an
+    outcome is the probability that a ballistic limit with this distribution is above the impact velocity (stopped) or
+    below it (perforated).  A prior counts as q further measured values: its normal scores, measured as 0.
     """
 
     tests: Tests
@@ -144,35 +151,38 @@ class Likelihood(NamedTuple):
     units: Floats  # of the inputs: the scenario's own values, or 1, (k,)
     lower: Floats  # bounds in these units, (k,)
     upper: Floats
-    kept: Bools  # measurements that count, (m,)
+    kept: Bools  # whether each measurement counts, (m,)
     on_progress: OnProgress
     prior: Prior
 
     @property
     def sides(self) -> Floats:
-        """0 for measured values, +1 or -1 for outcomes; of those that count."""
+        """Sides of the measurements that count: 0 for a measured value, +1 for stopped and -1 for perforated shots."""
         return np.array([m.side for m in self.tests.measurements])[self.kept]
 
     @property
     def usable(self) -> int:
-        """Number of the measurements that count; without uncertainties, of measured values only."""
+        """Number of the measurements that count, without outcomes if no uncertainties are given."""
         return len(self.sides) if self.tests.weighted else int((self.sides == 0).sum())
 
     @property
     def needed(self) -> int:
-        """Number of measurements that a fit needs; without uncertainties, one more for their scatter."""
+        """Number of measurements that a fit needs: inputs plus 1 or, with uncertainties, inputs without a prior."""
         count = len(self.names)
         return max(count - len(self.prior.where), 1) if self.tests.weighted else count + 1
 
     def deviations(self, x: Floats) -> Floats:
-        """Return the model's deviations from the measurements that count, divided by uncertainties or values."""
+        """Return the relative deviations of the model at a point from the measurements that count, one for each.
+
+        A deviation is divided by the uncertainty of its measurement or, without uncertainties, by the measured value.
+        """
         scales = [m.uncertainty or m.value for m in self.tests.measurements]
         values = np.array([m.value for m in self.tests.measurements])
         self.on_progress(len(values), None)
         return ((self.predicted(x) - values) / scales)[self.kept]
 
     def predicted(self, x: Floats) -> Floats:
-        """Return the model's values of the m measurements; inputs are in their units, (k,) or, test by test, (k, n)."""
+        """Return the model's values of the m measurements, (m,), at a point, (k,), or at one point per test, (k, n)."""
         measurements = self.tests.measurements
         values = np.empty(len(measurements))
         test_indices = np.array([m.test for m in measurements])
@@ -191,7 +201,7 @@ class Likelihood(NamedTuple):
 def _limits(variants: Variants) -> Floats:
     """Return ballistic limits, m/s, clipped to the range of the search.
 
-    The usual scan is enough for unusual armours too: a fit meets these only far from its end, or has no end.
+    The usual scan is enough even for unusual armours: a fit meets them only far from its solution, or has none.
     """
     section = variants.scenario.ballistic_limit
     ends = section.velocity_min_m_s, section.velocity_max_m_s
@@ -199,7 +209,7 @@ def _limits(variants: Variants) -> Floats:
 
 
 def _residual_velocities(variants: Variants) -> Floats:
-    """Return residual velocities, m/s; of a stopped test, the impact velocity less the ballistic limit."""
+    """Return residual velocities, m/s; if the projectile is stopped, the impact velocity minus the ballistic limit."""
     answers = QuantityValues(variants)
     residual = answers.impacts.V.copy()
     stopped = np.flatnonzero(~answers.perforated)
@@ -208,7 +218,7 @@ def _residual_velocities(variants: Variants) -> Floats:
     return residual
 
 
-# The model's values of variants, by measured quantity.
+# Function that computes each measured quantity of variants by the model.
 MODELS: dict[str, Callable[[Variants], Floats]] = {
     LIMIT: _limits,
     RESIDUAL: _residual_velocities,
@@ -217,11 +227,11 @@ MODELS: dict[str, Callable[[Variants], Floats]] = {
 
 
 class Point(NamedTuple):
-    """Inputs and scatter of the greatest likelihood, at least with some inputs held."""
+    """Result of a search: the inputs and the scatter of greatest likelihood, of which some may have been held."""
 
     x: Floats  # in their units, (k,)
     scatter: float  # 1 if uncertainties are given
-    loss: float  # -2 times the logarithm of likelihood and prior, up to a constant independent of the inputs
+    loss: float  # -2 times the logarithm of likelihood times prior, up to a constant
 
 
 @dataclass(frozen=True)
@@ -229,27 +239,27 @@ class Precision:
     """How precisely tests determine inputs."""
 
     covariance: Floats  # of the inputs in their units, (k, k)
-    spread: float  # the scatter, without the bias that fitted inputs give it
+    spread: float  # the scatter, corrected for the number of fitted inputs; 1 if uncertainties are given
     degrees_of_freedom: float
-    chi_squared: float  # sum of the squared deviations of the measured values
+    chi_squared: float  # of the measured values; if uncertainties are given, also of the scores of the prior
     p_value: float | None
-    widened_by: float  # factor of the intervals
-    threshold: float  # of -2 times the logarithm of a likelihood ratio, for the intervals
+    widened_by: float  # factor by which the intervals are widened
+    threshold: float  # deviance at the ends of the intervals
 
 
 @dataclass(frozen=True)
 class InputFit(Precision):
     """A fit of inputs to tests.
 
-    ``rows`` and ``residuals`` are those of the least-squares problem whose first step is Newton's from the fit, with
-    the q scores of the prior below the m measurements.
+    ``rows`` and ``residuals`` are the least-squares problem linearised at the fit, whose solution is a Newton step.
+    Those of the m measurements come first, then those of the q scores of the prior.
     """
 
     likelihood: Likelihood
     best: Point
     rows: Floats  # (m + q, k)
     residuals: Floats  # (m + q,)
-    prior_shares: tuple[float | None, ...]  # of the precisions of the inputs, (k,)
+    prior_shares: tuple[float | None, ...]  # share of the prior in the precision of each input, (k,)
     aicc: float | None
     starts: int
     starts_agreeing: int
@@ -262,12 +272,12 @@ def fit_inputs(likelihood: Likelihood) -> InputFit:
         kinds = "measurements or outcomes" if tests.weighted else "measurements, as their uncertainties are not given,"
         message = f"must have at least {needed} {kinds} for {len(likelihood.names)} coefficients, found {count}"
         raise mistake(tests.file, "", message)
-    of_law = likelihood.lower < 0.0
+    is_coefficient = likelihood.lower < 0.0
     # Coefficients of a law start at 0, and once elsewhere.
-    starts = [np.where(of_law, 0.0, start) for start in (1.0, 0.5, 2.0)]
-    starts += [np.where(of_law, 0.3, 1.0)] if of_law.any() else []
-    ends = [search(likelihood, start) for start in starts]
-    best = min(ends, key=lambda end: end.loss)
+    starts = [np.where(is_coefficient, 0.0, start) for start in (1.0, 0.5, 2.0)]
+    starts += [np.where(is_coefficient, 0.3, 1.0)] if is_coefficient.any() else []
+    solutions = [search(likelihood, start) for start in starts]
+    best = min(solutions, key=lambda solution: solution.loss)
     sides, z = likelihood.sides, likelihood.deviations(best.x) / best.scatter
     weights, rows = rows_at(likelihood, best.x, best.scatter)
     residuals = np.where(sides == 0, z, -sides * hazard(sides * z) / np.maximum(weights, 1e-150))
@@ -285,19 +295,19 @@ def fit_inputs(likelihood: Likelihood) -> InputFit:
         residuals=residuals,
         prior_shares=_prior_shares(likelihood.prior, best, precision),
         aicc=None if len(likelihood.prior.where) else _aicc(likelihood, best),
-        starts=len(ends),
-        starts_agreeing=sum(np.allclose(end.x, best.x, rtol=CLOSE, atol=CLOSE) for end in ends),
+        starts=len(solutions),
+        starts_agreeing=sum(np.allclose(solution.x, best.x, rtol=CLOSE, atol=CLOSE) for solution in solutions),
     )
 
 
 def likelihood_of(tests: Tests, inputs: Sequence[str], on_progress: OnProgress, *, prior: bool = False) -> Likelihood:
-    """Return the likelihood of inputs that can be fitted to tests, with or without their prior."""
+    """Check that inputs can be fitted to tests, and return their likelihood, with or without the scenario's prior."""
     check_fittable(tests.file, tests.scenario, tests.groups, inputs)
     first = tests.groups[0].scenario
-    of_law = np.array([_is_of_law(name) for name in inputs])
+    is_coefficient = np.array([_is_of_law(name) for name in inputs])
     units = units_of(first, inputs)
-    lower = np.where(of_law, -MAX_COEFFICIENT, MIN_RATIO)
-    upper = np.where(of_law, MAX_COEFFICIENT, MAX_VALUE_RATIO)
+    lower = np.where(is_coefficient, -MAX_COEFFICIENT, MIN_RATIO)
+    upper = np.where(is_coefficient, MAX_COEFFICIENT, MAX_VALUE_RATIO)
     kept = np.ones(len(tests.measurements), dtype=bool)
     distributions = prior_of(first, inputs, units) if prior else NO_PRIOR
     return Likelihood(tests, tuple(inputs), units, lower, upper, kept, on_progress, distributions)
@@ -320,7 +330,11 @@ def search(
     scatter: float | None = None,
     tolerance: float = FIT_TOLERANCE,
 ) -> Point:
-    """Return the most likely inputs by a search from a starting point; one of them, and the scatter, may be held."""
+    """Search for the most likely inputs from a starting point, (k,).
+
+    The input at index `held`, if there is one, and the `scatter`, if given, are held.  `tolerance` is the accuracy of
+    the inputs in their units.
+    """
     free = np.flatnonzero(np.arange(len(start)) != held)
     sides, prior, x = likelihood.sides, likelihood.prior, start.copy()
     # Without outcomes and prior the scatter has no effect on the most likely inputs.
@@ -368,17 +382,23 @@ def search(
 
 
 def _losses(z: Floats, sides: Floats) -> Floats:
-    """Return signed roots of -2 times the logarithms of likelihoods, given deviations in standard deviations."""
+    """Return residuals whose squares are -2 times the log-likelihoods of the measurements, up to constants, (m,).
+
+    `z`, (m,), are deviations in standard deviations; `sides`, (m,), are those of `Likelihood`.
+    """
     return np.where(sides == 0, z, np.sqrt(-2.0 * log_ndtr(sides * z)))
 
 
-# Probability below the upper end of an interval, and the threshold of a likelihood ratio where scatters are known.
+# Probability below the upper end of an interval, and the deviance at its ends if standard deviations are known.
 UPPER = 0.5 * (1.0 + CONFIDENCE)
 NORMAL_THRESHOLD = float(ndtri(UPPER)) ** 2
 
 
 def _by_uncertainties(rows: Floats, residuals: Floats, sides: Floats) -> Precision:
-    """Return the precision by the given uncertainties, widened if the deviations are larger than these explain."""
+    """Return the precision if uncertainties are given, lower if the deviations are larger than these explain.
+
+    `rows`, (m + q, k), and `residuals`, (m + q,), are those of `InputFit`; `sides`, (m,), those of `Likelihood`.
+    """
     count, exact, z, scores = rows.shape[1], sides == 0, residuals[: len(sides)], residuals[len(sides) :]
     covariance, leverages = _inverted(rows, count)
     # The part of the inputs that outcomes determine takes no degree of freedom from measured values and prior.
@@ -395,29 +415,30 @@ def _by_uncertainties(rows: Floats, residuals: Floats, sides: Floats) -> Precisi
 
 
 def _by_scatter(rows: Floats, weights: Floats, z: Floats, sides: Floats, scatter: float) -> Precision:
-    """Return the precision by the scatter, which is estimated too.
+    """Return the precision if the scatter is estimated with the inputs.
 
-    Without outcomes and prior the intervals are exact for a linear model.  With outcomes the scatter has as many
-    degrees of freedom as measured values would give that determine it as well.
+    `rows`, (m + q, k), are those of `InputFit`, and `weights`, (m,), those of `rows_at`; `z`, (m,), are deviations over
+    the scatter.  Without outcomes and prior, the intervals are exact for a linear model.  Outcomes count as the number
+    of measured values that would determine the scatter as well.
     """
-    count, measured, exact = rows.shape[1], len(z), sides == 0
-    # The estimates depend on the scatter through the outcomes and the prior.
-    columns = np.zeros((len(rows) + 1, count + 1))
-    columns[:-1, :count] = rows
-    columns[:measured, count] = np.where(exact, 0.0, -weights * z)
-    columns[-1, count] = sqrt(2.0 * exact.sum())
-    _, leverages = _inverted(columns, count)
+    count, measurements, exact = rows.shape[1], len(z), sides == 0
+    # With the logarithm of the scatter as a further unknown: it affects the inputs through outcomes and prior.
+    joint_rows = np.zeros((len(rows) + 1, count + 1))
+    joint_rows[:-1, :count] = rows
+    joint_rows[:measurements, count] = np.where(exact, 0.0, -weights * z)
+    joint_rows[-1, count] = sqrt(2.0 * exact.sum())
+    _, leverages = _inverted(joint_rows, count)
     information = np.where(exact, 2.0, z**2 * hazard(sides * z) * hazard(-sides * z))  # on the scatter's logarithm
-    number = 0.5 * float(information.sum())  # of measured values that would determine it as well
+    equivalent = 0.5 * float(information.sum())  # number of measured values that determine the scatter as well
     # The part that the prior determines takes no degree of freedom from the tests and adds no error to the scatter.
-    by_tests = count - float(leverages[measured:].sum())
-    freedom = number - by_tests
-    columns[:measured] *= sqrt(freedom / number)
-    columns[-1] *= sqrt(freedom / number)
-    exact_threshold = number * float(np.log1p(stdtrit(freedom, UPPER) ** 2 / freedom))
+    by_tests = count - float(leverages[measurements:].sum())
+    freedom = equivalent - by_tests
+    joint_rows[:measurements] *= sqrt(freedom / equivalent)
+    joint_rows[-1] *= sqrt(freedom / equivalent)
+    exact_threshold = equivalent * float(np.log1p(stdtrit(freedom, UPPER) ** 2 / freedom))
     return Precision(
-        covariance=_inverted(columns, count)[0],
-        spread=scatter * sqrt(number / freedom),
+        covariance=_inverted(joint_rows, count)[0],
+        spread=scatter * sqrt(equivalent / freedom),
         degrees_of_freedom=freedom,
         chi_squared=float((z[exact] ** 2).sum()) * scatter**2,
         p_value=None,
@@ -427,13 +448,17 @@ def _by_scatter(rows: Floats, weights: Floats, z: Floats, sides: Floats, scatter
 
 
 def _inverted(rows: Floats, count: int) -> tuple[Floats, Floats]:
-    """Return the covariance of the first unknowns of a least-squares problem, and the leverages of the rows on them."""
+    """Return the covariance of the first `count` unknowns of a least-squares problem, and the leverages on them.
+
+    `rows`, (n, unknowns), are the coefficients of its equations, whose errors have variance 1.  Each equation has a
+    leverage, (n,).
+    """
     inverse = np.linalg.pinv(rows, rcond=1e-6)[:count]
     return inverse @ inverse.T, (rows[:, :count] * inverse.T).sum(axis=1)
 
 
 def _prior_shares(prior: Prior, best: Point, precision: Precision) -> tuple[float | None, ...]:
-    """Return the shares of the prior in the precisions of the inputs, (k,)."""
+    """Return the share of the prior in the precision of each of the k inputs; None for an input without a prior."""
     shares: list[float | None] = [None] * len(best.x)
     for i, deviation in zip(prior.where, prior.deviations(best.x), strict=True):
         shares[i] = min(float(precision.covariance[i, i]) / (precision.widened_by * deviation) ** 2, 1.0)
@@ -441,20 +466,21 @@ def _prior_shares(prior: Prior, best: Point, precision: Precision) -> tuple[floa
 
 
 def rows_at(likelihood: Likelihood, x: Floats, scatter: float) -> tuple[Floats, Floats]:
-    """Return the weights of the measurements that count, (m,), and their rows of the information at x, (m, k).
+    """Return the weights, (m,), and the rows, (m, k), of the m measurements that count, at a point.
 
-    Their information about the inputs, in units of these, is the transpose of the rows times the rows.
+    A row is a weight times the gradient of the deviation, in standard deviations.  The weight of a measured value is 1.
+    The information about the inputs, in their units, is rows.T @ rows.
     """
     sides = likelihood.sides
     jacobian = approx_fprime(x, likelihood.deviations, DIFFERENCE).reshape(len(sides), len(x)) / scatter
-    toward = sides * likelihood.deviations(x) / scatter
-    slopes = hazard(toward)
-    weights = np.sqrt(np.where(sides == 0, 1.0, slopes * (slopes + toward)))
+    z = sides * likelihood.deviations(x) / scatter
+    hazards = hazard(z)
+    weights = np.sqrt(np.where(sides == 0, 1.0, hazards * (hazards + z)))
     return weights, weights[:, None] * jacobian
 
 
 def hazard(z: Floats) -> Floats:
-    """Return the density of the normal distribution divided by the distribution function."""
+    """Return the density of the normal distribution divided by its distribution function at `z`."""
     return np.exp(-0.5 * z * z - log_ndtr(z)) / sqrt(2.0 * pi)
 
 
@@ -490,9 +516,10 @@ def _coefficient(fit: InputFit, index: int) -> Coefficient:
 
 
 def _end(fit: InputFit, index: int, bound: float, error: float) -> tuple[float | None, bool]:
-    """Return the end of an interval towards a bound, and whether the likelihood is as great there as at the estimate.
+    """Return the end of the interval of the input at an index, between its estimate and its bound, in its unit.
 
-    The end is None if the likelihood does not fall enough up to the bound.
+    The end is None if the likelihood does not fall enough up to the bound.  Return also whether the likelihood at the
+    bound is as great as at the estimate.  `error` is the standard error of the input.
     """
     likelihood, best = fit.likelihood, fit.best
     # Most likely changes of the other inputs per change of this one.
@@ -512,10 +539,10 @@ def _end(fit: InputFit, index: int, bound: float, error: float) -> tuple[float |
 
 
 def without(fit: InputFit, kept: Bools) -> Floats:
-    """Return the inputs fitted to some of the measurements, in their units, (k,), with the scatter of the fit to all.
+    """Return the inputs fitted to the measurements `kept`, a mask, (m,), with the scatter of the fit to all, (k,).
 
-    A small change is Newton's step from the fit to all, with an error of second order; otherwise the search is
-    repeated.
+    If the change from the fit to all is small, it is a Newton step, with an error of second order; otherwise the search
+    is repeated.
     """
     likelihood = fit.likelihood._replace(kept=kept)
     kept_rows = np.append(kept, np.ones(len(fit.residuals) - len(kept), dtype=bool))
@@ -529,7 +556,10 @@ def without(fit: InputFit, kept: Bools) -> Floats:
 def check_fittable(
     file: str, scenario: Scenario, groups: Sequence[MaterialGroup], inputs: Sequence[str], function: str = "calibrate"
 ) -> None:
-    """Check that the inputs of a function can be fitted to the tests of a scenario in a file."""
+    """Check that `inputs` can be fitted to groups of tests with a scenario.
+
+    Messages name `file`, the file of the tests, and `function`, the public function that was called.
+    """
     scenario.check_names(inputs, function, "fit")
     problems = []
     for name in inputs:

@@ -1,4 +1,4 @@
-"""Measured data: tables of inputs and measurements, read from CSV."""
+"""Read tables of tests: their inputs and measurements."""
 
 import re
 from collections import Counter
@@ -34,10 +34,10 @@ MEASURED = {
     RESIDUAL: "residual_velocity_uncertainty_m_s",
     MASS: "residual_mass_uncertainty_g",
 }
-# Columns that say where and when a test was made: those of its laboratory or series, and others.
+# Columns that identify the series of a test, and all columns that say where and when it was made.
 SERIES_COLUMNS = ("laboratory", "series")
 ORIGINS = (*SERIES_COLUMNS, "date")
-# A limit that is only known to lie on one side of a velocity.
+# Text of a limit that is only known to lie on one side of a velocity, such as "above 950".
 BOUND = re.compile(r"(?:(>=?|≥|above|at least)|(<=?|≤|below|at most)) *(.+)")
 # Columns of numbers.
 NUMBERS = (*INPUTS, *MEASURED, *MEASURED.values())
@@ -48,13 +48,13 @@ MIN_MEASURED, MAX_MEASURED = 1e-3, 1e6
 
 
 class Measurement(NamedTuple):
-    """A measurement of a test; of an outcome alone, a bound on the ballistic limit (a censored observation)."""
+    """A measurement of a test.  An outcome alone is a bound on the ballistic limit (a censored observation)."""
 
-    test: int
+    test: int  # index of the test
     quantity: str
     value: float  # the impact velocity where only the outcome is known
     uncertainty: float | None
-    side: int  # 0; +1 if the limit is at least the value, -1 if it is at most the value
+    side: int  # 0 for a measured value; +1 if the limit is at least the value, -1 if it is at most the value
 
 
 class MaterialGroup(NamedTuple):
@@ -62,10 +62,10 @@ class MaterialGroup(NamedTuple):
 
     scenario: Scenario
     where: Ints  # indices of the tests
-    columns: dict[str, Floats]  # inputs that the table gives
+    columns: dict[str, Floats]  # inputs that the table gives, by name, (tests,) each
 
     def variants(self, inputs: Mapping[str, Floats] | None = None) -> Variants:
-        """Return the tests as variants of their scenario, with other values of some inputs, (tests,)."""
+        """Return the tests as variants of their scenario; `inputs`, (tests,) each, replace values by name of input."""
         return variants_of(self.scenario, {**self.columns, **(inputs or {})}, len(self.where))
 
 
@@ -108,7 +108,7 @@ class Tests(NamedTuple):
 
 
 def with_scatter(tests: Tests, scatter: float) -> Tests:
-    """Return tests whose measurements have this relative uncertainty."""
+    """Return the tests with an uncertainty of `scatter` times the value for each measurement."""
     measurements = tuple(m._replace(uncertainty=scatter * m.value) for m in tests.measurements)
     cells = [dict(cell) for cell in tests.cells]
     for m in measurements:
@@ -117,7 +117,7 @@ def with_scatter(tests: Tests, scatter: float) -> Tests:
 
 
 def subject_of(tests: Tests) -> str:
-    """Return the materials and rounds of tests, such as "Tests of AD85 on 6061-T6 against 7.62 mm AP"."""
+    """Return what the tests are of, such as "Tests of AD85 on 6061-T6 against 7.62 mm AP"."""
     names = {key: [group.scenario.name_of(role) for group in tests.groups] for role, key in NAMES.items()}
     inputs = dict.fromkeys((key for group in tests.groups for key in group.columns), ())
     return f"Tests of {tests.scenario.subject({**ANY_VELOCITY, **names, **inputs})}"
@@ -191,8 +191,8 @@ def read_tests(
         for key, message in _mistakes(row, repeated_names):
             problems.append(Problem(file, f"{row.place}: {key}" if key else row.place, message))
     measurements = [measurement for test, row in enumerate(rows) for measurement in _measurements(test, row)]
-    weighted = {MEASURED[m.quantity] in rows[m.test].texts for m in measurements}
-    if len(weighted) == 2:
+    uncertainties_given = {MEASURED[m.quantity] in rows[m.test].texts for m in measurements}
+    if len(uncertainties_given) == 2:
         message = "uncertainties must be given for every measurement and outcome, or for none"
         problems.append(Problem(file, "", message))
     groups, group_problems = _groups(rows, scenario, file)
@@ -205,30 +205,30 @@ def read_tests(
             raise mistake(file, name, f"must be the same for all tests, found {found}; choose one: --where {choice}")
     cells: list[dict[str, float | str]] = [{**row.texts, **row.numbers} for row in rows]
     places = tuple(row.place for row in rows)
-    is_weighted = weighted == {True}
+    is_weighted = uncertainties_given == {True}
     return Tests(file, names, (*groups,), (*measurements,), is_weighted, (*cells,), scenario, places, table.read)
 
 
 def with_bounds(source: Source) -> Source:
-    """Return a table with each limit that is only known to be above or below a velocity as an outcome there."""
+    """Return the table with each limit such as "above 950" replaced by an outcome, here stopped, at that velocity."""
     header = [*source.header]
     if LIMIT not in header:
         return source
-    lines, place = list(source.lines), header.index(LIMIT)
+    lines, limit_column = list(source.lines), header.index(LIMIT)
     bounds = {
         line: bound
         for line, cells in lines
-        if len(cells) == len(header) and (bound := BOUND.fullmatch(cells[place].lower()))
+        if len(cells) == len(header) and (bound := BOUND.fullmatch(cells[limit_column].lower()))
     }
     columns = [*header, *(name for name in (VELOCITY, OUTCOME) if name not in header)] if bounds else header
-    found = []
+    changed_lines = []
     for line, cells in lines:
         row = dict(zip(header, cells, strict=False))
         if line in bounds and not row.get(VELOCITY) and not row.get(OUTCOME):
             above, _, velocity = bounds[line].groups()
             row |= {LIMIT: "", VELOCITY: velocity, OUTCOME: "stopped" if above else "perforated"}
-        found.append((line, [row.get(name, "") for name in columns] if len(cells) == len(header) else cells))
-    return replace(source, header=columns, lines=iter(found))
+        changed_lines.append((line, [row.get(name, "") for name in columns] if len(cells) == len(header) else cells))
+    return replace(source, header=columns, lines=iter(changed_lines))
 
 
 def series_of(tests: Tests, test: int) -> tuple[str, ...]:
@@ -237,7 +237,7 @@ def series_of(tests: Tests, test: int) -> tuple[str, ...]:
 
 
 def _mistakes(row: CsvRow, repeated_names: Container[str]) -> list[tuple[str, str]]:
-    """Return the mistakes in a row as columns and messages, given the names that several tests have."""
+    """Return the mistakes in a row as pairs of column and message; `repeated_names` are names of several tests."""
     mistakes = []
     name, outcome = row.texts.get("test"), row.texts.get(OUTCOME)
     is_perforated = None if outcome is None else perforates(outcome)
@@ -265,7 +265,7 @@ def _mistakes(row: CsvRow, repeated_names: Container[str]) -> list[tuple[str, st
 
 
 def _measurements(test: int, row: CsvRow) -> list[Measurement]:
-    """Return the measurements in a row; the outcome counts only if there is no other."""
+    """Return the measurements in a row, given the index of its test; an outcome counts only if nothing is measured."""
     measurements = [
         Measurement(test, name, row.numbers[name], row.numbers.get(uncertainty), 0)
         for name, uncertainty in MEASURED.items()
@@ -279,7 +279,7 @@ def _measurements(test: int, row: CsvRow) -> list[Measurement]:
 
 
 def _groups(rows: Sequence[CsvRow], scenario: Scenario, file: str) -> tuple[list[MaterialGroup], list[Problem]]:
-    """Group tests by projectile and materials; return also the names and values that the scenario does not allow."""
+    """Group tests by projectile and materials; return also problems: names and values that the scenario refuses."""
     by_names: dict[tuple[tuple[str, str], ...], list[int]] = {}
     for i, row in enumerate(rows):
         by_names.setdefault(tuple(_names(row).items()), []).append(i)
@@ -302,7 +302,7 @@ def _groups(rows: Sequence[CsvRow], scenario: Scenario, file: str) -> tuple[list
 
 
 def _not_allowed(row: CsvRow, scenario: Scenario, file: str) -> list[Problem]:
-    """Return the names and values in a row that the scenario does not allow."""
+    """Return a problem for each name or value in a row that the scenario refuses."""
     try:
         values = {name: row.numbers[name] for name in INPUTS if name in row.numbers}
         scenario.replaced(_names(row)).with_inputs(values)

@@ -1,4 +1,7 @@
-"""Own tests of a lot as stored in a calibrated entry: their armours, and their ballistic limits by each law."""
+"""Own tests of a lot, as stored in a calibrated entry: armours, results, and the limits by each law.
+
+A law is one of the flow stress of a ceramic, or the fit to shipped tests of bare plates.
+"""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -22,10 +25,11 @@ from armour.statistics.measured import LIMIT, Tests, series_of
 SHOT_SCATTER = 0.02
 # Standard deviation of the logarithm of the flow stress of a ceramic without shipped tests, about its entry's value.
 UNTESTED_DEVIATION = 0.40
-# Greatest factor between the fitted flow stress of such a ceramic and its entry's value, number of steps to it, and the
-# change of its logarithm for a derivative, which is 0.35 to 0.62 for most armours, and its least value.
+# Fit of the flow stress of such a ceramic: greatest factor between the fitted value and the entry's, number of Newton
+# steps, change of the logarithm for the derivative of the limit's logarithm, and least value of this derivative, which
+# is 0.35 to 0.62 for most armours.
 FACTOR, STEPS, STEP, LEAST_SLOPE = 8.0, 6, 0.05, 0.3
-# Greatest number of own tests of which each is predicted from the others.
+# Greatest number of own tests that are predicted, each from the others.
 MOST_PREDICTED = 60
 # Reason why calibrated entries without usable tests have no model error.
 NOTHING_OF_ERROR = (
@@ -35,7 +39,7 @@ NOTHING_OF_ERROR = (
 # What identifies a test: layers, angle, penetrator and measured limit.
 PENETRATOR = ("projectile.penetrator_diameter_mm", "projectile.penetrator_mass_g")
 IDENTITY = (CERAMIC, BACKING, OBLIQUITY, *PENETRATOR, "ballistic_limit_m_s")
-# What can be calibrated to own tests, by role: keys of the entry, and quantities.
+# What can be calibrated to own tests, by role: keys of the entry, and the quantities of an armour that follow.
 FITTED_KEYS = {
     "ceramic": ("flow_stress_GPa", *library.FLOW_STRESS_LAW),
     "backing": ("flow_stress_GPa", "shear_strength_MPa"),
@@ -47,7 +51,7 @@ QUANTITIES_OF_ROLE = {
 
 
 def repeated(tests: Tests) -> Iterator[str]:
-    """Warn of tests, at least two, that are among the shipped ones which model errors come from."""
+    """Yield a warning if two or more tests are among the shipped ones, from which the model error comes."""
     usual = tests.scenario.inputs()
     shipped_values = {**usual, CERAMIC: 0.0, OBLIQUITY: 0.0}  # where a shipped table has no such column
     shipped = set()
@@ -63,17 +67,18 @@ def repeated(tests: Tests) -> Iterator[str]:
 
 
 def _identity(cells: Mapping[str, float | str], usual: Mapping[str, float]) -> tuple[float, ...]:
-    """Return the values that identify a test, from its row or else the usual ones."""
-    # An empty cell is none; a zero is a value.
+    """Return the values of the keys in `IDENTITY` from the cells of a test, or from `usual` where these lack them."""
+    # An empty cell is no value; a zero is one.
     values = {key: value for key, value in cells.items() if value != ""}
     return tuple(float(values.get(key, usual.get(key, 0.0))) for key in IDENTITY)
 
 
 def own_tests(tests: Tests, fitted: Mapping[str, float], computed_m_s: Sequence[float] = ()) -> OwnTests | None:
-    """Return the tests as stored in a calibrated entry, given its fitted values by name of input, and limits with them.
+    """Return the tests as stored in a calibrated entry; None if they do not determine the model error.
 
-    None if they do not determine the model error: there is no limit or outcome, something else than a strength of
-    ceramic or back plate was fitted, settings differ from those of the shipped tests, there are no shipped tests of
+    `fitted` has the fitted values by input; `computed_m_s` are the limits by the calibrated model, if they are to be
+    stored.  The tests do not determine the model error if there is no limit or outcome, something else than a strength
+    of ceramic or back plate was fitted, settings differ from those of the shipped tests, there are no shipped tests of
     such plates, or the tests are at several angles beyond those of the shipped tests.
     """
     shots = [m for m in tests.measurements if m.quantity == LIMIT]
@@ -83,33 +88,40 @@ def own_tests(tests: Tests, fitted: Mapping[str, float], computed_m_s: Sequence[
         return None
     scenario = tests.groups[0].scenario
     places = np.argsort(np.concatenate([group.where for group in tests.groups]))
-    parts = concatenated([group.variants() for group in tests.groups])
-    rows, entry = parts.at(places[[shot.test for shot in shots]]), scenario.entry_of(role)
-    q, sides = rows.armours.quantities(), np.array([float(shot.side) for shot in shots])
+    all_variants = concatenated([group.variants() for group in tests.groups])
+    variants, entry = all_variants.at(places[[shot.test for shot in shots]]), scenario.entry_of(role)
+    q, sides = variants.armours.quantities(), np.array([float(shot.side) for shot in shots])
     velocities = np.array([shot.value for shot in shots])
     if entry is None or not ((q["ceramic_thickness_ratio"] == 0.0) == (role == "backing")).all():
         return None
-    if (abs(moved_m_s(rows)) > MOST_MOVED_M_S).any():
+    if (abs(moved_m_s(variants)) > MOST_MOVED_M_S).any():
         return None
     measured = np.where(sides == 0.0, velocities, np.nan)
-    laws = _laws_of_plates(rows, entry) if role == "backing" else _laws_of_ceramic(rows, entry, measured)
+    laws = _laws_of_plates(variants, entry) if role == "backing" else _laws_of_ceramic(variants, entry, measured)
     if not laws:
         return None
     longest_path = (1.0 + 1e-6) / cosine_of(shipped_evidence_of(laws[0].fit).obliquity_max_deg)
-    if len({*_rounded(rows.cosines)}) > 1 and (q["path_ratio"] > longest_path).any():
+    if len({*_rounded(variants.cosines)}) > 1 and (q["path_ratio"] > longest_path).any():
         return None
     calibrated = scenario.with_inputs({name: float(f"{value:.6g}") for name, value in fitted.items()})
     values = armours_of(calibrated).quantities()
     scatter = [abs(m.side) * SHOT_SCATTER * m.value if m.uncertainty is None else m.uncertainty for m in shots]
     q |= {"velocity_m_s": velocities, "uncertainty_m_s": np.array(scatter), "side": sides}
     series = [series_of(tests, shot.test) for shot in shots]
-    kept = (*library.VARIED, *library.IN_COMMON, *library.TEST_RESULTS, *[library.SERIES_KEY] * (len({*series}) > 1))
+    stored_keys = (
+        *library.VARIED,
+        *library.IN_COMMON,
+        *library.TEST_RESULTS,
+        *[library.SERIES_KEY] * (len({*series}) > 1),
+    )
     q[library.SERIES_KEY] = np.array([float(sorted({*series}).index(name)) for name in series])
     return OwnTests(
         source=f"{counted(len(tests.names), 'test')} of {Path(tests.file).name}",
         calibrated={name: float(values[name][0]) for name in QUANTITIES_OF_ROLE[role]},
-        tests={name: _rounded(q[name]) for name in kept},
-        names=tuple(", ".join(filter(None, (tests.names[m.test], *of))) for m, of in zip(shots, series, strict=True))
+        tests={name: _rounded(q[name]) for name in stored_keys},
+        names=tuple(
+            ", ".join(filter(None, (tests.names[m.test], *origin))) for m, origin in zip(shots, series, strict=True)
+        )
         if tests.names != tests.places or any(map(any, series))
         else (),
         calibrated_m_s=_rounded(np.array(computed_m_s)),
@@ -124,18 +136,18 @@ class OwnTest:
     Attributes
     ----------
     name : str
-        Its name, with its laboratory and series; empty if it is not kept.
+        Name of the test, with its laboratory and series; empty if the name is not kept.
     ceramic_thickness_mm, backing_thickness_mm, obliquity_deg, penetrator_diameter_mm : float
     bound : {"", "at least", "at most"}
         Bound on the limit that a shot gives; empty for a measured limit.
     measured_m_s, uncertainty_m_s : float
         The limit, or the velocity of a shot, and its standard deviation, m/s.
     computed_m_s : float or None
-        Ballistic limit by the model with the entry as it is calibrated, m/s; None if it is not kept.
+        Ballistic limit by the model with the calibrated entry, m/s; None if it is not kept.
     predicted_m_s : float
         Ballistic limit that the armour exceeds with a probability of 50 %, given the other tests, m/s.
     interval_m_s : tuple of float
-        Interval in which it lies with a probability of 95 %, given the other tests, m/s.
+        Interval in which the limit lies with a probability of 95 %, given the other tests, m/s.
     out_of_line : bool
         Whether the test is out of line with the others.
     """
@@ -155,14 +167,14 @@ class OwnTest:
 
 
 def predicted_tests(entry: LibraryEntry, kept: OwnTests) -> tuple[OwnTest, ...]:
-    """Return the own tests of an entry, each as predicted from the others.
+    """Return the own tests `kept` in an entry, each with its limit as predicted from the others.
 
-    There are none if they say nothing of the error, or are more than can be predicted within seconds.
+    Return none if the tests do not determine the model error, or are more than can be predicted within seconds.
     """
     evidence = own_evidence(entry, kept)
     if not evidence.fits or len(kept.tests["side"]) > MOST_PREDICTED:
         return ()
-    q, found = evidence.fits[0].own[0].tests.quantities, list[OwnTest]()
+    q, predicted = evidence.fits[0].own[0].tests.quantities, list[OwnTest]()
     computed = np.array([law.computed_m_s for law in kept.law])
     for place, side in enumerate(kept.tests["side"]):
         values = {name: float(column[place]) for name, column in q.items()}
@@ -170,7 +182,7 @@ def predicted_tests(entry: LibraryEntry, kept: OwnTests) -> tuple[OwnTest, ...]:
         limit = mixture_of(others, {name: column[[place]] for name, column in q.items()}).times(computed[:, [place]])
         low, median, high = (float(limit.quantile(np.array([chance]))[0]) for chance in (0.025, 0.5, 0.975))
         diameter, path = values["rod_diameter_mm"], values["path_ratio"]
-        found.append(
+        predicted.append(
             OwnTest(
                 name=kept.names[place] if kept.names else "",
                 ceramic_thickness_mm=values["ceramic_thickness_ratio"] * diameter / path,
@@ -186,45 +198,51 @@ def predicted_tests(entry: LibraryEntry, kept: OwnTests) -> tuple[OwnTest, ...]:
                 out_of_line=place in evidence.doubtful,
             )
         )
-    return tuple(found)
+    return tuple(predicted)
 
 
 def _rounded(values: Floats) -> tuple[float, ...]:
     return tuple(float(f"{value:.7g}") for value in values)
 
 
-def _limits(rows: Variants, role: str, values: Mapping[str, float]) -> Floats:
-    """Return the ballistic limits of rows with other values of the entry in a role, by key, at any velocity, m/s."""
+def _limits(variants: Variants, role: str, values: Mapping[str, float]) -> Floats:
+    """Return the ballistic limits of variants, m/s, at any velocity, with `values`, by key, of the entry in a role."""
     ends = SLOWEST_M_S, FASTEST_M_S
-    return ballistic_limits(rows.with_fields(law_parameters(role, values)), ends).clip(*ends)
+    return ballistic_limits(variants.with_fields(law_parameters(role, values)), ends).clip(*ends)
 
 
-def _laws_of_plates(rows: Variants, entry: LibraryEntry) -> tuple[LawTests, ...]:
-    """Return limits of bare plates by the strengths of their entry, for the fits of shipped tests of such plates."""
-    (evidence, members), *_ = rows.armours.by_evidence()
-    if not (members & evidence.holds(rows.armours.quantities())).all():
+def _laws_of_plates(variants: Variants, entry: LibraryEntry) -> tuple[LawTests, ...]:
+    """Return the limits of bare plates by the strengths of their entry, for each fit to shipped tests of such plates.
+
+    Return none if there are no such tests.
+    """
+    (evidence, members), *_ = variants.armours.by_evidence()
+    if not (members & evidence.holds(variants.armours.quantities())).all():
         return ()
     values = {key: float(f"{entry[key]:.7g}") for key in FITTED_KEYS["backing"]}
-    computed = _rounded(_limits(rows, "backing", values))
+    computed = _rounded(_limits(variants, "backing", values))
     return tuple(LawTests(fit=fit.name, values=values, computed_m_s=computed) for fit in evidence.fits)
 
 
-def _laws_of_ceramic(rows: Variants, entry: LibraryEntry, measured: Floats) -> tuple[LawTests, ...]:
-    """Return limits by each law of the flow stress of a ceramic, given measured limits, which are NaN for shots.
+def _laws_of_ceramic(variants: Variants, entry: LibraryEntry, measured: Floats) -> tuple[LawTests, ...]:
+    """Return the limits of variants by each law of the flow stress of their ceramic.
 
-    A ceramic with shipped tests has their flow stress.  For any other, the flow stress is fitted, and the level is
-    that of the entry's flow stress, which is uncertain.
+    A ceramic with shipped tests has the flow stress fitted to these.  For any other, it is fitted to the limits
+    `measured`, m/s, (n,), which are NaN for shots.  The level is then the mean and the standard deviation of the
+    logarithm of a ratio: limits by the entry's own flow stress, which is uncertain, over limits by the fitted one.
     """
-    tests = next(evidence for evidence in shipped_evidence() if evidence.ceramic)
-    has_tests = entry.origin == tests.ceramic and not is_outside(tests.kind[:2], rows.armours.quantities()).any()
-    laws = {fit.name: shipped_data()["fit"][fit.name]["flow_stress"] for fit in tests.fits}
+    shipped = next(evidence for evidence in shipped_evidence() if evidence.ceramic)
+    has_tests = (
+        entry.origin == shipped.ceramic and not is_outside(shipped.kind[:2], variants.armours.quantities()).any()
+    )
+    laws = {fit.name: shipped_data()["fit"][fit.name]["flow_stress"] for fit in shipped.fits}
     ratio = 1.0 if has_tests else entry["flow_stress_GPa"] / laws["constant"]["flow_stress_GPa"]
     by_law = []
     for name, values in laws.items():
 
         def limits(shift: float, values: Mapping[str, float] = values) -> Floats:
             scaled = {**values, "flow_stress_GPa": values["flow_stress_GPa"] * ratio * np.exp(shift)}
-            return np.log(_limits(rows, "ceramic", scaled))
+            return np.log(_limits(variants, "ceramic", scaled))
 
         shift, slope = 0.0, 1.0
         for _ in range(0 if has_tests else STEPS):

@@ -1,8 +1,8 @@
 """Posterior of V50 and of the scatter from firing results, given the model's ballistic limit and its error.
 
-The probability of complete penetration is that of the normal curve, F((V - V50)/scatter).  The prior of V50 is the
-model's limit with the distribution of its error, cut off at 1 % of the limit; that of the scatter
-relative to V50 is log-normal and independent of it.  Sums over a grid take the place of random samples.
+The probability of complete penetration at a velocity V is F((V - V50)/scatter), F the normal distribution function.
+The prior of V50 is the model's limit with the distribution of its error, cut off below 1 % of the limit.  The ratio of
+the scatter to V50 has a log-normal prior, independent of V50.  Integrals are sums over a grid, not random samples.
 """
 
 from collections.abc import Iterator, Sequence
@@ -26,17 +26,17 @@ SCATTER_PERCENT, SCATTER_FACTOR = 2.0, 2.0
 GRID_TAIL, LEAST_MULTIPLE, GREATEST_MULTIPLE = 1e-9, 0.01, 10.0
 # Factor by which the first grid reaches beyond the shots.
 GRID_BEYOND = 2.0
-# Probability of the interval of the prior beyond which a posterior contradicts it.
+# A posterior median outside the prior's interval with this probability contradicts the prior.
 PLAUSIBLE = 0.99
-# Ends of the first grid of the logarithm of the scatter, in its standard deviations.
+# Reach of the first grid of the logarithm of the scatter to either side, in its standard deviations.
 SCATTER_ENDS = 7.0
-# Nodes of V50 and of the scatter; greatest number of narrowings of the grid to the nodes where the logarithm of the
-# posterior is within a depth of its maximum; and the fraction of such nodes at which the grid is narrow enough.
+# Nodes of V50 and of the scatter.  The grid is narrowed, at most GRID_NARROWINGS times, to the nodes where the
+# logarithm of the posterior is within DEPTH of its maximum, until these are at least the fraction ENOUGH of its nodes.
 GRID_NODES, GRID_NARROWINGS, DEPTH, ENOUGH = (201, 31), 6, 12.0, 0.75
 
 
-def _normal(probabilities: Floats) -> Floats:
-    """Return quantiles of the normal distribution, all finite."""
+def _normal_quantiles(probabilities: Floats) -> Floats:
+    """Return standard normal quantiles, of probabilities clipped so that all are finite."""
     return ndtri(probabilities.clip(1e-15, 1.0 - 1e-15))
 
 
@@ -47,15 +47,15 @@ class FiringEstimate:
     Attributes
     ----------
     v50_m_s : float
-        Median.
+        Median of V50, m/s.
     v50_interval_m_s : tuple of float
-        Equal-tailed interval, m/s.
+        Equal-tailed interval of V50, m/s.
     standard_deviation_m_s : float
-        Of the distribution of V50, m/s.
+        Standard deviation of the distribution of V50, m/s.
     scatter_m_s : float
-        Median of the standard deviation of the response curve, m/s.
+        Median of the scatter, the standard deviation of the response curve, m/s.
     scatter_interval_m_s : tuple of float
-        Its interval.
+        Equal-tailed interval of the scatter, m/s.
     """
 
     v50_m_s: float
@@ -68,47 +68,49 @@ class FiringEstimate:
 class FiringPrior(NamedTuple):
     """Prior of V50 and of the scatter."""
 
-    limit_m_s: float  # by the model
+    limit_m_s: float  # ballistic limit by the model
     error: ModelError
     scatter_percent: float = SCATTER_PERCENT
     scatter_factor: float = SCATTER_FACTOR
 
     def log_density(self, v50: Floats, log_ratio: Floats) -> Floats:
-        """Return the logarithm of the density, up to a constant, at V50s and logarithms of scatter over V50."""
+        """Return the log-density, up to a constant, at V50s, m/s, and logarithms of scatter / V50."""
         z = (log_ratio - log(self.scatter_percent / 100.0)) / log(self.scatter_factor)
         return self.error.ratio.log_density(v50 / self.limit_m_s) - 0.5 * z * z
 
 
-# Nodes of V50 and of the scatter; V50 is equally likely up to this fraction of it beyond the shots.
+# For earlier firings: nodes of V50 and of the scatter; V50 is uniform up to this fraction of it beyond the shots.
 POOL_NODES, BEYOND_SHOTS = (401, 121), 0.1
-# Standard deviations of the logarithm of the scatter between firings, in units of their scale, and this scale as a
-# fraction of the logarithm of the factor: reported standard deviations, with the noise of few shots, vary by a factor
-# of 1.7.
+# Nodes of the standard deviation, between firings, of the logarithm of the scatter, in units of its half-normal scale;
+# and this scale as a fraction of the logarithm of the factor.  Reported scatters, with the noise of few shots, vary by
+# a factor of 1.7.
 BETWEEN, FRACTION = np.linspace(0.2, 3.0, 29), 0.4
 
 
 def pooled_scatter(
     firings: Sequence[tuple[Sequence[float], Sequence[bool]]], percent: float, factor: float
 ) -> tuple[float, float]:
-    """Return median, per cent of V50, and factor of the scatter of a further firing, given those of earlier ones.
+    """Return the expected scatter of a further firing, given earlier ones: median, % of V50, and factor.
 
-    Firings are velocities, m/s, and whether each was a complete penetration.  The scatters are log-normal about a
-    common median, which is log-normal too; the standard deviation of their logarithms is half-normal.  V50s are
-    unknown: the likelihood of each firing is its mean over all of them.
+    The factor is one standard deviation of the scatter's logarithm; `percent` and `factor` are expected without earlier
+    firings.  Each of the `firings` is its velocities, m/s, and whether each was complete.
+
+    The scatters of firings are log-normal about a common median, which is log-normal too; the standard deviation of
+    their logarithms is half-normal.  The V50 of a firing is unknown: its likelihood is the mean over all V50s.
     """
-    middle, deviation = log(percent / 100.0), log(factor) * (1.0 - FRACTION**2) ** 0.5
-    log_ratio = middle + np.linspace(-SCATTER_ENDS, SCATTER_ENDS, POOL_NODES[1]) * log(factor)
+    log_median, log_deviation = log(percent / 100.0), log(factor) * (1.0 - FRACTION**2) ** 0.5
+    log_ratio = log_median + np.linspace(-SCATTER_ENDS, SCATTER_ENDS, POOL_NODES[1]) * log(factor)
     between = BETWEEN[:, None, None] * FRACTION * log(factor)
-    # Probabilities of the scatter by the standard deviation between firings and the median.
-    spread = np.exp(-0.5 * ((log_ratio[:, None] - log_ratio) / between) ** 2)
-    spread /= spread.sum(axis=2, keepdims=True)
-    logarithm = -0.5 * (BETWEEN[:, None] ** 2 + ((log_ratio - middle) / deviation) ** 2)
+    # Probabilities of the scatter of a firing, (between, medians, scatters), given between and the median.
+    scatter_probabilities = np.exp(-0.5 * ((log_ratio[:, None] - log_ratio) / between) ** 2)
+    scatter_probabilities /= scatter_probabilities.sum(axis=2, keepdims=True)
+    log_weights = -0.5 * (BETWEEN[:, None] ** 2 + ((log_ratio - log_median) / log_deviation) ** 2)
     for velocities, complete in firings:
         v50 = np.linspace(min(velocities) * (1.0 - BEYOND_SHOTS), max(velocities) * (1.0 + BEYOND_SHOTS), POOL_NODES[0])
         grid = V50Grid.over(v50, log_ratio)
         likelihood = np.exp(grid.log_likelihood(velocities, complete)).reshape(grid.shape).mean(axis=0)
-        logarithm += np.log(np.maximum(spread @ likelihood, 1e-300))
-    weights = normalised(logarithm)
+        log_weights += np.log(np.maximum(scatter_probabilities @ likelihood, 1e-300))
+    weights = normalised(log_weights)
     mean = float((weights @ log_ratio).sum())
     variance = float((weights * ((log_ratio - mean) ** 2 + between[:, :, 0] ** 2)).sum())
     return 100.0 * float(np.exp(mean)), float(np.exp(variance**0.5))
@@ -121,7 +123,7 @@ def normalised(log_weights: Floats) -> Floats:
 
 
 def expected(values: Floats, weights: Floats) -> Any:
-    """Return the means of values, (..., points), by n distributions, (n, points), or one.
+    """Return the means of `values`, (..., points), under n distributions, (n, points), or under one, (points,).
 
     Unlike in matrix products, the sums do not depend on the number of threads.
     """
@@ -129,7 +131,7 @@ def expected(values: Floats, weights: Floats) -> Any:
 
 
 class V50Grid(NamedTuple):
-    """Points of V50 and scatter, m/s, with the scatter varying fastest."""
+    """Points of V50 and scatter, m/s, on a grid; the scatter varies fastest."""
 
     v50_m_s: Floats  # (points,)
     scatter_m_s: Floats  # (points,)
@@ -137,28 +139,28 @@ class V50Grid(NamedTuple):
 
     @classmethod
     def over(cls, v50_m_s: Floats, log_ratio: Floats) -> Self:
-        """Return the grid over V50s and logarithms of scatter over V50."""
+        """Return the grid of all pairs of V50s, m/s, and logarithms of scatter / V50."""
         scatter = np.outer(v50_m_s, np.exp(log_ratio)).ravel()
         return cls(np.repeat(v50_m_s, len(log_ratio)), scatter, (len(v50_m_s), len(log_ratio)))
 
     def log_likelihood(self, velocities_m_s: Sequence[float], complete: Sequence[bool]) -> Floats:
-        """Return the logarithm of the likelihood of shots, of which there may be none, (points,)."""
-        logarithm = np.zeros(len(self.v50_m_s))
+        """Return the log-likelihood of shots by each point, (points,); `complete` is true for complete penetrations."""
+        log_likelihood = np.zeros(len(self.v50_m_s))
         for velocity, result in zip(velocities_m_s, complete, strict=True):
             argument = (velocity - self.v50_m_s) / self.scatter_m_s
-            logarithm += log_ndtr(argument if result else -argument)
-        return logarithm
+            log_likelihood += log_ndtr(argument if result else -argument)
+        return log_likelihood
 
     def response(self, velocities_m_s: Floats) -> Floats:
-        """Return the probability of complete penetration at velocities, (m,) -> (m, points)."""
+        """Return the probability of complete penetration at m velocities by each point, (m, points)."""
         return ndtr((velocities_m_s[:, None] - self.v50_m_s) / self.scatter_m_s)
 
     def v50_quantiles(self, weights: Floats, probabilities: Sequence[float]) -> Floats:
-        """Return quantiles of V50 for each of n distributions of weight over the points, (n, points) -> (n, k)."""
+        """Return the quantiles of V50, m/s, at k probabilities under n distributions, (n, points), as (n, k)."""
         nodes = self.v50_m_s[:: self.shape[1]]
-        parts = weights.reshape(-1, *self.shape).sum(axis=2)
+        node_weights = weights.reshape(-1, *self.shape).sum(axis=2)
         # On the scale of the normal distribution, a cumulative probability is nearly linear even between few nodes.
-        middles = _normal(np.cumsum(parts, axis=1) - 0.5 * parts)
+        middles = _normal_quantiles(np.cumsum(node_weights, axis=1) - 0.5 * node_weights)
         return np.array([np.interp(ndtri(probabilities), scores, nodes) for scores in middles])
 
 
@@ -169,7 +171,7 @@ class Posterior(NamedTuple):
     weights: Floats  # (points,)
 
     def estimate(self, confidence: float) -> FiringEstimate:
-        """Return medians, intervals and the standard deviation of V50."""
+        """Return medians and intervals of V50 and the scatter, and the standard deviation of V50."""
         probabilities = (0.5, 0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence)
         v50, slowest, fastest = self.grid.v50_quantiles(self.weights, probabilities)[0].tolist()
         scatter, least, greatest = self._scatter_quantiles(probabilities)
@@ -180,29 +182,34 @@ class Posterior(NamedTuple):
         """Return quantiles of the scatter, m/s; each point represents the scatters up to midway to the next ones."""
         logs = np.log(self.grid.scatter_m_s)
         step = logs[1] - logs[0]
-        places = np.linspace(logs.min() - 0.5 * step, logs.max() + 0.5 * step, 2 * self.grid.shape[1])
-        below = np.array([expected(np.clip(0.5 + (place - logs) / step, 0.0, 1.0), self.weights) for place in places])
-        return np.exp(np.interp(ndtri(probabilities), _normal(below), places)).tolist()
+        log_scatters = np.linspace(logs.min() - 0.5 * step, logs.max() + 0.5 * step, 2 * self.grid.shape[1])
+        below = np.array(
+            [
+                expected(np.clip(0.5 + (log_scatter - logs) / step, 0.0, 1.0), self.weights)
+                for log_scatter in log_scatters
+            ]
+        )
+        return np.exp(np.interp(ndtri(probabilities), _normal_quantiles(below), log_scatters)).tolist()
 
     def variance(self, target: Floats) -> float:
-        """Return the variance of a quantity that has values at the points, (points,)."""
+        """Return the variance of a quantity, given its values at the points, (points,)."""
         return float(expected((target - expected(target, self.weights)) ** 2, self.weights))
 
     def density(self, velocities_m_s: Floats) -> Floats:
         """Return the probability density of V50 at velocities, s/m; 0 beyond the grid."""
         nodes = self.grid.v50_m_s[:: self.grid.shape[1]]
-        parts = self.weights.reshape(self.grid.shape).sum(axis=1)
-        return np.interp(velocities_m_s, nodes, parts / (nodes[1] - nodes[0]), left=0.0, right=0.0)
+        node_weights = self.weights.reshape(self.grid.shape).sum(axis=1)
+        return np.interp(velocities_m_s, nodes, node_weights / (nodes[1] - nodes[0]), left=0.0, right=0.0)
 
     def probability_above(self, velocity_m_s: float, fraction: float) -> float:
-        """Return the probability that the velocity at which a fraction of shots perforates exceeds a velocity."""
+        """Return the probability that the velocity at which `fraction` of shots perforate exceeds `velocity_m_s`."""
         return float(expected(is_above(self.grid, velocity_m_s, fraction), self.weights))
 
 
 def is_above(grid: V50Grid, velocity_m_s: float, fraction: float) -> Floats:
-    """Return 1 at the points where the velocity at which a fraction of shots perforates exceeds a velocity, else 0.
+    """Return 1 at points where the velocity at which `fraction` of the shots perforate exceeds `velocity_m_s`, else 0.
 
-    It rises linearly between neighbouring V50s.
+    Near `velocity_m_s`, the result changes linearly over the distance of two neighbouring V50s.
     """
     excess = grid.v50_m_s + float(ndtri(fraction)) * grid.scatter_m_s - velocity_m_s
     step = np.diff(grid.v50_m_s[:: grid.shape[1]]).mean()
@@ -210,14 +217,17 @@ def is_above(grid: V50Grid, velocity_m_s: float, fraction: float) -> Floats:
 
 
 def no_prior(scenario: Scenario) -> InputError:
-    """Return the error for a scenario without a model error where a prior is needed."""
+    """Return the error to raise if a prior is needed and the model error of the scenario is not known."""
     return mistake(scenario.file, "uncertainty.model", f"must give scale_percent for a prior: {no_error(scenario)}")
 
 
 def posterior_of(
     prior: FiringPrior, velocities_m_s: Sequence[float], complete: Sequence[bool], nodes: tuple[int, int] = GRID_NODES
 ) -> Posterior:
-    """Return the posterior given shots, of which there may be none."""
+    """Return the posterior of V50 and the scatter given shots, of which there may be none.
+
+    `complete` is true for complete penetrations; `nodes` are the numbers of V50s and of scatters in the grid.
+    """
     limit, velocities = prior.limit_m_s, np.array(velocities_m_s)
     low, high = prior.error.interval(limit, GRID_TAIL)
     # The first range of V50 includes shots far from the prior.
@@ -228,9 +238,9 @@ def posterior_of(
     for _ in range(GRID_NARROWINGS):
         v50, log_ratio = (np.linspace(*ends, count) for ends, count in zip(ranges, nodes, strict=True))
         grid = V50Grid.over(v50, log_ratio)
-        logarithm = prior.log_density(grid.v50_m_s, np.tile(log_ratio, nodes[0]))
-        logarithm += grid.log_likelihood(velocities_m_s, complete)
-        kept = (logarithm > logarithm.max() - DEPTH).reshape(nodes)
+        log_weights = prior.log_density(grid.v50_m_s, np.tile(log_ratio, nodes[0]))
+        log_weights += grid.log_likelihood(velocities_m_s, complete)
+        kept = (log_weights > log_weights.max() - DEPTH).reshape(nodes)
         kept_v50, kept_scatter = kept.any(axis=1), kept.any(axis=0)
         # With nodes of V50 too far apart, the scatter seems large: its range is narrowed only after that of V50.
         if kept_v50.mean() < ENOUGH:
@@ -239,11 +249,11 @@ def posterior_of(
             ranges[1] = narrowed(log_ratio, kept_scatter)
         else:
             break
-    return Posterior(grid, normalised(logarithm))
+    return Posterior(grid, normalised(log_weights))
 
 
 def narrowed(axis: Floats, kept: ArrayLike) -> tuple[float, float]:
-    """Return the range of the nodes to keep, with one more at each end."""
+    """Return the range of an axis that contains the nodes to keep, and one more node at each end."""
     indices = np.flatnonzero(kept)
     return float(axis[max(indices[0] - 1, 0)]), float(axis[min(indices[-1] + 1, len(axis) - 1)])
 
@@ -251,9 +261,9 @@ def narrowed(axis: Floats, kept: ArrayLike) -> tuple[float, float]:
 def learned(
     prior: Posterior, posterior: Posterior, confidence: float
 ) -> tuple[FiringEstimate, FiringEstimate, float, tuple[str, ...]]:
-    """Return the estimates without and with shots, the prior's share of the precision of V50, and warnings.
+    """Return the estimates without and with shots, the prior's share in the precision of V50, and warnings.
 
-    The precision is the inverse of the variance.  There are warnings if the estimates contradict each other.
+    The precision is the inverse of the variance.  There are warnings if the shots contradict the prior.
     """
     before, after = prior.estimate(confidence), posterior.estimate(confidence)
     share = min(1.0, (after.standard_deviation_m_s / before.standard_deviation_m_s) ** 2)
@@ -261,7 +271,7 @@ def learned(
 
 
 def _contradictions(prior: Posterior, posterior: Posterior) -> Iterator[str]:
-    """Yield a warning for each of V50 and scatter whose posterior lies outside the plausible interval of the prior."""
+    """Yield a warning if the posterior median of V50 or of the scatter lies outside the prior's plausible interval."""
     before, after = prior.estimate(PLAUSIBLE), posterior.estimate(PLAUSIBLE)
     v50, scatter = (after.v50_m_s, before.v50_interval_m_s), (after.scatter_m_s, before.scatter_interval_m_s)
     for name, (value, (low, high)) in {"V50": v50, "scatter": scatter}.items():

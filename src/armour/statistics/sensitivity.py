@@ -34,7 +34,7 @@ class Elasticity:
     value : float
         Its value, in the unit of its name.
     elasticities : mapping of str to float or None
-        By answer; None if the answer does not depend on the input or has no value.
+        Elasticity of each answer; None if the answer does not depend on the input or has no value.
     """
 
     input: str
@@ -49,9 +49,9 @@ class SensitivityResult(TableResult):
     Attributes
     ----------
     answers : mapping of str to float or None
-        Ballistic limit and residual velocity, m/s; None if there is none.
+        Ballistic limit and residual velocity, m/s; None for one that there is not.
     inputs : tuple of Elasticity
-        In descending order of the elasticity of the ballistic limit.
+        In descending order of the elasticity of the ballistic limit, without its sign.
     warnings : tuple of str
         Ways in which the scenario is unlike what the model was compared with.
     """
@@ -71,8 +71,8 @@ class SensitivityResult(TableResult):
 def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> SensitivityResult:
     """Compute the elasticities of a scenario's answers.
 
-    Each is the change of the logarithm of an answer over that of an input, from 0.5 % below to 0.5 % above its value.
-    The strengths of a metal that are derived from its yield strength change with it.
+    An elasticity is the change of the logarithm of an answer divided by that of an input, while the input changes from
+    0.5 % below to 0.5 % above its value.  Strengths of a metal that are derived from its yield strength change with it.
 
     Parameters
     ----------
@@ -109,13 +109,13 @@ def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
     elasticities = {answer: np.log(values[1::2] / values[2::2]) / step for answer, values in answers.items()}
     # The ballistic limit does not depend on the velocity, over which it is searched for.
     elasticities[LIMIT][[*inputs].index(VELOCITY)] = nan
-    changes = [
+    by_input = [
         Elasticity(name, value, {answer: _number(column[index]) for answer, column in elasticities.items()})
         for index, (name, value) in enumerate(inputs.items())
     ]
     return SensitivityResult(
         answers={answer: _number(values[0]) for answer, values in answers.items()},
-        inputs=tuple(sorted(changes, key=lambda item: -abs(item.elasticities[LIMIT] or 0.0))),
+        inputs=tuple(sorted(by_input, key=lambda item: -abs(item.elasticities[LIMIT] or 0.0))),
         warnings=scenario_warnings(scenario, scenario.impact.velocity_m_s),
     ).of(scenario.subject(), scenario=scenario)
 

@@ -34,10 +34,11 @@ SHARE_CHANCES = LEFT_OUT_TAIL + (1.0 - 2.0 * LEFT_OUT_TAIL) * (np.arange(100_000
 
 
 def first_order_indices(section: Uncertainty, points: Floats, values: Floats) -> list[Estimate]:
-    """Estimate the first-order index of each input, correlated or not, from the values, (n,), at points, (n, inputs).
+    """Estimate the first-order Sobol' index of each input, correlated or not.
 
-    It is the share of the variance explained by a polynomial of the input's uniform or normal score, in which the value
-    is nearly linear.
+    `points`, (n, inputs), are in the unit cube, and `values`, (n,), are the results at them.  The index of an input is
+    the share of the variance of the results that a polynomial of the input's score explains.  The score is uniform for
+    a uniform distribution and normal for any other one, so that the results are nearly linear in it.
     """
     uniform = [distribution.distribution == "uniform" for distribution in section.inputs().values()]
     scaled_values = (values - values.mean()) / values.std()
@@ -52,14 +53,17 @@ def first_order_indices(section: Uncertainty, points: Floats, values: Floats) ->
 
 
 def _moments(chances: Floats, uniform: bool, values: Floats) -> Floats:
-    """Return the sums of the products of polynomials of an input's uniform or normal score, and of values, (n,)."""
+    """Return the moments, (DEGREE + 2, DEGREE + 2), of the polynomials of an input's score and, last, of the value.
+
+    A moment is a sum of products of two of them over n samples.  `chances`, (n,), are the probabilities of the input.
+    """
     polynomials = legvander(2.0 * chances - 1.0, DEGREE) if uniform else hermevander(ndtri(chances), DEGREE)
     columns = np.column_stack([polynomials, values])
     return columns.T @ columns
 
 
 def _explained(moments: Floats) -> Floats:
-    """Return the share of the variance that a regression on a basis explains, from stacked moments."""
+    """Return the share of the variance that a regression on the polynomials explains, (m,), given m sets of moments."""
     basis, products, squares = moments[:, :-1, :-1], moments[:, :-1, -1], moments[:, -1, -1]
     fitted = np.einsum("ni,ni->n", products, np.linalg.solve(basis, products[..., None])[..., 0])
     mean = products[:, 0] ** 2 / basis[:, 0, 0]
@@ -69,9 +73,10 @@ def _explained(moments: Floats) -> Floats:
 def total_indices(
     function: Callable[[Floats], Floats], places: Sequence[int], inputs: int, samples: int, seed: int
 ) -> list[Estimate]:
-    """Estimate the total index of the independent inputs at certain places by the estimator of [Jansen1999].
+    """Estimate the total Sobol' index of each input at the indices `places` by the estimator of [Jansen1999].
 
-    The function maps points of the unit cube, (n, inputs), to values, (n,); the number of samples is a power of 2.
+    The inputs are independent.  `function` maps points in the unit cube, (n, inputs), to values, (n,); `inputs` is the
+    number of inputs, and `samples` that of samples, a power of 2.
     """
     points, resampled = np.split(sampling.replicated_points("sobol", 2 * inputs, samples, seed), 2, axis=1)
     values = function(points)
@@ -86,19 +91,19 @@ def total_indices(
 
 
 def _changed(sums: Floats) -> Floats:
-    """Return the total index from stacked sums of 1, values, their squares and half the squares of their changes."""
+    """Return total indices, (m,), given sums, (m, 4): of 1, values, their squares, and half their squared changes."""
     count, values, squares, changes = sums.T
     return changes / (squares - values**2 / count)
 
 
 def _sums(values: Floats) -> Floats:
-    """Return the sum over each replicate."""
+    """Return the sum of values, (n,), over each replicate, (replicates,)."""
     return np.array([part.sum() for part in np.array_split(values, sampling.REPLICATES)])
 
 
 # Quantiles of the ballistic limit.
 V_P = {"V05": 0.05, "V50": 0.5, "V95": 0.95}
-# Probabilities of the ends between which an input is varied.
+# Probabilities of the quantiles between which an input is varied alone.
 ENDS = (0.05, 0.95)
 # Points of the curve of the probability of perforation.
 PROBABILITY_POINTS = 121
@@ -253,7 +258,7 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         ballistic_limit_m_s={name: quantile(limits, probability) for name, probability in V_P.items()},
         mean_m_s=mean.value,
         mean_interval_m_s=(mean.low, mean.high),
-        # 0 of equal limits, whatever their mean rounds to
+        # Exactly 0 if all limits are equal, although their mean may be rounded.
         standard_deviation_m_s=float((limits - limits[0]).std(ddof=1)),
         deterministic_m_s=deterministic,
         curve=probability_curve(limits),
@@ -268,7 +273,7 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
 
 
 def _misplaced(section: Uncertainty, values: Mapping[str, float]) -> Iterator[Note]:
-    """Yield a warning for each distribution that does not contain the scenario's value, or whose mean is moved."""
+    """Yield a warning for each distribution without the scenario's value, or with a mean that truncation moves."""
     for name, distribution in section.inputs().items():
         if name in values:
             if not distribution.contains(values[name]):
@@ -280,7 +285,11 @@ def _misplaced(section: Uncertainty, values: Mapping[str, float]) -> Iterator[No
 def _in_portions(
     scenario: Scenario, points: Floats, on_samples: Callable[[int], None], *, with_error: bool = True
 ) -> Iterator[Samples]:
-    """Yield the samples at points of the unit cube, (n, inputs), in portions; report each once it is computed."""
+    """Yield the samples at points in the unit cube, (n, inputs), in portions.
+
+    `on_samples` is called with the number of samples in each portion after this is computed.  Without `with_error`, the
+    samples have no model error.
+    """
     section, values = sampling.section_of(scenario), sampling.own_values(scenario)
     for portion in portions(len(points), SAMPLES_AT_A_TIME):
         columns, count = columns_of(section, values, points[portion]), portion.stop - portion.start
@@ -303,16 +312,16 @@ def sample_limits(samples: Samples) -> Floats:
 
 
 def _share(hits: Bools) -> Estimate:
-    """Estimate the probability of hits, (samples,), from replicates."""
+    """Estimate the probability of a hit from replicates; `hits`, (samples,), tells which samples are hits."""
     parts = np.array_split(hits, sampling.REPLICATES)
     return proportion_of_replicates([int(part.sum()) for part in parts], [len(part) for part in parts])
 
 
 def quantile(limits: Floats, probability: float) -> Estimate:
-    """Estimate a quantile of samples, with the interval of Woodruff.
+    """Estimate the quantile of `limits`, (samples,), at a probability, with the interval of Woodruff.
 
-    Its ends are the quantiles at the ends of the interval of the probability of a lower value.  Unlike quantiles, that
-    probability has no bias in small replicates.
+    The probability of limits up to the quantile is estimated first: unlike a quantile, it has no bias in small
+    replicates.  The quantiles at the ends of its interval are the ends of the interval of the quantile.
     """
     value = float(np.quantile(limits, probability))
     below = _share(limits <= value)
@@ -322,7 +331,7 @@ def quantile(limits: Floats, probability: float) -> Estimate:
 
 
 def probability_curve(limits: Floats) -> ProbabilityCurve:
-    """Estimate the probability of perforation over velocity, with pointwise intervals."""
+    """Estimate the probability of perforation over velocity, with pointwise intervals, from limits, m/s, (samples,)."""
     lowest, highest = limits.min(), limits.max()
     margin = 0.05 * (highest - lowest) + 1.0
     velocities = np.linspace(lowest - margin, highest + margin, PROBABILITY_POINTS)
@@ -337,14 +346,14 @@ def _ranked(section: Uncertainty) -> list[str]:
 
 
 def index_samples(section: Uncertainty) -> int:
-    """Return the number of samples of each set for total indices; 0 if there is nothing to estimate."""
+    """Return the number of samples in each set for total indices; 0 if these are not estimated."""
     return 0 if section.correlation or len(_ranked(section)) < 2 else _index_size(section)
 
 
 def _index_size(section: Uncertainty) -> int:
-    """Return the number of samples of a set for indices: a fraction of those for the probability, within bounds.
+    """Return the number of samples in a set for indices: a power of 2, up to a quarter of those for the probability.
 
-    More would take longer than the probability and give no further digit of the indices.
+    It is 256 at least and 65,536 at most: more samples would give no further digit of the indices.
     """
     fraction: int = 2 ** int(log2(section.samples // 4))
     return min(max(256, fraction), 2**16)
@@ -353,9 +362,10 @@ def _index_size(section: Uncertainty) -> int:
 def influences(
     scenario: Scenario, points: Floats, limits: Floats, error: ModelError | None, on_samples: Callable[[int], None]
 ) -> tuple[Influence, ...]:
-    """Estimate the influence of each input on the ballistic limit, from limits at points and from further samples.
+    """Estimate the influence of each input on the ballistic limit.
 
-    The indices of the model error follow from the limits without it.
+    `limits`, m/s, (n,), are those at `points` in the unit cube, (n, inputs).  Further samples are computed for the
+    total indices, and limits without the model error for the indices of this error.
     """
     section, values = sampling.section_of(scenario), sampling.own_values(scenario)
     names, inputs = _ranked(section), list(section.inputs())
@@ -366,10 +376,10 @@ def influences(
         return np.concatenate([sample_limits(samples) for samples in _in_portions(scenario, points, on_samples)])
 
     varied = [name for name in names if name != ERROR]
-    ends = {name: np.full(2 * len(varied), values[name]) for name in varied}
+    values_at_ends = {name: np.full(2 * len(varied), values[name]) for name in varied}
     for i, name in enumerate(varied):
-        ends[name][2 * i : 2 * i + 2] = sampling.quantiles(section.inputs()[name], ENDS, values[name])
-    pairs = sample_limits(sampled(scenario, ends, 2 * len(varied))).reshape(-1, 2).tolist()
+        values_at_ends[name][2 * i : 2 * i + 2] = sampling.quantiles(section.inputs()[name], ENDS, values[name])
+    pairs = sample_limits(sampled(scenario, values_at_ends, 2 * len(varied))).reshape(-1, 2).tolist()
     limits_at_ends = {name: (float(low), float(high)) for name, (low, high) in zip(varied, pairs, strict=True)}
     if error is not None:
         [nominal] = sample_limits(sampled(scenario, {}, 1))
@@ -392,17 +402,17 @@ def influences(
     total = {name: _at_least(first[name], estimate) for name, estimate in total.items()}
     result = [Influence(name, first.get(name), total.get(name), limits_at_ends[name]) for name in names]
     none = Estimate(0.0, 0.0, 0.0)
-    return tuple(sorted(result, key=lambda index: (index.total or index.first or none).value, reverse=True))
+    return tuple(sorted(result, key=lambda influence: (influence.total or influence.first or none).value, reverse=True))
 
 
 def _at_least(first: Estimate, total: Estimate) -> Estimate:
-    """Return a total index raised to at least the first-order one, which it includes."""
+    """Return a total index and its interval, each number raised to at least that of the first-order index."""
     ends = zip((first.value, first.low, first.high), (total.value, total.low, total.high), strict=True)
     return Estimate(*map(max, ends))
 
 
 def _laws(errors: ErrorRows) -> list[int]:
-    """Return the laws of the flow stress over which the error of an armour is a mixture."""
+    """Return the indices of the laws of the flow stress of which the model error of an armour is a mixture."""
     return np.flatnonzero((errors.ratio.weights > 0.0).all(axis=1)).tolist()
 
 
@@ -411,8 +421,8 @@ def error_indices(
 ) -> tuple[Estimate, Estimate]:
     """Return the first-order and the total index of the model error.
 
-    The armour's ballistic limit is the model's, by a law, times a ratio independent of it.  The moments of the ratio
-    are known; only those of the limits by each law are estimated.
+    The armour's ballistic limit is the model's limit, by one law of the flow stress, times an independent ratio.  The
+    moments of the ratio are known; only those of the model's limits by each law are estimated.
     """
     errors = sampling.own_errors(scenario)
     means, squares = _ratio_moments(errors)
@@ -428,7 +438,7 @@ def error_indices(
     )
 
     def shares(sums: Floats) -> tuple[Floats, Floats]:
-        """Return the shares of the variance that the error explains alone, and that remains if all else is known."""
+        """Return the share of the variance that the error explains alone, and the share left if all else is known."""
         count, by_law, squared, mean_squared = np.split(sums, np.cumsum([1, len(means), len(means)]), axis=1)
         mean, mean_square = by_law @ means / count[:, 0], squared @ squares / count[:, 0]
         variance = mean_square - mean**2
@@ -439,9 +449,9 @@ def error_indices(
 
 
 def _ratio_moments(errors: ErrorRows) -> Floats:
-    """Return the probabilities of the laws times the mean of the ratio by each, and times its mean square, (2, laws).
+    """Return the probability of each law times the mean of its ratio, and times the mean square, (2, laws).
 
-    The tails of the ratio are left out.
+    A ratio is that of the armour's limit to the model's; its tails are left out.
     """
     moments = np.zeros((2, len(errors.ratio.weights)))
     for law in _laws(errors):

@@ -25,23 +25,24 @@ from armour.statistics.curves import FittedCurve, Interval, ShotLikelihood
 from armour.statistics.posterior import FiringEstimate, FiringPrior, learned, no_prior, posterior_of
 from armour.units import feet_note
 
-# Number of shots of each kind in the mean, and the span of their velocities that is usual with it, m/s: 125, 90 and
-# 60 ft/s.  MIL-STD-662F leaves the span to the specification.
+# Usual span of the velocities in the mean, m/s, by the number of shots of each kind: 125, 90 and 60 ft/s.
+# MIL-STD-662F leaves the span to the specification.
 SPANS_M_S = {5: 38.1, 3: 27.4, 2: 18.3}
 SpanRule = Literal["usual span", "given span", "no usual rule"]
 # Lower confidence levels to try if the interval at the requested one is not bounded.
 LOWER_LEVELS = (0.9, 0.8, 0.5)
-# Velocities of a further shot that are tried, from the range of the shots below them to as much above.
+# Number of velocities tried for a further shot: from the range of the shots below the slowest to as much above the
+# fastest.
 FURTHER = 19
-# Greatest part of that range, as a multiple of the median distance of the shots from their median.
+# Greatest value of this range, as a multiple of the median distance of the shots from their median.
 WIDEST = 10.0
-# Velocities of a curve with its band.
+# Number of velocities of a curve with its band.
 BAND_POINTS = 201
 Decision = Literal["met", "not met", "not decided", ""]
 # Range of velocities, m/s; it catches values in a wrong unit.
 MIN_VELOCITY_M_S, MAX_VELOCITY_M_S = 10.0, 1e4
 Velocity = Annotated[float, Field(ge=MIN_VELOCITY_M_S, le=MAX_VELOCITY_M_S)]
-# Columns of a table of shots, by any of which it is recognised.
+# Columns that a table of shots needs, and all that it can have.
 KEYS = ("velocity_m_s", "result")
 SHOT_COLUMNS = ("shot", "velocity_m_s", "result", *YES_MEANS, *GROUPS)
 Fraction = Annotated[float, Field(ge=0.001, le=0.999)]
@@ -49,7 +50,8 @@ Fraction = Annotated[float, Field(ge=0.001, le=0.999)]
 VELOCITY_ROUNDING = 1e-12
 # Factor between a velocity and the median of the shots from which on it is probably a mistake.
 FAR_FACTOR = 2.0
-# Orders of the results from which on the one with all complete penetrations below the partial ones is no chance.
+# With at least this number of possible orders of the results, it is no chance if all complete penetrations are slower
+# than the partial ones.
 SWAPPED = 20
 
 
@@ -68,8 +70,8 @@ class Shots:
     names : sequence of str
         Their names, if they have any.
     read : TableRead or None
-        How they were read from a table: in ``words``, and whether it was ``plain``, with nothing converted or left out;
-        the places of rows ``left_out``, columns ``ignored``, and the ``sha256`` of the file, or of the rows given.
+        How the shots were read from a table: in ``words``, and whether it was ``plain``, with nothing converted or left
+        out; the places of rows ``left_out``, columns ``ignored``, and the ``sha256`` of the file, or of the rows given.
     """
 
     velocities_m_s: Sequence[float]
@@ -120,7 +122,7 @@ class ProbabilityAt:
 
 @dataclass(frozen=True)
 class VelocityOf:
-    """Velocity at which a fraction of the shots perforates, by the recommended curve; None where not bounded."""
+    """Velocity at which a fraction of the shots perforate, by the recommended curve; None for an end not bounded."""
 
     fraction: float
     velocity_m_s: float | None
@@ -130,7 +132,7 @@ class VelocityOf:
 
 @dataclass(frozen=True)
 class FurtherShot:
-    """The one further result that would bound V50 best."""
+    """The one further result that would bound V50 best, with the interval of V50 then and its confidence level."""
 
     velocity_m_s: float
     complete: bool
@@ -169,30 +171,30 @@ class FiringResult(TableResult):
     model_ballistic_limit_m_s : float or None
         Ballistic limit of the scenario, m/s, where one is given.  The model is deterministic: the limit has no scatter.
     model_interval_m_s : tuple of float or None
-        Interval of it with a probability of 95 %, given the model error, m/s; None if that is not known.
+        Interval of the armour's limit with a probability of 95 %, m/s; None if the model error is not known.
     warnings : tuple of str
         Shots far from the others or from the model's limit, or contradicting the prior, and ways in which the scenario
         is unlike what the model was compared with.
     prior, posterior : FiringEstimate or None
         V50 and the scatter by the model with its error, without and with the shots; None unless requested.
     prior_share : float or None
-        Posterior over prior variance of V50: the share of the prior in the precision.
+        Share of the prior in the precision of V50: its posterior variance divided by its prior variance.
     bounded_confidence : float or None
-        Greatest of the confidence level and 0.9, 0.8 and 0.5 below it at which the recommended interval of V50 is
-        bounded; None if none is.
+        Greatest level at which the recommended interval of V50 is bounded: the confidence level or, below it, 0.9, 0.8
+        or 0.5; None if it is bounded at none of them.
     bounded_interval_m_s : tuple of float or None
-        This interval, m/s.
+        The interval of V50 at this level, m/s.
     extrapolated : bool
-        Whether V50 by the recommended curve lies beyond all shots and none of these intervals is bounded.
+        Whether V50 by the recommended curve lies beyond all shots and its interval is bounded at none of these levels.
     further : FurtherShot or None
-        The one further result that would bound V50 best, where the shots do not bound it at the confidence level:
-        ``velocity_m_s``, whether ``complete``, and the ``interval_m_s`` of V50 with it, at the greatest of these levels
-        at which it is bounded, its ``confidence``; None for both if there is none.
+        The one further result that would bound V50 best, where the shots do not bound it at the confidence level: its
+        ``velocity_m_s``, and whether ``complete``.  The ``interval_m_s`` of V50 with this result is given at the
+        greatest of these levels at which it is bounded, ``confidence``; both are None if there is no such level.
     at : ProbabilityAt or None
         At a ``velocity_m_s`` asked for, the ``probability`` of complete penetration and its ``interval``.
     velocity_of : VelocityOf or None
-        For a ``fraction`` asked for, the ``velocity_m_s`` at which it perforates, its ``interval_m_s`` and its
-        one-sided lower bound, ``lower_m_s``.
+        For a ``fraction`` asked for, the ``velocity_m_s`` at which this fraction of the shots perforate, the
+        ``interval_m_s`` of this velocity, and its one-sided lower bound, ``lower_m_s``.
     requirement_m_s : float or None
         Required velocity, m/s.
     requirement_fraction : float
@@ -201,8 +203,8 @@ class FiringResult(TableResult):
         Whether the requirement is met, by the shots alone; empty without one.
     consumers_risk, producers_risk : float or None
         Risk of accepting armour that does not meet the requirement, and of rejecting armour that does, by these shots:
-        1 minus the confidence of the one-sided bounds that lie at it.  It is decided once one is at most 1 minus the
-        confidence asked for.  None if no curve is recommended.
+        1 minus the confidence at which a one-sided bound lies at the required velocity.  The requirement is decided
+        once either risk is at most 1 minus the confidence asked for.  None without a requirement or recommended curve.
     fired : Shots
         The shots, and how they were read.
     """
@@ -297,8 +299,8 @@ def read_shots(
         PP or CP, no or yes, in letters of any case), optionally ``shot`` and ``counts`` (yes or no); the page "Tables"
         has other names and units.  Other columns are ignored, but one like a misspelling of these is an error.
     one_kind : bool
-        Whether all penetrations may be partial, or all complete, which is enough for a plan and for a posterior, or
-        there is none yet.
+        Whether to accept shots of one kind only, all partial or all complete penetrations, or no shots yet; they are
+        enough for a plan and for a posterior.
     where : mapping of str to str, optional
         Columns, such as ``panel``, and the values of the rows to read; others are left out.  It must be given if a
         column of panels, targets, plates, laboratories or lots divides the shots into several firings.
@@ -318,14 +320,14 @@ def read_shots(
 
 
 def is_of_shots(name: str) -> bool:
-    """Return whether a column is one of shots."""
+    """Return whether a name is that of a column of a table of shots."""
     return column_of(name, SHOT_COLUMNS).known
 
 
 def shots_of(source: Source, *, one_kind: bool = False, where: Mapping[str, str] | None = None) -> Shots:
     """Return the shots of a table; see `read_shots`."""
-    found = {column_of(name, (*SHOT_COLUMNS, "ballistic_limit_m_s")).key for name in source.header}
-    if "impact.velocity_m_s" in source.header or ("ballistic_limit_m_s" in found and not {*KEYS} <= found):
+    column_keys = {column_of(name, (*SHOT_COLUMNS, "ballistic_limit_m_s")).key for name in source.header}
+    if "impact.velocity_m_s" in source.header or ("ballistic_limit_m_s" in column_keys and not {*KEYS} <= column_keys):
         message = (
             "must be a table of shots (velocity_m_s and result), found tests; armour calibrate fits inputs to them"
         )
@@ -356,9 +358,9 @@ def shots_of(source: Source, *, one_kind: bool = False, where: Mapping[str, str]
 
 
 def firings_of(path: Table, where: Mapping[str, str], sheet: str | None) -> list[tuple[str, str, int]]:
-    """Return the targets of shots, each by its column and value, with the number of kinds of its results.
+    """Return the targets in a table of shots: the column, its value, and the number of kinds of results, 1 or 2.
 
-    Serial numbers, of one or two shots of one kind, are none.
+    A value that only one or two shots of one kind have is a serial number, not a target.
     """
     source = csv_files.open_table(path, is_of_shots, sheet)
     table = csv_files.read_rows(
@@ -367,9 +369,9 @@ def firings_of(path: Table, where: Mapping[str, str], sheet: str | None) -> list
     refuse(csv_files.in_line_order(table.problems))
     results = [perforates(row.texts.get("result", "")) for row in table.rows]
     for name, values in table.groups.items():
-        if found := csv_files.targets_of(table, name, results):
+        if targets := csv_files.targets_of(table, name, results):
             pairs = {*zip(values, results, strict=True)}
-            return [(name, value, sum(value == other for other, _ in pairs)) for value in found]
+            return [(name, value, sum(value == other for other, _ in pairs)) for value in targets]
     message = f"must have a column {joined(GROUPS, 'or')}, with several shots for each of its values"
     raise mistake(source.file, "--each", message)
 
@@ -412,8 +414,8 @@ def v50(
     fraction : float, optional
         Fraction of shots, 0.001 to 0.999, for which to give the velocity at which it perforates; 0.01 gives V01.
     requirement_m_s : float, optional
-        Required velocity, m/s: whether the armour's exceeds it is decided by the shots alone, by the one-sided bounds,
-        with a risk of about 1 minus the confidence.
+        Required velocity, m/s.  Whether the armour's velocity exceeds it is decided by the shots alone, from one-sided
+        bounds, with a risk of about 1 minus the confidence.
     requirement_fraction : float
         Fraction of shots that may perforate at the required velocity, 0.001 to 0.999; 0.5 sets the requirement on V50.
     on_progress : callable, optional
@@ -441,9 +443,9 @@ def v50(
         raise mistake("v50", "requirement_fraction", "must not be given without a requirement")
     partial, complete = shots.of(complete=False), shots.of(complete=True)
     # With a prior, shots that have no curve are informative too.
-    curved = not prior or curves.has_curve(partial, complete)
-    fits = _curves(partial, complete, confidence, penalised=False) if curved else []
-    penalised_fits = _curves(partial, complete, confidence, penalised=True) if curved else []
+    have_curves = not prior or curves.has_curve(partial, complete)
+    fits = _curves(partial, complete, confidence, penalised=False) if have_curves else []
+    penalised_fits = _curves(partial, complete, confidence, penalised=True) if have_curves else []
     likelihood, recommended = penalised_fits[0] if penalised_fits else (None, None)
     level, interval = _bounded(likelihood, confidence) if likelihood else (None, None)
     at, velocity_of = None, None
@@ -457,17 +459,19 @@ def v50(
         velocity_of = VelocityOf(fraction, velocity, ends, lower)
     decision, accepting, rejecting = decided(likelihood, requirement_m_s, requirement_fraction, confidence)
     model = None if scenario is None else ballistic_limit(scenario, on_progress=on_progress)
-    before, after, share = None, None, None
+    prior_estimate, posterior_estimate, share = None, None, None
     contradictions: tuple[str, ...] = ()
     if prior and scenario and model:
         if model.model_error is None:
             raise no_prior(scenario)
         model_prior = FiringPrior(model.ballistic_limit_m_s, model.model_error)
         posterior = posterior_of(model_prior, shots.velocities_m_s, shots.complete)
-        before, after, share, contradictions = learned(posterior_of(model_prior, (), ()), posterior, confidence)
-    computed = f"V50 of the shots in {Path(shots.file).name}"
+        prior_estimate, posterior_estimate, share, contradictions = learned(
+            posterior_of(model_prior, (), ()), posterior, confidence
+        )
+    subject = f"V50 of the shots in {Path(shots.file).name}"
     if scenario is not None:
-        computed += f": {scenario.subject(ANY_VELOCITY)}"
+        subject += f": {scenario.subject(ANY_VELOCITY)}"
     return FiringResult(
         shots=len(shots.complete),
         complete=len(complete),
@@ -485,8 +489,8 @@ def v50(
             *_far_from_others(shots),
             *(() if model is None else (*_far_away(shots, model), *contradictions, *model.warnings)),
         ),
-        prior=before,
-        posterior=after,
+        prior=prior_estimate,
+        posterior=posterior_estimate,
         prior_share=share,
         zone_of_mixed_results_m_s=max(partial[-1] - complete[0], 0.0) if partial and complete else None,
         bounded_confidence=level,
@@ -503,19 +507,19 @@ def v50(
         consumers_risk=accepting,
         producers_risk=rejecting,
         fired=shots,
-    ).of(computed, scenario=scenario, shots=shots)
+    ).of(subject, scenario=scenario, shots=shots)
 
 
 def _curves(
     partial: Sequence[float], complete: Sequence[float], confidence: float, *, penalised: bool
 ) -> list[tuple[ShotLikelihood, FittedCurve]]:
-    """Return the likelihoods of both kinds with their curves, without penalised ones that do not rise."""
+    """Return the likelihood and the curve by each link, probit and logit, without penalised curves that do not rise."""
     likelihoods = (ShotLikelihood(partial, complete, link, penalised=penalised) for link in curves.CDFS)
     return [(shots, curve) for shots in likelihoods if (curve := curves.curve_of(shots, confidence))]
 
 
 def _bounded(shots: ShotLikelihood, confidence: float) -> tuple[float, tuple[float, float]] | tuple[None, None]:
-    """Return the highest level, at most the confidence, at which the interval of V50 is bounded, and the interval."""
+    """Return the highest level up to `confidence` at which the interval of V50 is bounded, and this interval, m/s."""
     for level in (confidence, *(level for level in LOWER_LEVELS if level < confidence)):
         low, high = shots.velocity_interval(0.0, level)
         if low is not None and high is not None:
@@ -524,7 +528,10 @@ def _bounded(shots: ShotLikelihood, confidence: float) -> tuple[float, tuple[flo
 
 
 def _further(partial: Sequence[float], complete: Sequence[float], confidence: float) -> FurtherShot:
-    """Return the further result, of any velocity near the shots, that leaves a constant probability least likely."""
+    """Return the one further result, at a velocity near the shots, that would bound V50 best.
+
+    It is the result that makes a constant probability least likely, compared with the likeliest curve.
+    """
     velocities = np.sort([*partial, *complete])
     middle, best = median(velocities), None
     # Shots far from most others do not widen the range.
@@ -537,7 +544,7 @@ def _further(partial: Sequence[float], complete: Sequence[float], confidence: fl
                 shots = ShotLikelihood(stopped, perforated, "probit", penalised=True)
                 if best is None or shots.flat_deviance > best[0].flat_deviance:
                     best = shots, velocity, perforated is not complete
-    assert best is not None  # the shots have a curve, and so have they with the slowest partial penetration once more
+    assert best is not None  # the shots have a curve, and still have one with a further slow partial penetration
     shots, velocity, is_complete = best
     return FurtherShot(velocity, is_complete, *_bounded(shots, confidence))
 
@@ -547,7 +554,7 @@ def decided(
 ) -> tuple[Decision, float | None, float | None]:
     """Return whether a requirement is met, and the risks of accepting and of rejecting the armour now.
 
-    They are those of the one-sided bounds, by the recommended curve, that lie at the required velocity.
+    A risk is 1 minus the confidence at which a one-sided bound by the recommended curve is the required velocity.
     """
     if requirement_m_s is None:
         return "", None, None
@@ -571,7 +578,7 @@ def _far_from_others(shots: Shots) -> Iterator[str]:
 
 
 def _far_away(shots: Shots, model: LimitResult) -> Iterator[str]:
-    """Yield a warning if all shots lie on the same side of the interval of the model's limit."""
+    """Yield a warning if the shots seem to be in ft/s, or all lie on one side of the interval of the model's limit."""
     low, high = model.interval_m_s or (-inf, inf)
     slowest, fastest = min(shots.velocities_m_s), max(shots.velocities_m_s)
     if note := feet_note(median(shots.velocities_m_s), model.ballistic_limit_m_s):
@@ -584,7 +591,7 @@ def _far_away(shots: Shots, model: LimitResult) -> Iterator[str]:
 
 
 def check_shots(shots: Shots, *, kinds: int = 2) -> None:
-    """Check shots, which may not be from a file and must have penetrations of a number of kinds."""
+    """Check velocities and results of shots, from a file or not; at least `kinds` of the two kinds must be present."""
     velocities = shots.velocities_m_s
     if not all(hasattr(column, "__len__") for column in (velocities, shots.complete)):
         raise mistake(shots.file, "", "must be sequences of velocities and of results")
@@ -605,7 +612,7 @@ def check_shots(shots: Shots, *, kinds: int = 2) -> None:
 
 
 def swapped_note(shots: Shots) -> Iterator[str]:
-    """Yield a warning if the complete penetrations were no faster on average than the partial ones, of three each."""
+    """Yield a warning if complete penetrations were no faster on average than partial ones; none for few shots."""
     partial, complete = shots.of(complete=False), shots.of(complete=True)
     if comb(len(shots.complete), len(complete)) >= SWAPPED and not curves.has_curve(partial, complete):
         yield (
@@ -617,7 +624,7 @@ def swapped_note(shots: Shots) -> Iterator[str]:
 def check_not_swapped(shots: Shots) -> None:
     """Raise an InputError if every complete penetration was slower than every partial one: the results are swapped.
 
-    So few shots that this happens by chance are taken as they are.
+    Shots so few that this can happen by chance are accepted.
     """
     partial, complete = shots.of(complete=False), shots.of(complete=True)
     if comb(len(shots.complete), len(complete)) >= SWAPPED and complete[-1] < partial[0]:
@@ -631,9 +638,9 @@ def check_not_swapped(shots: Shots) -> None:
 def mean_v50(
     partial: Sequence[float], complete: Sequence[float], pairs: int | None = None, span_m_s: float | None = None
 ) -> MeanV50 | None:
-    """Compute the mean of MIL-STD-662F from velocities in ascending order; None if they exceed the span.
+    """Compute the mean of MIL-STD-662F from ascending velocities, m/s; None if there are too few within the span.
 
-    The span must be given for a number of pairs without a usual one.
+    `pairs` is the number of shots of each kind, by default 5, 3 or 2; for any other number the span must be given.
     """
     for count in SPANS_M_S if pairs is None else (pairs,):
         velocities = [*partial[-count:], *complete[:count]]

@@ -1,4 +1,4 @@
-"""Rows of a sweep: grids of values and tables of cases."""
+"""Rows of a sweep, from a grid of values or a table of cases."""
 
 import json
 import re
@@ -33,13 +33,13 @@ MAX_NAME = 200
 MAX_VALUE_SHOWN = 60
 # Number of rows to read or check at a time.
 BLOCK = 10_000
-# Keys of columns that may have other names and units.
+# Keys whose columns may have other names and units.
 CASE_KEYS = (*INPUTS, *NAMES.values())
 
 
 @dataclass(frozen=True)
 class Axis:
-    """A key and its values: numbers, or names of projectiles or materials."""
+    """A key of the scenario and its values: numbers, or names of projectiles or materials."""
 
     key: str
     values: tuple[float, ...] | tuple[str, ...]
@@ -68,16 +68,16 @@ class Grid:
 
     @cached_property
     def digest(self) -> str:
-        """Hash of keys and values."""
+        """Hash of the keys and values of all axes."""
         return sha256(json.dumps([(axis.key, axis.values) for axis in self.axes]).encode()).hexdigest()
 
     def rows(self, places: NDArray[np.int64]) -> dict[str, Any]:
-        """Return the combinations with given numbers, counted from 0, as columns by key."""
+        """Return the combinations at the indices `places`, (n,), as columns by key, (n,) each."""
         indices = np.unravel_index(places, [len(axis.values) for axis in self.axes])
         return {axis.key: np.array(axis.values)[i] for axis, i in zip(self.axes, indices, strict=True)}
 
     def place(self, start: int, row: int, problem: Problem) -> Problem:
-        """Return a problem of a row, counted from the first row of a chunk, with the values of the row."""
+        """Return a problem of the row `start + row`, named by the values of this row or by the key of an axis."""
         if problem.key in self.keys:
             return Problem("sweep", f"over {problem.key}", problem.message)
         row_values = {key: values[0].item() for key, values in self.rows(np.array([start + row])).items()}
@@ -91,7 +91,7 @@ class SweepCases:
     A file is read once.
     """
 
-    axes: tuple[Axis, ...] = ()  # those of a grid
+    axes: tuple[Axis, ...] = ()  # none: only a grid has axes
 
     def __init__(self, table: str | PathLike[str] | csv_files.Rows, sheet: str | None = None) -> None:
         source = csv_files.open_table(table, _is_key, sheet, own=True)
@@ -136,16 +136,16 @@ class SweepCases:
         self.read = "" if words[:-1] in ([], ["commas"]) else ", ".join(words)
 
     def rows(self, places: NDArray[np.int64]) -> dict[str, Any]:
-        """Return the rows with given numbers, counted from 0, as columns by key."""
+        """Return the rows at the indices `places`, (n,), as columns by key, (n,) each."""
         return {key: column[places] for key, column in self._columns.items()}
 
     def place(self, start: int, row: int, problem: Problem) -> Problem:
-        """Return a problem of a row, counted from the first row of a chunk, with its line."""
+        """Return a problem of the row `start + row`, named by the line of this row in the table."""
         return Problem(self.file, f"{self._place} {self._lines[start + row]}", f"{problem.key}: {problem.message}")
 
 
 def _marks(block: Sequence[csv_files.Line], columns: Sequence[Column], source: csv_files.Source) -> Iterator[str]:
-    """Yield the marks of the decimals in each column, by the first lines."""
+    """Yield the decimal mark of each column, a point or a comma, judged by a block of lines."""
     for column, cells in zip(columns, zip(*(cells for _, cells in block), strict=True), strict=True):
         mark = "." if column.key in NAMING else csv_files.decimal_mark(cells, column, source.form)
         if mark is None:
@@ -158,7 +158,7 @@ def _marks(block: Sequence[csv_files.Line], columns: Sequence[Column], source: c
 def _read(
     block: Sequence[csv_files.Line], columns: Sequence[Column], marks: Sequence[str], source: csv_files.Source
 ) -> list[NDArray[Any]]:
-    """Return the columns of n lines, each with numbers or names, (n,)."""
+    """Return each column of a block of n lines as numbers or names, (n,); `marks` are their decimal marks."""
     arrays = []
     for column, mark, cells in zip(columns, marks, zip(*(cells for _, cells in block), strict=True), strict=True):
         kind = "name" if column.key in NAMING else "number"
@@ -206,7 +206,7 @@ def axis_of(text: str) -> Axis:
 def source_of(
     over: Mapping[str, object] | str | PathLike[str] | None, cases: str | PathLike[str] | csv_files.Rows | None = None
 ) -> Grid | SweepCases:
-    """Return the rows of a sweep: a grid of a mapping, or cases."""
+    """Return the rows of a sweep: a grid if `over` is a mapping, cases if it is a path or `cases` is given."""
     table = over if isinstance(over, str | PathLike) else cases
     if (over is None) == (cases is None):
         raise mistake("sweep", "over", "must be given, or cases, but not both")
@@ -218,7 +218,7 @@ def source_of(
 
 
 def axis(key: str, values: object) -> Axis:
-    """Return a key with its values: a sequence, or a mapping with min, max and step."""
+    """Return the axis of a key; `values` are a sequence, or a mapping with min, max and step."""
     is_name = key in NAMING
     if isinstance(values, Mapping) and not is_name:
         with restated(lambda problem: Problem("sweep", f"over {key}", str(problem))):

@@ -15,9 +15,9 @@ from armour.sweeps.sweep import Workers, program
 if TYPE_CHECKING:
     from distributed import Client
 
-# Chunks submitted ahead of time, per thread of the cluster.
+# Greatest number of chunks submitted and not yet returned, per thread of the cluster.
 CHUNKS_AHEAD = 3
-# Time within which a scheduler and a worker must answer, and a new worker must appear if all are lost.
+# Time within which a scheduler and a worker must answer; and within which, if all workers are lost, one must appear.
 TIMEOUT_S = 10.0
 
 
@@ -52,7 +52,7 @@ def connected(scheduler: str) -> Iterator["Client"]:
 
 
 async def _check_scheduler(address: str) -> None:
-    """Check that a scheduler answers; a `Client` would wait forever for an answer from another kind of server."""
+    """Check that a scheduler answers at an address; a `Client` would wait forever if another kind of server did."""
     from distributed import Security, rpc
 
     async with rpc(address, connection_args=Security().get_connection_args("client")) as scheduler:
@@ -64,7 +64,7 @@ async def _check_scheduler(address: str) -> None:
 @contextmanager
 def workers_of(client: "Client") -> Iterator[Workers]:
     """Yield the workers of a cluster; the chunks of a worker that dies are tried again."""
-    seconds_without = 0  # any worker: the check is made once a second
+    seconds_without = 0  # without any worker: the check is made once a second
 
     def check() -> None:
         nonlocal seconds_without
@@ -84,18 +84,18 @@ def workers_of(client: "Client") -> Iterator[Workers]:
 
 
 class _SameProgram(Executor):
-    """Executor on the workers of a cluster, which must run the same program."""
+    """Executor on the workers of a cluster, which must run the same program as this process."""
 
     def __init__(self, client: "Client") -> None:
         self._executor = client.get_executor(pure=False)
 
     def submit(self, function: Callable[..., Any], /, *args: Any) -> Future[Any]:  # type: ignore[override]
-        """Submit a call, pickled here, so that a worker of another version does not unpickle it."""
+        """Submit a call, pickled here, so that a worker with another version can refuse it before it is unpickled."""
         return self._executor.submit(_call, program(), pickle.dumps((function, args)))
 
 
 def _call(expected: str, call: bytes) -> Any:
-    """Call a pickled function on a worker."""
+    """On a worker, make a call: a pickled function with its arguments; `expected` is the hash of the program."""
     if program() != expected:
         raise _error("must have workers with this version of armour, numba and numpy, found a worker with others")
     function, args = pickle.loads(call)

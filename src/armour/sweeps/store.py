@@ -1,12 +1,13 @@
 """Keep the rows of an unfinished sweep, so that it can resume; write and read its table, in CSV or Parquet.
 
 A folder beside the output, named after it with the suffix ``.parts`` and open only to the user, contains a SQLite
-database of the job and its rows so far, in chunks.  SQLite keeps the database intact if the process is killed, and open
-to one process at a time; checksums detect damage on the disk.  On a file system without locks, as on some networks, the
-database is in the folder for temporary files.  Both folders are removed when the table is written.
+database: the job, which identifies the sweep, and the rows so far, in chunks.  SQLite keeps the database intact if the
+process is killed, and open to one process at a time; checksums detect damage on the disk.  On a file system without
+locks, as on some networks, the database is in a second folder, among the temporary files.  Both folders are removed
+when the table is written.
 
-The folder may come with the files of somebody else.  It is read like any input: nothing but plain files, two plain
-tables, and rows that the sweep can have.
+Such a folder may come with the files of somebody else.  It is therefore checked like any input: it may contain only
+plain files, the database only two plain tables, and these only rows that the sweep can have.
 """
 
 import csv
@@ -36,14 +37,14 @@ from armour.files import csv_cell, csv_value, exchangeable, make_private, printa
 RESUME = "repeat the same sweep to resume"
 # Number of rows in a row group of Parquet, independent of the size of a chunk.
 ROW_GROUP = 100_000
-# The database or one to try locks, its journal, and a table that is being written.
+# Names of the database and of new files, such as one to try locks or a table being written, and of their journals.
 FILE_NAME = re.compile(r"(rows|\.armour-[0-9a-f]{16})(-journal)?")
-# As SQLite itself spells them.
+# Tables of the database, as SQLite itself spells them.
 TABLES = (
     "CREATE TABLE job (checksum, content)",
     "CREATE TABLE chunk (start integer primary key, checksum, content)",
 )
-# The end of a journal that names another file, which SQLite would delete; that of a single database names none.
+# End of a journal that names a further file, which SQLite would delete; the journal of a single database names none.
 NAMES_A_FILE = bytes.fromhex("d9d505f920a163d7")
 START_AGAIN = "remove the folder to start again"
 
@@ -51,10 +52,10 @@ Tell = Callable[[str], None]
 
 
 class Chunk(NamedTuple):
-    """Part of a table."""
+    """Consecutive rows of a table, with the warnings that concern them."""
 
-    columns: Mapping[str, Any]
-    warnings: Mapping[str, int]  # and the number of rows that each concerns
+    columns: Mapping[str, Any]  # by name, (rows,) each
+    warnings: Mapping[str, int]  # number of rows that each warning concerns
 
     @property
     def rows(self) -> int:
@@ -63,25 +64,26 @@ class Chunk(NamedTuple):
 
 
 class About(NamedTuple):
-    """What precedes the values of a chunk."""
+    """Header of a stored chunk, before the values."""
 
-    columns: dict[str, Annotated[str, Field(pattern=r"^[<>](f8|U[1-9]\d{0,2})$")]]  # with their type in numpy
-    warnings: dict[str, Annotated[int, Field(ge=1, strict=True)]]
+    columns: dict[str, Annotated[str, Field(pattern=r"^[<>](f8|U[1-9]\d{0,2})$")]]  # type of each in numpy
+    warnings: dict[str, Annotated[int, Field(ge=1, strict=True)]]  # number of rows of each
 
 
 ABOUT, JOB = TypeAdapter(About), TypeAdapter(dict[str, str])
 
 
 def parts_of(output: Path) -> Path:
-    """Return the folder with the rows of an output, which exists while its sweep is unfinished."""
+    """Return the folder for the rows of an output; it exists while the sweep is unfinished."""
     return Path(f"{output}.parts")
 
 
 class Store:
-    """The first ``done`` rows of a table, and the number of rows of each warning; open to one process at a time.
+    """Rows of an unfinished table: the first ``done`` rows, and the number of rows that each warning concerns.
 
-    With ``replace``, the table replaces an older file.  ``tell`` gets a line if rows are damaged or not beside the
-    output.  ``fits`` tells, of the number of the first row of a chunk and the chunk, whether the sweep can have it.
+    It is open to one process at a time.  ``job`` identifies the sweep.  ``tell`` is called with a line if rows are
+    damaged, or kept elsewhere than beside the output.  With ``replace``, the table replaces an older file.  ``fits`` is
+    called with the index of the first row of a chunk and the chunk, and returns whether the sweep can have it.
     """
 
     def __init__(
@@ -127,14 +129,14 @@ class Store:
         return self
 
     def __exit__(self, *_error: object) -> None:
-        """Remove the folders if the table is written or there are no rows."""
+        """Close the database; remove the folders if the table is written or there are no rows."""
         self._database.close()
         if self._written or not self.done:
             for folder in (self.path.parent, self.folder):
                 shutil.rmtree(folder, ignore_errors=True)
 
     def append(self, chunk: Chunk) -> None:
-        """Keep the next rows."""
+        """Store the next rows."""
         content = packed(chunk)
         with self._disk():
             values = (self.done, self._checksum(self.done, content), content)
@@ -142,7 +144,7 @@ class Store:
         self._count(chunk)
 
     def finish(self, made_by: Mapping[str, str] | None = None) -> None:
-        """Write the table; a Parquet file records what made it."""
+        """Write the table from all chunks; a Parquet file records ``made_by``, the program and command that made it."""
         part = new_file(self.folder)
         with self._disk():
             try:
@@ -157,7 +159,7 @@ class Store:
         self._written = True
 
     def _open(self) -> None:
-        """Lock the database and count its rows; remove the first damaged chunk and all later ones."""
+        """Open and lock the database and count its rows; remove the first damaged chunk and all after it."""
         self.done, self.warnings = 0, Counter()
         self._database = sqlite3.connect(self.path, timeout=0.0, isolation_level=None)
         try:
@@ -165,11 +167,11 @@ class Store:
             self._database.text_factory = partial(str, encoding="utf-8", errors="replace")
             self._database.execute("pragma locking_mode = exclusive")
             self._database.execute("begin exclusive")
-            made = self._database.execute("select sql from sqlite_master limit 3").fetchall()
-            for table in () if made else TABLES:
+            existing_tables = self._database.execute("select sql from sqlite_master limit 3").fetchall()
+            for table in () if existing_tables else TABLES:
                 self._database.execute(table)
             self._database.execute("commit")
-            if made and made != [(table,) for table in TABLES]:
+            if existing_tables and existing_tables != [(table,) for table in TABLES]:
                 raise self._strange("tables that no sweep makes")
             if self._database.execute("select start from chunk").fetchone():
                 self._check_job()
@@ -177,13 +179,13 @@ class Store:
                 job = json.dumps(self.job)
                 self._database.execute("delete from job")
                 self._database.execute("insert into job values (?, ?)", [checksum_of(job), job])
-            intact = 0
+            intact_chunks = 0
             with suppress(sqlite3.DataError):
                 for chunk in self._chunks():
                     self._count(chunk)
-                    intact += 1
+                    intact_chunks += 1
             removed = self._database.execute("delete from chunk where start >= ?", [self.done]).rowcount
-            if self._database.execute("select count(*) from chunk").fetchone() != (intact,):
+            if self._database.execute("select count(*) from chunk").fetchone() != (intact_chunks,):
                 raise sqlite3.DatabaseError("damaged table")
             if removed:
                 self.tell(f"{self.path}: damaged, all but the first {self.done:,} rows are computed again")
@@ -233,7 +235,7 @@ class Store:
         return mistake(self.path.parent, "", f"must have rows of this sweep, found {found}; {START_AGAIN}")
 
     def _checksum(self, start: int, content: bytes) -> str:
-        """Return a checksum of a chunk, its first row and its job."""
+        """Return a checksum of the job, of the index of the first row of a chunk, and of its content."""
         return sha256(f"{self.job} {start} ".encode() + content).hexdigest()
 
     def _check_output(self) -> None:
@@ -260,7 +262,7 @@ class Store:
 
 
 def make_folder(folder: Path) -> None:
-    """Make the folder of a sweep; refuse one that another user may have changed, or one with other files."""
+    """Make the folder of a sweep, unless it exists; refuse one that other users can change, or with other files."""
     if not make_private(folder):
         message = "must belong to you and be writable by no other user; choose another output, or move it"
         raise mistake(folder, "", message)
@@ -272,7 +274,7 @@ def make_folder(folder: Path) -> None:
 
 
 def is_part(path: Path) -> bool:
-    """Return whether a file is one that sweeps make; the database may not be a link, nor its journal name a file."""
+    """Return whether a file is one that sweeps make: a plain file, not a link, nor a journal that names a file."""
     if not FILE_NAME.fullmatch(path.name) or not stat.S_ISREG(path.lstat().st_mode):
         return False
     with path.open("rb") as file:
@@ -295,7 +297,7 @@ def has_locks(folder: Path) -> bool:
 
 
 def new_file(folder: Path) -> Path:
-    """Return the path of a new file in the folder of a sweep."""
+    """Return a new random path in the folder of a sweep."""
     return folder / f".armour-{os.urandom(8).hex()}"
 
 
@@ -305,17 +307,17 @@ def checksum_of(job: object) -> str:
 
 
 def packed(chunk: Chunk) -> bytes:
-    """Return a chunk as bytes: a line about it, and its columns one after the other."""
+    """Return a chunk as bytes: a line with its header, and the values of one column after the other."""
     arrays = {name: np.asarray(values) for name, values in chunk.columns.items()}
-    about = About({name: array.dtype.str for name, array in arrays.items()}, dict(chunk.warnings))
-    return b"".join([ABOUT.dump_json(about), b"\n", *(array.tobytes() for array in arrays.values())])
+    header = About({name: array.dtype.str for name, array in arrays.items()}, dict(chunk.warnings))
+    return b"".join([ABOUT.dump_json(header), b"\n", *(array.tobytes() for array in arrays.values())])
 
 
 def unpacked(content: bytes) -> Chunk:
-    """Return a chunk from bytes made by `packed`; raise a ValueError if they are none."""
+    """Return the chunk in bytes made by `packed`; raise a ValueError if they are no chunk."""
     line, _, values = content.partition(b"\n")
-    about = ABOUT.validate_json(line)
-    types = {name: np.dtype(kind) for name, kind in about.columns.items()}
+    header = ABOUT.validate_json(line)
+    types = {name: np.dtype(kind) for name, kind in header.columns.items()}
     row_bytes = sum(kind.itemsize for kind in types.values())
     if not row_bytes or not values or len(values) % row_bytes:
         raise ValueError("incomplete rows")
@@ -323,13 +325,13 @@ def unpacked(content: bytes) -> Chunk:
     for name, kind in types.items():
         columns[name] = np.frombuffer(values, kind, rows, place)
         place += rows * kind.itemsize
-    if any(count > rows or printable(words) != words for words, count in about.warnings.items()):
+    if any(count > rows or printable(words) != words for words, count in header.warnings.items()):
         raise ValueError("warnings of more rows, or not of one line")
-    return Chunk(columns, about.warnings)
+    return Chunk(columns, header.warnings)
 
 
 def is_csv(path: Path) -> bool:
-    """Return whether a table is CSV and not Parquet, which needs pyarrow."""
+    """Return whether a path is that of a CSV table; any other is Parquet, and refused without pyarrow."""
     if path.suffix.lower() == ".csv":
         return True
     try:
@@ -342,15 +344,15 @@ def is_csv(path: Path) -> bool:
 def write_table(
     file: BinaryIO, chunks: Iterable[Mapping[str, Any]], *, as_csv: bool, made_by: Mapping[str, str] | None = None
 ) -> None:
-    """Write columns by name, chunk by chunk; a Parquet file records its origin, ``made_by``."""
+    """Write a table chunk by chunk; each chunk is columns by name.  A Parquet file records its origin, ``made_by``."""
     if as_csv:
         for number, columns in enumerate(chunks):
             file.write(csv_of(columns, header=number == 0))
         return
     import pyarrow.parquet  # an optional dependency
 
-    about = {"armour": json.dumps(made_by)}
-    tables = (pyarrow.table(dict(columns), metadata=about) for columns in chunks)
+    metadata = {"armour": json.dumps(made_by)}
+    tables = (pyarrow.table(dict(columns), metadata=metadata) for columns in chunks)
     first = next(tables)
     rest = first.slice(0, 0)
     with pyarrow.parquet.ParquetWriter(file, first.schema) as writer:
@@ -364,7 +366,7 @@ def write_table(
 
 
 def csv_of(columns: Mapping[str, Any], *, header: bool = False) -> bytes:
-    """Return columns as CSV, with or without header; NaN is an empty field."""
+    """Return columns, by name, as CSV, with or without a header; NaN becomes an empty field."""
     text = StringIO()
     writer = csv.writer(text, lineterminator="\n")
     if header:
@@ -397,7 +399,7 @@ def read_table(path: Path) -> dict[str, Any]:
 
 
 def _column(cells: Iterable[str]) -> Any:
-    """Return cells of CSV as an array of numbers, or of texts if one is not a number."""
+    """Return the cells of a CSV column as numbers, or as texts if any cell is no number; empty numbers are NaN."""
     try:
         return np.array([float(cell) if cell else np.nan for cell in cells])
     except ValueError:

@@ -1,4 +1,4 @@
-"""Compute quantities of a scenario for many rows of values, in memory or as a table written in chunks."""
+"""Compute quantities of a scenario for many rows of values; keep them in memory or write them as a table."""
 
 import json
 import shutil
@@ -34,19 +34,20 @@ from armour.scenario.schema import FASTEST_M_S
 from armour.sweeps.cases import BLOCK, Grid, SweepCases, source_of
 from armour.sweeps.store import RESUME, Chunk, Store, csv_of, read_table
 
-# Greatest number of rows in memory; more need a file.
+# Greatest number of rows in memory; more rows need a file.
 MAX_ROWS = 10_000_000
-# Target time of a chunk, so that an interruption costs little, and its greatest number of rows.
+# Target time to compute a chunk, short so that an interruption costs little, and greatest number of rows of a chunk.
 CHUNK_S = 1.0
 MAX_CHUNK = 100_000
-# Samples grow until one takes this time; the first does not count, as it also loads the compiled code.
+# Rows are timed in samples of growing size until one takes this time; the first does not count, as it also loads the
+# compiled code.
 SAMPLE_S = 0.1
 SAMPLES = (4, 4, 32, 256, 2048)
 # A sweep that takes longer or has more rows needs approval.
 LONG_S = 3600.0
 MANY_ROWS = 10**8
 
-# What rows from a file may have: the greatest values by unit, but for rounding, and the outcomes in words.
+# Values that rows read from a file may have: at most the greatest by unit, but for rounding, and the outcomes.
 GREATEST = {"m/s": FASTEST_M_S, "%": 100.0, "": 1.0}
 GRID_ROUNDING = 1e-9
 OUTCOME_VALUES = ("perforated", "stopped")
@@ -56,21 +57,21 @@ LIBRARIES = ("numba", "numpy")
 
 # Columns of values by key.
 Rows = Mapping[str, Any]
-# Called with a number of rows that are done, and whether they were on disk already.
+# Called with the number of rows that are done, and whether these were on disk already.
 OnChunk = Callable[[int, bool], None]
 
 
 class Effort(NamedTuple):
-    """Cost of a sweep."""
+    """Computing time of a sweep, and what it needs on disk."""
 
-    row_s: float  # time per row of a chunk on one worker, by the slowest sample
-    seconds: float
-    words: str
-    is_large: bool  # whether it needs approval
+    row_s: float  # time per row of a chunk on one worker, by the slower of two samples
+    seconds: float  # of the whole sweep
+    words: str  # number of rows, time and, if the disk is too full, size
+    is_large: bool  # whether the sweep needs approval
 
 
 class Workers(NamedTuple):
-    """Executor that computes chunks."""
+    """Executor that computes chunks, and how many to submit."""
 
     executor: Executor
     number: int  # of chunks that it computes at the same time
@@ -96,7 +97,7 @@ class SweepResult(TableResult):
         Rows outside the conditions of the model's tests, quantities without a value, unused threats, and omitted ends
         of ranges.
     columns : dict of str to array
-        Column by name, read from the file when it is first used.  A question without an answer gives NaN.
+        Columns by name, read from the file when they are first used.  A quantity without a value is NaN.
     """
 
     scenario: Scenario
@@ -124,13 +125,13 @@ class SweepResult(TableResult):
         return self.columns[name]
 
     def __eq__(self, other: object) -> bool:
-        """Return whether another sweep is of the same scenario and has the same columns."""
+        """Return whether another result is of the same scenario and has the same columns."""
         if not isinstance(other, SweepResult) or self.scenario != other.scenario:
             return False
         return same_columns(self.columns, other.columns)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the columns as lists by name; a question without an answer has None."""
+        """Return the columns as lists by name; a quantity without a value is None."""
         return {
             name: [None if value != value else value for value in values.tolist()]
             for name, values in self.columns.items()
@@ -163,7 +164,7 @@ def sweep(
     over : mapping of str to values, or path-like, optional
         Values by dotted key; every combination is computed, and the last key changes fastest.  Values are a sequence
         or an array of numbers, or a range, ``{"min": 4.0, "max": 12.0, "step": 0.5}``; for the projectile and the
-        materials names.  A path is that of ``cases``.
+        materials, names.  A path is read as ``cases``.
     quantities : str or sequence of str, default "ballistic_limit_m_s"
         Names of quantities; ``armour sweep --help`` lists them.
     output : path-like, optional
@@ -173,7 +174,7 @@ def sweep(
         In place of ``over``, a table with a case in each row, whose columns are keys: a CSV file, a data frame, or
         columns by key.
     threads : int, optional
-        By default one per core.
+        Number of threads, by default one per core.
     on_progress : callable, optional
         Called with the number of rows computed since the last call, and the number of all.
 
@@ -242,11 +243,12 @@ def write_sweep(
 ) -> int:
     """Compute quantities of a scenario for every row of a source, write them to a table and return the number of rows.
 
-    Rows are kept on disk chunk by chunk, so that the same call resumes an interrupted sweep.  A question without an
-    answer gives an empty field in CSV and NaN in Parquet.  Chunks are computed by workers, each on one thread, or in
-    this process.  Their size is given, or follows from the measured time of some rows; ``approve`` is then called with
-    the cost of a new sweep, and raises an error to stop it.  ``tell`` is called with each warning, and if kept rows are
-    damaged.  With ``replace``, the output replaces an older file; a Parquet file records the ``command`` that made it.
+    Rows are kept on disk chunk by chunk, so that the same call resumes an interrupted sweep.  A quantity without a
+    value is an empty field in CSV and NaN in Parquet.  Chunks are computed by ``workers``, each on one thread, or else
+    in this process on ``threads``.  ``size`` is the number of rows of a chunk.  Without it, the time of some rows is
+    measured to choose it; ``approve`` is then called with the effort of a new sweep, and may raise an error to stop it.
+    ``tell`` is called with each warning, and if kept rows are damaged.  With ``replace``, the output replaces an older
+    file; a Parquet file records the ``command`` that made it.
     """
     check(scenario, source, quantities)
     for line in general_warnings(scenario, quantities):
@@ -286,19 +288,19 @@ def write_sweep(
 
 
 def blocks_of(source: Grid | SweepCases, size: int, start: int = 0) -> Iterator[tuple[int, Rows]]:
-    """Yield the number of the first row of each block of a source, and the rows of the block."""
+    """Yield blocks of `size` rows from the row `start` on: the index of the first row, and the columns by key."""
     for first in range(start, source.count, size):
         yield first, source.rows(np.arange(first, min(first + size, source.count)))
 
 
 def chunk_of(scenario: Scenario, rows: Rows, quantities: Sequence[str], threads: int | None) -> Chunk:
-    """Compute quantities for rows of values by key."""
+    """Compute quantities for rows, columns of values by key; return them with these columns."""
     results, warnings = evaluate_groups(groups_of(scenario, rows), quantities, threads)
     return Chunk({**rows, **results}, warnings)
 
 
 def is_part_of(source: Grid | SweepCases, quantities: Sequence[str], start: int, chunk: Chunk) -> bool:
-    """Return whether a chunk from a file has rows of a source, from one on, and possible values of its quantities."""
+    """Return whether a chunk from a file has the rows of a source from `start` on, and possible quantities."""
     names = list(dict.fromkeys([*source.keys, *quantities]))
     if [*chunk.columns] != names or start + chunk.rows > source.count:
         return False
@@ -310,7 +312,7 @@ def is_part_of(source: Grid | SweepCases, quantities: Sequence[str], start: int,
 
 
 def is_possible(quantity: str, values: NDArray[Any]) -> bool:
-    """Return whether a column has values that a quantity can have."""
+    """Return whether all values of a column, (n,), are possible for a quantity."""
     if quantity == "outcome":
         return bool(np.isin(values, OUTCOME_VALUES).all())
     if values.dtype.kind != "f":
@@ -321,7 +323,7 @@ def is_possible(quantity: str, values: NDArray[Any]) -> bool:
 
 
 def computed(blocks: Iterator[Rows], compute: Callable[[Rows], Chunk], workers: Workers) -> Generator[Chunk]:
-    """Yield the chunks of blocks of rows in order, while workers compute the next ones."""
+    """Yield the chunk of each block of rows, in order, while workers compute the next chunks."""
     running: deque[Future[Chunk]] = deque()
     try:
         while True:
@@ -338,16 +340,16 @@ def computed(blocks: Iterator[Rows], compute: Callable[[Rows], Chunk], workers: 
 
 
 def check(scenario: Scenario, source: Grid | SweepCases, quantities: Sequence[str]) -> None:
-    """Check the quantities, and that every key has an effect."""
+    """Check the names of the quantities, and that every key of the rows has an effect on one of them."""
     check_quantities(scenario, quantities, "sweep")
     if len(set(source.keys)) != len(source.keys):
         raise mistake("sweep", "over", "must not name a key twice")
-    first = {key: values[0].item() for key, values in source.rows(np.arange(1)).items()}
-    check_keys(scenario, first, quantities, "sweep")
+    first_row = {key: values[0].item() for key, values in source.rows(np.arange(1)).items()}
+    check_keys(scenario, first_row, quantities, "sweep")
 
 
 def general_warnings(scenario: Scenario, quantities: Sequence[str]) -> list[str]:
-    """Return warnings of unused threats and of quantities that need the model error, if it is excluded."""
+    """Return warnings of unused threats and, if the model error is excluded, of quantities that need it."""
     without_value = [
         name for name in quantities if "uncertainty.model" in QUANTITIES[name].reads and scenario.excludes_error()
     ]
@@ -358,14 +360,14 @@ def general_warnings(scenario: Scenario, quantities: Sequence[str]) -> list[str]
 
 
 def check_rows(scenario: Scenario, source: Grid | SweepCases) -> None:
-    """Check all rows before the first chunk is computed."""
+    """Check that every row is a valid scenario."""
     for start, rows in blocks_of(source, BLOCK):
         for _ in scenarios_of(scenario, rows, partial(source.place, start)):
             pass
 
 
 def row_warnings(warnings: Mapping[str, int], rows: int) -> list[str]:
-    """Return warnings on some of the rows of a table, with the number of these rows."""
+    """Return the warnings with the number of rows that each concerns, of all `rows` of the table."""
     return [f"{words}; this concerns {number:,} of {rows:,} rows" for words, number in sorted(warnings.items())]
 
 
@@ -377,18 +379,23 @@ def effort_of(
     threads: int | None = None,
     workers: Workers | None = None,
 ) -> Effort:
-    """Measure the time of rows from all over a sweep, and of as many at its start, which may be slower."""
+    """Estimate the effort of a sweep from the time of rows spread over it, and of as many rows at its start.
+
+    The rows at the start, consecutive as in a chunk, may be slower.
+    """
     row_s = slowest_row_s = row_bytes = 0.0
     for sample, number in enumerate(SAMPLES):
         count = min(number, source.count)
-        spread = groups_of(scenario, rows := source.rows(np.linspace(0, source.count - 1, count).astype(np.int64)))
+        spread_groups = groups_of(
+            scenario, rows := source.rows(np.linspace(0, source.count - 1, count).astype(np.int64))
+        )
         begun = perf_counter()
-        results, _ = evaluate_groups(spread, quantities, threads)
+        results, _ = evaluate_groups(spread_groups, quantities, threads)
         evaluated = perf_counter()
         # Consecutive rows, as in a chunk, share more scenarios than rows from all over the source.
-        first = groups_of(scenario, source.rows(np.arange(count)))
+        chunk_groups = groups_of(scenario, source.rows(np.arange(count)))
         grouped = perf_counter()
-        evaluate_groups(first, quantities, threads)
+        evaluate_groups(chunk_groups, quantities, threads)
         row_s = (grouped - begun) / count
         slowest_row_s = max(row_s, (perf_counter() - evaluated) / count)
         row_bytes = len(csv_of({**rows, **results})) / count
@@ -412,7 +419,7 @@ def size(number: float) -> str:
 
 
 def program() -> str:
-    """Return the hash of this program, or a random one while a function is replaced by unknown code."""
+    """Return the hash of this program, or a random hash while a function of the core is replaced by unknown code."""
     return token_hex(32) if replaced_function() else _program()
 
 
@@ -426,7 +433,7 @@ def _program() -> str:
 
 
 def job_of(scenario: Scenario, source: Grid | SweepCases, quantities: Sequence[str]) -> dict[str, str]:
-    """Return the job of a sweep: the content of everything on which its rows depend."""
+    """Return the job of a sweep: all that its rows depend on, in part as hashes, by name."""
     return {
         "version": armour.__version__,
         "program": program(),
@@ -437,6 +444,6 @@ def job_of(scenario: Scenario, source: Grid | SweepCases, quantities: Sequence[s
 
 
 def subject_of(scenario: Scenario, source: Grid | SweepCases, quantities: Sequence[str]) -> str:
-    """Return the armours and rounds of a sweep, such as "AD85 on 6.35 mm 6061-T6 against 7.62 mm AP"."""
+    """Return what a sweep is of, such as "AD85 on 6.35 mm 6061-T6 against 7.62 mm AP"."""
     varied = {**dict.fromkeys(source.keys, ()), **{axis.key: axis.values for axis in source.axes}}
     return scenario.subject(varied if "impact" in reads_of(quantities) else {**ANY_VELOCITY, **varied})
