@@ -503,7 +503,7 @@ def v50(
         consumers_risk=accepting,
         producers_risk=rejecting,
         fired=shots,
-    ).of(computed, scenario=scenario, shots=shots)
+    ).answering(computed, scenario=scenario, shots=shots)
 
 
 def _curves(
