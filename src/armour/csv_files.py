@@ -137,7 +137,7 @@ def open_table(
     """Open a table: a file, a shipped file by its name unless it must be the user's ``own``, or rows given in Python.
 
     ``known`` tells whether a text names a column; the header is the one of the first lines with the most such names.
-    ``content`` replaces that of a CSV file.
+    ``content`` replaces that of a CSV file; ``sheet`` is that of a workbook, by default the first.
     """
     if not isinstance(table, str | PathLike):
         return _of_rows(table)

@@ -58,7 +58,7 @@ def shipped_tests() -> dict[str, Path]:
 
 
 def shipped_notebooks() -> dict[str, Path]:
-    """Return the shipped notebooks by name, with its ending."""
+    """Return the shipped notebooks by file name."""
     return {path.name: path for path in shipped_files("docs", ".ipynb").values()}
 
 
@@ -72,7 +72,7 @@ def _kinds() -> dict[str, dict[str, Path]]:
 
 
 def located(path: Path, files: Mapping[str, Path]) -> Path:
-    """Return the file at a path or, if there is none, the shipped file of that name, which has no ending.
+    """Return the file at a path or, if there is none, the one of the shipped `files` with that name, without ending.
 
     If there is neither, raise an InputError that says what is shipped under the name, or the closest name.
     """
@@ -236,8 +236,8 @@ def _is_stream(path: Path) -> bool:
 def write_file(path: Path, content: bytes) -> None:
     """Write a file completely or not at all, under another name at first; raise an InputError if it cannot be written.
 
-    The target of a symbolic link within a folder is replaced, and the new file keeps its permissions.  Devices and
-    pipes are written to directly.
+    The target of a symbolic link within a folder is replaced, and the new file gets the permissions of the old one.
+    Devices and pipes are written to directly.
     """
     refuse(unwritable(path))
     target = Path(os.path.realpath(path))

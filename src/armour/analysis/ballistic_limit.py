@@ -54,7 +54,7 @@ class NeededFlowStress:
     sources_GPa : tuple of float
         Least and greatest flow stress that sources give, GPa, or one number, or none.
     limits_m_s : tuple of float
-        Ballistic limits by the model with these, m/s.
+        Ballistic limits by the model with these flow stresses, m/s.
     """
 
     ceramic: str
@@ -198,7 +198,7 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
     """Compute the ballistic limit of a scenario's armour: the lowest change of the outcome that a scan finds.
 
     The scan has 33 velocities, evenly spaced on a logarithmic scale, or 1,025 if the armour is far from all tests that
-    the model was compared with.  Those at which the projectile lacks the energy to perforate are not computed.
+    the model was compared with.  Velocities at which the projectile lacks the energy to perforate are not computed.
 
     Parameters
     ----------
@@ -246,7 +246,7 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
 
 
 def model_error(row: Variants, limit_m_s: float) -> ModelError | None:
-    """Return the model error of a single row with a ballistic limit, m/s; None if it is not known or not included.
+    """Return the model error of a single row, given its ballistic limit, m/s; None if it is unknown or not included.
 
     The section ``uncertainty.model`` gives the error, or else tests of similar armours.  These tests are described by
     several laws of the ceramic's flow stress; the limits by the laws other than the scenario's are computed here.
@@ -360,7 +360,7 @@ class ConfidenceResult(Result):
     probability_at_normal_incidence : float or None
         Probability at 0 degrees, if an armour with a ceramic is hit at an angle and the probability there is not known.
     flow_stress : NeededFlowStress or None
-        Flow stress with which a ceramic without tests stops the threat; None of other armours.
+        Flow stress with which a ceramic without tests stops the threat; None for other armours.
     """
 
     probability_of_stopping: float | None
@@ -389,7 +389,7 @@ def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress)
     Parameters
     ----------
     scenario : Scenario
-        Its section ``uncertainty.model`` gives the model error; by default it is that of tests of such armours.
+        Its section ``uncertainty.model`` gives the model error; by default, tests of similar armours do.
     on_progress : callable, optional
         Called with the number of impacts computed since the last call, and None, as their total is not known.
 

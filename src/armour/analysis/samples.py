@@ -100,10 +100,10 @@ def sampled(scenario: Scenario, columns: Mapping[str, Floats], count: int) -> Sa
 
 
 def by_laws(variants: Variants, errors: ErrorRows, laws: Ints) -> Variants:
-    """Return samples with the flow stress by other laws; `laws`, (n,), are indices of laws in `errors`, of one row.
+    """Return n samples with the parameters of other laws; `laws`, (n,), has the index of each one's law in `errors`.
 
-    Law 0 is the samples' own.  Under another law, each parameter of a sample is multiplied by the ratio of the values
-    that this law and law 0 have in `errors`.
+    `errors` has one row, and law 0 is the samples' own.  Under another law, each parameter of `LAW_FIELDS` is
+    multiplied by the ratio of its values by that law and by law 0.
     """
     parameters = variants.parameters.copy()
     fields = batch.fields(parameters)

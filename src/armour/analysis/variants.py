@@ -82,7 +82,7 @@ class Variants(NamedTuple):
         return Armours(batch.fields(self.parameters), self.cosines, self.material_of_row, self.materials)
 
     def by_law(self, law: int, errors: ErrorRows) -> "Variants":
-        """Return the variants with the ceramic's flow stress by one of the laws in `errors`, given its index."""
+        """Return the variants with the parameters of one of the laws in `errors`, given its index."""
         return self.with_fields(dict(zip(LAW_FIELDS, errors.parameters[law], strict=True)))
 
     def with_fields(self, columns: Mapping[str, Floats | float]) -> "Variants":
@@ -168,7 +168,10 @@ class Variants(NamedTuple):
         return errors.ratio.times(self.limits_by_law(errors, limits))
 
     def outside_limits(self, *, velocities: bool = True) -> Iterator[tuple[str, int]]:
-        """Yield warnings, each with its number of rows: caveats, values outside the tests, and doubtful strengths."""
+        """Yield warnings, each with its number of rows: caveats, values outside the tests, and doubtful strengths.
+
+        `velocities` tells whether impact velocities outside the tests count.
+        """
         speeds = self.velocities if velocities else np.full_like(self.velocities, np.nan)
         metals = [materials.backing for materials in self.materials] if self.own_strength else []
         for note, rows in limits_of_model(self.armours, metals, said=False):
@@ -181,7 +184,7 @@ class Variants(NamedTuple):
                 yield from ((note, count) for note in strength_notes(metals, bare=bare))
 
     def limits_by_law(self, errors: ErrorRows, own_limits: Floats) -> Floats:
-        """Return the ballistic limits by each law of the flow stress in `errors`, m/s, (laws, n).
+        """Return the ballistic limits by each law in `errors`, m/s, (laws, n).
 
         Law 0 is the rows' own and has the given limits, (n,).  Limits by the others may lie outside the range of the
         section.  A row whose own limit is NaN has NaN for all laws.
@@ -286,7 +289,7 @@ def grid_of(scenario: Scenario) -> Optimise:
 
 
 def check_resolved(resolved: Bools, variants: Variants) -> None:
-    """Raise an InputError, which names the key at fault, unless the run of each row ends: `resolved`, (n,)."""
+    """Raise an InputError that names the key at fault if the run of a row, False in `resolved`, (n,), does not end."""
     if not resolved.all():
         raise unresolved_error(variants.scenario, float(variants.velocities[int(np.argmin(resolved))]))
 

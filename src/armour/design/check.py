@@ -60,7 +60,7 @@ class CheckedThreat:
     Attributes
     ----------
     threat : str
-        Its name.
+        Name of the threat.
     projectile : str
     velocity_m_s, obliquity_deg : float
     ballistic_limit_m_s : float or None
@@ -76,13 +76,13 @@ class CheckedThreat:
     probability_at_normal_incidence : float or None
         Probability at 0 degrees, if an armour with a ceramic is hit at an angle and the probability there is not known.
     flow_stress : NeededFlowStress or None
-        Flow stress with which a ceramic without tests stops the threat; None of other armours.
+        Flow stress with which a ceramic without tests stops the threat; None for other armours.
     model_error : ModelError or None
         Model error from which the probability is computed; None if it is not known.
     verdict : {"passes", "fails", "not known"}
         Whether all that is required against the threat is met.
     what_ifs : tuple of WhatIf
-        With exact inputs.
+        The armour with each change, for exact inputs.
     requirements : tuple of Requirement
         What is required against the threat, and what the armour has.
     sampled : Estimate or None

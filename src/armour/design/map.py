@@ -47,7 +47,7 @@ def design_map(
 ) -> DesignMap:
     """Compute ballistic limits, and velocities stopped with given probabilities, for all combinations of thicknesses.
 
-    The thicknesses of the two layers of a pair of materials are in mm.
+    `pair` is the index of a pair of materials; the thicknesses of its layers are in mm.
     """
     ceramics, backings = np.array(ceramic_mm, dtype=np.float64), np.array(backing_mm, dtype=np.float64)
     shape = len(ceramics), len(backings), len(catalogue.threats)

@@ -519,7 +519,7 @@ def _some_of_range(catalogue: Catalogue, pair: int) -> CandidateDesigns:
 
 
 def _short_pairs(designs: Designs, order: Ints) -> tuple[Pair, ...]:
-    """Return each pair of materials with the shortfall of the first of its designs in `order`, places of designs."""
+    """Return each pair of materials with the shortfall of its first design in `order`, which has places of designs."""
     pairs = []
     for place in order[np.sort(np.unique(designs.columns.pair[order], return_index=True)[1])].tolist():
         best, one_source = _best(designs, place), bool(designs.one_source[place])
@@ -562,7 +562,8 @@ def short_words(short_m_s: float) -> str:
 def _why_not_known(designs: Designs, place: int | None) -> str:
     """Return why it is not known whether any design passes.
 
-    `place` is that of the best design by the computed limit; None if its ceramic, or its back plate, excludes each.
+    `place` is that of the best design by the computed limit; None if all designs that stop the threats by this limit
+    have a ceramic with a single source, or if no back plate is a metal.
     """
     catalogue = designs.catalogue
     if not catalogue.metal.any():
@@ -662,7 +663,7 @@ def _refined(designs: Designs, search: FreeThicknesses, first: int) -> BestDesig
 
 
 def _governing(designs: Designs, where: Ints) -> list[int]:
-    """Return for each design the index of its governing threat: it exceeds what that threat requires by the least."""
+    """Return for each design the index of its governing threat, against which it has the smallest slack."""
     return designs.slack_m_s(where).argmin(axis=1).tolist()
 
 
@@ -784,7 +785,7 @@ def _pairs(designs: Designs, search: FreeThicknesses, best: int | None, least: i
 
 
 def _rank(pair: Pair) -> tuple[bool, bool, float]:
-    """Return the key by which pairs are sorted: first those with a design, that are ranked, of the least excess."""
+    """Return the sort key of a pair: pairs with a design come first, ranked ones before others, least excess first."""
     excess = pair.excess_percent
     return pair.best is None, not pair.ranked, inf if excess is None else excess
 

@@ -242,7 +242,7 @@ def _resolutions(catalogue: Catalogue, costs: Floats, criteria: Sequence[str]) -
 def minimise_over_backings(
     values_of: Callable[[Floats], Floats], first: Floats, low: float, high: float, width: float
 ) -> Floats:
-    """Return the minimum of a function of the back plate thickness in each row, (n,); inf if it has no value.
+    """Return the minimum of each of n functions of the back plate thickness, (n,); inf if it has no value.
 
     ``values_of`` returns values, (n, k), at thicknesses, (n, k), mm.  The first round has the thicknesses ``first``, at
     a distance of ``width``, mm.  Each further round has closer thicknesses around the best of the round before, between

@@ -42,7 +42,7 @@ def is_limit_too_low(armour: Parameters) -> Any:
 
 
 def too_thin(ratio: float, thickness_mm: float) -> str:
-    """Return the caveat that no ceramic below a thickness, and below this ratio to the diameter, was tested."""
+    """Return the caveat that no ceramic below a thickness, also given over the penetrator's diameter, was tested."""
     return (
         f"no ceramic thinner than {ratio:.2g} penetrator diameters, here {thickness_mm:.2g} mm, was tested: "
         "do not rely on limits with less"

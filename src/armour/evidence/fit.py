@@ -335,8 +335,8 @@ def mixture_of(
 def lower_of(given: Sequence[tuple[Floats, Floats]]) -> tuple[Floats, Floats, Floats]:
     """Combine distributions of n limits, each with locations and squared scales, (n,), into one that is not higher.
 
-    Return its location, squared scale, and factor of the scale above the location.  It gives a limit at most the
-    probability of exceeding a velocity that each of the given distributions gives.
+    Return its location, squared scale, and factor of the scale above the location, (n,) each.  The probability that a
+    limit exceeds a velocity is then at most that by each of the given distributions.
     """
     means, variances = (np.array(columns) for columns in zip(*given, strict=True))
     location, scales = means.min(axis=0), np.sqrt(variances)
@@ -347,7 +347,7 @@ def lower_of(given: Sequence[tuple[Floats, Floats]]) -> tuple[Floats, Floats, Fl
 def confirmed(tests: LotTests, deviations: Floats, variances: Floats) -> Any:
     """Return whether another test of the same armour confirms each of n tests, (n,), 0 or 1.
 
-    `deviations`, (n,), are those of the logarithms of the limits, with their variances.
+    `deviations` and `variances`, (n,), are those of the logarithms of the limits.
     """
     same = is_same_armour(tests.quantities, tests.quantities) & ~np.eye(len(deviations), dtype=bool)
     apart = abs(deviations[:, None] - deviations) < 2.0 * np.sqrt(2.0 * REPEAT**2 + variances[:, None] + variances)

@@ -29,7 +29,7 @@ class Mixture(NamedTuple):
         Probabilities of the k components, which add up to 1 along the first axis; NaN if the distribution is not
         known.  Further axes, such as (k, n) for n armours, broadcast with velocities and probabilities.
     locations, scales : array, (k, ...)
-        Of the logarithms: of m/s, or of the ratio.
+        Locations and scales of the logarithm of the limit, in m/s, or of the ratio.
     degrees_of_freedom : array, (k, ...)
         At most 1e6, where the distribution is practically normal.
     logarithmic : bool

@@ -156,7 +156,7 @@ class ModelError:
 class ErrorRows(NamedTuple):
     """Distributions of the model error for n armours: mixtures over the laws used to compute ballistic limits.
 
-    The first law is that of the armour itself; it may have a probability of 0.
+    A law sets the parameters `LAW_FIELDS`.  The first law is that of the armour itself; its weight may be 0.
     """
 
     ratio: (
@@ -205,9 +205,9 @@ def other_settings(scenario: Scenario) -> str:
 
 
 def errors_of(scenario: Scenario, armours: Armours) -> ErrorRows:
-    """Return the errors of the model for n armours under the settings of a scenario.
+    """Return the model errors of n armours under the settings of a scenario.
 
-    They come from the own tests of the library entries, or else from the shipped tests.
+    The errors come from the own tests of the library entries, or else from the shipped tests.
     """
     count, error = len(armours.material_of_row), given_error(scenario)
     if scenario.excludes_error() or (error is None and (scenario.interlayers or other_settings(scenario))):
@@ -259,7 +259,7 @@ def _laws_of(evidence: Evidence, armours: Armours, rows: Any, *, as_at_normal: b
     at_least_deg = 90.0 if evidence.ceramic and as_at_normal else evidence.at_least_deg
     is_bounded = oblique & (armours.cosines >= cosine_of(at_least_deg))
     bare = () if evidence.ceramic else evidence.measured
-    doubted = {limits.name: (limits.low, limits.high) for limits in bare if limits.name in DOUBTED}
+    doubted = {tested.name: (tested.low, tested.high) for tested in bare if tested.name in DOUBTED}
     for is_member, at_normal in ((rows & ~oblique, False), (rows & is_bounded, True)):
         if not (evidence.fits and is_member.any()):
             continue
@@ -347,8 +347,8 @@ def why_unknown(scenario: Scenario, armour: Armours) -> str:
         reason = f"the model was compared with {evidence.angles()}"
     elif not evidence.differences(q).any() and evidence.fits:
         far = ", ".join(outside(evidence.measured, q))
-        strengths = [limits for limits in evidence.measured if limits.name == "rod_strength_GPa"]
-        page = f" (see {PAGE})" * any(limits.fails(q).all() for limits in strengths)
+        strengths = [tested for tested in evidence.measured if tested.name == "rod_strength_GPa"]
+        page = f" (see {PAGE})" * any(tested.fails(q).all() for tested in strengths)
         reason = f"the armour is too far outside the tests, which are of {far}{page}"
     elif evidence.lot:
         reason = f"the armour differs from the own tests of {evidence.lot}: {', '.join(outside(evidence.kind, q))}"

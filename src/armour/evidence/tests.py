@@ -112,7 +112,7 @@ class Evidence(NamedTuple):
     def differences(self, q: Quantities) -> Any:
         """Return in how many respects n armours differ from the tests; a ceramic instead of none outweighs the rest."""
         by_ceramic = BY_CERAMIC * (bool(self.ceramic) == (q["ceramic_thickness_ratio"] == 0.0))
-        return sum((limits.fails(q) for limits in self.kind), start=by_ceramic) + self.has_other_law(q)
+        return sum((data_range.fails(q) for data_range in self.kind), start=by_ceramic) + self.has_other_law(q)
 
     def has_other_law(self, q: Quantities) -> Any:
         """Return whether the flow stress of the ceramic of n armours has none of the laws."""
@@ -121,7 +121,7 @@ class Evidence(NamedTuple):
     def holds(self, q: Quantities) -> Any:
         """Return whether the error is known for n armours: they are of the kind, and near enough to the tests."""
         farthest = FARTHEST_CERAMIC if self.ceramic else FARTHEST_BARE
-        factor = np.maximum.reduce([limits.factor(q) for limits in self.measured])
+        factor = np.maximum.reduce([data_range.factor(q) for data_range in self.measured])
         return (self.differences(q) == 0) & (factor <= farthest) & bool(self.fits)
 
     def fails_angle(self, cosines: Any) -> Any:
@@ -137,12 +137,12 @@ class Evidence(NamedTuple):
 
 def is_outside(ranges: Iterable[DataRange], q: Quantities) -> Any:
     """Return whether each of n armours lies outside any of the ranges."""
-    return np.any([limits.fails(q) for limits in ranges], axis=0)
+    return np.any([data_range.fails(q) for data_range in ranges], axis=0)
 
 
 def outside(ranges: Iterable[DataRange], q: Quantities) -> tuple[str, ...]:
     """Describe those of the ranges outside which an armour lies."""
-    return tuple(str(limits) for limits in ranges if limits.fails(q).any())
+    return tuple(str(data_range) for data_range in ranges if data_range.fails(q).any())
 
 
 AS_GIVEN = ("title", "source", "ceramic", "obliquity_max_deg", "at_least_deg", "at_least")
@@ -296,7 +296,9 @@ def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
 
 def _kept_kind(shipped: Evidence, own_tests: OwnTests) -> tuple[DataRange, ...]:
     """Return the kind of armour of the shipped tests, without the ranges of calibrated quantities."""
-    return tuple(limits for limits in shipped.kind if limits.name not in ("tensile_ratio", *own_tests.calibrated))
+    return tuple(
+        data_range for data_range in shipped.kind if data_range.name not in ("tensile_ratio", *own_tests.calibrated)
+    )
 
 
 def _ranges_with(
@@ -309,14 +311,17 @@ def _ranges_with(
     """
     columns = {name: np.append(column, own_tests.calibrated.get(name, [])) for name, column in tested.items()}
     kind, measured = (
-        tuple(limits.containing(columns[limits.name]) for limits in ranges)
+        tuple(data_range.containing(columns[data_range.name]) for data_range in ranges)
         for ranges in (_kept_kind(shipped, own_tests), shipped.measured)
     )
     if is_new:
         around = [DataRange(name, np.inf, -np.inf).containing(tested[name]) for name in (*VARIED[:2], *IN_COMMON)]
-        alike = (DataRange(limits.name, limits.low / ALIKE_FACTOR, limits.high * ALIKE_FACTOR) for limits in around[2:])
-        kind = (*alike, *(limits for limits in kind if limits.name.startswith("rod_")))
-        measured = (*around[:2], *(limits for limits in measured if limits.name.startswith("rod_")))
+        alike = (
+            DataRange(data_range.name, data_range.low / ALIKE_FACTOR, data_range.high * ALIKE_FACTOR)
+            for data_range in around[2:]
+        )
+        kind = (*alike, *(data_range for data_range in kind if data_range.name.startswith("rod_")))
+        measured = (*around[:2], *(data_range for data_range in measured if data_range.name.startswith("rod_")))
     calibrated = (DataRange(n, v - ROUNDING * abs(v), v + ROUNDING * abs(v)) for n, v in own_tests.calibrated.items())
     # Beyond the angles of the shipped tests, own tests hold for their own angle only.
     paths = DataRange("path_ratio", np.inf, -np.inf).containing(tested["path_ratio"])
@@ -358,7 +363,7 @@ def is_untested(ceramic: LibraryEntry) -> bool:
     q = dict(zip(OF_CERAMIC[:2], values, strict=True))
     kinds = (evidence.kind for evidence in shipped_evidence() if evidence.ceramic and evidence.fits)
     return ceramic.evidence is None and all(
-        is_outside((limits for limits in kind if limits.name in q), q) for kind in kinds
+        is_outside((data_range for data_range in kind if data_range.name in q), q) for kind in kinds
     )
 
 
@@ -370,10 +375,12 @@ def is_unusual(armour: Parameters) -> Any:
     """
     q = quantities(armour, np.nan, np.ones(np.shape(armour.D0)))
     is_far: dict[tuple[bool, str], Any] = {}
-    ranges = {(bool(evidence.ceramic), limits) for evidence in shipped_evidence() for limits in evidence.compared}
-    for has_ceramic, limits in ranges:
-        key = has_ceramic, limits.name
-        is_far[key] = is_far.get(key, True) & (limits.factor(q) > UNUSUAL_FACTOR)
+    ranges = {
+        (bool(evidence.ceramic), data_range) for evidence in shipped_evidence() for data_range in evidence.compared
+    }
+    for has_ceramic, data_range in ranges:
+        key = has_ceramic, data_range.name
+        is_far[key] = is_far.get(key, True) & (data_range.factor(q) > UNUSUAL_FACTOR)
     return np.any([rows & (has_ceramic == (armour.Hc0 > 0.0)) for (has_ceramic, _), rows in is_far.items()], axis=0)
 
 
@@ -410,7 +417,7 @@ def limits_outside(armours: Armours, velocities: Any) -> Iterator[Outside]:
             ("armour.ceramic", "no test by such a law of the flow stress", evidence.has_other_law(q), name, no_test),
             ("armour.ceramic", f"tests or results of the paper's program of {ceramics} only", is_other, name, no_test),
             ("armour.ceramic", evidence.title, ~is_other & (not evidence.fits) & is_shipped, name, no_test),
-            *(_check(limits, q, ~(is_other & (limits.name in OF_CERAMIC))) for limits in evidence.compared),
+            *(_check(data_range, q, ~(is_other & (data_range.name in OF_CERAMIC))) for data_range in evidence.compared),
         ]
         for key, words, fails, numbers, brief in checks:
             if fails.any():
@@ -429,8 +436,10 @@ def outside_tests(armours: Armours, velocities: Any, threats: int = 1) -> list[d
         members = armours.at(rows)
         q, evidence = members.quantities() | {"velocity_m_s": velocities[rows]}, _tests_of(evidence, members)
         is_other = is_outside(evidence.kind[:2], q) & (not evidence.lot) & bool(evidence.ceramic)
-        for limits in (*evidence.kind, *evidence.measured, evidence.velocities):
-            factors[limits.name][rows] = np.where(is_other & (limits.name in OF_CERAMIC), 1.0, limits.ratio(q))
+        for data_range in (*evidence.kind, *evidence.measured, evidence.velocities):
+            factors[data_range.name][rows] = np.where(
+                is_other & (data_range.name in OF_CERAMIC), 1.0, data_range.ratio(q)
+            )
         law, angle = evidence.has_other_law(q) & ~is_other, evidence.fails_angle(members.cosines)
         for name, is_far in (("ceramic", is_other), ("ceramic law", law), ("angle", angle)):
             factors[name][rows] = np.where(is_far, np.inf, 1.0)
@@ -459,7 +468,7 @@ def limits_of_model(
     yield from caveats(p, metals, said=said)
     for evidence, rows in armours.by_evidence():
         ranges = _tests_of(evidence, armours.at(rows)).measured
-        least[rows] = sum(limits.low for limits in ranges if limits.name == THIN)
+        least[rows] = sum(data_range.low for data_range in ranges if data_range.name == THIN)
     is_thin = p.Hc0 / p.D0 < least
     if is_thin.any():
         least_mm = is_thin * least * p.D0 * armours.cosines / MM
@@ -467,20 +476,20 @@ def limits_of_model(
         yield Note(too_thin(least[worst], least_mm[worst]), CERAMIC, said="caveat" * said), is_thin
 
 
-def _check(limits: DataRange, q: Quantities, rows: Any = True) -> tuple[str, str, Any, str, str]:
+def _check(data_range: DataRange, q: Quantities, rows: Any = True) -> tuple[str, str, Any, str, str]:
     """Check whether quantities of n armours lie in a range; `rows` may restrict the check to some of them.
 
     Return the key, the words of the range, a mask of the armours that fail, the range of their values in words, and the
     warning in a few words.
     """
-    fails = limits.fails(q) & ~np.isnan(q[limits.name]) & rows
-    if limits.name == THIN:  # `limits_of_model` has what is too thin
-        fails &= q[THIN] > limits.low
-    failing = q[limits.name][fails]
+    fails = data_range.fails(q) & ~np.isnan(q[data_range.name]) & rows
+    if data_range.name == THIN:  # `limits_of_model` has what is too thin
+        fails &= q[THIN] > data_range.low
+    failing = q[data_range.name][fails]
     least, greatest = failing.min(initial=np.inf), failing.max(initial=-np.inf)
     ends = " to ".join(dict.fromkeys(f"{end:{'.0f' if end >= 100.0 else '.3g'}}" for end in (least, greatest)))
-    brief = f"{limits.words(ends)} ({limits.ends()})"
-    return limits.key, f"results for {limits}", fails, f", found {ends}", brief
+    brief = f"{data_range.words(ends)} ({data_range.ends()})"
+    return data_range.key, f"results for {data_range}", fails, f", found {ends}", brief
 
 
 def scenario_warnings(

@@ -70,7 +70,7 @@ def _plain(value: Any) -> Any:
 
 
 def _kind(hint: Any) -> Any:
-    """Return the annotation that pydantic checks in place of `hint`: for other classes, that a value is an instance."""
+    """Return the annotation that pydantic checks: `hint` or, for other classes, that a value is an instance."""
     members = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
     kinds = [get_origin(member) or member for member in members]
     if not all(isinstance(kind, type) for kind in kinds) or {int, float, bool, Annotated} & {*kinds}:

@@ -518,7 +518,7 @@ class Library:
 
     @checked
     def find(self, name: str) -> list[LibraryEntry]:
-        """Return the entries of a name, of any kind, or the only one that has a word in its name or description.
+        """Return the entries called `name`, of any kind, or else the only one with it in its name or description.
 
         If there is none, an InputError suggests the closest name.
         """
@@ -605,7 +605,10 @@ def _alike(added: Mapping[str, Entry], known: Iterable[str], file: str, table: t
 def _resolved(
     kind: Kind, added: Mapping[str, Entry], earlier: Mapping[str, LibraryEntry], file: str, table: tuple[str, ...]
 ) -> tuple[dict[str, LibraryEntry], list[Problem]]:
-    """Return the entries that a table of a file adds, with inherited values, and the problems of wrong entries."""
+    """Return the entries that a table of a file adds, with inherited values, and the problems of wrong entries.
+
+    `added` has the entries of the table by name, `earlier` those of the library; `table` has the parts of its key.
+    """
     resolved: dict[str, LibraryEntry] = {}
     problems: list[Problem] = []
     # Names of added entries by the added entry that they are based on; None for the others.  An entry that is based on

@@ -626,7 +626,7 @@ def _names_a_role(key: str) -> bool:
 
 
 def _bases(data: Mapping[str, Any], source: _Source, keys: Iterable[str]) -> dict[str, object]:
-    """Return the bases, by key, of entries that are new in the data and of which the keys set single values.
+    """Return the bases, by key, of entries of which `keys` set single values and which the source does not have.
 
     Such an entry is based on the entry of its name in the library, unless the data name another base.
     """

@@ -245,7 +245,7 @@ class Range(ThicknessSteps):
 
 
 def _above_zero(thickness: Any) -> Any:
-    """Refuse thicknesses, a list or a range, with a least one of 0."""
+    """Refuse a list or a range of thicknesses whose least value is not above 0."""
     least = min(thickness) if isinstance(thickness, list) else thickness.min
     if least <= 0.0:
         raise ValueError(f"min must be greater than 0, found {least:g}")
