@@ -136,7 +136,7 @@ def outside_of(scenario: Scenario, columns: Mapping[str, Any], quantities: Seque
     is_outside = np.zeros(sum(len(group.where) for group in groups), dtype=bool)
     for where, variants in groups:
         velocities = variants.velocities if depends else np.full_like(variants.velocities, np.nan)
-        is_outside[where] = [bool(found) for found in outside_tests(variants.armours, velocities)]
+        is_outside[where] = [bool(factors) for factors in outside_tests(variants.armours, velocities)]
     return is_outside
 
 

@@ -56,7 +56,7 @@ class Result:
         return self
 
     def heading(self) -> list[str]:
-        """Return the first lines of every output; none if it is not recorded what was computed."""
+        """Return the first lines of every output; none for a result whose question is not recorded."""
         scenario = self.question.get("scenario")
         computed = self.question.get("computed") or (scenario.subject() if scenario else "")
         return heading(computed, scenario.title if scenario else "") if computed else []

@@ -217,12 +217,12 @@ class Variants(NamedTuple):
         grid, count = grid_of(self.scenario), len(self.velocities)
         if layer == "armour":
             return _least_totals(self, grid)
-        name, of_range = {
+        name, thicknesses = {
             "ceramic": ("ceramic_mm", grid.ceramic_thickness_mm),
             "back plate": ("backing_mm", grid.backing_thickness_mm),
         }[layer]
         conditions = _conditions(lambda values, rows: self.at(rows).with_thicknesses(**{name: values}))
-        return least_values_mm(*conditions, np.full(count, of_range.min), np.full(count, of_range.max))
+        return least_values_mm(*conditions, np.full(count, thicknesses.min), np.full(count, thicknesses.max))
 
 
 def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -> Variants:

@@ -159,9 +159,7 @@ class ErrorRows(NamedTuple):
     A law sets the parameters `LAW_FIELDS`.  The first law is that of the armour itself; its weight may be 0.
     """
 
-    ratio: (
-        Mixture  # actual over computed limits, (laws, n); weights: 0 if a law is not used, NaN if the error is unknown
-    )
+    ratio: Mixture  # actual over computed limits, (laws, n); weights are 0 for unused laws, NaN for unknown errors
     parameters: Floats  # of the core, by law and field of `LAW_FIELDS`, (laws, fields, n)
 
     @classmethod
@@ -268,14 +266,14 @@ def _laws_of(evidence: Evidence, armours: Armours, rows: Any, *, as_at_normal: b
         q = members.quantities()
         holds = evidence.holds(q)
         for own_fit, law in zip(evidence.fits, evidence.laws or [()], strict=False):
-            of_law = np.flatnonzero(holds & ~is_outside(law, q))
-            by_own_law = members.at(of_law)
+            has_law = np.flatnonzero(holds & ~is_outside(law, q))
+            by_own_law = members.at(has_law)
             others = [fit for fit in evidence.fits if fit is not own_fit]
             for number, fit in enumerate([own_fit, *others], start=int(at_normal or evidence.lot != "")):
                 changes: dict[str, Any] = {} if fit is own_fit and not evidence.lot else dict(fit.law)
                 if changes and evidence.laws:
                     changes["Yc0"] = by_own_law.parameters.Yc0 * (fit.law["Yc0"] / own_fit.law["Yc0"])
-                yield LawOfRows(number, places[of_law], by_own_law.with_law(changes), fit, doubted)
+                yield LawOfRows(number, places[has_law], by_own_law.with_law(changes), fit, doubted)
 
 
 def law_of(parameters: Parameters) -> Floats:
