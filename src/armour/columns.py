@@ -19,7 +19,7 @@ RESULT_NAMES = (
     *("résultat", "résultat du tir"),
 )
 SHOT_NAMES = ("shot", "no", "nr", "#", "number", "round no", "Schuss", "Nummer", "lfd. Nr.", "tir", "n°", "numéro")
-# Usual names of columns by key, without the unit: their letters and digits, whatever the case.
+# Usual names of columns by key, without the unit; only letters and digits are compared, whatever their case.
 USUAL_NAMES: dict[str, tuple[str, ...]] = {
     "shot": SHOT_NAMES,
     "velocity_m_s": VELOCITIES,
@@ -75,7 +75,8 @@ GROUPS = ("panel", "target", "plate", "specimen", "lab", "lot")
 # Columns whose names may have a word for "number" before or behind them.
 NUMBERED = ("shot", "test", "panel", "target", "plate", "specimen", "lot")
 _NUMBER = "(?:number|nummer|numero|no|nr|n°|#|id)"
-# Columns of results, and columns of yes and no: whether yes means that a shot perforated, or that it counts.
+# Columns of results, columns that say whether a shot counts, and columns of yes and no: whether yes means that a shot
+# perforated, or counts.
 RESULT_KEYS = ("result", "outcome")
 COUNT_KEYS = ("counts", "excluded")
 YES_MEANS = {"perforated": True, "stopped": False, "counts": True, "excluded": False}
@@ -118,12 +119,12 @@ COUNTED = (
 )
 # All pairs of words for no and yes, in some sense.
 PAIRS = (*YES_OR_NO, *OUTCOME_WORDS, *COUNTED)
-# Names of rows that are no shots or tests but sum them up.
+# Names of rows that are not shots or tests but sum these up.
 SUMMARIES = (
     *("mean", "average", "standard deviation", "st. dev.", "std", "V50", "Mittelwert", "Mittel", "Standardabweichung"),
     *("Stabw.", "moyenne", "écart-type"),
 )
-# What the numbers of a key can be, by key or else by unit: the bounds tell 1,234 from 1.234.
+# Bounds of the numbers of a column, by key or else by unit; they tell whether 1,234 means 1234 or 1.234.
 BOUNDS = {
     **dict.fromkeys(("velocity_m_s", "impact.velocity_m_s", "ballistic_limit_m_s"), (10.0, 1e4)),
     "m/s": (0.0, 1e4),
@@ -131,30 +132,30 @@ BOUNDS = {
     "°": (0.0, 60.0),
 }
 _BRACKETS = re.compile(r"[(\[{]([^)\]}]*)[)\]}]")
-# What a header says of codes, as in "1 = perforated", and words between which cells choose, as in "yes/no".
+# Parts of a header: meanings of codes, as in "1 = perforated", and words between which cells choose, as in "yes/no".
 _CODES = re.compile(r"([^\W_]+)\s*[=:]\s*([^\W\d_]+(?: [^\W\d_]+)*)")
 _OR = r"(?:/|\bor\b|\boder\b|\bou\b)"
 _EITHER = re.compile(rf"([^\W_]+)\s*{_OR}\s*([^\W_]+)")
-# Letters of a code, such as PP, which does not say what yes means.
+# Greatest number of letters of a code, such as PP, which does not say what yes means.
 LONGEST_CODE = 3
 
 
 class Column(NamedTuple):
-    """A column: its key, or its name if it has none, the factor to the key's unit, and the unit as it is written.
+    """A column of a table.
 
-    Of a column of results or of yes and no, the unit is what its header says in brackets and is not understood; the
-    factor is 0 if that contradicts the words for results.
+    For a column of results or of yes and no, `unit` is the text in brackets in its header if this is not understood;
+    the factor is 0 if that text contradicts the words for results.
     """
 
-    key: str
-    factor: float = 1.0
-    unit: str = ""  # "" if the header is the key itself, or has no unit
+    key: str  # its name if it has no key
+    factor: float = 1.0  # from its unit to that of the key
+    unit: str = ""  # as written; "" if the header is the key itself, or has no unit
     known: bool = True
     yes: bool | None = None  # whether yes means that a shot perforated, or counts, where the header says of what
 
     @property
     def units(self) -> Mapping[str, float] | None:
-        """The units that its numbers may have, with their factors; None if they have none, or it has words."""
+        """The units that its numbers may have, with their factors; None for numbers without a unit and for words."""
         return UNITS.get(words_and_unit(self.key)[1])
 
     @property
@@ -164,7 +165,7 @@ class Column(NamedTuple):
 
     @property
     def in_unit(self) -> str:
-        """The quantity in its unit, in words, such as "velocity in ft/s"."""
+        """The quantity and its unit, in words, such as "velocity in ft/s"."""
         return f"{words_and_unit(self.key)[0]} in {'inches' if self.unit == 'in' else self.unit}"
 
     def says(self, word: str) -> bool | None:
@@ -187,6 +188,7 @@ def letters(text: str) -> str:
 
 
 def _by_word(pairs: Sequence[tuple[str, str]]) -> dict[str, bool]:
+    """Return whether each word, by its letters, is the second one of its pair."""
     return {letters(word): place == 1 for pair in pairs for place, word in enumerate(pair)}
 
 
@@ -198,7 +200,7 @@ _SUMMARIES = {*map(letters, SUMMARIES)}
 
 
 def perforates(word: str) -> bool | None:
-    """Return whether a word says that an armour was perforated; None if it says neither."""
+    """Return True for a word that says that an armour was perforated, False if it stopped the shot, otherwise None."""
     return PERFORATED.get(letters(word))
 
 
@@ -219,7 +221,7 @@ def is_unit(text: str) -> bool:
 
 @cache
 def _keys(columns: tuple[str, ...]) -> dict[str, str]:
-    """Return the keys of columns by the letters of their names without units."""
+    """Return the given keys by the letters of every name that their columns may have, without units."""
     keys = {letters(name): key for key in reversed(columns) for name in USUAL_NAMES.get(key, ())}
     for key in columns:
         unit = words_and_unit(key)[1]
@@ -228,7 +230,7 @@ def _keys(columns: tuple[str, ...]) -> dict[str, str]:
 
 
 def _key_of(name: str, keys: Mapping[str, str]) -> str | None:
-    """Return the key of a folded name, which may have a word for "number" at an end; None if it has none."""
+    """Return the key of a name, which may begin or end with a word for "number"; None if it has no key."""
     name = letters(name)
     if (key := keys.get(name)) is not None:
         return key
@@ -237,9 +239,9 @@ def _key_of(name: str, keys: Mapping[str, str]) -> str | None:
 
 
 def column_of(header: str, columns: Sequence[str]) -> Column:
-    """Return the column that a header names: one of some keys, by any usual name and in any unit, or another one.
+    """Return the column that a header names: one of the keys `columns`, by any usual name and in any unit.
 
-    The factor is 0 if the unit is missing or is none of the key's.
+    If it names none of these, the column is not `known`.  The factor is 0 if the unit is missing or does not fit.
     """
     if header in columns:
         return Column(header, yes=YES_MEANS.get(header))
@@ -261,7 +263,7 @@ def column_of(header: str, columns: Sequence[str]) -> Column:
 
 
 def columns_of(header: Sequence[str], keys: Sequence[str]) -> list[Column]:
-    """Return the columns of a table by its header; a key itself goes before other names for it."""
+    """Return the columns of a table by its header; other names for a key do not count if the key itself is there."""
     result = next((key for key in RESULT_KEYS if key in keys), "")
     names = (*keys, *GROUPS, *(YES_MEANS if result else COUNT_KEYS))
     columns = []
@@ -274,7 +276,7 @@ def columns_of(header: Sequence[str], keys: Sequence[str]) -> list[Column]:
 
 
 def _of_words(key: str, header: str) -> Column:
-    """Return a column of texts: of results, and of yes and no, by what its header says in brackets."""
+    """Return a column of words; for results and yes and no, the brackets in its header may tell what yes means."""
     column = Column(key, yes=YES_MEANS.get(key))
     note = " ".join(_BRACKETS.findall(header))
     if key not in (*RESULT_KEYS, *YES_MEANS) or not note:

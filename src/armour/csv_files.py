@@ -26,10 +26,10 @@ from armour.units import key_hint
 MAX_TABLE_ROWS = 100_000
 # Greatest length of a line; a device such as /dev/zero has no end of line.
 MAX_LINE = 100_000
-# Number of lines among which the header is, and the names that it must have to be below others.
+# Number of first lines among which the header is; least number of known names in a header that is not the first line.
 HEAD, LEAST_NAMES = 40, 2
 SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
-# Endings of workbooks; the greatest size of all their parts, unpacked, and number of columns.
+# Endings of workbooks; greatest size of all parts of one, unpacked, in bytes; greatest number of columns.
 WORKBOOKS, MAX_UNPACKED, MAX_COLUMNS = (".xlsx", ".xlsm"), 100_000_000, 1000
 # Units that messages suggest.
 USUAL_UNITS = ("m/s", "ft/s", "mm", "in", "g", "grain", "°")
@@ -134,9 +134,10 @@ def open_table(
     *,
     own: bool = False,
 ) -> Source:
-    """Open a file, which may be a shipped one unless it must be the user's ``own``, or rows.
+    """Open a table: a file, a shipped file by its name unless it must be the user's ``own``, or rows given in Python.
 
-    The header has the most known names among the first lines.  The ``content`` replaces that of a CSV file.
+    ``known`` tells whether a text names a column; the header is the one of the first lines with the most such names.
+    ``content`` replaces that of a CSV file; ``sheet`` is that of a workbook, by default the first.
     """
     if not isinstance(table, str | PathLike):
         return _of_rows(table)
@@ -171,7 +172,7 @@ def _csv_source(path: Path, source: Source, known: Callable[[str], bool], conten
 
 
 def _most_known(rows: Sequence[Sequence[str]], known: Callable[[str], bool]) -> tuple[int, int]:
-    """Return the number of names in the header, and its place: the first row unless another one has more names."""
+    """Return the number of known names in the header, and its index: 0 unless another row has the most names."""
     # Words such as "no" are names too, but not twice.
     counts = [sum(known(cell.strip()) for cell in {*row}) for row in rows]
     most = max(counts, default=0)
@@ -179,7 +180,7 @@ def _most_known(rows: Sequence[Sequence[str]], known: Callable[[str], bool]) -> 
 
 
 def _with_header(source: Source, lines: Iterator[Line], known: Callable[[str], bool]) -> Source:
-    """Take the header from the lines of a table, with the units in a line of their own below it, if there is one."""
+    """Take the header from the lines of a table; if the line below has only units, add them to the names."""
     head = [*islice(lines, HEAD)]
     if not head:
         return source
@@ -298,7 +299,7 @@ def shipped_rows(name: str) -> list[dict[str, str]]:
 
 
 def _of_rows(table: Any) -> Source:
-    """Return the source of rows as mappings, of columns by name, or of a data frame."""
+    """Return a source for rows given in Python: mappings, columns by name, or a data frame."""
     columns = getattr(table, "columns", table if isinstance(table, Mapping) else None)
     try:
         # A data frame gives its columns, and anything else its rows.  If two names are the same, these are too short.
@@ -327,11 +328,11 @@ def read_rows(
     where: Mapping[str, str] | None = None,
     least: int = 1,
 ) -> CsvTable:
-    """Read the rows of a table whose header names columns of numbers and of texts, at least those needed.
+    """Read the rows of a table with columns of ``numbers`` and of ``texts``, given by key, at least those ``needed``.
 
-    The first column of texts names the row, and ``noun`` says what a row is.  Other columns are ignored, but if one is
-    like one of these, the message lists the ``usual`` ones.  Rows are left out that do not count, or whose cells are
-    not those that ``where`` requires, by column; at least so many rows must be left.
+    The first column of texts names the row, and ``noun`` says what a row is.  Other columns are ignored, unless one
+    looks like a misspelt key; the message then lists the ``usual`` columns.  Rows are left out if they do not count, or
+    if their cells differ from those that ``where`` requires, by column.  At least ``least`` rows must be left.
     """
     file, header, keys = source.file, source.header, (*numbers, *texts)
     if not source.place:
@@ -392,7 +393,7 @@ def read_rows(
 
 
 def _fill_texts(source: Source, name: str, column: Column, cells: Sequence[str], rows: Sequence[CsvRow]) -> list[str]:
-    """Fill the rows with the cells of a column of texts, and return how."""
+    """Fill the rows with the cells of a column of texts; return words on how they were read."""
     words = no_crosses(cells, column)
     for row, cell in zip(rows, words, strict=True):
         is_word = is_yes(cell) is not None
@@ -407,7 +408,7 @@ def _fill_texts(source: Source, name: str, column: Column, cells: Sequence[str],
 
 
 def _fill_numbers(source: Source, name: str, column: Column, cells: Sequence[str], rows: Sequence[CsvRow]) -> list[str]:
-    """Fill the rows with the cells of a column of numbers, and return how."""
+    """Fill the rows with the cells of a column of numbers; return words on how they were read."""
     mark = decimal_mark(cells, column, source.form)
     for row, cell in zip(rows, cells, strict=True):
         value = number_as(cell, mark or ".")
@@ -424,9 +425,9 @@ def _fill_numbers(source: Source, name: str, column: Column, cells: Sequence[str
 
 
 def no_crosses(cells: Sequence[str], column: Column) -> Sequence[str]:
-    """Return the cells of a column of yes and no with yes for crosses and no for blanks, if it has nothing else.
+    """Replace crosses by yes and blanks by no in a column of yes and no that has nothing else.
 
-    Without any cross, only a column of rows to leave out says so.
+    If all cells are blank, they mean no only in a column that marks the rows to leave out.
     """
     words = {cell.casefold() for cell in cells} - {""}
     leaves_out = column.key == COUNT_KEYS[0] and column.yes is False
@@ -436,7 +437,7 @@ def no_crosses(cells: Sequence[str], column: Column) -> Sequence[str]:
 
 
 def _without_copies(source: Source, columns: list[Column], lines: Sequence[Line]) -> list[Column]:
-    """Return the columns without those that say the same as another in another unit, or in the opposite words."""
+    """Return the columns; one that repeats another in another unit or in opposite words is not `known` any more."""
 
     def values(place: int) -> list[float]:
         column, cells = columns[place], [cells[place] for _, cells in lines]
@@ -460,8 +461,8 @@ def _without_copies(source: Source, columns: list[Column], lines: Sequence[Line]
 def _wrong_columns(
     source: Source, columns: Sequence[Column], keys: Sequence[str], needed: Sequence[str], usual: str
 ) -> Iterator[tuple[str, str]]:
-    """Yield what is wrong with the columns of a table, each with the column."""
-    found = [column.key for column in columns if column.known]
+    """Yield the mistakes in the columns of a table: the name of the column, and what is wrong."""
+    known_keys = [column.key for column in columns if column.known]
     sections = {key.partition(".")[0] for key in keys if "." in key}
     by_other_names = {column.key for name, column in zip(source.header, columns, strict=True) if column.key != name}
     missing, several = [key for key in keys if key not in by_other_names], set[str]()
@@ -472,7 +473,7 @@ def _wrong_columns(
             stem = re.sub(r"\s*[(\[].*", "", name)
             ways = joined([f'"{stem} ({unit})"' for unit in column.units or () if unit in USUAL_UNITS], "or")
             yield name, f"must have its unit, as {ways}"
-        elif column.known and found.count(column.key) > 1 and column.key not in several:
+        elif column.known and known_keys.count(column.key) > 1 and column.key not in several:
             several.add(column.key)
             same = [name for name, other in zip(source.header, columns, strict=True) if other.key == column.key]
             key = f"{source.place}: {name}" if name else source.place
@@ -481,15 +482,18 @@ def _wrong_columns(
         elif not column.known and name:
             like = key_hint(name, missing) or suggestion(name, missing)
             is_key = "." in name and name.partition(".")[0] in sections
-            if like or is_key or not found:
+            if like or is_key or not known_keys:
                 yield name, f"unknown column{like or CHOOSE + usual}"
-    yield from ((key, "is missing and must be a column") for key in needed if key not in found)
+    yield from ((key, "is missing and must be a column") for key in needed if key not in known_keys)
 
 
 def _chosen(
     source: Source, columns: Sequence[Column], lines: list[Line], where: Mapping[str, str], uncounted: Collection[str]
 ) -> list[Line]:
-    """Return the lines whose cells are those required, by column."""
+    """Return the lines whose cells are those that `where` requires, by name of column.
+
+    `uncounted` has the places of lines that do not count, in which a required column may be blank.
+    """
     for name, value in ((name, str(value)) for name, value in where.items()):
         index = place_of(source, columns, name)
         values = dict.fromkeys(cells[index] for _, cells in lines)
@@ -503,7 +507,7 @@ def _chosen(
 
 
 def place_of(source: Source, columns: Sequence[Column], name: str) -> int:
-    """Return the place of the column that a name means."""
+    """Return the index of the column that a name means."""
     for place, (header, column) in enumerate(zip(source.header, columns, strict=True)):
         if name == column.key or letters(name) == letters(header):
             return place
@@ -511,7 +515,7 @@ def place_of(source: Source, columns: Sequence[Column], name: str) -> int:
 
 
 def _uncounted(source: Source, columns: Sequence[Column], lines: Sequence[Line], naming: str) -> set[str]:
-    """Return the places of the lines that do not count, or whose name is that of a mean or the like."""
+    """Return the places of the lines that do not count, or whose name, in the column `naming`, is that of a summary."""
     by_key = {column.key: place for place, column in enumerate(columns) if column.known}
     name, index = by_key.get(naming), by_key.get(COUNT_KEYS[0])
     places = {place for place, cells in lines if name is not None and is_summary(cells[name])}
@@ -527,7 +531,7 @@ def _uncounted(source: Source, columns: Sequence[Column], lines: Sequence[Line],
 
 
 def _equal(source: Source, naming: str, rows: Sequence[CsvRow], lines: Sequence[Line]) -> list[str]:
-    """Return the places of shots without a name that equal earlier ones; any other row must be written once."""
+    """Return the places of shots without a name that equal earlier ones; report any other row that repeats one."""
     places: dict[tuple[str, ...], str] = {}
     equal = []
     for row, (place, cells) in zip(rows, lines, strict=True):
@@ -540,9 +544,9 @@ def _equal(source: Source, naming: str, rows: Sequence[CsvRow], lines: Sequence[
 
 
 def decimal_mark(cells: Iterable[str], column: Column, form: Collection[str]) -> str | None:
-    """Return the mark of the decimals in a column, by its cells and the bounds of the quantity; None if it may be both.
+    """Return the decimal mark of a column, by its cells and the bounds of its quantity; None if both are possible.
 
-    A table with commas between its columns has points, unless a cell has a comma.
+    The mark is a point in a table with commas between its columns, unless a cell has a comma.
     """
     cells = [cell for cell in cells if cell]
     has_commas = any("," in cell for cell in cells)
@@ -563,13 +567,13 @@ def decimal_mark(cells: Iterable[str], column: Column, form: Collection[str]) ->
 
 
 def two_meanings(cell: str) -> str:
-    """Return what is wrong with a number that may have decimals or groups of digits; "" if it is not such a one."""
+    """Return what is wrong with a number whose comma or point may mark decimals or thousands; "" for any other cell."""
     meanings = [f"{value:.12g}" for value in sorted({number_as(cell, mark) or 0.0 for mark in ".,"})]
     return f'must be a number with one meaning, found "{cell}": {" or ".join(meanings)}' if len(meanings) > 1 else ""
 
 
 def number_as(cell: str, mark: str) -> float | None:
-    """Return the number in a cell, given the mark of its decimals; None if there is none."""
+    """Return the number in a cell, given its decimal mark; None if the cell is not a number."""
     value = number(cell if mark == "." else "" if "." in cell else cell.replace(",", "."))
     if value is None and (grouped := _GROUPED[mark].fullmatch(cell)):
         return number_as(cell.replace(grouped[1], ""), mark)
@@ -577,32 +581,36 @@ def number_as(cell: str, mark: str) -> float | None:
 
 
 def check_one_target(table: CsvTable, perforated: Sequence[bool | None], or_each: str = "") -> None:
-    """Raise an InputError if the shots are at several targets, by a column such as panel."""
+    """Raise an InputError if the shots are at several targets, by a column such as panel.
+
+    `perforated` has the result of each shot, None if it is not known; `or_each` is added to the message.
+    """
     for name, values in table.groups.items():
-        if len(found := targets_of(table, name, perforated)) > 1:
-            shots = joined([f"{value} ({counted(values.count(value), 'shot')})" for value in found])
-            choice = quote(f"{name}={found[0]}")
+        if len(targets := targets_of(table, name, perforated)) > 1:
+            shots = joined([f"{value} ({counted(values.count(value), 'shot')})" for value in targets])
+            choice = quote(f"{name}={targets[0]}")
             message = f"must be the same for all shots, found {shots}; choose one: --where {choice}{or_each}"
             raise mistake(table.file, name, message)
 
 
 def targets_of(table: CsvTable, name: str, perforated: Sequence[bool | None]) -> list[str]:
-    """Return those values of a column that are no serial numbers: at least three shots have it, or both results.
+    """Return the values of a column that stand for targets, not serial numbers.
 
-    Blank cells, as in merged cells of a sheet, are such a value too, and refused if there are others.
+    At least three shots have such a value, or shots with both results.  Blank cells, as in merged cells of a sheet, are
+    refused if there are other values.
     """
     values, shots = table.groups[name], dict[str, list[bool | None]]()
     for value, result in zip(values, perforated, strict=True):
         shots.setdefault(value, []).append(result)
-    found = [value for value, results in shots.items() if len(results) >= 3 or len({*results}) == 2]
-    if found and len(shots) > 1:
+    targets = [value for value, results in shots.items() if len(results) >= 3 or len({*results}) == 2]
+    if targets and len(shots) > 1:
         blank = [row.place for row, value in zip(table.rows, values, strict=True) if not value]
         refuse(not_filled(table.file, name, blank))
-    return [*filter(None, found)]
+    return [*filter(None, targets)]
 
 
 def not_filled(file: str, name: str, blank: Sequence[str]) -> Iterator[Problem]:
-    """Yield what is wrong with a column that says what was fired at, given the rows in which it is blank."""
+    """Yield the problem of a column that names targets and is blank in some rows, given their places."""
     if blank:
         yield Problem(file, name, f"must be filled in every row that counts, found blank cells in {listed(blank)}")
 

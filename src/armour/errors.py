@@ -24,7 +24,7 @@ MAX_WORDS = 1000
 LIKENESS = 0.6
 # Separators of the words of a name; a point in a number is none.
 _BETWEEN = re.compile(r"[\s_,]+|\.(?=[a-z])")
-# Numbers in a name, of which another one names another thing, as 5083 and 5086 do.
+# Numbers in a name; names with different numbers, such as 5083 and 5086, name different things.
 _NUMBER = re.compile(r"\d+(?:\.\d+)?")
 # Precedes a list of names in a message.
 CHOOSE = "; choose from "
@@ -70,7 +70,7 @@ class Note(str):
         "caveat" if the answer itself contains the text, "too low" if the armour may stop more than the answer says,
         "not known" if it is the answer, "pairs" if the table of pairs of materials contains it; else empty.
     about : tuple
-        What a caveat is, with the numbers or the name that it is about; empty for other warnings.
+        Kind of a caveat, with the numbers or the name that it is about; empty for other warnings.
     """
 
     key: str
@@ -128,7 +128,7 @@ def mistake(file: str | PathLike[str], key: str, message: str) -> InputError:
 
 @contextmanager
 def restated(restate: Callable[[Problem], Problem]) -> Iterator[None]:
-    """Restate each mistake found meanwhile, such as with the file or the key that a user knows."""
+    """Make a context in which `restate` changes each mistake found, as to name the file or key that a user knows."""
     try:
         yield
     except InputError as error:
@@ -142,7 +142,7 @@ def refuse(problems: Iterable[Problem]) -> None:
 
 
 def _listed_once(problems: Iterable[Problem]) -> Iterator[Problem]:
-    """Yield the problems; a list of choices that several of them have stays with the first only."""
+    """Yield the problems; if several list the same choices, only the first one keeps the list."""
     lists = set[str]()
     for problem in problems:
         message, _, names = problem.message.partition(CHOOSE)
@@ -180,7 +180,7 @@ def duration(seconds: float) -> str:
 def in_two_lines(warnings: Sequence[str], where: str) -> list[str]:
     """Return warnings in at most two lines: what lies outside the tests of the model, and the first other warning.
 
-    Those that the answer contains are left out.  `where` says, in words, where all of them are.
+    Warnings that the answer contains are left out.  `where` says, in words, where all warnings are.
     """
     warnings = [warning for warning in warnings if not (isinstance(warning, Note) and warning.said)]
     outside = [warning for warning in warnings if isinstance(warning, Note) and warning.brief]
@@ -196,7 +196,7 @@ def in_two_lines(warnings: Sequence[str], where: str) -> list[str]:
 
 
 def suggestion(word: str, names: Sequence[str]) -> str:
-    """Return a hint at the name closest to a wrong one, such as '; did you mean "AD85"?'; "" if none is close."""
+    """Return a hint at the one of `names` closest to a wrong word, as '; did you mean "AD85"?'; "" if none is close."""
     if len(names) > MAX_WORDS:
         return ""
     folded, by_folded = _folded(word), {_folded(name): name for name in names}
@@ -209,6 +209,7 @@ def suggestion(word: str, names: Sequence[str]) -> str:
 
 
 def _folded(name: str) -> str:
+    """Return a form of a name that is equal for names that differ only in case or in the form of characters."""
     return unicodedata.normalize("NFKC", name).casefold()
 
 
@@ -222,7 +223,10 @@ def _unlike(word: str, name: str) -> str:
 
 
 def _is_like(word: str, name: str) -> bool:
-    """Return whether a name has each number of a word, and all words within one are like some of the other's."""
+    """Return whether a name may be meant by a misspelt one, `word`.
+
+    The name must have each number of the other; and all words of one of the two must be like words of the other.
+    """
     if not {*_NUMBER.findall(word)} <= {*_NUMBER.findall(name)}:
         return False
     parts, others = _BETWEEN.split(word), _BETWEEN.split(name)
@@ -233,6 +237,6 @@ def _is_like(word: str, name: str) -> bool:
 
 
 def choices(word: str, names: Sequence[str]) -> str:
-    """Return a hint at the name closest to a wrong one, or at all names if none is close."""
+    """Return a hint at the one of `names` closest to a wrong word, or a list of all names if none is close."""
     separator = "; " if any("," in name for name in names) else ", "
     return suggestion(word, names) or CHOOSE + separator.join(names)

@@ -1,4 +1,4 @@
-"""Shipped data, reading of text and TOML files, texts made safe for files, and writing of whole files."""
+"""Shipped data, reading of text and TOML files, escaping of texts for files, and writing of whole files."""
 
 import os
 import re
@@ -43,6 +43,7 @@ def shipped_files(folder: str, ending: str) -> dict[str, Path]:
 
 @cache
 def _files_below(top: Path, ending: str) -> dict[str, Path]:
+    """Return the files with an ending in a folder and those below it, see `shipped_files`."""
     return {path.relative_to(top).as_posix().removesuffix(ending): path for path in sorted(top.rglob(f"*{ending}"))}
 
 
@@ -57,12 +58,12 @@ def shipped_tests() -> dict[str, Path]:
 
 
 def shipped_notebooks() -> dict[str, Path]:
-    """Return the shipped notebooks by name, with its ending."""
+    """Return the shipped notebooks by file name."""
     return {path.name: path for path in shipped_files("docs", ".ipynb").values()}
 
 
 def _kinds() -> dict[str, dict[str, Path]]:
-    """Return the shipped scenarios, suites and tables by name, by what they are."""
+    """Return the shipped scenarios, suites and tables: for each kind of file, in words, the files by name."""
     return {
         "scenario": shipped_files("scenarios", ".toml"),
         "suite": shipped_suites(),
@@ -71,7 +72,7 @@ def _kinds() -> dict[str, dict[str, Path]]:
 
 
 def located(path: Path, files: Mapping[str, Path]) -> Path:
-    """Return the file at a path or, if there is none, the shipped file of that name, which has no ending.
+    """Return the file at a path or, if there is none, the one of the shipped `files` with that name, without ending.
 
     If there is neither, raise an InputError that says what is shipped under the name, or the closest name.
     """
@@ -124,7 +125,7 @@ def read_text(path: str | PathLike[str]) -> str:
 
 
 def refuse_pipe(path: str | PathLike[str]) -> None:
-    """Raise an OSError for a named pipe, which nobody may write to; those that a shell opens are read."""
+    """Raise an OSError for a named pipe, which might never be written to; pipes that a shell opens are allowed."""
     if stat.S_ISFIFO(os.stat(path).st_mode) and not os.path.realpath(path).startswith(("/dev/", "/proc/")):
         raise OSError("is a named pipe")
 
@@ -144,13 +145,14 @@ def decoded(stream: BinaryIO, file: str) -> str:
 def read_toml(path: str | PathLike[str], *, quoted: bool = True) -> dict[str, Any]:
     """Read a TOML file; raise an InputError if it cannot be read or is not valid TOML.
 
-    The message quotes a line unless another file has named this one, which may then be any file of the user.
+    The message quotes the wrong line only if `quoted`.  It must not if another file has named this one, which may then
+    be any file of the user.
     """
     return parse_toml(read_text(path), str(path), quoted=quoted)
 
 
 def parse_toml(text: str, file: str, *, quoted: bool = True) -> dict[str, Any]:
-    """Parse a text in TOML; `file` is its name in messages, which quote lines or not."""
+    """Parse a text in TOML; `file` is its name in messages, which quote the wrong line if `quoted`."""
     try:
         data = tomllib.loads(text)
         if _depth(data) > MAX_DEPTH:
@@ -169,12 +171,13 @@ def parse_toml(text: str, file: str, *, quoted: bool = True) -> dict[str, Any]:
 
 
 def _depth(value: object) -> int:
+    """Return how deeply tables and lists are nested; 1 for any other value."""
     inner = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
     return 1 + max(map(_depth, inner), default=0)
 
 
 def printable(text: str) -> str:
-    """Escape the control characters of a text from a file, line ends among them."""
+    """Escape the control characters of a text from a file, including line ends."""
     return "".join(
         character
         if character.isprintable() or unicodedata.category(character) == "Zs"
@@ -233,8 +236,8 @@ def _is_stream(path: Path) -> bool:
 def write_file(path: Path, content: bytes) -> None:
     """Write a file completely or not at all, under another name at first; raise an InputError if it cannot be written.
 
-    The target of a symbolic link within a folder is replaced, and the new file keeps its permissions.  Devices and
-    pipes are written to directly.
+    The target of a symbolic link within a folder is replaced, and the new file gets the permissions of the old one.
+    Devices and pipes are written to directly.
     """
     refuse(unwritable(path))
     target = Path(os.path.realpath(path))
@@ -288,7 +291,7 @@ def make_private(folder: Path) -> bool:
 
 
 def is_trusted(path: Path) -> bool:
-    """Return whether only this user and root can have written a folder or a file, which is no link."""
+    """Return whether a folder or file can only have been written by this user or root, and is not a link."""
     status = path.lstat()
     is_own = not hasattr(os, "geteuid") or (status.st_uid in (os.geteuid(), 0) and not status.st_mode & 0o022)
     return is_own and not stat.S_ISLNK(status.st_mode)

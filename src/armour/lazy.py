@@ -1,7 +1,7 @@
-"""Names that commands need once they compute, which are more than help needs: each is imported on first use.
+"""Names that commands need to compute, but not for their help: each is imported on first use.
 
-They are those in the stub file ``lazy.pyi``.  ``from armour import lazy`` would first look for a public name, which is
-slow: ``import armour.lazy as lazy``.
+The stub file ``lazy.pyi`` lists the names.  Write ``import armour.lazy as lazy``: ``from armour import lazy`` would
+first look for a public name, which is slow.
 """
 
 

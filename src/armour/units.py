@@ -10,7 +10,7 @@ MPA = 1e6
 GPA = 1e9
 KN = 1e3
 
-# Units by the ending of a key; a longer ending precedes any that it ends with.
+# Units by the ending of a key; the first ending that fits counts.
 ENDINGS = {
     "_kg_m2": "kg/m²",
     "_kg_m3": "kg/m³",
@@ -25,12 +25,12 @@ ENDINGS = {
 }
 
 
-# A velocity in ft/s is this many times that in m/s; a limit computed or measured may differ by a factor.
+# Number of ft/s in 1 m/s; factor by which a computed limit and a measured one may differ.
 FEET, UNLIKE = 1.0 / 0.3048, 1.4
 
 
 def feet_note(velocity_m_s: float, limit_m_s: float) -> str:
-    """Return a note that a velocity is unlike a limit as if one were in ft/s; "" if it is not."""
+    """Return a note if the ratio of a velocity to a limit suggests that one of them is in ft/s; otherwise ""."""
     ratio = velocity_m_s / limit_m_s
     for factor, unit in ((FEET, "ft/s"), (1.0 / FEET, "m/s in a column of ft/s")):
         if 1.0 / UNLIKE < ratio / factor < UNLIKE:
@@ -51,7 +51,7 @@ def words_and_unit(key: str) -> tuple[str, str]:
 
 
 def key_hint(name: str, names: Sequence[str]) -> str:
-    """Return a hint at the name from which a wrong one differs only by its section or its unit; "" if there is none."""
+    """Return a hint at the one of `names` that differs from a wrong name only by section or unit; "" if none does."""
     keys: dict[str, str] = {}
     for key in names:
         keys.setdefault(key, key)

@@ -1,7 +1,7 @@
-"""Ballistic limit, the lowest change of the outcome in a scan of impact velocities, and the confidence in an armour.
+"""Ballistic limit of an armour, found by a scan of impact velocities, and the confidence in an armour.
 
-The confidence in an armour is the probability that it stops its threat, given the model error.  For a ceramic without
-tests, of which that is not known, there is the flow stress with which it stops the threat.
+The confidence is the probability that the armour stops its threat, given the model error.  For a ceramic without tests,
+the model error is not known; this module then computes the flow stress that the ceramic needs to stop the threat.
 """
 
 from dataclasses import dataclass, replace
@@ -25,8 +25,8 @@ from armour.scenario.inputs import FLOW_STRESS, OBLIQUITY
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S
 
-# Range of flow stresses that is searched, GPa; the number of values in a grid, and the number of grids, each finer than
-# the one before, until two neighbours differ by less than 0.01 %.
+# Range of flow stresses that is searched, GPa; number of values in a grid, and number of grids.  Each grid divides an
+# interval of the grid before; two neighbours in the last grid differ by less than 0.01 %.
 RANGE_GPA, POINTS, GRIDS = (0.1, 100.0), 64, 3
 # Probability that is used if the scenario requires none.
 USUAL_PROBABILITY = 0.9
@@ -44,17 +44,17 @@ class NeededFlowStress:
     ----------
     ceramic : str
     needed_GPa : float or None
-        Least flow stress from which on the ballistic limit by the model is at least the velocity required, GPa; None
+        Flow stress above which the ballistic limit by the model is always at least the velocity required, GPa; None
         if 100 GPa is too little.
     probability : float
         Probability of stopping the threat that is required.
     needed_for_probability_GPa : float or None
-        Least flow stress from which on the probability of stopping the threat is at least this, with the model error of
-        AD85, of constant flow stress, GPa; None if 100 GPa is too little.
+        Flow stress above which, moreover, the probability of stopping the threat is always at least `probability`,
+        with the model error of AD85 with a constant flow stress, GPa; None if 100 GPa is too little.
     sources_GPa : tuple of float
         Least and greatest flow stress that sources give, GPa, or one number, or none.
     limits_m_s : tuple of float
-        Ballistic limits by the model with these, m/s.
+        Ballistic limits by the model with these flow stresses, m/s.
     """
 
     ceramic: str
@@ -68,10 +68,10 @@ class NeededFlowStress:
 def needed_flow_stress(
     scenario: Scenario, required_m_s: float, probability: float | None = None
 ) -> NeededFlowStress | None:
-    """Return the flow stress that a ceramic without tests needs; None without such a ceramic, or without a metal.
+    """Return the flow stress that a ceramic without tests needs; None if the scenario has no such ceramic.
 
-    It is None, too, with a layer between, for long rods, and with other settings of the model than those used to
-    compute the tests.
+    Return None, too, for a back plate that is not a metal, for an interlayer, for long rods, and if the settings of the
+    model differ from those used to compute the tests.
 
     Parameters
     ----------
@@ -87,12 +87,12 @@ def needed_flow_stress(
     core = scenario.core_armour()
     if is_no_metal(core.rho_B) or is_long_rod(core) or other_settings(scenario):
         return None
-    required, sources = probability or USUAL_PROBABILITY, ceramic.flow_stress_sources_GPa
-    likely_m_s = scenario.impact.velocity_m_s / float(constant_law_error().quantile(1.0 - required))
+    probability, sources = probability or USUAL_PROBABILITY, ceramic.flow_stress_sources_GPa
+    likely_m_s = scenario.impact.velocity_m_s / float(constant_law_error().quantile(1.0 - probability))
     return NeededFlowStress(
         ceramic.name,
         _needed(scenario, required_m_s),
-        required,
+        probability,
         _needed(scenario, max(required_m_s, likely_m_s)),
         sources,
         tuple(limits_over(scenario, np.array(sources)).tolist()),
@@ -100,20 +100,20 @@ def needed_flow_stress(
 
 
 def constant_law_error() -> Mixture:
-    """Return the ratio of measured to computed limits of AD85 with a constant flow stress, which has no trend."""
+    """Return the distribution of measured / computed limits of AD85 with a constant flow stress, without a trend."""
     fit = fits()["constant"]
     scale = np.sqrt(fit.variance + fit.covariance[:, 0])
     return Mixture(np.ones(1), fit.coefficients, scale, np.array([fit.degrees_of_freedom]))
 
 
 def limits_over(scenario: Scenario, flow_stresses_GPa: Floats) -> Floats:
-    """Return the ballistic limits with flow stresses of the ceramic, m/s, (n,), at least 20 and at most 10,000 m/s."""
+    """Return the ballistic limit for each flow stress of the ceramic, m/s, (n,), clipped to 20 to 10,000 m/s."""
     rows = variants_of(scenario, {FLOW_STRESS: flow_stresses_GPa}, len(flow_stresses_GPa))
     return ballistic_limits(rows, (SLOWEST_M_S, FASTEST_M_S)).clip(SLOWEST_M_S, FASTEST_M_S)
 
 
 def _needed(scenario: Scenario, required_m_s: float) -> float | None:
-    """Return the least flow stress from which on the ballistic limit is at least the one required, GPa."""
+    """Return the flow stress above which the ballistic limit is always at least `required_m_s`, GPa; None for none."""
     low, high = RANGE_GPA
     for _ in range(GRIDS):
         grid = np.geomspace(low, high, POINTS)
@@ -198,7 +198,7 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
     """Compute the ballistic limit of a scenario's armour: the lowest change of the outcome that a scan finds.
 
     The scan has 33 velocities, evenly spaced on a logarithmic scale, or 1,025 if the armour is far from all tests that
-    the model was compared with.  Those at which the projectile lacks the energy to perforate are not computed.
+    the model was compared with.  Velocities at which the projectile lacks the energy to perforate are not computed.
 
     Parameters
     ----------
@@ -242,14 +242,14 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
         model_error=error,
         interval_m_s=None if error is None else error.interval(limit),
         median_m_s=None if error is None else error.median(limit),
-    ).of(scenario.subject(ANY_VELOCITY), scenario=scenario)
+    ).answering(scenario.subject(ANY_VELOCITY), scenario=scenario)
 
 
 def model_error(row: Variants, limit_m_s: float) -> ModelError | None:
-    """Return the error of a row's ballistic limit by the model, m/s; None if it is not known or not included.
+    """Return the model error of a single row, given its ballistic limit, m/s; None if it is unknown or not included.
 
-    It is that of the section ``uncertainty.model`` or of tests of such armours.  With a ceramic, several laws of its
-    flow stress describe these tests; the limits by all laws but the scenario's own are computed here.
+    The section ``uncertainty.model`` gives the error, or else tests of similar armours.  These tests are described by
+    several laws of the ceramic's flow stress; the limits by the laws other than the scenario's are computed here.
     """
     errors = row.errors
     # The ratio by its own law is exactly 1.
@@ -263,7 +263,10 @@ def not_monotonic(limit: LimitResult) -> tuple[str, ...]:
 
 
 def find_crossings(row: Variants, points: int, on_progress: OnProgress) -> tuple[tuple[Crossing, ...], int, bool]:
-    """Return the changes of the outcome that the scan sees, the impacts computed, and whether the lowest perforates."""
+    """Find the changes of the outcome in a scan of velocities; `points` is the number of velocities.
+
+    Return the changes, the number of impacts computed, and whether the lowest scanned velocity perforates.
+    """
     section, armour, settings = row.scenario.ballistic_limit, row.scenario.core_armour(), row.settings
     low, high, tolerance = section.velocity_min_m_s, section.velocity_max_m_s, section.tolerance_m_s
     velocities = search.scan(low, high, points)
@@ -301,8 +304,8 @@ def residual_velocity_curve(
 ) -> tuple[ImpactResult, ...]:
     """Compute impacts of a scenario at velocities below, at and well above its ballistic limit.
 
-    They are dense just above the limit, where the residual velocity rises as a square root, and extend beyond the
-    last crossing.
+    The velocities are dense just above the limit, where the residual velocity rises as a square root, and extend beyond
+    the last crossing.
     """
     section = scenario.ballistic_limit
     ballistic_limit = limit.ballistic_limit_m_s
@@ -317,7 +320,7 @@ def residual_velocity_curve(
 
 
 def _no_limit(crossings: tuple[Crossing, ...], lowest_perforates: bool, points: int, low: float, high: float) -> str:
-    """Return why the range contains no ballistic limit."""
+    """Return the message that the scan, from `low` to `high` m/s, contains no ballistic limit, and why."""
     scanned = f"{points} velocities from {low:g} to {high:g} m/s"
     if not lowest_perforates:
         return f"no ballistic limit: none of {scanned} perforates; raise ballistic_limit.velocity_max_m_s"
@@ -353,11 +356,11 @@ class ConfidenceResult(Result):
     median_m_s : float or None
         Ballistic limit that the armour exceeds with a probability of 50 %, given this error, m/s.
     interval_m_s : tuple of float or None
-        Interval in which it lies with a probability of 95 %, m/s.
+        Interval in which the ballistic limit of the armour lies with a probability of 95 %, m/s.
     probability_at_normal_incidence : float or None
-        Where the probability at an angle is not known, that of an armour with a ceramic at 0 degrees.
+        Probability at 0 degrees, if an armour with a ceramic is hit at an angle and the probability there is not known.
     flow_stress : NeededFlowStress or None
-        Flow stress with which a ceramic without tests stops the threat; None of other armours.
+        Flow stress with which a ceramic without tests stops the threat; None for other armours.
     """
 
     probability_of_stopping: float | None
@@ -386,7 +389,7 @@ def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress)
     Parameters
     ----------
     scenario : Scenario
-        Its section ``uncertainty.model`` gives the model error; by default it is that of tests of such armours.
+        Its section ``uncertainty.model`` gives the model error; by default, tests of similar armours do.
     on_progress : callable, optional
         Called with the number of impacts computed since the last call, and None, as their total is not known.
 
@@ -402,11 +405,11 @@ def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress)
         required = scenario.design.confidence if scenario.design else None
         flow_stress = needed_flow_stress(scenario, scenario.impact.velocity_m_s, required)
     result = replace(result, warnings=(*warnings, *scenario.unused_distributions()), flow_stress=flow_stress)
-    return result.of(scenario=scenario)
+    return result.answering(scenario=scenario)
 
 
 def confidence_in(row: Variants, on_progress: OnProgress = ignore_progress) -> ConfidenceResult:
-    """Return the confidence in an armour, without warnings and the flow stress that a ceramic without tests needs."""
+    """Return the confidence in the armour of a single row, without `warnings` and `flow_stress`."""
     limit, error, reason = limit_and_error(row, on_progress)
     probability = probability_of_stopping(row.scenario, limit, error)
     if limit is None:
@@ -421,7 +424,10 @@ def confidence_in(row: Variants, on_progress: OnProgress = ignore_progress) -> C
 
 
 def limit_and_error(row: Variants, on_progress: OnProgress) -> tuple[float | None, ModelError | None, str]:
-    """Return the ballistic limit of an armour, m/s, the model error, and why there is no limit; None for no limit."""
+    """Return the ballistic limit of a single row, m/s, its model error, and the reason if there is no limit.
+
+    Limit and error are None if they are not known.
+    """
     try:
         [limit] = row.limits_anywhere(on_progress).tolist()
     except InputError as error:
@@ -436,7 +442,8 @@ def limit_and_error(row: Variants, on_progress: OnProgress) -> tuple[float | Non
 def probability_of_stopping(scenario: Scenario, limit_m_s: float | None, error: ModelError | None) -> float | None:
     """Return the probability that an armour stops the projectile at its impact velocity; None if it is not known.
 
-    Without a limit, a model error says that no velocity perforates: a lower bound is known then.
+    An error without a limit means that no velocity up to 10,000 m/s perforates.  The probability for a limit of
+    10,000 m/s is then a lower bound, returned if it exceeds 0.995.
     """
     velocity = scenario.impact.velocity_m_s
     if error is None:
@@ -448,5 +455,5 @@ def probability_of_stopping(scenario: Scenario, limit_m_s: float | None, error: 
 
 
 def no_error(scenario: Scenario) -> str:
-    """Return why the model error is not known, or not included, for a scenario that has none."""
+    """Return the reason why the model error of a scenario is not known or not included."""
     return row_of(scenario).why_error_unknown()

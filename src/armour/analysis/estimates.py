@@ -43,7 +43,7 @@ def proportion(hits: int, samples: int) -> Estimate:
 
 
 def mean_of_replicates(values: Floats) -> Estimate:
-    """Estimate the mean of values of independent replicates, (replicates,), with the t interval."""
+    """Estimate the mean of the values of independent replicates, (replicates,), with the t interval."""
     from scipy.special import stdtrit  # slow to import
 
     mean, count = float(values.mean()), len(values)
@@ -61,16 +61,16 @@ def proportion_of_replicates(hits: Sequence[int], sizes: Sequence[int]) -> Estim
     if min(sum(hits), samples - sum(hits)) < len(sizes):
         return plain
     mean = mean_of_replicates(np.divide(hits, sizes))
-    # Replicates may agree to the last hit; their spread does not resolve less than one hit in all of them.
+    # All replicates may have the same proportion, but the interval is not narrower than about one hit in all of them.
     half = max(mean.high - mean.value, -log(INTERVAL_TAIL) / samples)
     return Estimate(plain.value, max(0.0, plain.value - half), min(1.0, plain.value + half))
 
 
 def jackknife(statistic: Callable[[Floats], Floats], sums: Floats) -> Estimate:
-    """Estimate a statistic of sums over independent replicates, (replicates, ...), with the t interval.
+    """Estimate a statistic of sums over all samples by the jackknife, with the t interval.
 
-    The statistic maps stacked sums, (n, ...), to values, (n,).  Leaving out one replicate at a time also removes its
-    bias, which is inversely proportional to the number of samples.
+    `sums` has the sums over each independent replicate, (replicates, ...); `statistic` maps stacked sums, (n, ...), to
+    values, (n,).  The jackknife also removes the bias that is inversely proportional to the number of samples.
     """
     whole = sums.sum(axis=0)
     values = statistic(np.concatenate([whole[None], whole - sums]))

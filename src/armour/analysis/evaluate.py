@@ -28,15 +28,16 @@ from armour.units import MM, G
 class Group(NamedTuple):
     """Rows of a table with the same settings: all that a worker needs to evaluate them."""
 
-    where: Ints  # their places in the table
+    where: Ints  # indices of the rows in the table
     variants: Variants
 
 
 def evaluate(scenario: Scenario, columns: Mapping[str, Any], quantities: Sequence[str]) -> dict[str, Any]:
-    """Return quantities by name, each an array, (n,), for n rows of values by key of the scenario or name of input.
+    """Evaluate quantities, given by name, for n rows; return an array, (n,), by name of quantity.
 
-    Without columns, the quantities are those of the scenario itself.  A question without an answer gives NaN.  Raise an
-    InputError if a quantity is unknown, a row is not valid, or a key has no effect.
+    `columns` has the values of the rows, (n,), by key of the scenario or name of input; without columns, the only row
+    is the scenario itself.  A question without an answer gives NaN.  Raise an InputError if a quantity is unknown, a
+    row is not valid, or a key has no effect.
     """
     check_quantities(scenario, quantities, "evaluate")
     check_keys(scenario, {key: values[0].item() for key, values in columns.items()}, quantities, "evaluate")
@@ -44,7 +45,7 @@ def evaluate(scenario: Scenario, columns: Mapping[str, Any], quantities: Sequenc
 
 
 def check_quantities(scenario: Scenario, quantities: Sequence[str], file: str) -> None:
-    """Check that quantities are known, and that the scenario has the grid that they need."""
+    """Check that quantities are known, and that the scenario has a grid if one needs it; messages name `file`."""
     unknown = [name for name in quantities if name not in QUANTITIES]
     problems = [
         Problem(file, "quantities", f'unknown quantity "{name}"{choices(name, list(QUANTITIES))}') for name in unknown
@@ -58,7 +59,7 @@ def check_quantities(scenario: Scenario, quantities: Sequence[str], file: str) -
 
 
 def check_keys(scenario: Scenario, row: Mapping[str, float | str], quantities: Sequence[str], file: str) -> None:
-    """Check that each key of a table affects the quantities, given one row."""
+    """Check that each key of a table affects the quantities; `row` is one row of the table, `file` its name."""
     row = dict(zip(canonical(row, file), row.values(), strict=True))
     try:
         changed = scenario.replaced({key: value for key, value in row.items() if key not in INPUTS})
@@ -80,10 +81,10 @@ def groups_of(scenario: Scenario, columns: Mapping[str, Floats]) -> list[Group]:
 def scenarios_of(
     scenario: Scenario, columns: Mapping[str, Floats], place: Place = in_row
 ) -> Iterator[tuple[Ints, Scenario, dict[str, Floats]]]:
-    """Check rows of values, and yield their scenarios, each with the places of its rows and their values of inputs.
+    """Check rows of values; yield each scenario with the indices of its rows and the rows' values of inputs, by name.
 
-    Inputs go straight into the engine's arrays; each combination of values of the other keys makes a scenario.
-    `place` completes the problem in a row.
+    Each combination of values of the keys that are not inputs makes a scenario.  `place` takes the index of a row and
+    its problem, and returns the problem with the row named.
     """
     columns = dict(zip(canonical(columns, scenario.file), columns.values(), strict=True))
     count = len(next(iter(columns.values()))) if columns else 1
@@ -93,7 +94,7 @@ def scenarios_of(
         scenario.check_rows(inputs, place)
         yield np.arange(count), scenario, inputs
         return
-    # Places in the sorted values, as these may be numbers in one column and names in another.
+    # Indices into the sorted values, since the values may be numbers in one column and names in another.
     table = np.column_stack([np.unique(columns[key], return_inverse=True)[1] for key in settings])
     _, first, combination_of_row = np.unique(table, axis=0, return_index=True, return_inverse=True)
     for index in np.argsort(first):
@@ -107,14 +108,14 @@ def scenarios_of(
 
 
 def _placed(where: Ints, place: Place, row: int, problem: Problem) -> Problem:
-    """Complete a problem in a row of a group, given the places of its rows."""
+    """Name the row of a problem; `row` counts within a group, whose rows have the indices `where` in the table."""
     return place(int(where[row]), problem)
 
 
 def evaluate_groups(
     groups: Sequence[Group], quantities: Sequence[str], threads: int | None = None
 ) -> tuple[dict[str, Any], Counter[str]]:
-    """Evaluate quantities for groups of rows, see `evaluate`; return them, and warnings with their numbers of rows."""
+    """Evaluate quantities for groups of rows, see `evaluate`; return them, and the number of rows of each warning."""
     answers = [QuantityValues(group.variants._replace(threads=threads)) for group in groups]
     order = np.argsort(np.concatenate([group.where for group in groups]), kind="stable")
     columns = {
@@ -130,12 +131,12 @@ def evaluate_groups(
 
 
 def outside_of(scenario: Scenario, columns: Mapping[str, Any], quantities: Sequence[str]) -> Bools:
-    """Return whether each of n rows lies outside the tests, also with its velocity if the quantities depend on it."""
+    """Return whether each of n rows lies outside the tests; its impact velocity counts if the quantities need it."""
     groups, depends = groups_of(scenario, columns), "impact" in reads_of(quantities)
     is_outside = np.zeros(sum(len(group.where) for group in groups), dtype=bool)
     for where, variants in groups:
         velocities = variants.velocities if depends else np.full_like(variants.velocities, np.nan)
-        is_outside[where] = [bool(found) for found in outside_tests(variants.armours, velocities)]
+        is_outside[where] = [bool(factors) for factors in outside_tests(variants.armours, velocities)]
     return is_outside
 
 
@@ -170,7 +171,7 @@ class QuantityValues:
         return np.where(np.isfinite(limits), limits, np.nan)
 
     def least(self, layer: str) -> Thinnest:
-        """Return the least thicknesses of a layer, or of the armour, that stop the impacts."""
+        """Return the least thicknesses of the "ceramic", "back plate" or whole "armour" that stop the impacts."""
         if layer not in self._least_by_layer:
             self._least_by_layer[layer] = self.variants.least_thicknesses(layer)
         return self._least_by_layer[layer]
@@ -197,7 +198,7 @@ class QuantityValues:
 
     @property
     def fields(self) -> Any:
-        """Parameters of the variants, a column each."""
+        """Parameters of the variants, an array, (n,), by field of the core."""
         return batch.fields(self.variants.parameters)
 
     @property

@@ -91,7 +91,7 @@ class History(TableResult):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Warnings, which the result of the impact gives."""
+        """No warnings: the result of the impact has them."""
         return ()
 
     def __eq__(self, other: object) -> bool:
@@ -190,7 +190,7 @@ def simulate(scenario: Scenario, *, history: bool = False) -> ImpactResult:
     InputError
         If the run does not end within the maximum number of steps.
     """
-    return impact_at(scenario, scenario.impact.velocity_m_s, history=history).of(scenario=scenario)
+    return impact_at(scenario, scenario.impact.velocity_m_s, history=history).answering(scenario=scenario)
 
 
 def impact_at(scenario: Scenario, velocity: float, *, history: bool = False) -> ImpactResult:
@@ -218,7 +218,10 @@ def impact_at(scenario: Scenario, velocity: float, *, history: bool = False) -> 
 
 
 def run_impact(scenario: Scenario, velocity: float) -> tuple[Run, list[Instant], Parameters]:
-    """Run the core for a scenario; return the end, all instants, and the armour with the ceramic's intact strength."""
+    """Compute an impact at a velocity, m/s; return its end, all instants, and the parameters that it is computed with.
+
+    In these parameters, the strength of the intact ceramic is that by the law of the flow stress.
+    """
     armour, solver = stages.with_intact_strength(scenario.core_armour()), scenario.solver
     trace: list[Instant] = []
     end = run(armour, velocity, solver.time_step, solver.arrest_velocity_m_s, solver.max_steps, trace)
@@ -276,7 +279,7 @@ class EnergyBalance:
 
     @property
     def difference(self) -> float:
-        """Error of the balance: the energy at impact less that left and the losses, which are integrated apart."""
+        """Energy at impact minus the energies lost and left, J: the error of the integrated losses."""
         return self.before - self.eroded - self.braked - self.left
 
 
@@ -302,7 +305,7 @@ def _lost(start: Instant, end: Instant, p: Parameters) -> list[float]:
 
 
 def _power(y: State, k: State, p: Parameters) -> tuple[float, float]:
-    """Return the powers lost with eroded material and by braking, W, at a state with its rates."""
+    """Return the powers lost with eroded material and by braking, W, at state `y` with rates `k`."""
     per_length = p.rho_p * equations.cross_section(p.D0)
     return -0.5 * per_length * k.L * y.V**2, -per_length * y.L * k.V * y.V
 
@@ -331,7 +334,7 @@ def history_of(trace: Sequence[Instant], armour: Parameters, spacing: float) -> 
 
 
 def refined(trace: Sequence[Instant], armour: Parameters, spacing: float) -> list[Instant]:
-    """Return a trace with added instants at the multiples of a spacing, s, on the cubics through its steps."""
+    """Return a trace with instants added at the multiples of `spacing`, s, by cubic interpolation in each step."""
     instants = [trace[0]]
     for before, after in pairwise(trace):
         dt = after.t - before.t
@@ -340,7 +343,7 @@ def refined(trace: Sequence[Instant], armour: Parameters, spacing: float) -> lis
             k0, k1 = (stages.rates(instant.y, after.s, armour) for instant in (before, after))
             times = [spacing * i for i in inside]
             states = [state_within(before.y, k0, after.y, k1, dt, (t - before.t) / dt) for t in times]
-            # A bulge never recedes, but that of the cubic may, by its error, just after the plate starts to move.
+            # A bulge never recedes, but the interpolated one may, by its error, just after the plate starts to move.
             grown = [y._replace(h=max(y.h, before.y.h)) for y in states]
             instants += [Instant(t, y, after.s) for t, y in zip(times, grown, strict=True)]
         instants.append(after)

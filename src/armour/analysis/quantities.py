@@ -1,4 +1,4 @@
-"""Quantities that can be computed for a scenario, by name, and the words of quantities, inputs and keys.
+"""Quantities that can be computed for a scenario, by name, and labels of quantities, inputs and keys.
 
 The help of the command line lists them, so this module imports nothing that is slow to import;
 `armour.analysis.evaluate` computes the quantities.
@@ -29,13 +29,13 @@ class Quantity(NamedTuple):
     label: str
     unit: str
     spec: str  # format specification in tables
-    reads: tuple[str, ...]
-    compute: Callable[[Any], Any]  # its column, of `armour.analysis.evaluate.QuantityValues`
-    least: str = ""  # the layer whose least thickness it is, or follows from
+    reads: tuple[str, ...]  # sections and keys that it depends on besides projectile, armour, model and solver
+    compute: Callable[[Any], Any]  # takes `armour.analysis.evaluate.QuantityValues`, returns the values of the rows
+    least: str = ""  # layer whose least thickness this quantity is, or is computed from
 
     @property
     def on_grid(self) -> bool:
-        """Whether it needs the range of thicknesses of the section ``optimise``."""
+        """Whether the quantity needs the ranges of thicknesses of the section ``optimise``."""
         return "optimise" in self.reads
 
 
@@ -93,7 +93,7 @@ SPELLING = {"backing": "back plate", "caliber": "calibre", "m2": "m²", "youngs"
 
 
 def reads_of(names: Iterable[str]) -> set[str]:
-    """Return everything that the given quantities depend on, see `Quantity`."""
+    """Return the sections and keys that the named quantities depend on, see `Quantity.reads`."""
     return {read for name in names for read in QUANTITIES[name].reads}
 
 

@@ -1,4 +1,4 @@
-"""Base classes of results: as plain data, in a line, in a notebook and as data frames; progress of computations."""
+"""Base classes of results, their conversion to plain data and data frames, and the progress of computations."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
@@ -11,7 +11,7 @@ from armour.scenario.scenario import Scenario, heading
 
 
 def installed(packages: Iterable[str]) -> list[tuple[str, str]]:
-    """Return the packages that are installed, each with its version; numba may be missing."""
+    """Return those of the named packages that are installed, each with its version."""
     from importlib.metadata import PackageNotFoundError, version  # slow to import
 
     versions = []
@@ -22,7 +22,7 @@ def installed(packages: Iterable[str]) -> list[tuple[str, str]]:
 
 
 def made_by(scenario: Scenario | None, command: str) -> dict[str, str]:
-    """Return the origin of an output: versions, command, and the hash of the content of a scenario."""
+    """Return the origin of an output: versions, command, and the hash of the scenario's content."""
     from armour import MODEL_VERSION, __version__  # whose public names include those of this module
 
     origin = {"version": __version__, "model_version": MODEL_VERSION}
@@ -42,18 +42,21 @@ class Result:
         rows.  Each may be missing.
     """
 
-    # Makes the tables of a result as HTML.  They belong to a layer above; `armour/__init__.py` sets this.
+    # Returns the tables of a result as HTML.  Tables belong to a higher layer, so `armour/__init__.py` sets this.
     _in_html: ClassVar[Callable[["Result"], str] | None] = None
     question: ClassVar[Mapping[str, Any]] = {}
 
-    def of(self, computed: str | None = None, **question: Any) -> Self:
-        """Record what was computed, in words, and the scenario, shots or other data that a view shows."""
+    def answering(self, computed: str | None = None, **question: Any) -> Self:
+        """Record the question that this result answers, in the result itself, and return the result.
+
+        `computed` says what was computed, in words; `question` has the other entries of the attribute ``question``.
+        """
         words = {} if computed is None else {"computed": computed}
         vars(self)["question"] = {**self.question, **words, **question}
         return self
 
     def heading(self) -> list[str]:
-        """Return the first lines of every output; none for a result that is made by hand, without a scenario."""
+        """Return the first lines of every output; none for a result whose question is not recorded."""
         scenario = self.question.get("scenario")
         computed = self.question.get("computed") or (scenario.subject() if scenario else "")
         return heading(computed, scenario.title if scenario else "") if computed else []
@@ -66,11 +69,11 @@ class Result:
         return f"<{': '.join([type(self).__name__, *self.heading()[:1], self._words()])}>"
 
     def _words(self) -> str:
-        """Return the result in a line."""
+        """Return the main numbers of the result in one line."""
         raise NotImplementedError
 
     def _repr_html_(self) -> str | None:
-        """Return the tables that the command prints, for a notebook; None, for the line alone, without them."""
+        """Return the tables that the command prints, as HTML for a notebook; None if `_in_html` is not set."""
         return None if Result._in_html is None else Result._in_html(self)
 
 
@@ -82,7 +85,7 @@ class EachResult(Result):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """The warnings of each."""
+        """Warnings of all results, each after the name of its result."""
         return tuple(f"{name}: {text}" for name, result in self.results.items() for text in vars(result)["warnings"])
 
     def to_dict(self) -> dict[str, Any]:
@@ -95,7 +98,7 @@ class EachResult(Result):
 
 @dataclass(frozen=True, repr=False)
 class TableResult(Result):
-    """Result with rows; iteration gives each as a dictionary, so that ``pandas.DataFrame(result)`` has them as rows."""
+    """Result with rows; iteration gives each row as a dictionary, so that ``pandas.DataFrame(result)`` works."""
 
     def __iter__(self) -> Iterator[dict[str, Any]]:
         columns = self._columns()
@@ -104,7 +107,7 @@ class TableResult(Result):
     def to_dataframe(self) -> Any:
         """Return the rows as a data frame of pandas, or else of polars.
 
-        They are the stages of an impact, the instants of a history, the impacts of a comparison, the designs of the
+        The rows are the stages of an impact, the instants of a history, the impacts of a comparison, the designs of the
         frontier, the fitted curves of a V50, the residuals of a calibration, the inputs of a sensitivity, the points of
         the curve of an uncertainty, the threats and changes of a check, the planned tests, the checks of a suite or the
         rows of a sweep.
@@ -112,13 +115,13 @@ class TableResult(Result):
         return data_frame(self._columns())
 
     def _columns(self) -> Mapping[str, Any]:
-        """Return the rows as columns."""
+        """Return the columns by name, each with a value per row."""
         raise NotImplementedError
 
 
 def data_frame(columns: Mapping[str, Any]) -> Any:
     """Return columns as a data frame of pandas, or else of polars."""
-    # A column without any value is one of unknown numbers.
+    # A column of None only stands for numbers that are not known.
     empty = [key for key, values in columns.items() if isinstance(values, list) and set(values) == {None}]
     for name in ("pandas", "polars"):
         try:
@@ -134,7 +137,7 @@ def data_frame(columns: Mapping[str, Any]) -> Any:
 
 
 def _uniform(columns: Mapping[str, Any]) -> dict[str, Any]:
-    """Return columns with mixed numbers and texts as texts, since a column of polars has one type."""
+    """Turn columns that mix numbers and texts into texts, since a column of polars has one type."""
     mixed = {key for key, values in columns.items() if {float, str} <= set(map(type, values))}
     return {
         key: [None if value is None else str(value) for value in values] if key in mixed else values
@@ -143,13 +146,13 @@ def _uniform(columns: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def by_column(rows: Any) -> dict[str, list[Any]]:
-    """Return rows, mappings with the same keys, as columns."""
+    """Return a list of values by key, given rows, which are mappings with the same keys."""
     rows = list(rows)
     return {key: [row[key] for row in rows] for key in (rows[0] if rows else ())}
 
 
 def same_columns(columns: Mapping[str, Any], expected: Mapping[str, Any]) -> bool:
-    """Return whether arrays by name are the same, NaN included."""
+    """Return whether two mappings have the same names and arrays; NaN equals NaN."""
     return columns.keys() == expected.keys() and all(
         values.dtype == expected[name].dtype and values.tobytes() == expected[name].tobytes()
         for name, values in columns.items()
@@ -165,6 +168,6 @@ def ignore_progress(_done: int, _total: int | None) -> None:
 
 
 def portions(count: int, most: int) -> Iterator[slice]:
-    """Yield the portions of n rows to compute one after the other: this bounds the memory and shows the progress."""
+    """Yield slices of at most `most` out of `count` rows, to bound the memory and show the progress."""
     for start in range(0, count, most):
         yield slice(start, min(start + most, count))

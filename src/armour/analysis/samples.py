@@ -19,12 +19,13 @@ from armour.scenario.schema import Distribution, Uncertainty, correlation_matrix
 
 # Least ratio of the armour's ballistic limit to that of the model.
 LEAST_RATIO = 0.01
-# Independent replicates into which `np.array_split` divides samples; their differences give the intervals.
-# More replicates would be smaller, and the samples as a whole would converge more slowly.
+# Number of independent replicates into which the samples are divided; their scatter gives the confidence intervals.
+# With more, each would be smaller, and the samples as a whole would converge more slowly.
 REPLICATES = 16
-# Samples of each replicate at first, and the factor by which they grow until the estimate decides.
+# Samples of each replicate at first, and the factor by which their number grows until the estimate is good enough.
 FIRST_SAMPLES, GROWTH = 1, 4
-# Half the width of an interval that needs no more samples, and how many half widths away from a bound decide before.
+# Half the width of an interval that is narrow enough; and the distance from the bound, in half widths, that is enough
+# for a quick estimate.
 PRECISE, CLEARLY = 5e-4, 3.0
 # Samples computed at a time, to bound the memory.
 SAMPLES_OF_ONE_PASS = 2**12
@@ -33,12 +34,12 @@ SAMPLES_OF_ONE_PASS = 2**12
 class Samples(NamedTuple):
     """n samples of the uncertain inputs."""
 
-    variants: Variants  # at velocities at which the model perforates if the armour is perforated
+    variants: Variants  # velocities are divided by `factor`: the model perforates if the armour is perforated
     factor: Any  # ballistic limit of the armour divided by that of the model, (n,) or a number
 
 
 def own_errors(scenario: Scenario, layers: Mapping[str, float] | None = None) -> ErrorRows:
-    """Return the model error for a scenario's armour, with other thicknesses of its layers by name of input."""
+    """Return the model error of a scenario's armour, one row; `layers` has other thicknesses, mm, by name of input."""
     columns = {name: np.array([value]) for name, value in (layers or {}).items()}
     return variants_of(scenario, columns, 1).errors
 
@@ -49,7 +50,11 @@ def section_of(scenario: Scenario) -> Uncertainty:
 
 
 def section_at(scenario: Scenario, values: Mapping[str, float], *, with_error: bool) -> Uncertainty:
-    """Return the distributions of a scenario at other values of its inputs, with or without the model error."""
+    """Return the distributions of a scenario, with or without that of the model error.
+
+    Raise an InputError if there are none, or if a distribution cannot have the value of its input, in `values`, as its
+    mean.
+    """
     section = scenario.uncertainty
     if section is None or not (section.inputs() or with_error):
         example = '{ distribution = "normal", standard_deviation_percent = 5 }'
@@ -71,11 +76,12 @@ def own_values(scenario: Scenario) -> dict[str, float]:
 
 
 def sampled(scenario: Scenario, columns: Mapping[str, Floats], count: int) -> Samples:
-    """Return n samples of values, which the scenario must allow.
+    """Return `count` samples of the uncertain inputs; raise an InputError if the scenario does not allow a value.
 
-    An armour whose ballistic limit is the model's times a factor is perforated if the model perforates at the impact
-    velocity divided by the factor.  The model error, that of the scenario's armour, is the quantile at the
-    probabilities in its column; each sample has the law of the flow stress that its error is drawn from.
+    `columns` has an array, (count,), by name of input.  Column `ERROR` has probabilities, at which the quantiles of the
+    model error of the scenario's armour are taken.  Each such quantile belongs to a law of the flow stress, which the
+    sample follows.  An armour whose ballistic limit is the model's times a factor is perforated if the model perforates
+    at the impact velocity divided by the factor.
     """
     problems = []
     inputs = {name: values for name, values in columns.items() if name != ERROR}
@@ -94,9 +100,10 @@ def sampled(scenario: Scenario, columns: Mapping[str, Floats], count: int) -> Sa
 
 
 def by_laws(variants: Variants, errors: ErrorRows, laws: Ints) -> Variants:
-    """Return samples, each with one of the laws of the error of their armour; the errors have one row.
+    """Return n samples with the parameters of other laws; `laws`, (n,), has the index of each one's law in `errors`.
 
-    The first law is the samples' own.  Parameters by the others are scaled in proportion to the samples' own.
+    `errors` has one row, and law 0 is the samples' own.  Under another law, each parameter of `LAW_FIELDS` is
+    multiplied by the ratio of its values by that law and by law 0.
     """
     parameters = variants.parameters.copy()
     fields = batch.fields(parameters)
@@ -111,7 +118,7 @@ def by_laws(variants: Variants, errors: ErrorRows, laws: Ints) -> Variants:
 
 
 def points_of(uncertainty: Uncertainty) -> Floats:
-    """Return the points of the unit cube at which a section is sampled, (samples, inputs)."""
+    """Return the points of the unit cube at which the inputs of a section are sampled, (samples, inputs)."""
     if not uncertainty.inputs():
         return np.empty((uncertainty.samples, 0))
     return replicated_points(uncertainty.method, len(uncertainty.inputs()), uncertainty.samples, uncertainty.seed)
@@ -130,7 +137,7 @@ def replicated_points(method: str, width: int, samples: int, seed: int) -> Float
 
 
 def correlated(uncertainty: Uncertainty, points: Floats) -> Floats:
-    """Return points of the unit cube, shape (n, inputs), with the correlations of a Gaussian copula."""
+    """Correlate points of the unit cube, (n, inputs), by the Gaussian copula of a section; return the new points."""
     if not uncertainty.correlation:
         return points
     from scipy.special import ndtr, ndtri  # slow to import
@@ -140,9 +147,9 @@ def correlated(uncertainty: Uncertainty, points: Floats) -> Floats:
 
 
 def columns_of(uncertainty: Uncertainty, values: Mapping[str, float], points: Floats) -> dict[str, Floats]:
-    """Return values of the uncertain inputs, shape (n,), at points of the unit cube, shape (n, inputs).
+    """Return correlated values of the uncertain inputs, (n,) by name, at points of the unit cube, (n, inputs).
 
-    They are correlated.  `values` are those of the scenario by name of input.
+    `values` has the scenario's own values by name of input.
     """
     parts = zip(uncertainty.inputs().items(), correlated(uncertainty, points).T, strict=True)
     return {name: quantiles(distribution, chances, values[name]) for (name, distribution), chances in parts}
@@ -151,8 +158,8 @@ def columns_of(uncertainty: Uncertainty, values: Mapping[str, float], points: Fl
 def quantiles(distribution: Distribution, probabilities: ArrayLike, value: float) -> Floats:
     """Return quantiles of a truncated distribution, in the shape of `probabilities`.
 
-    `value` is the scenario's value of the input, which is the mean before truncation if none is given.  If it cannot
-    be a mean, such as the thickness 0 of an absent layer, all quantiles are equal to it.
+    `value` is the scenario's value of the input: the mean before truncation, unless the distribution gives one.  If
+    `value` cannot be a mean, such as the thickness 0 of an absent layer, all quantiles are equal to it.
     """
     if distribution.mean_problem(value):
         return np.full(np.shape(probabilities), value)
@@ -170,7 +177,7 @@ def quantiles(distribution: Distribution, probabilities: ArrayLike, value: float
 
 
 def moved_mean(distribution: Distribution, value: float) -> tuple[float, float] | None:
-    """Return the mean before and after truncation; None if they differ by less than a tenth of the deviation."""
+    """Return the mean before and after truncation; None if they differ by at most 0.1 standard deviations."""
     if distribution.distribution == "uniform" or np.isinf(distribution.ends).all():
         return None
     before, deviation = distribution.moments(value)
@@ -197,8 +204,8 @@ def probability_of_perforation(
 ) -> Estimate:
     """Estimate the probability that the armour of a scenario is perforated, with its 95 % interval.
 
-    The inputs are sampled.  The model error, if it is known, is integrated for each sample: few are needed then.  They
-    are added until the interval is narrow and does not contain the bound.
+    The inputs are sampled.  If the model error is known, each sample has a probability of perforation given this error,
+    and few samples are needed.  Samples are added until the interval is narrow and does not contain the bound.
 
     Parameters
     ----------
@@ -209,7 +216,7 @@ def probability_of_perforation(
     layers : mapping of str to float, optional
         Thicknesses of the layers, mm, by name of input, in place of the scenario's.
     points : array, (samples, inputs), optional
-        Points of `points_of`, where they have been made already.
+        Result of `points_of`, if it is known already.
     on_progress : callable, optional
         Called with the number of samples computed since the last call, and None, as their total is not known.
     quick : bool, default False
@@ -241,12 +248,16 @@ def probability_of_perforation(
 
 
 def is_sampled(scenario: Scenario, layers: Mapping[str, float] | None = None) -> bool:
-    """Return whether samples tell how probable perforation is: the model error is known or excluded."""
+    """Return whether samples can give the probability of perforation: the model error must be known or excluded."""
     return scenario.excludes_error() or bool(own_errors(scenario, layers).known.all())
 
 
 def misplaced(distributions: Mapping[str, Distribution], scenario: Scenario, answer: Scenario) -> tuple[Note, ...]:
-    """Return a warning for each distribution of a scenario that is about a value other than that of one made of it."""
+    """Return a warning for each distribution of `scenario` that does not apply to `answer`, a scenario made from it.
+
+    A distribution does not apply if it does not contain the value that its input has in `answer`, or if it gives a
+    mean, min or max and this value is not the one in `scenario`.
+    """
     scenario_values, values = scenario.inputs(), answer.inputs()
     notes = []
     for name in filter(values.__contains__, distributions):
@@ -258,7 +269,7 @@ def misplaced(distributions: Mapping[str, Distribution], scenario: Scenario, ans
 
 
 def _chances(rows: Variants, errors: ErrorRows) -> Floats:
-    """Return the probabilities that samples are perforated, (n,), given the error of their armour; 0 or 1 without."""
+    """Return the probability that each sample is perforated, (n,), given the model error; 0 or 1 if it is unknown."""
     if not errors.known.all():
         return rows.perforated().astype(np.float64)
     stopping = np.zeros(len(rows.velocities))
@@ -270,7 +281,7 @@ def _chances(rows: Variants, errors: ErrorRows) -> Floats:
 
 
 def _estimate(chances: Sequence[Floats], *, is_smooth: bool) -> Estimate:
-    """Estimate the mean of chances in replicates: of probabilities, if they are smooth, or else of hits."""
+    """Estimate the mean of the chances of all replicates: probabilities if `is_smooth`, otherwise each 0 or 1."""
     if not is_smooth:
         return proportion_of_replicates([int(part.sum()) for part in chances], [len(part) for part in chances])
     mean = mean_of_replicates(np.array([part.mean() for part in chances]))
@@ -278,7 +289,7 @@ def _estimate(chances: Sequence[Floats], *, is_smooth: bool) -> Estimate:
 
 
 def _decides(estimate: Estimate, bound: float | None, *, quick: bool) -> bool:
-    """Return whether an estimate needs no more samples."""
+    """Return whether an estimate needs no more samples, see `probability_of_perforation`."""
     half = max(estimate.high - estimate.value, estimate.value - estimate.low)
     away = inf if bound is None else abs(estimate.value - bound)
     return (half <= PRECISE and away > half) or (quick and away > CLEARLY * half)

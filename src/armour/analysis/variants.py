@@ -29,11 +29,11 @@ Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 # Width, mm, to which a least thickness is bisected.
 THICKNESS_TOLERANCE_MM = 1e-6
-# By how much the numerical settings may move a limit, a small part of its error, m/s.
+# By how much the time step and tolerance may move a ballistic limit, m/s: a small part of the model error.
 MOST_MOVED_M_S = 1.0
-# Number of rows to compute at all points of a scan at a time, which bounds the memory.
+# Number of rows that are scanned at a time, to bound the memory.
 SCANS_AT_A_TIME = 250
-# Whether a condition holds at values of some rows: (values, rows) -> holds.
+# Condition on thicknesses, mm, (m,), given with the indices of their rows, (m,): returns whether it holds, (m,).
 RowCondition = Callable[[Floats, Ints], Bools]
 
 
@@ -41,7 +41,7 @@ class Thinnest(NamedTuple):
     """Least thicknesses of n rows."""
 
     mm: Floats  # NaN where none is found
-    changes_again: Bools  # a thicker layer is known to be perforated; looked for where a row is unusual
+    changes_again: Bools  # whether a thicker layer is known to be perforated; only unusual rows are searched for this
 
 
 class Variants(NamedTuple):
@@ -57,7 +57,7 @@ class Variants(NamedTuple):
     threads: int | None = None  # on which the engine computes; None for one per core
 
     def at(self, where: Ints | Bools | slice) -> "Variants":
-        """Return the rows at some places."""
+        """Return some of the rows, given their indices, a mask or a slice."""
         return Variants._make([*(column[where] for column in self[:4]), *self[4:]])
 
     @property
@@ -68,7 +68,7 @@ class Variants(NamedTuple):
 
     @property
     def errors(self) -> ErrorRows:
-        """Errors of the model; not known where the numerical settings move the limit too far."""
+        """Model errors of the rows; not known where time step and tolerance move the limit too far."""
         errors = errors_of(self.scenario, self.armours)
         if given_error(self.scenario) is None:
             known = np.flatnonzero(errors.known)
@@ -82,11 +82,11 @@ class Variants(NamedTuple):
         return Armours(batch.fields(self.parameters), self.cosines, self.material_of_row, self.materials)
 
     def by_law(self, law: int, errors: ErrorRows) -> "Variants":
-        """Return the variants with the parameters of a law of their errors."""
+        """Return the variants with the parameters of one of the laws in `errors`, given its index."""
         return self.with_fields(dict(zip(LAW_FIELDS, errors.parameters[law], strict=True)))
 
     def with_fields(self, columns: Mapping[str, Floats | float]) -> "Variants":
-        """Return the variants with other parameters of the core, by field."""
+        """Return the variants with other parameters: values in SI units, (n,) or a number, by field of the core."""
         parameters = self.parameters.copy()
         for field, values in columns.items():
             getattr(batch.fields(parameters), field)[:] = values
@@ -103,7 +103,7 @@ class Variants(NamedTuple):
         return batch.fields(self.parameters).Hb / MM * self.cosines
 
     def areal_densities_kg_m2(self, *, whole: bool = False) -> Floats:
-        """Return areal densities, kg/m², (n,); a back plate that exists counts only for whole armours."""
+        """Return areal densities, kg/m², (n,); a back plate that exists already counts only if `whole`."""
         p, counts = batch.fields(self.parameters), whole or self.scenario.counts_backing
         return (p.rho_c * p.Hc0 + p.rho_B * p.Hb * counts) * self.cosines + self.scenario.inert("areal_density_kg_m2")
 
@@ -131,7 +131,8 @@ class Variants(NamedTuple):
     def limits_anywhere(self, on_progress: OnProgress = ignore_progress) -> Floats:
         """Return the ballistic limit of each row, m/s, also outside the range of the section.
 
-        It is then searched for from 20 to 10,000 m/s; a limit beyond this range is replaced by the nearer end.
+        Rows without a limit in that range are searched from 20 to 10,000 m/s; a limit beyond is replaced by the nearer
+        end.
         """
         slowest = min(self.scenario.ballistic_limit.velocity_min_m_s, SLOWEST_M_S)
         limits = ballistic_limits(self, on_progress=on_progress)
@@ -141,7 +142,7 @@ class Variants(NamedTuple):
         return limits.clip(slowest, FASTEST_M_S)
 
     def lowest_limits(self, limits: Floats, on_progress: OnProgress = ignore_progress) -> Floats:
-        """Return the ballistic limits of rows, m/s, or lower ones that a denser scan finds."""
+        """Return the given ballistic limits of the rows, m/s, or lower ones if a denser scan finds them."""
         section = self.scenario.ballistic_limit
         range_m_s = min(section.velocity_min_m_s, SLOWEST_M_S), FASTEST_M_S
         dense = ballistic_limits(self, range_m_s, points=DENSE_SCAN_POINTS, on_progress=on_progress)
@@ -167,7 +168,10 @@ class Variants(NamedTuple):
         return errors.ratio.times(self.limits_by_law(errors, limits))
 
     def outside_limits(self, *, velocities: bool = True) -> Iterator[tuple[str, int]]:
-        """Yield warnings, each with its number of rows: caveats, values outside the tests, and doubtful strengths."""
+        """Yield warnings, each with its number of rows: caveats, values outside the tests, and doubtful strengths.
+
+        `velocities` tells whether impact velocities outside the tests count.
+        """
         speeds = self.velocities if velocities else np.full_like(self.velocities, np.nan)
         metals = [materials.backing for materials in self.materials] if self.own_strength else []
         for note, rows in limits_of_model(self.armours, metals, said=False):
@@ -180,9 +184,10 @@ class Variants(NamedTuple):
                 yield from ((note, count) for note in strength_notes(metals, bare=bare))
 
     def limits_by_law(self, errors: ErrorRows, own_limits: Floats) -> Floats:
-        """Return the ballistic limits by each law of the rows' errors, m/s, (laws, n), given those of the rows.
+        """Return the ballistic limits by each law in `errors`, m/s, (laws, n).
 
-        They are searched for beyond the range of the section too.  A row without a limit, NaN, has none by any law.
+        Law 0 is the rows' own and has the given limits, (n,).  Limits by the others may lie outside the range of the
+        section.  A row whose own limit is NaN has NaN for all laws.
         """
         limits = np.tile(own_limits, (len(errors.ratio.weights), 1))
         for law in range(1, len(limits)):
@@ -192,7 +197,7 @@ class Variants(NamedTuple):
         return limits
 
     def changes_above(self, limits: Floats) -> Bools:
-        """Return which unusual rows are seen to stop an impact faster than their ballistic limit, (n,)."""
+        """Return which unusual rows stop an impact that is faster than their ballistic limit, m/s, (n,), by a scan."""
         section, changes_again = self.scenario.ballistic_limit, np.zeros(len(limits), dtype=bool)
         velocities = np.array(scan(section.velocity_min_m_s, section.velocity_max_m_s, DENSE_SCAN_POINTS))
         where = np.flatnonzero(self.is_unusual() & np.isfinite(limits))
@@ -204,25 +209,26 @@ class Variants(NamedTuple):
         return changes_again
 
     def least_thicknesses(self, layer: str) -> Thinnest:
-        """Return the least thickness of the "ceramic" or the "back plate", within the grid, that stops each impact.
+        """Return the least thickness of a layer, within the grid, that stops each impact.
 
-        That of the "armour" is of both layers together, which keep their proportion and are within their ranges.
+        `layer` is "ceramic", "back plate" or "armour": both layers together, which keep their proportion and lie within
+        their ranges.
         """
         grid, count = grid_of(self.scenario), len(self.velocities)
         if layer == "armour":
             return _least_totals(self, grid)
-        name, of_range = {
+        name, thicknesses = {
             "ceramic": ("ceramic_mm", grid.ceramic_thickness_mm),
             "back plate": ("backing_mm", grid.backing_thickness_mm),
         }[layer]
         conditions = _conditions(lambda values, rows: self.at(rows).with_thicknesses(**{name: values}))
-        return least_values_mm(*conditions, np.full(count, of_range.min), np.full(count, of_range.max))
+        return least_values_mm(*conditions, np.full(count, thicknesses.min), np.full(count, thicknesses.max))
 
 
 def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -> Variants:
-    """Return n variants of a scenario with given values, (n,), of some of its named inputs.
+    """Return `count` variants of a scenario; `columns` has their values, (count,), by name of input.
 
-    Each row equals the scenario that `Scenario.with_inputs` makes of its values.
+    Each row equals the scenario that `Scenario.with_inputs` returns for its values.
     """
     inputs: dict[str, Any] = scenario.inputs()
     if YIELD in columns:
@@ -254,7 +260,10 @@ def concatenated(parts: Sequence[Variants]) -> Variants:
 
 
 def outside_words(outside_tests: Mapping[str, float], most: int = 100) -> str:
-    """Return in what an armour lies outside the tests and by which factor, at most so much; "" inside them."""
+    """Return words for the quantities in which an armour lies outside the tests, with the factors; "" if in none.
+
+    `outside_tests` has the factors by quantity; at most `most` quantities are named.
+    """
     names = {key: quantity["name"] for key, quantity in shipped_data()["quantity"].items() if "name" in quantity}
     words = [
         names.get(key, key) + (f" \N{MULTIPLICATION SIGN}{factor:.2f}" if isfinite(factor) else "")
@@ -264,7 +273,10 @@ def outside_words(outside_tests: Mapping[str, float], most: int = 100) -> str:
 
 
 def grid_of(scenario: Scenario) -> Optimise:
-    """Return the grid of designs of a scenario; it must have one, and a ceramic if the grid has."""
+    """Return the section ``optimise`` of a scenario, the grid of designs.
+
+    Raise an InputError if it is missing, or if it has ceramic thicknesses and the scenario no ceramic.
+    """
     section = scenario.optimise
     if section is None:
         example = "ceramic_thickness_mm = { min = 4, max = 16, step = 0.5 } and backing_thickness_mm"
@@ -277,7 +289,7 @@ def grid_of(scenario: Scenario) -> Optimise:
 
 
 def check_resolved(resolved: Bools, variants: Variants) -> None:
-    """Raise an InputError that names the key at fault if the run of a row does not end."""
+    """Raise an InputError that names the key at fault if the run of a row, False in `resolved`, (n,), does not end."""
     if not resolved.all():
         raise unresolved_error(variants.scenario, float(variants.velocities[int(np.argmin(resolved))]))
 
@@ -320,9 +332,9 @@ def limit_brackets(
     points: int,
     threads: int | None = None,
 ) -> batch.Brackets:
-    """Return the brackets of the limits of rows, by the engine or, for a single row, by Python if that is quicker.
+    """Return the brackets of the ballistic limits of rows of parameters, (n, fields), from `low` to `high`, m/s.
 
-    Both give the same brackets to the last bit.
+    The engine computes them or, for a single row, Python if that is quicker; both give the same to the last bit.
     """
     if len(rows) > 1 or _engine_is_quicker("ballistic_limits", settings, points):
         return batch.ballistic_limits(rows, low, high, tolerance, settings, points, threads)
@@ -331,15 +343,15 @@ def limit_brackets(
 
 
 def _engine_is_quicker(kernel: str, settings: RunSettings, points: int) -> bool:
-    """Return whether the engine scans the velocities for one armour more quickly than Python, its loading included."""
+    """Return whether the engine, including its loading, scans `points` velocities for one armour faster than Python."""
     slow = points == DENSE_SCAN_POINTS or settings.dt > 0.0
     return cache.is_loaded(kernel) or (slow and cache.is_compiled(kernel))
 
 
 def outcomes_at(armour: Parameters, velocities: Sequence[float], settings: RunSettings, points: int) -> Ints:
-    """Return the outcome of an armour at each velocity, m/s, of a scan with a number of points.
+    """Return the outcome of an armour at each velocity, m/s; `points` is the number of points of their scan.
 
-    The engine computes them, or Python if that is quicker; the outcomes are the same.
+    The engine computes the outcomes, or Python if that is quicker; both give the same.
     """
     if _engine_is_quicker("impacts", settings, points):
         return batch.impacts(batch.packed([armour] * len(velocities)), np.array(velocities), settings).outcome
@@ -348,9 +360,10 @@ def outcomes_at(armour: Parameters, velocities: Sequence[float], settings: RunSe
 
 
 def moved_m_s(variants: Variants) -> Floats:
-    """Return the ballistic limits of rows less those with the default time step and tolerance, m/s, (n,).
+    """Return by how much the scenario's time step and tolerance move the ballistic limits, m/s, (n,).
 
-    It is 0 where only the tolerance differs and allows no more than `MOST_MOVED_M_S`.
+    The limits are compared with those by the default settings.  The difference is taken as 0 if the time step is the
+    default and the tolerance at most `MOST_MOVED_M_S`.
     """
     scenario, usual = variants.scenario, BallisticLimitSection().tolerance_m_s
     if not len(variants.velocities) or (
@@ -364,9 +377,9 @@ def moved_m_s(variants: Variants) -> Floats:
 
 
 def bisect_rows(holds: RowCondition, rows: Ints, low: Floats, high: Floats) -> Floats:
-    """Return the upper ends of brackets of rows, (low, high), mm, after bisection.
+    """Bisect brackets of thicknesses, from `low` to `high`, mm, (m,), of some rows; return their upper ends.
 
-    A condition holds at the upper ends and not at the lower ones.
+    `rows` are the indices of the rows.  The condition holds at the upper ends and not at the lower ones.
     """
     low, high = low.copy(), high.copy()
     while True:
@@ -381,7 +394,7 @@ def bisect_rows(holds: RowCondition, rows: Ints, low: Floats, high: Floats) -> F
 
 
 def _least_totals(variants: Variants, grid: Optimise) -> Thinnest:
-    """Return the least thickness of both layers together."""
+    """Return the least thickness of both layers together, in proportion, that stops each impact within the grid."""
     ceramics, backings = variants.ceramics_mm, variants.backings_mm
     totals = ceramics + backings
     low, high = grid.backing_thickness_mm.min / backings, grid.backing_thickness_mm.max / backings
@@ -402,7 +415,10 @@ def _least_totals(variants: Variants, grid: Optimise) -> Thinnest:
 
 
 def _conditions(thick: Callable[[Floats, Ints], Variants]) -> tuple[RowCondition, RowCondition]:
-    """Return whether rows with other thicknesses stop the impact, and whether they are unusual."""
+    """Return two conditions: that rows with other thicknesses stop the impact, and that they are unusual.
+
+    `thick` returns the variants for thicknesses, mm, and the indices of their rows.
+    """
     return lambda *at: ~thick(*at).perforated(), lambda *at: thick(*at).is_unusual()
 
 
@@ -411,8 +427,8 @@ def least_values_mm(
 ) -> Thinnest:
     """Return the least thickness from low to high, mm, that stops the threat in each row, by bisection or scan.
 
-    The outcome is taken to change once at most.  Rows that are unusual, by the least thickness found or, if that is
-    NaN, by their other quantities, are scanned at some points instead.
+    Bisection assumes that the outcome changes once at most.  Rows that are unusual, at the thickness found or by their
+    other quantities if none is found, are scanned at `points` thicknesses instead.
     """
     rows = np.arange(len(low))
     least = np.where(stops(low, rows), low, np.nan)

@@ -154,7 +154,7 @@ def _plan() -> None:
     """Plan tests: the next shot of a V50 firing, or which armours to test."""
 
 
-W, PAPER = "wilkins", "paper"
+W, SUITE = "wilkins", "paper"
 CERAMICS, PLATES = "armour.ceramic_thickness_mm=4:12:1", "armour.backing_thickness_mm=4:10:1"
 
 # Commands by their heading in the help, each with examples; the tests run them.
@@ -172,10 +172,10 @@ COMMANDS: dict[str, dict[Callable[..., None], tuple[str, ...]]] = {
     },
     "Design": {
         scenario_commands.optimise: (
-            f"optimise {PAPER}/optimum_7.62mm_AP --refine",
+            f"optimise {SUITE}/optimum_7.62mm_AP --refine",
             "optimise catalogue --plot study.svg --csv front.csv",
         ),
-        scenario_commands.report: (f"report {PAPER}/optimum_7.62mm_AP -o report.html", "report paper -o suite.html"),
+        scenario_commands.report: (f"report {SUITE}/optimum_7.62mm_AP -o report.html", "report paper -o suite.html"),
     },
     "Judge the answer": {
         scenario_commands.uncertainty: ("uncertainty uncertain --plot uncertainty.svg",),

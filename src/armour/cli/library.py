@@ -21,10 +21,10 @@ from armour.reporting.table import Table
 LISTED_KINDS = ("projectile", "ceramic", "threat", "metal")
 # First line of a scenario, by which editors find the schema to check it; see docs/howto/schema.md.
 SCHEMA_LINE = b"#:schema ./scenario.schema.json\n"
-TESTED = flag("List only entries for which tests provide a model error.", "--tested")
+ONLY_TESTED = flag("List only entries for which tests provide a model error.", "--tested")
 
 
-def list_library(ctx: typer.Context, tested: bool = TESTED, as_json: bool = AS_JSON) -> None:
+def list_library(ctx: typer.Context, tested: bool = ONLY_TESTED, as_json: bool = AS_JSON) -> None:
     """List projectiles, ceramics and threats; `armour library metals` lists the metals, which are many."""
     if ctx.invoked_subcommand is None:
         _list(LISTED_KINDS, tested=tested, as_json=as_json)
@@ -33,7 +33,7 @@ def list_library(ctx: typer.Context, tested: bool = TESTED, as_json: bool = AS_J
 def section(kind: str) -> Callable[..., None]:
     """Return the command that lists the entries of a kind."""
 
-    def listed(ctx: typer.Context, tested: bool = TESTED, as_json: bool = AS_JSON) -> None:
+    def listed(ctx: typer.Context, tested: bool = ONLY_TESTED, as_json: bool = AS_JSON) -> None:
         options = ctx.parent.params if ctx.parent is not None else {}
         _list((kind,), tested=tested or options["tested"], as_json=as_json or options["as_json"])
 

@@ -32,13 +32,14 @@ from armour.scenario.schema import (
 from armour.units import MM
 
 COST_COLUMN = "cost_per_m2"
-# Probability of perforation that stands for no bound.
+# Bound on the probability of perforation that stands for none.
 NO_BOUND = 1.0
 # Words of the layers by their names in keys.
 LAYER_WORDS = {"ceramic": "ceramic", "backing": "back plate"}
 # Criterion that is not a column of the candidates.
 MARGIN_COLUMN = "margin_m_s"
-# Number of back plate thicknesses tried first if both layers are free: in a range without a step, and at most with one.
+# Number of back plate thicknesses with which a search starts if both layers are free: in a range without a step, and at
+# most in a range with one.
 FIRST_VALUES, MOST_VALUES = 41, 100
 # Decimals to which areal densities, thicknesses and costs are rounded, so that equal sums compare equal.
 SUM_DECIMALS = 9
@@ -72,7 +73,7 @@ class CandidateDesigns(NamedTuple):
         return cls(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 
     def at(self, where: Ints | Bools | slice) -> "CandidateDesigns":
-        """Return some of the candidates."""
+        """Return some of the candidates, given their indices, a mask or a slice."""
         pair, *numbers = self
         return CandidateDesigns(pair[where], *(column[where] for column in numbers))
 
@@ -96,8 +97,8 @@ class Catalogue:
     threats: tuple[Threat, ...]
     titles: tuple[str, ...]  # of the threats
     margins_m_s: Floats  # required of the limits by the model, 0 if none is given, (threats,)
-    bounds: Floats  # of the probabilities of perforation, 0.5 if none is given, (threats,)
-    sampled: bool  # whether the bounds hold for uncertain inputs too, which are sampled
+    bounds: Floats  # greatest probabilities of perforation, `NO_BOUND` if none is given, (threats,)
+    sampled: bool  # whether uncertain inputs are sampled to judge the bounds
     offers: tuple[Offer, ...]
     layers: Floats  # parameters of the engine that a pair sets, 0 elsewhere, (pairs, fields)
     materials: tuple[Materials, ...]  # by pair
@@ -121,20 +122,21 @@ class Catalogue:
 
     @cached_property
     def bounded(self) -> bool:
-        """Whether the probability of perforation of a threat is bounded."""
+        """Whether any threat sets an upper bound on the probability of perforation."""
         return bool((self.bounds < NO_BOUND).any())
 
     @cached_property
     def has_free_layer(self) -> bool:
-        """Whether a thickness is free."""
+        """Whether any thickness is free, so that the least value that passes is searched for."""
         return any(layer.free_range() for offer in self.offers for layer in offer[:2])
 
     @cached_property
     def exact_bounds(self) -> Floats:
         """Bounds on the probabilities of perforation with exact inputs, (threats,).
 
-        If inputs are sampled, these are twice the bounds: of inputs centred on the design's values half of the samples
-        are at least as unfavourable as these, so that the mean of all is at least half as great.
+        If inputs are sampled, these bounds, twice the given ones but at most 0.5, only exclude hopeless designs: about
+        half of the samples are at least as unfavourable as the design's own values, so that the mean probability is at
+        least half of that with exact inputs.  A distribution that is not centred on these values gives no such bound.
         """
         if not self.sampled:
             return self.bounds
@@ -148,7 +150,7 @@ class Catalogue:
 
     @cached_property
     def metal(self) -> Bools:
-        """Whether the back plate of each pair may be a metal; a design is never judged if it is none."""
+        """Whether the back plate of each pair may be a metal; designs without a metal get no verdict."""
         return np.array([not is_no_metal(offer.backing_density_kg_m3) for offer in self.offers])
 
     @cached_property
@@ -167,7 +169,7 @@ class Catalogue:
         return np.array([cosine_of(threat.obliquity_deg) for threat in self.threats])
 
     def against_each(self, candidates: CandidateDesigns) -> Variants:
-        """Return designs against each threat at its velocity, (designs times threats); the rows of one are together."""
+        """Return rows of designs against each threat at its velocity, (designs * threats,), design by design."""
         design_of_row, threat_of_row = np.divmod(np.arange(len(candidates.pair) * len(self.threats)), len(self.threats))
         designs = candidates.at(design_of_row)
         # The evidence is looked up for each of the materials of the rows.
@@ -190,7 +192,7 @@ class Catalogue:
         return self.candidates(pair, np.repeat(ceramics, len(backings)), np.tile(backings, len(ceramics)))
 
     def candidates(self, pair: int, ceramic_mm: Floats, backing_mm: Floats) -> CandidateDesigns:
-        """Return designs of a pair with their areal density, thickness and cost."""
+        """Return n designs of a pair with given thicknesses, mm, (n,), and their areal density, thickness and cost."""
         offer, inert = self.offers[pair], self.scenario.inert
         ceramic_mass = offer.ceramic_density_kg_m3 * ceramic_mm * MM
         counted_mm = backing_mm * self.scenario.counts_backing
@@ -215,11 +217,11 @@ class Catalogue:
         return violations
 
     def objective(self, candidates: CandidateDesigns) -> Floats:
-        """Return the quantity of each design that is minimised."""
+        """Return the quantity that the section minimises, of each design, (n,)."""
         return getattr(candidates, self.section.minimise)
 
     def ranges(self, pair: int) -> list[tuple[str, str, float, float]]:
-        """Return key, name and ends, mm, of the ranges of thicknesses of a pair, without lists of thicknesses."""
+        """Return key, layer, and least and greatest thickness, mm, of each range of a pair; lists are left out."""
         ranges = []
         places = divmod(pair, len(self.section.backing))
         for layer, place, (role, name) in zip(self.offers[pair][:2], places, LAYER_WORDS.items(), strict=True):
@@ -229,7 +231,7 @@ class Catalogue:
         return ranges
 
     def _key(self, role: str, place: int) -> str:
-        """Return the key of the thicknesses of a layer."""
+        """Return the key of the thicknesses of a layer: a role and the place in its list of materials."""
         in_catalogue = getattr(self.scenario.design, role, ())
         return f"design.{role}[{place}].thickness_mm" if in_catalogue else f"optimise.{role}_thickness_mm"
 
@@ -298,7 +300,7 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
 
 
 def _wrong_layers(file: str, section: DesignSection, *, sampled: bool) -> Iterator[Problem]:
-    """Yield the layers listed twice, and those that lack a step that sampling needs, or a cost that is asked for."""
+    """Yield a problem for each layer that is listed twice, has no step but is sampled, or lacks a cost needed."""
     costs = COST_COLUMN in (section.minimise, *(section.pareto or ())) or section.cost_max_per_m2 is not None
     for role in LAYER_WORDS:
         layers = getattr(section, role)
@@ -316,7 +318,7 @@ def _wrong_layers(file: str, section: DesignSection, *, sampled: bool) -> Iterat
 
 
 def _too_many(file: str, section: DesignSection, threats: int) -> Iterator[Problem]:
-    """Yield the numbers of a catalogue that are too large."""
+    """Yield a problem for each number of a catalogue that is too large; `threats` is the number of threats."""
     roles = section.ceramic, section.backing
     pairs = len(section.ceramic) * len(section.backing)
     ceramics, backings = (sum(len(layer.thicknesses()) for layer in layers) for layers in roles)
@@ -345,7 +347,10 @@ def _parameters(inputs: Mapping[str, float]) -> list[float]:
 
 
 def _section_of(scenario: Scenario) -> DesignSection:
-    """Return the section ``design``; if it lists no material, with the scenario's own in the range of the grid."""
+    """Return the section ``design``; if it lists no ceramic, or no back plate, add the scenario's own.
+
+    The thicknesses of the added layer are those of the grid; an existing back plate has its own.
+    """
     section, armour = scenario.design or DesignSection(), scenario.armour
     ceramics, backings = section.ceramic, section.backing
     if not ceramics:

@@ -25,7 +25,7 @@ from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, VELOCITY
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import OBJECTIVES, DesignSection, Threat
 
-# Changes to check every armour against: factor of the impact velocity, and angles.
+# Changes with which every armour is checked: factor of the impact velocity, and angles.
 FASTER, ANGLES_DEG = 1.05, (0.0, 30.0)
 
 
@@ -41,7 +41,7 @@ class WhatIf:
     ballistic_limit_m_s : float or None
         By the model, m/s; None if there is none in the range of the search.
     interval_m_s : tuple of float or None
-        95 % interval of the ballistic limit with the model error, m/s; None if that is not known.
+        95 % interval of the ballistic limit with the model error, m/s; None if the model error is not known.
     probability_of_stopping : float or None
         Probability that the armour stops the projectile; None if it is not known.
     """
@@ -60,35 +60,35 @@ class CheckedThreat:
     Attributes
     ----------
     threat : str
-        Its name.
+        Name of the threat.
     projectile : str
     velocity_m_s, obliquity_deg : float
     ballistic_limit_m_s : float or None
         By the model, m/s; None if there is none in the range of the search.
     interval_m_s : tuple of float or None
-        95 % interval of the ballistic limit with the model error, m/s; None if that is not known.
+        95 % interval of the ballistic limit with the model error, m/s; None if the model error is not known.
     margin_m_s, required_margin_m_s : float
-        Excess of the ballistic limit over the velocity, m/s, which may be None, and the required excess.
+        Excess of the ballistic limit over the velocity, m/s, None without a limit; and the required excess.
     probability_of_stopping, required_probability : float or None
-        Probability that the armour stops the projectile, None if unknown, and the required one, None if there is none.
+        Probability that the armour stops the projectile, None if unknown; and the required one, None if there is none.
     reason : str
         Reason why the probability is not known.
     probability_at_normal_incidence : float or None
-        That at 0 degrees of an armour with a ceramic, where the probability at an angle is not known.
+        Probability at 0 degrees, if an armour with a ceramic is hit at an angle and the probability there is not known.
     flow_stress : NeededFlowStress or None
-        Flow stress with which a ceramic without tests stops the threat; None of other armours.
+        Flow stress with which a ceramic without tests stops the threat; None for other armours.
     model_error : ModelError or None
         Model error from which the probability is computed; None if it is not known.
     verdict : {"passes", "fails", "not known"}
         Whether all that is required against the threat is met.
     what_ifs : tuple of WhatIf
-        With exact inputs.
+        The armour with each change, for exact inputs.
     requirements : tuple of Requirement
         What is required against the threat, and what the armour has.
     sampled : Estimate or None
         Probability of perforation from the distributions of the inputs, if a probability is required.
     outside_tests : dict of str to float
-        By quantity in which the armour or the threat lies outside the tests, the factor, as of a design.
+        Factor by which the armour or the threat lies outside the tests, by quantity, as in `Design`.
     """
 
     threat: str
@@ -112,7 +112,7 @@ class CheckedThreat:
     outside_tests: dict[str, float] = field(default_factory=dict, hash=False)
 
     def as_given(self) -> WhatIf:
-        """Return the armour without a change, with exact inputs."""
+        """Return the armour without a change; its probability of stopping is that with exact inputs."""
         limit, error, probability = self.ballistic_limit_m_s, self.model_error, self.probability_of_stopping
         if self.sampled is not None:
             probability = None
@@ -137,9 +137,9 @@ class CheckResult(TableResult):
     areal_density_kg_m2, thickness_mm : float
         Including layers without ballistic effect, without a back plate that exists already.
     cost_per_m2 : float or None
-        The same; None unless the section ``design`` gives the cost of each material.
+        Cost of these layers; None unless the section ``design`` gives the cost of each material.
     whole_areal_density_kg_m2, whole_thickness_mm : float
-        With a back plate that exists already.
+        The same, including a back plate that exists already.
     """
 
     threats: tuple[CheckedThreat, ...]
@@ -168,8 +168,8 @@ class CheckResult(TableResult):
 def check(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> CheckResult:
     """Check the armour of a scenario against every threat, and against small changes of each.
 
-    Without threats, the impact is the threat.  The changes are: each layer thinner by its tolerance,
-    ``design.thickness_tolerance_mm``; the round 5 % faster; the other angle of 0 and 30 degrees.
+    If the scenario lists no threats, its impact is the threat.  The changes are: each layer thinner by the tolerance
+    ``design.thickness_tolerance_mm``; the round 5 % faster; an angle of 0 or of 30 degrees instead of the threat's.
 
     Parameters
     ----------
@@ -216,11 +216,14 @@ def check(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> C
         cost_per_m2=cost,
         whole_areal_density_kg_m2=scenario.areal_density_kg_m2(whole=True),
         whole_thickness_mm=scenario.thickness_mm(whole=True),
-    ).of(title, scenario=scenario)
+    ).answering(title, scenario=scenario)
 
 
 def _checked(against: Scenario, threat: Threat, on_progress: OnProgress, *, sample: bool) -> CheckedThreat:
-    """Return the armour of a scenario against a threat, which is its impact; `sample` its distributions, if asked."""
+    """Check the armour of the scenario `against`, whose impact is the given threat.
+
+    `sample` tells whether to sample the distributions of its inputs if a probability is required.
+    """
     row, section = row_of(against), against.design or DesignSection()
     result = confidence_in(row, on_progress)
     limit, error, bound = result.ballistic_limit_m_s, result.model_error, section.bound(threat)
@@ -276,7 +279,7 @@ def _checked(against: Scenario, threat: Threat, on_progress: OnProgress, *, samp
 
 
 def _changes(scenario: Scenario, tolerance_mm: float) -> Iterator[tuple[str, dict[str, float]]]:
-    """Yield the changes of an armour and its threat to check, in words and by key."""
+    """Yield each change of armour or impact to check: its words, and the new value by key."""
     for key, words in ((CERAMIC, "ceramic"), (BACKING, "back plate")):
         thickness = getattr(scenario.armour, key.partition(".")[2])
         if thickness > tolerance_mm > 0.0:

@@ -1,6 +1,6 @@
-"""The designs of a catalogue as one table, of which answers are queries.
+"""Table of the designs of a catalogue, with queries such as the first design that passes.
 
-Columns are computed for the designs that a query asks for: a verdict from impacts, limits, and sampled probabilities.
+Verdicts, ballistic limits and sampled probabilities are computed only for the designs that a query needs.
 """
 
 from bisect import bisect_left
@@ -27,16 +27,17 @@ UNJUDGED, FAILS, NOT_KNOWN, PASSES = range(-1, 3)
 # Numbers of impacts and of limits to compute at a time, in a few tenths of a second.
 IMPACTS_AT_A_TIME = 10_000
 LIMITS_AT_A_TIME = 2_000
-# Most designs to try at a time until one passes; those after it are tried in vain.
+# Most designs to try at a time until one passes; all designs tried after that one are in vain.
 FIRST_AT_A_TIME = 500
-# Most back plates of a frontier, besides the best: a square grid of the most designs has as many.
+# Most back plate thicknesses of a frontier, besides that of the best design.  A square grid with the greatest number of
+# designs has as many.
 MOST_BACKINGS = 1000
-# Scenarios of pairs of materials and threats that are kept.
+# Most scenarios, each of a pair of materials against a threat, to keep in memory.
 MOST_SCENARIOS = 1000
 
 
 class Runs:
-    """Counter of impacts, which reports them."""
+    """Counter of the impacts computed, which also reports them."""
 
     def __init__(self, on_progress: OnProgress = ignore_progress) -> None:
         self.count, self.on_progress = 0, on_progress
@@ -48,17 +49,18 @@ class Runs:
 
 
 class Required(NamedTuple):
-    """What decides on n rows of designs against threats."""
+    """What is required of n rows, each a design against a threat."""
 
     limits_m_s: Floats  # least ballistic limits by the model; 0 where a probability alone decides
-    bounds: Floats  # greatest probabilities of perforation, given the model error; 1 where none is required, or known
-    unknown: Bools  # whether a probability is required that is not known, or a layer lies between tile and plate
+    bounds: Floats  # greatest probabilities of perforation, given the model error; 1 if none is required or known
+    unknown: Bools  # whether a required probability is not known, or a layer lies between tile and plate
 
 
 def required_of(catalogue: Catalogue, rows: Variants) -> Required:
-    """Return what is required of designs against each threat, (designs times threats).
+    """Return what is required of rows, each a design against a threat, (designs * threats,).
 
-    A margin is, where one is given, and a probability.  Where none is required or known, the limit decides.
+    A probability is required if the threat has a bound and the model error is known.  The ballistic limit must reach
+    the velocity plus the margin if there is a margin or if no probability decides.
     """
     count = len(rows.velocities) // len(catalogue.threats)
     bounded = np.tile(catalogue.bounds < NO_BOUND, count)
@@ -74,7 +76,10 @@ def required_of(catalogue: Catalogue, rows: Variants) -> Required:
 
 
 def verdicts_of(catalogue: Catalogue, rows: Variants, runs: Runs) -> Ints:
-    """Return the verdicts on designs, (n,), from impacts at the velocities required, given their rows."""
+    """Return the verdicts on n designs, (n,), from impacts at the required velocities.
+
+    `rows` has each design against each threat, (n * threats,).
+    """
     required, threats = required_of(catalogue, rows), len(catalogue.threats)
     remaining = np.arange(len(rows.velocities) // threats)
     # Designs that one threat perforates are not tried against the next.
@@ -92,7 +97,7 @@ def verdicts_of(catalogue: Catalogue, rows: Variants, runs: Runs) -> Ints:
 
 
 def stopped(rows: Variants, runs: Runs) -> Bools:
-    """Return whether rows stop the projectile at their velocities; not if these are too high to compute."""
+    """Return whether rows stop the projectile at their velocities; False above the greatest velocity allowed."""
     is_stopped = rows.velocities <= FASTEST_M_S
     possible = np.flatnonzero(is_stopped & (rows.velocities > 0.0))
     is_stopped[possible] = ~rows.at(possible).perforated()
@@ -101,10 +106,10 @@ def stopped(rows: Variants, runs: Runs) -> Bools:
 
 
 def within_bounds(rows: Variants, bounds: Floats, runs: Runs) -> Bools:
-    """Return whether the probabilities of perforation of rows, which are known, are at most bounds.
+    """Return whether the probability of perforation of each row, which must be known, is at most its bound.
 
-    Most rows keep to them by every law of the flow stress or by none, as one impact by each law shows.  The
-    probabilities of the others follow from their limits.
+    One impact by each law of the flow stress decides if the laws agree, which is usual.  For the other rows, the
+    probability is computed from the ballistic limits by the laws.
     """
     errors = rows.errors
     by_any, by_all = np.zeros(len(bounds), dtype=bool), np.ones(len(bounds), dtype=bool)
@@ -118,32 +123,32 @@ def within_bounds(rows: Variants, bounds: Floats, runs: Runs) -> Bools:
         by_all[used] &= is_stopped
     within, undecided = by_any & by_all, np.flatnonzero(by_any & ~by_all)
     rows = rows.at(undecided)
-    of_limits = rows.limit_distributions(rows.limits_anywhere(runs))
-    within[undecided] = of_limits.probability_above(rows.velocities) >= 1.0 - bounds[undecided]
+    distributions = rows.limit_distributions(rows.limits_anywhere(runs))
+    within[undecided] = distributions.probability_above(rows.velocities) >= 1.0 - bounds[undecided]
     return within
 
 
 def slack_m_s(catalogue: Catalogue, rows: Variants, limits: Floats) -> Floats:
-    """Return by how much rows exceed what is required, m/s, given their limits; below 0 for what they lack.
+    """Return the slack of rows, m/s, given their ballistic limits: negative if they do not meet what is required.
 
-    It is what the limit has above the one required or, if this is less, what the velocity that is stopped with the
-    required probability has above that of the threat.
+    The slack is the smaller of two differences: ballistic limit minus the limit required, and velocity stopped with the
+    required probability minus velocity of the threat.
     """
     required = required_of(catalogue, rows)
     slack = np.where(required.limits_m_s > 0.0, limits - required.limits_m_s, np.inf)
     bounded = np.flatnonzero(required.bounds < 1.0)
     if len(bounded):
-        of_limits = rows.at(bounded).limit_distributions(limits[bounded])
-        surely = of_limits.quantile(required.bounds[bounded]) - rows.velocities[bounded]
-        slack[bounded] = np.minimum(slack[bounded], surely)
+        distributions = rows.at(bounded).limit_distributions(limits[bounded])
+        slack_by_error = distributions.quantile(required.bounds[bounded]) - rows.velocities[bounded]
+        slack[bounded] = np.minimum(slack[bounded], slack_by_error)
     return slack
 
 
 def measured(catalogue: Catalogue, rows: Variants, runs: Runs) -> tuple[Floats, Floats]:
-    """Return the lowest ballistic limits of designs against each threat, m/s, (designs, threats), and their slack.
+    """Return the lowest ballistic limits of designs against each threat, and their slack, m/s, (designs, threats).
 
-    The search extends beyond the range of the section ``ballistic_limit``.  Where the limit is high enough, velocities
-    are scanned more densely, for lower limits.
+    The search extends beyond the range of the section ``ballistic_limit``.  If a limit is high enough, a denser scan
+    looks for a lower one.
     """
     shape = -1, len(catalogue.threats)
     limits = rows.limits_anywhere(runs)
@@ -167,7 +172,10 @@ class Reliability:
         self.points = points_of(catalogue.scenario.uncertainty or Uncertainty())
 
     def probabilities(self, candidates: CandidateDesigns, place: int, *, quick: bool) -> dict[str, Estimate]:
-        """Estimate the probabilities of perforation of a design, by threat that bounds it, where they are known."""
+        """Estimate the probability of perforation of a design, by title of each threat that sets a bound on it.
+
+        Threats for which the probability is not known are left out; `quick` as in `probability_of_perforation`.
+        """
         thicknesses = {CERAMIC: float(candidates.ceramic_mm[place]), BACKING: float(candidates.backing_mm[place])}
         estimates = {}
         for threat, (title, bound) in enumerate(zip(self.catalogue.titles, self.catalogue.bounds, strict=True)):
@@ -203,13 +211,14 @@ def _check(catalogue: Catalogue, section: Uncertainty) -> None:
 
 
 class Designs:
-    """The designs on offer, in the order of the objective; queries give them by their places.
+    """Table of the designs on offer, the best by the objective first; a place is the index of a design in it.
 
     Attributes
     ----------
     columns : CandidateDesigns
     within, offered : array of int
-        Places of the designs within the limits of the section ``design``; of those on back plates that may be a metal.
+        Places of the designs within the limits of the section ``design``, and of those of them on back plates that may
+        be a metal.
     one_source : array of bool
         Whether a single source gives the flow stress of the ceramic of each design; such a design is never the best.
     """
@@ -217,7 +226,7 @@ class Designs:
     def __init__(
         self, catalogue: Catalogue, columns: CandidateDesigns, runs: Runs, reliability: Reliability | None = None
     ) -> None:
-        # A free thickness of which no value passes is NaN; back plates that are no metal count only where all are none.
+        # A free thickness is NaN if no value passes.  Back plates that are not a metal count only if none is a metal.
         is_metal = catalogue.metal if catalogue.metal.any() else ~catalogue.metal
         columns = columns.at(~np.isnan(columns.thickness_mm) & is_metal[columns.pair])
         self.columns = columns.at(catalogue.objective(columns).argsort(kind="stable"))
@@ -234,25 +243,25 @@ class Designs:
         self._outside: dict[int, dict[str, float]] = {}
 
     def rows(self, where: Ints) -> Variants:
-        """Return designs against each threat, (designs times threats)."""
+        """Return the rows of designs against each threat, (designs * threats,)."""
         return self.catalogue.against_each(self.columns.at(where))
 
     def rows_of(self, place: int) -> Variants:
-        """Return a design that is shown against each threat, (threats,)."""
+        """Return the rows of a single design against each threat, (threats,), and keep them."""
         if place not in self._shown:
             self._shown[place] = self.rows(np.array([place]))
         return self._shown[place]
 
     def outside_tests(self, where: Ints) -> list[dict[str, float]]:
-        """Return by how much designs lie outside the tests, by quantity, against the threat farthest from them."""
+        """Return for each design the factors by which it lies outside the tests, by quantity, over all threats."""
         missing = [place for place in dict.fromkeys(where.tolist()) if place not in self._outside]
         rows = self.rows_of(missing[0]) if len(missing) == 1 else self.rows(np.array(missing, dtype=np.int64))
-        found = outside_tests(rows.armours, rows.velocities, len(self.catalogue.threats))
-        self._outside.update(zip(missing, found, strict=True))
+        factors = outside_tests(rows.armours, rows.velocities, len(self.catalogue.threats))
+        self._outside.update(zip(missing, factors, strict=True))
         return [self._outside[place] for place in where.tolist()]
 
     def verdicts(self, where: Ints) -> Ints:
-        """Return the verdicts on designs by impacts alone: lower limits and samples may be worse."""
+        """Return the verdicts on designs by impacts alone; the lowest limits, and samples, may give worse ones."""
         missing, threats = where[self._verdicts[where] == UNJUDGED], len(self.catalogue.threats)
         for part in portions(len(missing), max(IMPACTS_AT_A_TIME // threats, 1)):
             rows = self.rows(missing[part])
@@ -261,12 +270,12 @@ class Designs:
         return self._verdicts[where]
 
     def known(self, where: Ints) -> Bools:
-        """Return whether the model error is known, or left out, for designs against every threat."""
+        """Return whether the model error of each design is known against every threat, or excluded."""
         self.verdicts(where)
         return self._known[where] | self.catalogue.scenario.excludes_error()
 
     def measure(self, where: Ints) -> None:
-        """Compute limits and slack of designs that have none yet."""
+        """Compute and keep the ballistic limits and slack of those designs for which they are not known yet."""
         missing = where[np.isnan(self._limits[where, 0])]
         for part in portions(len(missing), max(LIMITS_AT_A_TIME // len(self.catalogue.threats), 1)):
             places = missing[part]
@@ -278,16 +287,16 @@ class Designs:
         return self._limits[where]
 
     def slack_m_s(self, where: Ints) -> Floats:
-        """Return by how much designs exceed what is required against each threat, m/s, (designs, threats)."""
+        """Return the slack of designs against each threat, see the function `slack_m_s`, m/s, (designs, threats)."""
         self.measure(where)
         return self._slack[where]
 
     def margins_m_s(self, where: Ints) -> Floats:
-        """Return what limits of designs have above the velocities of the threats, m/s, (designs, threats)."""
+        """Return the lowest ballistic limits minus the velocities of the threats, m/s, (designs, threats)."""
         return self.limits_m_s(where) - self.catalogue.velocities_m_s
 
     def quick_margins_m_s(self, where: Ints) -> Floats:
-        """Return the same by the quick search, which may miss lower limits."""
+        """Return the margins, m/s, (designs, threats), by the usual scan, which may miss lower limits."""
         margins = np.empty((len(where), len(self.catalogue.threats)))
         for part in portions(len(where), max(LIMITS_AT_A_TIME // margins.shape[1], 1)):
             rows = self.rows(where[part])
@@ -295,24 +304,27 @@ class Designs:
         return margins
 
     def passes(self, where: Ints, least: int = PASSES) -> Bools:
-        """Return whether the verdicts on designs are at least a given one, and no limit is lower; without samples."""
+        """Return whether designs have at least the verdict `least`, also by their lowest limits; without samples."""
         passed = self.verdicts(where) >= least
         passed[passed] = (self.slack_m_s(where[passed]) >= 0.0).all(axis=1)
         return passed
 
     def sampled(self, place: int) -> int:
-        """Return the verdict on a design by its sampled probabilities of perforation."""
+        """Return the verdict on a design by its sampled probabilities of perforation; passes if none are sampled."""
         if self.reliability is None:
             return PASSES
         if place not in self._sampled:
             estimates = self.reliability.probabilities(self.columns, place, quick=True)
             bounds = dict(zip(self.catalogue.titles, self.catalogue.bounds.tolist(), strict=True))
-            verdict = verdict_of(verdict_of_samples(found, bounds[threat]) for threat, found in estimates.items())
+            verdict = verdict_of(verdict_of_samples(value, bounds[threat]) for threat, value in estimates.items())
             self._sampled[place] = {"fails": FAILS, "not known": NOT_KNOWN, "passes": PASSES}[verdict]
         return self._sampled[place]
 
     def first(self, where: Ints, least: int = PASSES, *, by_samples: bool = True) -> int | None:
-        """Return the first of some designs whose verdict is at least a given one, by default that of samples too."""
+        """Return the first of some designs with at least the verdict `least`; None if there is none.
+
+        The lowest limits count and, unless `by_samples` is False, so do the sampled probabilities.
+        """
         remaining = where[self.verdicts(where) >= least]
         size = 1
         while len(remaining):
@@ -323,7 +335,7 @@ class Designs:
         return None
 
     def ranked(self, where: Ints) -> Ints:
-        """Return designs whose model error is known before the others."""
+        """Sort designs: those whose model error is known come first, otherwise the order is kept."""
         return where[np.argsort(~self.known(where), kind="stable")]
 
     def of_pair(self, pair: int) -> Ints:
@@ -331,10 +343,10 @@ class Designs:
         return self.offered[self.columns.pair[self.offered] == pair]
 
     def frontier_backings(self, best: int) -> Floats:
-        """Return the thicknesses of the back plates of the frontier of the best design's pair, mm.
+        """Return the back plate thicknesses for the frontier of the pair of the design at place `best`, mm.
 
-        They are those tried first if both layers are free, otherwise all; of very many, every second, third, and so on.
-        That of the best design is always among them.
+        If both layers are free, the search starts with these thicknesses; otherwise they are all that the pair has.  Of
+        very many, only every second, third, and so on is taken.  The thickness of the best design is always included.
         """
         pair = int(self.columns.pair[best])
         ceramic, backing = (layer.free_range() for layer in self.catalogue.offers[pair][:2])
@@ -344,10 +356,10 @@ class Designs:
         return np.append(backings[:: -(-len(backings) // MOST_BACKINGS)], self.columns.backing_mm[best])
 
     def frontier(self, best: int, least: int) -> Ints:
-        """Return for each back plate of `frontier_backings` the thinnest ceramic whose verdict is at least a given one.
+        """Return for each back plate of `frontier_backings` the thinnest ceramic with at least the verdict `least`.
 
-        Sampled probabilities count too: beyond the thinnest ceramic that passes without, bisection finds the least that
-        passes, assuming that every thicker one does.
+        If probabilities are sampled, bisection finds the thinnest ceramic that also passes by samples, assuming that
+        every thicker ceramic passes, too.
         """
         ceramics, backings = self.columns.ceramic_mm, self.columns.backing_mm
         stopping = self.of_pair(int(self.columns.pair[best]))
@@ -377,9 +389,9 @@ class Designs:
         return np.array(within_bounds, dtype=np.int64)
 
     def changing(self) -> Iterator[tuple[int, str, float]]:
-        """Yield each pair and layer of which a thicker one is perforated at a velocity that a thinner one stops.
+        """Yield each case of a thicker layer that is perforated at a velocity that a thinner one stops.
 
-        The third value is the thickness of the other layer, mm.
+        The values are the index of the pair, the name of the layer, and the thickness of the other layer, mm.
         """
         pairs, ceramics, backings = (column[self.offered] for column in self.columns[:3])
         verdicts = self.verdicts(self.offered)

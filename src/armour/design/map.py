@@ -1,4 +1,4 @@
-"""Ballistic limits of the designs of a pair of materials over both thicknesses, and their probabilities."""
+"""Ballistic limits of a pair of materials over both thicknesses, and velocities stopped with given probabilities."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -14,7 +14,8 @@ from armour.design.optimise import Design, as_results
 from armour.evidence.model_error import given_error
 from armour.units import GPA
 
-# Number of thicknesses along an axis between which to look for an edge of the known model error, and its width, mm.
+# Number of thicknesses along an axis that are tried to find where the model error becomes known or unknown; width to
+# which such an edge is bisected, mm.
 EDGE_POINTS, EDGE_MM = 101, 1e-6
 
 
@@ -27,8 +28,8 @@ class DesignMap(NamedTuple):
     candidates: CandidateDesigns  # the ceramics in turn, each on every back plate
     limits_m_s: Floats  # lowest ballistic limits by the model, (ceramics, back plates, threats)
     probabilities: tuple[float, ...]
-    # Velocities that are stopped with each of the probabilities, (ceramics, back plates, threats, probabilities), NaN
-    # if the model error is not known.
+    # Velocities that are stopped with each of the probabilities, m/s, (ceramics, back plates, threats, probabilities);
+    # NaN if the model error is not known.
     stopped_m_s: Floats
 
     def stopped_with(self, probability: float) -> Floats:
@@ -44,26 +45,29 @@ def design_map(
     probabilities: tuple[float, ...],
     on_progress: OnProgress = ignore_progress,
 ) -> DesignMap:
-    """Compute the designs of a pair of materials with all combinations of some thicknesses, mm."""
+    """Compute ballistic limits, and velocities stopped with given probabilities, for all combinations of thicknesses.
+
+    `pair` is the index of a pair of materials; the thicknesses of its layers are in mm.
+    """
     ceramics, backings = np.array(ceramic_mm, dtype=np.float64), np.array(backing_mm, dtype=np.float64)
     shape = len(ceramics), len(backings), len(catalogue.threats)
     candidates = catalogue.combinations(pair, ceramics, backings)
     rows = catalogue.against_each(candidates)
     limits = rows.limits_anywhere(on_progress)
-    # A velocity that is stopped with a probability is the quantile of the limit at its complement.
+    # The velocity that is stopped with a probability p is the quantile of the ballistic limit at 1 - p.
     tails = 1.0 - np.array(probabilities)
-    of_limits = rows.limit_distributions(limits)
-    with_error = np.flatnonzero(~np.isnan(of_limits.weights).any(axis=0))
+    distributions = rows.limit_distributions(limits)
+    with_error = np.flatnonzero(~np.isnan(distributions.weights).any(axis=0))
     stopped = np.full((limits.size, len(tails)), np.nan)
-    stopped[with_error] = of_limits.mapped(lambda array: array[:, with_error]).quantile(tails[None])
+    stopped[with_error] = distributions.mapped(lambda array: array[:, with_error]).quantile(tails[None])
     by_probability = stopped.reshape(*shape, len(tails))
     return DesignMap(pair, ceramics, backings, candidates, limits.reshape(shape), probabilities, by_probability)
 
 
 def limits_over_sources(catalogue: Catalogue, designs: DesignMap) -> Floats | None:
-    """Return the ballistic limits of a map with the flow stresses that sources give for its ceramic.
+    """Return the ballistic limits of a map with each flow stress that sources give for its ceramic, m/s.
 
-    They have the shape (sources, ceramics, back plates, threats); None without sources.
+    The shape is (sources, ceramics, back plates, threats).  Return None if no sources are given or if tests are known.
     """
     ceramic = catalogue.materials[designs.pair].ceramic
     if ceramic is None or not ceramic.flow_stress_sources_GPa or not catalogue.untested[designs.pair]:
@@ -74,7 +78,7 @@ def limits_over_sources(catalogue: Catalogue, designs: DesignMap) -> Floats | No
 
 
 def with_known_edges(catalogue: Catalogue, pair: int, ceramic_mm: Floats, backing_mm: Floats) -> tuple[Floats, Floats]:
-    """Return thicknesses of a grid, mm, with those between which the model error becomes known or unknown."""
+    """Add thicknesses to a grid, mm: those on both sides of where the model error becomes known or unknown."""
     scans = [
         np.linspace(values[0], values[-1], EDGE_POINTS) if len(values) > 1 else values
         for values in (ceramic_mm, backing_mm)
@@ -101,9 +105,9 @@ def with_known_edges(catalogue: Catalogue, pair: int, ceramic_mm: Floats, backin
 
 
 def lightest(catalogue: Catalogue, pair: int, probability: float) -> Design | None:
-    """Return the best design on offer of a pair that stops each threat with a probability; None if there is none.
+    """Return the best design of a pair that stops each threat with at least a probability; None if there is none.
 
-    No margin is required, and the inputs are taken as exact.  If a thickness is free, there is none.
+    No margin is required, and the inputs are taken as exact.  Return None, too, if a thickness is free.
     """
     layers = catalogue.offers[pair][:2]
     if any(layer.free_range() for layer in layers):
@@ -116,9 +120,9 @@ def lightest(catalogue: Catalogue, pair: int, probability: float) -> Design | No
 
 
 def thicknesses_tested(catalogue: Catalogue, pair: int, threat: int) -> dict[str, tuple[float, float]]:
-    """Return the thicknesses, mm, of the tests that the model error is estimated from; none if it is not known.
+    """Return the least and greatest thicknesses of the tests that the model error is estimated from, mm.
 
-    The keys are "ceramic" and "backing".
+    The keys are "ceramic" and "backing".  If the model error is given or not known, there are none.
     """
     middle = [np.array([np.mean(layer.thicknesses())]) for layer in catalogue.offers[pair][:2]]
     rows = catalogue.against_each(catalogue.candidates(pair, *middle)).at(np.array([threat]))

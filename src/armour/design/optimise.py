@@ -27,16 +27,17 @@ from armour.scenario.scenario import Scenario, Varied
 from armour.scenario.schema import OBJECTIVES, DesignSection
 from armour.units import MM
 
-# Words that begin the reason of a pair of materials: without tests, if others have them; with a single source of the
-# ceramic's flow stress; and nearly as good as the best.
+# Words that begin the reason of a pair of materials: no test of it is known, but of others; a single source gives its
+# ceramic's flow stress; it is nearly as good as the best.
 NO_TEST_KNOWN, ONE_SOURCE, RUNNER_UP = "no test", "one source of its flow stress", "runner-up: "
-# What is known of a design without a probability.
+# Words after the threats that a design stops by the computed limit, while its probability is not known.
 BY_LIMIT = " by the computed limit"
-# Most designs that a result lists, or pairs whose needed flow stresses it has, and most to compare in the search for
-# the one nearest to passing.
+# Most designs that a result lists, and most pairs for which it has needed flow stresses; most designs to compare in the
+# search for the nearest design.
 MOST_SHOWN, MOST_COMPARED = 25, 20_000
 Reason = Literal["", "none passes", "not known"]
-# Impacts from which on the time of a search is estimated, and the thicknesses of a layer that it is estimated from.
+# Number of impacts from which on the time of a search is estimated; about how many thicknesses of each layer are tried
+# for the estimate.
 MANY_IMPACTS, SOME_THICKNESSES = 500_000, 50
 # Most thicknesses that a warning lists.
 MOST_LISTED = 5
@@ -54,16 +55,17 @@ class Design:
     areal_density_kg_m2, thickness_mm : float
         Including layers without ballistic effect, without a back plate that exists already.
     cost_per_m2 : float or None
-        The same, in the unit of the costs given; None unless that of each material is.
+        Cost of these layers, in the unit of the costs given; None unless each material has a cost.
     margin_m_s : float or None
         Smallest difference between ballistic limit and velocity over the threats; None if not computed.
     untested : bool
         Whether no test of the ceramic on metal is known.
     whole_areal_density_kg_m2, whole_thickness_mm : float
-        With a back plate that exists already.
+        The same, including a back plate that exists already.
     outside_tests : dict of str to float
-        By quantity in which it lies outside the tests, the farthest first, the factor by which it does against any
-        threat, below 1 beneath them; infinite, null in JSON, for what no test has, as its ceramic.  Empty inside them.
+        Factor by which the design lies outside the tests, by quantity, the farthest first: above 1 beyond the greatest
+        value tested, below 1 beneath the least, infinite (null in JSON) for what no test has, such as its ceramic.
+        The threat against which it lies farthest outside counts.  Empty inside the tests.
     """
 
     ceramic: str
@@ -94,19 +96,20 @@ class BestDesign(Design):
     governing : str
         Threat whose required velocity the ballistic limit exceeds by the smallest amount.
     probabilities : dict of str to Estimate
-        Probabilities of perforation by threat, for threats that bound it, if uncertain inputs are sampled.
+        Probabilities of perforation from samples of uncertain inputs, for the threats that set a bound on it.
     probabilities_of_stopping : dict of str to float or None
         By threat; None if the model error is not known.
     model_error : ModelError or None
         Relative error of the ballistic limit against the governing threat.
     short_m_s : dict of str to float
-        By threat: shortfall of the ballistic limit from the one required, with the model error if it is known, m/s.
+        By threat: shortfall of the ballistic limit from the limit required, m/s; the required probability counts if the
+        model error is known.
     exceeds : dict of str to float
         Excess over each limit of the section ``design`` that is exceeded, by its key.
     flow_stress : dict of str to NeededFlowStress
-        By threat: flow stress with which a ceramic without tests stops it, of the design that a result names first.
+        By threat: flow stress that a ceramic without tests needs to stop it; empty if it is not computed.
     requirements : tuple of Requirement
-        All that is required of it, with what it has.
+        All that is required of the design, with what it has.
     """
 
     ballistic_limit_m_s: float | None
@@ -145,12 +148,12 @@ class Pair:
     ceramic, backing : str
     best : BestDesign or None
     excess_percent : float or None
-        Excess of the objective over that of the best of all.
+        Excess of its objective over that of the best design of all pairs.
     reason : str
-        Reason why its best design is not the best of all, or why it has none.
+        Reason why its best design is not the best of all pairs, or why it has none.
     ranked : bool
-        Whether its best design is compared with that of other pairs: not if it has no tests and others have, nor if
-        a single source gives the flow stress of its ceramic.
+        Whether the pair is ranked with the others: not if the model error is unknown for its best design but known for
+        the best of all pairs, nor if a single source gives the flow stress of its ceramic.
     untested : bool
         Whether no test of the ceramic on metal is known.
     """
@@ -176,18 +179,19 @@ class DesignResult(TableResult):
     best : BestDesign or None
         None if no design is known to pass.
     reason : {"", "none passes", "not known"}
-        Why there is no best design: none passes, or it is not known whether one does, as the probability is not known
-        for any design whose ballistic limit by the model is high enough, or as that limit is known to be too low.
+        Why there is no best design: none passes, or it is not known whether one passes.  It is not known if the
+        probability is unknown for all designs whose ballistic limit by the model is high enough, or if ballistic
+        limits by the model are known to be too low.
     explanation : str
-        The same in a sentence; empty if there is one.
+        The reason in a sentence; empty if there is a best design.
     nearest : BestDesign or None
-        Without a best design: the best one by the model's ballistic limit or, if none passes, the one within the limits
-        of the section ``design`` whose greatest shortfall against a threat is the smallest.
+        Without a best design: the best one by the model's ballistic limit or, if none passes, the design within the
+        limits of the section ``design`` whose greatest shortfall against a threat is the smallest.
     without_limits : BestDesign or None
-        If none passes: the best one without these limits, where there is one.
+        If none passes: the design that would be the best without the limits of the section ``design``, if any.
     frontier : tuple of Design
-        For each back plate of the best pair, the thinnest ceramic that passes, bounds on probabilities included; of
-        more than 1,000 back plates, for every second, third, and so on.
+        For each back plate thickness of the best pair, the design with the thinnest ceramic that passes, bounds on
+        probabilities included; of more than 1,000 thicknesses, only for every second, third, and so on.
     frontier_governed_by : tuple of str
         Governing threat of each design of the frontier.
     refined : BestDesign or None
@@ -212,9 +216,9 @@ class DesignResult(TableResult):
     without_mm : tuple of float
         Back plate thicknesses of the best pair on which no ceramic passes, mm; the frontier leaves them out.
     every : tuple of Design
-        All designs that meet the constraints, best first, where they are at most 25.
+        All designs that meet the constraints, best first; empty if there are more than 25.
     margins_of_every_m_s : tuple of dict of str to float
-        Their margins by threat.
+        Margin of each design of ``every``, by threat, m/s.
     """
 
     minimised: str
@@ -246,7 +250,7 @@ class DesignResult(TableResult):
 
     @property
     def reported(self) -> BestDesign | None:
-        """The design shown or, without one, the best of the first pair, which is not ranked."""
+        """The design shown or, without one, the best design of the first pair that has one; it is not ranked then."""
         return self.shown or next((pair.best for pair in self.pairs if pair.best is not None), None)
 
     def to_dict(self) -> dict[str, Any]:
@@ -284,10 +288,10 @@ def armour_in_words(design: Design) -> str:
 def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgress = ignore_progress) -> DesignResult:
     """Find the best design of a scenario that stops its threats.
 
-    A design passes if it has all that is required, as `check` finds it, by its lowest ballistic limits.  The impacts of
-    all designs of given thicknesses are computed: no monotonic dependence is assumed.  For a free thickness, the least
-    value that passes is found by bisection.  If inputs have distributions and a probability is required, designs are
-    sampled in the order of the objective.
+    A design passes if it meets all requirements, as `check` judges them, with its lowest ballistic limits.  The impacts
+    of all designs of given thicknesses are computed: no monotonic dependence is assumed.  For a free thickness, the
+    least value that passes is found by bisection.  If inputs have distributions and a probability is required, designs
+    are sampled in the order of the objective.
 
     Parameters
     ----------
@@ -365,19 +369,22 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
         runs=search.runs.count,
         every=as_results(designs, every, with_margins=True),
         margins_of_every_m_s=tuple(dict(zip(catalogue.titles, row, strict=True)) for row in margins),
-    ).of(_subject(catalogue, is_found=not reason), scenario=scenario)
+    ).answering(_subject(catalogue, is_found=not reason), scenario=scenario)
 
 
 def _with_frontier(
     result: DesignResult, designs: Designs, search: FreeThicknesses, place: int, least: int, *, refine: bool
 ) -> DesignResult:
-    """Return a result with the frontier of the design shown, its refinement if requested, and the Pareto front."""
+    """Add the frontier of the design shown, the refined design if requested, and the Pareto front to a result.
+
+    `place` is the place of the design shown; designs on the frontier have at least the verdict `least`.
+    """
     catalogue, pair, backings = designs.catalogue, int(designs.columns.pair[place]), designs.columns.backing_mm
     frontier = designs.frontier(place, least)
-    found = as_results(designs, frontier, with_margins=True)
-    without: list[float] = []
+    frontier_designs = as_results(designs, frontier, with_margins=True)
+    without_mm: list[float] = []
     if catalogue.offers[pair].backing.free_range() is None:
-        without = np.setdiff1d(designs.frontier_backings(place), backings[frontier]).tolist()
+        without_mm = np.setdiff1d(designs.frontier_backings(place), backings[frontier]).tolist()
     ceramic_min_mm = next((low for _, name, low, _ in catalogue.ranges(pair) if name == "ceramic"), 0.0) or None
     not_monotonic_mm = designs.not_monotonic_mm(frontier)
     refined = _refined(designs, search, place) if refine else None
@@ -386,26 +393,26 @@ def _with_frontier(
     warnings = (
         *_untested(result.pairs),
         *_at_the_ends(catalogue, pair, as_results(designs, np.array([place]))[0]),
-        *_least_of_the_range(catalogue, pair, found, ceramic_min_mm),
+        *_least_of_the_range(catalogue, pair, frontier_designs, ceramic_min_mm),
         *_changing(search, changing),
     )
     return replace(
         result,
-        frontier=found,
+        frontier=frontier_designs,
         frontier_governed_by=tuple(catalogue.titles[threat] for threat in _governing(designs, frontier)),
         refined=refined,
         pareto=front,
         not_monotonic_mm=not_monotonic_mm,
         ceramic_min_mm=ceramic_min_mm,
-        without_mm=tuple(without),
+        without_mm=tuple(without_mm),
         warnings=(*result.warnings, *warnings),
     )
 
 
 def effort(scenario: Scenario) -> tuple[int, float]:
-    """Return the number of designs on offer, and about how many seconds it takes to try each against every threat.
+    """Return the number of designs on offer, and the estimated time to try each against every threat, s.
 
-    The time is estimated if there are many.
+    The time is 0 if there are few designs.
     """
     catalogue = catalogue_of(scenario)
     layers = [[np.array(layer.thicknesses()) for layer in offer[:2]] for offer in catalogue.offers]
@@ -422,7 +429,7 @@ def effort(scenario: Scenario) -> tuple[int, float]:
 
 
 def _not_refinable(catalogue: Catalogue) -> Iterator[Problem]:
-    """Yield why the best design cannot be refined."""
+    """Yield the reasons why the best design cannot be refined, if any."""
     file = catalogue.scenario.file
     if catalogue.sampled:
         message = "must be left out if the design is refined, as designs between the given thicknesses are not sampled"
@@ -433,16 +440,16 @@ def _not_refinable(catalogue: Catalogue) -> Iterator[Problem]:
 
 
 def _table(search: FreeThicknesses, *, refine: bool = False, criteria: Sequence[str] = ()) -> Designs:
-    """Return the designs of a catalogue, of free thicknesses the least."""
+    """Return the table of designs of a catalogue, see `candidates_of`; of a free thickness, it has the least value."""
     catalogue = search.catalogue
     reliability = Reliability(catalogue, search.runs.on_progress) if catalogue.sampled else None
     return Designs(catalogue, candidates_of(search, criteria, refine=refine), search.runs, reliability)
 
 
 def _best_place(search: FreeThicknesses) -> tuple[Designs, int | None, Reason]:
-    """Return the designs, the best one, and why this does not pass, if it does not.
+    """Return the table of designs, the place of the best design, and the reason if it is not known to pass.
 
-    A design with a ceramic whose flow stress has one source, or on a back plate that is no metal, is never the best.
+    A design with a ceramic whose flow stress has one source, or on a back plate that is not a metal, is never the best.
     """
     designs = _table(search)
     if not search.catalogue.metal.any():
@@ -454,17 +461,20 @@ def _best_place(search: FreeThicknesses) -> tuple[Designs, int | None, Reason]:
         designs = _table(search)
     if (place := _first(designs, designs.offered, NOT_KNOWN)) is not None:
         return designs, place, "not known"
-    passes = designs.one_source.all() and designs.first(designs.offered, NOT_KNOWN) is not None
-    return designs, None, "not known" if passes else "none passes"
+    passes_by_limit = designs.one_source.all() and designs.first(designs.offered, NOT_KNOWN) is not None
+    return designs, None, "not known" if passes_by_limit else "none passes"
 
 
 def _first(designs: Designs, where: Ints, least: int) -> int | None:
-    """Return the best of some designs, one whose model error is known if any is; none with a ceramic of one source."""
+    """Return the place of the best of some designs with at least the verdict `least`; None if there is none.
+
+    Designs whose model error is known come before the others; ceramics with a single source are left out.
+    """
     return designs.first(designs.ranked(where[~designs.one_source[where]]), least)
 
 
 def _unlimited(designs: Designs, search: FreeThicknesses) -> Designs:
-    """Return the designs without the limits of the section, of which free thicknesses are others."""
+    """Return the table of designs without the limits of the section; free thicknesses are searched for anew."""
     if not designs.catalogue.has_free_layer:
         return designs
     unbounded = dict.fromkeys(objective.bound for objective in OBJECTIVES.values())
@@ -473,7 +483,7 @@ def _unlimited(designs: Designs, search: FreeThicknesses) -> Designs:
 
 
 def _failure(designs: Designs, search: FreeThicknesses) -> tuple[str, BestDesign | None]:
-    """Return why no design passes, and the best one that would without the limits, if there is one."""
+    """Return why no design passes, and the design that would be the best without the limits, if there is one."""
     catalogue, unlimited = designs.catalogue, _unlimited(designs, search)
     explanation = _why_none(designs, unlimited)
     of_one_source = designs.offered[designs.one_source[designs.offered]]
@@ -485,10 +495,10 @@ def _failure(designs: Designs, search: FreeThicknesses) -> tuple[str, BestDesign
 
 
 def _nearest(designs: Designs, most: int = MOST_COMPARED) -> Ints:
-    """Return the places of the designs within the constraints, or nearest to them, by their shortfall.
+    """Return the places of the designs within the constraints, or nearest to them, the smallest shortfall first.
 
-    The shortfall of a design is the greatest of those against each threat; ceramics of one source come last.  If there
-    are more than some number, only the thickest ceramics within the constraints on each back plate are compared.
+    The shortfall of a design is the greatest of its shortfalls against the threats; ceramics of one source come last.
+    If there are more than `most` designs, only the thickest ceramic of each pair on each back plate is compared.
     """
     columns, one_source = designs.columns, designs.one_source
     violations = designs.catalogue.violations(columns)
@@ -502,14 +512,14 @@ def _nearest(designs: Designs, most: int = MOST_COMPARED) -> Ints:
 
 
 def _some_of_range(catalogue: Catalogue, pair: int) -> CandidateDesigns:
-    """Return the designs of a pair, with some thicknesses of a free range."""
+    """Return the designs of a pair of materials, with `FIRST_VALUES` thicknesses of a free range."""
     layers = [(layer.thicknesses(), layer.free_range()) for layer in catalogue.offers[pair][:2]]
     thicknesses = (np.linspace(mm[0], mm[-1], FIRST_VALUES) if free_range else mm for mm, free_range in layers)
     return catalogue.combinations(pair, *thicknesses)
 
 
 def _short_pairs(designs: Designs, order: Ints) -> tuple[Pair, ...]:
-    """Return each pair of materials with the least shortfall of its designs, in an order of designs."""
+    """Return each pair of materials with the shortfall of its first design in `order`, which has places of designs."""
     pairs = []
     for place in order[np.sort(np.unique(designs.columns.pair[order], return_index=True)[1])].tolist():
         best, one_source = _best(designs, place), bool(designs.one_source[place])
@@ -519,7 +529,7 @@ def _short_pairs(designs: Designs, order: Ints) -> tuple[Pair, ...]:
 
 
 def _of_other_pairs(catalogue: Catalogue, warnings: Sequence[str]) -> Iterator[Note]:
-    """Yield what the model cannot do for other pairs of materials than the one that warnings are about."""
+    """Yield the caveats of the model about all pairs of materials, except for those that are among `warnings`."""
     told = {note.about for note in warnings if isinstance(note, Note)}
     for pair in np.flatnonzero(catalogue.metal).tolist():
         ceramic_mm = np.array([float(bool(catalogue.offers[pair].ceramic.material))])
@@ -531,14 +541,14 @@ def _of_other_pairs(catalogue: Catalogue, warnings: Sequence[str]) -> Iterator[N
 
 
 def _unlike(catalogue: Catalogue, pair: int) -> Pair:
-    """Return a pair on a back plate that is no metal."""
+    """Return a pair whose back plate is not a metal: without a design, but with the reason."""
     offer = catalogue.offers[pair]
     words, names = no_metal(offer.backing_density_kg_m3), (offer.ceramic.material, offer.backing.material)
     return Pair(*names, None, None, f"not known: {words}", untested=catalogue.untested[pair])
 
 
 def lacking(design: BestDesign) -> str:
-    """Return what a design lacks against the threat that it is farthest from stopping as required."""
+    """Describe the shortfall of a design against the threat for which it is the greatest."""
     threat = max(design.short_m_s, key=design.short_m_s.__getitem__)
     armour = armour_in_words(replace(design, untested=False))
     return f"{armour} lacks {short_words(design.short_m_s[threat])} against {threat}"
@@ -550,7 +560,11 @@ def short_words(short_m_s: float) -> str:
 
 
 def _why_not_known(designs: Designs, place: int | None) -> str:
-    """Return why it is not known whether a design passes that passes by the model, or why none without a metal does."""
+    """Return why it is not known whether any design passes.
+
+    `place` is that of the best design by the computed limit; None if all designs that stop the threats by this limit
+    have a ceramic with a single source, or if no back plate is a metal.
+    """
     catalogue = designs.catalogue
     if not catalogue.metal.any():
         words = no_metal(catalogue.offers[0].backing_density_kg_m3)
@@ -571,13 +585,13 @@ def _why_not_known(designs: Designs, place: int | None) -> str:
     # The reason is that of the governing threat, if its probability is unknown.
     threat = min(unknown, key=designs.slack_m_s(np.array([place]))[0].__getitem__)
     why = rows.at(np.array([threat])).why_error_unknown()
-    titles = [catalogue.titles[place] for place in unknown]
+    titles = [catalogue.titles[i] for i in unknown]
     threats = "every threat" if len(titles) == len(catalogue.titles) > 1 else listed(titles)
     return f"probability of stopping {threats}: unknown, {why}"
 
 
 def _untested(pairs: Sequence[Pair]) -> Iterator[str]:
-    """Warn if pairs of materials are ranked after the others."""
+    """Warn of pairs of materials that are ranked after the others, as their model error is not known."""
     names = [
         f"{pair.ceramic} on {pair.backing}"
         for pair in pairs
@@ -587,10 +601,14 @@ def _untested(pairs: Sequence[Pair]) -> Iterator[str]:
         yield f"the model error is not known for {listed(names)}, ranked after the others; {REMEDY}"
 
 
-def _changing(search: FreeThicknesses, columns: Sequence[tuple[int, str, float]]) -> Iterator[str]:
-    """Warn of each layer of a pair that may fail if it is thicker, with the thicknesses of the other layer, mm."""
+def _changing(search: FreeThicknesses, changes: Sequence[tuple[int, str, float]]) -> Iterator[str]:
+    """Warn of each layer of a pair that may fail if it is thicker.
+
+    `changes`, which are added to those of the search, have the pair, the layer and the thickness of the other layer,
+    mm.
+    """
     changing = search.changing
-    for pair, layer, other_mm in columns:
+    for pair, layer, other_mm in changes:
         changing[pair, layer].add(other_mm)
     for (pair, layer), thicknesses in sorted(changing.items()):
         if thicknesses:
@@ -631,26 +649,26 @@ def _least_of_the_range(
 
 
 def _pareto(designs: Designs, search: FreeThicknesses, criteria: Sequence[str], least: int) -> tuple[Design, ...]:
-    """Return the Pareto front, with free thicknesses refined for every criterion."""
+    """Return the Pareto front by the given criteria; free thicknesses are refined for each of them."""
     if designs.catalogue.has_free_layer:
         designs = _table(search, criteria=criteria)
     return as_results(designs, pareto(designs, criteria, least), with_margins=MARGIN_COLUMN in criteria)
 
 
 def _refined(designs: Designs, search: FreeThicknesses, first: int) -> BestDesign:
-    """Return the best design with both layers free, or that of the table if none is better."""
+    """Return the best design with both layers free, or the design at place `first` if none is better."""
     refined = _table(search, refine=True)
     place = refined.first(refined.offered[refined.values[refined.offered] < designs.values[first]], search.least)
     return _best(designs, first) if place is None else _best(refined, place)
 
 
 def _governing(designs: Designs, where: Ints) -> list[int]:
-    """Return for each design the threat against which it exceeds what is required by the least."""
+    """Return for each design the index of its governing threat, against which it has the smallest slack."""
     return designs.slack_m_s(where).argmin(axis=1).tolist()
 
 
 def as_results(designs: Designs, where: Ints, *, with_margins: bool = False) -> tuple[Design, ...]:
-    """Return designs of a table as results."""
+    """Return the designs at some places of a table as results; their margins are computed only if asked for."""
     catalogue, columns = designs.catalogue, designs.columns.at(where)
     margins = designs.margins_m_s(where).min(axis=1).tolist() if with_margins else [None] * len(where)
     named = ([layer.material for layer in catalogue.offers[pair][:2]] for pair in columns.pair)
@@ -667,12 +685,15 @@ def as_results(designs: Designs, where: Ints, *, with_margins: bool = False) -> 
 
 
 def _best(designs: Designs, place: int, *, named: bool = False) -> BestDesign:
-    """Return a design with its ballistic limits and, if the result names it first, with the flow stress needed."""
+    """Return the design at a place of a table with its ballistic limits and all that is required of it.
+
+    `named` asks, moreover, for the flow stress that a ceramic without tests needs.
+    """
     where, catalogue, pair = np.array([place]), designs.catalogue, int(designs.columns.pair[place])
     [design], offer = as_results(designs, where, with_margins=True), catalogue.offers[pair]
     [limits], [slack], [governing] = designs.limits_m_s(where), designs.slack_m_s(where), _governing(designs, where)
     rows = designs.rows_of(place)
-    of_limits, limit = rows.limit_distributions(limits), float(limits[governing])
+    distributions, limit = rows.limit_distributions(limits), float(limits[governing])
     stops = stopped(rows._replace(velocities=rows.velocities + catalogue.margins_m_s), Runs()).tolist()
     sampled = designs.reliability.probabilities(designs.columns, place, quick=False) if designs.reliability else {}
     requirements: list[Requirement] = []
@@ -682,7 +703,7 @@ def _best(designs: Designs, place: int, *, named: bool = False) -> BestDesign:
     for i, (threat, limit_m_s) in enumerate(zip(catalogue.threats, limits.tolist(), strict=True)):
         title, estimate = threat.title, sampled.get(threat.title)
         # One by one: for several at once scipy would be imported.
-        by_error = float(of_limits.one(i).probability_above(threat.velocity_m_s))
+        by_error = float(distributions.one(i).probability_above(threat.velocity_m_s))
         chance = (None if isnan(by_error) else by_error) if estimate is None else 1.0 - estimate.value
         armour, ceramic = Parameters(*rows.parameters[i].tolist()), catalogue.materials[pair].ceramic
         required = list(
@@ -696,9 +717,9 @@ def _best(designs: Designs, place: int, *, named: bool = False) -> BestDesign:
             scenario, bound = catalogue.against(pair, i).replaced(layers), float(catalogue.bounds[i])
             needed = needed_flow_stress(scenario, threat.required_m_s, 1.0 - bound if bound < NO_BOUND else None)
             flow_stress |= {} if needed is None else {title: needed}
-    weight = tuple(of_armour(catalogue.section, vars(design)))
+    limits_of_section = tuple(of_armour(catalogue.section, vars(design)))
     searched = catalogue.scenario.ballistic_limit
-    ratio = of_limits.one(governing).times(1.0 / limit)
+    ratio = distributions.one(governing).times(1.0 / limit)
     return BestDesign(
         **asdict(design),
         ballistic_limit_m_s=limit if searched.velocity_min_m_s < limit <= searched.velocity_max_m_s else None,
@@ -712,18 +733,19 @@ def _best(designs: Designs, place: int, *, named: bool = False) -> BestDesign:
         short_m_s=short,
         exceeds={
             OBJECTIVES[row.quantity].bound: row.found - row.required
-            for row in weight
+            for row in limits_of_section
             if row.found is not None and row.verdict == "fails"
         },
-        requirements=(*requirements, *weight),
+        requirements=(*requirements, *limits_of_section),
         flow_stress=flow_stress,
     )
 
 
 def _pairs(designs: Designs, search: FreeThicknesses, best: int | None, least: int) -> tuple[Pair, ...]:
-    """Compare the best designs of all pairs, best first, those that are not ranked after the others.
+    """Return the pairs of materials, each with its best design: the ranked pairs, best first, then the others.
 
-    Of a pair without one that is known to pass, it is the best by the computed limit.
+    `best` is the place of the best design of all pairs, `least` the verdict that the best design of a pair must reach.
+    If no design of a pair is known to pass, its best design is the best one by the computed limit.
     """
     catalogue = designs.catalogue
     least_value = inf if best is None else float(designs.values[best])
@@ -732,18 +754,18 @@ def _pairs(designs: Designs, search: FreeThicknesses, best: int | None, least: i
     if catalogue.sampled:
         # Only possible runners-up are sampled, as each design takes thousands of impacts.
         possible = [where[designs.values[where] <= greatest] for where in possible]
-    found = [(designs, designs.first(designs.ranked(where), least)) for where in possible]
-    failing = [pair for pair, (_, place) in enumerate(found) if place is None and catalogue.metal[pair]]
+    best_places = [(designs, designs.first(designs.ranked(where), least)) for where in possible]
+    failing = [pair for pair, (_, place) in enumerate(best_places) if place is None and catalogue.metal[pair]]
     if failing and catalogue.bounded:
         search = FreeThicknesses(catalogue, Runs(search.runs.on_progress), NOT_KNOWN)
         by_limit = _table(search) if least == PASSES and catalogue.has_free_layer else designs
         for pair in failing:
             where = by_limit.of_pair(pair)
-            found[pair] = by_limit, by_limit.first(where[~by_limit.known(where)], NOT_KNOWN, by_samples=False)
-    unlimited = _unlimited(designs, search) if any(place is None for _, place in found) else designs
+            best_places[pair] = by_limit, by_limit.first(where[~by_limit.known(where)], NOT_KNOWN, by_samples=False)
+    unlimited = _unlimited(designs, search) if any(place is None for _, place in best_places) else designs
     best_is_known = best is not None and bool(designs.known(np.array([best]))[0])
     pairs, few = [], len(catalogue.offers) <= MOST_SHOWN
-    for index, (offer, (table, place)) in enumerate(zip(catalogue.offers, found, strict=True)):
+    for index, (offer, (table, place)) in enumerate(zip(catalogue.offers, best_places, strict=True)):
         if not catalogue.metal[index]:
             pairs.append(_unlike(catalogue, index))
             continue
@@ -763,12 +785,13 @@ def _pairs(designs: Designs, search: FreeThicknesses, best: int | None, least: i
 
 
 def _rank(pair: Pair) -> tuple[bool, bool, float]:
+    """Return the sort key of a pair: pairs with a design come first, ranked ones before others, least excess first."""
     excess = pair.excess_percent
     return pair.best is None, not pair.ranked, inf if excess is None else excess
 
 
 def _excess(section: DesignSection, value: float, least: float, *, ranked: bool) -> tuple[float | None, str]:
-    """Return the excess of the objective of a design over the least, per cent, and the same in words."""
+    """Return the excess of a value of the objective over the least value, %, and the same in words."""
     objective = OBJECTIVES[section.minimise]
     if value == least:
         return 0.0, ""
@@ -784,7 +807,10 @@ def _excess(section: DesignSection, value: float, least: float, *, ranked: bool)
 
 
 def _why_none(designs: Designs, unlimited: Designs, pair: int | None = None) -> str:
-    """Return why no design, or none of a pair, passes: the limits that it exceeds, or what it lacks."""
+    """Return why no design, or none of a pair, passes: the limits that the best exceeds, or what the nearest lacks.
+
+    `unlimited` is the table of designs without the limits of the section, see `_unlimited`.
+    """
     catalogue, section = designs.catalogue, designs.catalogue.section
     threats = catalogue.titles[0] if len(catalogue.titles) == 1 else "every threat"
     asked = ["the margin"] if catalogue.margins_m_s.any() else []
@@ -806,7 +832,10 @@ def _why_none(designs: Designs, unlimited: Designs, pair: int | None = None) -> 
 
 
 def _exceeded(section: DesignSection, unlimited: Designs, place: int, threats: str) -> str:
-    """Return in words the constraints that the best design without them exceeds; "" for none."""
+    """Describe the limits of the section that the design at a place of `unlimited` exceeds; "" for none.
+
+    `threats` says what this design stops.
+    """
     least = OBJECTIVES[section.minimise].least
     [design] = as_results(unlimited, np.array([place]))
     rows = ((row, OBJECTIVES[row.quantity]) for row in of_armour(section, vars(design)) if row.verdict == "fails")

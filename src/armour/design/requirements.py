@@ -1,4 +1,4 @@
-"""What is required of an armour, and whether it is met: the list that every command and page goes by."""
+"""Requirements on an armour and whether it meets them; all commands and pages judge an armour by this list."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -48,13 +48,13 @@ class Requirement:
 
 
 def verdict_of(verdicts: Iterable[Verdict]) -> Verdict:
-    """Return the verdict on an armour, given those on all that is required of it."""
-    found = set(verdicts)
-    return "fails" if "fails" in found else "not known" if "not known" in found else "passes"
+    """Return the verdict on an armour, the worst of the verdicts on its requirements."""
+    distinct = set(verdicts)
+    return "fails" if "fails" in distinct else "not known" if "not known" in distinct else "passes"
 
 
 def verdict_of_samples(perforation: Estimate, bound: float) -> Verdict:
-    """Return whether a sampled probability of perforation keeps to a bound: the 95 % interval must not contain it."""
+    """Return the verdict on a sampled probability of perforation: not known if its 95 % interval contains the bound."""
     return "passes" if perforation.high <= bound else "fails" if perforation.low > bound else "not known"
 
 
@@ -71,18 +71,19 @@ def against_threat(
 ) -> Iterator[Requirement]:
     """Yield what is required of an armour against a threat.
 
-    A margin is required where the scenario gives one, and of at least 0 where it requires no probability.  A
-    probability that is not known fails where the ballistic limit by the model does not reach.  Nothing fails by a limit
-    that is known to be too low.  Of a back plate that is no metal nothing else is known.
+    A margin is required if the threat gives one; if no probability is required, the margin must be at least 0.  A
+    probability that is not known fails if the ballistic limit by the model is below the velocity plus the margin.  A
+    limit that is known to be too low never fails: the verdict is "not known" instead.  For a back plate that is not a
+    metal, the only requirement is a metal, with the verdict "not known".
 
     Parameters
     ----------
     scenario : Scenario
-        Gives the probability that is required of all threats, the tolerance of the limit, within which the projectile
-        may perforate, and the layers between tile and back plate: no shipped test has one.
+        Gives the probability that is required against all threats, the tolerance of the ballistic limit, and the number
+        of layers between tile and back plate, which no shipped test has.
     threat : Threat
     armour : Parameters
-        Armour and projectile; the limit of some is known to be too low, see `evidence.caveats`.
+        Armour and projectile.  For some, the limit is known to be too low, see `evidence.caveats`.
     ceramic : LibraryEntry or None
         If a single source gives its flow stress, it is not known whether the armour stops the threat.
     limit_m_s : float
@@ -90,7 +91,7 @@ def against_threat(
     probability : float or None
         Probability that the armour stops the projectile; None if it is not known.
     sampled : Estimate or None
-        Probability of perforation where uncertain inputs are sampled.
+        Probability of perforation, if uncertain inputs are sampled.
     stops : bool
         Whether the armour stops the projectile, by the model, at the velocity plus the margin.
     """
@@ -125,7 +126,7 @@ def against_threat(
 def of_armour(section: DesignSection, amounts: Mapping[str, float | None]) -> Iterator[Requirement]:
     """Yield what is required of an armour whatever the threat: the limits of the section ``design``.
 
-    The amounts are areal density, kg/m², thickness, mm, and cost per m², by key; None if one is not known.
+    `amounts` has the areal density, kg/m², thickness, mm, and cost per m² of the armour by key; None if not known.
     """
     for key, words in OBJECTIVES.items():
         most, found = getattr(section, words.bound), amounts[key]

@@ -1,6 +1,6 @@
-"""Candidate designs of a catalogue, and those that no other one beats.
+"""Candidate designs of a catalogue, and their Pareto front.
 
-The candidates are all combinations of the given thicknesses and, of a free thickness, the least value that passes.
+The candidates are all combinations of the given thicknesses; of a free thickness, only the least value that passes.
 """
 
 from bisect import bisect_left, bisect_right
@@ -16,9 +16,9 @@ from armour.design.catalogue import COST_COLUMN, MARGIN_COLUMN, CandidateDesigns
 from armour.design.designs import PASSES, Designs, Runs, measured, verdicts_of
 from armour.scenario.schema import FreeRange, Range
 
-# Differences of criteria that matter on a Pareto front: kg/m², mm and, for costs, as a fraction of the lowest.
+# Least differences that matter on a Pareto front, by criterion: kg/m², mm and, for costs, a fraction of the lowest.
 RESOLUTION = {"areal_density_kg_m2": 0.01, "thickness_mm": 0.01, COST_COLUMN: 0.001}
-# Largest distance of the back plate thicknesses of the last round, mm.
+# Largest distance of the back plate thicknesses in the last round of a search, mm.
 BACKING_TOLERANCE_MM = 1e-3
 # Ratio of the distances of the back plate thicknesses of one round and the next.
 CLOSER = 10
@@ -28,24 +28,24 @@ MARGIN_PARTS = 10
 
 @dataclass
 class FreeThicknesses:
-    """A search for free thicknesses: the catalogue, the verdict that they must reach, and what it has found."""
+    """Search for free thicknesses in a catalogue, and what it has found."""
 
     catalogue: Catalogue
     runs: Runs
-    least: int = PASSES
+    least: int = PASSES  # verdict that a design must reach
     # By pair and free layer: thicknesses of the other layer, mm, with which a thicker one is perforated at a velocity
     # that a thinner one stops.
     changing: defaultdict[tuple[int, str], set[float]] = field(default_factory=lambda: defaultdict(set))
 
 
 def undominated(costs: Floats) -> Ints:
-    """Return the rows, of two or three columns, that no other row dominates; the first of equal rows.
+    """Return the indices of the rows, of two or three columns, that no other row dominates; the first of equal rows.
 
-    A row dominates another if it is at most equal to it in every column and less in one.
+    A row dominates another if it is at most equal to the other in every column and less in one.
     """
     order = np.lexsort(costs.T[::-1])
     front = []
-    # Second and third columns of the rows so far that none of the others dominates; the second rises, the third falls.
+    # Second and third column of the undominated rows so far; the second column rises, the third falls.
     seconds: list[float] = []
     thirds: list[float] = []
     for row, (_, second, *rest) in zip(order.tolist(), costs[order].tolist(), strict=True):
@@ -62,9 +62,10 @@ def undominated(costs: Floats) -> Ints:
 
 
 def distinct(costs: Floats, front: Ints, resolutions: Floats) -> Ints:
-    """Return the rows of a front without those that another matches in every column; keep the best of each column.
+    """Drop each row of a front that another row matches, but keep the best row of each column.
 
-    A row matches another if no column exceeds the other's by more than its resolution.
+    `front` has indices of rows of `costs`.  A row matches another if in no column it exceeds the other by more than the
+    resolution of that column.
     """
     rows = np.sort(front)
     distinct_rows: list[int] = []
@@ -77,8 +78,8 @@ def distinct(costs: Floats, front: Ints, resolutions: Floats) -> Ints:
 def candidates_of(search: FreeThicknesses, criteria: Sequence[str] = (), *, refine: bool = False) -> CandidateDesigns:
     """Return the candidate designs of a catalogue.
 
-    With ``refine`` all ranges are free between their values.  For the criteria of a Pareto front, free thicknesses are
-    refined by each of them; if one is the margin, there are also designs with more margin, up to the thickest.
+    With ``refine``, all ranges are free between their values.  Free thicknesses are refined by the objective and by
+    each of the criteria of a Pareto front.  If the margin is a criterion, there are also designs with greater margins.
     """
     catalogue = search.catalogue
     columns = [name for name in dict.fromkeys((catalogue.section.minimise, *criteria)) if name != MARGIN_COLUMN]
@@ -90,7 +91,10 @@ def candidates_of(search: FreeThicknesses, criteria: Sequence[str] = (), *, refi
 
 
 def _with_more_margin(search: FreeThicknesses, pair: int, columns: Sequence[str]) -> list[CandidateDesigns]:
-    """Return designs of a pair with free thicknesses: the thickest, and the thinnest for margins up to its own."""
+    """Return designs with free thicknesses of a pair: the thickest, and the thinnest for some margins up to its margin.
+
+    A pair without a free thickness has none.
+    """
     catalogue = search.catalogue
     layers = catalogue.offers[pair][:2]
     if not any(layer.free_range() for layer in layers):
@@ -112,14 +116,15 @@ def _of_pair(
 ) -> CandidateDesigns:
     """Return the candidate designs of a pair; a free thickness is NaN if no value of it passes.
 
-    Where both thicknesses are free, they are refined around the best by each of some columns.
+    If both thicknesses are free, they are refined around the best design by each of the named columns.  `verify` is
+    explained at `_least`.
     """
     catalogue, offer = search.catalogue, search.catalogue.offers[pair]
     ceramic, backing = (layer.free_range(refine=refine) for layer in (offer.ceramic, offer.backing))
     ceramics, backings = (np.array(layer.thicknesses()) for layer in (offer.ceramic, offer.backing))
 
     def least(layer: str, free_range: Range | FreeRange, other_mm: Floats) -> CandidateDesigns:
-        """Return the designs with the least thickness of a free layer on each thickness of the other."""
+        """Return the designs with the least thickness of a free layer for each thickness of the other layer, mm."""
 
         def designs(values: Floats, other_mm: Floats) -> CandidateDesigns:
             return catalogue.candidates(pair, *((values, other_mm) if layer == "ceramic" else (other_mm, values)))
@@ -135,7 +140,7 @@ def _of_pair(
     if backing is None:
         return least("ceramic", ceramic, backings)
 
-    # Both are free: in each round, the back plate thicknesses are closer together around the best of the round before.
+    # Both are free.  Each round has back plate thicknesses around the best of the round before, closer together.
     rounds: list[CandidateDesigns] = []
     backings, width = first_backings(backing)
 
@@ -163,9 +168,10 @@ def _least(
     *,
     verify: bool,
 ) -> Thinnest:
-    """Return the least thickness of a free layer that passes with each thickness of the other.
+    """Return the least thickness of a free layer that passes with each thickness of the other layer, mm.
 
-    The search is by the outcome at the velocities required and, to verify, by the limit if one lies below them.
+    `designs` returns the designs for thicknesses of the free and of the other layer, mm.  The search computes outcomes
+    at the required velocities.  If `verify`, thicknesses that fail by their lowest ballistic limit are searched again.
     """
     catalogue = search.catalogue
 
@@ -181,7 +187,7 @@ def _least(
 
     def scanned(values: Floats, rows: Ints) -> Bools:
         variants = against(values, rows)
-        # If a probability is bounded, the thickest may lie beyond the tests while thinner ones do not.
+        # If a probability is bounded, the thickest layer may lie beyond the tests while thinner ones do not.
         return variants.is_unusual().reshape(-1, len(catalogue.threats)).any(axis=1) | (
             np.isnan(values) & catalogue.bounded
         )
@@ -204,10 +210,10 @@ def _least(
 
 
 def pareto(designs: Designs, criteria: Sequence[str], least: int) -> Ints:
-    """Return the Pareto front of the designs whose verdict is at least a given one.
+    """Return the places of the designs on the Pareto front of those with at least the verdict `least`.
 
-    One design stands for all that do not differ from it by the resolution of a criterion.  Only the members of the
-    front are verified, by a scan; the margins of the others come from the quick search.
+    Designs that another one matches within the resolutions of the criteria are left out.  Only the lowest limits of the
+    designs on the front are computed; the margins of the others come from the usual scan.
     """
     remaining = designs.offered[designs.verdicts(designs.offered) >= least]
     columns = designs.columns._asdict()
@@ -227,7 +233,7 @@ def pareto(designs: Designs, criteria: Sequence[str], least: int) -> Ints:
 
 
 def _resolutions(catalogue: Catalogue, costs: Floats, criteria: Sequence[str]) -> Floats:
-    """Return the least difference of each criterion that matters; that of limits is their tolerance."""
+    """Return the least difference of each criterion that matters; for the margin, the tolerance of ballistic limits."""
     resolutions = {**RESOLUTION, MARGIN_COLUMN: catalogue.scenario.ballistic_limit.tolerance_m_s}
     scales = (costs[:, i].min(initial=np.inf) if name == COST_COLUMN else 1.0 for i, name in enumerate(criteria))
     return np.array([resolutions[name] * scale for name, scale in zip(criteria, scales, strict=True)])
@@ -236,10 +242,11 @@ def _resolutions(catalogue: Catalogue, costs: Floats, criteria: Sequence[str]) -
 def minimise_over_backings(
     values_of: Callable[[Floats], Floats], first: Floats, low: float, high: float, width: float
 ) -> Floats:
-    """Return the minimum of a function of the back plate thickness in each row, (n,); inf if it has no value.
+    """Return the minimum of each of n functions of the back plate thickness, (n,); inf if it has no value.
 
-    The function returns values, (n, k), at thicknesses, (n, k), mm.  The first round has the thicknesses given, at a
-    distance of ``width``; each further round has thicknesses from low to high closer together around the best.
+    ``values_of`` returns values, (n, k), at thicknesses, (n, k), mm.  The first round has the thicknesses ``first``, at
+    a distance of ``width``, mm.  Each further round has closer thicknesses around the best of the round before, between
+    ``low`` and ``high``, mm.
     """
     backings, rows = first, np.arange(len(first))
     while True:

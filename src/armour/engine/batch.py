@@ -48,12 +48,12 @@ DEFAULT_SETTINGS = RunSettings(V_arrest=1.0, dt=0.0, max_steps=500_000)
 
 
 def packed(armours: Sequence[Parameters]) -> Floats:
-    """Return parameters as rows of an array with a column for each field of `Parameters`."""
+    """Pack the parameters of n armours into an array, (n, fields), with a column for each field of `Parameters`."""
     return np.array(armours, dtype=np.float64).reshape(len(armours), len(Parameters._fields))
 
 
 def fields(rows: Floats) -> Any:
-    """Return the columns of an array of packed parameters as `Parameters` of views of shape (n,)."""
+    """Return the columns of an array of packed parameters as `Parameters`, each a view of shape (n,)."""
     return Parameters(*rows.T)
 
 
@@ -62,7 +62,7 @@ def impacts(
 ) -> ImpactBatch:
     """Compute the impacts of n armours, see `packed`, at n velocities, m/s; see `armour.core.run.run`.
 
-    There is a thread on each core by default; the results do not depend on their number.
+    By default, there is a thread on each core; the results do not depend on the number of threads.
     """
     counts, ends = _computed("impacts", [rows, velocities], settings[:3], 6, threads)
     t, Z, L, V, W, h = ends.T
@@ -78,9 +78,9 @@ def ballistic_limits(
     points: int = SCAN_POINTS,
     threads: int | None = None,
 ) -> Brackets:
-    """Find ballistic limits between two velocities, m/s; see `armour.core.search.find_ballistic_limit`.
+    """Find the ballistic limits of n armours between two velocities; see `armour.core.search.find_ballistic_limit`.
 
-    ``points`` is the number of velocities of the scan.
+    ``low``, ``high`` and ``tolerance`` are in m/s; ``points`` is the number of velocities of the scan.
     """
     velocities = np.array(scan(low, high, points), dtype=np.float64)
     velocities.flags.writeable = False
@@ -91,7 +91,10 @@ def ballistic_limits(
 def _computed(
     name: str, inputs: list[Floats], settings: tuple[Any, ...], width: int, threads: int | None
 ) -> tuple[Ints, Floats]:
-    """Call a kernel on portions of the inputs; return its integers, shape (n, 2), and numbers, shape (n, width)."""
+    """Call a kernel on portions of the inputs, in threads; return its integers, (n, 2), and numbers, (n, width).
+
+    The inputs are rows of parameters and, for impacts, velocities, m/s, which broadcast to (n,).
+    """
     rows, *velocities = (np.ascontiguousarray(array, dtype=np.float64) for array in inputs)
     count = len(rows)
     inputs = [rows, *(np.ascontiguousarray(np.broadcast_to(column, count)) for column in velocities)]

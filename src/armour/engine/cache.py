@@ -1,9 +1,9 @@
 """Compiled kernels, kept by numba in the user's cache folder from one process to the next.
 
-Numba would load whatever is in the folder, which is therefore named after a digest of all code that is compiled, and of
-the processor.  It is used only if it belongs to this user or to root, if no other user can write to it or replace it,
-and if it is in no work tree and not in the current folder, which may be somebody else's.  Without numba, with
-``ARMOUR_COMPILED=0`` in the environment, or if a function of the core has been replaced, Python runs the loops.
+Numba would load whatever is in its folder.  The folder is therefore named after a digest of the processor and of all
+code that is compiled.  It is used only if it belongs to this user or to root, and no other user can write to it or
+replace it.  It must not be in a work tree or in the current folder, since these may be somebody else's.  Without numba,
+with ``ARMOUR_COMPILED=0`` in the environment, or if a function of the core has been replaced, Python runs the loops.
 """
 
 import logging
@@ -30,11 +30,11 @@ Kernel = Callable[..., None]
 
 PACKAGE_FOLDER = Path(__file__).resolve().parent.parent
 COMPILING = "compiling the numerical code, which takes about ten seconds"
-# Lines of /proc/cpuinfo on the type of a processor, on several architectures.
+# Lines of /proc/cpuinfo that tell the type of the processor, on several architectures.
 TYPE = re.compile(r"(vendor_id|cpu family|model|flags|CPU [a-z]+|Features|cpu|isa|uarch)\s*:")
-# One of these is in the root of a work tree.
+# Names of which one is in the root of a work tree.
 VERSIONED = (".git", ".hg", ".jj", ".svn")
-# Number of folders of other versions of the program that are kept.
+# Number of folders of compiled code of other versions of the program that are kept.
 OTHERS_KEPT = 4
 
 log = logging.getLogger(__name__)
@@ -57,7 +57,7 @@ def digest(package: Path = PACKAGE_FOLDER) -> str:
 
 
 def processor() -> list[str]:
-    """Return the processor that numba compiles for, as far as can be told without it: the one it is told, or this."""
+    """Describe the processor that numba compiles for, without importing numba: as the environment says, or this one."""
     told = [os.environ.get(f"NUMBA_CPU_{name}", "") for name in ("NAME", "FEATURES")]
     if told[0].lower() != "generic":
         with suppress(OSError), open("/proc/cpuinfo", encoding="utf-8") as file:
@@ -66,9 +66,9 @@ def processor() -> list[str]:
 
 
 def folder() -> tuple[Path | None, str]:
-    """Return the folder of the compiled code, which is made if it can be, and why nothing can be kept there, or "".
+    """Return the folder of the compiled code, and the reason if nothing can be written to it, or "".
 
-    The folder is None if there is none that can be trusted.
+    The folder is created if it does not exist.  It is None if no folder can be trusted.
     """
     try:
         place = Path(user_cache_dir("armour", appauthor=False))
@@ -92,7 +92,10 @@ def folder() -> tuple[Path | None, str]:
 
 
 def project_around(place: Path) -> str:
-    """Return what a folder is in that may be somebody else's, or "": nobody else made the home and those above it."""
+    """Return the work tree or current folder that contains a folder and may be somebody else's, in words, or "".
+
+    The user's home, and the folders that contain it, are never somebody else's.
+    """
     own = {Path(place.anchor)}
     with suppress(OSError, RuntimeError):  # RuntimeError: no home
         home = Path.home().resolve()
@@ -107,7 +110,7 @@ def project_around(place: Path) -> str:
 
 
 def obstacle() -> str:
-    """Return why the loops are not compiled, or "" if they are."""
+    """Return the reason why the loops cannot be compiled, or "" if they can."""
     if os.environ.get("ARMOUR_COMPILED") == "0":
         return "ARMOUR_COMPILED is 0 in the environment"
     if name := replaced_function():
@@ -116,7 +119,7 @@ def obstacle() -> str:
 
 
 def is_compiled(name: str) -> bool:
-    """Return whether the compiled code of a loop is there, unchanged since it was written, without importing numba."""
+    """Return whether there is compiled code of a loop, unchanged since it was written; this does not import numba."""
     path = None if obstacle() else folder()[0]
     with suppress(OSError):
         return (
@@ -128,7 +131,7 @@ def is_compiled(name: str) -> bool:
 
 
 def seal(path: Path, name: str) -> Path:
-    """Return the file that holds a hash of the compiled code of a loop: numba would run code that is damaged."""
+    """Return the file with a hash of the compiled code of a loop; numba itself would run damaged code."""
     return path / f"{name}.sha256"
 
 
@@ -148,7 +151,7 @@ def is_loaded(name: str) -> bool:
 
 
 def kernel(name: str) -> Kernel:
-    """Return a loop of `armour.engine.loops`, compiled or loaded once in a process, or in plain Python."""
+    """Return a loop of `armour.engine.loops`: compiled, once in a process, or in plain Python if that fails."""
     with _lock:
         reason = obstacle()
         if not reason and name not in _kernels:

@@ -1,4 +1,4 @@
-"""What the model cannot do for an armour, in a sentence that stands beside its answer."""
+"""Caveats: sentences on what the model cannot do for an armour, which are shown with its answer."""
 
 from collections.abc import Iterable, Iterator
 from math import sqrt
@@ -11,8 +11,8 @@ from armour.core.state import Parameters
 from armour.errors import Note
 from armour.scenario.library import NOT_MODELLED, LibraryEntry
 
-# Densities below which a back plate is no metal, and from which on it is one, kg/m³: magnesium begins at 1,740, glass
-# laminates end at 2,000.
+# A back plate is not a metal below the first density, and surely is one from the second on, kg/m³: magnesium begins at
+# 1,740, glass laminates end at 2,000.
 LEAST_METAL_KG_M3, SURELY_METAL_KG_M3 = 1300.0, 2100.0
 # Length over diameter from which on a penetrator is a long rod: the cores of bullets have up to 6; and the density from
 # which on rods and plates are at least as dense as steel, kg/m³.
@@ -21,12 +21,12 @@ DENSITIES = "glass laminates reach 2,000 kg/m³, magnesium begins at 1,740"
 
 
 def is_no_metal(density_kg_m3: Any) -> Any:
-    """Return whether back plates are no metal; float or array."""
+    """Return whether back plates, given their densities, are not a metal; float or array."""
     return density_kg_m3 < LEAST_METAL_KG_M3
 
 
 def no_metal(density_kg_m3: float) -> str:
-    """Return why the model does not describe a back plate that is no metal."""
+    """Return the caveat that the model does not describe a back plate that is not a metal."""
     return f"a back plate of {density_kg_m3:,.0f} kg/m³ is no metal: {NOT_MODELLED} ({DENSITIES})"
 
 
@@ -36,13 +36,13 @@ def is_long_rod(armour: Parameters) -> Any:
 
 
 def is_limit_too_low(armour: Parameters) -> Any:
-    """Return whether the ballistic limit is known to be too low: that of bare steel against dense long rods."""
+    """Return whether ballistic limits by the model are known to be too low: bare steel against dense long rods."""
     is_dense = (armour.rho_p >= DENSE_KG_M3) & (armour.rho_B >= DENSE_KG_M3)
     return is_long_rod(armour) & is_dense & (armour.Hc0 == 0.0)
 
 
 def too_thin(ratio: float, thickness_mm: float) -> str:
-    """Return below which thickness, also over the penetrator's diameter, no ceramic was tested."""
+    """Return the caveat that no ceramic below a thickness, also given over the penetrator's diameter, was tested."""
     return (
         f"no ceramic thinner than {ratio:.2g} penetrator diameters, here {thickness_mm:.2g} mm, was tested: "
         "do not rely on limits with less"
@@ -50,9 +50,10 @@ def too_thin(ratio: float, thickness_mm: float) -> str:
 
 
 def caveats(armour: Parameters, metals: Iterable[LibraryEntry], *, said: bool = True) -> Iterator[tuple[Note, Any]]:
-    """Yield what the model cannot do for n armours, and which of the metals have doubtful values.
+    """Yield the caveats about n armours, and about those of the metals that have doubtful values.
 
-    Each sentence comes with whether it is about each of the armours, (n,).  `said` says whether the answer contains it.
+    Each caveat comes with a mask of the armours that it is about, (n,).  `said` tells whether the answer contains the
+    caveats itself.
     """
     density, key, caveat = np.atleast_1d(armour.rho_B), "backing.density_kg_m3", "caveat" * said
     unlike = is_no_metal(density)
@@ -77,7 +78,10 @@ def caveats(armour: Parameters, metals: Iterable[LibraryEntry], *, said: bool = 
 
 
 def long_rod(slenderness: float, plate_kg_m3: float, rod_kg_m3: float) -> str:
-    """Return how far the momentum fluxes of the paper drive a long rod into a plate, without strengths."""
+    """Return the caveat about a long rod: how far the paper's equations drive it into a plate, without strengths.
+
+    `slenderness` is length over diameter; the densities are in kg/m³.
+    """
     speed = equations.penetration_velocity(0.0, plate_kg_m3, 0.0, rod_kg_m3, 1.0, 0.0)
     depth, hydrodynamic = speed / (1.0 - speed), sqrt(rod_kg_m3 / plate_kg_m3)
     return (

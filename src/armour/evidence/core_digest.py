@@ -1,4 +1,4 @@
-"""Digest of the code of the core, by which the tests that the model was compared with know their equations."""
+"""Digest of the code of the core, which tells whether the equations are those used to compute the tests."""
 
 from functools import cache
 from hashlib import sha256
@@ -13,7 +13,7 @@ CORE_FOLDER = Path(state.__file__).parent
 def core_digest(core: Path = CORE_FOLDER) -> str:
     """Return a hash of the code of the core; comments, docstrings and the layout of the lines do not count.
 
-    Without the sources it is that of no code, which the tests were not computed with.
+    Without source files, it is the hash of no code, which differs from that stored with the tests.
     """
     import tokenize  # slow to import
 

@@ -23,20 +23,20 @@ from armour.units import GPA, MM, MPA
 CONSTRAINT = DEFAULTS["flow_stress_GPa"][0] * GPA / MPA
 # m/D^3 of a usual core, g/mm3.
 USUAL_MASS_RATIO = 0.0215
-# Least standard deviation of a test that is assumed for own tests, as it differs between lots.
+# Least standard deviation of a test about the fit that is assumed for own tests, since it differs between lots.
 LEAST_REST = 0.04
-# Standard deviation between repeated tests of an armour of a lot, and the distance at which what armours share in their
-# deviation falls by the factor e.
+# Standard deviation between repeated tests of one armour of a lot; and the distance of armours, see `distances`, over
+# which the covariance of their deviations falls by the factor e.
 REPEAT, LENGTH = 0.03, 0.15
-# Chance of a gross error of an own test of a plate, such as a mistyped number, and its standard deviation.
+# Chance of a gross error, such as a mistyped number, in an own test of a bare plate, and its standard deviation.
 CHANCE, GROSS_ERROR = 0.07, 0.25
-# Number of scales below the median as far as which the lower of two distributions is the lower one: beyond 99 %.
+# Number of scales below the median at which the distribution by `lower_of` meets the lowest given one: beyond 99 %.
 SAFE = 3.0
 # Standard deviation between laboratories or series of tests of one lot, where they are named.
 BETWEEN_SERIES = 0.04
-# Greatest distance of armours that are called the same.
+# Greatest distance, see `distances`, of two armours that count as the same.
 SAME_ARMOUR = 0.02
-# Quantities that make an armour, and the least number whose logarithm is taken.
+# Quantities from which the distance between armours is computed; the least value of which a logarithm is taken.
 ARMOUR = (
     "ceramic_thickness_ratio",
     "backing_thickness_ratio",
@@ -45,7 +45,7 @@ ARMOUR = (
     "backing_density_kg_m3",
 )
 TINY_RATIO = 1e-9
-# Quantities that distinguish rounds.
+# Quantities by which rounds are told apart.
 RODS = ("rod_diameter_mm", "rod_length_ratio", "rod_density_kg_m3", "rod_strength_GPa")
 # Values of n armours by name, (n,).
 Quantities = Mapping[str, Any]
@@ -77,10 +77,12 @@ def quantities(armour: Parameters, tensile_MPa: Any, cosines: Any) -> dict[str, 
 
 
 def _thickness(q: Quantities, reference: Sequence[float]) -> Any:
+    """Return the logarithm of the back plate thickness over that of the reference, (n,)."""
     return np.log(q["backing_thickness_ratio"] / reference[0])
 
 
-# Terms of the fits by name: functions of quantities, and of a reference thickness over the diameter and strength, MPa.
+# Terms of the fits by name: functions of the quantities and of a reference, which is a back plate thickness over the
+# diameter, and a strength, MPa.
 TERMS: dict[str, Callable[[Quantities, Sequence[float]], Any]] = {
     "1": lambda q, _: np.ones(len(q["path_ratio"])),
     "x": _thickness,
@@ -95,21 +97,21 @@ TERMS: dict[str, Callable[[Quantities, Sequence[float]], Any]] = {
 
 
 def matrix_of(terms: Sequence[str], reference: Sequence[float], q: Quantities) -> Floats:
-    """Return the terms of n armours, (n, terms)."""
+    """Return the values of the named terms for n armours, (n, terms)."""
     return np.column_stack([TERMS[term](q, reference) for term in terms])
 
 
 class LotTests(NamedTuple):
-    """n own tests of a lot, with the ballistic limits by the law of a fit; arrays, (n,)."""
+    """n own tests of a lot, compared with the ballistic limits computed by the law of a fit; arrays, (n,)."""
 
     quantities: Quantities
     errors: Floats  # logarithms of measured limits, or of velocities of shots, over the computed limits
-    sides: Floats  # 0, or 1 where the limit is above the velocity of a shot and -1 where it is below
+    sides: Floats  # 0 for a measured limit; 1 for a shot below the limit, which was stopped, and -1 for one above it
     uncertainties: Floats  # relative standard deviations of the measurements
     armours: Any  # numbers of the armours: shots at the same armour have the same limit
 
     def at(self, where: Any) -> "LotTests":
-        """Return some of the tests."""
+        """Return some of the tests, given their indices or a mask."""
         some = {name: column[where] for name, column in self.quantities.items()}
         return LotTests(some, *(column[where] for column in self[1:]))
 
@@ -120,19 +122,20 @@ class Fit(NamedTuple):
     name: str
     terms: tuple[str, ...]
     reference: tuple[float, float]  # thickness over the diameter, and strength, MPa
-    coefficients: Floats  # (terms,); of a lot, before its tests
+    coefficients: Floats  # (terms,); own tests of a lot do not change them
     covariance: Floats
     variance: float  # of a new lot, round and test
     degrees_of_freedom: float
     standard_deviations: tuple[float, ...]  # between lots, between rounds, of a test, and of the second coefficient
-    law: Mapping[str, float] = {}  # parameters of the core that the limits are computed with in place of the armour's
-    weight: float = 1.0  # probability of the law
-    own: tuple["Posterior", ...] = ()  # given own tests; of several, the lower limit counts
+    law: Mapping[str, float] = {}  # parameters of the core that replace the armour's when limits are computed
+    weight: float = 1.0  # probability of the law; from `given`, the logarithm of the density of the tests
+    own: tuple["Posterior", ...] = ()  # distributions given own tests; of several, the lower limit counts
 
     def predicted(self, q: Quantities, ranges: Mapping[str, tuple[float, float]]) -> tuple[Floats, Floats, Floats]:
         """Return locations and scales of the distributions of n armours, and factors of the scales above, (n,) each.
 
-        Beyond the ranges of the tests, by quantity, the trend continues, and half of it is added to the scale.
+        `ranges` has the ranges of the tests by quantity.  Beyond them the trend continues, and half of its change there
+        is added to the scale, as the root of the sum of squares.
         """
         matrix = matrix_of(self.terms, self.reference, q)
         location, coefficients, narrowed = matrix @ self.coefficients, self.coefficients, np.ones(len(matrix))
@@ -146,7 +149,10 @@ class Fit(NamedTuple):
         return location, np.sqrt(variance), narrowed
 
     def given(self, tests: LotTests) -> "Fit":
-        """Return the fit for a lot, which this is of, given its tests; its weight is the logarithm of their density."""
+        """Return the fit for a lot, as `of_lot` returns it, updated by tests of the lot.
+
+        The weight of the new fit is the logarithm of the probability density of the tests.
+        """
         K, deviations = self.of_tests(tests)
         variances = tests.uncertainties**2
         limits, shots = np.flatnonzero(tests.sides == 0.0), np.flatnonzero(tests.sides)
@@ -159,21 +165,21 @@ class Fit(NamedTuple):
             deviations[shots], variances[shots], log_probability = measurements
             log_density += log_probability
         has_ceramic = tests.quantities["ceramic_thickness_ratio"].any()
-        # With a ceramic, lots differ so much that a gross error looks like an armour that deviates: the deviations of
-        # those that no other test confirms are shared and not shared.
+        # With a ceramic, lots differ so much that a gross error looks like an armour that deviates.  There are then two
+        # cases: similar armours share the deviation of every test, or only of tests that another test confirms.
         cases = [(0.0, 1.0), (0.0, confirmed(tests, deviations, variances))] if has_ceramic else [(CHANCE, 1.0)]
         own = tuple(Posterior.of(self, tests, deviations, variances, *case) for case in cases)
         freedom = self.degrees_of_freedom + len(deviations)
         return self._replace(degrees_of_freedom=freedom, weight=log_density + own[0].log_factor, own=own)
 
     def without(self, where: Any) -> "Fit":
-        """Return the fit for a lot given its tests but for some, (n,) whether to leave it out."""
+        """Return the fit for a lot given its tests except for some, marked by True in a mask, (n,)."""
         return self.own[0].lot.given(self.own[0].tests.at(~where))
 
     def probabilities_of_farther(self, tests: LotTests) -> Floats:
-        """Return how probable it is that each test of the lot lies farther from what the others predict; 1 for shots.
+        """Return the probability that each of n tests of the lot would lie farther from the prediction by the others.
 
-        The result has the shape (n,).
+        The shape is (n,); the probability is 1 for shots.
         """
         from scipy.special import stdtr  # slow to import
 
@@ -181,7 +187,8 @@ class Fit(NamedTuple):
         limits, nu = np.flatnonzero(tests.sides == 0.0), self.degrees_of_freedom
         deviations = deviations[limits]
         precision = np.linalg.inv((K + np.diag(tests.uncertainties**2))[np.ix_(limits, limits)])
-        # Squared deviation of each from the prediction by the others, over its variance, and the sum for the others.
+        # Squared deviation of each test from the prediction by the others, over its variance; and the sum of squares of
+        # the others.
         squares = (precision @ deviations) ** 2 / np.diag(precision)
         other_squares = deviations @ precision @ deviations - squares
         freedom, probabilities = nu + len(limits) - 1, np.ones(len(tests.errors))
@@ -189,7 +196,7 @@ class Fit(NamedTuple):
         return probabilities
 
     def of_lot(self, extra_deviation: float = 0.0, level: Sequence[float] | None = None) -> "Fit":
-        """Return the fit with the coefficients of a lot, before its tests.
+        """Return the fit for one lot before its tests: the differences between lots make its coefficients uncertain.
 
         Parameters
         ----------
@@ -202,7 +209,7 @@ class Fit(NamedTuple):
         b, C = self.coefficients.copy(), self.covariance.copy()
         C[0, 0] += between_lots**2 + extra_deviation**2
         if level is not None:
-            # The level is as uncertain as the tests show it to be.
+            # The variance of the level includes its square: the level is in doubt by as much as it differs from 0.
             C[0], C[:, 0] = 0.0, 0.0
             b[0], C[0, 0] = level[0], level[1] ** 2 + level[0] ** 2
         if len(b) > 1:
@@ -210,7 +217,10 @@ class Fit(NamedTuple):
         return self._replace(coefficients=b, covariance=C)
 
     def of_tests(self, tests: LotTests, shared: Any = 1.0) -> tuple[Floats, Floats]:
-        """Return the covariance of the limits of own tests of this lot, and their deviations from what is expected."""
+        """Return the covariance of own tests of this lot, (n, n), and their deviations from the expected errors, (n,).
+
+        Both are of logarithms of ballistic limits, before the tests are known; `shared` as in `Posterior`.
+        """
         q, same_armour = tests.quantities, tests.armours[:, None] == tests.armours
         matrix, rest, repeat = matrix_of(self.terms, self.reference, q), *self.variances_of_test()
         K = self.covariance_of(q, q, shared * np.reshape(shared, (-1, 1)))
@@ -220,14 +230,14 @@ class Fit(NamedTuple):
         return K, tests.errors - matrix @ self.coefficients
 
     def variances_of_test(self) -> tuple[float, float]:
-        """Return the variance of the limit of an armour of a lot about the terms, and of its repetition."""
+        """Return the variance of armours of a lot about the terms of the fit, and the part between repeated tests."""
         rest = max(self.standard_deviations[2], LEAST_REST) ** 2
         return rest, min(REPEAT**2, rest)
 
     def covariance_of(self, q: Quantities, tested: Quantities, shared: Any = 1.0) -> Floats:
-        """Return the covariances of the limits of n armours of this lot with those of m tests, (n, m).
+        """Return the covariances of the logarithmic limits of n armours of this lot with those of m tests, (n, m).
 
-        The smooth part of the deviation of an armour is shared with the tests of which it is known, (m,).
+        `shared`, (m,), is 1 if armours like that of a test share the smooth part of its deviation, otherwise 0.
         """
         Z, others = (matrix_of(self.terms, self.reference, each) for each in (q, tested))
         rest, repeat = self.variances_of_test()
@@ -240,25 +250,26 @@ class Posterior(NamedTuple):
 
     lot: Fit  # before its tests
     tests: LotTests
-    shared: Any  # whether armours like that of a test share its deviation
-    precision: Floats  # (m, m)
-    deviations: Floats  # from what is expected of the lot
-    shifts: Floats  # of them by gross errors
-    variances: Floats  # by gross errors, over the squares of gains
-    widened_by: float
-    log_factor: float  # of the density of the tests, for gross errors
+    shared: Any  # 1 if armours like that of a test share its deviation, otherwise 0
+    precision: Floats  # inverse of the covariance of the tests, (m, m)
+    deviations: Floats  # of the tests from the errors expected before them
+    shifts: Floats  # expected gross errors of the tests
+    variances: Floats  # that possible gross errors add to a limit, over the square of its gain from each test
+    widened_by: float  # factor of the variance of a limit, if tests contradict each other or the fit
+    log_factor: float  # logarithm of the factor by which possible gross errors change the density of the tests
 
     @classmethod
     def of(
         cls, lot: Fit, tests: LotTests, deviations: Floats, variances: Floats, chance: float, shared: Any
     ) -> "Posterior":
-        """Return the distribution, given the chance of a gross error of each test.
+        """Return the distribution given tests of a lot, each with a chance of a gross error.
 
-        In the place of shots are measurements, of which deviations and variances are given.
+        `deviations` and `variances`, (m,), are those of the tests, with `as_measurements` in the place of shots.
         """
         K, nu = lot.of_tests(tests, shared)[0], lot.degrees_of_freedom
         precision: Any = np.linalg.inv(K + np.diag(variances))
-        # The hypotheses, of which the first is that all tests are sound, change one element of the matrix.
+        # The first hypothesis is that all tests are sound.  Each other one is that one test has a gross error, which
+        # changes one element of the covariance matrix.
         residuals, diagonal, n = precision @ deviations, np.diag(precision), len(deviations)
         changes = 1.0 / (1.0 / GROSS_ERROR**2 + diagonal)
         squares = deviations @ residuals - np.append(0.0, changes * residuals**2)
@@ -266,20 +277,21 @@ class Posterior(NamedTuple):
         logarithms = -0.5 * (nu + n) * np.log((nu + squares) / (nu + squares[0]))
         chances = chance / (1.0 - chance) * (tests.sides == 0.0)
         odds = np.exp(logarithms - logarithms.max()) * np.append(1.0, chances * np.sqrt(1.0 - changes * diagonal))
-        probable = odds / odds.sum()
-        # Tests that contradict each other or the fit widen it; outcomes count in proportion to their information.
+        probabilities = odds / odds.sum()
+        # Tests that contradict each other or the fit widen the distribution; outcomes of shots count in proportion to
+        # their information.
         widened_by = np.maximum(1.0, (nu + squares) / (nu + expected))
-        by_change = probable[1:] * changes
+        by_change = probabilities[1:] * changes
         return cls(
             *(lot, tests, shared, precision, deviations),
             shifts=by_change * residuals,
             variances=by_change * (widened_by[1:] + changes * residuals**2),
-            widened_by=float(probable @ widened_by),
+            widened_by=float(probabilities @ widened_by),
             log_factor=float(logarithms.max() + np.log(odds.sum())),
         )
 
     def given(self, q: Quantities) -> tuple[Floats, Floats]:
-        """Return locations and squared scales of the limits of n further armours of the lot, (n,) each."""
+        """Return locations and squared scales of the logarithms of n other limits of the lot over the model's, (n,)."""
         lot, matrix = self.lot, matrix_of(self.lot.terms, self.lot.reference, q)
         covariance = lot.covariance_of(q, self.tests.quantities, self.shared)
         gain = covariance @ self.precision
@@ -291,25 +303,28 @@ class Posterior(NamedTuple):
 
     @property
     def confirmed(self) -> Any:
-        """Which tests another one of the same armour confirms, 0 or 1."""
+        """Whether another test of the same armour confirms each test, (m,), 0 or 1."""
         return confirmed(self.tests, self.tests.errors, self.tests.uncertainties**2)
 
     @property
     def coefficients(self) -> Floats:
-        """Coefficients of the lot given its tests."""
+        """Expected coefficients of the lot given its tests, (terms,)."""
         lot, Z = self.lot, matrix_of(self.lot.terms, self.lot.reference, self.tests.quantities)
         return lot.coefficients + lot.covariance @ Z.T @ self.precision @ (self.deviations - self.shifts)
 
 
 def series_variance(tested: Quantities) -> float:
-    """Return the variance of the effects of the series of tests: 0 unless there are several, which are named."""
+    """Return the variance between the series of the tests: 0 unless the tests name several series."""
     return BETWEEN_SERIES**2 * (len({*tested.get("series", ())}) > 1)
 
 
 def mixture_of(
     fits_by_law: Sequence[Fit], q: Quantities, ranges: Mapping[str, tuple[float, float]] = MappingProxyType({})
 ) -> Mixture:
-    """Return distributions of the limits of n armours over those by each law, given own tests, (laws, n)."""
+    """Return the distributions of the limits of n armours over those by each law, (laws, n).
+
+    The fits are updated by own tests, see `Fit.given`, so that their weights are logarithms.
+    """
     parts = zip(*(fit.predicted(q, ranges) for fit in fits_by_law), strict=True)
     locations, scales, narrowed = (np.array(columns) for columns in parts)
     freedom = np.array([[fit.degrees_of_freedom] for fit in fits_by_law]) * np.ones_like(scales)
@@ -318,9 +333,10 @@ def mixture_of(
 
 
 def lower_of(given: Sequence[tuple[Floats, Floats]]) -> tuple[Floats, Floats, Floats]:
-    """Return the location, the squared scale and its factor above that give the lower of the probabilities.
+    """Combine distributions of n limits, each with locations and squared scales, (n,), into one that is not higher.
 
-    A limit is above any velocity with at most the probability that each of the distributions gives.
+    Return its location, squared scale, and factor of the scale above the location, (n,) each.  The probability that a
+    limit exceeds a velocity is then at most that by each of the given distributions.
     """
     means, variances = (np.array(columns) for columns in zip(*given, strict=True))
     location, scales = means.min(axis=0), np.sqrt(variances)
@@ -329,31 +345,34 @@ def lower_of(given: Sequence[tuple[Floats, Floats]]) -> tuple[Floats, Floats, Fl
 
 
 def confirmed(tests: LotTests, deviations: Floats, variances: Floats) -> Any:
-    """Return which of n tests another test of the same armour confirms, (n,), 0 or 1."""
+    """Return whether another test of the same armour confirms each of n tests, (n,), 0 or 1.
+
+    `deviations` and `variances`, (n,), are those of the logarithms of the limits.
+    """
     same = is_same_armour(tests.quantities, tests.quantities) & ~np.eye(len(deviations), dtype=bool)
     apart = abs(deviations[:, None] - deviations) < 2.0 * np.sqrt(2.0 * REPEAT**2 + variances[:, None] + variances)
     return (same & apart).any(axis=1).astype(float)
 
 
 def is_same_armour(q: Quantities, tested: Quantities) -> Any:
-    """Return whether n armours are those of m tests, against the same rounds, (n, m)."""
+    """Return whether each of n armours is that of each of m tests, against the same round, (n, m)."""
     return same_rods(q, tested) & (distances(q, tested) < SAME_ARMOUR)
 
 
 def distances(q: Quantities, tested: Quantities) -> Floats:
-    """Return how far n armours are from m others, (n, m), in logarithms of what makes an armour."""
+    """Return how far n armours are from m others, (n, m): the Euclidean distance of the logarithms of `ARMOUR`."""
     logs = [np.log(np.maximum([each[name] for name in ARMOUR], TINY_RATIO)) for each in (q, tested)]
     return np.sqrt(((logs[0][:, :, None] - logs[1][:, None]) ** 2).sum(axis=0))
 
 
 def same_rods(q: Quantities, tested: Quantities) -> Any:
-    """Return whether the rounds of n armours are those of m others, but for rounding, (n, m)."""
+    """Return whether the rounds of n armours equal those of m others, except for rounding, (n, m)."""
     rods, others = (np.column_stack([each[name] for name in RODS])[:, None] for each in (q, tested))
     return np.isclose(rods, others[:, 0], rtol=1e-6, atol=0.0).all(axis=2)
 
 
 def _log_density(deviations: Floats, scale: Floats, freedom: float) -> float:
-    """Return the logarithm of the density of Student's t distribution of n values, but for a constant times n."""
+    """Return the logarithm of the density of Student's t distribution of n values, except for a constant times n."""
     n, squares = len(deviations), float(deviations @ np.linalg.solve(scale, deviations))
     log_density = lgamma(0.5 * (freedom + n)) - lgamma(0.5 * freedom) - 0.5 * n * np.log(freedom)
     return float(log_density - 0.5 * ((freedom + n) * np.log1p(squares / freedom) + np.linalg.slogdet(scale)[1]))
@@ -362,18 +381,18 @@ def _log_density(deviations: Floats, scale: Floats, freedom: float) -> float:
 def as_measurements(
     mean: Floats, covariance: Floats, places: Floats, sides: Floats, variances: Floats
 ) -> tuple[Floats, Floats, float]:
-    """Return the normal measurements that stand for the outcomes of n shots: means and variances, (n,).
+    """Replace the outcomes of n shots by normal measurements of their limits, by expectation propagation.
 
-    The limits have a normal distribution with a mean and a covariance.  Each lies above the place of its shot, side 1,
-    or below it, -1, apart from an error with a given variance.  The method is expectation propagation.  The third
-    result is the logarithm of the probability of the outcomes.
+    Before the shots, the limits have a normal distribution with `mean`, (n,), and `covariance`, (n, n).  Each limit
+    lies above the place of its shot, side 1, or below it, side -1, apart from an error with one of the `variances`.
+    Return means and variances of the measurements, (n,), and the logarithm of the probability of the outcomes.
     """
     n = len(mean)
     from scipy.special import log_ndtr  # slow to import
 
     precision, information = np.zeros(n), np.zeros(n)  # of the measurements
     middle, posterior = mean.copy(), covariance.copy()  # of the limits
-    # Means and variances of the limits without the shot, and how far these are on its side.
+    # Means and variances of each limit without its shot, and how far that mean is on the side of the outcome.
     without, spread, score = np.empty(n), np.empty(n), np.empty(n)
     for _ in range(100):
         before = precision.copy()
@@ -409,7 +428,7 @@ def law_parameters(role: str, values: Mapping[str, float]) -> dict[str, float]:
 
 @cache
 def shipped_data() -> dict[str, Any]:
-    """Return configs/evidence.toml."""
+    """Return the content of configs/evidence.toml."""
     return read_toml(shipped("configs") / "evidence.toml")
 
 

@@ -29,7 +29,7 @@ class Mixture(NamedTuple):
         Probabilities of the k components, which add up to 1 along the first axis; NaN if the distribution is not
         known.  Further axes, such as (k, n) for n armours, broadcast with velocities and probabilities.
     locations, scales : array, (k, ...)
-        Of the logarithms: of m/s, or of the ratio.
+        Locations and scales of the logarithm of the limit, in m/s, or of the ratio.
     degrees_of_freedom : array, (k, ...)
         At most 1e6, where the distribution is practically normal.
     logarithmic : bool
@@ -45,11 +45,14 @@ class Mixture(NamedTuple):
     narrowed: Floats | float = 1.0
 
     def _many(self, values: Floats) -> bool:
-        """Return whether to compute by scipy: for n armours whatever n is, and for many numbers of one armour."""
+        """Return whether to compute by scipy: always for an array of armours, and for many values of one armour."""
         return self.weights.ndim > 1 or values.size > MOST_WITHOUT_SCIPY
 
     def times(self, limits: ArrayLike) -> "Mixture":
-        """Return the distribution of a ratio times limits by the model, m/s, (k, ...) or one for all."""
+        """Return the distribution of limits, given that of the ratio and the limits by the model, m/s.
+
+        The limits have the shape (k, ...), or there is one for all.
+        """
         factors = np.asarray(limits, dtype=np.float64)
         if self.logarithmic:
             return self._replace(locations=self.locations + np.log(factors))
@@ -60,7 +63,7 @@ class Mixture(NamedTuple):
         return self.mapped(lambda array: array[:, place])
 
     def mapped(self, function: Callable[[Floats], Floats]) -> "Mixture":
-        """Return the mixture whose arrays are a function of these."""
+        """Apply a function to every array of the mixture; return the new mixture."""
         weights, locations, scales, freedom = map(function, self[:4])
         narrowed = self.narrowed if isinstance(self.narrowed, float) else function(self.narrowed)
         return Mixture(weights, locations, scales, freedom, self.logarithmic, narrowed)
@@ -101,7 +104,7 @@ class Mixture(NamedTuple):
         return self._log_density(places) - (places if self.logarithmic else 0.0)
 
     def _log_density(self, places: Floats) -> Any:
-        """Return the logarithm of the density at values, or per unit of their logarithms at these."""
+        """Return the logarithm of the density at places as `_at` returns them, per unit of these."""
         weights, freedom, scores, scales = self._scores(places)
         constant = np.log(_constants(freedom) / np.sqrt(freedom))
         kernel = 0.5 * (freedom + 1.0) * np.log1p(scores**2 / freedom)
@@ -109,9 +112,9 @@ class Mixture(NamedTuple):
             return np.logaddexp.reduce(np.log(weights) + constant - np.log(scales) - kernel)
 
     def drawn(self, chances: Floats) -> tuple[Any, Floats]:
-        """Return components and values at chances, (n,), between 0 and 1, one for each draw.
+        """Return the component, and the value, of each of n draws from the mixture of one armour, (n,).
 
-        The mixture is of one armour, its arrays (k,).  A chance chooses the component, and within it the quantile.
+        `chances`, (n,), are uniform between 0 and 1: each chooses a component, and the quantile within it.
         """
         ends = np.cumsum(self.weights)
         components = np.minimum(np.searchsorted(ends, chances, side="right"), np.flatnonzero(self.weights)[-1])
@@ -122,23 +125,24 @@ class Mixture(NamedTuple):
         return components, np.exp(values) if self.logarithmic else values
 
     def _parts(self, values: Floats) -> list[Floats]:
-        """Return weights, locations, scales, degrees of freedom and factors with axes after the first to broadcast."""
+        """Return weights, locations, scales, degrees of freedom and factors, with axes to broadcast with values."""
         arrays = (*self[:4], self.narrowed * np.ones_like(self.scales))
         return [array.reshape(array.shape + (1,) * (values.ndim + 1 - array.ndim)) for array in arrays]
 
     def _scores(self, places: Floats) -> tuple[Floats, ...]:
-        """Return weights, degrees of freedom, places in scales above the locations, and these scales."""
+        """Return weights, degrees of freedom, (places - locations) / scales, and the scales, which may be narrowed."""
         weights, locations, scales, freedom, narrowed = self._parts(places)
         scales = scales * np.where(places > locations, narrowed, 1.0)
         return weights, freedom, (places - locations) / scales, scales
 
     def _at(self, values: ArrayLike) -> Floats:
-        """Return the values or their logarithms, at which the components are evaluated."""
+        """Return the values or, if `logarithmic`, their logarithms, at which the components are evaluated."""
         with np.errstate(divide="ignore"):
             return np.log(values) if self.logarithmic else np.asarray(values, dtype=np.float64)
 
 
-# Quadrature, exact to 1e-12 for two and a half degrees of freedom or more, and the standard deviations it covers.
+# Nodes and weights of a quadrature, exact to 1e-12 for 2.5 degrees of freedom or more, and the number of standard
+# deviations that it covers.
 _OFF_DIAGONAL = np.arange(1.0, 64.0) / np.sqrt(4.0 * np.arange(1.0, 64.0) ** 2 - 1.0)
 # Gauss-Legendre by Golub and Welsch: numpy's own function would import all of numpy.polynomial.
 ANGLE_NODES, _VECTORS = np.linalg.eigh(np.diag(_OFF_DIAGONAL, 1) + np.diag(_OFF_DIAGONAL, -1))
@@ -151,7 +155,10 @@ LEAST_DENSITY = 1e-300
 
 
 def probability_below(freedom: Floats, t: Floats, *, many: bool) -> Floats:
-    """Return the probability of less than t, with the broadcast shape."""
+    """Return the probability that Student's t distribution gives values below t; the arrays broadcast.
+
+    `many` asks for scipy, which is slow to import.
+    """
     freedom, t = np.broadcast_arrays(freedom, t)
     if many:
         from scipy.special import stdtr  # slow to import
@@ -161,7 +168,7 @@ def probability_below(freedom: Floats, t: Floats, *, many: bool) -> Floats:
 
 
 def quantile(freedom: Floats, probabilities: Floats, *, many: bool) -> Floats:
-    """Return the values that are not exceeded with given probabilities, with the broadcast shape."""
+    """Return quantiles of Student's t distribution; the arrays broadcast, and `many` asks for scipy."""
     freedom, probabilities = np.broadcast_arrays(freedom, probabilities)
     if many:
         from scipy.special import stdtrit  # slow to import
@@ -183,9 +190,9 @@ def quantile(freedom: Floats, probabilities: Floats, *, many: bool) -> Floats:
 
 
 def _below(freedom: Floats, constants: Floats, angle: Floats) -> Floats:
-    """Return the probability of less than the square root of the freedom times the tangent of an angle.
+    """Return the probability that Student's t distribution gives values below sqrt(freedom) * tan(angle).
 
-    The density over the angle is a constant times the power freedom - 1 of its cosine.
+    The density over the angle is constant * cos(angle)**(freedom - 1), which is integrated by quadrature.
     """
     reach = np.minimum(np.abs(angle), COVERED_DEVIATIONS / np.sqrt(freedom))[..., None]
     log_cosines = 0.5 * np.log1p(-(np.sin(0.5 * reach * (1.0 + ANGLE_NODES)) ** 2))

@@ -1,4 +1,4 @@
-"""The model error of a scenario or of many variants of it: the tests it comes from, and where it is not known."""
+"""Model error of a scenario or of many of its variants: its distribution, its tests, and why it is not known."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -29,7 +29,7 @@ ERROR_QUANTILES = (0.025, 0.05, 0.5, 0.95, 0.975)
 LAW_FIELDS = ("Yc0", "n_B", "n_cB", "a_c", "a_B", "YB", "tau", "Hc0", "Hb")
 # Quantities of bare plates whose trend is uncertain beyond the tests.
 DOUBTED = ("backing_thickness_ratio", "backing_strength_GPa", "rod_mass_ratio")
-# The key of the solver that changes how exactly is computed, not what.
+# Key of the solver that changes the accuracy of the numbers only.
 NUMERICAL = "time_step_us"
 NO_TEST = "no test of such an armour is known"
 INTERLAYER = (
@@ -40,7 +40,7 @@ REMEDY = "own tests (armour calibrate) or [uncertainty.model] can give it"
 
 @dataclass(frozen=True)
 class TestsHere:
-    """Own tests of the very armour against the very round, and the prediction from the others.
+    """Own tests of the same armour against the same round, and the prediction from all other tests.
 
     Attributes
     ----------
@@ -49,16 +49,16 @@ class TestsHere:
     shots : int
         Number of shots at this armour.
     confirmed : bool
-        Whether there are several, and they agree.
+        Whether there are several tests of this armour, and they agree.
     out_of_line : int
-        Number of these tests that are out of line with the others.
+        Number of the tests of this armour that are out of line with the others.
     others : int
         Number of the other own tests.
     median_m_s : float
-        Ballistic limit that the armour exceeds with a probability of 50 %, given the others alone, or if there are none
-        the shipped tests, m/s.
+        Ballistic limit that the armour exceeds with a probability of 50 %, given only the other tests, own and shipped,
+        m/s.
     interval_m_s : tuple of float
-        Interval in which it then lies with a probability of 95 %, m/s.
+        Interval in which the ballistic limit lies with a probability of 95 %, given only these, m/s.
     """
 
     limits_m_s: tuple[float, ...]
@@ -80,17 +80,17 @@ class ModelError:
     mean_percent, scale_percent : float or None
         Location and scale of Student's t distribution, %; None if the distribution is a mixture of several.
     degrees_of_freedom : float or None
-        Of this distribution.
+        Degrees of freedom of this distribution.
     source : str
         Tests, or other source, from which the error is estimated.
     extrapolated : tuple of str
         Quantities in which the armour lies outside the tests from which the error is estimated.
     quantiles_percent : dict of str to float
-        Quantiles of the error, %, by probability: "0.025", "0.05", "0.5", "0.95" and "0.975"; of an armour.
+        Quantiles of the error of an armour, %, by probability: "0.025", "0.05", "0.5", "0.95" and "0.975".
     at_least : str
-        Why the limit of the armour, at an angle, is at least the one with this error; empty unless that is so.
+        Tests that show that the limit of the armour, at an angle, is at least the one with this error; empty if none.
     tests_here : TestsHere or None
-        Own tests of the very armour; None if there is none.
+        Own tests of the same armour; None if there are none.
     """
 
     mean_percent: float | None
@@ -104,7 +104,10 @@ class ModelError:
 
     @classmethod
     def of_ratio(cls, ratio: Mixture, source: str, outside: tuple[str, ...] = (), **others: Any) -> Self:
-        """Return the error, given the distribution of the ratio of both limits, (k,)."""
+        """Return the error, given the distribution of actual over computed limit of one armour, with k components.
+
+        `outside` is the attribute ``extrapolated``; `others` are further attributes.
+        """
         mean = scale = freedom = None
         has_weight = ratio.weights > 0.0
         if has_weight.sum() == 1:
@@ -143,9 +146,9 @@ class ModelError:
         return float(limit_m_s * (1.0 + self.quantile(0.5)))
 
     def probability_of_stopping(self, limit_m_s: Any, velocity_m_s: Any) -> Any:
-        """Return the probability that the ballistic limit of the armour exceeds a velocity, given that of the model.
+        """Return the probability that the ballistic limit of the armour exceeds a velocity.
 
-        Numbers or arrays, m/s; the limit must be above 0.
+        `limit_m_s` is the ballistic limit by the model, above 0; both are numbers or arrays, m/s.
         """
         return self.ratio.probability_above(np.asarray(velocity_m_s) / limit_m_s)
 
@@ -153,15 +156,15 @@ class ModelError:
 class ErrorRows(NamedTuple):
     """Distributions of the model error for n armours: mixtures over the laws used to compute ballistic limits.
 
-    The first law is that of the armour itself; it may have a probability of 0.
+    A law sets the parameters `LAW_FIELDS`.  The first law is that of the armour itself; its weight may be 0.
     """
 
-    ratio: Mixture  # of the limits, (laws, n); weights are 0 if not used, and NaN if the error is not known
-    parameters: Floats  # of the core, by law, see `LAW_FIELDS`, (laws, fields, n)
+    ratio: Mixture  # actual over computed limits, (laws, n); weights are 0 for unused laws, NaN for unknown errors
+    parameters: Floats  # of the core, by law and field of `LAW_FIELDS`, (laws, fields, n)
 
     @classmethod
     def unknown(cls, count: int, laws: int = 1) -> "ErrorRows":
-        """Return n errors that are not known."""
+        """Return errors of `count` armours that are not known."""
         shape = (laws, count)
         nothing, ones = np.zeros(shape), np.ones(shape)
         ratio = Mixture(np.full(shape, np.nan), nothing, ones, ones.copy(), narrowed=ones.copy())
@@ -169,11 +172,11 @@ class ErrorRows(NamedTuple):
 
     @property
     def known(self) -> Any:
-        """Whether the error is known, (n,)."""
+        """Whether the error of each armour is known, (n,)."""
         return ~np.isnan(self.ratio.weights[0])
 
     def of_law(self, law: int) -> Mixture:
-        """Return the distributions of the ratio by a law alone, (1, n)."""
+        """Return the distributions of the ratio by one law, given its index, (1, n)."""
         alone = self.ratio.mapped(lambda array: array[law : law + 1])
         return alone._replace(weights=np.ones_like(alone.weights))
 
@@ -188,7 +191,7 @@ def given_error(scenario: Scenario) -> ModelError | None:
 
 
 def other_settings(scenario: Scenario) -> str:
-    """Return in words the model's settings and equations that differ from those used to compute the tests, or ""."""
+    """Describe the settings and equations of the model that differ from those used to compute the tests; "" if none."""
     sections = (("model", scenario.model, Model()), ("solver", scenario.solver, Solver()))
     values = ((name, key, value, getattr(usual, key)) for name, section, usual in sections for key, value in section)
     others = [f"{name}.{key} = {value}" for name, key, value, usual in values if value != usual and key != NUMERICAL]
@@ -200,9 +203,9 @@ def other_settings(scenario: Scenario) -> str:
 
 
 def errors_of(scenario: Scenario, armours: Armours) -> ErrorRows:
-    """Return the errors of the model for n armours under the settings of a scenario.
+    """Return the model errors of n armours under the settings of a scenario.
 
-    They come from the own tests of the library entries, or else from the shipped tests.
+    The errors come from the own tests of the library entries, or else from the shipped tests.
     """
     count, error = len(armours.material_of_row), given_error(scenario)
     if scenario.excludes_error() or (error is None and (scenario.interlayers or other_settings(scenario))):
@@ -211,16 +214,16 @@ def errors_of(scenario: Scenario, armours: Armours) -> ErrorRows:
         repeated = error.ratio.mapped(lambda array: np.repeat(array[:, None], count, axis=1))
         return ErrorRows(repeated, np.zeros((1, len(LAW_FIELDS), count)))
     as_at_normal = scenario.design is not None and scenario.design.angles_as_at_normal_incidence
-    found = [
+    laws = [
         law
         for evidence, rows in armours.by_evidence()
         for law in _laws_of(evidence, armours, rows, as_at_normal=as_at_normal)
     ]
-    errors = ErrorRows.unknown(count, 1 + max((law.number for law in found), default=0))
+    errors = ErrorRows.unknown(count, 1 + max((law.number for law in laws), default=0))
     errors.parameters[0] = law_of(armours.parameters)
-    for law in found:
+    for law in laws:
         errors.ratio.weights[:, law.rows] = 0.0
-    for law in found:
+    for law in laws:
         errors.parameters[law.number][:, law.rows] = law_of(law.armours.parameters)
         arrays = (*errors.ratio[:4], np.asarray(errors.ratio.narrowed))
         for array, values in zip(arrays, law.ratio(), strict=True):
@@ -229,11 +232,11 @@ def errors_of(scenario: Scenario, armours: Armours) -> ErrorRows:
 
 
 class LawOfRows(NamedTuple):
-    """A law of the ballistic limits of some of n armours, and the fit of their error by it."""
+    """A law by which ballistic limits of some of n armours are computed, and the fit of the model error by this law."""
 
-    number: int  # among the laws of the armours, the first of which is their own
-    rows: Any  # places of the armours
-    armours: Armours  # with the parameters of the law
+    number: int  # index among the laws of the armours; 0 is their own
+    rows: Any  # indices of the armours
+    armours: Armours  # these armours, with the parameters of the law
     fit: Fit
     doubted: Mapping[str, tuple[float, float]]  # ranges, by quantity, beyond which the trend is uncertain
 
@@ -244,16 +247,17 @@ class LawOfRows(NamedTuple):
 
 
 def _laws_of(evidence: Evidence, armours: Armours, rows: Any, *, as_at_normal: bool) -> Iterator[LawOfRows]:
-    """Yield the laws by which evidence gives the errors of some of n armours.
+    """Yield the laws for which evidence gives the model error of some of n armours, marked in the mask `rows`.
 
-    With a ceramic, the law of the armour comes first, and the others have the flow stress in proportion to it.
+    With a ceramic, the law of the armour comes first; the flow stress by the others is in proportion to its own.
+    `as_at_normal` assumes that a limit at an angle is at least that at normal incidence.
     """
     oblique = evidence.fails_angle(armours.cosines)
     # The greatest angle at which an armour is assumed to have at least its limit at normal incidence.
     at_least_deg = 90.0 if evidence.ceramic and as_at_normal else evidence.at_least_deg
     is_bounded = oblique & (armours.cosines >= cosine_of(at_least_deg))
     bare = () if evidence.ceramic else evidence.measured
-    doubted = {limits.name: (limits.low, limits.high) for limits in bare if limits.name in DOUBTED}
+    doubted = {tested.name: (tested.low, tested.high) for tested in bare if tested.name in DOUBTED}
     for is_member, at_normal in ((rows & ~oblique, False), (rows & is_bounded, True)):
         if not (evidence.fits and is_member.any()):
             continue
@@ -262,14 +266,14 @@ def _laws_of(evidence: Evidence, armours: Armours, rows: Any, *, as_at_normal: b
         q = members.quantities()
         holds = evidence.holds(q)
         for own_fit, law in zip(evidence.fits, evidence.laws or [()], strict=False):
-            of_law = np.flatnonzero(holds & ~is_outside(law, q))
-            by_own_law = members.at(of_law)
+            has_law = np.flatnonzero(holds & ~is_outside(law, q))
+            by_own_law = members.at(has_law)
             others = [fit for fit in evidence.fits if fit is not own_fit]
             for number, fit in enumerate([own_fit, *others], start=int(at_normal or evidence.lot != "")):
                 changes: dict[str, Any] = {} if fit is own_fit and not evidence.lot else dict(fit.law)
                 if changes and evidence.laws:
                     changes["Yc0"] = by_own_law.parameters.Yc0 * (fit.law["Yc0"] / own_fit.law["Yc0"])
-                yield LawOfRows(number, places[of_law], by_own_law.with_law(changes), fit, doubted)
+                yield LawOfRows(number, places[has_law], by_own_law.with_law(changes), fit, doubted)
 
 
 def law_of(parameters: Parameters) -> Floats:
@@ -278,7 +282,10 @@ def law_of(parameters: Parameters) -> Floats:
 
 
 def error_of(scenario: Scenario, ratio: Mixture, armour: Armours, limit_m_s: float) -> ModelError | None:
-    """Return the model error of an armour, n = 1, given the distribution of its limit over that by the model, m/s."""
+    """Return the model error of a single armour; None if it is not known.
+
+    `ratio` is the distribution of its actual over its computed limit, `limit_m_s` the computed limit.
+    """
     if np.isnan(ratio.weights).any():
         return None
     if (error := given_error(scenario)) is not None:
@@ -293,23 +300,24 @@ def error_of(scenario: Scenario, ratio: Mixture, armour: Armours, limit_m_s: flo
 
 
 def _tests_here(evidence: Evidence, ratio: Mixture, armour: Armours, limit_m_s: float) -> TestsHere | None:
-    """Return the own tests of an armour, n = 1, given the distribution of its limit over that by the model, m/s."""
+    """Return the own tests of a single armour, None without any; arguments as in `error_of`."""
     q, posterior = armour.with_law(evidence.fits[0].law).quantities(), evidence.fits[0].own[0]
-    tests, place = posterior.tests, posterior.tests.quantities
-    here = is_same_armour(q, place)[0]
+    tests, tested = posterior.tests, posterior.tests.quantities
+    here = is_same_armour(q, tested)[0]
     if not here.any():
         return None
-    # The limits by the laws follow from the distribution of the armour, given all tests.
+    # `ratio` is given all tests and is relative to the limit by the model.  Leaving out the tests of this armour moves
+    # its locations, law by law, as it moves those of the mixture.
     given, others = (
         mixture_of(each, q).one() for each in (evidence.fits, [fit.without(here) for fit in evidence.fits])
     )
-    found = others._replace(locations=ratio.locations[1:] + others.locations - given.locations).times(limit_m_s)
-    low, median, high = found.quantile((0.025, 0.5, 0.975)).tolist()
+    predicted = others._replace(locations=ratio.locations[1:] + others.locations - given.locations).times(limit_m_s)
+    low, median, high = predicted.quantile((0.025, 0.5, 0.975)).tolist()
     limits = here & (tests.sides == 0.0)
-    velocities = place["velocity_m_s"][limits]
+    velocities = tested["velocity_m_s"][limits]
     return TestsHere(
         limits_m_s=tuple(velocities.tolist()),
-        uncertainties_m_s=tuple(place["uncertainty_m_s"][limits].tolist()),
+        uncertainties_m_s=tuple(tested["uncertainty_m_s"][limits].tolist()),
         shots=int((here & ~limits).sum()),
         confirmed=bool(posterior.confirmed[here].all()),
         out_of_line=int(np.isin(np.flatnonzero(here), evidence.doubtful).sum()),
@@ -320,7 +328,7 @@ def _tests_here(evidence: Evidence, ratio: Mixture, armour: Armours, limit_m_s: 
 
 
 def why_unknown(scenario: Scenario, armour: Armours) -> str:
-    """Return why the model error is not known for an armour, n = 1, and what can provide it."""
+    """Return why the model error is not known for a single armour, and what can provide it."""
     if settings := other_settings(scenario):
         return f"the tests were not computed with {settings}; [uncertainty.model] can give it"
     if is_no_metal(np.min(armour.parameters.rho_B)):
@@ -337,8 +345,8 @@ def why_unknown(scenario: Scenario, armour: Armours) -> str:
         reason = f"the model was compared with {evidence.angles()}"
     elif not evidence.differences(q).any() and evidence.fits:
         far = ", ".join(outside(evidence.measured, q))
-        strengths = [limits for limits in evidence.measured if limits.name == "rod_strength_GPa"]
-        page = f" (see {PAGE})" * any(limits.fails(q).all() for limits in strengths)
+        strengths = [tested for tested in evidence.measured if tested.name == "rod_strength_GPa"]
+        page = f" (see {PAGE})" * any(tested.fails(q).all() for tested in strengths)
         reason = f"the armour is too far outside the tests, which are of {far}{page}"
     elif evidence.lot:
         reason = f"the armour differs from the own tests of {evidence.lot}: {', '.join(outside(evidence.kind, q))}"

@@ -17,25 +17,28 @@ from armour.scenario.library import IN_COMMON, VARIED, LibraryEntry, OwnTests, s
 from armour.scenario.scenario import Scenario
 from armour.units import MM
 
-# The quantity of which less than tested is said in the answer.
+# Quantity for which the answer itself says that the armour is below the tests.
 THIN = "ceramic_thickness_ratio"
 # Factor by which a quantity of an unusual armour lies outside of all that the model was compared with.
 UNUSUAL_FACTOR = 2.0
 # Factors outside the ranges of the tests beyond which the error is not known: of bare plates and with a ceramic.
 FARTHEST_BARE, FARTHEST_CERAMIC = float(np.exp(0.5)), 2.0
-# The factor for quantities that own tests of a ceramic without shipped tests have in common.
+# Factor by which an armour may differ from own tests of a ceramic without shipped tests, in the quantities that these
+# tests have in common.
 ALIKE_FACTOR = 1.1
-# Standard deviations between lots of a ceramic beyond those of the shipped tests, also on another metal than theirs.
+# Additional standard deviations between lots, beyond that of the shipped tests: with a ceramic, and for armours unlike
+# the shipped tests, as on another metal.
 STRANGE, STRANGE_METAL = 0.10, 0.15
 # Properties that identify a ceramic.
 OF_CERAMIC = ("ceramic_density_kg_m3", "ceramic_modulus_GPa", "ceramic_strength_GPa")
-# Fraction of tables of sound tests of which one is called out of line.
+# Fraction of tables of sound tests in which some test is called out of line.
 FALSE_ALARMS = 0.05
 # Number of standard deviations from the prediction for any lot beyond which an own test is a mistake.
 IMPLAUSIBLE = 6.0
 OF_NO_LOT = "an own test has a limit that no lot of such armour can have"
 NO_LAW = "no limit of its own tests says how exact the model is"
-# More differences than any armour can have, and the relative size of rounding.
+# Number of differences that a ceramic instead of none counts for, more than all others together; relative size of
+# rounding errors.
 BY_CERAMIC, ROUNDING = 1000, 1e-6
 
 
@@ -51,17 +54,17 @@ class DataRange(NamedTuple):
         return ~((q[self.name] >= self.low) & (q[self.name] <= self.high))
 
     def factor(self, q: Quantities) -> Any:
-        """Return the factor by which n armours are outside the range, at least 1; infinite for none against some."""
+        """Return the factor by which n armours are outside the range, at least 1; infinite if value or end is 0."""
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.fmax(np.fmax(q[self.name] / self.high, self.low / q[self.name]), 1.0)
 
     def ratio(self, q: Quantities) -> Any:
-        """Return the value over the end of the range that n armours are beyond, 1 inside the range and for a NaN."""
+        """Return the values of n armours, each over the nearest value in the range: 1 inside it and for a NaN."""
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.nan_to_num(q[self.name] / q[self.name].clip(self.low, self.high), nan=1.0, posinf=np.inf)
 
     def joined(self, low: float, high: float) -> "DataRange":
-        """Return the range from its lower end or a lower one, to its upper end or a higher one."""
+        """Return the range widened to contain `low` and `high`."""
         return DataRange(self.name, min(self.low, float(low)), max(self.high, float(high)))
 
     def containing(self, values: Any) -> "DataRange":
@@ -77,11 +80,11 @@ class DataRange(NamedTuple):
         return self.words(self.ends())
 
     def ends(self) -> str:
-        """Return the ends, or the one value."""
+        """Return the ends of the range, or its only value, as text."""
         return " to ".join(dict.fromkeys(f"{end:.4g}" for end in (self.low, self.high)))
 
     def words(self, values: str) -> str:
-        """Return values of the quantity in words."""
+        """Return the words that describe the quantity with given values."""
         return str(shipped_data()["quantity"][self.name]["words"]).format(values)
 
 
@@ -93,23 +96,23 @@ class Evidence(NamedTuple):
 
     title: str = ""
     source: str = ""  # its key of the bibliography is in brackets
-    laws: tuple[tuple[DataRange, ...], ...] = ()  # of the ceramic's flow stress, one of which an armour has
-    kind: tuple[DataRange, ...] = ()  # of armour and penetrator
+    laws: tuple[tuple[DataRange, ...], ...] = ()  # of the ceramic's flow stress, each as ranges of its parameters
+    kind: tuple[DataRange, ...] = ()  # ranges that define the kind of armour and penetrator
     measured: tuple[DataRange, ...] = ()  # ranges of the tests
-    compared: tuple[DataRange, ...] = ()  # outside them, an armour is like none that was compared
+    compared: tuple[DataRange, ...] = ()  # outside these, an armour is unlike all that the model was compared with
     velocities: DataRange = DataRange("velocity_m_s", 0.0, np.inf)
-    fits: tuple[Fit, ...] = ()  # of the error, one for each law; none of results of the paper's program
-    ceramic: str = ""  # empty of bare plates
+    fits: tuple[Fit, ...] = ()  # of the model error, one for each law; none if these are results of the paper's program
+    ceramic: str = ""  # empty for bare plates
     obliquity_max_deg: float = 0.0  # greatest angle of the tests
     at_least_deg: float = 0.0  # greatest angle at which plates are known to have at least the limit at normal incidence
-    at_least: str = ""  # the tests that show it
-    lot: str = ""  # of own tests
+    at_least: str = ""  # the tests that show this
+    lot: str = ""  # name of the lot of own tests; empty for shipped tests
     doubtful: tuple[int, ...] = ()  # own tests that are out of line or, without fits, implausible
 
     def differences(self, q: Quantities) -> Any:
-        """Return the number of respects in which n armours differ from the tests; a ceramic or none outweighs all."""
+        """Return in how many respects n armours differ from the tests; a ceramic instead of none outweighs the rest."""
         by_ceramic = BY_CERAMIC * (bool(self.ceramic) == (q["ceramic_thickness_ratio"] == 0.0))
-        return sum((limits.fails(q) for limits in self.kind), start=by_ceramic) + self.has_other_law(q)
+        return sum((data_range.fails(q) for data_range in self.kind), start=by_ceramic) + self.has_other_law(q)
 
     def has_other_law(self, q: Quantities) -> Any:
         """Return whether the flow stress of the ceramic of n armours has none of the laws."""
@@ -118,15 +121,15 @@ class Evidence(NamedTuple):
     def holds(self, q: Quantities) -> Any:
         """Return whether the error is known for n armours: they are of the kind, and near enough to the tests."""
         farthest = FARTHEST_CERAMIC if self.ceramic else FARTHEST_BARE
-        factor = np.maximum.reduce([limits.factor(q) for limits in self.measured])
+        factor = np.maximum.reduce([data_range.factor(q) for data_range in self.measured])
         return (self.differences(q) == 0) & (factor <= farthest) & bool(self.fits)
 
     def fails_angle(self, cosines: Any) -> Any:
-        """Return whether there are no tests at the angles with these cosines."""
+        """Return whether angles, given their cosines, are beyond those of the tests."""
         return cosines < cosine_of(self.obliquity_max_deg) * (1.0 - ROUNDING)
 
     def angles(self) -> str:
-        """Return the angles of the tests, in words."""
+        """Describe the angles of the tests."""
         if self.obliquity_max_deg:
             return f"tests of such plates at up to {max(self.obliquity_max_deg, self.at_least_deg):g}° only"
         return f"no test of {'an armour with a ceramic' if self.ceramic else 'such a plate'} at an angle"
@@ -134,24 +137,25 @@ class Evidence(NamedTuple):
 
 def is_outside(ranges: Iterable[DataRange], q: Quantities) -> Any:
     """Return whether each of n armours lies outside any of the ranges."""
-    return np.any([limits.fails(q) for limits in ranges], axis=0)
+    return np.any([data_range.fails(q) for data_range in ranges], axis=0)
 
 
 def outside(ranges: Iterable[DataRange], q: Quantities) -> tuple[str, ...]:
-    """Return the ranges outside which an armour lies, in words."""
-    return tuple(str(limits) for limits in ranges if limits.fails(q).any())
+    """Describe those of the ranges outside which an armour lies."""
+    return tuple(str(data_range) for data_range in ranges if data_range.fails(q).any())
 
 
 AS_GIVEN = ("title", "source", "ceramic", "obliquity_max_deg", "at_least_deg", "at_least")
 
 
 def _ranges(data: Mapping[str, Sequence[float]]) -> tuple[DataRange, ...]:
+    """Return the ranges of quantities, given their ends by name."""
     return tuple(DataRange(name, *ends) for name, ends in data.items())
 
 
 @cache
 def shipped_evidence() -> tuple[Evidence, ...]:
-    """Return the tests that the model was compared with; of several equally close to an armour, the first is used."""
+    """Return the shipped tests; if several are equally close to an armour, the first of them is used."""
     tests = []
     for data in shipped_data()["tests"]:
         kind, laws = data["kind"], shipped_data()["law"]
@@ -194,7 +198,7 @@ class Armours(NamedTuple):
     materials: Sequence[Materials]
 
     def at(self, where: Any) -> "Armours":
-        """Return some of the armours."""
+        """Return some of the armours, given their indices or a mask."""
         parameters = Parameters._make(np.asarray(values)[where] for values in self.parameters)
         return Armours(parameters, self.cosines[where], self.material_of_row[where], self.materials)
 
@@ -205,19 +209,19 @@ class Armours(NamedTuple):
         return self._replace(parameters=parameters, cosines=np.ones_like(cosines))
 
     def with_law(self, values: Mapping[str, Any]) -> "Armours":
-        """Return the armours with other parameters, such as those of a law, by name."""
+        """Return the armours with other parameters of the core, such as those of a law, by name, in SI units."""
         columns: dict[str, Any] = {name: np.full(len(self.cosines), value) for name, value in values.items()}
         return self._replace(parameters=self.parameters._replace(**columns))
 
     def quantities(self) -> dict[str, Any]:
-        """Return what the evidence depends on."""
+        """Return the quantities that the evidence depends on, (n,) by name."""
         tensile = np.array([tensile_strength(materials.backing) for materials in self.materials])
         return quantities(self.parameters, tensile[self.material_of_row], self.cosines)
 
     def by_evidence(self) -> Iterator[tuple[Evidence, Any]]:
-        """Yield each evidence with the rows of the armours that it applies to, (n,).
+        """Yield each evidence with a mask of the armours that it applies to, (n,).
 
-        It comes from the own tests of an entry, or else from the closest shipped tests.
+        The evidence on an armour is the own tests of its ceramic or its bare plate, or else the closest shipped tests.
         """
         is_bare, has_shipped = self.parameters.Hc0 == 0.0, np.ones(len(self.material_of_row), dtype=bool)
         for place, materials in enumerate(self.materials):
@@ -246,9 +250,9 @@ def armours_of(*scenarios: Scenario) -> Armours:
 
 
 def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
-    """Return the evidence of an entry with own tests: that of the shipped tests, updated by them.
+    """Return the evidence on an entry of the library with own tests: the shipped tests, updated by the own ones.
 
-    It holds for armours with the calibrated values.  There is no fit if the entry must be calibrated again.
+    It holds for armours with the calibrated values.  It has no fit if the entry must be calibrated again.
     """
     if not own_tests.law:
         return Evidence(source=own_tests.reason or NO_LAW, lot=entry.name)
@@ -268,7 +272,7 @@ def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
     updated = [lot.given(tests) for lot, tests in lots]
     weights = softmax([fit.weight for fit in updated])
     velocities, doubtful = tested["velocity_m_s"], np.zeros(0, dtype=np.int64)
-    if len(velocities) > 1:  # of a single test, another lot may be the cause
+    if len(velocities) > 1:  # a single test that is far off may just be of another lot
         farther = [lot.probabilities_of_farther(tests) for lot, tests in lots]
         doubtful = np.flatnonzero(np.max(farther, axis=0) * len(velocities) < FALSE_ALARMS)
     words = f"{counted(len(velocities), 'own test')} of this lot"
@@ -291,28 +295,33 @@ def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
 
 
 def _kept_kind(shipped: Evidence, own_tests: OwnTests) -> tuple[DataRange, ...]:
-    """Return the kind of armour of the shipped tests, without what was calibrated."""
-    return tuple(limits for limits in shipped.kind if limits.name not in ("tensile_ratio", *own_tests.calibrated))
+    """Return the kind of armour of the shipped tests, without the ranges of calibrated quantities."""
+    return tuple(
+        data_range for data_range in shipped.kind if data_range.name not in ("tensile_ratio", *own_tests.calibrated)
+    )
 
 
 def _ranges_with(
     own_tests: OwnTests, tested: Mapping[str, Any], shipped: Evidence, *, is_new: bool
 ) -> tuple[tuple[DataRange, ...], tuple[DataRange, ...]]:
-    """Return the kind of armour, and the ranges of the tests, for which own tests of a lot hold.
+    """Return the kind of armour for which own tests of a lot hold, and the ranges of the tests.
 
-    They are those of the shipped tests, widened.  A new ceramic, without shipped tests, must be in armour like that of
-    its own tests.
+    Both are those of the shipped tests, widened to contain the own tests, whose quantities `tested` has by name.  If
+    `is_new`, there are no shipped tests of the ceramic, and the armour must be like that of the own tests.
     """
     columns = {name: np.append(column, own_tests.calibrated.get(name, [])) for name, column in tested.items()}
     kind, measured = (
-        tuple(limits.containing(columns[limits.name]) for limits in ranges)
+        tuple(data_range.containing(columns[data_range.name]) for data_range in ranges)
         for ranges in (_kept_kind(shipped, own_tests), shipped.measured)
     )
     if is_new:
         around = [DataRange(name, np.inf, -np.inf).containing(tested[name]) for name in (*VARIED[:2], *IN_COMMON)]
-        alike = (DataRange(limits.name, limits.low / ALIKE_FACTOR, limits.high * ALIKE_FACTOR) for limits in around[2:])
-        kind = (*alike, *(limits for limits in kind if limits.name.startswith("rod_")))
-        measured = (*around[:2], *(limits for limits in measured if limits.name.startswith("rod_")))
+        alike = (
+            DataRange(data_range.name, data_range.low / ALIKE_FACTOR, data_range.high * ALIKE_FACTOR)
+            for data_range in around[2:]
+        )
+        kind = (*alike, *(data_range for data_range in kind if data_range.name.startswith("rod_")))
+        measured = (*around[:2], *(data_range for data_range in measured if data_range.name.startswith("rod_")))
     calibrated = (DataRange(n, v - ROUNDING * abs(v), v + ROUNDING * abs(v)) for n, v in own_tests.calibrated.items())
     # Beyond the angles of the shipped tests, own tests hold for their own angle only.
     paths = DataRange("path_ratio", np.inf, -np.inf).containing(tested["path_ratio"])
@@ -323,7 +332,10 @@ def _ranges_with(
 def _by_law(
     own_tests: OwnTests, tested: Mapping[str, Any], role: str
 ) -> Iterator[tuple[Fit, LotTests, Sequence[float] | None]]:
-    """Yield the shipped fit of each law, and own tests of a lot with its limits and the level of the lot."""
+    """Yield for each law its shipped fit, the own tests with the limits computed by it, and the level of the lot.
+
+    `tested` has the quantities of the tests by name; `role` is that of the material, "ceramic" or "backing".
+    """
     velocities, sides = tested["velocity_m_s"], tested["side"]
     rows = np.column_stack([tested[name] for name in (*VARIED, *IN_COMMON)])
     # Shots at equal armours count as shots at one armour; each measured limit belongs to an armour of its own.
@@ -337,7 +349,7 @@ def _by_law(
 def _distances(fit: Fit, tests: LotTests, level: Sequence[float] | None) -> Any:
     """Return the deviations of own tests from the prediction for any lot, (n,), in standard deviations.
 
-    A stopped shot deviates upwards alone, a perforating one downwards.
+    The deviation of a shot is negative if its outcome is as predicted.
     """
     location, scale, _ = fit.predicted(tests.quantities, {})
     mean, deviation = level or (0.0, 0.0)
@@ -351,41 +363,43 @@ def is_untested(ceramic: LibraryEntry) -> bool:
     q = dict(zip(OF_CERAMIC[:2], values, strict=True))
     kinds = (evidence.kind for evidence in shipped_evidence() if evidence.ceramic and evidence.fits)
     return ceramic.evidence is None and all(
-        is_outside((limits for limits in kind if limits.name in q), q) for kind in kinds
+        is_outside((data_range for data_range in kind if data_range.name in q), q) for kind in kinds
     )
 
 
 def is_unusual(armour: Parameters) -> Any:
     """Return whether each of n armours is far from all armours of its kind that the model was compared with.
 
-    A strength, a density, the slenderness or a thickness over the diameter is then outside by more than a factor of
-    two, and the outcome may change more than once with the velocity or a thickness.  A NaN is not outside.
+    An unusual armour has a strength, density, slenderness or thickness over the diameter that is outside by more than a
+    factor of two; its outcome may change more than once with the velocity or a thickness.  A NaN is not outside.
     """
     q = quantities(armour, np.nan, np.ones(np.shape(armour.D0)))
     is_far: dict[tuple[bool, str], Any] = {}
-    ranges = {(bool(evidence.ceramic), limits) for evidence in shipped_evidence() for limits in evidence.compared}
-    for has_ceramic, limits in ranges:
-        key = has_ceramic, limits.name
-        is_far[key] = is_far.get(key, True) & (limits.factor(q) > UNUSUAL_FACTOR)
+    ranges = {
+        (bool(evidence.ceramic), data_range) for evidence in shipped_evidence() for data_range in evidence.compared
+    }
+    for has_ceramic, data_range in ranges:
+        key = has_ceramic, data_range.name
+        is_far[key] = is_far.get(key, True) & (data_range.factor(q) > UNUSUAL_FACTOR)
     return np.any([rows & (has_ceramic == (armour.Hc0 > 0.0)) for (has_ceramic, _), rows in is_far.items()], axis=0)
 
 
 class Outside(NamedTuple):
-    """A limit of the tests of the model, outside which some of n armours lie."""
+    """A range of the tests, or another condition on them, outside which some of n armours lie."""
 
     key: str  # of the input that it depends on
-    words: str
-    rows: Any  # indices of these armours
-    numbers: str  # their range, in words
+    words: str  # what the model was compared with
+    rows: Any  # indices of the armours outside
+    numbers: str  # the range of their values, in words
     brief: str  # the warning in a few words
 
     def note(self, key: str = "", against: str = "") -> Note:
-        """Return the warning, by default with the key of the limit."""
+        """Return the warning, by default with its own key; `against` names the threats that it is about."""
         return Note(self.words + self.numbers + against, key or self.key, self.brief + against)
 
 
 def limits_outside(armours: Armours, velocities: Any) -> Iterator[Outside]:
-    """Yield the limits of the tests of the model outside which some of n armours, or velocities, m/s, lie.
+    """Yield the ranges and conditions of the tests outside which some of n armours, or of their velocities, m/s, lie.
 
     A NaN is not outside.
     """
@@ -403,7 +417,7 @@ def limits_outside(armours: Armours, velocities: Any) -> Iterator[Outside]:
             ("armour.ceramic", "no test by such a law of the flow stress", evidence.has_other_law(q), name, no_test),
             ("armour.ceramic", f"tests or results of the paper's program of {ceramics} only", is_other, name, no_test),
             ("armour.ceramic", evidence.title, ~is_other & (not evidence.fits) & is_shipped, name, no_test),
-            *(_check(limits, q, ~(is_other & (limits.name in OF_CERAMIC))) for limits in evidence.compared),
+            *(_check(data_range, q, ~(is_other & (data_range.name in OF_CERAMIC))) for data_range in evidence.compared),
         ]
         for key, words, fails, numbers, brief in checks:
             if fails.any():
@@ -411,18 +425,21 @@ def limits_outside(armours: Armours, velocities: Any) -> Iterator[Outside]:
 
 
 def outside_tests(armours: Armours, velocities: Any, threats: int = 1) -> list[dict[str, float]]:
-    """Return by which factors armours, each in a row per threat, lie outside the tests, by quantity, farthest first.
+    """Return for each armour the factors by which it lies outside the tests, by quantity, the farthest first.
 
-    The farthest threat counts, of ceramics one that they are too thin for.  A factor is below 1 beneath the tests, and
-    infinite for what none has, as a ceramic.
+    `armours`, and `velocities`, m/s, have successive rows for the threats of each armour.  The threat for which a
+    quantity is the farthest outside counts, or one for which a ceramic is too thin.  A factor is below 1 beneath the
+    tests, and infinite for what no test has, such as a ceramic.
     """
     factors = defaultdict[str, Any](lambda: np.ones(len(velocities)))
     for evidence, rows in armours.by_evidence():
         members = armours.at(rows)
         q, evidence = members.quantities() | {"velocity_m_s": velocities[rows]}, _tests_of(evidence, members)
         is_other = is_outside(evidence.kind[:2], q) & (not evidence.lot) & bool(evidence.ceramic)
-        for limits in (*evidence.kind, *evidence.measured, evidence.velocities):
-            factors[limits.name][rows] = np.where(is_other & (limits.name in OF_CERAMIC), 1.0, limits.ratio(q))
+        for data_range in (*evidence.kind, *evidence.measured, evidence.velocities):
+            factors[data_range.name][rows] = np.where(
+                is_other & (data_range.name in OF_CERAMIC), 1.0, data_range.ratio(q)
+            )
         law, angle = evidence.has_other_law(q) & ~is_other, evidence.fails_angle(members.cosines)
         for name, is_far in (("ceramic", is_other), ("ceramic law", law), ("angle", angle)):
             factors[name][rows] = np.where(is_far, np.inf, 1.0)
@@ -436,7 +453,7 @@ def outside_tests(armours: Armours, velocities: Any, threats: int = 1) -> list[d
 
 
 def _tests_of(evidence: Evidence, armours: Armours) -> Evidence:
-    """Return the evidence, or the tests of such armour where it has none: results of the paper's program are none."""
+    """Return the evidence if it has a fit; otherwise, as for results of the paper's program, tests of such armour."""
     if evidence.fits:
         return evidence
     has_ceramic = bool(np.any(armours.parameters.Hc0))
@@ -446,12 +463,12 @@ def _tests_of(evidence: Evidence, armours: Armours) -> Evidence:
 def limits_of_model(
     armours: Armours, metals: Iterable[LibraryEntry], *, said: bool = True
 ) -> Iterator[tuple[Note, Any]]:
-    """Yield `caveats` of n armours, and of ceramics that are thinner than any that was tested."""
+    """Yield the `caveats` about n armours, and one about ceramics that are thinner than all that were tested."""
     p, least = armours.parameters, np.zeros(len(armours.cosines))
     yield from caveats(p, metals, said=said)
     for evidence, rows in armours.by_evidence():
         ranges = _tests_of(evidence, armours.at(rows)).measured
-        least[rows] = sum(limits.low for limits in ranges if limits.name == THIN)
+        least[rows] = sum(data_range.low for data_range in ranges if data_range.name == THIN)
     is_thin = p.Hc0 / p.D0 < least
     if is_thin.any():
         least_mm = is_thin * least * p.D0 * armours.cosines / MM
@@ -459,25 +476,29 @@ def limits_of_model(
         yield Note(too_thin(least[worst], least_mm[worst]), CERAMIC, said="caveat" * said), is_thin
 
 
-def _check(limits: DataRange, q: Quantities, rows: Any = True) -> tuple[str, str, Any, str, str]:
-    """Return a check of rows of armours, with the range of the numbers that fail in words."""
-    fails = limits.fails(q) & ~np.isnan(q[limits.name]) & rows
-    if limits.name == THIN:  # `limits_of_model` has what is too thin
-        fails &= q[THIN] > limits.low
-    failing = q[limits.name][fails]
+def _check(data_range: DataRange, q: Quantities, rows: Any = True) -> tuple[str, str, Any, str, str]:
+    """Check whether quantities of n armours lie in a range; `rows` may restrict the check to some of them.
+
+    Return the key, the words of the range, a mask of the armours that fail, the range of their values in words, and the
+    warning in a few words.
+    """
+    fails = data_range.fails(q) & ~np.isnan(q[data_range.name]) & rows
+    if data_range.name == THIN:  # `limits_of_model` has what is too thin
+        fails &= q[THIN] > data_range.low
+    failing = q[data_range.name][fails]
     least, greatest = failing.min(initial=np.inf), failing.max(initial=-np.inf)
     ends = " to ".join(dict.fromkeys(f"{end:{'.0f' if end >= 100.0 else '.3g'}}" for end in (least, greatest)))
-    brief = f"{limits.words(ends)} ({limits.ends()})"
-    return limits.key, f"results for {limits}", fails, f", found {ends}", brief
+    brief = f"{data_range.words(ends)} ({data_range.ends()})"
+    return data_range.key, f"results for {data_range}", fails, f", found {ends}", brief
 
 
 def scenario_warnings(
     scenario: Scenario, velocity: float, key: str = VELOCITY, *, armours: Armours | None = None, said: bool = False
 ) -> tuple[Note, ...]:
-    """Return warnings of threats that are not used, and of ways in which the model was not compared with the scenario.
+    """Return the caveats, and warnings of unused threats and of ways in which the scenario lies outside the tests.
 
-    `velocity` is the impact velocity, m/s, or the ballistic limit; `key` is its key; `armours` is the scenario's
-    armour, where it is made already; `said` says whether the answer itself contains what the model cannot do.
+    `velocity` is the impact velocity or the ballistic limit, m/s, and `key` its key; `armours` has the scenario's
+    armour, if it is known already; `said` tells whether the answer itself contains the caveats.
     """
     armours = armours or armours_of(scenario)
     outside = limits_outside(armours, np.array([velocity]))
@@ -493,8 +514,8 @@ def threat_warnings(
 ) -> Iterator[Note]:
     """Yield the ways in which an armour and the threats of a scenario are unlike what the model was compared with.
 
-    The armour has a row against each threat; the strength of other metals may be compared with that of its own.  A
-    warning that is not about all threats names those that it is about.
+    `armours` has a row of the armour against each threat.  `metals` are the metals whose strengths are compared, by
+    default only the armour's own.  A warning that is not about all threats names its threats.
     """
     threats = scenario.threats()
     backings = [materials.backing for materials in armours.materials]

@@ -143,7 +143,7 @@ def stopped(shots: Shots, settings: ShotSettings) -> str:
 FEET_M = 0.3048
 ABOVE_M_S, FIRST_STEP_M_S, STEP_M_S = 75.0 * FEET_M, 100.0 * FEET_M, 50.0 * FEET_M
 # Shots of each kind in the mean that ends the firing.
-PAIRS = 3
+OF_EACH_KIND = 3
 
 
 def next_up_and_down(shots: Shots, settings: ShotSettings) -> Aim:
@@ -170,13 +170,13 @@ def stopped_up_and_down(shots: Shots, settings: ShotSettings) -> str:
         return stopped(shots, settings)
     if mean_of(shots) is None:
         return ""
-    return f"{PAIRS} partial and {PAIRS} complete penetrations lie within {SPANS_M_S[PAIRS]:g} m/s"
+    return f"{OF_EACH_KIND} partial and {OF_EACH_KIND} complete penetrations lie within {SPANS_M_S[OF_EACH_KIND]:g} m/s"
 
 
 def mean_of(shots: Shots) -> MeanV50 | None:
     """Return the mean of MIL-STD-662F that ends the firing: of three shots of each kind, if within the usual span."""
     partial, complete = shots.of(complete=False), shots.of(complete=True)
-    return mean_v50(partial, complete, PAIRS) if partial and complete else None
+    return mean_v50(partial, complete, OF_EACH_KIND) if partial and complete else None
 
 
 # A limit is in doubt if the last ALIKE results are the same and the next velocity is near it: within the fraction NEAR

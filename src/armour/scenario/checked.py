@@ -57,7 +57,7 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
         bound.arguments |= dict(validated(model(), annotated, function.__name__))
         return function(*bound.args, **bound.kwargs)
 
-    # Help shows types without bounds, which the docstring states; the class that a method is of does not exist yet.
+    # Help shows types without bounds, which the docstring states.  The class of a method does not exist yet.
     hints = {} if "." in function.__qualname__ else get_type_hints(function)
     shown = [item.replace(annotation=hints.get(name, item.annotation)) for name, item in parameters.parameters.items()]
     call.__dict__["__signature__"] = parameters.replace(parameters=shown)
@@ -70,7 +70,7 @@ def _plain(value: Any) -> Any:
 
 
 def _kind(hint: Any) -> Any:
-    """Return the annotation that pydantic checks in place of one."""
+    """Return the annotation that pydantic checks: `hint` or, for other classes, that a value is an instance."""
     members = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
     kinds = [get_origin(member) or member for member in members]
     if not all(isinstance(kind, type) for kind in kinds) or {int, float, bool, Annotated} & {*kinds}:
@@ -90,11 +90,12 @@ def instance(value: object, *kinds: type[Kind]) -> Kind:
 
 
 def _in_words(value: object) -> str:
-    """Return a wrong argument in words; the type of an object."""
+    """Describe a wrong argument: its value if it is None, a text or a number, otherwise its type."""
     return describe(value) if value is None or isinstance(value, str | int | float) else f"a {type(value).__name__}"
 
 
 def _names(argument: object) -> tuple[str, ...]:
+    """Return a name, or several different names, as a tuple; raise a ValueError for anything else."""
     if isinstance(argument, Mapping) or not isinstance(argument, Iterable):
         raise ValueError(f"must be a name or a sequence of names, found {_in_words(argument)}")
     names = (argument,) if isinstance(argument, str) else tuple(argument)

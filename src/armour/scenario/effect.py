@@ -1,6 +1,6 @@
-"""Effect on a computation of keys that are changed, or that vary from row to row.
+"""Check that keys which are changed, or which vary from row to row, affect a computation.
 
-A computation reads the model and the solver, and the sections and keys that its `reads` name.
+A computation depends on the model, the solver, and the sections and keys that are called its `reads`.
 """
 
 from collections.abc import Collection, Iterable, Sequence
@@ -17,7 +17,10 @@ NO_EFFECT = "must have an effect: {} does not depend on it"
 
 
 def is_read(key: Parts, reads: Collection[str]) -> bool:
-    """Return whether a computation reads a key; it reads an input of a role where it reads the name in that role."""
+    """Return whether a computation depends on a key, given its `reads`.
+
+    It depends on an input of a role, such as "ceramic.flow_stress_GPa", if it reads the key that names the ceramic.
+    """
     return not {*ALWAYS, *reads}.isdisjoint(upwards(NAMES.get(key[0]) or key_name(key)))
 
 
@@ -28,7 +31,7 @@ def check_effect(
     computed: str = "the answer",
     option: str = "",
 ) -> None:
-    """Check that each key affects a computation on one of several scenarios, each with the keys read of it.
+    """Check that each key affects a computation on at least one of several scenarios, each given with its `reads`.
 
     A key of the library must belong to an entry that a scenario uses.  In messages, `computed` names the result, and
     `option` precedes a key.
@@ -78,9 +81,10 @@ def _input_set_by(scenario: Scenario, parts: Parts) -> str:
 
 
 def _read_of(scenario: Scenario, reads: Collection[str]) -> set[str]:
-    """Return the keys read of a scenario, without those that threats and a catalogue replace, if these are read.
+    """Return the sections and keys of a scenario that a computation depends on, given its `reads`.
 
-    If the section ``uncertainty`` has no distributions, designs and reports depend only on its model error.
+    If it reads threats or a catalogue, the keys that these replace are left out.  If the section ``uncertainty`` has no
+    distributions, computations with threats depend only on its model error.
     """
     replaced: set[str] = set()
     if "threat" in reads and not scenario.distributions():

@@ -25,11 +25,11 @@ ROUND_AND_ARMOUR = ("impact.projectile", THREAT, "impact.obliquity_deg", "armour
 
 
 class Input(NamedTuple):
-    """An input: its name, the parameter of the core that it sets, "" for none or several, and the unit's factor."""
+    """A number of a scenario that results depend on."""
 
     name: str
-    field: str = ""
-    factor: float = 1.0
+    field: str = ""  # parameter of the core that it sets; "" for none or several
+    factor: float = 1.0  # from its unit to SI
 
     @property
     def section(self) -> str:
@@ -82,7 +82,7 @@ INPUTS = {definition.name: definition for definition in _INPUTS}
 
 
 def length_mm(diameter_mm: Any, mass_g: Any, density_kg_m3: Any) -> Any:
-    """Compute the length of a cylinder, mm; float or array."""
+    """Compute the length of a cylinder from diameter, mass and density, mm; float or array."""
     area = pi * (diameter_mm * MM) ** 2 / 4.0
     return mass_g * G / (density_kg_m3 * area) / MM
 
@@ -95,7 +95,7 @@ def cosine_of(obliquity_deg: float) -> float:
 def fields_of(inputs: Mapping[str, Any], cosine: Any) -> dict[str, Any]:
     """Return the parameters of the core that inputs set, by field, SI units; thicknesses along the line of fire.
 
-    The values, and the cosine of the obliquity, are numbers or arrays.
+    `inputs` has values by name; these, and the cosine of the obliquity, are numbers or arrays.
     """
     fields = {
         INPUTS[name].field: (value / cosine if name in LAYERS else value) * INPUTS[name].factor

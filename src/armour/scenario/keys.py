@@ -17,7 +17,7 @@ MAX_PARTS = 20
 LISTED = "; a list is given whole, such as threat=[{...}]"
 # Keys, and indices of lists.
 KeyPath = tuple[str | int, ...]
-# Texts and comments, within which brackets and ends of lines do not count, brackets, and ends of lines.
+# Tokens of TOML: brackets, ends of lines, and texts and comments, in which brackets and ends of lines do not count.
 _TOKEN = re.compile(
     r'''"""(?:\\.|[^\\])*?"{3,5}|\'{3}.*?\'{3,5}|"(?:\\.|[^"\\\n])*"|\'[^\'\n]*\'|\#[^\n]*|[][{}\n]''', re.DOTALL
 )
@@ -29,7 +29,7 @@ def nfc(name: str) -> str:
 
 
 def look_of(name: str) -> str:
-    """Return what two names have in common that look the same, such as "AD85" and "AD85 "."""
+    """Return a form of a name that is equal for names that look the same, such as "AD85" and "AD85 "."""
     return " ".join(unicodedata.normalize("NFKC", name).split())
 
 
@@ -96,7 +96,7 @@ def canonical(keys: Iterable[str], file: str) -> list[str]:
 
 
 def leaves(value: object, parts: Parts = ()) -> Iterator[tuple[Parts, object]]:
-    """Yield the keys of a value and of the tables within it that hold no further tables, with their values."""
+    """Yield each innermost value of nested tables, with the parts of its key; an empty table is a value."""
     if isinstance(value, Mapping) and value:
         for name, inner in value.items():
             yield from leaves(inner, (*parts, name))
@@ -105,7 +105,7 @@ def leaves(value: object, parts: Parts = ()) -> Iterator[tuple[Parts, object]]:
 
 
 def values_by_key(changes: Mapping[str, object]) -> dict[Parts, object]:
-    """Return the values that changes set, by key, without the tables that hold them."""
+    """Return the innermost values that changes set, see `leaves`, by the parts of their keys."""
     return {leaf: value for key, content in changes.items() for leaf, value in leaves(content, parts_of(key))}
 
 

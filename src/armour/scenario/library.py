@@ -61,6 +61,7 @@ class Value(Section, Generic[Number]):
 
 
 def _as_table(value: object) -> object:
+    """Return a number as the table of a `Value`; leave a table as it is."""
     return value if isinstance(value, dict | Value) else {NUMBER: value}
 
 
@@ -389,10 +390,11 @@ def inputs_of_entry(role: str, entry: LibraryEntry) -> dict[str, float]:
 
 
 def hint(name: str, entries: Iterable[LibraryEntry], names: Iterable[str]) -> str:
-    """Return a hint at the entries whose names contain a name that is not in the library, or at the closest name.
+    """Return a hint for a name that is not in the library: similar entries, or the closest one of `names`.
 
-    A name that looks the same comes first.  If no name contains it, as with "5083-H32", the hint is at names that
-    contain its first part or, if there are none either, at descriptions, as with "alumina".  Rounds have its calibre.
+    A name that looks the same comes first.  Next come the entries whose names contain the name; if there are none, its
+    first part, as with "5083-H32"; and then those whose descriptions contain it, as with "alumina".  If the name has a
+    calibre, projectiles of another calibre are left out.
     """
     entries, names = list(entries), [*islice(names, MAX_WORDS + 1)]
     if calibres := _matches(CALIBRE, name):
@@ -439,7 +441,10 @@ def _in_short(entry: LibraryEntry) -> str:
 
 
 def strength_notes(metals: Iterable[LibraryEntry], *, bare: bool) -> tuple[Note, ...]:
-    """Return a warning on metals with another kind of strength than the tests: static for bare plates, else dynamic."""
+    """Return a warning if the yield strength of metals is of another kind than in the tests.
+
+    The tests have static strengths for bare plates, and dynamic ones for armour with a ceramic.
+    """
     names = list(dict.fromkeys(metal.name for metal in metals if metal.is_static != bare and metal.evidence is None))
     if not names:
         return ()
@@ -507,13 +512,13 @@ class Library:
         return self.entries[kind][names[name]]
 
     def known(self, kind: Kind) -> dict[str, str]:
-        """Return the names of the entries of a kind by name and alias."""
+        """Return the name of each entry of a kind by each of its names, aliases included."""
         names = {name: name for name in self.names(kind)}
         return {alias: name for name in names for alias in self.entries[kind][name].aliases} | names
 
     @checked
     def find(self, name: str) -> list[LibraryEntry]:
-        """Return the entries of a name, of any kind, or the only one that has a word in its name or description.
+        """Return the entries called `name`, of any kind, or else the only one with it in its name or description.
 
         If there is none, an InputError suggests the closest name.
         """
@@ -530,7 +535,7 @@ class Library:
     def extended(self, tables: LibraryTables | Mapping[str, Any], file: str, prefix: str = "") -> "Library":
         """Return the library with added entries, which may be based on existing ones or replace those of the same name.
 
-        They are given by kind and name, ``{"ceramic": {"Mine": {"based_on": "AD85", "flow_stress_GPa": 4.5}}}``.
+        `tables` has them by kind and name: ``{"ceramic": {"Mine": {"based_on": "AD85", "flow_stress_GPa": 4.5}}}``.
         `file` holds the entries and is the source of values without one; `prefix` is the key of the tables in it.
         """
         if not isinstance(tables, LibraryTables):
@@ -563,7 +568,7 @@ class Library:
         return Library(entries, tuple(notes))
 
     def renamed(self, kind: Kind, before: "Library") -> Iterator[tuple[str, LibraryEntry, LibraryEntry]]:
-        """Yield each name that meant another entry in an earlier library, with that entry and the present one."""
+        """Yield each name that meant another entry in the library `before`, with the earlier and the present entry."""
         names = self.known(kind)
         for name, earlier_name in before.known(kind).items():
             earlier, entry = before.entries[kind][earlier_name], self.entries[kind].get(names.get(name, ""))
@@ -574,7 +579,7 @@ class Library:
 def _ambiguous(
     added: Mapping[str, Entry], entries: Mapping[str, LibraryEntry], file: str, table: tuple[str, ...]
 ) -> Iterator[Problem]:
-    """Yield a problem for each alias in a table of a file that is a name of another entry, or twice in the table."""
+    """Yield a problem for each alias in a table of a file that is a name of another entry, or an alias of two."""
     owners: dict[str, str] = {}
     for name, entry in added.items():
         for alias in entry.aliases:
@@ -585,7 +590,7 @@ def _ambiguous(
 
 
 def _alike(added: Mapping[str, Entry], known: Iterable[str], file: str, table: tuple[str, ...]) -> Iterator[Problem]:
-    """Yield a problem for each name in a table of a file that is blank, or that looks like another one of its kind."""
+    """Yield a problem for each name in a table of a file that is blank, or looks like another name of the same kind."""
     names = {look_of(name): name for name in known}
     for owner, entry in added.items():
         for name in (owner, *entry.aliases):
@@ -600,10 +605,14 @@ def _alike(added: Mapping[str, Entry], known: Iterable[str], file: str, table: t
 def _resolved(
     kind: Kind, added: Mapping[str, Entry], earlier: Mapping[str, LibraryEntry], file: str, table: tuple[str, ...]
 ) -> tuple[dict[str, LibraryEntry], list[Problem]]:
-    """Return the entries that a table of a file adds, with the values that they inherit, and the mistakes in others."""
+    """Return the entries that a table of a file adds, with inherited values, and the problems of wrong entries.
+
+    `added` has the entries of the table by name, `earlier` those of the library; `table` has the parts of its key.
+    """
     resolved: dict[str, LibraryEntry] = {}
     problems: list[Problem] = []
-    # Entries by the added one that they are based on.  An entry based on its own name refers to the earlier one.
+    # Names of added entries by the added entry that they are based on; None for the others.  An entry that is based on
+    # its own name refers to the earlier entry of that name.
     following: defaultdict[str | None, list[str]] = defaultdict(list)
     for name, entry in added.items():
         following[entry.based_on if entry.based_on in added and entry.based_on != name else None].append(name)
@@ -657,7 +666,7 @@ def _completed(kind: Kind, name: str, entry: Entry, base: LibraryEntry | None, f
 
 
 def _mistakes(entry: LibraryEntry) -> dict[str, str]:
-    """Return messages by key: what an entry lacks, or that its projectile is no slender rod."""
+    """Return the mistakes of an entry, by key: values that it lacks, or a penetrator that is too short or too long."""
     if missing := [key for key in VALUE_KEYS[entry.kind] if key not in (*entry.values, *OPTIONAL)]:
         return dict.fromkeys(missing, "is missing and must be given, or based_on an entry that has it")
     if entry.kind != "projectile" or is_slender(inputs_of_entry("projectile", entry)):
@@ -714,7 +723,7 @@ class NamedThreat(Section):
     projectile: str
     velocity_m_s: float
     tolerance_m_s: float | None = None
-    """By which the velocity of a shot may differ."""
+    """By how much the velocity of a shot may differ."""
     obliquity_deg: float | None = None
     status: Literal["confirmed", "unconfirmed"]
     source: str
@@ -725,7 +734,7 @@ class NamedThreat(Section):
 
 
 def threats_like(name: str) -> list[str]:
-    """Return the threats that a name which is not in the library may mean: none of another round or calibre."""
+    """Return the named threats that an unknown name may mean; those of another calibre or round are left out."""
     threats = named_threats()
     for pattern in (CALIBRE, ROUND):
         if asked := _matches(pattern, name):
@@ -734,6 +743,7 @@ def threats_like(name: str) -> list[str]:
 
 
 def _matches(pattern: re.Pattern[str], text: str) -> set[str]:
+    """Return the parts of a text that match a pattern, in lower case and without hyphens."""
     return {match.casefold().replace("-", "") for match in pattern.findall(text)}
 
 

@@ -55,11 +55,11 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-# Completes a problem in the row of an index.
+# Takes the index of a row and a problem in it, and returns the problem with the row named.
 Place = Callable[[int, Problem], Problem]
-# Values by key of a scenario, in place of its own: names to list, and numbers to leave out.
+# What a title says in place of a scenario's own values, by key: names to list, or nothing of a number to leave out.
 Varied = Mapping[str, Sequence[object]]
-# Values of a scenario whose velocity is searched for.
+# For the title of a result whose velocity is searched for.
 ANY_VELOCITY: Varied = {VELOCITY: ()}
 # Greatest number of names and threats to list.
 MAX_LISTED = 3
@@ -73,6 +73,8 @@ def in_row(row: int, problem: Problem) -> Problem:
 
 
 class _Source(NamedTuple):
+    """What a scenario is parsed from."""
+
     data: dict[str, Any]
     file: str  # name for messages
     folder: Path  # of the library files that the scenario names
@@ -196,7 +198,7 @@ class Scenario(Section):
             return self.replaced({key: values[name] for key, name in names.items()})
 
     def parts_of_input(self, name: str) -> Parts:
-        """Return the parts of the key at which an input stands; that of a role stands in its entry of the library."""
+        """Return the parts of the key that holds an input; an input of a role is held by its entry of the library."""
         section, key = name.split(".")
         entry = self.entry_of(section) if section in ROLES else None
         return (section, key) if entry is None else ("library", entry.kind, entry.name, key)
@@ -212,7 +214,7 @@ class Scenario(Section):
 
     @cached_property
     def inert_layers(self) -> tuple[schema.InertLayer, ...]:
-        """The layers without ballistic effect; that of the section ``design`` comes last, without name and place."""
+        """Layers without ballistic effect; last comes what the section ``design`` adds, without name and place."""
         section = self.design or schema.DesignSection()
         names = ("thickness_mm", "areal_density_kg_m2", "cost_per_m2")
         amounts: dict[str, Any] = {name: getattr(section, f"added_{name}") for name in names}
@@ -246,18 +248,18 @@ class Scenario(Section):
         return self.design is None or self.design.existing is None
 
     def areal_density_kg_m2(self, *, whole: bool = False) -> float:
-        """Return the areal density of the armour, kg/m²; a back plate that exists counts only for the whole one."""
+        """Return the areal density of the armour, kg/m²; a back plate that exists already counts only if `whole`."""
         parameters, counts = self.core_armour(), whole or self.counts_backing
         ceramic, backing = self.armour.ceramic_thickness_mm * MM, self.armour.backing_thickness_mm * MM
         return parameters.rho_c * ceramic + parameters.rho_B * backing * counts + self.inert("areal_density_kg_m2")
 
     def thickness_mm(self, *, whole: bool = False) -> float:
-        """Return the thickness of the armour, mm; a back plate that exists counts only for the whole one."""
+        """Return the thickness of the armour, mm; a back plate that exists already counts only if `whole`."""
         backing = self.armour.backing_thickness_mm * (whole or self.counts_backing)
         return self.armour.ceramic_thickness_mm + backing + self.inert("thickness_mm")
 
     def cost_per_m2(self) -> float | None:
-        """Return the cost of the armour, without a back plate that exists; None unless that of each layer is given."""
+        """Return the cost of the armour per m², without a back plate that exists; None unless all layers have costs."""
         if self.design is None:
             return None
         total, armour, parameters = self.inert("cost_per_m2"), self.armour, self.core_armour()
@@ -283,7 +285,7 @@ class Scenario(Section):
     def subject(self, varied: Varied | None = None, threats: Sequence[schema.Threat] = ()) -> str:
         """Return armour and round, such as "6.35 mm AD85 on 6.35 mm 6061-T6 against 7.62 mm AP at 800 m/s".
 
-        Threats are named in place of the scenario's impact.
+        Threats are named in place of the scenario's impact, and values of `varied` in place of its own.
         """
         return f"{layers(self.armour, varied or {})} against {rounds(self.impact, varied or {}, threats)}"
 
@@ -302,9 +304,9 @@ class Scenario(Section):
         return [(kind, name) for kind, name in named if name is not None]
 
     def digest(self, *, whole_library: bool = False) -> str:
-        """Return a hash of the validated content: every section, and the entries of the library that these name.
+        """Return a hash of the validated content: every section, and the entries of the library that sections name.
 
-        With ``whole_library``, every entry counts.
+        With ``whole_library``, every entry of the library counts.
         """
         entries: Iterable[LibraryEntry] = (self.entry(*named) for named in self.named_entries())
         if whole_library:
@@ -350,7 +352,7 @@ class Scenario(Section):
     def check_rows(self, columns: Mapping[str, "NDArray[np.float64]"], place: Place = in_row) -> None:
         """Check that the scenario allows every row of values of inputs, (n,) each.
 
-        `place` completes the problem that `with_inputs` finds in a row, given the index of the row.
+        `place` names the row in a problem that `with_inputs` finds, given the index of the row.
         """
         first_problems: dict[str, Problem] = {}
         for _, row, problems in sorted(self.wrong_rows(columns), key=operator.itemgetter(1)):
@@ -359,10 +361,10 @@ class Scenario(Section):
         refuse(first_problems.values())
 
     def wrong_rows(self, columns: Mapping[str, "NDArray[np.float64]"]) -> Iterator[tuple[str, int, Sequence[Problem]]]:
-        """Yield the first row that breaks each condition on inputs: one of their names, and the row with its problems.
+        """Yield the first row that breaks each condition on inputs: an input's name, the row's index and its problems.
 
-        All other rows are those that `with_inputs` accepts, except that projectiles of the scenario's library based on
-        its own, which no row uses, are not checked.
+        If there is none, `with_inputs` accepts every row.  Only projectiles that are based on the scenario's, which no
+        row uses, are not checked.
         """
         # Imported here because a scenario without rows does not need numpy.
         import numpy as np
@@ -398,7 +400,7 @@ class Scenario(Section):
         return self.replaced(threat.as_impact()) if self.threat else self
 
     def unused_distributions(self) -> tuple[Note, ...]:
-        """Return a warning, for a result that takes inputs as exact, if the scenario has distributions of them."""
+        """Return a warning, for a result that takes inputs as exact, if the scenario has distributions of inputs."""
         return (Note(EXACT_INPUTS, "uncertainty"),) if self.distributions() else ()
 
     def unused_impact(self) -> tuple[Note, ...]:
@@ -420,7 +422,10 @@ class Scenario(Section):
 
 
 def rounds(impact: schema.Impact, varied: Varied, threats: Sequence[schema.Threat]) -> str:
-    """Return round and velocity, such as "7.62 mm AP at 800 m/s", of threats or, without any, of an impact."""
+    """Return round and velocity, such as "7.62 mm AP at 800 m/s", of threats or, without any, of an impact.
+
+    Values of `varied` replace those of the impact.
+    """
     if len(threats) > MAX_LISTED:
         return f"{len(threats)} threats"
     if threats:
@@ -431,7 +436,10 @@ def rounds(impact: schema.Impact, varied: Varied, threats: Sequence[schema.Threa
 
 
 def layers(armour: schema.ArmourSection, varied: Varied) -> str:
-    """Return thicknesses and names of the layers, such as "6.35 mm AD85 on 6.35 mm 6061-T6"."""
+    """Return thicknesses and names of the layers, such as "6.35 mm AD85 on 6.35 mm 6061-T6".
+
+    Values of `varied` replace those of the armour.
+    """
     ceramic = _names(varied.get(NAMES["ceramic"], [armour.ceramic]), "ceramic")
     plate = _names(varied.get(NAMES["backing"], [armour.backing]), "metal")
     if BACKING not in varied:
@@ -442,7 +450,7 @@ def layers(armour: schema.ArmourSection, varied: Varied) -> str:
 
 
 def _names(names: Sequence[object], unknown: str) -> str:
-    """Return the different names in words, without None, or the word for an unknown one if the list is empty."""
+    """List the different names, without None, as words of a title; return the word `unknown` if the list is empty."""
     words = [str(name) for name in dict.fromkeys(names) if name]
     if len(words) > MAX_LISTED:
         words = [*words[:MAX_LISTED], f"{len(words) - MAX_LISTED} more"]
@@ -558,7 +566,7 @@ def _parsed(source: _Source) -> Scenario:
 def parse_changed(data: Mapping[str, Any], *changes: Mapping[str, object], file: str, folder: Path) -> Scenario:
     """Make a scenario from plain data with other values by dotted key or input, one mapping after the other.
 
-    Inputs are set last.  Numbers of the section ``library`` that are changed get a source that names the file changed.
+    Inputs are set last.  Changed numbers of the section ``library`` get a source that names the changed `file`.
     """
     groups: list[tuple[Mapping[str, Any], Mapping[Parts, object]]] = []
     data = in_nfc(data, file)
@@ -578,7 +586,10 @@ def parse_changed(data: Mapping[str, Any], *changes: Mapping[str, object], file:
 
 
 def _contradictions(scenario: Scenario, inputs: Mapping[str, Any], values: Mapping[Parts, object]) -> Iterator[Problem]:
-    """Yield a problem for each input by role to which a value by the name of its entry gives another number."""
+    """Yield a problem for each input by role that is also set, to another number, by its key in the library.
+
+    `inputs` has the values by name of input, `values` those by the parts of their keys.
+    """
     for name, value in inputs.items():
         key = scenario.parts_of_input(name) if name in INPUTS else ()
         other = values.get(key, values.get((*key, NUMBER), value))
@@ -588,7 +599,7 @@ def _contradictions(scenario: Scenario, inputs: Mapping[str, Any], values: Mappi
 
 
 def _with_new_threat(data: dict[str, Any], values: Mapping[Parts, object]) -> dict[str, Any]:
-    """Return data without the values of an earlier threat if changes to these values name a threat."""
+    """Return data without the impact's values of an earlier threat, if the changed `values` name another threat."""
     if values.get(("impact", "threat")) is None:
         return data
     earlier = [key for key in THREAT_KEYS if ("impact", key) not in values]
@@ -596,7 +607,7 @@ def _with_new_threat(data: dict[str, Any], values: Mapping[Parts, object]) -> di
 
 
 def _sources(values: Mapping[Parts, object], file: str) -> dict[str, object]:
-    """Return the numbers of library entries among values that are changed, by key, each with a source."""
+    """Return the numbers of library entries among changed values, by key, each with the change as its source."""
     return {
         key_name(key): {NUMBER: value, "source": f"a change to {file}"}
         for key, value in values.items()
@@ -606,7 +617,7 @@ def _sources(values: Mapping[Parts, object], file: str) -> dict[str, object]:
 
 
 def _names_a_role(key: str) -> bool:
-    """Return whether a key is an input by role, or meant to be."""
+    """Return whether a key is an input by role, such as "ceramic.flow_stress_GPa", or a misspelling of one."""
     try:
         section = parts_of(key)[0]
     except ValueError:
@@ -615,9 +626,9 @@ def _names_a_role(key: str) -> bool:
 
 
 def _bases(data: Mapping[str, Any], source: _Source, keys: Iterable[str]) -> dict[str, object]:
-    """Return the bases, by key, of entries that the source lacks and of which keys set single values.
+    """Return the bases, by key, of entries of which `keys` set single values and which the source does not have.
 
-    Such an entry is based on the one of its name in the library, unless the changed data name another base.
+    Such an entry is based on the entry of its name in the library, unless the data name another base.
     """
     bases: dict[str, object] = {}
     for section, *entry in map(parts_of, keys):
@@ -632,7 +643,7 @@ def _bases(data: Mapping[str, Any], source: _Source, keys: Iterable[str]) -> dic
 
 
 def _allowed(name: str, values: Any) -> Any:
-    """Return which values of an input, (n,), lie within the bounds that its section states; a NaN does not."""
+    """Return whether each value of an input, (n,), lies within the bounds that its section states; a NaN does not."""
     kind, section, key = INPUTS[name].kind, INPUTS[name].section, INPUTS[name].key
     model: Any = KINDS[kind] if kind else model_in(Scenario.model_fields[section].annotation)
     field = model.model_fields[key]
@@ -680,10 +691,10 @@ def scenario_schema() -> dict[str, Any]:
 
 
 def _library_of(source: _Source) -> tuple[Library, dict[Kind, dict[str, str]], list[Problem]]:
-    """Return the scenario's library, the names and aliases of each kind with the names of their entries, and mistakes.
+    """Return the scenario's library, the name of each entry by kind and by each of its names, and the problems.
 
-    The names include entries with a mistake.  If a library file has a mistake, there are no names and none is checked,
-    so that each mistake gives one message.
+    The names include those of entries with a mistake.  If a library file has a mistake, no names are returned and none
+    are checked, so that each mistake gives one message.
     """
     library = shipped_library()
     problems: list[Problem] = []

@@ -33,7 +33,7 @@ MAX_DESIGNS = 1_000_000
 THICKEST_MM = 1000.0
 Thickness = Annotated[float, Field(gt=0.0, le=THICKEST_MM), NOT_TINY]
 ThicknessOrNone = Annotated[float, Field(ge=0.0, le=THICKEST_MM), NOT_TINY]
-# Velocities, m/s, between which a ballistic limit is searched for where it is outside the range of its section.
+# Range of velocities, m/s, that is searched for a ballistic limit outside the range of the section.
 SLOWEST_M_S, FASTEST_M_S = 20.0, 1e4
 Velocity = Annotated[float, Field(gt=0.0, le=FASTEST_M_S), NOT_TINY]
 # The velocity of an impact; the bound catches one in km/s.
@@ -116,7 +116,7 @@ class Impact(Section, json_schema_extra=_with_named):
 
     @property
     def standard(self) -> str:
-        """Name of the threat of a standard, "changed" if it has other values here; "" if none is named."""
+        """Name of the threat of a standard, with ", changed" if some values differ here; "" if none is named."""
         return f"{self.threat or ''}{', changed' if any(self.replaced_values()) else ''}"
 
 
@@ -245,6 +245,7 @@ class Range(ThicknessSteps):
 
 
 def _above_zero(thickness: Any) -> Any:
+    """Refuse a list or a range of thicknesses whose least value is not above 0."""
     least = min(thickness) if isinstance(thickness, list) else thickness.min
     if least <= 0.0:
         raise ValueError(f"min must be greater than 0, found {least:g}")
@@ -325,7 +326,7 @@ class FreeRange(Section):
 
 
 def _kind_of_range(value: object) -> str:
-    """Return the tag of the form in which thicknesses are given."""
+    """Return the tag of the form in which thicknesses are given: a list, a range with a step or a continuous one."""
     if not isinstance(value, dict | Range | FreeRange):
         return LIST_TAG
     stepped = isinstance(value, Range) or (isinstance(value, dict) and "step" in value)
@@ -333,7 +334,7 @@ def _kind_of_range(value: object) -> str:
 
 
 def _listed(value: object) -> object:
-    """Return a single thickness as a list of it."""
+    """Return a single thickness as a list; leave anything else as it is."""
     return [value] if isinstance(value, int | float) else value
 
 
@@ -365,7 +366,7 @@ class Layer(Section):
         return bool(self.model_fields_set & {"cost_per_kg", "cost_per_m2"})
 
     def cost(self, density_kg_m3: float, thickness_mm: Any) -> Any:
-        """Return the cost per m² of the layer; nothing of one that is absent."""
+        """Return the cost of the layer per m²; 0 if its thickness is 0."""
         return self.cost_per_kg * density_kg_m3 * thickness_mm * MM + self.cost_per_m2 * (thickness_mm > 0.0)
 
     def free_range(self, *, refine: bool = False) -> Range | FreeRange | None:
@@ -482,7 +483,7 @@ Number = Annotated[float, Field(ge=-1e9, le=1e9)]
 Width = Annotated[float, Field(ge=1e-9, le=1e9)]
 # Greatest number of samples of a scenario.
 MAX_SAMPLES = 2**22
-# The same for a Latin hypercube, which needs three times the memory.
+# Greatest number of samples of a Latin hypercube, which needs three times the memory.
 MAX_HYPERCUBE = 2**21
 # Fewer samples give no confidence interval for the 5 % quantile.
 MIN_SAMPLES = 128
@@ -558,7 +559,10 @@ UNIFORM_CHANCES = Distribution(distribution="uniform", min=0.0, max=1.0)
 
 
 def _distributions(section: str, subject: str) -> type[Section]:
-    """Return the section with a distribution for each input of a section of the scenario, or of a role."""
+    """Return the class of the section that has a distribution for each input of a section, or role, of the scenario.
+
+    `subject` says in its docstring what the distributions are of.
+    """
     keys: dict[str, Any] = {
         definition.key: (Distribution | None, Field(None, description=f"Distribution of the input {name}."))
         for name, definition in INPUTS.items()
@@ -635,7 +639,7 @@ class Uncertainty(Section):
     _error: bool = False
 
     def with_error(self) -> "Uncertainty":
-        """Return the section with the model error as an input: the chances at which it is drawn."""
+        """Return the section with the model error as another input: probabilities at which its quantiles are taken."""
         section = self.model_copy()
         section._error = True
         return section
@@ -677,7 +681,7 @@ class Uncertainty(Section):
 
 
 def correlation_matrix(names: Sequence[str], correlations: Sequence[Correlation]) -> list[list[float]]:
-    """Return the correlation matrix of the normal scores of n inputs, shape (n, n)."""
+    """Return the correlation matrix of the normal scores of n named inputs, (n, n)."""
     matrix = [[float(row == column) for column in names] for row in names]
     for correlation in correlations:
         i, j = (names.index(name) for name in correlation.between)

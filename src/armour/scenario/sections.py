@@ -1,4 +1,4 @@
-"""Base class and types of the sections of a file, and error messages for what pydantic finds wrong in them."""
+"""Base class and types of the sections of a file, and messages for the mistakes that pydantic finds in them."""
 
 import re
 from collections.abc import Callable, Sequence
@@ -19,7 +19,7 @@ from armour.units import key_hint
 NUMBER = "value"
 # Least positive number: a smaller one is a mistake, and dividing by it may overflow.
 TINY = 1e-9
-# Tags of the members of unions.
+# Tags by which pydantic tells apart the members of unions.
 TAGS = NUMBER_TAG, TEXT_TAG, LIST_TAG, RANGE_TAG, FREE_TAG = ("<number>", "<text>", "<list>", "<range>", "<free>")
 NumberOrText = Annotated[
     Annotated[float, Tag(NUMBER_TAG)] | Annotated[str, Tag(TEXT_TAG)],
@@ -53,6 +53,7 @@ def above(key: str, *, or_equal: bool = False) -> AfterValidator:
 
 
 def _not_tiny(value: float) -> float:
+    """Refuse a number that is almost 0."""
     if 0.0 < abs(value) < TINY:
         raise ValueError(f"must be at least {TINY:g}, found {value:g}")
     return value
@@ -114,7 +115,7 @@ def problems_of(error: ValidationError, model: type[Section], file: str) -> list
 
 
 def _parts(detail: Any) -> list[str | int]:
-    """Return the parts of the key of an error; pydantic adds the tag of a union's member."""
+    """Return the parts of the key of an error, without the tags that pydantic adds for members of unions."""
     parts = [part for part in detail["loc"] if part not in TAGS]
     return parts[:-1] if parts[-1:] == [NUMBER] and detail["type"] != UNKNOWN_KEY else parts
 
@@ -122,14 +123,17 @@ def _parts(detail: Any) -> list[str | int]:
 def every_problem(
     error: ValidationError, model: type[Section], data: Any, file: str, read: Callable[[Any], object]
 ) -> list[Problem]:
-    """Return the problems of an error, and those that `read` finds in the data without the keys at fault."""
+    """Return the problems of an error, and further ones that are found in the data without the keys at fault.
+
+    `read` validates such data, and raises an error if they are wrong.
+    """
     problems = problems_of(error, model, file)
     rest, tables = deepcopy(data), set[str]()
     for detail in error.errors():
         *above, last = _parts(detail) or [""]
         if detail["type"] != UNKNOWN_KEY:
             tables |= {*upwards(key_name(above))}
-        with suppress(KeyError, TypeError):  # of a table that has gone with another mistake
+        with suppress(KeyError, TypeError):  # the table may have been removed with another mistake
             table: Any = reduce(getitem, above, rest)
             if isinstance(table, dict):
                 table.pop(last, None)
@@ -142,13 +146,13 @@ def every_problem(
         further: Sequence[Problem] = problems_of(later, model, file)
     except InputError as later:
         further = later.problems
-    # In a table that lacks a wrong value, others may be the result.
+    # A problem in a table from which a wrong value was removed may just come of the removal.
     reported = {problem.key for problem in problems} | tables
     return problems + [problem for problem in further if not {*upwards(problem.key)[:2]} & reported]
 
 
 def _hint(detail: Any) -> str:
-    """Return a hint at the word, the list or the probability (not per cent) probably meant; "" if there is none."""
+    """Return a hint at the word, the form of list or the probability (not per cent) probably meant; "" if none is."""
     value, context = detail["input"], detail.get("ctx", {})
     if detail["type"] == "literal_error":
         return suggestion(str(value), re.findall('"(.*?)"', context["expected"]))

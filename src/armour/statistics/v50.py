@@ -47,7 +47,7 @@ KEYS = ("velocity_m_s", "result")
 SHOT_COLUMNS = ("shot", "velocity_m_s", "result", *YES_MEANS, *GROUPS)
 Fraction = Annotated[float, Field(ge=0.001, le=0.999)]
 # Rounding error of a risk.
-VELOCITY_ROUNDING = 1e-12
+RISK_ROUNDING = 1e-12
 # Factor between a velocity and the median of the shots from which on it is probably a mistake.
 FAR_FACTOR = 2.0
 # With at least this number of possible orders of the results, it is no chance if all complete penetrations are slower
@@ -507,7 +507,7 @@ def v50(
         consumers_risk=accepting,
         producers_risk=rejecting,
         fired=shots,
-    ).of(subject, scenario=scenario, shots=shots)
+    ).answering(subject, scenario=scenario, shots=shots)
 
 
 def _curves(
@@ -561,7 +561,7 @@ def decided(
     if shots is None:
         return "not decided", None, None
     accepting = shots.chance_below(float(curves.INVERSE_CDFS[shots.link](fraction)), requirement_m_s)
-    risk = 1.0 - confidence + VELOCITY_ROUNDING
+    risk = 1.0 - confidence + RISK_ROUNDING
     decision: Decision = "met" if accepting <= risk else "not met" if 1.0 - accepting <= risk else "not decided"
     return decision, accepting, 1.0 - accepting
 

@@ -21,14 +21,14 @@ from armour.reporting.views.analysis import STAGES, caveat_lines, verdict_words
 from armour.reporting.words import chance
 from armour.units import MM
 
-VELOCITIES = {
+VELOCITY_LINES = {
     "projectile V": "velocity_m_s",
     "penetration U": "penetration_velocity_m_s",
     "target W": "target_velocity_m_s",
 }
 # Panels over time: label of the y axis, height, inches, and attribute of the history for each curve, by its label.
 PANELS: Any = (
-    ("velocity, m/s", 1.1 * drawing.PANEL, VELOCITIES),
+    ("velocity, m/s", 1.1 * drawing.PANEL, VELOCITY_LINES),
     ("penetrator length L, mm", 0.75 * drawing.PANEL, {"": "length_mm"}),
     ("depth, bulge, mm", 0.75 * drawing.PANEL, {"depth Z": "depth_mm", "bulge h": "bulge_height_mm"}),
 )

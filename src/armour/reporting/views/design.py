@@ -32,7 +32,7 @@ AREAL_DENSITY = Column.of("areal_density_kg_m2")
 CERAMIC_THICKNESS, BACKING_THICKNESS = (Column.of(f"{layer}_thickness_mm", ".3f") for layer in ("ceramic", "backing"))
 THICKNESS = Column.of("thickness_mm", ".4g", "total thickness")
 COST = Column.of("cost_per_m2", ".0f")
-LIMIT = Column.of("ballistic_limit_m_s", label="limit")
+LIMIT_COLUMN = Column.of("ballistic_limit_m_s", label="limit")
 GOVERNED_BY = Column("governed by", prose=True)
 # Called so because the actual margin also depends on the model error.
 MARGIN_BY_MODEL = Column.of("margin_m_s", "+.0f", "margin by the model")
@@ -194,7 +194,7 @@ def margin_table(result: DesignResult, required: Mapping[str, float]) -> Table:
 
 def pair_table(result: DesignResult) -> Table:
     """Tabulate every pair of materials with its best design, or the reason why it has none."""
-    numbers = AREAL_DENSITY, THICKNESS, COST, LIMIT, MARGIN_BY_MODEL
+    numbers = AREAL_DENSITY, THICKNESS, COST, LIMIT_COLUMN, MARGIN_BY_MODEL
     needed: Source = NEEDED, lambda best: phrases.needed_words(_needed(best)[0])
     outside = outside_tests(best_of_pairs(result))
     table = Table.of(
@@ -458,7 +458,7 @@ def threat_table(result: CheckResult) -> Table:
     return Table.of(
         result.threats,
         Column.of("threat", prose=True),
-        LIMIT,
+        LIMIT_COLUMN,
         (replace(INTERVAL, label="interval"), lambda threat: interval(threat.interval_m_s, ".0f")),
         MARGIN,
         (PROBABILITY, lambda threat: phrases.chance(threat.probability_of_stopping, threat.model_error)),
@@ -478,7 +478,7 @@ def what_if_tables(threat: CheckedThreat, title: str) -> list[Table]:
         limit, ends = each.ballistic_limit_m_s, interval(each.interval_m_s, ".0f")
         margin = None if is_known or limit is None else limit - each.velocity_m_s
         rows.append((each.change, limit, ends, margin, phrases.chance(each.probability_of_stopping) * is_known))
-    table = Table.of_rows((Column("if", prose=True), LIMIT, INTERVAL, MARGIN, PROBABILITY), rows, title)
+    table = Table.of_rows((Column("if", prose=True), LIMIT_COLUMN, INTERVAL, MARGIN, PROBABILITY), rows, title)
     return [table] if len(table.columns) > 1 else []
 
 
