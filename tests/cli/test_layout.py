@@ -32,7 +32,7 @@ def words(lines: list[str]) -> list[str]:
 @pytest.fixture(scope="module")
 def tables() -> list[Table]:
     items = [
-        *tables_of_impact(simulate(scenario()).answering(confidence=confidence(scenario()))),
+        *tables_of_impact(simulate(scenario()).of(confidence=confidence(scenario()))),
         *(library_table(shipped_library(), kind) for kind in KINDS),
     ]
     return [item for item in items if isinstance(item, Table)]

@@ -52,7 +52,7 @@ def page_of(name: str) -> str:
 
 @cache
 def impact_svg() -> str:
-    picture = drawn(drawing_of(impact().answering(scenario=scenario())), Sheet(WIDTH_INCHES), title="")
+    picture = drawn(drawing_of(impact().of(scenario=scenario())), Sheet(WIDTH_INCHES), title="")
     return inline_svg(picture, "an impact", "a")
 
 

@@ -323,9 +323,9 @@ def test_warnings_on_the_armour_come_first():
 
 
 def test_the_answer_with_distributions():
-    sampled = uncertainty_result().answering(scenario=scenario())
+    sampled = uncertainty_result().of(scenario=scenario())
     error = wilkins().threat.model_error
-    with_error = replace(sampled, model_error=error).answering(scenario=scenario())
+    with_error = replace(sampled, model_error=error).of(scenario=scenario())
     odds = Estimate(0.21, 0.2, 0.22)
     given = replace(wilkins(), uncertainty=with_error, threats=(replace(wilkins().threat, sampled=odds),))
     detail = statements(given)["Probability of stopping the projectile"][1]
@@ -350,7 +350,7 @@ def test_sections_are_the_answer_and_what_explains_it():
     assert headings(wilkins(), folded=True) == [*evidence, "Weight", "Scenario", "Command and versions"]
     full = replace(
         designed(design_result(threats=(THREAT, OTHER), pareto=True)),
-        uncertainty=uncertainty_result().answering(scenario=scenario()),
+        uncertainty=uncertainty_result().of(scenario=scenario()),
     )
     folded = headings(full, folded=True)
     assert folded[:3] == ["Best of each pair", "Pairs of materials", "Results under uncertain inputs"]

@@ -242,7 +242,7 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
         model_error=error,
         interval_m_s=None if error is None else error.interval(limit),
         median_m_s=None if error is None else error.median(limit),
-    ).answering(scenario.subject(ANY_VELOCITY), scenario=scenario)
+    ).of(scenario.subject(ANY_VELOCITY), scenario=scenario)
 
 
 def model_error(row: Variants, limit_m_s: float) -> ModelError | None:
@@ -405,7 +405,7 @@ def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress)
         required = scenario.design.confidence if scenario.design else None
         flow_stress = needed_flow_stress(scenario, scenario.impact.velocity_m_s, required)
     result = replace(result, warnings=(*warnings, *scenario.unused_distributions()), flow_stress=flow_stress)
-    return result.answering(scenario=scenario)
+    return result.of(scenario=scenario)
 
 
 def confidence_in(row: Variants, on_progress: OnProgress = ignore_progress) -> ConfidenceResult:

@@ -190,7 +190,7 @@ def simulate(scenario: Scenario, *, history: bool = False) -> ImpactResult:
     InputError
         If the run does not end within the maximum number of steps.
     """
-    return impact_at(scenario, scenario.impact.velocity_m_s, history=history).answering(scenario=scenario)
+    return impact_at(scenario, scenario.impact.velocity_m_s, history=history).of(scenario=scenario)
 
 
 def impact_at(scenario: Scenario, velocity: float, *, history: bool = False) -> ImpactResult:

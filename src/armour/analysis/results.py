@@ -46,7 +46,7 @@ class Result:
     _in_html: ClassVar[Callable[["Result"], str] | None] = None
     question: ClassVar[Mapping[str, Any]] = {}
 
-    def answering(self, computed: str | None = None, **question: Any) -> Self:
+    def of(self, computed: str | None = None, **question: Any) -> Self:
         """Record the question that this result answers, in the result itself, and return the result.
 
         `computed` says what was computed, in words; `question` has the other entries of the attribute ``question``.

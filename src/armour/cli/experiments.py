@@ -86,8 +86,8 @@ def v50(
         share,
     ),
     requirement_m_s: Any = number_option(
-        "Required velocity, m/s: whether the armour's exceeds it is decided by the shots alone, by the one-sided "
-        "bounds, with a risk of about 1 minus the confidence."
+        "Required velocity, m/s. Whether the armour's velocity exceeds it is decided by the shots alone, from "
+        "one-sided bounds, with a risk of about 1 minus the confidence."
     ),
     requirement_fraction: Any = REQUIREMENT_FRACTION,
     csv: Path | None = file_option("Write the fitted curves as CSV."),
@@ -271,8 +271,8 @@ def plan_shots(
         "prior, and the initial guess of Neyer's procedure; by default 2.0."
     ),
     scatter_factor: Any = number_option(
-        "Factor by which the scatter may differ from this, 1.01 to 10: one standard deviation of its logarithm; by "
-        "default 2.0."
+        "Factor by which the scatter may differ from the expected one, 1.01 to 10: one standard deviation of its "
+        "logarithm; by default 2.0."
     ),
     simulate: bool = flag("Simulate the rest of the firing, 100 shots at most.", "--simulate"),
     true_v50_m_s: Any = number_option(
@@ -372,8 +372,8 @@ def plan_tests(
     ),
     fit: list[str] | None = inputs_option("Input to determine, or several; by default the ceramic's flow stress."),
     law: str | None = word_option(
-        "Law of the ceramic's flow stress, as in calibrate, whose coefficients are determined too: constant, "
-        "ceramic, backing, product or linear.",
+        "Law of the ceramic's flow stress, as in armour.calibrate: constant, ceramic, backing, product or linear. "
+        "Its coefficients are determined too.",
         *LAW_NAMES,
         metavar="LAW",
     ),

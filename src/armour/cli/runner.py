@@ -209,7 +209,7 @@ def answer(
 
     The warnings are those of the result, unless ``warnings`` are given; ``file`` is the file that they name.
     """
-    result.answering(every_row=verbose)
+    result.of(every_row=verbose)
     tables = () if as_json else lazy.by_result(lazy.tables_of, result)(result)
     data = {**result.to_dict(), **extra_data} if as_json else {}
     show_answer(data, tables, as_json=as_json, heading=result.heading(), scenario=scenario)

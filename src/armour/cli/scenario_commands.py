@@ -72,7 +72,7 @@ def simulate(
     of_limit = () if limit is None else lazy.scenario_warnings(loaded, limit, "ballistic_limit", said=True)
     warnings = tuple(dict.fromkeys((*result.warnings, *of_limit, *confidence.warnings)))
     extra_data = {"warnings": list(warnings), "confidence": confidence.to_dict()}
-    result.answering(confidence=confidence)
+    result.of(confidence=confidence)
     files: Files = {history: lambda _: lazy.history_csv(result)}
     answer(result, loaded, files, warnings, plot=plot, extra_data=extra_data, as_json=as_json, verbose=verbose)
 
@@ -147,7 +147,7 @@ def check(
     for loaded in scenarios:
         start = perf_counter()
         with progress("impacts", first="searching") as count:
-            result = armour.check(loaded, on_progress=count).answering(every_row=verbose)
+            result = armour.check(loaded, on_progress=count).of(every_row=verbose)
         if not as_json:
             if results:
                 emit("\n")

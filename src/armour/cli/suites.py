@@ -58,7 +58,7 @@ def validate(
         raise mistake(chosen.file, "regression", message)
     result, seconds = _computed(chosen, quiet=as_json)
     judged = lazy.kept_by_update(result) if update else result
-    tables = lazy.tables_of_suite(judged.answering(every_row=verbose)) if judged.checks else ()
+    tables = lazy.tables_of_suite(judged.of(every_row=verbose)) if judged.checks else ()
     show_answer(result.to_dict(), tables, as_json=as_json)
     write(
         {

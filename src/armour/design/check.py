@@ -216,7 +216,7 @@ def check(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> C
         cost_per_m2=cost,
         whole_areal_density_kg_m2=scenario.areal_density_kg_m2(whole=True),
         whole_thickness_mm=scenario.thickness_mm(whole=True),
-    ).answering(title, scenario=scenario)
+    ).of(title, scenario=scenario)
 
 
 def _checked(against: Scenario, threat: Threat, on_progress: OnProgress, *, sample: bool) -> CheckedThreat:

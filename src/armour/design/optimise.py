@@ -369,7 +369,7 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
         runs=search.runs.count,
         every=as_results(designs, every, with_margins=True),
         margins_of_every_m_s=tuple(dict(zip(catalogue.titles, row, strict=True)) for row in margins),
-    ).answering(_subject(catalogue, is_found=not reason), scenario=scenario)
+    ).of(_subject(catalogue, is_found=not reason), scenario=scenario)
 
 
 def _with_frontier(

@@ -382,7 +382,7 @@ def plan_shots(
             *([NOT_ENDED] if simulate and aim else ()),
             *(() if limit is None else limit.warnings),
         ),
-    ).answering(scenario.subject(ANY_VELOCITY) if scenario else f"V50 of {fired.file}", scenario=scenario)
+    ).of(scenario.subject(ANY_VELOCITY) if scenario else f"V50 of {fired.file}", scenario=scenario)
 
 
 def _expected_v50(

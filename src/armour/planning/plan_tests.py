@@ -432,7 +432,7 @@ def plan_tests(
         sensitivities=tuple(sensitivities.tolist()),
         confidence=CONFIDENCE,
         warnings=(*scenario.unused_threats(), *knowledge.warnings, *_warnings(task, number, undetermined)),
-    ).answering(armours.subject(scenario), scenario=scenario, tests=tests)
+    ).of(armours.subject(scenario), scenario=scenario, tests=tests)
 
 
 def _informing(candidates: Candidates, gradients: Floats, limits: Floats, scatter: float, measure: Measure) -> Floats:

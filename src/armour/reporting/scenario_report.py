@@ -114,7 +114,7 @@ def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *
         probabilities = {threat.threat: threat.probability_of_stopping for threat in threats}
         shown = replace(design.shown, probabilities_of_stopping=probabilities)
         updated = replace(design, nearest=shown) if design.reason else replace(design, best=shown)
-        design = updated.answering(**design.question)
+        design = updated.of(**design.question)
     unused = scenario.unused_distributions() if distributions else ()
     limit = _or_none(ballistic_limit, answer, ignore_progress)
     return Contents(

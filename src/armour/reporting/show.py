@@ -79,7 +79,7 @@ CalibrationResult, FiringResult, PlannedTests, ShotPlan, SuiteResult or SweepRes
     if shots is not None and shots != question.get("shots", shots):
         raise mistake("plot", "shots", "must be the shots of the result, found others; they can be left out")
     arguments: dict[str, Any] = {"scenario": scenario, "shots": shots}
-    result = copy(result).answering(**{name: value for name, value in arguments.items() if value is not None})
+    result = copy(result).of(**{name: value for name, value in arguments.items() if value is not None})
     figure: Figure = drawn(drawing_of(result), Sheet(ax=ax), result.heading(), title=title).figure
     return figure
 

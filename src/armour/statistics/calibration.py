@@ -311,7 +311,7 @@ def calibrate(
     identified = (pair for pair in chain([first], results) if all(c.estimate is not None for c in pair[1].coefficients))
     best, result = next(identified, first)
     tests_by_law = tests._replace(groups=best.likelihood.tests.groups)
-    return _with_evidence(result, tests_by_law, fit).answering(subject_of(tests), scenario=scenario, tests=tests)
+    return _with_evidence(result, tests_by_law, fit).of(subject_of(tests), scenario=scenario, tests=tests)
 
 
 def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str]) -> CalibrationResult:

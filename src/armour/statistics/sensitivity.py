@@ -117,7 +117,7 @@ def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         answers={answer: _number(values[0]) for answer, values in answers.items()},
         inputs=tuple(sorted(by_input, key=lambda item: -abs(item.elasticities[LIMIT] or 0.0))),
         warnings=scenario_warnings(scenario, scenario.impact.velocity_m_s),
-    ).answering(scenario.subject(), scenario=scenario)
+    ).of(scenario.subject(), scenario=scenario)
 
 
 def _number(value: float) -> float | None:

@@ -269,7 +269,7 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
             *scenario_warnings(scenario, deterministic, "ballistic_limit"),
         ),
         model_error=error,
-    ).answering(scenario.subject(), scenario=scenario)
+    ).of(scenario.subject(), scenario=scenario)
 
 
 def _misplaced(section: Uncertainty, values: Mapping[str, float]) -> Iterator[Note]:

@@ -507,7 +507,7 @@ def v50(
         consumers_risk=accepting,
         producers_risk=rejecting,
         fired=shots,
-    ).answering(subject, scenario=scenario, shots=shots)
+    ).of(subject, scenario=scenario, shots=shots)
 
 
 def _curves(

@@ -223,7 +223,7 @@ def sweep(
             tell=lambda line: warnings.append(line.removeprefix("warning: ")),
         )
     result = SweepResult(scenario, source.keys, names, source.count, output, tuple(warnings), columns)
-    return result.answering(subject_of(scenario, source, names), scenario=scenario)
+    return result.of(subject_of(scenario, source, names), scenario=scenario)
 
 
 def write_sweep(

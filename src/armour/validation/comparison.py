@@ -176,7 +176,7 @@ def compare(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) ->
         rules=rules,
         errors=_errors() if rules else (),
         florence_missing=tuple(problem.key for problem in missing),
-    ).answering(scenario.subject(ANY_VELOCITY), scenario=scenario)
+    ).of(scenario.subject(ANY_VELOCITY), scenario=scenario)
 
 
 @cache

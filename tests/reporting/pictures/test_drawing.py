@@ -69,9 +69,9 @@ def optimum(name: str) -> DesignResult:
 
 
 DRAWINGS: dict[str, Callable[[], Callable[[Sheet], Picture]]] = {
-    "impact": lambda: drawing_of(impact().answering(scenario=scenario())),
+    "impact": lambda: drawing_of(impact().of(scenario=scenario())),
     "design": lambda: drawing_of(optimum("catalogue")),
-    "uncertainty": lambda: drawing_of(uncertainty_result().answering(scenario=scenario(velocity=700.0))),
+    "uncertainty": lambda: drawing_of(uncertainty_result().of(scenario=scenario(velocity=700.0))),
     "map": lambda: a_map,
     "rows": lambda: named_rows,
 }
@@ -273,7 +273,7 @@ def test_a_picture_of_one_panel_is_drawn_into_axes_of_a_user():
     assert not left.lines
     assert figure.axes == [left, right]
     with pytest.raises(InputError, match="plot: ax: must not be given for a picture of 4 panels"):
-        plot(impact().answering(scenario=scenario()), ax=left)
+        plot(impact().of(scenario=scenario()), ax=left)
 
 
 def test_the_settings_of_a_user_stay_as_they_are():

@@ -89,7 +89,7 @@ def words_in(axes: Axes) -> list[str]:
 
 
 def test_an_impact():
-    found = impact_result().answering(scenario=scenario())
+    found = impact_result().of(scenario=scenario())
     picture = picture_of(found)
     assert picture.title == f"Perforated: residual velocity {found.residual_velocity_m_s:.0f} m/s"
     scene, velocities, lengths, depths = picture.axes
@@ -126,7 +126,7 @@ def test_an_impact():
 
 
 def test_stages_without_room_for_words_have_their_codes_or_nothing():
-    found = impact_result().answering(scenario=scenario())
+    found = impact_result().of(scenario=scenario())
     shown = list(filter(None, words_in(drawn(drawing_of(found), Sheet(1.5)).axes[1])))
     assert 0 < len(shown) < len(found.stages)
 
@@ -222,7 +222,7 @@ def test_beside_the_map_are_the_best_of_every_pair_up_to_a_limit_and_the_front()
     found = optimise(shipped_scenario("catalogue"))
     count = design.MAX_PAIRS_DRAWN + 5
     [first, *_] = (pair for pair in found.pairs if pair.best is not None)
-    picture = picture_of(replace(found, pairs=(first,) * count).answering(scenario=shipped_scenario("catalogue")))
+    picture = picture_of(replace(found, pairs=(first,) * count).of(scenario=shipped_scenario("catalogue")))
     _, pairs, front = picture.axes
     assert (pairs.get_title(), front.get_title()) == ("Lightest design of each pair of materials", "Pareto front")
     assert len(rows_of(pairs)) == design.MAX_PAIRS_DRAWN
@@ -350,7 +350,7 @@ SHOTS = Shots(VELOCITIES, (False, False, True, False, True, True), "folder/shots
 
 def test_a_v50():
     found = v50(SHOTS, scenario())
-    picture = picture_of(found.answering(shots=SHOTS))
+    picture = picture_of(found.of(shots=SHOTS))
     axes = picture.axes[0]
     assert f"limit by this model {WILKINS_LIMIT:.1f} m/s" in labels(axes)
     assert x_of(marks(axes)["partial penetration"])[0] == 700.0
@@ -368,7 +368,7 @@ def test_a_v50():
 def test_the_region_and_the_order_of_a_firing_are_drawn_except_in_a_users_axes():
     found = v50(SHOTS)
     assert found.recommended is not None
-    _, region, order = picture_of(found.answering(shots=SHOTS)).axes
+    _, region, order = picture_of(found.of(shots=SHOTS)).axes
     low, high = region.get_xlim()
     assert low < found.recommended.v50_m_s < high
     outlines = [item for item in region.collections if isinstance(item, ContourSet)]
@@ -388,7 +388,7 @@ def test_a_requirement_of_a_v50_is_named_on_the_axis_or_in_the_note():
 
 def test_the_posterior_of_a_v50_is_drawn():
     found = v50(SHOTS, shipped_scenario("wilkins"), prior=True)
-    picture = picture_of(found.answering(shots=SHOTS))
+    picture = picture_of(found.of(shots=SHOTS))
     axes = picture.axes[0]
     assert found.posterior is not None
     [bar] = [line for label, line in marks(axes).items() if "posterior" in label]
@@ -400,7 +400,7 @@ def test_the_posterior_of_a_v50_is_drawn():
 
 def test_a_limit_outside_the_axis_of_a_v50_is_in_the_note_and_not_in_the_legend():
     found = v50(SHOTS, scenario(ceramic_mm=9.0))
-    picture = picture_of(found.answering(shots=SHOTS))
+    picture = picture_of(found.of(shots=SHOTS))
     axes = picture.axes[0]
     assert found.model_ballistic_limit_m_s is not None
     assert found.model_ballistic_limit_m_s > axes.get_xlim()[1]
@@ -409,7 +409,7 @@ def test_a_limit_outside_the_axis_of_a_v50_is_in_the_note_and_not_in_the_legend(
 
 
 def test_an_uncertainty():
-    picture = picture_of(uncertainty_result().answering(scenario=scenario(velocity=700.0)))
+    picture = picture_of(uncertainty_result().of(scenario=scenario(velocity=700.0)))
     curve, swings = picture.axes
     assert "0.210 at 700 m/s" in labels(curve)
     assert picture.title == "Perforated with a probability of 21 % at 700 m/s"

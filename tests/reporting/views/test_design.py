@@ -96,7 +96,7 @@ def test_the_note_on_the_error_says_whether_it_is_not_known_or_not_included():
         ({"scenario": scenario(uncertainty={"model": {"included": False}})}, "uncertainty.model"),
     ]
     for question, ending in given:
-        found = replace(design_result(), best=replace(best_design(), model_error=None)).answering(**question)
+        found = replace(design_result(), best=replace(best_design(), model_error=None)).of(**question)
         notes = [item for item in tables_of_design(found) if isinstance(item, str)]
         assert notes[0].endswith(ending)
 
@@ -116,7 +116,7 @@ def test_the_frontier_around_the_best_is_shown_unless_all_of_it_is_asked_for():
 
     def shown(best: int, **question: Any) -> tuple[list[str], list[str]]:
         thicknesses = {"ceramic_thickness_mm": 20.0 - best, "backing_thickness_mm": 4.0 + best}
-        result = replace(found, best=best_design(**thicknesses)).answering(**question)
+        result = replace(found, best=best_design(**thicknesses)).of(**question)
         _, table, *_ = (item for item in tables_of_design(result) if isinstance(item, Table))
         return [each[1] for each in table.texts()], [
             note for note in tables_of_design(result) if isinstance(note, str) and "with -v" in note
@@ -129,9 +129,7 @@ def test_the_frontier_around_the_best_is_shown_unless_all_of_it_is_asked_for():
     assert shown(4, every_row=True)[1] == []
     several = replace(found, pairs=found.pairs * 2)
     for every_row in (False, True):
-        titles = [
-            item.title for item in tables_of_design(several.answering(every_row=every_row)) if isinstance(item, Table)
-        ]
+        titles = [item.title for item in tables_of_design(several.of(every_row=every_row)) if isinstance(item, Table)]
         assert ("AD85 on 6061-T6: thinnest ceramic for each back plate" in titles) == every_row
 
 

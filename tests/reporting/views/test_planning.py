@@ -87,7 +87,7 @@ def test_the_names_of_planned_tests_go_on(result: PlannedTests):
         {column.key: value for column, value in zip(form.columns, row, strict=True)} | {"ballistic_limit_m_s": 760.0}
         for row in form.rows
     ]
-    again = form_table(replace(result).answering(tests=read_tests(made, shipped_scenario("wilkins"))))
+    again = form_table(replace(result).of(tests=read_tests(made, shipped_scenario("wilkins"))))
     assert [row[0] for row in again.rows] == [f"planned {i}" for i in range(1, 11)]
 
 
