@@ -68,10 +68,10 @@ class NeededFlowStress:
 def needed_flow_stress(
     scenario: Scenario, required_m_s: float, probability: float | None = None
 ) -> NeededFlowStress | None:
-    """Return the flow stress that a ceramic without tests needs; None if the scenario has no such ceramic.
+    """Return the flow stresses, GPa, by which a ceramic without tests has a required limit, and also a probability.
 
-    Return None, too, for a back plate that is not a metal, for an interlayer, for long rods, and if the settings of the
-    model differ from those used to compute the tests.
+    Return None if the scenario has no such ceramic, or if tests say nothing about it: with a back plate that is not a
+    metal, an interlayer, a long rod, or settings of the model other than those used to compute the tests.
 
     Parameters
     ----------

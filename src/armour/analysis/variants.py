@@ -232,6 +232,7 @@ def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -
     """
     inputs: dict[str, Any] = scenario.inputs()
     if YIELD in columns:
+        # The library derives these from the yield strength, which each row now gives.
         derived = scenario.entry("metal", scenario.armour.backing).derived
         inputs |= {f"backing.{key}": DEFAULTS[key][0] * columns[YIELD] for key in derived}
     inputs |= columns
@@ -240,8 +241,9 @@ def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -
         # NumPy's cosine may differ from that of a single scenario in the last digit.
         cosines[:] = [cosine_of(obliquity) for obliquity in columns[OBLIQUITY].tolist()]
     rows = np.tile(batch.packed([scenario.core_armour()]), (count, 1))
+    views = batch.fields(rows)
     for name, values in fields_of(inputs, cosines).items():
-        getattr(batch.fields(rows), name)[:] = values
+        getattr(views, name)[:] = values
     velocities = np.array(np.broadcast_to(inputs[VELOCITY], count), dtype=np.float64)
     own_strength = columns.keys().isdisjoint((YIELD, "backing.flow_stress_GPa"))
     material_of_row = np.zeros(count, dtype=np.int64)

@@ -182,9 +182,10 @@ def set_options(changes: Iterable[str]) -> list[str]:
 
 
 def _blamed(problem: Problem, options: Mapping[str, str]) -> Problem:
-    """Return a problem under the name of the option that causes it, if one sets its key or a key below or above it.
+    """Restate a problem under the option that caused it; return it unchanged if no option did.
 
-    ``options`` has the options by the key that each sets.
+    An option caused it if it sets the key of the problem, a table around this key, or a value within it.
+    ``options`` maps each key to the option that sets it.
     """
     for key, option in sorted(options.items(), reverse=True):
         if key in upwards(problem.key) or problem.key in upwards(key):

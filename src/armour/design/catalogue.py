@@ -155,7 +155,7 @@ class Catalogue:
 
     @cached_property
     def untested(self) -> list[bool]:
-        """Whether no test of the ceramic of each pair on metal is known."""
+        """Whether the ceramic of each pair has no known test on a metal plate; false for a bare plate."""
         return [ceramic is not None and is_untested(ceramic) for ceramic, _ in self.materials]
 
     @cached_property

@@ -66,9 +66,10 @@ def processor() -> list[str]:
 
 
 def folder() -> tuple[Path | None, str]:
-    """Return the folder of the compiled code, and the reason if nothing can be written to it, or "".
+    """Return the folder for compiled code, and why nothing can be written to it, "" if it can.
 
-    The folder is created if it does not exist.  It is None if no folder can be trusted.
+    The reason completes "compiled code cannot be kept".  The folder is created if it is missing.  It is None if there
+    is no safe one: it would be in a project, or other users could change it.
     """
     try:
         place = Path(user_cache_dir("armour", appauthor=False))

@@ -21,7 +21,7 @@ MOST_WITHOUT_SCIPY = 1000
 class Mixture(NamedTuple):
     """Distribution of a ballistic limit, or of its ratio to that of the model, for one armour or for each of n.
 
-    The logarithm of each component has Student's t distribution; if `logarithmic` is false, the number itself has it.
+    Each component is Student's t distribution of the logarithm or, if `logarithmic` is false, of the number itself.
 
     Attributes
     ----------
@@ -29,12 +29,13 @@ class Mixture(NamedTuple):
         Probabilities of the k components, which add up to 1 along the first axis; NaN if the distribution is not
         known.  Further axes, such as (k, n) for n armours, broadcast with velocities and probabilities.
     locations, scales : array, (k, ...)
-        Locations and scales of the logarithm of the limit, in m/s, or of the ratio.
+        Of the logarithm of the limit, in m/s, or of the ratio; of the number itself if not `logarithmic`.
     degrees_of_freedom : array, (k, ...)
         At most 1e6, where the distribution is practically normal.
     logarithmic : bool
+        Whether the components are distributions of the logarithm.
     narrowed : array, (k, ...) or float
-        Factors of the scales above the locations.
+        Factors that multiply the scales for values above the locations; 1 for symmetric components.
     """
 
     weights: Floats

@@ -332,8 +332,10 @@ def _ranges_with(
 def _by_law(
     own_tests: OwnTests, tested: Mapping[str, Any], role: str
 ) -> Iterator[tuple[Fit, LotTests, Sequence[float] | None]]:
-    """Yield for each law its shipped fit, the own tests with the limits computed by it, and the level of the lot.
+    """Yield the shipped fit, the own tests and the level of their lot, for each law of the flow stress.
 
+    The tests have the logarithms of the measured over the limits that this law gives.  The level is the mean and the
+    standard deviation of what the whole lot deviates by, or None.
     `tested` has the quantities of the tests by name; `role` is that of the material, "ceramic" or "backing".
     """
     velocities, sides = tested["velocity_m_s"], tested["side"]
@@ -368,10 +370,11 @@ def is_untested(ceramic: LibraryEntry) -> bool:
 
 
 def is_unusual(armour: Parameters) -> Any:
-    """Return whether each of n armours is far from all armours of its kind that the model was compared with.
+    """Return whether each of n armours is far from all armours, bare or with ceramic, that the model was compared with.
 
-    An unusual armour has a strength, density, slenderness or thickness over the diameter that is outside by more than a
-    factor of two; its outcome may change more than once with the velocity or a thickness.  A NaN is not outside.
+    A strength, density, slenderness or thickness over the diameter is then more than a factor of two outside every
+    range compared.  The outcome of such an armour may change more than once with the velocity or a thickness.  A NaN
+    counts as inside.
     """
     q = quantities(armour, np.nan, np.ones(np.shape(armour.D0)))
     is_far: dict[tuple[bool, str], Any] = {}
@@ -381,7 +384,7 @@ def is_unusual(armour: Parameters) -> Any:
     for has_ceramic, data_range in ranges:
         key = has_ceramic, data_range.name
         is_far[key] = is_far.get(key, True) & (data_range.factor(q) > UNUSUAL_FACTOR)
-    return np.any([rows & (has_ceramic == (armour.Hc0 > 0.0)) for (has_ceramic, _), rows in is_far.items()], axis=0)
+    return np.any([far & (has_ceramic == (armour.Hc0 > 0.0)) for (has_ceramic, _), far in is_far.items()], axis=0)
 
 
 class Outside(NamedTuple):

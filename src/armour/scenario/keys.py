@@ -105,7 +105,7 @@ def leaves(value: object, parts: Parts = ()) -> Iterator[tuple[Parts, object]]:
 
 
 def values_by_key(changes: Mapping[str, object]) -> dict[Parts, object]:
-    """Return the innermost values that changes set, see `leaves`, by the parts of their keys."""
+    """Return the values set by `changes`, each by the parts of its full key; tables are taken apart as by `leaves`."""
     return {leaf: value for key, content in changes.items() for leaf, value in leaves(content, parts_of(key))}
 
 

@@ -68,7 +68,7 @@ EXACT_INPUTS = "its distributions are not in the probability and the interval; `
 
 
 def in_row(row: int, problem: Problem) -> Problem:
-    """Return a problem with the number of its row, from 1."""
+    """Return a problem whose key begins with "row n: ", counted from 1; `row` is the index, from 0."""
     return problem._replace(key=f"row {row + 1}: {problem.key}")
 
 
@@ -132,7 +132,7 @@ class Scenario(Section):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """A line for each value or entry of the scenario that takes precedence over another, and one on its angles."""
+        """A line for each value or entry that overrides another, and one on what the model leaves out at an angle."""
         impacts = {"impact": self.impact, **{f"threat[{i}]": threat for i, threat in enumerate(self.threat)}}
         replaced = [f"{self.file}: {key}.{words}" for key in impacts for words in impacts[key].replaced_values()]
         oblique = [key for key in impacts if impacts[key].obliquity_deg]
@@ -180,13 +180,16 @@ class Scenario(Section):
         return values
 
     def check_names(self, names: Iterable[str], file: str, key: str = "") -> None:
-        """Check that names are inputs of the scenario; `file` and `key`, by default the name, say where they are."""
+        """Raise an InputError unless all names are inputs of the scenario.
+
+        Its messages say where the names are: in `file`, under `key` or, without a key, under the name itself.
+        """
         inputs = list(self.inputs())
         problems = []
         for name in names:
             if name not in inputs:
-                name_key = f'; did you mean "{NAMES[name]}"?' if name in NAMES else ""
-                hint = name_key or key_hint(name, inputs) or choices(name, inputs)
+                did_you_mean = f'; did you mean "{NAMES[name]}"?' if name in NAMES else ""
+                hint = did_you_mean or key_hint(name, inputs) or choices(name, inputs)
                 problems.append(Problem(file, key or name, f'must name an input of the scenario, found "{name}"{hint}'))
         refuse(problems)
 

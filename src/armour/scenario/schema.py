@@ -559,9 +559,9 @@ UNIFORM_CHANCES = Distribution(distribution="uniform", min=0.0, max=1.0)
 
 
 def _distributions(section: str, subject: str) -> type[Section]:
-    """Return the class of the section that has a distribution for each input of a section, or role, of the scenario.
+    """Create the class of a section of distributions, such as `CeramicUncertainty`: one for each input of `section`.
 
-    `subject` says in its docstring what the distributions are of.
+    `subject` names these inputs in the docstring of the class.
     """
     keys: dict[str, Any] = {
         definition.key: (Distribution | None, Field(None, description=f"Distribution of the input {name}."))

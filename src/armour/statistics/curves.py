@@ -304,14 +304,17 @@ class ShotLikelihood:
         return direction * inf if end is None else end
 
     def quantile_end(self, z: float, direction: float, root: float) -> float:
-        """Return an end of the interval of the standardised velocity at which the probability is F(z).
+        """Return an end of the confidence interval of the standardised velocity at which the probability is F(z).
 
-        `direction` is -1 for the lower end and 1 for the upper one; `root` is the square root of the deviance at it.
+        `direction` is -1 for the lower end and 1 for the upper one.  `root` is the square root of the deviance that
+        bounds the interval.  The end is infinite if the interval has none on this side.
         """
-        # Far away, the likeliest curve has slope 0.  Its constant probability is at most F(z) for the upper end of the
-        # interval, and at least F(z) for the lower end.
-        includes_flat = direction * (z - self.flat.intercept) >= 0.0
-        if self.holds(self.flat if includes_flat else self._curve(np.array([z, 0.0])), root):
+        # As the velocity goes to infinity, the likeliest curve with the probability F(z) there becomes flat: the best
+        # constant probability of at most F(z) for the upper end, of at least F(z) for the lower one.  If the confidence
+        # region contains this curve, the interval has no end on this side.
+        is_allowed = direction * (z - self.flat.intercept) >= 0.0
+        curve_at_infinity = self.flat if is_allowed else self._curve(np.array([z, 0.0]))
+        if self.holds(curve_at_infinity, root):
             return direction * inf
         estimate = (z - self.mode.intercept) / self.mode.slope
         return self.bound(lambda location: self.with_value(z, location), estimate, direction, root)

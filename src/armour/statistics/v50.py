@@ -325,17 +325,16 @@ def is_of_shots(name: str) -> bool:
 
 
 def shots_of(source: Source, *, one_kind: bool = False, where: Mapping[str, str] | None = None) -> Shots:
-    """Return the shots of a table; see `read_shots`."""
+    """Return the shots of an open table; arguments and errors are those of `read_shots`."""
     column_keys = {column_of(name, (*SHOT_COLUMNS, "ballistic_limit_m_s")).key for name in source.header}
     if "impact.velocity_m_s" in source.header or ("ballistic_limit_m_s" in column_keys and not {*KEYS} <= column_keys):
         message = (
             "must be a table of shots (velocity_m_s and result), found tests; armour calibrate fits inputs to them"
         )
         raise mistake(source.file, "", message)
-    naming = ("shot", "result")
-    table = csv_files.read_rows(
-        source, numbers=KEYS[:1], texts=naming, needed=KEYS, noun="shot", where=where, least=not one_kind
-    )
+    least = 0 if one_kind else 1
+    columns: Any = {"numbers": ("velocity_m_s",), "texts": ("shot", "result"), "needed": KEYS}
+    table = csv_files.read_rows(source, **columns, noun="shot", where=where, least=least)
     file, rows, problems = table.file, table.rows, table.problems
     velocities = [row.numbers.get("velocity_m_s", MIN_VELOCITY_M_S) for row in rows]
     words = [row.texts.get("result", "") for row in rows]

@@ -56,10 +56,9 @@ def nearest_measured(scenario: Scenario, limit_m_s: float) -> tuple[MeasuredArmo
 
 @cache
 def _measured() -> tuple[tuple[str, tuple[float, ...], MeasuredArmour], ...]:
-    """Return the shipped tests at normal incidence.
+    """Return the shipped tests at normal incidence, each as its kind, its core and its armour.
 
-    Each has its kind ("ceramic" or the metal of a bare plate), the values of the inputs `ROD` of its core, and the
-    armour.
+    The kind is "ceramic" or the metal of a bare plate.  The core has the values of the inputs `ROD`, in their units.
     """
     wilkins, tests = load_scenario(shipped_files("scenarios", ".toml")["wilkins"]), []
     for row in shipped_rows("tests/wilkins"):

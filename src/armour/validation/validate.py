@@ -297,7 +297,7 @@ def _values_of_tests(cases: Sequence[Case]) -> dict[int, float | None]:
 
 
 def _calibrated_to(case: Case) -> str:
-    """Return why a case is not scored if a value of its materials was calibrated to the same test; else ""."""
+    """Return the reason not to score a case, one of whose materials was calibrated to this very test; "" if none."""
     names = {key: case.scenario.name_of(role) for role, key in NAMES.items()}
     measured = case.expected if case.measured is None else case.measured
     values: Mapping[str, object] = {**case.scenario.inputs(), **names, **case.cells, case.quantity: measured}

@@ -166,7 +166,7 @@ def _wrapped_lines(texts: Iterable[str], width: float, size: float, character: f
 def _label_curves(axes: Axes) -> list[Any]:
     """Label curves at their ends if there are several and there is room; put all else in a legend below the panel.
 
-    Return the legend, if there is one.
+    Return a list with the legend, empty if there is none.
     """
     handles: list[Any] = axes.get_legend_handles_labels()[0]
     lines: list[Any] = [h for h in handles if isinstance(h, Line2D) and h.get_linestyle() != "None"]
@@ -183,7 +183,7 @@ def _label_curves(axes: Axes) -> list[Any]:
     room = int(72.0 * box.width / figure.dpi / (CHARACTER * NAME))  # characters
     labels = ["\n".join(wrapped(handle.get_label(), room - 7)) for handle in handles]
     columns = room // (max(len(line) for label in labels for line in label.splitlines()) + 7)
-    # Placed by its distance from the panel, which keeps its height.
+    # The legend is at a fixed distance, in inches, below the panel, so that the panel keeps its height.
     left, down = (box.x0 - axes.bbox.x0) / figure.dpi, (axes.bbox.y0 - box.y0) / figure.dpi
     place = offset_copy(axes.transAxes, figure, x=left, y=-down, units="inches")
     look = {"loc": "upper left", "bbox_to_anchor": (0.0, 0.0), "bbox_transform": place, "borderaxespad": 0.4}

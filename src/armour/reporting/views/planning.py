@@ -217,22 +217,23 @@ def tables_of_planned_tests(result: PlannedTests) -> list[Table | str]:
 def form_table(result: PlannedTests) -> Table:
     """Return a form: a table of the planned tests for `armour calibrate`, with the measured values left blank.
 
+    The uncertainty of a planned test is filled in if it is known.
     Tests made before come first, with their values.  The numbering of planned tests continues from theirs.
     """
     tests: Tests | None = result.question.get("tests")
     has_scatter = tests.weighted if tests is not None else result.scatter_known
-    uncertainty = MEASURED[LIMIT]
-    measured = LIMIT if result.measure == "limit" else OUTCOME
+    uncertainty_key = MEASURED[LIMIT]
+    measured_key = LIMIT if result.measure == "limit" else OUTCOME
     earlier = {} if tests is None else dict(zip(tests.names, tests.cells, strict=True))
     rows: list[dict[str, Cell]] = [{**cells, "test": name} for name, cells in earlier.items()]
     last = max((int(match[1]) for match in map(PLANNED.fullmatch, earlier) if match), default=0)
-    for step in result.planned[1:]:
+    for step in result.planned[1:]:  # the first is the state before all tests
         row: dict[str, Cell] = {"test": f"planned {last + step.number}", **step.inputs}
-        value = step.ballistic_limit_m_s if result.measure == "limit" else step.inputs[VELOCITY]
-        if has_scatter and value is not None:
-            row[uncertainty] = float(f"{result.scatter_percent / 100.0 * float(value):.3g}")
+        expected_m_s = step.ballistic_limit_m_s if result.measure == "limit" else step.inputs[VELOCITY]
+        if has_scatter and expected_m_s is not None:
+            row[uncertainty_key] = float(f"{result.scatter_percent / 100.0 * float(expected_m_s):.3g}")
         rows.append(row)
-    keys = dict.fromkeys(["test", *(key for row in rows for key in row if key not in (measured, uncertainty))])
-    columns = [*keys, measured, *([uncertainty] if has_scatter else [])]
+    keys = dict.fromkeys(["test", *(key for row in rows for key in row if key not in (measured_key, uncertainty_key))])
+    columns = [*keys, measured_key, *([uncertainty_key] if has_scatter else [])]
     headings = tuple(Column(Column.of(key).label, key=key) for key in columns)
     return Table(headings, tuple(tuple(row.get(key) for key in columns) for row in rows))
