@@ -145,7 +145,7 @@ def test_a_scenario_a_value_and_tests_are_shown_in_a_line():
     assert repr(scenario).startswith("<Scenario: 6.35 mm AD85 on 6.35 mm 6061-T6 against 7.62 mm AP at 800 m/s; ")
     assert repr(scenario.replaced({"title": "Mine"})).endswith(" at 800 m/s; scenario: Mine>")
     assert repr(scenario.entry("metal", "6061-T6").values["density_kg_m3"]).startswith("<Value: 2750, nominal, ")
-    tests = armour.read_tests(SCENARIOS / "tests" / "wilkins.csv", scenario)
+    tests = armour.read_tests("tests/wilkins", scenario)
     assert re.fullmatch(r"<Tests: \d+ tests of tests/wilkins \(shipped\), \d+ measurements>", repr(tests))
 
 

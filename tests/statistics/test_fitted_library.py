@@ -24,7 +24,7 @@ LIMITS = f"{C},{B},ballistic_limit_m_s"
 
 def test_a_library_holds_the_tests(tmp_path: Path):
     wilkins = shipped_scenario("wilkins")
-    tests = read_tests(TESTS, wilkins)
+    tests = read_tests("tests/wilkins", wilkins)
     path = tmp_path / "lib.toml"
     path.write_text(library_text(wilkins_fit(), tests, wilkins, "lot 7"))
     entry = read_library(path, shipped_library()).entries["ceramic"]["AD85, lot 7"]
