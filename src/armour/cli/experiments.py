@@ -372,7 +372,7 @@ def plan_tests(
     ),
     fit: list[str] | None = inputs_option("Input to determine, or several; by default the ceramic's flow stress."),
     law: str | None = word_option(
-        "Law of the ceramic's flow stress, as in armour.calibrate: constant, ceramic, backing, product or linear. "
+        "Law of the ceramic's flow stress, as in calibrate: constant, ceramic, backing, product or linear. "
         "Its coefficients are determined too.",
         *LAW_NAMES,
         metavar="LAW",

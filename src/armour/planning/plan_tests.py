@@ -333,7 +333,7 @@ def plan_tests(
     fit : str or sequence of str, default "ceramic.flow_stress_GPa"
         Input to determine, or several; by default the ceramic's flow stress.
     law : str, optional
-        Law of the ceramic's flow stress, as in `armour.calibrate`: constant, ceramic, backing, product or linear.  Its
+        Law of the ceramic's flow stress, as in `calibrate`: constant, ceramic, backing, product or linear.  Its
         coefficients are determined too.
     number : int, default 4
         Number of tests to plan, 1 to 200.  A candidate may be tested several times.

@@ -267,7 +267,12 @@ FILES = ("ceramics", "metals", "projectiles", "tested_plates")
 # Keys that the model does not use: data of the whole projectile, and properties for the formulas of `armour compare`.
 UNUSED = ("caliber_mm", "projectile_mass_g", "ultimate_tensile_strength_MPa", "strain_to_fracture")
 # Coefficients of the law of a ceramic's flow stress, see `armour.core.equations.intact_strength`; 0 if absent.
-FLOW_STRESS_LAW = tuple(key for key in VALUE_KEYS["ceramic"] if key.endswith(("_exponent", "_slope")))
+FLOW_STRESS_LAW = (
+    "flow_stress_backing_exponent",
+    "flow_stress_product_exponent",
+    "flow_stress_ceramic_slope",
+    "flow_stress_backing_slope",
+)
 STATIC, DYNAMIC = "static_yield_strength_MPa", "dynamic_yield_strength_MPa"
 # Keys that an entry may lack.
 SOURCES_KEY = "flow_stress_sources_GPa"

@@ -29,7 +29,7 @@ USUAL_CHANCE = 0.95
 # Opacity of a tinted region.
 TINT = 0.14
 # Markers of designs inside and outside the tests.
-INSIDE, OUTSIDE_WORDS = "o", "s"
+INSIDE_MARK, OUTSIDE_MARK = "o", "s"
 
 
 class _Panel(NamedTuple):
@@ -268,8 +268,8 @@ class _Map:
             stopped_m_s = self.grid.stopped_with(confidence)[..., threat].ravel()
             decided = ~np.isnan(stopped_m_s) & (of_threat.margin_m_s == 0.0)
             stops = (stops | decided) & (np.isnan(stopped_m_s) | (stopped_m_s >= of_threat.velocity_m_s))
-        for filled, marker in product((True, False), (INSIDE, OUTSIDE_WORDS)):
-            places = [p for p in offered.tolist() if stops[p] == filled and is_outside[p] == (marker == OUTSIDE_WORDS)]
+        for filled, marker in product((True, False), (INSIDE_MARK, OUTSIDE_MARK)):
+            places = [p for p in offered.tolist() if stops[p] == filled and is_outside[p] == (marker == OUTSIDE_MARK)]
             words = [f"{x[place]:g} mm: limit by the model {limits[place]:.0f} m/s" for place in places]
             drawing.points(axes, x[places], limits[places], words, filled=filled, color=colour, marker=marker)
 
@@ -360,7 +360,7 @@ def _pairs_panel(result: DesignResult) -> _Panel:
             places = [place for place, each in enumerate(inside_tests) if each is inside]
             values = [getattr(shown[place], result.minimised) for place in places]
             look: Any = {"filled": inside, "label": label, "markersize": 6.0, "color": drawing.BLUE}
-            drawing.points(axes, values, places, **look, marker=OUTSIDE_WORDS if inside is None else INSIDE)
+            drawing.points(axes, values, places, **look, marker=OUTSIDE_MARK if inside is None else INSIDE_MARK)
         axes.set_xlabel(view.OBJECTIVE_WORDS[result.minimised].heading)
 
     notes = [f"The best {MAX_PAIRS_DRAWN} of {len(best)} pairs of materials are shown."] * (len(best) > MAX_PAIRS_DRAWN)
