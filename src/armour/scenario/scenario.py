@@ -408,10 +408,10 @@ class Scenario(Section):
 
     def unused_impact(self) -> tuple[Note, ...]:
         """Return a warning, for a result of the threats, if the impact is not one of them."""
-        shot = schema.shot(self.impact)
-        if not self.threat or shot in map(schema.shot, self.threat):
+        impact = schema.Threat.model_construct(**self.impact.model_dump())
+        if not self.threat or impact.as_impact() in [threat.as_impact() for threat in self.threat]:
             return ()
-        return (Note(f"{shot} is not among the threats, which are used instead", "impact"),)
+        return (Note(f"{schema.shot(impact)} is not among the threats, which are used instead", "impact"),)
 
     def unused_threats(self) -> tuple[Note, ...]:
         """Return a warning, for a result of the section ``impact``, if the scenario has threats of its own."""
