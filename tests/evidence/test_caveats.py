@@ -215,6 +215,7 @@ def test_a_ceramic_thinner_than_any_tested_is_named_in_the_line_of_every_answer(
     found = armour.optimise(thin.replaced({"threat": rounds, "design": layers}))
     assert found.best is not None
     assert found.best.outside_tests["ceramic_thickness_ratio"] == pytest.approx(9.0 / 9.7, abs=0.01)
+    words += " against 12.7 mm APM2 at 500 m/s"
     assert [words in tables_of_design(found), said(found)] == [True, [words]]
     thick = armour.check(thin.replaced({"armour.ceramic_thickness_mm": 10.0}))
     assert said(thick) == []
