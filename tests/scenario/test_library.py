@@ -6,15 +6,7 @@ from typing import Any
 import pytest
 
 from armour.errors import InputError
-from armour.scenario.library import (
-    KINDS,
-    NOT_MODELLED,
-    PAGE,
-    Library,
-    named_threats,
-    shipped_library,
-    threats_like,
-)
+from armour.scenario.library import KINDS, NOT_MODELLED, PAGE, Library, named_threats, shipped_library, threats_like
 from armour.scenario.scenario import load_scenario, parse_scenario, scenario_schema
 from tests.helpers.cases import data
 
@@ -35,11 +27,7 @@ def test_the_papers_table_2_is_there():
     assert {"AD85", "AD99.5", "Al-N"} <= set(library.names("ceramic"))
     assert {"6061-T6", "7075-T6", "5083-H3", "AA6082-T651"} <= set(library.names("metal"))
     [ceramic] = library.find("AD99.5")
-    assert (ceramic["density_kg_m3"], ceramic["youngs_modulus_GPa"], ceramic["flow_stress_GPa"]) == (
-        3840,
-        350,
-        6.2,
-    )
+    assert (ceramic["density_kg_m3"], ceramic["youngs_modulus_GPa"], ceramic["flow_stress_GPa"]) == (3840, 350, 6.2)
     [metal] = library.find("7075-T6")
     assert (metal["dynamic_yield_strength_MPa"], metal["flow_stress_GPa"]) == (588, 1.587)
     [core] = library.find("7.62 mm APM2")
