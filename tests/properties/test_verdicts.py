@@ -12,8 +12,9 @@ from armour.reporting.design_page import design_page
 from armour.reporting.scenario_report import contents_of, scenario_report
 from armour.reporting.views.design import check_junit
 from armour.scenario.scenario import Scenario
+from tests.helpers.browser import needs_chromium
 from tests.helpers.cases import scenario
-from tests.reporting.test_design_page import CHROMIUM, Question, browsed
+from tests.reporting.test_design_page import Question, browsed
 
 pytestmark = pytest.mark.slow
 
@@ -149,7 +150,7 @@ def test_a_report_says_the_same(seed: int):
             assert (found.passed, found.lead[:5] in ("Meets", "")) == (expected == "passes", expected == "passes")
 
 
-@pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")
+@needs_chromium
 def test_a_page_says_the_same(tmp_path: Path):
     """Pages do not sample distributions: they say so, and give the answer of the search."""
     seeds = [seed for seed in SEEDS[::2] if not case(seed).distributions()]
