@@ -156,8 +156,8 @@ def test_shots_that_touch():
 
 def many_shots(case: str) -> Shots:
     dice = np.random.default_rng(1)
-    velocities = dice.normal(720.0, 40.0, 600)
-    limits = dice.normal(720.0, 0.0 if case == "apart" else 15.0, 600)
+    velocities = dice.normal(720.0, 40.0, 300)
+    limits = dice.normal(720.0, 0.0 if case == "apart" else 15.0, 300)
     velocities[0] = 7200.0 if case == "far" else 700.0
     complete = velocities > limits
     if case == "one complete":
