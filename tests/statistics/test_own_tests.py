@@ -267,13 +267,15 @@ def test_a_plate_of_which_no_test_is_known_has_none_by_own_tests():
     assert result.evidence is None
 
 
-@pytest.mark.parametrize("law", ["constant", "backing", "product"])
+@pytest.mark.parametrize("law", ["backing", "product"])
 def test_the_probability_is_the_same_whichever_law_was_fitted(law: Law):
-    case = of_wilkins(law)
     expected = probability(confidence(of_wilkins("constant")))
     assert 0.3 < expected < 0.7
-    assert probability(confidence(case)) == pytest.approx(expected, abs=1e-4)
-    # Rows and designs are single answers.
+    assert probability(confidence(of_wilkins(law))) == pytest.approx(expected, abs=1e-4)
+
+
+def test_rows_and_designs_are_single_answers():
+    case = of_wilkins("product")
     [of_row] = evaluate(case, {}, ["probability_of_stopping"])["probability_of_stopping"]
     only = {"thickness_mm": [6.35]}
     catalogue = {
@@ -390,19 +392,18 @@ def test_the_file_keeps_the_tests_readably():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("own", [1, 3])
-def test_tests_of_a_series_of_wilkins_predict_the_others_of_it(own: int):
-    outcome = campaign.wilkins(own)
+def test_tests_of_a_series_of_wilkins_predict_the_others_of_it():
+    outcome = campaign.wilkins(3)
     assert outcome.within.mean() >= 0.95
     assert outcome.above.mean() >= 0.95
-    assert 100.0 * (outcome.error**2).mean() ** 0.5 <= {1: 4.6, 3: 2.6}[own]
+    assert 100.0 * (outcome.error**2).mean() ** 0.5 <= 2.6
 
 
 @pytest.mark.slow
 def test_tests_of_a_real_lot_predict_the_others_of_it():
     """As on docs/evidence/own-tests.md, of fewer draws."""
     before, after = (
-        {lot.name: lot.by_kind["all"] for lot in campaign.lots_of("fragments_aluminium", own, draws=20)}
+        {lot.name: lot.by_kind["all"] for lot in campaign.lots_of("fragments_aluminium", own, draws=6)}
         for own in (0, 1)
     )
     shares = [100.0 * sum(lots[name][2] for name in after) / len(after) for lots in (before, after)]
@@ -415,7 +416,7 @@ def test_tests_of_a_real_lot_predict_the_others_of_it():
 @pytest.mark.parametrize("case", campaign.CASES, ids=lambda case: case.name)
 def test_intervals_hold_the_limits_of_simulated_lots(case: campaign.Case):
     dice = np.random.default_rng(3)
-    for outcome in campaign.simulated(case, 2, 0.035, dice, samples=60).values():
+    for outcome in campaign.simulated(case, 2, 0.035, dice, samples=24).values():
         assert outcome.within.mean() >= 0.92
         assert outcome.above.mean() >= 0.92
 
