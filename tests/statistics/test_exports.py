@@ -117,7 +117,7 @@ def test_how_a_table_was_read_is_one_line(tmp_path: Path):
 
 def test_random_exports_hold_what_was_written(tmp_path: Path):
     refused = []
-    for seed in range(500):
+    for seed in range(100):
         made = export(Random(seed))
         (tmp_path / "t.csv").write_bytes(made.content)
         try:
@@ -127,7 +127,7 @@ def test_random_exports_hold_what_was_written(tmp_path: Path):
             continue
         assert list(shots.velocities_m_s) == pytest.approx(made.velocities_m_s, abs=1e-9), seed
         assert list(shots.complete) == made.complete, seed
-    assert len(refused) <= 25, refused
+    assert len(refused) <= 5, refused
 
 
 def shots_of(folder: Path, text: str, **settings: object) -> armour.Shots:
@@ -384,12 +384,10 @@ def test_a_workbook(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
 def test_velocities_in_feet_are_named_as_such():
     case = scenario(uncertainty={"model": {"included": False}})
     shots = armour.Shots((2350.0, 2400.0, 2370.0, 2420.0), (False, True, False, True))
-    for warnings in (armour.v50(shots, case).warnings, armour.plan_shots(case, shots).warnings):
-        assert any("they are probably ft/s" in text for text in warnings)
-    assert not any("ft/s" in text for text in armour.v50(armour.Shots((700.0, 720.0), (False, True)), case).warnings)
-    rows = [
-        {"armour.ceramic_thickness_mm": mm, "ballistic_limit_m_s": v} for mm, v in ((5, 2170), (6, 2310), (8, 2590))
-    ]
+    assert "they are probably ft/s" in armour.v50(shots, case, confidence=0.5).warnings[0]
+    slow = armour.Shots((700.0, 720.0), (False, True))
+    assert not any("ft/s" in text for text in armour.v50(slow, case, confidence=0.5).warnings)
+    rows = [{"armour.ceramic_thickness_mm": 5, "ballistic_limit_m_s": 2170}]
     fitted = armour.calibrate(armour.read_tests(rows, case), case)
     assert "they are probably ft/s" in fitted.warnings[0]
 
@@ -398,7 +396,7 @@ def test_json_holds_the_shots_and_the_hash_of_their_table(tmp_path: Path):
     content = EXPORTS["feet"][0]
     (tmp_path / "t.csv").write_bytes(content)
     shots = armour.read_shots(tmp_path / "t.csv")
-    for data in (armour.v50(shots).to_dict(), armour.plan_shots(None, shots).to_dict()):
+    for data in (armour.v50(shots, confidence=0.5).to_dict(), armour.plan_shots(None, shots).to_dict()):
         fired = json.loads(json.dumps(data))["fired"]
         assert fired["velocities_m_s"] == pytest.approx(EXPORTS["feet"][1])
         assert fired["read"]["sha256"] == sha256(content).hexdigest()

@@ -83,8 +83,8 @@ def test_independent_samples_agree_within_the_interval(
 def test_the_same_seed_gives_the_same_numbers():
     normal = {"distribution": "normal", "standard_deviation_percent": 2.0}
     few = with_section(ceramic={"flow_stress_GPa": normal, "density_kg_m3": normal}, samples=128)
-    assert uncertainty(few) == uncertainty(few)
-    assert uncertainty(few) != uncertainty(few.replaced({"uncertainty.seed": 2}))
+    first = uncertainty(few)
+    assert first == uncertainty(few) != uncertainty(few.replaced({"uncertainty.seed": 2}))
 
 
 def test_the_limits_are_those_of_changed_scenarios(uncertain: Scenario):
@@ -111,7 +111,7 @@ def test_the_error_of_the_model_is_an_input():
 
 
 def test_the_error_of_the_model_adds_to_the_inputs(uncertain: Scenario):
-    few = uncertain.replaced({"uncertainty.samples": 1024})
+    few = uncertain.replaced({"uncertainty.samples": 512})
     alone = uncertainty(few)
     error_section = {"scale_percent": 5.0, "degrees_of_freedom": 30.0}
     both = uncertainty(few.replaced({"uncertainty.model": {"included": True, **error_section}}))
@@ -157,8 +157,8 @@ def test_the_index_of_the_models_error_leaves_out_its_tails():
 def test_samples_by_several_laws_are_the_mixture():
     """The sampled probability is the mean, over samples of the inputs, of the probability that `confidence` gives."""
     normal = {"distribution": "normal", "standard_deviation_percent": 2.5}
-    case = scenario(velocity=724.0, uncertainty={"samples": 1024, "ceramic": {"flow_stress_GPa": normal}})
-    values = stats.norm(5.2, 0.13).ppf((np.arange(400) + 0.5) / 400)
+    case = scenario(velocity=724.0, uncertainty={"samples": 256, "ceramic": {"flow_stress_GPa": normal}})
+    values = stats.norm(5.2, 0.13).ppf((np.arange(50) + 0.5) / 50)
     [exact] = evaluate(case, {"ceramic.flow_stress_GPa": values}, ["probability_of_stopping"]).values()
     assert 1.0 - exact.mean() == pytest.approx(uncertainty(case).probability_of_perforation.value, abs=0.004)
 
@@ -240,7 +240,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
     truth = {p: sqrt(whole) * stats.norm.ppf(p) for p in (0.05, 0.5, 0.95)}
     shares = np.array([9.0, 1.5**2, 1.5**2]) / whole
     held: list[bool] = []
-    for seed in range(60):
+    for seed in range(20):
         replicate = section.model_copy(update={"seed": seed})
         points = points_of(replicate)
         values = np.array(list(columns_of(replicate, dict.fromkeys(INPUTS, 0.0), points).values())).T @ weights

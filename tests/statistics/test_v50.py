@@ -40,12 +40,6 @@ def test_the_mean_of_mil_std_662f_by_hand():
     assert mean_of(APART) is None
 
 
-def test_a_velocity_without_its_decimal_point_is_warned_of():
-    fired = Shots((812.4, 8451.0, 828.0, 815.7), (False, True, True, False))
-    [warning] = v50(fired).warnings
-    assert warning.startswith("a shot at 8451 m/s is far from the median of the shots, 822 m/s")
-
-
 def test_a_prior_adds_the_posterior_and_its_part_and_a_scenario_its_limit():
     result = v50(APART, scenario(), prior=True)
     assert result.model_ballistic_limit_m_s == pytest.approx(723.77, abs=0.02)
@@ -109,14 +103,18 @@ def test_the_further_result_bounds_v50_as_it_says_and_better_than_others():
     assert nearest.confidence == 0.5
 
 
-@pytest.mark.parametrize("far", [512.0, 8386.0])
-def test_the_further_result_is_near_most_shots(far: float):
+@pytest.mark.parametrize(("far", "warned"), [(512.0, 0), (8386.0, 1)])
+def test_the_further_result_is_near_most_shots_and_a_missing_decimal_point_is_warned_of(far: float, warned: int):
     near = [(812.0, 0), (847.0, 1), (829.0, 0), (839.0, 1), (824.0, 0), (834.0, 1), (827.0, 1), (835.0, 0)]
     velocities, results = zip(*near, (far, far > 1000.0), strict=True)
     shots = Shots(velocities, [bool(result) for result in results])
-    further = v50(shots).further
-    assert further is not None
-    assert 650.0 < further.velocity_m_s < 1000.0
+    found = v50(shots)
+    assert found.further is not None
+    assert 650.0 < found.further.velocity_m_s < 1000.0
+    told = [
+        text for text in found.warnings if text.startswith("a shot at 8386 m/s is far from the median of the shots")
+    ]
+    assert len(found.warnings) == len(told) == warned
 
 
 def test_points_of_the_recommended_curve():
