@@ -15,6 +15,7 @@ from armour.statistics.fitted_library import library_text, save_fit, scenario_te
 from armour.statistics.measured import read_tests
 from tests.helpers.cases import TESTS, scenario, shipped_scenario
 from tests.helpers.fits import table_of, wilkins_fit
+from tests.helpers.known import known
 
 pytestmark = pytest.mark.slow
 
@@ -99,8 +100,7 @@ coefficient = 0.2
     assert loaded.uncertainty.model is None
     entry = loaded.entry("ceramic", "AD85, lot 7")
     assert entry["flow_stress_backing_exponent"] == pytest.approx(0.3232, abs=1e-3)
-    assert entry.evidence is not None
-    assert entry.evidence.model_dump(exclude_none=True) == {**(result.evidence or {}), "lot": "lot 7"}
+    assert known(entry.evidence).model_dump(exclude_none=True) == {**(result.evidence or {}), "lot": "lot 7"}
 
 
 def test_every_place_that_names_the_material_follows(tmp_path: Path):
@@ -133,8 +133,7 @@ def test_a_fit_of_several_inputs_is_written_with_their_distributions(tmp_path: P
     assert result.evidence is None
     path = tmp_path / "made.toml"
     path.write_text(scenario_text(result, tests, wilkins, "lot 7", path))
-    section = load_scenario(path).uncertainty
-    assert section is not None
+    section = known(load_scenario(path).uncertainty)
     for coefficient in result.coefficients:
         assert section.inputs()[coefficient.name].distribution == "normal"
         assert section.inputs()[coefficient.name].standard_deviation == pytest.approx(
@@ -198,8 +197,7 @@ def test_one_test_is_enough(tmp_path: Path):
     [warning] = (text for text in result.warnings if "too few" in text)
     assert "4 % of each measured value is assumed" in warning
     (tmp_path / "s.toml").write_text(scenario_text(result, tests, wilkins, "lot 7", tmp_path / "s.toml"))
-    evidence = load_scenario(tmp_path / "s.toml").entry("ceramic", "AD85, lot 7").evidence
-    assert evidence is not None
+    evidence = known(load_scenario(tmp_path / "s.toml").entry("ceramic", "AD85, lot 7").evidence)
     assert (evidence.lot, evidence.source) == ("lot 7", "1 test of rows")
 
 

@@ -25,6 +25,7 @@ from armour.statistics.own_tests import predicted_tests, repeated
 from tests.design.results import best_of
 from tests.helpers.cases import TESTS, shipped_scenario
 from tests.helpers.fits import table_of, wilkins_fit
+from tests.helpers.known import known
 from tools.campaigns import own_tests as campaign
 
 STRENGTH = "backing.flow_stress_GPa"
@@ -67,9 +68,7 @@ VERY = parse_scenario(
             "backing_thickness_mm": 6.5,
         },
         "library": {
-            "ceramic": {
-                "Alumina 98": {"density_kg_m3": 3820.0, "youngs_modulus_GPa": 350.0, "flow_stress_GPa": 5.7},
-            },
+            "ceramic": {"Alumina 98": {"density_kg_m3": 3820.0, "youngs_modulus_GPa": 350.0, "flow_stress_GPa": 5.7}},
             "projectile": {
                 "dense": {
                     "penetrator_diameter_mm": 5.6,
@@ -115,8 +114,7 @@ def test_answers_show_what_was_measured_here_and_what_the_other_tests_say():
     answers.append(best_of(optimise(case.replaced({"optimise": only, VELOCITY: 800.0}))).model_error)
     for error in answers:
         assert error is not None
-        here = error.tests_here
-        assert here is not None
+        here = known(error.tests_here)
         assert (here.limits_m_s, here.uncertainties_m_s, here.others) == ((905.0,), (12.0,), 2)
         # As the two others alone are calibrated to, but for their own fitted flow stress.
         alone = confidence(very(*VERY_TESTS[1:]))
@@ -124,21 +122,17 @@ def test_answers_show_what_was_measured_here_and_what_the_other_tests_say():
         words = model_error_words(error)
         assert "measured 905 ± 12 m/s here (1 own test); the 2 other own tests alone: about 10" in words
         assert words.endswith("rests on one test of this armour: a second V50 would settle it")
-    elsewhere = confidence(case.replaced({CERAMIC: 8.5})).model_error
-    assert elsewhere is not None
+    elsewhere = known(confidence(case.replaced({CERAMIC: 8.5})).model_error)
     assert elsewhere.tests_here is None
 
 
 def test_each_own_test_is_predicted_from_the_others():
     """As `confidence` predicts its armour, with the two others alone calibrated."""
-    entry = very(*VERY_TESTS).entry_of("ceramic")
-    assert entry is not None
-    assert entry.evidence is not None
-    first, *others = predicted_tests(entry, entry.evidence)
+    entry = known(very(*VERY_TESTS).entry_of("ceramic"))
+    first, *others = predicted_tests(entry, known(entry.evidence))
     assert (first.measured_m_s, first.uncertainty_m_s, first.bound) == (905.0, 12.0, "")
     assert (first.ceramic_thickness_mm, first.backing_thickness_mm) == pytest.approx((8.0, 6.5))
-    here = confidence(very(*VERY_TESTS)).model_error
-    assert here is not None
+    here = known(confidence(very(*VERY_TESTS)).model_error)
     assert here.tests_here is not None
     assert first.predicted_m_s == pytest.approx(here.tests_here.median_m_s, rel=1e-3)
     assert first.interval_m_s == pytest.approx(here.tests_here.interval_m_s, rel=1e-3)
@@ -148,11 +142,9 @@ def test_each_own_test_is_predicted_from_the_others():
 def test_a_second_test_of_the_armour_settles_it():
     once, twice = (very(VERY_TESTS[0], *VERY_TESTS[1:], *more) for more in ((), ("8,7.62 mm B32,915,12",)))
     errors = [confidence(case).model_error for case in (once, twice)]
-    assert errors[1] is not None
-    assert "settle" not in model_error_words(errors[1])
+    assert "settle" not in model_error_words(known(errors[1]))
     assert interval_of(twice)[0] > interval_of(once)[0] + 15.0
-    torn = confidence(very(*VERY_TESTS, "8,7.62 mm B32,1105,12")).model_error
-    assert torn is not None
+    torn = known(confidence(very(*VERY_TESTS, "8,7.62 mm B32,1105,12")).model_error)
     assert "these tests do not agree" in model_error_words(torn)
 
 
@@ -176,9 +168,8 @@ def test_three_tests_of_thick_plates_do_not_make_a_thin_one_safe():
     for result, measured in ((thin, 447.0), (middle, 599.0)):
         low, high = result.interval_m_s or (0.0, 0.0)
         assert low < measured < high
-    assert thin.model_error is not None
     title = "147 tests of fragment simulators on 14 aluminium alloys and 3 own tests of this lot"
-    assert thin.model_error.source == title
+    assert known(thin.model_error).source == title
 
 
 def test_shipped_tests_given_as_own_tests_are_warned_of():
@@ -197,8 +188,7 @@ def test_shipped_tests_given_as_own_tests_are_warned_of():
 def test_own_tests_hold_for_the_named_entry_with_its_calibrated_value():
     case = scenario_of(THICK, FRAGMENT, STRENGTH)
     shipped = confidence(case.replaced({"armour.backing": "M"}))
-    assert shipped.model_error is not None
-    assert "own tests" not in shipped.model_error.source
+    assert "own tests" not in known(shipped.model_error).source
     changed = confidence(case.replaced({STRENGTH: 1.2}))
     assert changed.probability_of_stopping is None
     assert "differs from the own tests of lot 7: back plates with a flow stress of 1.277 GPa" in changed.reason
@@ -214,8 +204,7 @@ def test_own_tests_hold_for_the_named_entry_with_its_calibrated_value():
     for order in ({"A": other_lot, **metals}, {**metals, "A": other_lot}):
         library = {**data, "library": {"metal": order}}
         of_a = confidence(parse_scenario(library).replaced({"armour.backing": "A"}))
-        assert of_a.model_error is not None
-        assert of_a.model_error.source.endswith("and 1 own test of this lot")
+        assert known(of_a.model_error).source.endswith("and 1 own test of this lot")
 
 
 def test_own_tests_keep_their_names_and_the_limits_of_the_calibrated_entry():
@@ -229,10 +218,8 @@ def test_own_tests_keep_their_names_and_the_limits_of_the_calibrated_entry():
         )
     ]
     tests = read_tests(rows, case)
-    entry = scenario_of(tests, case, FLOW_STRESS).entry_of("ceramic")
-    assert entry is not None
-    assert entry.evidence is not None
-    own = predicted_tests(entry, entry.evidence)
+    entry = known(scenario_of(tests, case, FLOW_STRESS).entry_of("ceramic"))
+    own = predicted_tests(entry, known(entry.evidence))
     assert [test.name for test in own] == ["A1, North", "A2, North", "B1, South"]
     calibrated = scenario_of(tests, case, FLOW_STRESS)
     limits = [confidence(calibrated.replaced({CERAMIC: mm})).ballistic_limit_m_s for mm in (6.0, 8.0, 6.0)]
@@ -284,10 +271,8 @@ def test_rows_and_designs_are_single_answers():
         "confidence": 0.51,
     }
     pairs = {pair.ceramic: pair.best for pair in optimise(case.replaced({"design": catalogue, VELOCITY: 660.0})).pairs}
-    best = pairs["AD85, lot 7"]
-    assert best is not None
-    assert best.model_error is not None
-    assert best.model_error.source.endswith("and 13 own tests of this lot")
+    best = known(pairs["AD85, lot 7"])
+    assert known(best.model_error).source.endswith("and 13 own tests of this lot")
     single = probability(confidence(case.replaced({VELOCITY: 660.0})))
     assert [*best.probabilities_of_stopping.values()] == pytest.approx([single], abs=1e-9)
     assert of_row == pytest.approx(probability(confidence(case)), abs=1e-9)
@@ -385,8 +370,7 @@ def test_the_file_keeps_the_tests_readably():
     text = scenario_text(calibrate(THICK, FRAGMENT, STRENGTH), THICK, FRAGMENT, "lot 7", FILE)
     assert "velocity_m_s = [865.0, 848.0, 881.0]\n" in text
     assert 'lot = "lot 7"\n' in text
-    again = parse_scenario(tomllib.loads(text)).entry("metal", "M, lot 7").evidence
-    assert again is not None
+    again = known(parse_scenario(tomllib.loads(text)).entry("metal", "M, lot 7").evidence)
     q = armours_of(FRAGMENT.replaced({BACKING: 36.6})).quantities()
     assert again.tests["backing_thickness_ratio"][0] == pytest.approx(q["backing_thickness_ratio"][0])
 
@@ -488,8 +472,7 @@ def test_residuals_that_split_by_a_column_that_is_no_input_are_warned_of(column:
     result = calibrate(tests, case)
     named = [warning for warning in result.warnings if f"the deviations differ by {column}: A -4." in warning]
     assert len(named) == apart
-    assert result.evidence is not None
-    assert ("series" in result.evidence["tests"]) == (column == "laboratory")
+    assert ("series" in known(result.evidence)["tests"]) == (column == "laboratory")
 
 
 def test_an_answer_is_for_a_laboratory_that_did_not_test():
@@ -503,8 +486,7 @@ def test_an_answer_is_for_a_laboratory_that_did_not_test():
     (low, high), (lowest, highest) = interval_of(of_one), interval_of(of_two)
     assert highest / lowest > high / low
     for calibrated, several in ((of_one, False), (of_two, True)):
-        error = confidence(calibrated).model_error
-        assert error is not None
+        error = known(confidence(calibrated).model_error)
         assert error.source.endswith(", for another laboratory or series") == several
 
 

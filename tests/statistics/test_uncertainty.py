@@ -26,6 +26,7 @@ from armour.statistics.uncertainty import (
     uncertainty,
 )
 from tests.helpers.cases import scenario, shipped_scenario
+from tests.helpers.known import known
 
 pytestmark = pytest.mark.slow
 
@@ -97,8 +98,7 @@ def test_the_limits_are_those_of_changed_scenarios(uncertain: Scenario):
 def test_the_error_of_the_model_is_an_input():
     """Of the probability and the quantiles, against the distribution from tests."""
     result = uncertainty(scenario(velocity=700.0, uncertainty={"samples": 2048}))
-    error = result.model_error
-    assert error is not None
+    error = known(result.model_error)
     assert result.deterministic_m_s == pytest.approx(723.77, abs=0.01)
     exact = 1.0 - error.probability_of_stopping(result.deterministic_m_s, 700.0)
     assert result.probability_of_perforation.value == pytest.approx(exact, abs=0.002)
@@ -128,15 +128,11 @@ def test_the_total_index_of_the_models_error_is_exact():
     alone = uncertainty(scenario(uncertainty={**sections, "model": {"included": False}}))
     both = uncertainty(scenario(uncertainty={**sections, "model": error_section}))
     [error] = [index for index in both.inputs if index.input == "model.limit_error_percent"]
-    assert error.first is not None
-    assert error.total is not None
     cv = alone.standard_deviation_m_s / alone.mean_m_s
-    assert error.total.value / error.first.value == pytest.approx(1.0 + cv**2, rel=1e-4)
+    assert known(error.total).value / known(error.first).value == pytest.approx(1.0 + cv**2, rel=1e-4)
     # By several laws, interactions are more than that.
     [mixed] = [i for i in uncertainty(scenario(uncertainty=sections)).inputs if i.input == "model.limit_error_percent"]
-    assert mixed.first is not None
-    assert mixed.total is not None
-    assert mixed.total.value >= mixed.first.value
+    assert known(mixed.total).value >= known(mixed.first).value
 
 
 def test_the_index_of_the_models_error_leaves_out_its_tails():
@@ -175,9 +171,7 @@ def test_an_unknown_error_is_told():
 def test_a_total_index_is_not_below_the_first_order_one():
     """By their sampling errors alone it would be: 0.155 and 0.172."""
     for index in uncertainty(shipped_scenario("uncertain").replaced({"uncertainty.samples": 2048})).inputs:
-        assert index.first is not None
-        assert index.total is not None
-        assert index.total.value >= index.first.value
+        assert known(index.total).value >= known(index.first).value
 
 
 def test_only_the_velocity():

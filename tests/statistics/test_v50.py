@@ -10,6 +10,7 @@ from armour.errors import InputError
 from armour.statistics.curves import Interval, fit_curve
 from armour.statistics.v50 import MeanV50, Shots, mean_v50, read_shots, v50
 from tests.helpers.cases import csv_file, scenario
+from tests.helpers.known import known
 
 pytestmark = pytest.mark.slow
 
@@ -26,13 +27,11 @@ answer = cache(v50)
 
 
 def test_the_mean_of_mil_std_662f_by_hand():
-    mean = mean_of(MIXED)
-    assert mean is not None
+    mean = known(mean_of(MIXED))
     # Highest partial 722, 720, 710; lowest complete 715, 725, 730.
     assert mean.v50_m_s == pytest.approx((722 + 720 + 710 + 715 + 725 + 730) / 6)
     assert (mean.pairs, mean.span_m_s, mean.span_allowed_m_s) == (3, 20.0, 27.4)
-    two = mean_of(MIXED, pairs=2)
-    assert two is not None
+    two = known(mean_of(MIXED, pairs=2))
     assert (two.v50_m_s, two.span_m_s) == ((722 + 720 + 715 + 725) / 4, 10.0)
     assert mean_of(MIXED, pairs=4, span_m_s=40.0) is not None
     assert mean_of(MIXED, pairs=4, span_m_s=30.0) is None
@@ -49,8 +48,7 @@ def test_a_prior_adds_the_posterior_and_its_part_and_a_scenario_its_limit():
     assert result.prior_share == pytest.approx(
         (result.posterior.standard_deviation_m_s / result.prior.standard_deviation_m_s) ** 2
     )
-    assert result.prior_share is not None
-    assert 0.0 < result.prior_share < 0.1
+    assert 0.0 < known(result.prior_share) < 0.1
     assert result.prior.v50_interval_m_s == pytest.approx(result.model_interval_m_s, abs=1.0)
     low, high = result.posterior.v50_interval_m_s
     assert 690.0 < low < 720.0 < high < 745.0
@@ -75,8 +73,7 @@ OPEN = Shots(
 
 def test_a_v50_beyond_the_shots_without_a_bounded_interval_is_not_the_answer():
     result = answer(OUTSIDE)
-    assert result.recommended is not None
-    assert result.recommended.v50_m_s < 720.0
+    assert known(result.recommended).v50_m_s < 720.0
     assert result.extrapolated
     assert "V50 not bounded by 5 shots" in repr(result)
     assert not answer(OPEN).extrapolated
@@ -84,22 +81,19 @@ def test_a_v50_beyond_the_shots_without_a_bounded_interval_is_not_the_answer():
 
 def test_the_further_result_bounds_v50_as_it_says_and_better_than_others():
     result = answer(OPEN)
-    further = result.further
-    assert further is not None
+    further = known(result.further)
     assert further.confidence == 0.95 > (result.bounded_confidence or 0.0)
 
     def with_shot(velocity: float, complete: bool) -> Interval:
         shots = Shots((*OPEN.velocities_m_s, velocity), (*OPEN.complete, complete))
-        fit = fit_curve(shots.of(complete=False), shots.of(complete=True), "probit", penalised=True)
-        assert fit is not None
+        fit = known(fit_curve(shots.of(complete=False), shots.of(complete=True), "probit", penalised=True))
         return fit.v50_interval_m_s
 
     assert with_shot(further.velocity_m_s, further.complete) == further.interval_m_s
     # Not every result would: this is what the answer used to ask for.
     assert None in with_shot(500.0, False)
     assert answer(APART).further is None
-    nearest = answer(OUTSIDE).further
-    assert nearest is not None
+    nearest = known(answer(OUTSIDE).further)
     assert nearest.confidence == 0.5
 
 
@@ -109,8 +103,7 @@ def test_the_further_result_is_near_most_shots_and_a_missing_decimal_point_is_wa
     velocities, results = zip(*near, (far, far > 1000.0), strict=True)
     shots = Shots(velocities, [bool(result) for result in results])
     found = v50(shots)
-    assert found.further is not None
-    assert 650.0 < found.further.velocity_m_s < 1000.0
+    assert 650.0 < known(found.further).velocity_m_s < 1000.0
     told = [
         text for text in found.warnings if text.startswith("a shot at 8386 m/s is far from the median of the shots")
     ]
@@ -118,8 +111,7 @@ def test_the_further_result_is_near_most_shots_and_a_missing_decimal_point_is_wa
 
 
 def test_points_of_the_recommended_curve():
-    fit = answer(APART).recommended
-    assert fit is not None
+    fit = known(answer(APART).recommended)
     result = v50(APART, at_m_s=fit.v50_m_s, fraction=0.05)
     assert result.at is not None
     assert result.at.probability == pytest.approx(0.5)
@@ -130,8 +122,7 @@ def test_points_of_the_recommended_curve():
 
 
 def test_a_requirement_on_another_fraction_is_met_at_its_one_sided_bound():
-    fit = answer(APART).recommended
-    assert fit is not None
+    fit = known(answer(APART).recommended)
     bound = fit.v05_lower_m_s or 0.0
     found = [v50(APART, requirement_m_s=bound + away, requirement_fraction=0.05) for away in (-1.0, 1.0)]
     assert [each.decision for each in found] == ["met", "not decided"]
@@ -150,8 +141,7 @@ def test_the_curve_with_its_band():
     [(None, None, "usual span"), (3, 30.5, "given span"), (1, 30.5, "no usual rule"), (4, 40.0, "no usual rule")],
 )
 def test_the_rule_of_a_mean(pairs: int | None, span_m_s: float | None, rule: str):
-    mean = mean_of(MIXED, pairs, span_m_s)
-    assert mean is not None
+    mean = known(mean_of(MIXED, pairs, span_m_s))
     assert mean.rule == rule
 
 
