@@ -20,7 +20,7 @@ from tests.helpers.known import known
 from tests.statistics.results import uncertainty_result
 
 # Lists, which a type checker accepts too.
-SHOTS = Shots([700.0, 710.0, 720.0, 730.0], [False, True, False, True])
+SHOTS = Shots([700.0, 708.0, 715.0, 731.0, 740.0, 748.0], [False] * 3 + [True] * 3)
 
 
 class Frame(dict[str, object]):

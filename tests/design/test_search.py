@@ -20,7 +20,7 @@ from armour.engine import batch
 from armour.errors import InputError
 from armour.scenario.scenario import load_scenario
 from tests.design.results import best_of
-from tests.helpers.cases import CERAMICS, GIVEN, METALS, SCENARIOS, THREATS, catalogue, offer, scenario
+from tests.helpers.cases import CERAMICS, GIVEN, METALS, SCENARIOS, THREATS, catalogue, grid, offer, scenario
 from tests.helpers.examples import examples
 from tests.helpers.known import known
 
@@ -228,8 +228,8 @@ def test_the_passing_thicknesses_may_end_below_the_greatest_on_offer():
     narrow = wide.replaced({"design.ceramic": [{**ceramic, "thickness_mm": {"min": 4.0, "max": 12.0}}]})
     best = best_of(optimise(narrow))
     assert best_of(optimise(wide)).areal_density_kg_m2 == pytest.approx(best.areal_density_kg_m2, abs=2e-4)
-    grid = {name: {"min": 6.0, "max": 9.0, "step": 1.0} for name in ("ceramic_thickness_mm", "backing_thickness_mm")}
-    wilkins = optimise(load_scenario("wilkins", {"design.confidence": 0.9, "optimise": grid}), refine=True)
+    case = load_scenario("wilkins", {"design.confidence": 0.9, "optimise": grid((6.0, 9.0, 1.0), (8.0, 9.0, 1.0))})
+    wilkins = optimise(case, refine=True)
     assert known(wilkins.refined).areal_density_kg_m2 < best_of(wilkins).areal_density_kg_m2 - 0.1
 
 
