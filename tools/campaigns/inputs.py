@@ -320,9 +320,9 @@ def leaves(command: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[str, list
         yield " ".join(path), list(command.params)
 
 
-def ends(low: float, high: float) -> Callable[[Maker], str]:
-    """Return a maker of numbers between ends."""
-    return lambda maker: maker.between(low, high)
+def between(ends: dict[str, tuple[float, float]]) -> dict[str, Callable[[Maker], str]]:
+    """Return makers of numbers by the name of their option, given the ends of each."""
+    return {name: partial(Maker.between, low=low, high=high) for name, (low, high) in ends.items()}
 
 
 def of(*some: object) -> Callable[[Maker], str]:
@@ -371,8 +371,6 @@ VALUES: dict[str, Callable[[Maker], str]] = {
     "--quantities": lambda maker: ",".join(sorted({maker.among(*QUANTITIES) for _ in range(2)})),
     "--threads": of(1, 2),
     "--scheduler": of("x", "tcp://", "x:y:z"),
-    "--velocity": ends(300.0, 1500.0),
-    "--confidence": ends(0.5, 0.999),
     "--samples": of(128, 256, 1024, "512"),
     "--only": of("fig09", "fig10", "x", "7.62"),
     "--format": of("png", "svg"),
@@ -380,30 +378,22 @@ VALUES: dict[str, Callable[[Maker], str]] = {
     "--fit": of("ceramic.flow_stress_GPa", "backing.flow_stress_GPa", "projectile.density_kg_m3"),
     "--law": of("constant", "ceramic", "backing", "product", "linear", "all"),
     "--pairs": of(1, 2, 3, 5),
-    "--span-m-s": ends(10.0, 60.0),
     "--procedure": of("bayesian", "neyer", "langlie", "up-and-down"),
-    "--half-width-m-s": ends(5.0, 60.0),
-    "--requirement-m-s": ends(500.0, 1000.0),
-    "--requirement-fraction": ends(0.01, 0.9),
-    "--scatter-percent": ends(0.5, 8.0),
-    "--scatter-factor": ends(1.1, 4.0),
-    "--true-v50-m-s": ends(600.0, 1000.0),
-    "--true-scatter-m-s": ends(5.0, 40.0),
     "--seed": of(0, 1, 7),
-    "--lower-m-s": ends(300.0, 700.0),
-    "--upper-m-s": ends(800.0, 1500.0),
     "--result": of("partial", "complete", "p", "cp"),
-    "--velocity-m-s": ends(500.0, 1000.0),
-    "--velocity-max-m-s": ends(600.0, 1500.0),
-    "--at-m-s": ends(500.0, 1000.0),
-    "--fraction": ends(0.01, 0.99),
     "--where": of("panel=A", "panel=1", "remark=x", "x", *TEXTS),
     "--sheet": of("Sheet1", *TEXTS),
     "--curve": to("k.csv"),
+    **between({"--velocity": (300.0, 1500.0), "--confidence": (0.5, 0.999), "--span-m-s": (10.0, 60.0)}),
+    **between({"--half-width-m-s": (5.0, 60.0), "--requirement-m-s": (500.0, 1000.0)}),
+    **between({"--requirement-fraction": (0.01, 0.9), "--scatter-percent": (0.5, 8.0), "--scatter-factor": (1.1, 4.0)}),
+    **between({"--true-v50-m-s": (600.0, 1000.0), "--true-scatter-m-s": (5.0, 40.0), "--lower-m-s": (300.0, 700.0)}),
+    **between({"--upper-m-s": (800.0, 1500.0), "--velocity-m-s": (500.0, 1000.0)}),
+    **between({"--velocity-max-m-s": (600.0, 1500.0), "--at-m-s": (500.0, 1000.0), "--fraction": (0.01, 0.99)}),
+    **between({"--cost": (0.0, 5000.0)}),
     "--number": of(1, 2, 4, 8),
     "--criterion": of("D", "I"),
     "--measure": of("limit", "outcome"),
-    "--cost": ends(0.0, 5000.0),
 }
 # How often an option is given that is not given in a fifth of the trials.
 OFTEN = {

@@ -30,10 +30,7 @@ from tools.experiments.share import Share
 SCATTER, NUMBER = 0.03, 13
 # Least share of intervals that must contain the truth, per cent.
 LEAST = 90.0
-CANDIDATES = {
-    CERAMIC: {"min": 4.0, "max": 12.0, "step": 0.5},
-    BACKING: {"min": 3.0, "max": 10.0, "step": 0.5},
-}
+CANDIDATES = {CERAMIC: {"min": 4.0, "max": 12.0, "step": 0.5}, BACKING: {"min": 3.0, "max": 10.0, "step": 0.5}}
 
 
 @dataclass(frozen=True)
