@@ -204,10 +204,8 @@ def ends(name: str) -> Iterator[list[str]]:
     plates = plates_of(group.kind, group.metal)
     for column, words in (("backing_thickness_ratio", "thickness"), ("backing_strength_GPa", "strength")):
         values = plates.quantities[column]
-        for end, out in (
-            ("least", values <= np.quantile(values, END)),
-            ("greatest", values >= np.quantile(values, 1.0 - END)),
-        ):
+        low, high = np.quantile(values, (END, 1.0 - END))
+        for end, out in (("least", values <= low), ("greatest", values >= high)):
             if len(np.unique(plates.alloy[~out])) <= len(group.terms):
                 continue
             found = left_out(group, plates, [out])
@@ -220,11 +218,7 @@ def series() -> Iterator[list[str]]:
     measured = tiles["constant"].error
     table = np.loadtxt(ROOT / "scenarios" / "tests" / "wilkins.csv", delimiter=",", skiprows=1)
     weight = tiles["constant"]._replace(error=np.log(table[:, 2] / (table[:, :2] @ DENSITIES)))
-    methods = {
-        "three laws": list(LAWS),
-        **{f"{name} alone": [name] for name in LAWS},
-        "k times areal density": ["weight"],
-    }
+    methods = {"three laws": [*LAWS], **{f"{name} alone": [name] for name in LAWS}, "k times areal density": ["weight"]}
     laws = {**LAWS, "weight": LAWS["constant"]}
     for method, names in methods.items():
         errors, widths, held = np.zeros(13), np.zeros(13), np.zeros((2, 13), dtype=bool)
