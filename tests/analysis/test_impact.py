@@ -76,31 +76,21 @@ def test_a_time_step_given_is_taken():
     assert abs(coarse.residual_velocity_m_s - usual.residual_velocity_m_s) > 1e-4
 
 
-def test_a_run_that_does_not_end_names_the_time_step_given(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("armour.scenario.schema.Solver.max_steps", 10)
-    case = scenario(solver={"time_step_us": 0.25, "arrest_velocity_m_s": 1e-9})
-    with pytest.raises(InputError) as error:
-        simulate(case)
-    assert str(error.value) == (
-        "scenario: solver.time_step_us: must let the run at 800 m/s end within 10 steps, found 0.25; "
-        "raise it or leave it out"
-    )
-
-
-def test_a_run_that_does_not_end_names_the_arrest_velocity(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("armour.scenario.schema.Solver.max_steps", 50)
-    case = scenario(velocity=100.0, solver={"arrest_velocity_m_s": 1e-9})
-    with pytest.raises(InputError) as error:
-        simulate(case)
-    assert str(error.value) == (
-        "scenario: solver.arrest_velocity_m_s: must let the run at 100 m/s end within 50 steps, found 1e-09; raise it"
-    )
-
-
-def test_a_default_is_told_as_one(monkeypatch: pytest.MonkeyPatch):
+@pytest.mark.parametrize(
+    ("solver", "key", "found"),
+    [
+        ({"time_step_us": 0.25, "arrest_velocity_m_s": 1e-9}, "time_step_us", "0.25; raise it or leave it out"),
+        ({"arrest_velocity_m_s": 1e-9}, "arrest_velocity_m_s", "1e-09; raise it"),
+        ({}, "arrest_velocity_m_s", "1, the default; raise it"),
+    ],
+)
+def test_a_run_that_does_not_end_names_the_key(
+    solver: dict[str, float], key: str, found: str, monkeypatch: pytest.MonkeyPatch
+):
     monkeypatch.setattr("armour.scenario.schema.Solver.max_steps", 5)
-    with pytest.raises(InputError, match="end within 5 steps, found 1, the default; raise it"):
-        simulate(scenario())
+    with pytest.raises(InputError) as error:
+        simulate(scenario(velocity=100.0, solver=solver))
+    assert str(error.value) == f"scenario: solver.{key}: must let the run at 100 m/s end within 5 steps, found {found}"
 
 
 @pytest.mark.parametrize("question", [simulate, ballistic_limit, confidence, sensitivity])

@@ -19,6 +19,8 @@ pytestmark = pytest.mark.slow
 
 # The model error is that of tests.
 FROM_TESTS: dict[str, Any] = {"samples": 4096}
+THREAT = {"projectile": "7.62 mm AP", "velocity_m_s": 700.0}
+BOUNDED = {"projectile": "7.62 mm AP", "velocity_m_s": 800.0, "probability_of_perforation": 0.02}
 UNCERTAIN: dict[str, Any] = {
     "samples": 256,
     "model": {"included": False},
@@ -28,12 +30,11 @@ UNCERTAIN: dict[str, Any] = {
 
 
 def test_a_bound_on_the_probability_of_perforation():
-    threat = {"projectile": "7.62 mm AP", "velocity_m_s": 800.0, "probability_of_perforation": 0.02}
-    case = catalogue([threat], UNCERTAIN)
+    case = catalogue([BOUNDED], UNCERTAIN)
     best = best_of(optimise(case))
     [estimate] = best.probabilities.values()
     assert estimate.high <= 0.02
-    plain = best_of(optimise(catalogue([{k: threat[k] for k in ("projectile", "velocity_m_s")}])))
+    plain = best_of(optimise(catalogue([{k: BOUNDED[k] for k in ("projectile", "velocity_m_s")}])))
     assert best.areal_density_kg_m2 > plain.areal_density_kg_m2
     # Every lighter design that stops the threat as it stands is perforated too often.
     offered = catalogue_of(case)
@@ -76,13 +77,12 @@ def test_the_error_of_the_model_needs_more_armour():
 
 
 def test_without_uncertain_inputs_the_bound_is_that_of_the_models_error():
-    threat = {"projectile": "7.62 mm AP", "velocity_m_s": 700.0}
     steps = {"ceramic": [{"material": "AD85", "thickness_mm": {"min": 4.0, "max": 16.0, "step": 1.0}}]}
-    best = best_of(optimise(catalogue([threat], confidence=0.9, **steps)))
-    bound = best_of(optimise(catalogue([{**threat, "probability_of_perforation": 0.1}], **steps)))
+    best = best_of(optimise(catalogue([THREAT], confidence=0.9, **steps)))
+    bound = best_of(optimise(catalogue([{**THREAT, "probability_of_perforation": 0.1}], **steps)))
     assert best == bound
     # Brute force over plain ballistic limits: of the designs that are no heavier, only the best passes.
-    offered = catalogue([threat], **steps)
+    offered = catalogue([THREAT], **steps)
     passing, lighter = [], 0
     for (ceramic, backing, hc, hb), values in designs(offered, lambda *_: True):
         if values["areal_density_kg_m2"] > best.areal_density_kg_m2 + 1e-6:
@@ -105,9 +105,8 @@ def test_without_uncertain_inputs_the_bound_is_that_of_the_models_error():
 
 
 def test_free_thicknesses_reach_a_confidence():
-    threat = {"projectile": "7.62 mm AP", "velocity_m_s": 700.0}
     free = offer("AD85", {"min": 4.0, "max": 16.0}, "6061-T6", {"min": 4.0, "max": 12.0})
-    best = best_of(optimise(catalogue([threat], confidence=0.9, **free)))
+    best = best_of(optimise(catalogue([THREAT], confidence=0.9, **free)))
     [probability] = best.probabilities_of_stopping.values()
     assert probability == pytest.approx(0.9, abs=1e-4)
 
@@ -120,9 +119,8 @@ def test_the_thickness_of_an_absent_ceramic_does_not_vary():
 
 
 def test_a_pair_whose_error_is_not_known_has_its_best_by_the_limit_and_comes_last():
-    threat = {"projectile": "7.62 mm AP", "velocity_m_s": 700.0}
-    found = optimise(catalogue([threat], FROM_TESTS, confidence=0.6))
-    by_limit = {(pair.ceramic, pair.backing): pair.best for pair in optimise(catalogue([threat], FROM_TESTS)).pairs}
+    found = optimise(catalogue([THREAT], FROM_TESTS, confidence=0.6))
+    by_limit = {(pair.ceramic, pair.backing): pair.best for pair in optimise(catalogue([THREAT], FROM_TESTS)).pairs}
     unknown = {(pair.ceramic, pair.backing): pair for pair in found.pairs if not pair.ranked}
     assert ("AD99.5", "6061-T6") in unknown
     assert list(unknown.values()) == list(found.pairs[-len(unknown) :])
@@ -132,9 +130,9 @@ def test_a_pair_whose_error_is_not_known_has_its_best_by_the_limit_and_comes_las
         assert pair.best.model_error is None
         assert pair.best.areal_density_kg_m2 == of_limit.areal_density_kg_m2
         assert pair.reason.startswith("no test: ")
-    sampled = optimise(catalogue([threat], {**UNCERTAIN, "model": None}, confidence=0.6))
+    sampled = optimise(catalogue([THREAT], {**UNCERTAIN, "model": None}, confidence=0.6))
     assert {(pair.ceramic, pair.backing) for pair in sampled.pairs if not pair.ranked} == unknown.keys()
-    given = catalogue([threat], {"model": {"scale_percent": 5.0}}, confidence=0.6)
+    given = catalogue([THREAT], {"model": {"scale_percent": 5.0}}, confidence=0.6)
     assert all(pair.best is not None for pair in optimise(given).pairs)
 
 
@@ -174,20 +172,19 @@ def test_a_confidence_is_kept_by_the_error_of_tests():
 
 
 def test_what_was_not_tested_is_ranked_apart():
-    threat = {"projectile": "7.62 mm AP", "velocity_m_s": 700.0}
     ceramics = [{"material": name, "thickness_mm": [6.0, 7.0, 8.0, 9.0]} for name in ("B4C", "AD85", "SiC")]
     metals = [{"material": "6061-T6", "thickness_mm": [6.0]}]
-    found = optimise(catalogue([threat], FROM_TESTS, ceramic=ceramics, backing=metals))
+    found = optimise(catalogue([THREAT], FROM_TESTS, ceramic=ceramics, backing=metals))
     assert [(pair.ceramic, pair.ranked) for pair in found.pairs] == [("AD85", True), ("B4C", False), ("SiC", False)]
     assert best_of(found).ceramic == "AD85"
     assert [pair.reason.partition(": ")[0] for pair in found.pairs[1:]] == ["one source of its flow stress", "no test"]
     assert any("own tests" in warning for warning in found.warnings)
     # Without any that was tested, the lightest is the best, but not one with a single source.
-    untested = optimise(catalogue([threat], FROM_TESTS, ceramic=ceramics[::2], backing=metals))
+    untested = optimise(catalogue([THREAT], FROM_TESTS, ceramic=ceramics[::2], backing=metals))
     assert best_of(untested).ceramic == "SiC"
     lighter = known(next(pair.best for pair in untested.pairs if pair.ceramic == "B4C"))
     assert lighter.areal_density_kg_m2 < best_of(untested).areal_density_kg_m2
-    single = optimise(catalogue([threat], FROM_TESTS, ceramic=ceramics[:1], backing=metals))
+    single = optimise(catalogue([THREAT], FROM_TESTS, ceramic=ceramics[:1], backing=metals))
     assert (single.best, single.nearest, single.reason) == (None, None, "not known")
     assert single.reported == single.pairs[0].best is not None
 
@@ -243,19 +240,17 @@ def test_the_frontier_keeps_to_the_bound():
 
 
 def test_a_back_plate_on_which_no_ceramic_keeps_to_the_bound_is_left_out():
-    threat = {"projectile": "7.62 mm AP", "velocity_m_s": 800.0, "probability_of_perforation": 0.02}
     ceramic = [{"material": "AD85", "thickness_mm": {"min": 5.0, "max": 8.5, "step": 0.5}}]
-    of = catalogue([threat], UNCERTAIN, ceramic=ceramic, backing=METALS[:1])
-    plain = catalogue([{**threat, "probability_of_perforation": None}], ceramic=ceramic, backing=METALS[:1])
+    of = catalogue([BOUNDED], UNCERTAIN, ceramic=ceramic, backing=METALS[:1])
+    plain = catalogue([{**BOUNDED, "probability_of_perforation": None}], ceramic=ceramic, backing=METALS[:1])
     few, many = ([design.backing_thickness_mm for design in optimise(case).frontier] for case in (of, plain))
     assert 0 < len(few) < len(many)
     assert few == many[-len(few) :]
 
 
 def test_the_probability_is_at_the_threats_own_velocity():
-    threat = {"projectile": "7.62 mm AP", "velocity_m_s": 800.0, "probability_of_perforation": 0.02}
     plain, with_margin = (
-        best_of(optimise(catalogue([{**threat, "margin_m_s": margin}], UNCERTAIN))) for margin in (0.0, 20.0)
+        best_of(optimise(catalogue([{**BOUNDED, "margin_m_s": margin}], UNCERTAIN))) for margin in (0.0, 20.0)
     )
     assert plain.margins_m_s["7.62 mm AP at 800 m/s"] > 20.0
     assert plain.probabilities == with_margin.probabilities
