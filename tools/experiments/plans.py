@@ -10,6 +10,7 @@ value.  In the simulation limits are interpolated between those of a table.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from math import sqrt
 
 import numpy as np
@@ -105,15 +106,8 @@ def sets_of(law: Law) -> Iterator[Set]:
     group = read.groups[0]
     yield Set("Wilkins", law, {name: group.columns[name] for name in (CERAMIC, BACKING)}, true, design)
     for criterion in ("D", "I"):
-        plan = plan_tests(
-            true,
-            CANDIDATES,
-            law=law,
-            number=NUMBER,
-            criterion=criterion,
-            designs=[design],
-            scatter_percent=100.0 * SCATTER,
-        )
+        planned = partial(plan_tests, true, CANDIDATES, law=law, number=NUMBER, designs=[design])
+        plan = planned(criterion=criterion, scatter_percent=100.0 * SCATTER)
         inputs = [step.inputs for step in plan.planned[1:]]
         armours = {name: np.array([step[name] for step in inputs], dtype=float) for name in (CERAMIC, BACKING)}
         yield Set(f"{criterion}-optimal", law, armours, true, design)
