@@ -76,9 +76,8 @@ def perforates(rows: batch.Floats, velocities: batch.Floats) -> NDArray[np.bool_
         p = Parameters(*row)
         step = PART * STEP * min(p.D0, p.Hc0 + p.Hb) / float(velocities[i])
         settings = RunSettings(1.0, step, MAX_STEPS)
-        perforated[i] = (
-            batch.impacts(rows[i : i + 1], velocities[i], settings, threads=1).outcome[0] == Outcome.PERFORATED
-        )
+        found = batch.impacts(rows[i : i + 1], velocities[i], settings, threads=1)
+        perforated[i] = found.outcome[0] == Outcome.PERFORATED
     return perforated
 
 

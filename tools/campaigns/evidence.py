@@ -92,9 +92,8 @@ class Predicted(NamedTuple):
         residual = self.error - self.location
         score = np.mean(t.logpdf(residual, self.degrees_of_freedom, 0.0, self.scale))
         shares = self.within(0.9), self.within(0.95), self.above(0.95)
-        return [f"{len(residual)}", f"{100.0 * np.sqrt(np.mean(residual**2)):.1f}", f"{score:.2f}"] + [
-            f"{share:.0f}" for share in shares
-        ]
+        rms = 100.0 * np.sqrt(np.mean(residual**2))
+        return [f"{len(residual)}", f"{rms:.1f}", f"{score:.2f}", *(f"{share:.0f}" for share in shares)]
 
 
 def ranges_of(plates: Plates) -> dict[str, tuple[float, float]]:

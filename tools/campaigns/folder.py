@@ -138,9 +138,8 @@ def trial(place: Path, dice: Random, answers: dict[str, tuple[int, str]]) -> str
         return "refused, or a scenario of the folder"
     if command not in answers:
         answers[command] = run(words, empty, home)
-    return (
-        "the same as in an empty folder" if answers[command] == (code, said) else f"wrong: another answer of {command}"
-    )
+    same = answers[command] == (code, said)
+    return "the same as in an empty folder" if same else f"wrong: another answer of {command}"
 
 
 def main() -> int:
