@@ -118,8 +118,8 @@ def test_a_sampled_probability_near_the_one_required_is_not_known():
 
 @pytest.mark.slow
 def test_intervals_of_sampled_probabilities_contain_the_truth():
-    """Of 40 sets of few samples; the truth is that of many more."""
-    seeds, contained = range(40), 0
+    """Of 30 sets of few samples; the truth is that of many more."""
+    seeds, contained = range(30), 0
     of = scenario(velocity=690.0, uncertainty={"samples": 2**12, **SAMPLED})
     truth = probability_of_perforation(of).value
     for seed in seeds:
