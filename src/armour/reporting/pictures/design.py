@@ -121,9 +121,14 @@ def _draw_lines(result: DesignResult, layer: str, maps: "Sequence[_Map]", sheet:
     """Draw the ballistic limits of pairs of materials over the thickness of one layer, with a panel for each threat."""
     catalogue = maps[0].catalogue
     stop = " as required" if any(maps[0].confidences) else " by the model"
+    bands = []
+    if not all(np.isnan(pair_map.grid.stopped_m_s).all() for pair_map in maps):
+        bands.append("velocities that are stopped with 95 to 5 %")
     if any(pair_map.over_sources is not None for pair_map in maps):
-        stop = ", untested ones even with the least flow stress of their sources, which bands show"
+        stop += ", untested ones even with the least flow stress of their sources"
+        bands.append("the limits with these flow stresses")
     note = f"Filled dots are designs on offer that stop the threat{stop}."
+    note += f" Bands show {' or '.join(bands)}." if bands else ""
     if any(pair_map.is_outside(threat).any() for pair_map in maps for threat in range(len(result.threats))):
         note += " Squares and dashed lines are outside the tests."
     picture = sheet.panels(_title(result), *[drawing.PANEL] * len(result.threats), note=note, sharex=True)
