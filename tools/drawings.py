@@ -118,10 +118,8 @@ def stage(x: float, y: float, medium: str, erodes: bool, penetrates: bool) -> st
     parts = [box(front, y + 8, joint - front, 78, CERAMIC)]
     if medium != "intact ceramic":
         parts.append(f'<rect x="{front}" y="{y + 8}" width="{joint - front}" height="78" fill="url(#stages-cracks)"/>')
-    parts.append(
-        f'<path d="M{joint},{y + 8}H{back}V{y + 36}h{bulge}v22h{-bulge}V{y + 86}H{joint}z" '
-        f'fill="{PLATE}" stroke="currentColor"/>'
-    )
+    plate = f"M{joint},{y + 8}H{back}V{y + 36}h{bulge}v22h{-bulge}V{y + 86}H{joint}z"
+    parts.append(f'<path d="{plate}" fill="{PLATE}" stroke="currentColor"/>')
     parts.append(box(x + 4, y + 38, tip - x - 4, 18, ROD))
     if erodes:
         parts += [lip(tip, y + 47 + side * 9, side, 0.6) for side in (-1, 1)]

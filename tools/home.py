@@ -97,9 +97,8 @@ def check() -> str:
     parts = card("check", "limit and its 95 % interval, m/s")
     for tick in range(600, 901, 100):
         parts += [line(x(tick), 126, x(tick), 130), text(x(tick), 144, f"{tick}", SMALL)]
-    parts.append(
-        line(x(threat.velocity_m_s), 30, x(threat.velocity_m_s), 126, f'stroke-width="2" style="color: {RED}"')
-    )
+    at = x(threat.velocity_m_s)
+    parts.append(line(at, 30, at, 126, f'stroke-width="2" style="color: {RED}"'))
     for place, (words, limit) in enumerate(zip(changes, limits, strict=True)):
         height = 46 + 28 * place
         low, high = (x(end) for end in limit.interval_m_s)
@@ -108,7 +107,7 @@ def check() -> str:
             line(low, height, high, height, f'stroke-width="4" style="color: {BLUE}"'),
             dot(x(limit.ballistic_limit_m_s), height, BLUE),
         ]
-    return ended([*parts, text(x(threat.velocity_m_s) - 5, 120, "the round", f"{RIGHT} {WORDS}")])
+    return ended([*parts, text(at - 5, 120, "the round", f"{RIGHT} {WORDS}")])
 
 
 def impact() -> str:

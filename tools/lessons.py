@@ -164,10 +164,9 @@ def thickness() -> str:
     lightest = min(design.areal_density_kg_m2 for design in frontier)
     near = [d.backing_thickness_mm for d in frontier if d.areal_density_kg_m2 <= 1.03 * lightest]
     x, y = scale(2, 52, 24.5), scale(46, 236, -13.5)
-    parts = [head("thickness", 290)]
-    parts.append(
-        f'<rect x="{x(near[0])}" y="36" width="{x(near[-1]) - x(near[0])}" height="200" fill="{BLUE}" opacity="0.2"/>'
-    )
+    left, width = x(near[0]), x(near[-1]) - x(near[0])
+    area = f'<rect x="{left}" y="36" width="{width}" height="200" fill="{BLUE}" opacity="0.2"/>'
+    parts = [head("thickness", 290), area]
     parts += panel(x, y, range(2, 15, 2), range(46, 61, 2))
     plates = [design.backing_thickness_mm for design in frontier]
     weights = [design.areal_density_kg_m2 for design in frontier]
@@ -215,11 +214,12 @@ def limits() -> str:
     ]
     curve_x = np.arange(580.0, 881.0, 4.0)
     parts.append(curve([x(v) for v in curve_x], [shots(100 * scatter.cdf(v)) for v in curve_x], BLUE))
-    for name, velocity, percent, side, shift in (
+    named = (
         ("V05", fit.v05_m_s, 5, RIGHT, -10),
         ("V50", fit.v50_m_s, 50, RIGHT, -10),
         ("V95", fit.v95_m_s, 95, LEFT, 10),
-    ):
+    )
+    for name, velocity, percent, side, shift in named:
         parts.append(dot(x(velocity), shots(percent), BLUE))
         down = 16 if percent == 95 else -6
         parts.append(text(x(velocity) + shift, shots(percent) + down, f"{name} {velocity:.0f} m/s", f"{side} {SMALL}"))

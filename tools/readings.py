@@ -30,14 +30,8 @@ FIG_11 = "10.04 mm AD85 on 8 mm 5083-H3", "7.03 mm AD99.5 on 8 mm 5083-H3"
 FIG_12 = "29.2 mm AD85 on 30 mm 5083-H3", "21.3 mm AD99.5 on 30 mm 5083-H3"
 TABLE_3 = "table 3, the paper's program, 3.8 GPa", "table 3, the paper's program, 5.2 GPa"
 # Standard deviations of limits, m/s, by the table or the beginning of the name of a case.
-LIMITS = {
-    **dict.fromkeys((*TABLE_3, SMALL), 2.0),
-    **dict.fromkeys(FIG_11, 5.0),
-    MEDIUM: 4.0,
-    FIG_3: 10.0,
-    FIG_4: 6.0,
-    **dict.fromkeys(FIG_12, 30.0),
-}
+LIMITS = {**dict.fromkeys((*TABLE_3, SMALL), 2.0), MEDIUM: 4.0, FIG_3: 10.0, FIG_4: 6.0}
+LIMITS |= {**dict.fromkeys(FIG_11, 5.0), **dict.fromkeys(FIG_12, 30.0)}
 # Those of the velocity and the mass that are lost, per cent; the second projectile of fig. 9 is just above its limit.
 LOSS, LOSS_AT_LIMIT = 1.0, 3.0
 # The table, up to the empty line after it.

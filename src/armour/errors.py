@@ -87,6 +87,10 @@ class Note(str):
         note.key, note.text, note.brief, note.said, note.about = key, text, brief, said, about
         return note
 
+    def against(self, threats: str) -> "Note":
+        """Return the warning, about some threats only: " against M2", say; "" is for all."""
+        return Note(self.text + threats, self.key, self.brief, said=self.said, about=self.about)
+
 
 class ArmourError(Exception):
     """Base class of all errors that armour raises on purpose."""

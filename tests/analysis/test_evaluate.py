@@ -63,10 +63,7 @@ def test_rows_are_checked_whole():
 
 def test_rows_of_other_keys_are_checked_with_their_inputs():
     own = {"projectile": {"mine": {"based_on": "7.62 mm AP", "density_kg_m3": 8000.0}}}
-    columns = {
-        "library.projectile.mine.density_kg_m3": np.array([8e3, 8e3, 100.0]),
-        ROD[0]: np.array([6.5, 5.0, 2.0]),
-    }
+    columns = {"library.projectile.mine.density_kg_m3": np.array([8e3, 8e3, 100.0]), ROD[0]: np.array([6.5, 5.0, 2.0])}
     with pytest.raises(InputError, match=r"row 3: library\.projectile\.mine\.penetrator_mass_g: must make a rod"):
         evaluate(scenario("mine", library=own), columns, ["areal_density_kg_m2"])
     columns["ballistic_limit.tolerance_m_s"] = np.array([1.0, -1.0, 1.0])

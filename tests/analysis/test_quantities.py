@@ -8,7 +8,7 @@ from armour.analysis.evaluate import evaluate
 from armour.analysis.impact import simulate
 from armour.analysis.quantities import QUANTITIES, label_and_unit
 from armour.scenario.scenario import Scenario
-from tests.helpers.cases import scenario
+from tests.helpers.cases import grid, scenario
 
 IMPACT = [
     "outcome",
@@ -21,10 +21,7 @@ IMPACT = [
     "duration_us",
     "areal_density_kg_m2",
 ]
-GRID = {
-    "ceramic_thickness_mm": {"min": 0.0, "max": 60.0, "step": 0.5},
-    "backing_thickness_mm": {"min": 1.0, "max": 60.0, "step": 0.5},
-}
+GRID = grid((0.0, 60.0, 0.5), (1.0, 60.0, 0.5))
 THIN = {layer: {"min": 0.5, "max": 2.0, "step": 0.5} for layer in GRID}
 
 

@@ -8,15 +8,12 @@ from armour.analysis.evaluate import QuantityValues
 from armour.analysis.variants import Variants, ballistic_limits, bisect_rows, variants_of
 from armour.errors import InputError, NoLimitError
 from armour.scenario.scenario import Scenario
-from tests.helpers.cases import scenario
+from tests.helpers.cases import grid, scenario
 from tests.helpers.exotic import narrow_ranges, random_wide_designs
 
 pytestmark = pytest.mark.slow
 
-WIDE = {
-    "ceramic_thickness_mm": {"min": 1.0, "max": 20.0, "step": 0.5},
-    "backing_thickness_mm": {"min": 1.0, "max": 20.0, "step": 0.5},
-}
+WIDE = grid((1.0, 20.0, 0.5), (1.0, 20.0, 0.5))
 CERAMIC, BACKING = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm"
 
 
@@ -40,10 +37,7 @@ def limit_of(of: Scenario) -> float:
 
 
 def test_no_armour_in_proportion():
-    apart = {
-        "ceramic_thickness_mm": {"min": 1.0, "max": 2.0, "step": 0.5},
-        "backing_thickness_mm": {"min": 10.0, "max": 20.0, "step": 0.5},
-    }
+    apart = grid((1.0, 2.0, 0.5), (10.0, 20.0, 0.5))
     for of in (case(velocity=3000.0), case().replaced({"optimise": apart})):
         assert np.isnan(alone(of).least_thicknesses("armour").mm).all()
 

@@ -9,12 +9,9 @@ from armour.analysis.variants import grid_of, variants_of
 from armour.engine import batch
 from armour.errors import InputError
 from armour.scenario.scenario import Scenario
-from tests.helpers.cases import scenario
+from tests.helpers.cases import grid, scenario
 
-WIDE = {
-    "ceramic_thickness_mm": {"min": 1.0, "max": 20.0, "step": 0.5},
-    "backing_thickness_mm": {"min": 1.0, "max": 20.0, "step": 0.5},
-}
+WIDE = grid((1.0, 20.0, 0.5), (1.0, 20.0, 0.5))
 CERAMIC, BACKING = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm"
 CASES: dict[str, dict[str, Any]] = {
     "Wilkins": {},
@@ -27,10 +24,7 @@ CASES: dict[str, dict[str, Any]] = {
         "velocity": 1300.0,
         "perimeter": "projectile",
     },
-    "own metal": {
-        "backing": "Mine",
-        "library": {"metal": {"Mine": {"based_on": "6061-T6", "density_kg_m3": 2800.0}}},
-    },
+    "own metal": {"backing": "Mine", "library": {"metal": {"Mine": {"based_on": "6061-T6", "density_kg_m3": 2800.0}}}},
     "bare plate": {"ceramic": None, "ceramic_mm": 0.0, "backing": "AA6082-T651"},
 }
 

@@ -44,6 +44,13 @@ def drawn() -> None:
     """Ask for files of pictures."""
 
 
+@pytest.fixture
+def not_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Draw no pictures of which a session shows only the name; test_answers.py draws one of each answer."""
+    for module in ("runner", "scenario_commands", "suites", "sweeping"):
+        monkeypatch.setattr(f"armour.cli.{module}.picture", lambda *_: lambda _path: b"")
+
+
 @pytest.fixture(autouse=True)
 def described(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     """Files of pictures hold their words where a test does not ask for `drawn`, and maps few nodes.

@@ -48,10 +48,7 @@ def offered(line: str) -> list[str]:
         ("simulate wilkins --set backing.sh", ["backing.shear_strength_MPa="]),
         ("simulate wilkins --set optimise.ceramic_thickness_mm.s", ["optimise.ceramic_thickness_mm.step="]),
         ("simulate wilkins --set armour.ceramic=B4", ["armour.ceramic=B4C"]),
-        (
-            "simulate wilkins --set model.shear_perimeter=",
-            [f"model.shear_perimeter={law}" for law in SHEAR_LAWS],
-        ),
+        ("simulate wilkins --set model.shear_perimeter=", [f"model.shear_perimeter={law}" for law in SHEAR_LAWS]),
         ("simulate wilkins --set ceramic.flow_stress_GPa=", []),
         ("sweep wilkins --over armour.ceramic=B4", []),
         ("validate pl", ["plates"]),

@@ -32,13 +32,6 @@ def test_json_has_no_number_without_a_value_and_no_control_character(capsys: pyt
     assert all(line.isprintable() for line in shown.splitlines())
 
 
-def test_json_is_json_whatever_the_encoding_of_the_output():
-    command = [sys.executable, "-m", "armour", "check", "oblique", "--json"]
-    shown = subprocess.run(command, capture_output=True, env={**os.environ, "PYTHONIOENCODING": "ascii"}, check=False)
-    [threat, *_] = json.loads(shown.stdout)["threats"]
-    assert threat["what_ifs"][-1]["change"] == "at 30°"
-
-
 @pytest.mark.parametrize(
     "words",
     ["optimise a.toml", "check a.toml", "simulate a.toml", "sensitivity a.toml", "library --json", "optimise b"],

@@ -1,31 +1,18 @@
 """The command, and its reports in a browser where there is one."""
 
 import json
-import shutil
-import subprocess
 from pathlib import Path
 
 import pytest
 
+from tests.helpers.browser import browse, needs_chromium
 from tests.helpers.cases import SCENARIOS
 from tests.helpers.commands import invoke
 from tests.helpers.suites import TABLE
 
 pytestmark = pytest.mark.slow
 
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 OPTIMUM = SCENARIOS / "paper" / "optimum_7.62mm_AP.toml"
-QUIET = (
-    "--headless",
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--hide-scrollbars",
-)
 
 
 @pytest.fixture(scope="module")
@@ -95,12 +82,6 @@ def test_changes_and_standard_input(cli, folder: Path):
     assert "above 99 %" in page.replace("\N{NO-BREAK SPACE}", " ")
 
 
-def browse(page: Path, *options: str) -> str:
-    """What Chromium writes when it opens a page."""
-    command = [str(CHROMIUM), *QUIET, f"--user-data-dir={page.parent / 'profile'}", *options, page.as_uri()]
-    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=True).stdout
-
-
 # A script of its own, which the page's policy would not allow, records what the browser complains of and asks for.
 WATCH = """<script>
   const said = [];
@@ -122,7 +103,7 @@ WATCH = """<script>
 
 
 @pytest.mark.usefixtures("drawn")
-@pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")
+@needs_chromium
 def test_a_browser_shows_it_without_an_error_or_a_request(cli, folder: Path, catalogue: Path):
     """Every chart and table is within the page, which is short; points have their values, no address is asked for."""
     assert cli("report", "uncertain", "--set", "uncertainty.samples=128", "-o", "r.html").exit_code == 0
@@ -133,7 +114,7 @@ def test_a_browser_shows_it_without_an_error_or_a_request(cli, folder: Path, cat
         watched = page.read_text().replace(policy, f"{policy}; script-src 'unsafe-inline'", 1)
         (folder / f"{number}.html").write_text(watched.replace("<head>", "<head>" + WATCH, 1))
         frames += [f'<iframe src="{number}.html" style="width: {w}px; height: 900px"></iframe>' for w in (390, 1280)]
-    options = ("--virtual-time-budget=8000", "--allow-file-access-from-files", "--window-size=1400,2000")
+    options = ("--virtual-time-budget=8000", "--window-size=1400,2000")
     show = """<script>setTimeout(() => { const pages = [...document.querySelectorAll("iframe")];
       document.body.innerHTML = pages.map(page => page.contentDocument.body.innerHTML).join(""); }, 3000);</script>"""
     (folder / "frame.html").write_text(f"<body>{''.join(frames)}{show}</body>")
@@ -152,7 +133,7 @@ def test_a_browser_shows_it_without_an_error_or_a_request(cli, folder: Path, cat
         assert found["points"] > 0
 
 
-@pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")
+@needs_chromium
 def test_nothing_is_folded_in_print(catalogue: Path, folder: Path):
     opened = folder / "opened.html"
     opened.write_text(catalogue.read_text().replace("<details>", "<details open>"))

@@ -41,9 +41,7 @@ def test_a_grid_as_csv_with_a_map(cli, folder: Path):
 
 
 @pytest.mark.parametrize(
-    "over",
-    [(f"{CERAMIC}=6,7",), (f"{CERAMIC}=6,7", "armour.backing_thickness_mm=5,6")],
-    ids=["curve", "map"],
+    "over", [(f"{CERAMIC}=6,7",), (f"{CERAMIC}=6,7", "armour.backing_thickness_mm=5,6")], ids=["curve", "map"]
 )
 @pytest.mark.usefixtures("folder")
 def test_a_picture_of_no_number_says_so(cli, over: tuple[str, ...]):
@@ -137,11 +135,7 @@ def test_killed_it_goes_on_where_it_stopped(cli, folder: Path):
 def test_materials_and_projectiles_by_name(cli, folder: Path):
     header, rows = (
         "armour.ceramic,ceramic.flow_stress_GPa,armour.backing,impact.projectile",
-        (
-            "AD85,5.2,6061-T6,7.62 mm AP",
-            "AD99.5,5.9,5083-H3,7.62 mm APM2",
-            "AD85,5.3,6061-T6,7.62 mm AP",
-        ),
+        ("AD85,5.2,6061-T6,7.62 mm AP", "AD99.5,5.9,5083-H3,7.62 mm APM2", "AD85,5.3,6061-T6,7.62 mm AP"),
     )
     (folder / "c.csv").write_text("\n".join((header, *rows)))
     assert cli("sweep", WILKINS, "--cases", "c.csv", "-o", "t.csv").exit_code == 0

@@ -9,6 +9,8 @@ import pytest
 SHOTS = "velocity_m_s,result,shot\n700,partial,1\n715,complete,{}\n710,partial,3\n725,complete,4\n"
 TESTS = "armour.ceramic_thickness_mm,ballistic_limit_m_s,test\n5,660,a\n6,705,{}\n8,790,c\n7,755,d\n"
 CASES = "armour.ceramic_thickness_mm,armour.backing\n5,6061-T6\n6,{}\n8,6061-T6\n"
+# A procedure that is computed soon.
+SOON = ("--procedure", "up-and-down")
 SUITE = """title = "x"
 source = "x"
 [[table]]
@@ -51,7 +53,7 @@ EXPORT = (
 
 def test_how_a_table_was_read_is_said_once(cli, folder: Path):
     (folder / "t.csv").write_text(EXPORT)
-    for words in (["v50", "t.csv"], ["plan", "shots", "t.csv"], ["calibrate", "t.csv", "wilkins"]):
+    for words in (["v50", "t.csv"], ["plan", "shots", "t.csv", *SOON], ["calibrate", "t.csv", "wilkins"]):
         noun = "tests" if words[0] == "calibrate" else "shots"
         [line] = [line for line in cli(*words, "--where", "panel=A").stderr.splitlines() if line.startswith("read ")]
         assert line == f"read t.csv: semicolons, velocity in ft/s, 2 {noun}, panel A"
@@ -62,7 +64,7 @@ def test_how_a_table_was_read_is_said_once(cli, folder: Path):
 
 def test_an_answer_for_each_panel(cli, folder: Path):
     (folder / "t.csv").write_text(EXPORT)
-    for words in (["v50", "t.csv"], ["plan", "shots", "wilkins", "t.csv"]):
+    for words in (["v50", "t.csv"], ["plan", "shots", "wilkins", "t.csv", *SOON]):
         found = json.loads(cli(*words, "--each", "--json").stdout)
         assert [*found] == ["Panel A", "Panel B", "made_by"]
         assert [found["Panel B"]["fired"]["complete"], found["Panel B"]["fired"]["names"]] == [
@@ -88,8 +90,8 @@ def test_an_answer_for_each_panel(cli, folder: Path):
 
 def test_a_shot_is_added_to_an_export(cli, folder: Path):
     (folder / "t.csv").write_text(EXPORT)
-    words = ["plan", "shots", "wilkins", "t.csv", "--where", "panel=A", "--result", "complete", "--velocity-m-s", "715"]
-    found = json.loads(cli(*words, "--json").stdout)
+    line = "plan shots wilkins t.csv --procedure up-and-down --where panel=A --result complete --velocity-m-s 715"
+    found = json.loads(cli(*line.split(), "--json").stdout)
     content = (folder / "t.csv").read_text()
     assert content == EXPORT + "6;2345,80052;CP;A;yes\n"
     assert found["fired"]["velocities_m_s"][-1] == pytest.approx(715.0)
@@ -121,8 +123,8 @@ def test_options_of_tables_need_one(cli, folder: Path):
 
 def test_a_sheet_with_only_a_header_is_a_firing_without_shots(cli, folder: Path):
     (folder / "t.csv").write_text("Schuss;Geschwindigkeit (m/s);Ergebnis\n")
-    cli("plan", "shots", "wilkins", "t.csv")
-    cli("plan", "shots", "wilkins", "t.csv", "--result", "P", "--velocity-m-s", "720.5")
+    cli("plan", "shots", "wilkins", "t.csv", *SOON)
+    cli("plan", "shots", "wilkins", "t.csv", *SOON, "--result", "P", "--velocity-m-s", "720.5")
     assert (folder / "t.csv").read_text() == "Schuss;Geschwindigkeit (m/s);Ergebnis\n1;720,5;P\n"
     (folder / "t.csv").write_text("velocity_m_s,result\n")
     assert cli.fails(2, "v50", "t.csv") == ["t.csv: must have at least one row below its header"]

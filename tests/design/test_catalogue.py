@@ -13,7 +13,7 @@ from armour.design.optimise import DesignResult, optimise
 from armour.engine import batch
 from armour.errors import InputError
 from tests.design.results import best_of
-from tests.helpers.cases import CERAMICS, GIVEN, METALS, RANGE, THREATS, catalogue, scenario
+from tests.helpers.cases import CERAMICS, GIVEN, METALS, RANGE, THREATS, catalogue, offer, scenario
 from tests.helpers.plain_designs import designs, posed, stops
 
 GRID = {"ceramic_thickness_mm": {"min": 0.0, "max": 0.0, "step": 1.0}, "backing_thickness_mm": RANGE}
@@ -119,10 +119,7 @@ def test_a_catalogue_of_bare_plates_needs_no_grid():
 
 
 def test_a_limit_that_is_exceeded_claims_no_probability_that_is_unknown():
-    layers = {
-        "ceramic": [{"material": "SiC", "thickness_mm": [8.0]}],
-        "backing": [{"material": "6061-T6", "thickness_mm": 8.0}],
-    }
+    layers = offer("SiC", [8.0], "6061-T6", 8.0)
     found = optimise(scenario(design={**layers, "confidence": 0.9, "thickness_max_mm": 5.0}))
     assert "the lightest design that stops 7.62 mm AP at 800 m/s by the computed limit has" in found.explanation
 
@@ -144,8 +141,7 @@ def test_nothing_on_offer():
 
 
 @pytest.mark.parametrize(
-    "asked",
-    [{"minimise": "cost_per_m2"}, {"pareto": ["thickness_mm", "cost_per_m2"]}, {"cost_max_per_m2": 1000.0}],
+    "asked", [{"minimise": "cost_per_m2"}, {"pareto": ["thickness_mm", "cost_per_m2"]}, {"cost_max_per_m2": 1000.0}]
 )
 def test_costs_that_are_asked_for_must_be_given(asked: dict[str, Any]):
     ceramics = [CERAMICS[0], {"material": "AD99.5", "thickness_mm": [12.0]}]

@@ -11,15 +11,12 @@ from armour.analysis.variants import Bools, Variants
 from armour.design.optimise import optimise
 from armour.scenario.scenario import Scenario, load_scenario
 from tests.design.results import best_of
-from tests.helpers.cases import SCENARIOS, library, scenario, shipped_scenario
+from tests.helpers.cases import SCENARIOS, catalogue, grid, library, offer, scenario
 from tests.helpers.exotic import narrow_ranges
 
 pytestmark = pytest.mark.slow
 
-GRID = {
-    "ceramic_thickness_mm": {"min": 8.0, "max": 14.0, "step": 0.5},
-    "backing_thickness_mm": {"min": 4.0, "max": 9.0, "step": 1.0},
-}
+GRID = grid((8.0, 14.0, 0.5), (4.0, 9.0, 1.0))
 ONE = {"min": 6.0, "max": 6.0, "step": 1.0}
 # Up to 5.7 mm of ceramic on 2.3 mm stops the projectile at 532.67 m/s, though lower velocities perforate.
 LOWER_LIMIT = library(
@@ -93,10 +90,7 @@ def test_a_back_plate_for_which_no_ceramic_is_enough_is_left_out():
 
 
 def test_of_very_many_back_plates_the_frontier_has_every_second_and_the_best():
-    layers = {
-        "ceramic_thickness_mm": {"min": 11.0, "max": 11.0, "step": 1.0},
-        "backing_thickness_mm": {"min": 5.0, "max": 14.0, "step": 0.005},
-    }
+    layers = grid((11.0, 11.0, 1.0), (5.0, 14.0, 0.005))
     result = optimise(case(**layers))
     found = [design.backing_thickness_mm for design in result.frontier]
     assert len(found) + len(result.without_mm) <= 1002
@@ -145,10 +139,7 @@ def test_an_end_that_is_none_is_not_told():
     """Neither inside a range nor of a list or a single value."""
     assert optimise(case()).warnings == ()
     assert optimise(case()).ceramic_min_mm == 8.0
-    layers = {
-        "ceramic": [{"material": "AD85", "thickness_mm": [11.0, 13.0]}],
-        "backing": [{"material": "5083-H3", "thickness_mm": ONE}],
-    }
+    layers = offer("AD85", [11.0, 13.0], "5083-H3", ONE)
     listed = optimise(case().replaced({"design": layers}))
     assert best_of(listed).ceramic_thickness_mm == 11.0
     assert (listed.warnings, listed.ceramic_min_mm) == ((), None)
@@ -172,11 +163,7 @@ def test_the_key_of_a_range_at_whose_end_the_best_design_lies():
 
 
 def test_the_lightest_bare_plate():
-    grid = {
-        "ceramic_thickness_mm": {"min": 0.0, "max": 0.0, "step": 1.0},
-        "backing_thickness_mm": {"min": 5.0, "max": 60.0, "step": 5.0},
-    }
-    bare = scenario(ceramic=None, ceramic_mm=0.0, velocity=400.0, optimise=grid)
+    bare = scenario(ceramic=None, ceramic_mm=0.0, velocity=400.0, optimise=grid((0.0, 0.0, 1.0), (5.0, 60.0, 5.0)))
     result = optimise(bare, refine=True)
     assert best_of(result).ceramic_thickness_mm == 0.0
     assert best_of(result).ceramic == ""
@@ -247,10 +234,7 @@ def test_back_plates_at_which_a_thicker_ceramic_does_not_pass(monkeypatch: pytes
 
 
 def test_a_warning_of_a_threat_names_its_keys():
-    threats = [
-        {"projectile": "7.62 mm AP", "velocity_m_s": 850.0},
-        {"projectile": "20 mm FSP", "velocity_m_s": 250.0},
-    ]
+    threats = [{"projectile": "7.62 mm AP", "velocity_m_s": 850.0}, {"projectile": "20 mm FSP", "velocity_m_s": 250.0}]
     told = optimise(case().replaced({"threat": threats})).warnings
     keys = {warning.partition(": the model")[0] for warning in told if ": the model" in warning}
     assert {"threat[1].projectile", "threat[1].velocity_m_s"} <= keys
@@ -258,9 +242,8 @@ def test_a_warning_of_a_threat_names_its_keys():
 
 
 def test_an_impact_that_is_no_threat_is_warned_of():
-    case = shipped_scenario("catalogue").replaced({"design.pareto": None})
-    assert not any("none of the threats" in warning for warning in optimise(case).warnings)
-    changed = optimise(case.replaced({"impact.velocity_m_s": 1500.0}))
+    assert not any("among the threats" in warning for warning in optimise(catalogue()).warnings)
+    changed = optimise(catalogue().replaced({"impact.velocity_m_s": 1500.0}))
     assert changed.warnings[0].startswith("impact: 7.62 mm AP at 1500 m/s is not among the threats")
 
 

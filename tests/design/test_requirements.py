@@ -11,6 +11,7 @@ from armour.design.catalogue import Catalogue
 from armour.scenario.scenario import Scenario
 from tests.design.results import best_of
 from tests.helpers.cases import SCENARIOS, scenario
+from tests.helpers.known import known
 
 OWN: dict[str, list[dict[str, Any]]] = {
     "ceramic": [{"material": "AD85", "thickness_mm": [6.35], "cost_per_kg": 10.0}],
@@ -63,11 +64,9 @@ def test_an_impact_within_the_bracket_of_the_limit_fails_where_it_perforates():
     of = scenario(velocity=723.775)
     assert simulate(of).outcome == "perforated"
     [threat] = check(of).threats
-    assert threat.ballistic_limit_m_s is not None
-    assert threat.ballistic_limit_m_s > 723.775
+    assert known(threat.ballistic_limit_m_s) > 723.775
     assert threat.verdict == "fails"
-    assert threat.requirements[0].found is not None
-    assert threat.requirements[0].found < 0.0
+    assert known(threat.requirements[0].found) < 0.0
 
 
 @pytest.mark.parametrize("velocity", [300.0, 5000.0])
@@ -97,9 +96,8 @@ SAMPLED: dict[str, Any] = {
 
 
 def test_a_sampled_probability_is_that_of_uncertainty_and_of_the_design():
-    of = load_scenario(
-        SCENARIOS / "reliable.toml", {"armour.ceramic_thickness_mm": 12.3, "armour.backing_thickness_mm": 8}
-    )
+    layers = {"armour.ceramic_thickness_mm": 12.3, "armour.backing_thickness_mm": 8}
+    of = load_scenario(SCENARIOS / "reliable.toml", {**layers, "uncertainty.samples": 512})
     [threat] = check(of).threats
     assert threat.sampled is not None
     assert threat.verdict == "passes"
@@ -120,8 +118,8 @@ def test_a_sampled_probability_near_the_one_required_is_not_known():
 
 @pytest.mark.slow
 def test_intervals_of_sampled_probabilities_contain_the_truth():
-    """Of 200 sets of few samples; the truth is that of many more."""
-    seeds, contained = range(200), 0
+    """Of 30 sets of few samples; the truth is that of many more."""
+    seeds, contained = range(30), 0
     of = scenario(velocity=690.0, uncertainty={"samples": 2**12, **SAMPLED})
     truth = probability_of_perforation(of).value
     for seed in seeds:

@@ -20,8 +20,9 @@ from armour.engine import batch
 from armour.errors import InputError
 from armour.scenario.scenario import load_scenario
 from tests.design.results import best_of
-from tests.helpers.cases import CERAMICS, GIVEN, METALS, SCENARIOS, THREATS, catalogue, scenario
+from tests.helpers.cases import CERAMICS, GIVEN, METALS, SCENARIOS, THREATS, catalogue, grid, offer, scenario
 from tests.helpers.examples import examples
+from tests.helpers.known import known
 
 pytestmark = pytest.mark.slow
 
@@ -161,10 +162,7 @@ def test_designs_that_differ_by_less_than_the_resolution_are_one():
 
 def test_equal_sums_are_equal_on_the_front():
     steps = {"min": 4.0, "max": 12.0, "step": 0.1}
-    layers = {
-        "ceramic": [{"material": "AD99.5", "thickness_mm": steps}],
-        "backing": [{"material": "7075-T6", "thickness_mm": {"min": 2.0, "max": 8.0, "step": 0.3}}],
-    }
+    layers = offer("AD99.5", steps, "7075-T6", {"min": 2.0, "max": 8.0, "step": 0.3})
     front = optimise(catalogue(THREATS[:1], **layers, pareto=["thickness_mm", "areal_density_kg_m2"])).pareto
     thicknesses = [round(item.thickness_mm, 6) for item in front]
     assert len(set(thicknesses)) == len(thicknesses)
@@ -198,8 +196,7 @@ def test_a_search_in_portions(monkeypatch: pytest.MonkeyPatch):
 
 def test_thicknesses_that_are_free_come_to_the_refined_optimum():
     optimum = load_scenario(SCENARIOS / "paper" / "optimum_7.62mm_AP.toml")
-    refined = optimise(optimum, refine=True).refined
-    assert refined is not None
+    refined = known(optimise(optimum, refine=True).refined)
     free = {"material": "AD85", "thickness_mm": {"min": 2.0, "max": 20.0}}
     metal = {"material": "5083-H3", "thickness_mm": {"min": 2.0, "max": 14.0}}
     best = best_of(optimise(optimum.replaced({"design": {"ceramic": [free], "backing": [metal]}})))
@@ -231,18 +228,14 @@ def test_the_passing_thicknesses_may_end_below_the_greatest_on_offer():
     narrow = wide.replaced({"design.ceramic": [{**ceramic, "thickness_mm": {"min": 4.0, "max": 12.0}}]})
     best = best_of(optimise(narrow))
     assert best_of(optimise(wide)).areal_density_kg_m2 == pytest.approx(best.areal_density_kg_m2, abs=2e-4)
-    grid = {name: {"min": 6.0, "max": 9.0, "step": 1.0} for name in ("ceramic_thickness_mm", "backing_thickness_mm")}
-    wilkins = optimise(load_scenario("wilkins", {"design.confidence": 0.9, "optimise": grid}), refine=True)
-    assert wilkins.refined is not None
-    assert wilkins.refined.areal_density_kg_m2 < best_of(wilkins).areal_density_kg_m2 - 0.1
+    case = load_scenario("wilkins", {"design.confidence": 0.9, "optimise": grid((6.0, 9.0, 1.0), (8.0, 9.0, 1.0))})
+    wilkins = optimise(case, refine=True)
+    assert known(wilkins.refined).areal_density_kg_m2 < best_of(wilkins).areal_density_kg_m2 - 0.1
 
 
 def test_free_thicknesses_of_which_some_are_not_enough_and_limits():
     """Up to 9 mm of ceramic is too little on thin plates; a limit on the thickness then leaves a heavier optimum."""
-    layers = {
-        "ceramic": [{"material": "AD85", "thickness_mm": {"min": 2.0, "max": 9.0}}],
-        "backing": [{"material": "6061-T6", "thickness_mm": {"min": 1.0, "max": 14.0}}],
-    }
+    layers = offer("AD85", {"min": 2.0, "max": 9.0}, "6061-T6", {"min": 1.0, "max": 14.0})
     wide = best_of(optimise(catalogue(THREATS[:1], **layers)))
     assert wide.ceramic_thickness_mm <= 9.0
     thinnest = best_of(optimise(catalogue(THREATS[:1], **layers, minimise="thickness_mm")))
@@ -251,19 +244,13 @@ def test_free_thicknesses_of_which_some_are_not_enough_and_limits():
     narrow = best_of(optimise(catalogue(THREATS[:1], **layers, thickness_max_mm=middle)))
     assert narrow.thickness_mm <= middle
     assert wide.areal_density_kg_m2 < narrow.areal_density_kg_m2 < thinnest.areal_density_kg_m2
-    coarse = {
-        "ceramic": [{"material": "AD85", "thickness_mm": {"min": 2.0, "max": 9.0, "step": 0.1}}],
-        "backing": [{"material": "6061-T6", "thickness_mm": {"min": 1.0, "max": 14.0, "step": 0.1}}],
-    }
+    coarse = offer("AD85", {"min": 2.0, "max": 9.0, "step": 0.1}, "6061-T6", {"min": 1.0, "max": 14.0, "step": 0.1})
     by_grid = best_of(optimise(catalogue(THREATS[:1], **coarse))).areal_density_kg_m2
     assert by_grid - 0.35 < wide.areal_density_kg_m2 <= by_grid
 
 
 def test_free_thicknesses_against_several_threats_are_the_least():
-    layers = {
-        "ceramic": [{"material": "AD85", "thickness_mm": {"min": 2.0, "max": 14.0}}],
-        "backing": [{"material": "6061-T6", "thickness_mm": [5.0, 7.0]}],
-    }
+    layers = offer("AD85", {"min": 2.0, "max": 14.0}, "6061-T6", [5.0, 7.0])
     of = catalogue(**layers)
     for design in optimise(of).frontier:
         for less, outcomes in ((0.0, {"stopped"}), (2e-6, {"stopped", "perforated"})):

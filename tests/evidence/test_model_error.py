@@ -21,6 +21,7 @@ from armour.scenario.scenario import Scenario
 from armour.statistics.uncertainty import uncertainty
 from tests.design.results import best_of
 from tests.helpers.cases import scenario
+from tests.helpers.known import known
 from tools.evidence import matched_pairs
 
 EVIDENCE = {evidence.fits[0].name: evidence for evidence in shipped_evidence() if evidence.fits}
@@ -31,15 +32,11 @@ STRONG = {"metal": {"strong": {"based_on": "AA6082-T651", "dynamic_yield_strengt
 HEAVY = {"projectile": {"heavy": {"based_on": "7.62 mm AP", "density_kg_m3": 10000.0, "penetrator_mass_g": 8.0}}}
 SAME = {"based_on": "6061-T6"}
 LAW = {"ceramic": {"law": {"based_on": "AD85", "flow_stress_backing_exponent": 0.8}}}
-STEEL = {
-    "metal": {"steel": {"density_kg_m3": 7850.0, "dynamic_yield_strength_MPa": 1300.0}},
-}
+STEEL = {"metal": {"steel": {"density_kg_m3": 7850.0, "dynamic_yield_strength_MPa": 1300.0}}}
 
 
 def error_of(case: Scenario, limit_m_s: float = 700.0) -> ModelError:
-    error = model_error(row_of(case), limit_m_s)
-    assert error is not None
-    return error
+    return known(model_error(row_of(case), limit_m_s))
 
 
 def test_the_error_is_that_of_tests_of_such_armours():
@@ -122,9 +119,7 @@ def test_a_flow_stress_of_the_users_counts_in_every_law():
         confidence(scenario(ceramic=law).replaced({"ceramic.flow_stress_GPa": stress})).probability_of_stopping
         for law, stress in (("AD85", 4.9), ("AD85", 5.5))
     )
-    assert weak is not None
-    assert strong is not None
-    assert weak < 0.07 < strong
+    assert known(weak) < 0.07 < known(strong)
 
 
 def test_the_error_of_a_plate_is_the_linear_model():
@@ -147,9 +142,8 @@ def test_without_a_tensile_strength_of_the_same_kind_it_is_not_used():
 def test_the_error_widens_beyond_the_tests_and_is_then_unknown():
     def scale(millimetres: float) -> float:
         error = error_of(scenario(backing="AA6082-T651", backing_mm=millimetres, **BARE))
-        assert error.scale_percent is not None
         assert bool(error.extrapolated) == (millimetres > 9.7 * 6.25)
-        return error.scale_percent
+        return known(error.scale_percent)
 
     inside, beyond = scale(50.0), scale(9.7 * 6.25 * 1.3)
     assert beyond > 1.1 * inside
@@ -230,8 +224,7 @@ def test_beyond_30_degrees_a_plate_stops_at_least_as_surely_as_at_0():
     at_normal, oblique = confidence(plate), confidence(plate.replaced({OBLIQUITY: 45.0}))
     assert oblique.probability_of_stopping == pytest.approx(at_normal.probability_of_stopping)
     assert oblique.interval_m_s == pytest.approx(at_normal.interval_m_s)
-    assert oblique.model_error is not None
-    assert "2 tests at 45°" in oblique.model_error.at_least
+    assert "2 tests at 45°" in known(oblique.model_error).at_least
     assert 0.2 < (oblique.probability_of_stopping or 0.0) < 0.95
     assert "at least 92 %" in str(tables_of_confidence(oblique))
     for beyond in (plate.replaced({OBLIQUITY: 46.0}), scenario("20 mm FSP", None, "6061-T6", 0.0, 20.0)):
@@ -242,10 +235,7 @@ def test_no_limit_at_an_angle_is_below_that_at_normal_incidence():
     pairs = matched_pairs()
     assert len(pairs) == 21
     assert all(pair.limit_m_s > pair.at_normal_m_s for pair in pairs)
-    assert sorted(round(100 * (p.limit_m_s / p.at_normal_m_s - 1)) for p in pairs if p.obliquity_deg == 45) == [
-        41,
-        43,
-    ]
+    assert sorted(round(100 * (p.limit_m_s / p.at_normal_m_s - 1)) for p in pairs if p.obliquity_deg == 45) == [41, 43]
 
 
 def test_with_a_ceramic_the_probability_at_0_degrees_is_beside_and_used_if_the_design_says_so():

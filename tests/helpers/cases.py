@@ -107,6 +107,19 @@ def armour(*args: Any, **kwargs: Any) -> Parameters:
     return scenario(*args, **kwargs).core_armour()
 
 
+def grid(ceramic: tuple[float, float, float], backing: tuple[float, float, float]) -> dict[str, Any]:
+    """Thicknesses of a grid, by the least and the greatest of each layer and the step, mm."""
+    ranges = (dict(zip(("min", "max", "step"), ends, strict=True)) for ends in (ceramic, backing))
+    return dict(zip(("ceramic_thickness_mm", "backing_thickness_mm"), ranges, strict=True))
+
+
+def offer(ceramic: str, ceramic_mm: Any, backing: str, backing_mm: Any) -> dict[str, Any]:
+    """A design section of one ceramic and one metal with their thicknesses: a list, or a range."""
+    layers = (ceramic, ceramic_mm), (backing, backing_mm)
+    sections = ([{"material": name, "thickness_mm": thickness}] for name, thickness in layers)
+    return dict(zip(("ceramic", "backing"), sections, strict=True))
+
+
 @cache
 def shipped_scenario(name: str) -> Scenario:
     """A scenario of the folder of shipped scenarios."""

@@ -1,7 +1,9 @@
-"""Commands that are run in this process."""
+"""Commands that are run in this process, or several in another one."""
 
+import subprocess
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 
 from typer.main import get_command
 from typer.testing import CliRunner, Result
@@ -30,3 +32,23 @@ def invoke(words: Sequence[str], stdin: str | bytes | None = None, env: Mapping[
         sys.stderr.flush()
         out, err, both = (stream.getvalue() for stream in streams)
     return Result(runner, out, err, both, None, code, raised if code else None)
+
+
+IN_A_ROW = """
+import sys, shlex
+from armour.cli.main import main
+for line in sys.argv[1:]:
+    sys.argv = ["armour", *shlex.split(line)]
+    try:
+        main()
+    except SystemExit as end:
+        print(f"exit code {end.code or 0}: {line}", file=sys.stderr)
+"""
+
+
+def run_in_a_row(lines: Iterable[str], folder: Path, env: Mapping[str, str]) -> tuple[dict[str, int], str]:
+    """Run commands in one new process, in a folder; their exit codes, and all that is printed."""
+    command = [sys.executable, "-P", "-c", IN_A_ROW, *lines]
+    done = subprocess.run(command, cwd=folder, env=env, capture_output=True, text=True, check=False, timeout=120)
+    ends = (line.removeprefix("exit code ").split(": ", 1) for line in done.stderr.splitlines() if line[:5] == "exit ")
+    return {line: int(code) for code, line in ends}, done.stdout + done.stderr

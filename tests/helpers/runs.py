@@ -65,11 +65,7 @@ STAGE_PATHS = {
         720.0,
         ["Ieph", "Iech", "Fecm", "Fepm", "Feph", "Prpm", "Prcm"],
     ),
-    "plate moves, stops and moves": StagePath(
-        armour,
-        800.0,
-        ["Ieph", "Fepm", "Feph", "Prpm", "Prcm"],
-    ),
+    "plate moves, stops and moves": StagePath(armour, 800.0, ["Ieph", "Fepm", "Feph", "Prpm", "Prcm"]),
     "rigid in rubble": StagePath(
         lambda: armour("25 mm APDS", "AD85", "6061-T6", 25.5, 5.0),
         700.0,

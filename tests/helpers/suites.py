@@ -1,9 +1,10 @@
 """Suite files and their results."""
 
+from functools import cache
 from pathlib import Path
 
 from armour.validation.suite import Suite, load_suite
-from armour.validation.validate import SuiteResult, validate
+from armour.validation.validate import SuiteResult, paper_suite, validate
 
 # Ballistic limit of the Wilkins case, m/s, to the tolerance of its search.
 WILKINS_LIMIT = 723.778
@@ -20,6 +21,12 @@ rivals = ["they"]
 band = 10.0
 rms_band = 5.0
 """
+
+
+@cache
+def of_paper() -> SuiteResult:
+    """The result of the paper's suite."""
+    return validate(load_suite(paper_suite()))
 
 
 def case(name: str, expected: float | str, rest: str) -> str:

@@ -31,11 +31,7 @@ def scaled(case: dict[str, object], k: float, law: Mapping[str, float] | None = 
     content["impact"]["projectile"] = "similar"
     content["library"] = {
         "projectile": {
-            "similar": {
-                "based_on": "7.62 mm AP",
-                "penetrator_mass_g": 5.46 * k**3,
-                "penetrator_diameter_mm": 6.5 * k,
-            }
+            "similar": {"based_on": "7.62 mm AP", "penetrator_mass_g": 5.46 * k**3, "penetrator_diameter_mm": 6.5 * k}
         },
         "ceramic": {"AD85": {"based_on": "AD85", **(law or {})}},
     }

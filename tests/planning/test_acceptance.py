@@ -92,8 +92,7 @@ def test_the_stated_risks_hold_at_the_requirement(scatter: float, fraction: floa
     assert max(met, not_met) <= 0.05 + 2.0 * (0.05 * 0.95 / 200) ** 0.5
 
 
-@pytest.mark.parametrize("scatter", [15.0, 30.0])
-def test_armour_two_percent_below_a_requirement_of_nine_tenths_of_the_limit_does_not_pass(scatter: float):
-    """With the model's limit in the decision 19 and 35 % of such firings passed."""
-    met, _, _ = requirement(-0.02 * 852.0 / scatter, scatter, 200, 1)
+def test_armour_two_percent_below_a_requirement_of_nine_tenths_of_the_limit_does_not_pass():
+    """With the model's limit in the decision 35 % of such firings passed."""
+    met, _, _ = requirement(-0.02 * 852.0 / 30.0, 30.0, 200, 1)
     assert met <= 0.02

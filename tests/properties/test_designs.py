@@ -146,7 +146,7 @@ def layers(names: st.SearchStrategy[str]) -> st.SearchStrategy[list[dict[str, An
 
 
 @given(layers(CERAMICS), layers(METALS), THREATS, st.sampled_from(CRITERIA))
-@examples(max_examples=5)
+@examples(max_examples=3)
 def test_designs_of_usual_materials_are_those_of_a_plain_loop(ceramics: Any, metals: Any, threats: Any, minimise: str):
     design = {"ceramic": ceramics, "backing": metals, "minimise": minimise, "pareto": CRITERIA}
     # Without the model error no design is ranked behind for want of tests.
@@ -154,7 +154,7 @@ def test_designs_of_usual_materials_are_those_of_a_plain_loop(ceramics: Any, met
     check(case, optimise(case))
 
 
-@pytest.mark.parametrize("seed", [1, 3, 5, *LOWER_LIMITS])
+@pytest.mark.parametrize("seed", [1, 3, *LOWER_LIMITS])
 def test_designs_of_exotic_materials_are_those_of_a_plain_loop(seed: int):
     check(exotic(seed), answer(seed))
 

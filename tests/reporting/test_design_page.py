@@ -3,8 +3,6 @@
 import json
 import re
 import shlex
-import shutil
-import subprocess
 from base64 import b64decode, b64encode
 from collections.abc import Sequence
 from functools import cache
@@ -24,11 +22,11 @@ from armour.reporting.design_page import design_page
 from armour.reporting.formats import TEMPLATES
 from armour.reporting.words import chance
 from armour.scenario.scenario import Scenario
+from tests.helpers.browser import CHROMIUM, browse, needs_chromium
 from tests.helpers.cases import scenario, shipped_scenario
 
 pytestmark = pytest.mark.slow
 
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 COMMAND = ("armour", "simulate", "catalogue")
 TITLE = "</script><script>alert(1)</script> & <b>"
 
@@ -175,23 +173,8 @@ def browsed(folder: Path, questions: Sequence[Question]) -> list[Any]:
       document.body.textContent = JSON.stringify(found);
     }, 4000);"""
     (folder / "outer.html").write_text(f"<body>{frames}<script>{take}</script></body>")
-    options = (
-        "--headless",
-        "--no-sandbox",
-        "--disable-gpu",
-        "--disable-background-networking",
-        "--allow-file-access-from-files",
-    )
-    command = [
-        str(CHROMIUM),
-        *options,
-        f"--user-data-dir={folder / 'profile'}",
-        "--window-size=1400,1200",
-        "--virtual-time-budget=8000",
-        "--dump-dom",
-        (folder / "outer.html").as_uri(),
-    ]
-    written = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True).stdout
+    window = ("--window-size=1400,1200", "--virtual-time-budget=8000", "--dump-dom")
+    written = browse(folder / "outer.html", *window)
     [text] = re.findall(r"<body>(.*)</body>", written, re.DOTALL)
     results = json.loads(text.replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&"))
     assert [(result["said"], result["asked"]) for result in results] == [([], [])] * len(questions)
@@ -413,7 +396,7 @@ def test_the_sentences_are_those_of_the_case(told, words: str):
     assert words in told[words]
 
 
-@pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")
+@needs_chromium
 def test_a_page_names_what_the_model_cannot_do_for_the_design_it_names(tmp_path: Path):
     rod = {"penetrator_diameter_mm": 10.0, "penetrator_mass_g": 138.2, "density_kg_m3": 17600.0, "flow_stress_GPa": 1.9}
     bare = scenario(

@@ -141,10 +141,7 @@ def test_a_threat_that_a_distribution_does_not_fit_keeps_exact_inputs():
     assert [row[headings(mixed).index("inputs")] for row in mixed.texts()] == ["distributions", "exact"]
 
 
-SAMPLED = {
-    "samples": 128,
-    "impact": {"velocity_m_s": {"distribution": "normal", "standard_deviation": 10.0}},
-}
+SAMPLED = {"samples": 128, "impact": {"velocity_m_s": {"distribution": "normal", "standard_deviation": 10.0}}}
 
 
 STOPPING = "probability of stopping the projectile"
@@ -356,10 +353,7 @@ def test_sections_are_the_answer_and_what_explains_it():
     assert folded[:3] == ["Best of each pair", "Pairs of materials", "Results under uncertain inputs"]
     what_ifs = section(full, "What if").tables
     assert [table.title for table in what_ifs] == [f"against {THREAT}", f"against {OTHER}"]
-    assert [table.title for table in section(full, "Pairs of materials").tables] == [
-        "",
-        "Pareto front",
-    ]
+    assert [table.title for table in section(full, "Pairs of materials").tables] == ["", "Pareto front"]
     assert "Required ceramic for each back plate" in headings(designed(design_result()), folded=True)
 
 

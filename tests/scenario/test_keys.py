@@ -77,10 +77,7 @@ def test_what_stands_before_an_error():
     [
         (["impact", "velocity_m_s"], "impact.velocity_m_s"),
         (["library", "files", 0], "library.files[0]"),
-        (
-            ["library", "ceramic", "AD85, mine", "flow_stress_GPa"],
-            'library.ceramic."AD85, mine".flow_stress_GPa',
-        ),
+        (["library", "ceramic", "AD85, mine", "flow_stress_GPa"], 'library.ceramic."AD85, mine".flow_stress_GPa'),
         (["a\nb"], '"a\\nb"'),
     ],
 )

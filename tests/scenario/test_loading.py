@@ -81,7 +81,7 @@ def test_missing_sections_are_all_named():
         "armour: is missing and must be given",
     ]
     assert messages({**data(), "armour": {"backing": "6061-T6", "backing_thickness_mm": 6.0}}) == [
-        "armour.ceramic_thickness_mm: is missing and must be given; 0 for a bare plate",
+        "armour.ceramic_thickness_mm: is missing and must be given; 0 for a bare plate"
     ]
 
 

@@ -13,6 +13,7 @@ from scipy.stats import chi2
 from armour.errors import NoAnswerError
 from armour.statistics import curves
 from armour.statistics.curves import CDFS, Z95, FittedCurve, Link, ShotLikelihood, fit_curve, penalised_band
+from tests.helpers.known import known
 
 pytestmark = pytest.mark.slow
 
@@ -26,10 +27,7 @@ CASES: dict[str, Shots] = {
     "two": ((700.0,), (710.0,)),
     # The penalised likelihood has several maxima along some lines, and the last has two of all.
     "steep and flat": ((715.0,), (755.0, 720.0)),
-    "wide apart": (
-        (657.1, 654.1, 625.3, 687.0, 671.6),
-        (783.4, 725.6, 739.6, 749.7, 786.8, 738.7),
-    ),
+    "wide apart": ((657.1, 654.1, 625.3, 687.0, 671.6), (783.4, 725.6, 739.6, 749.7, 786.8, 738.7)),
     "pair": ((680.5, 720.0, 714.0), (719.8, 720.9, 737.4, 719.9, 726.3, 730.4, 741.0)),
     "near": (
         (688.83, 704.43, 709.88, 718.67, 691.16, 706.1, 719.65, 691.8, 709.24, 709.22, 711.44, 718.49, 719.02),
@@ -40,9 +38,7 @@ links = pytest.mark.parametrize("link", CDFS)
 
 
 def fitted(shots: Shots, link: Link, *, penalised: bool = False) -> FittedCurve:
-    fit = fit_curve(*shots, link, penalised=penalised)
-    assert fit is not None
-    return fit
+    return known(fit_curve(*shots, link, penalised=penalised))
 
 
 def likelihood(shots: Shots, link: Link, slopes: np.ndarray, intercepts: np.ndarray, *, penalised: bool) -> np.ndarray:
@@ -92,10 +88,9 @@ def test_a_one_sided_bound_is_the_end_of_an_interval_with_twice_the_probability_
     one_sided, two_sided = (fit_curve(*CASES[case], link, confidence, penalised=True) for confidence in (0.95, 0.9))
     assert one_sided is not None
     assert two_sided is not None
-    assert two_sided.v05_interval_m_s is not None
     assert (one_sided.v50_lower_m_s, one_sided.v05_lower_m_s) == (
         two_sided.v50_interval_m_s[0],
-        two_sided.v05_interval_m_s[0],
+        known(two_sided.v05_interval_m_s)[0],
     )
 
 
@@ -156,8 +151,8 @@ def test_shots_that_touch():
 
 def many_shots(case: str) -> Shots:
     dice = np.random.default_rng(1)
-    velocities = dice.normal(720.0, 40.0, 600)
-    limits = dice.normal(720.0, 0.0 if case == "apart" else 15.0, 600)
+    velocities = dice.normal(720.0, 40.0, 300)
+    limits = dice.normal(720.0, 0.0 if case == "apart" else 15.0, 300)
     velocities[0] = 7200.0 if case == "far" else 700.0
     complete = velocities > limits
     if case == "one complete":
@@ -165,9 +160,11 @@ def many_shots(case: str) -> Shots:
     return tuple(velocities[~complete].tolist()), tuple(velocities[complete].tolist())
 
 
-@links
 @pytest.mark.parametrize("penalised", [False, True])
-@pytest.mark.parametrize("case", ["mixed", "apart", "far", "one complete"])
+@pytest.mark.parametrize(
+    ("case", "link"),
+    [("mixed", "probit"), ("mixed", "logit"), ("apart", "logit"), ("far", "probit"), ("one complete", "logit")],
+)
 def test_many_shots_are_condensed_without_a_change(
     case: str, penalised: bool, link: Link, monkeypatch: pytest.MonkeyPatch
 ):

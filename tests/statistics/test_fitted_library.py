@@ -15,6 +15,9 @@ from armour.statistics.fitted_library import library_text, save_fit, scenario_te
 from armour.statistics.measured import read_tests
 from tests.helpers.cases import TESTS, scenario, shipped_scenario
 from tests.helpers.fits import table_of, wilkins_fit
+from tests.helpers.known import known
+
+WILKINS = shipped_scenario("wilkins")
 
 pytestmark = pytest.mark.slow
 
@@ -23,10 +26,9 @@ LIMITS = f"{C},{B},ballistic_limit_m_s"
 
 
 def test_a_library_holds_the_tests(tmp_path: Path):
-    wilkins = shipped_scenario("wilkins")
-    tests = read_tests("tests/wilkins", wilkins)
+    tests = read_tests("tests/wilkins", WILKINS)
     path = tmp_path / "lib.toml"
-    path.write_text(library_text(wilkins_fit(), tests, wilkins, "lot 7"))
+    path.write_text(library_text(wilkins_fit(), tests, WILKINS, "lot 7"))
     entry = read_library(path, shipped_library()).entries["ceramic"]["AD85, lot 7"]
     value = entry.values["flow_stress_GPa"]
     assert value.value == pytest.approx(5.20935, abs=2e-5)
@@ -46,12 +48,11 @@ def test_a_library_holds_the_tests(tmp_path: Path):
 
 
 def test_a_law_is_written_as_keys_that_other_thicknesses_follow(tmp_path: Path):
-    wilkins = shipped_scenario("wilkins")
-    tests = read_tests(TESTS, wilkins)
+    tests = read_tests(TESTS, WILKINS)
     result = wilkins_fit("backing")
-    (tmp_path / "lib.toml").write_text(library_text(result, tests, wilkins, "lot 7"))
+    (tmp_path / "lib.toml").write_text(library_text(result, tests, WILKINS, "lot 7"))
     (tmp_path / "case.toml").write_text(
-        wilkins.to_toml().replace('"AD85"', '"AD85, lot 7"') + '[library]\nfiles = ["lib.toml"]\n'
+        WILKINS.to_toml().replace('"AD85"', '"AD85, lot 7"') + '[library]\nfiles = ["lib.toml"]\n'
     )
     columns = {C: np.array([5.8, 7.85]), B: np.array([7.24, 4.35])}
     limits = evaluate(load_scenario(tmp_path / "case.toml"), columns, ["ballistic_limit_m_s"])["ballistic_limit_m_s"]
@@ -99,8 +100,7 @@ coefficient = 0.2
     assert loaded.uncertainty.model is None
     entry = loaded.entry("ceramic", "AD85, lot 7")
     assert entry["flow_stress_backing_exponent"] == pytest.approx(0.3232, abs=1e-3)
-    assert entry.evidence is not None
-    assert entry.evidence.model_dump(exclude_none=True) == {**(result.evidence or {}), "lot": "lot 7"}
+    assert known(entry.evidence).model_dump(exclude_none=True) == {**(result.evidence or {}), "lot": "lot 7"}
 
 
 def test_every_place_that_names_the_material_follows(tmp_path: Path):
@@ -133,8 +133,7 @@ def test_a_fit_of_several_inputs_is_written_with_their_distributions(tmp_path: P
     assert result.evidence is None
     path = tmp_path / "made.toml"
     path.write_text(scenario_text(result, tests, wilkins, "lot 7", path))
-    section = load_scenario(path).uncertainty
-    assert section is not None
+    section = known(load_scenario(path).uncertainty)
     for coefficient in result.coefficients:
         assert section.inputs()[coefficient.name].distribution == "normal"
         assert section.inputs()[coefficient.name].standard_deviation == pytest.approx(
@@ -170,8 +169,7 @@ OUTCOMES = "impact.velocity_m_s,outcome,ballistic_limit_uncertainty_m_s"
 
 def test_a_file_of_toml_is_written_or_none():
     """A name in another encoding is no text."""
-    wilkins = shipped_scenario("wilkins")
-    fit = (wilkins_fit(), read_tests(TESTS, wilkins), wilkins)
+    fit = (wilkins_fit(), read_tests(TESTS, WILKINS), WILKINS)
     assert "AD85, é\u00a07" in tomllib.loads(library_text(*fit, "é\u00a07"))["ceramic"]
     with pytest.raises(InputError, match=r"must be given names in UTF-8, found .*\\udce9"):
         library_text(*fit, "\udce9")
@@ -180,26 +178,23 @@ def test_a_file_of_toml_is_written_or_none():
 
 
 def test_a_library_of_outcomes_has_their_velocities_and_no_interval_that_is_open():
-    wilkins = shipped_scenario("wilkins")
-    tests = table_of(wilkins, OUTCOMES, "700,stopped,10", "750,perforated,10")
-    result = calibrate(tests, wilkins)
+    tests = table_of(WILKINS, OUTCOMES, "700,stopped,10", "750,perforated,10")
+    result = calibrate(tests, WILKINS)
     [stress] = result.coefficients
     opened = replace(result, coefficients=(replace(stress, interval=(None, 6.0)),))
     for fit_result, interval in ((result, True), (opened, False)):
-        [entry] = tomllib.loads(library_text(fit_result, tests, wilkins, "lot 7"))["ceramic"].values()
+        [entry] = tomllib.loads(library_text(fit_result, tests, WILKINS, "lot 7"))["ceramic"].values()
         assert ("% interval" in entry["flow_stress_GPa"]["source"]) is interval
         assert [test["impact.velocity_m_s"] for test in entry["flow_stress_GPa"]["tests"]] == [700.0, 750.0]
 
 
 def test_one_test_is_enough(tmp_path: Path):
-    wilkins = shipped_scenario("wilkins")
-    tests = table_of(wilkins, f"{C},ballistic_limit_m_s", "6.35,720")
-    result = calibrate(tests, wilkins)
+    tests = table_of(WILKINS, f"{C},ballistic_limit_m_s", "6.35,720")
+    result = calibrate(tests, WILKINS)
     [warning] = (text for text in result.warnings if "too few" in text)
     assert "4 % of each measured value is assumed" in warning
-    (tmp_path / "s.toml").write_text(scenario_text(result, tests, wilkins, "lot 7", tmp_path / "s.toml"))
-    evidence = load_scenario(tmp_path / "s.toml").entry("ceramic", "AD85, lot 7").evidence
-    assert evidence is not None
+    (tmp_path / "s.toml").write_text(scenario_text(result, tests, WILKINS, "lot 7", tmp_path / "s.toml"))
+    evidence = known(load_scenario(tmp_path / "s.toml").entry("ceramic", "AD85, lot 7").evidence)
     assert (evidence.lot, evidence.source) == ("lot 7", "1 test of rows")
 
 
@@ -221,7 +216,6 @@ def test_one_test_is_enough(tmp_path: Path):
 )
 def test_what_is_not_written(tmp_path: Path, table: list[str], settings: dict[str, Any], message: str):
     """An input that is bounded on one side only or not identified, and a fit that no scenario allows."""
-    wilkins = shipped_scenario("wilkins")
-    tests = table_of(wilkins, *table)
+    tests = table_of(WILKINS, *table)
     with pytest.raises(NoAnswerError, match=message):
-        scenario_text(calibrate(tests, wilkins, **settings), tests, wilkins, "lot 7", tmp_path / "s.toml")
+        scenario_text(calibrate(tests, WILKINS, **settings), tests, WILKINS, "lot 7", tmp_path / "s.toml")

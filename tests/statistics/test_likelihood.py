@@ -33,11 +33,7 @@ CERAMICS = [f"armour.ceramic,{C},{LIMIT}", "AD85,6,700", "AD99.5,7,720"]
         (TWO, {"fit": ["hardness"]}, 'found "hardness"; choose from'),
         (TWO, {"fit": "ceramic"}, 'calibrate: fit: must name an input of the scenario, found "ceramic"'),
         (TWO, {"fit": []}, "must name at least one input"),
-        (
-            TWO,
-            {"law": "linear"},
-            "must have at least 3 measurements or outcomes for 3 coefficients, found 2",
-        ),
+        (TWO, {"law": "linear"}, "must have at least 3 measurements or outcomes for 3 coefficients, found 2"),
         (TWO, {"law": "linaer"}, 'found the text "linaer"; did you mean "linear"'),
         (TWO, {"fit": [TAU], "law": "all"}, f"calibrate: law: must not be given unless {STRESS} is fitted"),
         (WEIGHTED, {"law": "linear"}, "must have at least 3 measurements or outcomes for 3 coefficients, found 2"),

@@ -133,14 +133,8 @@ def test_rows_are_read_as_a_file_is(tmp_path: Path):
         ([{**ROWS[0], LIMIT: "x"}], 'rows: row 1: ballistic_limit_m_s: must be a number, found "x"'),
         ([{**ROWS[0], "armour.backing_thicknes_mm": 6}], "armour.backing_thicknes_mm: unknown column; did you mean"),
         ([], "rows: must have a header, found an empty file"),
-        (
-            5,
-            "rows: must be a path, rows as mappings, columns of equal length, or a data frame",
-        ),
-        (
-            [1, 2],
-            "rows: must be a path, rows as mappings, columns of equal length, or a data frame",
-        ),
+        (5, "rows: must be a path, rows as mappings, columns of equal length, or a data frame"),
+        ([1, 2], "rows: must be a path, rows as mappings, columns of equal length, or a data frame"),
     ],
 )
 def test_wrong_rows(rows: Any, message: str):

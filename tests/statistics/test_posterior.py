@@ -146,7 +146,7 @@ def test_no_earlier_firing_leaves_the_scatter_that_is_expected():
 def test_scatters_of_earlier_firings_are_pooled():
     """Of firings that resemble each other as the prior says, the interval of a further one holds its scatter."""
     dice, held, factors = np.random.default_rng(7), [], []
-    for _ in range(25):
+    for _ in range(15):
         median = 0.02 * np.exp(dice.normal(0.0, 0.9 * np.log(2.0)))
         ratios = median * np.exp(0.4 * np.log(2.0) * abs(dice.normal()) * dice.normal(size=5))
         percent, factor = pooled_scatter([firing(ratio, dice) for ratio in ratios[1:]], 2.0, 2.0)

@@ -14,9 +14,7 @@ pytestmark = pytest.mark.slow
 
 
 @pytest.mark.parametrize(
-    "changes",
-    [(), ("25 mm APDS", "AD99.5", "5083-H3", 30.0, 20.0, 1250.0)],
-    ids=["7.62 mm", "25 mm"],
+    "changes", [(), ("25 mm APDS", "AD99.5", "5083-H3", 30.0, 20.0, 1250.0)], ids=["7.62 mm", "25 mm"]
 )
 def test_similar_cases_have_the_same_limit(changes: tuple[object, ...]):
     """Lengths times k, stresses times k^2 with velocities times k, densities times k with velocities over k^(1/2)."""

@@ -20,10 +20,7 @@ from armour.sweeps.store import Chunk, Store, csv_of, is_csv, read_table, write_
 on_unix = pytest.mark.skipif(not hasattr(os, "geteuid"), reason="needs users")
 
 JOB = {"version": "1.0", "program": "a", "scenario": "b", "quantities": "x", "rows": "c"}
-RESULTS = {
-    "limit_m_s": np.array([1 / 3, np.nan, 1e300]),
-    "outcome": np.array(["perforated", "", "stopped"]),
-}
+RESULTS = {"limit_m_s": np.array([1 / 3, np.nan, 1e300]), "outcome": np.array(["perforated", "", "stopped"])}
 
 
 def part(index: int) -> Chunk:
@@ -275,10 +272,7 @@ ENDLESS = "with recursive n(i) as (select 1 union all select i + 1 from n) selec
 )
 def test_other_tables_are_refused(strange: sqlite3.Connection, output: Path, schema: str):
     strange.executescript(schema)
-    with (
-        closing(strange),
-        pytest.raises(InputError, match=r"parts: must .* this sweep, found tables that no"),
-    ):
+    with closing(strange), pytest.raises(InputError, match=r"parts: must .* this sweep, found tables that no"):
         finished(output)
     assert [path.name for path in output.parent.iterdir()] == [f"{output.name}.parts"]
 

@@ -90,13 +90,7 @@ def test_a_sweep_is_resumed_as_often_as_it_is_interrupted(tmp_path: Path):
 
 @pytest.mark.parametrize(
     ("seconds", "words"),
-    [
-        (0.2, "1 second"),
-        (119.0, "119 seconds"),
-        (121.0, "2 minutes"),
-        (7201.0, "2 hours"),
-        (3e9, "34,722 days"),
-    ],
+    [(0.2, "1 second"), (119.0, "119 seconds"), (121.0, "2 minutes"), (7201.0, "2 hours"), (3e9, "34,722 days")],
 )
 def test_lengths_of_time_in_words(seconds: float, words: str):
     assert duration(seconds) == words

@@ -8,10 +8,7 @@ import pytest
 
 from armour.statistics.curves import fit_curve
 
-FLIGHTS = {
-    False: (66, 69, 68, 67, 72, 73, 70, 78, 67, 67, 75, 70, 81, 76, 79, 76),
-    True: (70, 57, 63, 70, 53, 75, 58),
-}
+FLIGHTS = {False: (66, 69, 68, 67, 72, 73, 70, 78, 67, 67, 75, 70, 81, 76, 79, 76), True: (70, 57, 63, 70, 53, 75, 58)}
 
 
 def test_the_published_curve():

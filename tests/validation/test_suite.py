@@ -11,7 +11,7 @@ from armour.scenario.scenario import Scenario
 from armour.validation.questions import QUESTIONS, Subject, answer
 from armour.validation.suite import load_suite
 from tests.design.results import best_of
-from tests.helpers.cases import SCENARIOS, scenario
+from tests.helpers.cases import SCENARIOS, grid, scenario
 from tests.helpers.suites import HEAD, TABLE, case, load
 
 CASE = case("a", 724.0, "band = 1.0")
@@ -151,91 +151,60 @@ IN_TABLE = "table[0].scenario: must be a valid scenario: wilkins.toml: "
 IN_ROW = "table[0].rows[0]: must be a valid scenario: wilkins.toml: "
 
 
-@pytest.mark.parametrize(
-    ("text", "old", "new", "message"),
-    [
-        (CASE, "band = 1.0", "band = 1.0\nband_percent = 2.0", "case[0]: must have band or band_percent, found both"),
-        (CASE, "band = 1.0", "band = -1.0", "case[0].band: must be at least 0, found -1.0"),
-        (CASE, "band = 1.0", "band = 1e300", "case[0].band: must be at most 1e+12, found 1e+300"),
+MISTAKES = {
+    CASE: [
+        ("band = 1.0", "band = 1.0\nband_percent = 2.0", "case[0]: must have band or band_percent, found both"),
+        ("band = 1.0", "band = -1.0", "case[0].band: must be at least 0, found -1.0"),
+        ("band = 1.0", "band = 1e300", "case[0].band: must be at most 1e+12, found 1e+300"),
+        ("724.0", "1e300", "case[0]: expected must be a number up to 1e+12 for ballistic_limit_m_s, found 1e+300"),
+        ("724.0", "nan", "case[0].expected: must be a finite number, found nan"),
+        ("724.0", '"fast"', "case[0]: expected must be a number up to 1e+12 for ballistic_limit_m_s, found the"),
+        ("724.0", "1" + 400 * "0", "case[0].expected: must be a number, found a whole number of more than 64 bits"),
+        ("band = 1.0", "band = 1.0\nreplaced_by = {}", "case[0]: replaced_by belongs to thickness_saved_percent"),
+        ("ballistic_limit_m_s", "outcome", "case[0]: an outcome has no band, found band"),
+        ("wilkins", "no", "case[0].scenario: must be a valid scenario: no.toml: cannot be read: no such file"),
+        ("band = 1.0", 'band = 1.0\nset.armour.ceramic = "AD85x"', f"{IN_SCENARIO}armour.ceramic: must name a"),
+        ("ballistic_limit_m_s", "optimum_areal_density_kg_m2", f"{IN_SCENARIO}optimise: is missing"),
+    ],
+    OUTCOME: [
+        ("stopped", "undecided", 'case[0]: expected must be "stopped" or "perforated" (or partial or complete'),
+        ('"stopped"', '"stopped"\nmeasured = 1.0', "case[0]: an outcome has no difference from a measured"),
+    ],
+    TABLE: [
+        ("730.0, 730.0]", "730.0]", "table[0]: every row must have the 3 numbers of the columns, found 2 in row"),
+        ('"expected"', '"found"', "table[0]: columns must include expected"),
+        ('"they"]\n', '"those"]\n', "table[0]: columns must include they"),
+        ('"they"]\n', '"expected"]\n', "table[0]: columns must differ from each other"),
+        ("rms_band", "rms_band_percent = 2.0\nrms_band", "table[0]: must have rms_band or rms_band_percent, foun"),
         (
-            CASE,
-            "724.0",
-            "1e300",
-            "case[0]: expected must be a number up to 1e+12 for ballistic_limit_m_s, found 1e+300",
-        ),
-        (CASE, "724.0", "nan", "case[0].expected: must be a finite number, found nan"),
-        (CASE, "724.0", '"fast"', "case[0]: expected must be a number up to 1e+12 for ballistic_limit_m_s, found the"),
-        (
-            CASE,
-            "724.0",
-            "1" + 400 * "0",
-            "case[0].expected: must be a number, found a whole number of more than 64 bits",
-        ),
-        (CASE, "band = 1.0", "band = 1.0\nreplaced_by = {}", "case[0]: replaced_by belongs to thickness_saved_percent"),
-        (CASE, "ballistic_limit_m_s", "outcome", "case[0]: an outcome has no band, found band"),
-        (
-            OUTCOME,
-            "stopped",
-            "undecided",
-            'case[0]: expected must be "stopped" or "perforated" (or partial or complete',
-        ),
-        (OUTCOME, '"stopped"', '"stopped"\nmeasured = 1.0', "case[0]: an outcome has no difference from a measured"),
-        (CASE, "wilkins", "no", "case[0].scenario: must be a valid scenario: no.toml: cannot be read: no such file"),
-        (CASE, "band = 1.0", 'band = 1.0\nset.armour.ceramic = "AD85x"', f"{IN_SCENARIO}armour.ceramic: must name a"),
-        (CASE, "ballistic_limit_m_s", "optimum_areal_density_kg_m2", f"{IN_SCENARIO}optimise: is missing"),
-        (
-            TABLE,
-            "730.0, 730.0]",
-            "730.0]",
-            "table[0]: every row must have the 3 numbers of the columns, found 2 in row",
-        ),
-        (TABLE, '"expected"', '"found"', "table[0]: columns must include expected"),
-        (TABLE, '"they"]\n', '"those"]\n', "table[0]: columns must include they"),
-        (TABLE, '"they"]\n', '"expected"]\n', "table[0]: columns must differ from each other"),
-        (
-            TABLE,
-            "rms_band",
-            "rms_band_percent = 2.0\nrms_band",
-            "table[0]: must have rms_band or rms_band_percent, foun",
-        ),
-        (
-            TABLE,
             "ballistic_limit_m_s",
             "weight_saved_percent",
             "table[0]: a table must be of numbers that one scenario answers",
         ),
-        (TABLE, "rivals", "where = { x = 1 }\nrivals", "table[0]: must not have where without a file"),
-        (
-            TABLE.replace('rivals = ["they"]', "").replace("756", "0"),
-            "they",
-            "measured",
-            "table[0]: measured must be at",
-        ),
-        (TABLE, "ceramic_thickness_mm", "ceramic.density_kg_m3", f"{IN_ROW}armour.ceramic.density_kg_m3: must not go"),
-        (TABLE, "[6.35", "[-1.0", f"{IN_ROW}armour.ceramic_thickness_mm: must be"),
-        (
-            TABLE,
-            "armour.ceramic_thickness_mm",
-            "design.thickness_max_mm",
-            "design.thickness_max_mm: must have an effec",
-        ),
-        (
-            TABLE,
-            "rivals",
-            "set.armour.ceramic_thickness_mm = 5.0\nrivals",
-            f"{IN_ROW}armour.ceramic_thickness_mm: must",
-        ),
-        (TABLE, "rivals", "set.title.x = 5.0\nrivals", f"{IN_TABLE}title: must be"),
-        (TABLE, "rivals", "set.uncertainty.seed = 5\nrivals", "uncertainty.seed: must have"),
-        (TABLE, "rivals", 'set.library.ceramic.AD85x.based_on = "AD85"\nrivals', 'scenario uses; did you mean "AD85"?'),
-        (FILE, 'file = "t.csv"', "band = 1.0", "table[0]: must not have where without a file"),
-        (FILE, "where = { kept = 1 }", 'rivals = ["x"]', "table[0]: must not have rivals with a file"),
-        (FILE, "ballistic_limit_m_s", "penetration_depth_mm", "table[0]: quantity must be one of"),
-        (FILE, "ballistic_limit_m_s", "residual_mass_g", "t.csv: must be a table of tests with the column"),
-        (FILE, "kept = 1", "kept = 2", "t.csv: must have tests with ballistic_limit_m_s and kept as the suite selects"),
-        (FILE, "kept = 1", "kept = { max = 2 }", "table[0].where.kept.max: unknown key; choose from min, below"),
-        (FILE, "kept = 1", "kept = true", "table[0].where.kept[0]: must be a number, found true"),
+        ("rivals", "where = { x = 1 }\nrivals", "table[0]: must not have where without a file"),
+        ("ceramic_thickness_mm", "ceramic.density_kg_m3", f"{IN_ROW}armour.ceramic.density_kg_m3: must not go"),
+        ("[6.35", "[-1.0", f"{IN_ROW}armour.ceramic_thickness_mm: must be"),
+        ("armour.ceramic_thickness_mm", "design.thickness_max_mm", "design.thickness_max_mm: must have an effec"),
+        ("rivals", "set.armour.ceramic_thickness_mm = 5.0\nrivals", f"{IN_ROW}armour.ceramic_thickness_mm: must"),
+        ("rivals", "set.title.x = 5.0\nrivals", f"{IN_TABLE}title: must be"),
+        ("rivals", "set.uncertainty.seed = 5\nrivals", "uncertainty.seed: must have"),
+        ("rivals", 'set.library.ceramic.AD85x.based_on = "AD85"\nrivals', 'scenario uses; did you mean "AD85"?'),
     ],
+    TABLE.replace('rivals = ["they"]', "").replace("756", "0"): [("they", "measured", "table[0]: measured must be at")],
+    FILE: [
+        ('file = "t.csv"', "band = 1.0", "table[0]: must not have where without a file"),
+        ("where = { kept = 1 }", 'rivals = ["x"]', "table[0]: must not have rivals with a file"),
+        ("ballistic_limit_m_s", "penetration_depth_mm", "table[0]: quantity must be one of"),
+        ("ballistic_limit_m_s", "residual_mass_g", "t.csv: must be a table of tests with the column"),
+        ("kept = 1", "kept = 2", "t.csv: must have tests with ballistic_limit_m_s and kept as the suite selects"),
+        ("kept = 1", "kept = { max = 2 }", "table[0].where.kept.max: unknown key; choose from min, below"),
+        ("kept = 1", "kept = true", "table[0].where.kept[0]: must be a number, found true"),
+    ],
+}
+
+
+@pytest.mark.parametrize(
+    ("text", "old", "new", "message"), [(text, *row) for text, rows in MISTAKES.items() for row in rows]
 )
 def test_a_mistake(folder: Path, text: str, old: str, new: str, message: str):
     (folder / "t.csv").write_text(CSV)
@@ -261,10 +230,7 @@ def test_rows_are_named_by_the_layer_that_differs(folder: Path):
     assert load(folder, text).cases[0].name == "back plate density 2700 kg/m³"
 
 
-GRID = {
-    "ceramic_thickness_mm": {"min": 0.0, "max": 60.0, "step": 1.0},
-    "backing_thickness_mm": {"min": 1.0, "max": 60.0, "step": 1.0},
-}
+GRID = grid((0.0, 60.0, 1.0), (1.0, 60.0, 1.0))
 THIN = {layer: {"min": 0.5, "max": 2.0, "step": 0.5} for layer in GRID}
 
 

@@ -7,7 +7,6 @@ distance perforates and one slower by it is stopped.
     python -m tools.campaigns.accuracy
 """
 
-import argparse
 import sys
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
@@ -22,7 +21,7 @@ from armour.engine import batch
 from armour.scenario.schema import SHEAR_LAWS
 from tests.helpers.cases import armour
 from tests.helpers.runs import random_designs
-from tools.campaigns.verdict import verdict
+from tools.campaigns.verdict import asked, verdict
 
 TOLERANCE = 1e-5  # m/s
 LOW, HIGH = 20.0, 4000.0  # m/s
@@ -77,9 +76,8 @@ def perforates(rows: batch.Floats, velocities: batch.Floats) -> NDArray[np.bool_
         p = Parameters(*row)
         step = PART * STEP * min(p.D0, p.Hc0 + p.Hb) / float(velocities[i])
         settings = RunSettings(1.0, step, MAX_STEPS)
-        perforated[i] = (
-            batch.impacts(rows[i : i + 1], velocities[i], settings, threads=1).outcome[0] == Outcome.PERFORATED
-        )
+        found = batch.impacts(rows[i : i + 1], velocities[i], settings, threads=1)
+        perforated[i] = found.outcome[0] == Outcome.PERFORATED
     return perforated
 
 
@@ -97,16 +95,11 @@ def errors(rows: batch.Floats, limits: batch.Floats, pool: ProcessPoolExecutor) 
 
 def main() -> int:
     """Print the errors, and the steps of an impact at the limit."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--designs", type=int, default=1_000)
-    parser.add_argument("--plates", type=int, default=300)
-    parser.add_argument("--spread", type=int, default=1_000)
-    parser.add_argument("--seed", type=int, default=24)
-    asked = parser.parse_args()
+    options = asked(__doc__, designs=1_000, plates=300, spread=1_000, seed=24)
     populations = {
-        "the paper's materials": list(random_designs(asked.designs)),
-        "bare plates": bare_plates(asked.plates),
-        "all over a decade": (spread := spread_designs(asked.spread, asked.seed)),
+        "the paper's materials": list(random_designs(options.designs)),
+        "bare plates": bare_plates(options.plates),
+        "all over a decade": (spread := spread_designs(options.spread, options.seed)),
         "the same, interface": [design._replace(drive_law=equations.INTERFACE) for design in spread],
     }
     texts, over = [], 0

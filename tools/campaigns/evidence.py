@@ -92,9 +92,8 @@ class Predicted(NamedTuple):
         residual = self.error - self.location
         score = np.mean(t.logpdf(residual, self.degrees_of_freedom, 0.0, self.scale))
         shares = self.within(0.9), self.within(0.95), self.above(0.95)
-        return [f"{len(residual)}", f"{100.0 * np.sqrt(np.mean(residual**2)):.1f}", f"{score:.2f}"] + [
-            f"{share:.0f}" for share in shares
-        ]
+        rms = 100.0 * np.sqrt(np.mean(residual**2))
+        return [f"{len(residual)}", f"{rms:.1f}", f"{score:.2f}", *(f"{share:.0f}" for share in shares)]
 
 
 def ranges_of(plates: Plates) -> dict[str, tuple[float, float]]:
@@ -204,10 +203,8 @@ def ends(name: str) -> Iterator[list[str]]:
     plates = plates_of(group.kind, group.metal)
     for column, words in (("backing_thickness_ratio", "thickness"), ("backing_strength_GPa", "strength")):
         values = plates.quantities[column]
-        for end, out in (
-            ("least", values <= np.quantile(values, END)),
-            ("greatest", values >= np.quantile(values, 1.0 - END)),
-        ):
+        low, high = np.quantile(values, (END, 1.0 - END))
+        for end, out in (("least", values <= low), ("greatest", values >= high)):
             if len(np.unique(plates.alloy[~out])) <= len(group.terms):
                 continue
             found = left_out(group, plates, [out])
@@ -220,11 +217,7 @@ def series() -> Iterator[list[str]]:
     measured = tiles["constant"].error
     table = np.loadtxt(ROOT / "scenarios" / "tests" / "wilkins.csv", delimiter=",", skiprows=1)
     weight = tiles["constant"]._replace(error=np.log(table[:, 2] / (table[:, :2] @ DENSITIES)))
-    methods = {
-        "three laws": list(LAWS),
-        **{f"{name} alone": [name] for name in LAWS},
-        "k times areal density": ["weight"],
-    }
+    methods = {"three laws": [*LAWS], **{f"{name} alone": [name] for name in LAWS}, "k times areal density": ["weight"]}
     laws = {**LAWS, "weight": LAWS["constant"]}
     for method, names in methods.items():
         errors, widths, held = np.zeros(13), np.zeros(13), np.zeros((2, 13), dtype=bool)

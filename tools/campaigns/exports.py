@@ -5,7 +5,6 @@
 A table that is refused is counted; one that is read to other numbers, results or rows is wrong.
 """
 
-import argparse
 import sys
 import tempfile
 from collections import Counter
@@ -15,7 +14,7 @@ from random import Random
 import armour
 from armour.errors import InputError
 from tests.helpers.spreadsheets import Export, export
-from tools.campaigns.verdict import verdict
+from tools.campaigns.verdict import asked, verdict
 
 # Least share of tables that are read, and the relative size of rounding.
 LEAST_READ, ROUNDING = 0.95, 1e-9
@@ -39,19 +38,16 @@ def ends(table: Export, path: Path) -> str:
 
 def main() -> int:
     """Print how the tables were read."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--tables", type=int, default=1_000)
-    parser.add_argument("--seed", type=int, default=7)
-    asked = parser.parse_args()
-    dice, counts = Random(asked.seed), Counter[str]()
+    options = asked(__doc__, tables=1_000, seed=7)
+    dice, counts = Random(options.seed), Counter[str]()
     with tempfile.TemporaryDirectory(prefix="campaign-") as folder:
-        for _ in range(asked.tables):
+        for _ in range(options.tables):
             counts[ends(export(dice), Path(folder) / "shots.csv")] += 1
     for ending, count in counts.most_common():
         print(f"{count} {ending}", flush=True)
-    refused = asked.tables - counts["read"] - counts["wrong"]
-    text = f"{asked.tables:,} tables: {counts['read']:,} read, {refused:,} refused, {counts['wrong']} wrong"
-    return verdict(text, right=not counts["wrong"] and counts["read"] >= LEAST_READ * asked.tables)
+    refused = options.tables - counts["read"] - counts["wrong"]
+    text = f"{options.tables:,} tables: {counts['read']:,} read, {refused:,} refused, {counts['wrong']} wrong"
+    return verdict(text, right=not counts["wrong"] and counts["read"] >= LEAST_READ * options.tables)
 
 
 if __name__ == "__main__":

@@ -9,7 +9,6 @@ if a planted module or program was run, if a file that was there or one of the u
 traceback, or if the same command in an empty folder has another answer.
 """
 
-import argparse
 import os
 import re
 import shlex
@@ -24,7 +23,7 @@ from pathlib import Path
 from random import Random
 
 from armour.cli.app import COMMANDS
-from tools.campaigns.verdict import verdict
+from tools.campaigns.verdict import asked, verdict
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAMS = Path(sys.executable).parent
@@ -68,12 +67,8 @@ def commands() -> list[str]:
     examples = [example for group in COMMANDS.values() for each in group.values() for example in each]
     slow = ("figures", "plan tests", "report", "compile", "optimise", "validate", "uncertainty", "--law all", "0.1 -o")
     quick = [f"armour {example}" for example in examples if not any(part in example for part in slow)]
-    return [
-        *quick,
-        "armour optimise wilkins",
-        "armour sweep wilkins --over impact.velocity_m_s=700,800 -o x.csv",
-        *ACTION,
-    ]
+    sweep = "armour sweep wilkins --over impact.velocity_m_s=700,800 -o x.csv"
+    return [*quick, "armour optimise wilkins", sweep, *ACTION]
 
 
 def planted(folder: Path, keys: Path, ran: Path, dice: Random) -> None:
@@ -113,14 +108,9 @@ def contents(folder: Path) -> dict[str, str]:
 def run(words: list[str], folder: Path, home: Path) -> tuple[int, str]:
     """Run a command in a folder, and return its exit code and what it says."""
     program = sys.executable if words[0] == "python" else str(PROGRAMS / words[0])
-    environment = {
-        "PATH": f"{PROGRAMS}:/usr/bin:/bin",
-        "HOME": str(home),
-        "XDG_CACHE_HOME": os.environ["XDG_CACHE_HOME"],
-    }
-    done = subprocess.run(
-        [program, *words[1:]], cwd=folder, env=environment, capture_output=True, text=True, check=False, timeout=300
-    )
+    env = {"PATH": f"{PROGRAMS}:/usr/bin:/bin", "HOME": str(home), "XDG_CACHE_HOME": os.environ["XDG_CACHE_HOME"]}
+    command = [program, *words[1:]]
+    done = subprocess.run(command, cwd=folder, env=env, capture_output=True, text=True, check=False, timeout=300)
     return done.returncode, CHANGING.sub("", done.stdout + done.stderr)
 
 
@@ -148,27 +138,23 @@ def trial(place: Path, dice: Random, answers: dict[str, tuple[int, str]]) -> str
         return "refused, or a scenario of the folder"
     if command not in answers:
         answers[command] = run(words, empty, home)
-    return (
-        "the same as in an empty folder" if answers[command] == (code, said) else f"wrong: another answer of {command}"
-    )
+    same = answers[command] == (code, said)
+    return "the same as in an empty folder" if same else f"wrong: another answer of {command}"
 
 
 def main() -> int:
     """Print how the trials ended."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--trials", type=int, default=1_000)
-    parser.add_argument("--seed", type=int, default=11)
-    asked = parser.parse_args()
+    options = asked(__doc__, trials=1_000, seed=11)
     os.environ.setdefault("XDG_CACHE_HOME", str(Path.home() / ".cache"))
     counts, answers = Counter[str](), dict[str, tuple[int, str]]()
     with tempfile.TemporaryDirectory(prefix="campaign-") as folder:
-        for number in range(asked.trials):
-            counts[trial(Path(folder) / str(number), Random(f"{asked.seed} {number}"), answers)] += 1
+        for number in range(options.trials):
+            counts[trial(Path(folder) / str(number), Random(f"{options.seed} {number}"), answers)] += 1
     for ending, count in counts.most_common():
         print(f"{count} {ending}", flush=True)
     wrong = sum(count for ending, count in counts.items() if ending.startswith("wrong"))
     same = counts["the same as in an empty folder"]
-    return verdict(f"{asked.trials:,} trials, {same} of them to the end: {wrong} wrong", right=not wrong)
+    return verdict(f"{options.trials:,} trials, {same} of them to the end: {wrong} wrong", right=not wrong)
 
 
 if __name__ == "__main__":

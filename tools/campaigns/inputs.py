@@ -335,6 +335,11 @@ def to(*names: str) -> Callable[[Maker], str]:
     return lambda maker: maker.written(*names)
 
 
+def each(make: Callable[..., Callable[[Maker], str]], some: dict[str, Any]) -> dict[str, Callable[[Maker], str]]:
+    """Return makers by the name of their option, given what each is made of."""
+    return {name: make(*words) for name, words in some.items()}
+
+
 def read(name: str, path: Path) -> Callable[[Maker], str]:
     """Return a maker of mutated tables."""
     return lambda maker: maker.table(name, path.read_bytes())
@@ -352,16 +357,7 @@ VALUES: dict[str, Callable[[Maker], str]] = {
     "file": to("n.toml", "n.csv", "n.ipynb", "no/n.toml"),
     "folder": to("new", "."),
     "--set": Maker.assignment,
-    "--plot": to("p.svg", "p.svg", "p.png", "p.pdf"),
-    "--history": to("h.csv"),
-    "--junit": to("j.xml"),
-    "--csv": to("f.csv"),
-    "--map": to("m.html"),
-    "--markdown": to("v.md"),
-    "--write": to("w.toml"),
-    "--write-scenario": to("fitted.toml"),
     "report --output": to("r.html", "r.md"),
-    "--output": to("o.csv", "o.csv", "o.parquet"),
     "--over": Maker.values,
     "plan tests --candidates": Maker.candidates,
     "--cases": lambda maker: maker.table("c.csv", CASES.encode()),
@@ -369,41 +365,27 @@ VALUES: dict[str, Callable[[Maker], str]] = {
     "--design": partial(Maker.scenario, name="d.toml"),
     "--earlier": read("e.csv", SHOTS),
     "--quantities": lambda maker: ",".join(sorted({maker.among(*QUANTITIES) for _ in range(2)})),
-    "--threads": of(1, 2),
-    "--scheduler": of("x", "tcp://", "x:y:z"),
-    "--velocity": ends(300.0, 1500.0),
-    "--confidence": ends(0.5, 0.999),
-    "--samples": of(128, 256, 1024, "512"),
-    "--only": of("fig09", "fig10", "x", "7.62"),
-    "--format": of("png", "svg"),
-    "--from": of("wilkins", "paper", "tests/shots", "study.ipynb", "template", "threats/nij_iv", "x", "../x"),
-    "--fit": of("ceramic.flow_stress_GPa", "backing.flow_stress_GPa", "projectile.density_kg_m3"),
-    "--law": of("constant", "ceramic", "backing", "product", "linear", "all"),
-    "--pairs": of(1, 2, 3, 5),
-    "--span-m-s": ends(10.0, 60.0),
-    "--procedure": of("bayesian", "neyer", "langlie", "up-and-down"),
-    "--half-width-m-s": ends(5.0, 60.0),
-    "--requirement-m-s": ends(500.0, 1000.0),
-    "--requirement-fraction": ends(0.01, 0.9),
-    "--scatter-percent": ends(0.5, 8.0),
-    "--scatter-factor": ends(1.1, 4.0),
-    "--true-v50-m-s": ends(600.0, 1000.0),
-    "--true-scatter-m-s": ends(5.0, 40.0),
-    "--seed": of(0, 1, 7),
-    "--lower-m-s": ends(300.0, 700.0),
-    "--upper-m-s": ends(800.0, 1500.0),
-    "--result": of("partial", "complete", "p", "cp"),
-    "--velocity-m-s": ends(500.0, 1000.0),
-    "--velocity-max-m-s": ends(600.0, 1500.0),
-    "--at-m-s": ends(500.0, 1000.0),
-    "--fraction": ends(0.01, 0.99),
     "--where": of("panel=A", "panel=1", "remark=x", "x", *TEXTS),
     "--sheet": of("Sheet1", *TEXTS),
+    "--from": of("wilkins", "paper", "tests/shots", "study.ipynb", "template", "threats/nij_iv", "x", "../x"),
     "--curve": to("k.csv"),
-    "--number": of(1, 2, 4, 8),
-    "--criterion": of("D", "I"),
     "--measure": of("limit", "outcome"),
-    "--cost": ends(0.0, 5000.0),
+    **each(to, {"--plot": ("p.svg", "p.svg", "p.png", "p.pdf"), "--history": ("h.csv",), "--junit": ("j.xml",)}),
+    **each(to, {"--csv": ("f.csv",), "--map": ("m.html",), "--markdown": ("v.md",), "--write": ("w.toml",)}),
+    **each(to, {"--write-scenario": ("fitted.toml",), "--output": ("o.csv", "o.csv", "o.parquet")}),
+    **each(of, {"--threads": (1, 2), "--scheduler": ("x", "tcp://", "x:y:z"), "--samples": (128, 256, 1024, "512")}),
+    **each(of, {"--only": ("fig09", "fig10", "x", "7.62"), "--format": ("png", "svg")}),
+    **each(of, {"--fit": ("ceramic.flow_stress_GPa", "backing.flow_stress_GPa", "projectile.density_kg_m3")}),
+    **each(of, {"--law": ("constant", "ceramic", "backing", "product", "linear", "all"), "--pairs": (1, 2, 3, 5)}),
+    **each(of, {"--procedure": ("bayesian", "neyer", "langlie", "up-and-down"), "--seed": (0, 1, 7)}),
+    **each(of, {"--result": ("partial", "complete", "p", "cp"), "--number": (1, 2, 4, 8), "--criterion": ("D", "I")}),
+    **each(ends, {"--velocity": (300.0, 1500.0), "--confidence": (0.5, 0.999), "--span-m-s": (10.0, 60.0)}),
+    **each(ends, {"--half-width-m-s": (5.0, 60.0), "--requirement-m-s": (500.0, 1000.0)}),
+    **each(ends, {"--requirement-fraction": (0.01, 0.9), "--scatter-percent": (0.5, 8.0)}),
+    **each(ends, {"--scatter-factor": (1.1, 4.0), "--true-v50-m-s": (600.0, 1000.0)}),
+    **each(ends, {"--true-scatter-m-s": (5.0, 40.0), "--lower-m-s": (300.0, 700.0), "--upper-m-s": (800.0, 1500.0)}),
+    **each(ends, {"--velocity-m-s": (500.0, 1000.0), "--velocity-max-m-s": (600.0, 1500.0)}),
+    **each(ends, {"--at-m-s": (500.0, 1000.0), "--fraction": (0.01, 0.99), "--cost": (0.0, 5000.0)}),
 }
 # How often an option is given that is not given in a fifth of the trials.
 OFTEN = {

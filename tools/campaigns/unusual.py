@@ -8,7 +8,6 @@ the same way. A least ceramic thickness is compared with a scan that is four tim
     python -m tools.campaigns.unusual
 """
 
-import argparse
 import sys
 
 import numpy as np
@@ -22,7 +21,7 @@ from armour.evidence.tests import UNUSUAL_FACTOR, armours_of, is_unusual, shippe
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import DRIVE_LAWS, SHEAR_LAWS
 from tests.helpers.exotic import WIDE, random_wide_designs
-from tools.campaigns.verdict import verdict
+from tools.campaigns.verdict import asked, verdict
 
 LOW, HIGH = WIDE.values()  # m/s
 TOLERANCE = 0.01  # m/s
@@ -164,20 +163,16 @@ def compare_thicknesses(designs: Variants) -> int:
 
 def main() -> int:
     """Print the comparison."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--designs", type=int, default=2_000)
-    parser.add_argument("--nearly", type=int, default=10_000)
-    parser.add_argument("--thicknesses", type=int, default=500)
-    asked = parser.parse_args()
-    unusual = unusual_designs(asked.designs, seed=24)
+    options = asked(__doc__, designs=2_000, nearly=10_000, thicknesses=500)
+    unusual = unusual_designs(options.designs, seed=24)
     wrong, told = compare_limits("unusual armours", unusual)
-    nearly, told_nearly = compare_limits("nearly unusual ones", designs_within(UNUSUAL_FACTOR, asked.nearly, unusual))
-    usual, told_usual = compare_limits("within the ranges", designs_within(1.0, asked.nearly, unusual))
-    thicknesses = compare_thicknesses(unusual.at(slice(asked.thicknesses)))
+    nearly, told_nearly = compare_limits("nearly unusual ones", designs_within(UNUSUAL_FACTOR, options.nearly, unusual))
+    usual, told_usual = compare_limits("within the ranges", designs_within(1.0, options.nearly, unusual))
+    thicknesses = compare_thicknesses(unusual.at(slice(options.thicknesses)))
     return verdict(
         f"limits too high: {told}, {told_nearly}, {told_usual}; "
-        f"least thicknesses that differ: {thicknesses} of {asked.thicknesses:,}",
-        right=not wrong and not usual and not thicknesses and nearly <= MOST * asked.nearly,
+        f"least thicknesses that differ: {thicknesses} of {options.thicknesses:,}",
+        right=not wrong and not usual and not thicknesses and nearly <= MOST * options.nearly,
     )
 
 

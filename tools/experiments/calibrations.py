@@ -114,11 +114,8 @@ class Simulation:
         self.tests = Tests("simulated", names, (group,), some, case.given, cells, self.scenario, names)
         self.truth = {FLOW_STRESS: TRUE_GPA} | {f"ceramic.{key}": TRUE_EXPONENT for key in LAWS[case.law]}
         if case.prior_percent:
-            prior = {
-                "distribution": case.distribution,
-                "mean": TRUE_GPA,
-                "standard_deviation_percent": case.prior_percent,
-            }
+            spread = {"distribution": case.distribution, "standard_deviation_percent": case.prior_percent}
+            prior = {"mean": TRUE_GPA, **spread}
             self.scenario = self.scenario.replaced({"uncertainty": {"ceramic": {"flow_stress_GPa": prior}}})
             self.tests = self.tests._replace(groups=(group._replace(scenario=self.scenario),))
 

@@ -62,12 +62,7 @@ RULES: dict[str, Callable[[int, np.random.Generator], Shots]] = {
 
 def held(fit: FittedCurve) -> list[str]:
     """Return the names of the intervals, and of the one-sided bounds, that hold the true value."""
-    intervals = {
-        "V50": fit.v50_interval_m_s,
-        "scale": fit.scale_interval_m_s,
-        "V05": fit.v05_interval_m_s,
-        "V95": fit.v95_interval_m_s,
-    }
+    intervals = {name: getattr(fit, f"{name.lower()}_interval_m_s") for name in TRUE}
     found = [name for name, interval in intervals.items() if interval and holds(interval, TRUE[name])]
     if fit.method == "penalised likelihood":
         bounds = {"V50": fit.v50_lower_m_s, "V05": fit.v05_lower_m_s}

@@ -104,12 +104,7 @@ def requirement(
 
 
 def simulate(
-    procedure: str,
-    deviations: float,
-    scatter: float | None,
-    firings: int,
-    seed: int,
-    confidence: float = CONFIDENCE,
+    procedure: str, deviations: float, scatter: float | None, firings: int, seed: int, confidence: float = CONFIDENCE
 ) -> Outcome:
     """Simulate firings of a procedure; without a scatter, each has one drawn from its prior."""
     prior = prior_for(procedure, scatter or 0.0)

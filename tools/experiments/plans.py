@@ -10,6 +10,7 @@ value.  In the simulation limits are interpolated between those of a table.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from math import sqrt
 
 import numpy as np
@@ -30,10 +31,7 @@ from tools.experiments.share import Share
 SCATTER, NUMBER = 0.03, 13
 # Least share of intervals that must contain the truth, per cent.
 LEAST = 90.0
-CANDIDATES = {
-    CERAMIC: {"min": 4.0, "max": 12.0, "step": 0.5},
-    BACKING: {"min": 3.0, "max": 10.0, "step": 0.5},
-}
+CANDIDATES = {CERAMIC: {"min": 4.0, "max": 12.0, "step": 0.5}, BACKING: {"min": 3.0, "max": 10.0, "step": 0.5}}
 
 
 @dataclass(frozen=True)
@@ -108,15 +106,8 @@ def sets_of(law: Law) -> Iterator[Set]:
     group = read.groups[0]
     yield Set("Wilkins", law, {name: group.columns[name] for name in (CERAMIC, BACKING)}, true, design)
     for criterion in ("D", "I"):
-        plan = plan_tests(
-            true,
-            CANDIDATES,
-            law=law,
-            number=NUMBER,
-            criterion=criterion,
-            designs=[design],
-            scatter_percent=100.0 * SCATTER,
-        )
+        planned = partial(plan_tests, true, CANDIDATES, law=law, number=NUMBER, designs=[design])
+        plan = planned(criterion=criterion, scatter_percent=100.0 * SCATTER)
         inputs = [step.inputs for step in plan.planned[1:]]
         armours = {name: np.array([step[name] for step in inputs], dtype=float) for name in (CERAMIC, BACKING)}
         yield Set(f"{criterion}-optimal", law, armours, true, design)

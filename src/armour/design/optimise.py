@@ -519,13 +519,21 @@ def _some_of_range(catalogue: Catalogue, pair: int) -> CandidateDesigns:
 
 
 def _short_pairs(designs: Designs, order: Ints) -> tuple[Pair, ...]:
-    """Return each pair of materials with the shortfall of its first design in `order`, which has places of designs."""
-    pairs = []
-    for place in order[np.sort(np.unique(designs.columns.pair[order], return_index=True)[1])].tolist():
-        best, one_source = _best(designs, place), bool(designs.one_source[place])
-        reason = ": ".join([ONE_SOURCE] * one_source + [lacking(best)] * any(best.short_m_s.values()))
+    """Return each pair of materials with what its nearest design lacks.
+
+    `order` has the places of the nearest designs; a pair without any has one that is farther from the limits.
+    """
+    catalogue, pairs = designs.catalogue, []
+    ordered = designs.columns.pair[order]
+    nearest = [(designs, place) for place in order[np.sort(np.unique(ordered, return_index=True)[1])].tolist()]
+    for pair in np.setdiff1d(np.flatnonzero(catalogue.metal), ordered).tolist():
+        table = Designs(catalogue, _some_of_range(catalogue, pair), designs.runs)
+        nearest.append((table, int(_nearest(table, most=0)[0])))
+    for table, place in nearest:
+        best, one_source = _best(table, place), bool(table.one_source[place])
+        reason = ": ".join([ONE_SOURCE] * one_source + [lacking(best)] * any([*best.short_m_s.values(), best.exceeds]))
         pairs.append(Pair(best.ceramic, best.backing, None, None, reason, not one_source, best.untested))
-    return (*pairs, *(_unlike(designs.catalogue, pair) for pair in np.flatnonzero(~designs.catalogue.metal).tolist()))
+    return (*pairs, *(_unlike(catalogue, pair) for pair in np.flatnonzero(~catalogue.metal).tolist()))
 
 
 def _of_other_pairs(catalogue: Catalogue, warnings: Sequence[str]) -> Iterator[Note]:
@@ -548,10 +556,17 @@ def _unlike(catalogue: Catalogue, pair: int) -> Pair:
 
 
 def lacking(design: BestDesign) -> str:
-    """Describe the shortfall of a design against the threat for which it is the greatest."""
+    """Describe the shortfall of a design against the threat for which it is the greatest, and its excesses."""
     threat = max(design.short_m_s, key=design.short_m_s.__getitem__)
-    armour = armour_in_words(replace(design, untested=False))
-    return f"{armour} lacks {short_words(design.short_m_s[threat])} against {threat}"
+    short = f"lacks {short_words(design.short_m_s[threat])} against {threat}" if design.short_m_s[threat] else ""
+    excess = f"has {'; '.join(excesses(design))}" if design.exceeds else ""
+    return f"{armour_in_words(replace(design, untested=False))} {', and '.join(filter(None, (short, excess)))}"
+
+
+def excesses(design: BestDesign) -> list[str]:
+    """Return a phrase for each limit of [design] that a design exceeds, and by how much."""
+    units = {objective.bound: objective.unit for objective in OBJECTIVES.values()}
+    return [f"{excess:.3g}{units[key]} more than design.{key} allows" for key, excess in design.exceeds.items()]
 
 
 def short_words(short_m_s: float) -> str:

@@ -15,6 +15,7 @@ from armour.evidence.fit import Fit, LotTests, Quantities, fits, law_parameters,
 from armour.scenario.inputs import CERAMIC, OBLIQUITY, VELOCITY, cosine_of
 from armour.scenario.library import IN_COMMON, VARIED, LibraryEntry, OwnTests, strength_notes, tensile_strength
 from armour.scenario.scenario import Scenario
+from armour.scenario.schema import Threat
 from armour.units import MM
 
 # Quantity for which the answer itself says that the armour is below the tests.
@@ -412,10 +413,11 @@ def limits_outside(armours: Armours, velocities: Any) -> Iterator[Outside]:
         q, ceramic = members.quantities(), members.materials[members.material_of_row[0]].ceramic
         name, is_shipped = f', found "{ceramic.name}"' if ceramic else "", not evidence.lot
         no_test = f"{ceramic.name if ceramic else ''} (no test)"
-        angle = f"{np.degrees(np.arccos(members.cosines.min())):.0f}° ({evidence.angles()})"
+        oblique = evidence.fails_angle(members.cosines)
+        angle = f"{_ends(np.degrees(np.arccos(members.cosines[oblique])))}° ({evidence.angles()})"
         is_other = is_outside(evidence.kind[:2], q) & is_shipped & bool(evidence.ceramic)
         checks = [
-            (OBLIQUITY, evidence.angles(), evidence.fails_angle(members.cosines), "", angle),
+            (OBLIQUITY, evidence.angles(), oblique, "", angle),
             _check(evidence.velocities, {"velocity_m_s": velocities[rows]}),
             ("armour.ceramic", "no test by such a law of the flow stress", evidence.has_other_law(q), name, no_test),
             ("armour.ceramic", f"tests or results of the paper's program of {ceramics} only", is_other, name, no_test),
@@ -488,11 +490,15 @@ def _check(data_range: DataRange, q: Quantities, rows: Any = True) -> tuple[str,
     fails = data_range.fails(q) & ~np.isnan(q[data_range.name]) & rows
     if data_range.name == THIN:  # `limits_of_model` has what is too thin
         fails &= q[THIN] > data_range.low
-    failing = q[data_range.name][fails]
-    least, greatest = failing.min(initial=np.inf), failing.max(initial=-np.inf)
-    ends = " to ".join(dict.fromkeys(f"{end:{'.0f' if end >= 100.0 else '.3g'}}" for end in (least, greatest)))
+    ends = _ends(q[data_range.name][fails])
     brief = f"{data_range.words(ends)} ({data_range.ends()})"
     return data_range.key, f"results for {data_range}", fails, f", found {ends}", brief
+
+
+def _ends(values: Any) -> str:
+    """Return the least and the greatest of values in words, such as "30 to 45"; one word if they are equal."""
+    ends = values.min(initial=np.inf), values.max(initial=-np.inf)
+    return " to ".join(dict.fromkeys(f"{end:{'.0f' if end >= 100.0 else '.3g'}}" for end in ends))
 
 
 def scenario_warnings(
@@ -512,6 +518,11 @@ def scenario_warnings(
     return (*cannot, *scenario.unused_threats(), *notes, *strengths)
 
 
+def _named(threats: Sequence[Threat], rows: Any) -> str:
+    """Return words, such as " against M2", for the threats at some places; "" for all of them."""
+    return f" against {joined([threats[row].title for row in rows])}" if len(rows) < len(threats) else ""
+
+
 def threat_warnings(
     scenario: Scenario, armours: Armours, metals: Sequence[LibraryEntry] | None = None
 ) -> Iterator[Note]:
@@ -522,12 +533,12 @@ def threat_warnings(
     """
     threats = scenario.threats()
     backings = [materials.backing for materials in armours.materials]
-    yield from (note for note, _ in limits_of_model(armours, backings))
+    for note, rows in limits_of_model(armours, backings):
+        yield note.against(_named(threats, np.flatnonzero(rows)))
     for outside in limits_outside(armours, np.array([threat.velocity_m_s for threat in threats])):
         section, _, name = outside.key.partition(".")
         is_of_threat = scenario.threat and section in ("impact", "projectile")
         key = f"threat[{outside.rows[0]}].{name if section == 'impact' else 'projectile'}" if is_of_threat else ""
-        names = joined([threats[row].title for row in outside.rows])
-        yield outside.note(key, f" against {names}" if len(outside.rows) < len(threats) else "")
+        yield outside.note(key, _named(threats, outside.rows))
     own = armours.materials[armours.material_of_row[0]].backing
     yield from strength_notes(metals or [own], bare=bool(np.all(armours.parameters.Hc0 == 0.0)))

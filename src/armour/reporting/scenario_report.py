@@ -214,7 +214,8 @@ def _basis(contents: Contents) -> str:
     if threat.sampled is None:
         alone = f"; {phrases.SAMPLED_ALONE}" if contents.uncertainty and threat.probability_of_stopping is None else ""
         return f"{threat.reason or error}{alone}"
-    low, high = (100.0 * (1.0 - end) for end in (threat.sampled.high, threat.sampled.low))
+    sampled = threat.sampled
+    _, low, high = phrases.sampled_percents(1.0 - sampled.value, (1.0 - sampled.high, 1.0 - sampled.low))
     with_error = f" and the {error}" if error else ", without the model error"
     return f"95 % interval {low:.1f} to {high:.1f} % by sampling, from the given distributions{with_error}"
 

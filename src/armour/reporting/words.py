@@ -58,6 +58,12 @@ def rounded_down(number: float, decimals: int = 0) -> float:
     return floor(round(number * 10**decimals, 9)) / 10**decimals
 
 
+def sampled_percents(stopping: float, ends: tuple[float, float]) -> tuple[float, float, float]:
+    """Return a sampled probability of stopping and its interval, %, to a tenth: the upper end is rounded up."""
+    value, low, above = (rounded_down(100.0 * part, 1) for part in (stopping, ends[0], 1.0 - ends[1]))
+    return value, low, 100.0 - above
+
+
 def requirement_parts(row: Requirement) -> tuple[str, str, str]:
     """Return a requirement in words: the quantity, the amount required, and what the armour has."""
     least, found = f"at least {row.required:g}", "unknown" if row.found is None else f"{row.found:.4g}"
@@ -66,7 +72,7 @@ def requirement_parts(row: Requirement) -> tuple[str, str, str]:
     if row.quantity == "probability_of_stopping":
         found = chance(row.found)
         if row.found is not None and row.interval is not None:
-            value, low, high = (rounded_down(100.0 * part, 1) for part in (row.found, *row.interval))
+            value, low, high = sampled_percents(row.found, row.interval)
             found = f"{value:.1f} % ({low:.1f} to {high:.1f} %, sampled)"
         return STOPPING.label, f"at least {percent(row.required)}", found
     if row.quantity == "flow_stress_sources":

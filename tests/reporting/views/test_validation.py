@@ -10,12 +10,7 @@ import pytest
 
 from armour.reporting.table import csv_text
 from armour.reporting.views import validation as view
-from armour.reporting.views.validation import (
-    allowance_percent,
-    check_table,
-    figure_table,
-    suite_junit,
-)
+from armour.reporting.views.validation import allowance_percent, check_table, figure_table, suite_junit
 from armour.validation.figures import Figure, FigureSection
 from tests.helpers.suites import TABLE, WILKINS_LIMIT, case, result
 from tests.reporting.tables import headings

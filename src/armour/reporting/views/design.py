@@ -11,7 +11,16 @@ from xml.etree.ElementTree import Element
 from armour.analysis.ballistic_limit import NeededFlowStress
 from armour.analysis.variants import outside_words
 from armour.design.check import CheckedThreat, CheckResult
-from armour.design.optimise import BY_LIMIT, BestDesign, Design, DesignResult, Pair, armour_in_words, short_words
+from armour.design.optimise import (
+    BY_LIMIT,
+    BestDesign,
+    Design,
+    DesignResult,
+    Pair,
+    armour_in_words,
+    excesses,
+    short_words,
+)
 from armour.design.requirements import Requirement
 from armour.errors import counted, joined
 from armour.evidence.caveats import too_thin
@@ -88,7 +97,7 @@ def design_verdict(result: DesignResult) -> list[Table | str]:
         return []
     if nearest is None:
         return [VerdictLine(f"{result.reason}: {result.explanation}", good=False)]
-    armour, notes = armour_in_words(nearest), phrases.flow_stress_notes(*_needed(nearest))
+    armour, notes = armour_in_words(nearest), _flow_stress_notes(nearest)
     threats = "every threat" if len(result.threats) > 1 else result.threats[0]
     short = ", ".join(f"{short_words(short)} against {threat}" for threat, short in nearest.short_m_s.items() if short)
     if result.reason == "not known" and not short:
@@ -96,28 +105,37 @@ def design_verdict(result: DesignResult) -> list[Table | str]:
         words = f"not known: {armour} is the {least} that stops {threats} by the computed limit"
         return [VerdictLine(words, good=False), *notes, result.explanation]
     unmet = [row for row in nearest.requirements if row.interval and row.verdict != "passes"]
-    lacking = "; ".join(filter(None, (short, *map(phrases.requirement_words, unmet), *_excesses(nearest))))
+    lacks = "; ".join(filter(None, (short, *map(phrases.requirement_words, unmet))))
+    misses = [f"lacks {lacks}"] * bool(lacks) + [f"has {'; '.join(excesses(nearest))}"] * bool(nearest.exceeds)
     explanation = result.explanation
-    if unlimited is not None and unlimited.exceeds:
+    if unlimited is not None and unlimited.exceeds and (lacks or unlimited.exceeds != nearest.exceeds):
         stops = f"would stop {threats}{BY_LIMIT * (unlimited.model_error is None)}"
-        explanation = f"{armour_in_words(unlimited)} {stops}, but has {'; '.join(_excesses(unlimited))}"
+        explanation = f"{armour_in_words(unlimited)} {stops}, but has {'; '.join(excesses(unlimited))}"
     known = result.reason if result.reason == "none passes" else "not known, as the limit is too low"
-    return [VerdictLine(f"{known}: the nearest, {armour}, lacks {lacking}", good=False), explanation, *notes]
+    return [VerdictLine(f"{known}: the nearest, {armour}, {', and '.join(misses)}", good=False), explanation, *notes]
 
 
-def _excesses(design: BestDesign) -> list[str]:
-    """Return a phrase for each limit of [design] that a design exceeds, and by how much."""
-    units = {objective.bound: objective.unit for objective in OBJECTIVES.values()}
-    return [f"{excess:.3g}{units[key]} more than design.{key} allows" for key, excess in design.exceeds.items()]
+def _greatest(design: BestDesign, field: str) -> str:
+    """Return the threat against which a field of `NeededFlowStress` is the greatest; None in it is infinite."""
+    return max(design.flow_stress, key=lambda threat: getattr(design.flow_stress[threat], field) or inf, default="")
 
 
-def _needed(design: BestDesign) -> tuple[NeededFlowStress | None, str]:
-    """Return what flow stress the untested ceramic of a design needs, and the threat that needs the greatest.
+def _needed(design: BestDesign) -> NeededFlowStress | None:
+    """Return what flow stress the untested ceramic of a design needs against the threat that needs the greatest."""
+    return design.flow_stress.get(_greatest(design, "needed_GPa"))
 
-    Return None and "" for a tested ceramic.
+
+def _flow_stress_notes(design: BestDesign) -> list[str]:
+    """Return notes on the flow stress that the untested ceramic of a design needs, against the threats that decide.
+
+    They are those for which it is the greatest to stop them, and to stop them with the probability required.
     """
-    threat = max(design.flow_stress, key=lambda threat: design.flow_stress[threat].needed_GPa or inf, default="")
-    return design.flow_stress.get(threat), threat
+    threats = dict.fromkeys(_greatest(design, field) for field in ("needed_GPa", "needed_for_probability_GPa"))
+    shown = []
+    for threat in threats:
+        stops, *limits = phrases.flow_stress_notes(design.flow_stress.get(threat), threat) or [""]
+        shown += [stops, *(f"against {threat}: {note}" if len(threats) > 1 else note for note in limits)]
+    return list(filter(None, shown))
 
 
 def _aligned(table: Table) -> Table:
@@ -141,7 +159,7 @@ def frontier_table(result: DesignResult) -> Table:
         marks = [OBJECTIVES[result.minimised].least] if _thicknesses(design) == _thicknesses(_shown(result)) else []
         return ", ".join([*marks, *["least of the range"] * (design.ceramic_thickness_mm == result.ceramic_min_mm)])
 
-    numbers = CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, phrases.WHOLE, MARGIN_BY_MODEL
+    numbers = CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, phrases.WHOLE, _least_margin(result)
     table = Table.of(
         result.frontier,
         *numbers,
@@ -151,6 +169,13 @@ def frontier_table(result: DesignResult) -> Table:
         title=f"{pair_words(_shown(result))}: thinnest ceramic for each back plate" if len(result.pairs) > 1 else "",
     )
     return _aligned(table)
+
+
+def _least_margin(result: DesignResult) -> Column:
+    """Return the column of the least margin over the threats, which need not be that of the governing threat."""
+    return (
+        replace(MARGIN_BY_MODEL, label=f"least {MARGIN_BY_MODEL.label}") if len(result.threats) > 1 else MARGIN_BY_MODEL
+    )
 
 
 def _around_best(result: DesignResult) -> DesignResult:
@@ -194,8 +219,8 @@ def margin_table(result: DesignResult, required: Mapping[str, float]) -> Table:
 
 def pair_table(result: DesignResult) -> Table:
     """Tabulate every pair of materials with its best design, or the reason why it has none."""
-    numbers = AREAL_DENSITY, THICKNESS, COST, LIMIT_COLUMN, MARGIN_BY_MODEL
-    needed: Source = NEEDED, lambda best: phrases.needed_words(_needed(best)[0])
+    numbers = AREAL_DENSITY, THICKNESS, COST, LIMIT_COLUMN, _least_margin(result)
+    needed: Source = NEEDED, lambda best: phrases.needed_words(_needed(best))
     outside = outside_tests(best_of_pairs(result))
     table = Table.of(
         result.pairs,
@@ -256,7 +281,7 @@ def pair_notes(result: DesignResult) -> list[str]:
     best, notes = best_of_pairs(result), []
     for each in best:
         if any(row.quantity == SOURCES for row in each.requirements):
-            notes += [f"{armour_in_words(each)} {note}" for note in phrases.flow_stress_notes(*_needed(each))[:1]]
+            notes += [f"{armour_in_words(each)} {note}" for note in _flow_stress_notes(each)[:1]]
     notes += outside_notes(best) if len(best) > 1 else []
     return notes + pair_caveats(result)
 
@@ -330,7 +355,7 @@ def tables_of_design(result: DesignResult) -> list[Table | str]:
     if best is not None:
         answer = None if scenario is None or best.model_error is not None else _answer(scenario, best)
         error = [] if result.reason == "not known" else [phrases.error_note(best.model_error, answer)]
-        notes = [] if result.reason else phrases.flow_stress_notes(*_needed(best))
+        notes = [] if result.reason else _flow_stress_notes(best)
         exists = [EXISTS] if best.whole_thickness_mm != best.thickness_mm else []
         shown += [best_table(best, required), *exists, *error, *notes, *margin_notes(best)]
     if result.refined is not None:
@@ -356,7 +381,8 @@ def tables_of_design(result: DesignResult) -> list[Table | str]:
         shown += [left_out(result)] if result.without_mm else []
     if result.pareto:
         shown += [design_table(result.pareto, "Pareto front"), *outside_notes(result.pareto)]
-    thin = [words for words in thin_designs([*named, *result.pareto], scenario) if words not in shown]
+    is_said = best is not None and best.outside_tests.get(THIN, 1.0) < 1.0
+    thin = [] if is_said else thin_designs([*named, *result.pareto], scenario)
     return [*shown, *thin, *phrases.threat_notes(scenario), f"{counted(result.designs, 'design')} computed"]
 
 
@@ -369,7 +395,8 @@ def _answer(scenario: Scenario, best: BestDesign) -> Scenario:
 def margin_notes(best: BestDesign) -> list[str]:
     """Return a note on how likely perforation of the best design is, if its probability of stopping is low."""
     least = min((p for p in best.probabilities_of_stopping.values() if p is not None), default=1.0)
-    return [f"perforated with a probability of {phrases.risk(least)}; {ASK}"] if least < LOW else []
+    ask = "" if any(row.quantity == "probability_of_stopping" for row in best.requirements) else f"; {ASK}"
+    return [f"perforated with a probability of {phrases.risk(least)}{ask}"] if least < LOW else []
 
 
 # Columns of the objectives by key, with more digits than in the tables above, so that close designs differ.
@@ -493,14 +520,20 @@ def _outcome(result: CheckResult) -> str:
     unmet = [row for row in result.requirements if row.verdict != "passes"]
     words = [*map(phrases.requirement_words, sorted(unmet, key=lambda row: row.verdict != "fails"))]
     if len(result.threats) == 1:
-        return f"{VERDICTS[result.verdict]}: {'; '.join([*words, finding(result.threats[0])])}"
+        [threat] = result.threats
+        words += [] if words and threat.verdict == "passes" else [finding(threat)]
+        return f"{VERDICTS[result.verdict]}: {'; '.join(words)}"
     if result.verdict == "passes":
         by_model = all(threat.required_probability is None for threat in result.threats)
         return f"passes against every threat{' by the computed limit' if by_model else ''}"
-    for missed in ("not known", "fails"):
-        if names := [threat.threat for threat in result.threats if threat.verdict == missed]:
-            words.insert(0, f"{VERDICTS[missed]} against {joined(names)}")
-    return "; ".join([f"{VERDICTS[result.verdict]}: {words[0]}", *words[1:]] if len(words) == len(unmet) else words)
+    missed = {
+        verdict: f"{VERDICTS[verdict]} against {joined(names)}"
+        for verdict in ("fails", "not known")
+        if (names := [threat.threat for threat in result.threats if threat.verdict == verdict])
+    }
+    if result.verdict in missed:
+        return "; ".join([*missed.values(), *words])
+    return f"{VERDICTS[result.verdict]}: {'; '.join([*words, *missed.values()])}"
 
 
 def standing(threat: CheckedThreat) -> tuple[int, float, float]:

@@ -25,8 +25,8 @@ from armour.reporting.words import (
     error_note,
     estimated,
     risk,
-    rounded_down,
     rounded_up,
+    sampled_percents,
 )
 from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.curves import FittedCurve
@@ -49,7 +49,7 @@ def estimate_table(result: UncertaintyResult) -> Table:
     Intervals show the sampling errors.
     """
     mean, p = Estimate(result.mean_m_s, *result.mean_interval_m_s), result.probability_of_perforation
-    stopped = Estimate(*(rounded_down(100.0 * (1.0 - part), 1) for part in (p.value, p.high, p.low)))
+    stopped = Estimate(*sampled_percents(1.0 - p.value, (1.0 - p.high, 1.0 - p.low)))
     limits = {**result.ballistic_limit_m_s, "mean ballistic limit": mean}
     # Formatted here, because a probability and velocities have different decimals.
     parts = [(STOPPING.label, "%", stopped, ".1f"), *((name, "m/s", each, ".0f") for name, each in limits.items())]
