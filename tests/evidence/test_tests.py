@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from armour.analysis.variants import variants_of
+from armour.design.check import check
 from armour.engine import batch
-from armour.errors import InputError
+from armour.errors import InputError, Note
 from armour.evidence.fit import quantities
 from armour.evidence.model_error import ModelError
 from armour.evidence.tests import (
@@ -271,3 +272,12 @@ def test_the_threat_that_is_farthest_from_the_tests_counts():
     assert found == alone[1] != {}
     oblique = scenario(impact={"projectile": "7.62 mm AP", "velocity_m_s": 800.0, "obliquity_deg": 30.0})
     assert outside_tests(armours_of(oblique), np.array([800.0]))[0]["angle"] == inf
+
+
+def test_angles_without_a_test_are_those_of_their_threats():
+    angles = [
+        {"projectile": "7.62 mm AP", "velocity_m_s": 800.0, "obliquity_deg": angle} for angle in (0.0, 30.0, 45.0)
+    ]
+    [warning] = [note for note in check(scenario(threat=angles)).warnings if "at an angle" in note]
+    assert isinstance(warning, Note)
+    assert warning.brief.startswith("30 to 45° (no test of an armour with a ceramic at an angle) against ")

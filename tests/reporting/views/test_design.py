@@ -7,16 +7,19 @@ from armour.analysis.ballistic_limit import NeededFlowStress
 from armour.analysis.estimates import Estimate
 from armour.design.check import check
 from armour.design.optimise import DesignResult, Pair, optimise
+from armour.design.requirements import Requirement
 from armour.reporting.scenario_report import contents_of, scenario_report
 from armour.reporting.table import Table
 from armour.reporting.views.design import (
     best_table,
     design_table,
     design_title,
+    design_verdict,
     frontier_table,
     left_out,
     margin_table,
     offer_table,
+    outcome,
     outside_notes,
     pair_table,
     requirement_table,
@@ -25,7 +28,7 @@ from armour.reporting.views.design import (
     tables_of_design,
     thin_designs,
 )
-from armour.reporting.words import flow_stress_notes, needed_words
+from armour.reporting.words import flow_stress_notes, needed_words, requirement_parts
 from tests.design.results import OTHER, THREAT, best_design, best_of, design, design_result
 from tests.helpers.cases import scenario
 from tests.reporting.tables import headings, quantities
@@ -221,3 +224,52 @@ def test_answers_say_of_a_named_threat_that_its_standard_was_not_read():
     ]
     assert [heading for heading, notes in sections if words in notes] == ["Threats"]
     assert [heading for heading, notes in sections if "'STANAG4569'" in notes] == ["References"]
+
+
+def test_the_flow_stress_needed_is_told_of_each_threat_that_decides():
+    """The one needs the greatest value to be stopped, the other to be stopped with the probability."""
+    needed = {
+        THREAT: NeededFlowStress("SiC", 5.1, 0.9, 5.6, (9.0, 14.0), (1127.0, 1331.0)),
+        OTHER: NeededFlowStress("SiC", 4.0, 0.9, 16.8, (9.0, 14.0), (536.0, 545.0)),
+    }
+    found = replace(design_result(threats=(THREAT, OTHER)), best=best_design(flow_stress=needed))
+    notes = [line for line in tables_of_design(found) if isinstance(line, str) and "flow stress" in line]
+    assert [note.split(";")[0] for note in notes] == [
+        f"stops {THREAT} if the flow stress of SiC is 5.1 GPa or more (5.6 GPa for 90 %, with the error seen on AD85)",
+        f"stops {OTHER} if the flow stress of SiC is 4 GPa or more (16.8 GPa for 90 %, with the error seen on AD85)",
+    ]
+    assert f"against {OTHER}: ballistic limit over these sources: 536 to 545 m/s" in tables_of_design(found)
+
+
+def test_the_verdict_stands_before_what_is_not_known_and_without_what_is_met():
+    threats = [{"projectile": name, "velocity_m_s": 500.0} for name in ("7.62 mm AP", "7.62 mm APM2")]
+    heavy = scenario(
+        "7.62 mm AP", "SiC", "6061-T6", 12.0, 6.0, velocity=500.0, design={"areal_density_max_kg_m2": 40.0}
+    )
+    unknown = check(heavy.replaced({"threat": threats, "design.confidence": 0.8}))
+    assert outcome(unknown).startswith("FAILS: areal density 54.46 kg/m², at most 40 kg/m² allowed; not known against ")
+    known = check(heavy.replaced({"armour.ceramic": "AD85", "design.confidence": 0.8}))
+    assert known.threats[0].verdict == "passes"
+    assert outcome(known) == "FAILS: areal density 57.66 kg/m², at most 40 kg/m² allowed"
+
+
+def test_a_sampled_probability_lies_within_its_interval_as_shown():
+    row = Requirement("probability_of_stopping", THREAT, 0.9106, 0.91053, "not known", (0.91039, 0.91068))
+    assert requirement_parts(row)[-1] == "91.0 % (91.0 to 91.1 %, sampled)"
+
+
+def test_a_pair_outside_the_limits_has_its_nearest_design_and_what_it_exceeds():
+    """The lightest design is the nearest to the limit; the pair that is heavier must not vanish."""
+    costs = {"thickness_mm": [6.0, 8.0]}
+    layers = {
+        "ceramic": [{"material": name, **costs} for name in ("AD85", "AD99.5")],
+        "backing": [{"material": "6061-T6", "thickness_mm": 6.0}],
+    }
+    found = optimise(scenario(velocity=900.0, design={**layers, "areal_density_max_kg_m2": 30.0}))
+    excess = "kg/m² more than design.areal_density_max_kg_m2 allows"
+    assert [pair.ceramic for pair in found.pairs] == ["AD85", "AD99.5"]
+    assert all(
+        re.fullmatch(rf"6 mm .* lacks \d+ m/s against .*, and has [\d.]+ {excess}", pair.reason) for pair in found.pairs
+    )
+    slow = optimise(scenario(velocity=300.0, design={**layers, "areal_density_max_kg_m2": 30.0}))
+    assert str(design_verdict(slow)[0]).endswith(f"the nearest, 6 mm AD85 on 6 mm 6061-T6, has 7.08 {excess}")
