@@ -20,7 +20,11 @@ from armour.scenario.scenario import scenario_schema
 
 LIST = Path(__file__).with_name("interface.json")
 # Commands whose JSON the list holds, with what they ask.
-QUESTIONS = ("simulate wilkins", "ballistic-limit wilkins", "optimise paper/fig11_7.62mm_ceramics", "v50 tests/shots")
+QUESTIONS = (
+    *("simulate wilkins", "ballistic-limit wilkins", "check wilkins", "compare wilkins", "sensitivity wilkins"),
+    *("uncertainty uncertain --samples 128", "optimise paper/fig11_7.62mm_ceramics", "v50 tests/shots"),
+    *("calibrate unknown_ceramic tests/unknown_ceramic", "plan shots wilkins tests/shots", "validate paper"),
+)
 
 
 def python() -> dict[str, list[str]]:

@@ -19,8 +19,6 @@ from tests.helpers.cases import COMPLETE, SCENARIOS
 pytestmark = pytest.mark.slow
 
 WILKINS = SCENARIOS / "wilkins.toml"
-TAKE_A_SCENARIO = ("simulate", "ballistic-limit", "optimise", "sensitivity", "compare", "uncertainty")
-
 
 EXAMPLES = [example for commands in COMMANDS.values() for examples in commands.values() for example in examples]
 # Commands of the documentation, which tests/cli/test_docs.py runs, and those of tests/cli/golden.

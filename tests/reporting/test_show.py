@@ -12,6 +12,7 @@ import armour
 from armour.analysis.ballistic_limit import Crossing, LimitResult, ballistic_limit, confidence
 from armour.analysis.impact import History, simulate
 from armour.analysis.results import Result, TableResult
+from armour.design.check import check
 from armour.design.optimise import optimise
 from armour.errors import InputError
 from armour.planning.firing import plan_shots
@@ -65,6 +66,7 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Any, di
         (optimise(scenario(optimise=OFFERED)), {}),
         (v50(SHOTS), {}),
         (plan_shots(scenario(), SHOTS), {}),
+        (check(scenario()), {}),
         (impact(), {}),
         (limit, {"scenario": scenario()}),
         (planned_tests(), {}),
@@ -139,20 +141,12 @@ def test_every_result_has_its_tables_and_its_line(results):
 
 def test_rows_are_columns_of_equal_lengths(results, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setitem(sys.modules, "pandas", SimpleNamespace(DataFrame=dict))
-    framed = {name: found for name, (found, _) in results.items() if isinstance(found, TableResult)}
-    assert framed.keys() == {
-        "CalibrationResult",
-        "PlannedTests",
-        "Comparison",
-        "DesignResult",
-        "FiringResult",
-        "ImpactResult",
-        "SensitivityResult",
-        "SuiteResult",
-        "SweepResult",
-        "UncertaintyResult",
-    }
-    for found in framed.values():
+    found_and_history = [*(found for found, _ in results.values()), impact().history]
+    framed = [found for found in found_and_history if isinstance(found, TableResult)]
+    public = [getattr(armour, name) for name in dir(armour)]
+    with_rows = {thing for thing in public if isinstance(thing, type) and issubclass(thing, TableResult)}
+    assert {type(found) for found in framed} == with_rows
+    for found in framed:
         lengths = {len(values) for values in found.to_dataframe().values()}
         assert len(lengths) == 1
         assert lengths != {0}

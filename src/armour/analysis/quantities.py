@@ -28,7 +28,7 @@ class Quantity(NamedTuple):
 
     label: str
     unit: str
-    spec: str  # format specification in tables
+    spec: str  # format specification in tables; those of a sweep show six digits
     reads: tuple[str, ...]  # sections and keys that it depends on besides projectile, armour, model and solver
     compute: Callable[[Any], Any]  # takes `armour.analysis.evaluate.QuantityValues`, returns the values of the rows
     least: str = ""  # layer whose least thickness this quantity is, or is computed from

@@ -78,10 +78,10 @@ def own_values(scenario: Scenario) -> dict[str, float]:
 def sampled(scenario: Scenario, columns: Mapping[str, Floats], count: int) -> Samples:
     """Return `count` samples of the uncertain inputs; raise an InputError if the scenario does not allow a value.
 
-    `columns` has an array, (count,), by name of input.  Column `ERROR` has probabilities, at which the quantiles of the
-    model error of the scenario's armour are taken.  Each such quantile belongs to a law of the flow stress, which the
-    sample follows.  An armour whose ballistic limit is the model's times a factor is perforated if the model perforates
-    at the impact velocity divided by the factor.
+    `columns` has an array, (count,), by name of input.  If it has a column `ERROR` of probabilities, each of these
+    draws a model error for its sample: a law of the flow stress, and a factor, which is the armour's ballistic limit
+    over the model's by this law.  The armour is perforated if the model perforates at the impact velocity divided by
+    the factor.
     """
     problems = []
     inputs = {name: values for name, values in columns.items() if name != ERROR}
@@ -100,10 +100,10 @@ def sampled(scenario: Scenario, columns: Mapping[str, Floats], count: int) -> Sa
 
 
 def by_laws(variants: Variants, errors: ErrorRows, laws: Ints) -> Variants:
-    """Return n samples with the parameters of other laws; `laws`, (n,), has the index of each one's law in `errors`.
+    """Return n samples, each with the law of the flow stress whose index in `errors` stands in `laws`, (n,).
 
-    `errors` has one row, and law 0 is the samples' own.  Under another law, each parameter of `LAW_FIELDS` is
-    multiplied by the ratio of its values by that law and by law 0.
+    `errors` has one row.  The given samples follow law 0.  For another law, each of their parameters `LAW_FIELDS` is
+    multiplied by its value in that law over its value in law 0.
     """
     parameters = variants.parameters.copy()
     fields = batch.fields(parameters)

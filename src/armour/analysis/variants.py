@@ -291,7 +291,10 @@ def grid_of(scenario: Scenario) -> Optimise:
 
 
 def check_resolved(resolved: Bools, variants: Variants) -> None:
-    """Raise an InputError that names the key at fault if the run of a row, False in `resolved`, (n,), does not end."""
+    """Raise an InputError unless the runs of all rows ended; `resolved`, (n,), tells which did.
+
+    The message is on the first run that did not end, and names the key at fault.
+    """
     if not resolved.all():
         raise unresolved_error(variants.scenario, float(variants.velocities[int(np.argmin(resolved))]))
 
@@ -351,9 +354,9 @@ def _engine_is_quicker(kernel: str, settings: RunSettings, points: int) -> bool:
 
 
 def outcomes_at(armour: Parameters, velocities: Sequence[float], settings: RunSettings, points: int) -> Ints:
-    """Return the outcome of an armour at each velocity, m/s; `points` is the number of points of their scan.
+    """Return the outcome of an armour at each velocity, m/s; they are part of a scan of `points` velocities.
 
-    The engine computes the outcomes, or Python if that is quicker; both give the same.
+    The engine computes the outcomes, or Python if that is quicker for the whole scan; both give the same.
     """
     if _engine_is_quicker("impacts", settings, points):
         return batch.impacts(batch.packed([armour] * len(velocities)), np.array(velocities), settings).outcome

@@ -45,14 +45,17 @@ def each_result(
 def next_plan(
     plan: Callable[..., ShotPlan], table: Path | None, where: Mapping[str, str], sheet: str | None, *, each: bool
 ) -> EachResult | ShotPlan:
-    """Call `plan` with the shots of a table, if there is one, or, with `each`, with those at each target in it."""
+    """Return what `plan` returns for the shots of a table or, with `each`, for those at each target in it.
+
+    Without a table, and before the first shot has been written into it, `plan` is called with None.
+    """
     if table is None:
         return plan(None)
     is_new = table.suffix == ".csv" and not exists(table)
     if is_new:
         say(f"note: {table}: no such file, so no shot has been fired; --result makes the file")
     if each:
-        return each_result(plan, table, where, sheet, kinds=1)
+        return each_result(plan, table, where, sheet, kinds=1)  # a plan follows from shots of one result, too
     if is_new:
         return plan(None)
     return plan(say_how_read(table, armour.read_shots(table, one_kind=True, where=where, sheet=sheet)))

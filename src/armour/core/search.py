@@ -136,8 +136,8 @@ def residual_energy(end: Run, p: Parameters, V: float, V_arrest: float) -> float
 def first_scanned(p: Parameters, velocities: Sequence[float]) -> int:
     """Return the index of the highest velocity of a scan that lacks the energy to perforate, or 0.
 
-    It is 0 where the bound on the energy is not proved: where the interface drives the plate, and of
-    equations that another program has replaced.
+    It is 0 where the bound on the energy is not proved: where the interface drives the plate, and if another program
+    has replaced an equation.
     """
     i = 0
     if p.drive_law != eq.STRENGTH or not is_unchanged():

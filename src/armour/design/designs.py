@@ -162,7 +162,7 @@ def measured(catalogue: Catalogue, rows: Variants, runs: Runs) -> tuple[Floats, 
 
 
 class Reliability:
-    """Probabilities of perforation of the designs of a catalogue, with the samples to estimate them."""
+    """Estimates the probabilities of perforation of designs of a catalogue, all at the same samples of the inputs."""
 
     def __init__(self, catalogue: Catalogue, on_progress: OnProgress = ignore_progress) -> None:
         self.catalogue, self.on_progress = catalogue, on_progress

@@ -122,7 +122,7 @@ def lightest(catalogue: Catalogue, pair: int, probability: float) -> Design | No
 def thicknesses_tested(catalogue: Catalogue, pair: int, threat: int) -> dict[str, tuple[float, float]]:
     """Return the least and greatest thicknesses of the tests that the model error is estimated from, mm.
 
-    The keys are "ceramic" and "backing".  If the model error is given or not known, there are none.
+    The keys are "ceramic" and "backing".  The result is empty if the model error is given or not known.
     """
     middle = [np.array([np.mean(layer.thicknesses())]) for layer in catalogue.offers[pair][:2]]
     rows = catalogue.against_each(catalogue.candidates(pair, *middle)).at(np.array([threat]))

@@ -687,9 +687,10 @@ def as_results(designs: Designs, where: Ints, *, with_margins: bool = False) -> 
     catalogue, columns = designs.catalogue, designs.columns.at(where)
     margins = designs.margins_m_s(where).min(axis=1).tolist() if with_margins else [None] * len(where)
     named = ([layer.material for layer in catalogue.offers[pair][:2]] for pair in columns.pair)
-    numbers = zip(*(column.tolist() for column in columns[1:5]), strict=True)
+    numbers = zip(*(column.tolist() for column in columns[1:5]), strict=True)  # thicknesses, areal density, thickness
     costs = [
-        cost if catalogue.costed[pair] else None for pair, cost in zip(columns.pair, columns[5].tolist(), strict=True)
+        cost if catalogue.costed[pair] else None
+        for pair, cost in zip(columns.pair, columns.cost_per_m2.tolist(), strict=True)
     ]
     untested = [catalogue.untested[pair] for pair in columns.pair]
     hulls_mm = columns.backing_mm * (not catalogue.scenario.counts_backing)

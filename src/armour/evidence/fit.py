@@ -132,10 +132,10 @@ class Fit(NamedTuple):
     own: tuple["Posterior", ...] = ()  # distributions given own tests; of several, the lower limit counts
 
     def predicted(self, q: Quantities, ranges: Mapping[str, tuple[float, float]]) -> tuple[Floats, Floats, Floats]:
-        """Return locations and scales of the distributions of n armours, and factors of the scales above, (n,) each.
+        """Return locations and scales of the distributions of n armours, and factors of the scales above the locations.
 
-        `ranges` has the ranges of the tests by quantity.  Beyond them the trend continues, and half of its change there
-        is added to the scale, as the root of the sum of squares.
+        Each is an array, (n,).  `ranges` has the ranges of the tests by quantity.  Beyond them the trend continues, and
+        half of its change there is added to the scale, as the root of the sum of squares.
         """
         matrix = matrix_of(self.terms, self.reference, q)
         location, coefficients, narrowed = matrix @ self.coefficients, self.coefficients, np.ones(len(matrix))
@@ -177,9 +177,9 @@ class Fit(NamedTuple):
         return self.own[0].lot.given(self.own[0].tests.at(~where))
 
     def probabilities_of_farther(self, tests: LotTests) -> Floats:
-        """Return the probability that each of n tests of the lot would lie farther from the prediction by the others.
+        """Return the probability, (n,), that each of n tests of the lot would lie farther from what the others predict.
 
-        The shape is (n,); the probability is 1 for shots.
+        Only measured limits are compared, with each other; the probability of a shot, which only bounds a limit, is 1.
         """
         from scipy.special import stdtr  # slow to import
 

@@ -468,7 +468,10 @@ def _tests_of(evidence: Evidence, armours: Armours) -> Evidence:
 def limits_of_model(
     armours: Armours, metals: Iterable[LibraryEntry], *, said: bool = True
 ) -> Iterator[tuple[Note, Any]]:
-    """Yield the `caveats` about n armours, and one about ceramics that are thinner than all that were tested."""
+    """Yield the `caveats` about n armours, and one about ceramics that are thinner than all that were tested.
+
+    Masks and `said` are as in `caveats`.
+    """
     p, least = armours.parameters, np.zeros(len(armours.cosines))
     yield from caveats(p, metals, said=said)
     for evidence, rows in armours.by_evidence():

@@ -70,9 +70,9 @@ class Demand(NamedTuple):
 
 
 def demand_of(requirement_m_s: float, fraction: float, scatter_m_s: float, scatter_factor: float) -> Demand:
-    """Return the curves for a requirement, m/s, on the velocity at which `fraction` of the shots perforate.
+    """Return response curves on both sides of a requirement: `fraction` of the shots perforate above `requirement_m_s`.
 
-    The expected scatter and its factor affect only how many shots are needed, not the risks.
+    The expected scatter and its factor weight the curves; they affect how many shots are needed, not the risks.
     """
     arsinh_distance = np.linspace(-FARTHEST, FARTHEST, DEMAND_NODES[0])
     scatter_deviation = np.linspace(-SCATTER_DEVIATIONS, SCATTER_DEVIATIONS, DEMAND_NODES[1])

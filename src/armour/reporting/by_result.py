@@ -27,7 +27,10 @@ VIEW_PACKAGES = {tables_of: "views", draw: "pictures"}
 
 
 def by_result(function: Any, result: object) -> Any:
-    """Import and return the implementation of `tables_of` or `draw` for the class of a result; None without any."""
+    """Return the implementation of `tables_of` or `draw` for the class of a result, after importing its module.
+
+    Return None if the class has no tables, or no picture.
+    """
     import_module(f"armour.reporting.{VIEW_PACKAGES[function]}.{type(result).__module__.split('.')[1]}")
     chosen = function.dispatch(type(result))
     return None if chosen is function.dispatch(object) else chosen

@@ -238,10 +238,10 @@ def _outside(catalogue: Catalogue, designs: DesignMap) -> dict[str, Any]:
 
 
 def _over_sources(catalogue: Catalogue, designs: DesignMap) -> list[list[float]] | None:
-    """Return the ballistic limits, m/s, with the least and the greatest flow stress that sources give.
+    """Return two lists of ballistic limits, m/s: with the least and with the greatest flow stress that sources give.
 
-    Each list has the designs in turn, against every threat.  Return None without sources, and if both thicknesses
-    vary, as the limits would take too much room.
+    Each list has the limits of the first design against all threats, then those of the second, and so on.  Return None
+    if no sources are given, and if both thicknesses vary, as the limits would take too much room.
     """
     if min(len(designs.ceramic_mm), len(designs.backing_mm)) > 1:
         return None

@@ -36,9 +36,10 @@ def plot(
 
     Parameters
     ----------
-    result : ImpactResult, LimitResult, Comparison, DesignResult, CheckResult, SensitivityResult, UncertaintyResult, \
-CalibrationResult, FiringResult, PlannedTests, ShotPlan, SuiteResult or SweepResult
-        An impact must have its history, and a sweep one or two keys.
+    result : Result
+        An ImpactResult with its history, a SweepResult of one or two keys, or any LimitResult, Comparison,
+        DesignResult, CheckResult, SensitivityResult, UncertaintyResult, CalibrationResult, FiringResult, PlannedTests,
+        ShotPlan or SuiteResult.
     scenario : Scenario, optional
         Scenario of the result, perhaps with another title.  Only a result that is made by hand needs it.
     shots : Shots, optional

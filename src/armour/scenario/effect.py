@@ -51,7 +51,10 @@ def check_effect(
 
 
 def check_columns(scenario: Scenario, keys: Sequence[str], reads: Collection[str], file: str, computed: str) -> None:
-    """Check that keys that vary from row to row set inputs of the scenario, and no two of them the same input."""
+    """Check that keys that vary from row to row set inputs of the scenario, and no two of them the same input.
+
+    `reads` and `computed` are as in `check_effect`.
+    """
     # No row has a ceramic, and no search varies its thickness.
     is_bare = scenario.armour.ceramic_thickness_mm == 0.0 and CERAMIC not in keys and "optimise" not in reads
     problems = []

@@ -347,7 +347,7 @@ def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str
 
 
 def under_law(tests: Tests, inputs: Sequence[str], law: Law | None) -> tuple[Tests, list[str]]:
-    """Return the tests with a law of the flow stress, by default their own, and the names of all inputs to fit."""
+    """Return the tests with a law of the flow stress, their own if it is None, and the names of all inputs to fit."""
     groups = tuple(group._replace(scenario=with_law(group.scenario, law)) for group in tests.groups)
     return tests._replace(groups=groups, scenario=with_law(tests.scenario, law)), fitted_names(inputs, law)
 

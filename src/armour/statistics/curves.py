@@ -351,7 +351,7 @@ class ShotLikelihood:
 
     @property
     def flat_deviance(self) -> float:
-        """Deviance of a constant probability; the interval of V50 is bounded if this exceeds that at its ends."""
+        """Deviance of a constant probability; the interval of V50 is bounded if its ends have a smaller deviance."""
         return 2.0 * (self.mode.value - self.flat.value)
 
     def scale_interval(self, root: float) -> tuple[float, float]:

@@ -200,9 +200,10 @@ def _tests_in_words(cases: Sequence[Case]) -> str:
 
 
 def areal_density_rules(scenario: Scenario, limit_m_s: float) -> tuple[RuleResult, ...]:
-    """Return the results of the areal density rule for an armour, with p = 1 and with p fitted.
+    """Return the results of the rule ``k (areal density)^p`` for an armour, with p = 1 and with p fitted.
 
-    `limit_m_s` is the armour's limit by the model.  There are none if the tests used another round or other materials.
+    `limit_m_s` is the armour's limit by the model.  The result is empty if the tests to which the rule is fitted are of
+    another round or of other materials.
     """
     cases, rules = _tests().cases, []
     if any(scenario.entry_of(role) != cases[0].scenario.entry_of(role) for role in ROLES):

@@ -173,7 +173,7 @@ def fit_recht_ipson(impact: Sequence[float], residual: Sequence[float], limit: f
 def _fit_ratio(
     name: str, impact: Sequence[float], residual: Sequence[float], limit: float, exponent: float
 ) -> ResidualVelocityFit:
-    """Fit the ratio to impact and residual velocities, m/s, by least squares, for a given exponent."""
+    """Fit the ratio of `residual_velocity` to impact and residual velocities, m/s, by least squares."""
     at_ratio_1 = [residual_velocity(V, limit, 1.0, exponent) for V in impact]
     ratio = sum(s * v for s, v in zip(at_ratio_1, residual, strict=True)) / sum(s * s for s in at_ratio_1)
     ratio = min(max(ratio, 0.0), MAX_VELOCITY_RATIO)

@@ -69,7 +69,7 @@ def answer(name: str, subject: Subject) -> float | str:
         value = 100.0 * (1.0 - after / before)
     else:
         value = QUANTITIES[name].compute(subject.answers)[0].item()
-    if value == value:
+    if value == value:  # not NaN
         return value
     if "optimise" not in QUESTIONS[name]:
         ballistic_limit(subject.scenario)  # raises, with the reason

@@ -1,6 +1,7 @@
 """Compare the errors of the model, of rival predictions and of simpler formulas on the same tests.
 
-Errors of fits are given in sample and leave-one-out.
+The rivals of a table of a suite are predictions by other methods, each in a column of the table.  Errors of fits are
+given in sample and leave-one-out.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -37,9 +38,9 @@ class Error:
 
 
 def errors_of(computed: Iterable[tuple[Case, float | str | None]]) -> tuple[Error, ...]:
-    """Return the errors of the rivals of a table, of this model and of simpler formulas; none if it has no rivals.
+    """Return the errors of the predictions of a table's cases: by its rivals, this model and simpler formulas.
 
-    `computed` has the cases of the table, each with its value by this model.
+    `computed` has the cases, each with its value by this model.  The result is empty if the table has no rivals.
     """
     rows = [(case, value) for case, value in computed if case.rivals and abs(float(case.expected or 0.0)) >= TINY]
     cases = [case for case, _ in rows]

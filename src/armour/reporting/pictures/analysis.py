@@ -180,7 +180,10 @@ class _Scene:
 
 
 def _moments(result: ImpactResult, fragmented_us: float) -> list[tuple[float, str]]:
-    """Return the times of the pictures, µs, and the event at each: the first ones, up to `PICTURES`, with the last."""
+    """Return the time of each picture, µs, with its event.
+
+    These are all events or, if there are more than `PICTURES`, the first ones and the last.
+    """
     events = [(0.0, "impact")]
     for stage, after in pairwise(result.stages):
         event = STAGES[after.stage].begins
@@ -192,7 +195,7 @@ def _moments(result: ImpactResult, fragmented_us: float) -> list[tuple[float, st
     events.append((result.duration_us, result.outcome))
     if fragmented_us < result.duration_us and min(abs(time - fragmented_us) for time, _ in events) > AT_ONCE_US:
         events = sorted([*events, (fragmented_us, STAGES["ii.1"].begins)])
-    return [*events[: PICTURES - 1], *events[PICTURES - 1 :][-1:]]
+    return events if len(events) <= PICTURES else [*events[: PICTURES - 1], events[-1]]
 
 
 def _fragmented_us(p: Parameters, history: History) -> float:

@@ -309,9 +309,9 @@ def contours(
 ) -> None:
     """Draw contours of z, (y, x).
 
-    `levels` has the levels, or is about how many there are.  With `at`, the contours have labels along a rising
-    diagonal, which lies that fraction of the panel above the middle one; with another fraction for each quantity,
-    labels do not coincide.  Labels without room are left out.
+    `levels` has the levels, or is about how many to draw.  With `at`, contours are labelled where they cross a rising
+    diagonal, which lies this fraction of the panel above the middle one; quantities with different fractions have
+    their labels apart.  Labels without room are left out.
     """
     z = np.ma.masked_invalid(np.array(z, float))
     if np.ndim(levels) == 0:

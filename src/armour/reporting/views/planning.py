@@ -217,8 +217,8 @@ def tables_of_planned_tests(result: PlannedTests) -> list[Table | str]:
 def form_table(result: PlannedTests) -> Table:
     """Return a form: a table of the planned tests for `armour calibrate`, with the measured values left blank.
 
-    The uncertainty of a planned test is filled in if it is known.
-    Tests made before come first, with their values.  The numbering of planned tests continues from theirs.
+    The uncertainty of a planned test is filled in if it is known.  Tests made before come first, with their values.
+    The numbering of planned tests continues from theirs.
     """
     tests: Tests | None = result.question.get("tests")
     has_scatter = tests.weighted if tests is not None else result.scatter_known

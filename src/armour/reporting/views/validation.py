@@ -57,7 +57,7 @@ def _in_decimals(case: Case, value: float | str | None, sign: str = "") -> str |
 
 
 def failure(check: Check) -> str:
-    """Return the values of a check in a line: expected, computed, deviation and band."""
+    """Say in a line how a check failed: expected and computed value, deviation and band."""
     table = check_table([check])
     cells = zip(table.columns[1:-1], table.texts()[0][1:-1], strict=True)
     return ", ".join(f"{column.label} {text} {column.unit}".rstrip() for column, text in cells if text)
