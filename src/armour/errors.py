@@ -89,7 +89,8 @@ class Note(str):
 
     def against(self, threats: str) -> "Note":
         """Return the warning, about some threats only: " against M2", say; "" is for all."""
-        return Note(self.text + threats, self.key, self.brief, said=self.said, about=self.about)
+        brief = self.brief and self.brief + threats
+        return Note(self.text + threats, self.key, brief, said=self.said, about=self.about)
 
 
 class ArmourError(Exception):

@@ -397,9 +397,9 @@ class Outside(NamedTuple):
     numbers: str  # the range of their values, in words
     brief: str  # the warning in a few words
 
-    def note(self, key: str = "", against: str = "") -> Note:
-        """Return the warning, by default with its own key; `against` names the threats that it is about."""
-        return Note(self.words + self.numbers + against, key or self.key, self.brief + against)
+    def note(self, key: str = "") -> Note:
+        """Return the warning, by default with its own key."""
+        return Note(self.words + self.numbers, key or self.key, self.brief)
 
 
 def limits_outside(armours: Armours, velocities: Any) -> Iterator[Outside]:
@@ -542,6 +542,6 @@ def threat_warnings(
         section, _, name = outside.key.partition(".")
         is_of_threat = scenario.threat and section in ("impact", "projectile")
         key = f"threat[{outside.rows[0]}].{name if section == 'impact' else 'projectile'}" if is_of_threat else ""
-        yield outside.note(key, _named(threats, outside.rows))
+        yield outside.note(key).against(_named(threats, outside.rows))
     own = armours.materials[armours.material_of_row[0]].backing
     yield from strength_notes(metals or [own], bare=bool(np.all(armours.parameters.Hc0 == 0.0)))
