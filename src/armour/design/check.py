@@ -202,6 +202,7 @@ def check(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> C
     requires = any(threat.required_probability is not None for threat in checked_threats)
     warnings = (
         *scenario.unused_impact(),
+        *scenario.unused_densities(),
         *threat_warnings(scenario, armours_of(*impacts)),
         *(dict.fromkeys(note for each in notes for note in each) if requires else scenario.unused_distributions()),
     )

@@ -278,6 +278,16 @@ class Scenario(Section):
         return total
 
     def cosine(self) -> float:
+    def unused_densities(self) -> tuple[Note, ...]:
+        """Return a warning for each density that the section ``design`` gives to a material of this armour in vain."""
+        notes, parameters = [], self.core_armour()
+        for role, density in {"ceramic": parameters.rho_c, "backing": parameters.rho_B}.items():
+            for i, layer in enumerate(getattr(self.design, role, ())):
+                if layer.material == self.name_of(role) and layer.density_kg_m3 not in (None, density):
+                    text = f"is not used: {layer.material} has {density:g} kg/m³ in the armour as given"
+                    notes.append(Note(text, f"design.{role}[{i}].density_kg_m3"))
+        return tuple(notes)
+
         """Return the cosine of the obliquity."""
         return cosine_of(self.impact.obliquity_deg)
 
