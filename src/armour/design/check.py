@@ -137,7 +137,7 @@ class CheckResult(TableResult):
     areal_density_kg_m2, thickness_mm : float
         Including layers without ballistic effect, without a back plate that exists already.
     cost_per_m2 : float or None
-        Cost of these layers; None unless the section ``design`` gives the cost of each material.
+        Cost of these layers; None unless the section ``design`` gives the cost of each material and layer.
     whole_areal_density_kg_m2, whole_thickness_mm : float
         The same, including a back plate that exists already.
     """

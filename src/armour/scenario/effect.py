@@ -95,8 +95,8 @@ def _read_of(scenario: Scenario, reads: Collection[str]) -> set[str]:
         replaced |= {"impact"}
     if "design" in reads and scenario.design is not None:
         replaced |= {f"armour.{layer}" for layer in ("ceramic", "backing") if getattr(scenario.design, layer)}
-        if scenario.design.existing and not scenario.design.backing:
-            reads = {*reads, BACKING}
+        if scenario.design.existing:
+            reads, replaced = {*reads, "armour.backing", BACKING}, replaced - {"armour.backing"}
     return {*reads} - replaced
 
 
