@@ -146,6 +146,16 @@ def test_a_sampled_probability_is_that_of_uncertainty_and_of_the_design():
     assert uncertainty(of).probability_of_perforation.value == pytest.approx(threat.sampled.value, abs=5e-4)
 
 
+@pytest.mark.parametrize("limit", [{}, {"areal_density_max_kg_m2": 20.0}])
+def test_the_row_as_given_has_what_is_judged_and_rows_of_changes_have_no_verdict(limit: dict[str, float]):
+    found = check(scenario(velocity=600.0, uncertainty=SAMPLED, design={"confidence": 0.6, **limit}))
+    assert found.threats[0].verdict == "passes"
+    given, *changed = found
+    assert (given["change"], given["verdict"]) == ("as given", found.verdict)
+    assert given["probability_of_stopping"] == found.threats[0].probability_of_stopping
+    assert [row["verdict"] for row in changed] == [None] * 4
+
+
 def test_a_sampled_probability_near_the_one_required_is_not_known():
     of = scenario(velocity=650.0, uncertainty={"samples": 128, **SAMPLED})
     odds = probability_of_perforation(of)

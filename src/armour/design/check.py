@@ -153,11 +153,14 @@ class CheckResult(TableResult):
     whole_thickness_mm: float = 0.0
 
     def _columns(self) -> dict[str, list[object]]:
-        rows = [
-            {"threat": threat.threat, "verdict": threat.verdict, **vars(what_if)}
-            for threat in self.threats
-            for what_if in (threat.as_given(), *threat.what_ifs)
-        ]
+        """Return a row for the armour as given, with what is judged, and one for each change, which has no verdict."""
+        rows: list[dict[str, object]] = []
+        for threat in self.threats:
+            verdict = verdict_of([threat.verdict, *(row.verdict for row in self.requirements)])
+            judged = {"verdict": verdict, "probability_of_stopping": threat.probability_of_stopping}
+            what_ifs = threat.as_given(), *threat.what_ifs
+            given, *changed = ({"threat": threat.threat, "verdict": None, **vars(each)} for each in what_ifs)
+            rows += [given | judged, *changed]
         return by_column(rows)
 
     def _words(self) -> str:
