@@ -86,7 +86,8 @@ class CheckedThreat:
     requirements : tuple of Requirement
         What is required against the threat, and what the armour has.
     sampled : Estimate or None
-        Probability of perforation from the distributions of the inputs, if a probability is required.
+        Probability of perforation (1 minus that of stopping) from the distributions of the inputs, if a probability is
+        required.
     outside_tests : dict of str to float
         Factor by which the armour or the threat lies outside the tests, by quantity, as in `Design`.
     """
