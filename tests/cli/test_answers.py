@@ -122,6 +122,14 @@ def test_a_page_tells_of_own_tests_of_the_design(cli, folder: Path):
     assert "measured 703 m/s here (1 own test)" in (folder / "map.html").read_text()
 
 
+def test_a_written_scenario_says_which_material_it_replaces(cli, folder: Path):
+    lines = "armour.ceramic,armour.ceramic_thickness_mm,ballistic_limit_m_s", "AD99.5,6.35,790", "AD99.5,8,890"
+    (folder / "t.csv").write_text("\n".join(lines))
+    found = cli("calibrate", "t.csv", WILKINS, "--write-scenario", "own.toml", "--lot", "A")
+    assert "own.toml: armour.ceramic: is AD99.5, A, as tested, in place of AD85" in " ".join(found.stderr.split())
+    assert "in place of" not in cli("calibrate", TESTS, WILKINS, "--write-scenario", "b.toml", "--lot", "A").stderr
+
+
 def test_calibrated_tests_are_shown_and_not_scored(cli, folder: Path):
     """A suite of the tests that an entry was calibrated to, and one that it was not."""
     data = json.loads(cli("calibrate", TESTS, WILKINS, "--write", "lib.toml", "--lot", "7", "--json").stdout)

@@ -1,13 +1,17 @@
 """What is required of an armour: rows that each have a verdict."""
 
+import re
 from typing import Any
 
 import numpy as np
 import pytest
 
-from armour import check, load_scenario, optimise, simulate, uncertainty
+from armour import InputError, check, load_scenario, optimise, simulate, uncertainty
 from armour.analysis.samples import probability_of_perforation
 from armour.design.catalogue import Catalogue
+from armour.scenario.effect import check_effect
+from armour.scenario.inputs import BACKING
+from armour.scenario.keys import parts_of
 from armour.scenario.scenario import Scenario
 from tests.design.results import best_of
 from tests.helpers.cases import SCENARIOS, scenario
@@ -17,6 +21,9 @@ OWN: dict[str, list[dict[str, Any]]] = {
     "ceramic": [{"material": "AD85", "thickness_mm": [6.35], "cost_per_kg": 10.0}],
     "backing": [{"material": "6061-T6", "thickness_mm": [6.35]}],
 }
+# A hull with a tile: costs and limits apply to what is added to it.
+HULL: dict[str, Any] = {**OWN, "existing": "backing", "areal_density_max_kg_m2": 25.0, "cost_max_per_m2": 300.0}
+COVER = {"name": "rubber", "thickness_mm": 1.0, "areal_density_kg_m2": 1.2}
 
 
 def rows(of: Scenario) -> dict[str, Any]:
@@ -58,6 +65,37 @@ def test_a_cost_that_is_not_complete_is_no_total():
     complete = {**OWN, "backing": [{**OWN["backing"][0], "cost_per_m2": 5.0}]}
     of = scenario(velocity=600.0, design=complete)
     assert check(of).cost_per_m2 == pytest.approx(best_of(optimise(of)).cost_per_m2)
+
+
+@pytest.mark.parametrize(
+    ("free", "key"),
+    [
+        ({"armour.layer": [{**COVER, "place": "front"}]}, "armour.layer[0].cost_per_m2"),
+        ({"design.added_thickness_mm": 1.0}, "design.added_cost_per_m2"),
+    ],
+)
+def test_a_layer_without_a_cost_is_not_free(free: dict[str, Any], key: str):
+    of = scenario(velocity=600.0, design=HULL).replaced(free)
+    assert rows(of)["cost_per_m2"] == (300.0, None, "not known")
+    with pytest.raises(InputError, match=re.escape(f"{key}: must be given if [design] asks for costs")):
+        optimise(of)
+    assert best_of(optimise(of.replaced({"design.cost_max_per_m2": None}))).cost_per_m2 is None
+    known = {key: 7.0} if "added" in key else {"armour.layer": [{**COVER, "place": "front", "cost_per_m2": 7.0}]}
+    costs = check(scenario(velocity=600.0, design=HULL)).cost_per_m2, check(of.replaced(known)).cost_per_m2
+    assert costs[1] == pytest.approx((costs[0] or 0.0) + 7.0)
+
+
+@pytest.mark.parametrize(("role", "density"), [("ceramic", 3430.0), ("backing", 2750.0)])
+def test_a_density_of_the_catalogue_that_the_armour_lacks_is_named(role: str, density: float):
+    def warnings(density: float) -> list[str]:
+        layers = [{**OWN[role][0], "density_kg_m3": density}]
+        return [note for note in check(scenario(design={**OWN, role: layers})).warnings if "is not used" in note]
+
+    [note] = warnings(density + 100.0)
+    assert note.startswith(
+        f"design.{role}[0].density_kg_m3: is not used: {OWN[role][0]['material']} has {density:g} kg/m³"
+    )
+    assert not warnings(density)
 
 
 def test_an_impact_within_the_bracket_of_the_limit_fails_where_it_perforates():
@@ -106,6 +144,16 @@ def test_a_sampled_probability_is_that_of_uncertainty_and_of_the_design():
     assert uncertainty(of).probability_of_perforation.value == pytest.approx(threat.sampled.value, abs=5e-4)
 
 
+@pytest.mark.parametrize("limit", [{}, {"areal_density_max_kg_m2": 20.0}])
+def test_the_row_as_given_has_what_is_judged_and_rows_of_changes_have_no_verdict(limit: dict[str, float]):
+    found = check(scenario(velocity=600.0, uncertainty=SAMPLED, design={"confidence": 0.6, **limit}))
+    assert found.threats[0].verdict == "passes"
+    given, *changed = found
+    assert (given["change"], given["verdict"]) == ("as given", found.verdict)
+    assert given["probability_of_stopping"] == found.threats[0].probability_of_stopping
+    assert [row["verdict"] for row in changed] == [None] * 4
+
+
 def test_a_sampled_probability_near_the_one_required_is_not_known():
     of = scenario(velocity=650.0, uncertainty={"samples": 128, **SAMPLED})
     odds = probability_of_perforation(of)
@@ -144,12 +192,8 @@ def test_rows_of_a_design_are_built_at_most_three_times(monkeypatch: pytest.Monk
     assert np.mean(list(counts.values())) < 1.1
 
 
-# A hull with a tile: costs and limits apply to what is added to it.
-HULL: dict[str, Any] = {**OWN, "existing": "backing", "areal_density_max_kg_m2": 25.0, "cost_max_per_m2": 300.0}
-
-
 def layer(place: str, **others: float) -> dict[str, Any]:
-    return {"name": "rubber", "place": place, "thickness_mm": 1.0, "areal_density_kg_m2": 1.2, **others}
+    return {**COVER, "place": place, **others}
 
 
 def test_a_back_plate_that_exists_counts_for_the_limit_alone():
@@ -173,6 +217,16 @@ def test_the_back_plate_of_the_armour_is_the_one_that_exists():
     design = {"existing": "backing", "ceramic": [{"material": "AD85", "thickness_mm": [6, 8, 10]}]}
     best = best_of(optimise(scenario(velocity=800.0, design=design)))
     assert (best.backing, best.backing_thickness_mm) == ("6061-T6", 6.35)
+
+
+@pytest.mark.parametrize("other", [{"thickness_mm": [12.0]}, {"material": "7075-T6"}])
+def test_a_back_plate_that_exists_is_that_of_the_armour(other: dict[str, Any]):
+    design = {**HULL, "backing": [{**HULL["backing"][0], **other}]}
+    with pytest.raises(
+        InputError, match=r"design\.backing\[0\]: must be the back plate of \[armour\].*6\.35 mm 6061-T6"
+    ):
+        optimise(scenario(velocity=600.0, design=design))
+    check_effect([parts_of(key) for key in (BACKING, "armour.backing")], [(scenario(design=HULL), ("design",))], "f")
 
 
 @pytest.mark.parametrize("place", ["front", "behind"])

@@ -15,13 +15,16 @@ from armour.design.optimise import DesignResult, optimise
 from armour.design.requirements import Requirement, Verdict
 from armour.errors import Note
 from armour.evidence.model_error import NO_TEST
+from armour.reporting.by_result import tables_of
 from armour.reporting.formats import markdown_report
 from armour.reporting.report import Report, ReportSection
 from armour.reporting.scenario_report import Contents, contents_of, scenario_report
+from armour.reporting.table import Table
 from armour.reporting.views.design import AREAL_DENSITY, COST
 from armour.reporting.words import SAMPLED_ALONE, chance, from_tests
 from armour.scenario.scenario import load_scenario
 from armour.statistics.uncertainty import uncertainty
+from armour.validation.comparison import compare
 from tests.design.results import OTHER, THREAT, best_of, design_result
 from tests.helpers.cases import RANGE, SCENARIOS, scenario
 from tests.reporting.tables import headings
@@ -233,7 +236,10 @@ def test_the_answer_without_a_design():
     assert [*found] == ["Probability of stopping the projectile", "Armour", "Asked for"]
     assert found["Armour"][0] == "6.35 mm AD85 on 6.35 mm 6061-T6"
     density = AREAL_DENSITY.text(wilkins().impact.areal_density_kg_m2)
-    assert found["Armour"][1] == f"{density} kg/m², 12.7 mm thick; tested near this limit: 39.8 kg/m²"
+    assert (
+        found["Armour"][1]
+        == f"{density} kg/m², 12.7 mm thick; tested near this limit: 5.8 mm AD85 on 7.24 mm 6061-T6, 39.8 kg/m²"
+    )
     assert found["Asked for"] == ("no probability", "--confidence 0.95 asks for a probability of 95 %")
     statement, detail = found["Probability of stopping the projectile"]
     assert statement == "7 %"
@@ -281,7 +287,8 @@ def test_the_answer_with_a_design():
     assert found.design is not None
     best = best_of(found.design)
     areal_density, cost = AREAL_DENSITY.text(best.areal_density_kg_m2), COST.text(best.cost_per_m2)
-    words = f"{areal_density} kg/m², 16.5 mm thick, cost {cost} per m²; tested near this limit: 44.3 kg/m²"
+    near = "7.83 mm AD85 on 6.35 mm 6061-T6, 44.3 kg/m²"
+    words = f"{areal_density} kg/m², 16.5 mm thick, cost {cost} per m²; tested near this limit: {near}"
     assert statements(found)["Lightest design"][1] == words
     detail = statements(designed(design_result()))["Probability of stopping the projectile"][1]
     assert detail.startswith(f"against {THREAT}, the most likely of 2 threats to perforate; ")
@@ -417,4 +424,10 @@ def test_a_weight_stands_beside_those_of_tested_armours():
     names, weights, limits = zip(*section.tables[0].rows, strict=True)
     assert [str(name).partition(": ")[0] for name in names] == ["this armour, by the model", *["measured"] * 3]
     assert weights[0] == own.areal_density_kg_m2()
+    added = own.replaced({"design.added_areal_density_kg_m2": 5.0})
+    [section] = [part for part in report(contents_of(added)).sections if part.heading == "Weight"]
+    for tables in (section.tables, tables_of(compare(added))):
+        [table] = [each for each in tables if isinstance(each, Table) and "nearest in limit" in each.columns[0].label]
+        assert str(table.rows[0][0]).startswith("this armour without layers that have no ballistic effect")
+        assert table.rows[0][1] == pytest.approx(weights[0])
     assert limits[0] == contents_of(own).threat.ballistic_limit_m_s

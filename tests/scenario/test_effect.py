@@ -106,6 +106,8 @@ def test_entries_of_the_library_that_no_scenario_uses():
         ("wilkins", DESIGNS, "uncertainty.model.included", True),
         ("wilkins", ("threat", "impact", "armour.ceramic"), THICKNESS, False),
         ("catalogue", ("design", "armour.ceramic"), "armour.ceramic", False),
+        ("catalogue", ("design.confidence",), "design", True),
+        ("wilkins", ("threat", "uncertainty"), "uncertainty", True),
     ],
 )
 def test_a_change_that_has_an_effect_or_is_refused(name: str, reads: tuple[str, ...], key: str, has_effect: bool):

@@ -5,7 +5,8 @@ from typing import Any
 import pytest
 
 from armour.errors import InputError
-from armour.scenario.keys import canonical, changed, changes_of, key_name, line_of, lines_of, parts_of
+from armour.scenario.inputs import CERAMIC
+from armour.scenario.keys import canonical, changed, changes_of, in_nfc, key_name, line_of, lines_of, parts_of
 from tests.helpers.cases import data, scenario
 
 TEXT = """# a comment
@@ -149,6 +150,14 @@ def test_a_change_leaves_the_data():
     original = data()
     changed(original, {"armour": {"ceramic": "AD90"}, "library.metal.m.density_kg_m3": {"value": 1.0}})
     assert original == data()
+
+
+@pytest.mark.parametrize("assignments", [["uncertainty={}"], ["uncertainty.samples=5", "uncertainty={seed=2}"]])
+def test_an_assigned_table_replaces_that_of_the_data(assignments: list[str]):
+    original = data(uncertainty={"samples": 9, CERAMIC: {"distribution": "uniform", "min": 1.0, "max": 2.0}})
+    expected = {"samples": 5, "seed": 2} if len(assignments) > 1 else {}
+    assert changed(original, in_nfc(changes_of(assignments), "f"))["uncertainty"] == expected
+    assert "min" in original["uncertainty"][CERAMIC]
 
 
 def test_assignments():

@@ -6,7 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from armour.analysis.quantities import QUANTITIES
 from armour.errors import InputError
+from armour.scenario.scenario import load_scenario
 from armour.sweeps.sweep import sweep
 from tests.helpers.cases import csv_file, scenario
 
@@ -140,3 +142,10 @@ def test_threats_that_a_sweep_does_not_use_are_told():
     [told] = (warning for warning in sweep(threats, OVER).warnings if warning.startswith("threat: "))
     assert "the 7.62 mm AP at 800 m/s of [impact]; armour check gives the probability for every threat" in told
     assert not any("threat" in warning for warning in sweep(threats, OVER, "areal_density_kg_m2").warnings)
+
+
+def test_required_thicknesses_that_change_a_back_plate_that_exists_say_so():
+    names = [name for name in QUANTITIES if name.startswith("required_")]
+    found = sweep(load_scenario("wilkins", {"design.existing": "backing"}), {CERAMIC: [6.0]}, names).warnings
+    told = [warning.partition(":")[0] for warning in found if "changes the back plate" in warning]
+    assert told == ["required_backing_thickness_mm", "required_total_thickness_mm"]

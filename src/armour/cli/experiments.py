@@ -36,6 +36,7 @@ from armour.cli.scenario_commands import LIMIT_READS
 from armour.errors import restated
 from armour.files import shipped_tests
 from armour.reporting.table import csv_text, rows_csv
+from armour.scenario.inputs import NAMES
 from armour.scenario.keys import describe
 
 # Sections that a fit reads, and the one that it also reads with a prior.
@@ -201,6 +202,10 @@ def calibrate(
     }
     answer(result, loaded, files, plot=plot, file=tests.file, as_json=as_json, verbose=verbose)
     if fitted is not None:
+        for role in dict.fromkeys(each.name.partition(".")[0] for each in result.coefficients):
+            own, tested = loaded.name_of(role), tests.groups[0].scenario.name_of(role)
+            if own != tested:
+                say(f"note: {fitted}: {NAMES[role]}: is {tested}, {lot}, as tested, in place of {own}")
         runner.propose(shlex.join(["armour", "check", str(fitted)]))
     elif result.evidence is not None and library is None:
         runner.propose(f"{runner.command_line()} --write-scenario fitted.toml --lot 'lot 1'")

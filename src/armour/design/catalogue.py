@@ -245,10 +245,11 @@ class Catalogue:
 
     @cached_property
     def costed(self) -> list[bool]:
-        """For each pair, whether both materials have a cost; an existing back plate needs none."""
+        """For each pair, whether all layers have a cost; an existing back plate needs none."""
+        inert = all(layer.has_cost() for layer in self.scenario.inert_layers)
         counted = 1 + self.scenario.counts_backing
         layers = ((offer.ceramic, offer.backing)[:counted] for offer in self.offers)
-        return [all(layer.has_cost() for layer in of_pair if layer.material) for of_pair in layers]
+        return [inert and all(layer.has_cost() for layer in of_pair if layer.material) for of_pair in layers]
 
 
 def catalogue_of(scenario: Scenario) -> Catalogue:
@@ -259,7 +260,7 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
     bounds = [NO_BOUND if bound is None else bound for bound in map(section.bound, threats)]
     bounded = min(bounds) < NO_BOUND
     sampled = bool(bounded and scenario.distributions())
-    refuse([*_too_many(scenario.file, section, len(threats)), *_wrong_layers(scenario.file, section, sampled=sampled)])
+    refuse([*_too_many(scenario.file, section, len(threats)), *_wrong_layers(scenario, section, sampled=sampled)])
 
     # A bare plate has no ceramic.
     ceramics = [scenario.entry("ceramic", layer.material) if layer.material else None for layer in section.ceramic]
@@ -299,9 +300,13 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
     )
 
 
-def _wrong_layers(file: str, section: DesignSection, *, sampled: bool) -> Iterator[Problem]:
-    """Yield a problem for each layer that is listed twice, has no step but is sampled, or lacks a cost needed."""
+def _wrong_layers(scenario: Scenario, section: DesignSection, *, sampled: bool) -> Iterator[Problem]:
+    """Yield a problem for each layer that is listed twice, has no step but is sampled, or lacks a cost needed.
+
+    Another one is a back plate that exists and is not that of the armour.
+    """
     costs = COST_COLUMN in (section.minimise, *(section.pareto or ())) or section.cost_max_per_m2 is not None
+    file, armour = scenario.file, scenario.armour
     for role in LAYER_WORDS:
         layers = getattr(section, role)
         for i, layer in enumerate(layers):
@@ -315,6 +320,15 @@ def _wrong_layers(file: str, section: DesignSection, *, sampled: bool) -> Iterat
             if costs and layer.material and role != section.existing and not layer.has_cost():
                 message = f'must have a cost if [design] asks for costs, found none for "{layer.material}"'
                 yield Problem(file, key, message)
+    for i, inert in enumerate(scenario.inert_layers):
+        if costs and not inert.has_cost():
+            key = f"armour.layer[{i}].cost_per_m2" if inert.name else "design.added_cost_per_m2"
+            yield Problem(file, key, "must be given if [design] asks for costs")
+    for backing in section.backing if section.existing else ():
+        hull, listed = (armour.backing_thickness_mm, armour.backing), (backing.thicknesses()[0], backing.material)
+        if listed != hull:
+            message = "must be the back plate of [armour], as it exists: {:g} mm {}, found {:g} mm {}"
+            yield Problem(file, "design.backing[0]", message.format(*hull, *listed))
 
 
 def _too_many(file: str, section: DesignSection, threats: int) -> Iterator[Problem]:

@@ -86,7 +86,8 @@ class CheckedThreat:
     requirements : tuple of Requirement
         What is required against the threat, and what the armour has.
     sampled : Estimate or None
-        Probability of perforation from the distributions of the inputs, if a probability is required.
+        Probability of perforation (1 minus that of stopping) from the distributions of the inputs, if a probability is
+        required.
     outside_tests : dict of str to float
         Factor by which the armour or the threat lies outside the tests, by quantity, as in `Design`.
     """
@@ -137,7 +138,7 @@ class CheckResult(TableResult):
     areal_density_kg_m2, thickness_mm : float
         Including layers without ballistic effect, without a back plate that exists already.
     cost_per_m2 : float or None
-        Cost of these layers; None unless the section ``design`` gives the cost of each material.
+        Cost of these layers; None unless the section ``design`` gives the cost of each material and layer.
     whole_areal_density_kg_m2, whole_thickness_mm : float
         The same, including a back plate that exists already.
     """
@@ -153,11 +154,14 @@ class CheckResult(TableResult):
     whole_thickness_mm: float = 0.0
 
     def _columns(self) -> dict[str, list[object]]:
-        rows = [
-            {"threat": threat.threat, "verdict": threat.verdict, **vars(what_if)}
-            for threat in self.threats
-            for what_if in (threat.as_given(), *threat.what_ifs)
-        ]
+        """Return a row for the armour as given, with what is judged, and one for each change, which has no verdict."""
+        rows: list[dict[str, object]] = []
+        for threat in self.threats:
+            verdict = verdict_of([threat.verdict, *(row.verdict for row in self.requirements)])
+            judged = {"verdict": verdict, "probability_of_stopping": threat.probability_of_stopping}
+            what_ifs = threat.as_given(), *threat.what_ifs
+            given, *changed = ({"threat": threat.threat, "verdict": None, **vars(each)} for each in what_ifs)
+            rows += [given | judged, *changed]
         return by_column(rows)
 
     def _words(self) -> str:
@@ -202,6 +206,7 @@ def check(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> C
     requires = any(threat.required_probability is not None for threat in checked_threats)
     warnings = (
         *scenario.unused_impact(),
+        *scenario.unused_densities(),
         *threat_warnings(scenario, armours_of(*impacts)),
         *(dict.fromkeys(note for each in notes for note in each) if requires else scenario.unused_distributions()),
     )

@@ -230,7 +230,7 @@ def _armour(contents: Contents) -> Card:
     details = [design_view.amounts(contents.check)]
     if (limit := contents.threat.ballistic_limit_m_s) is not None:
         near = [each for each in nearest_measured(contents.answer, limit) if each.is_near(limit)]
-        details += [f"tested near this limit: {each.areal_density_kg_m2:.1f} kg/m²" for each in near[:1]]
+        details += [f"tested near this limit: {each.armour}, {each.areal_density_kg_m2:.1f} kg/m²" for each in near[:1]]
     return Card(subject, contents.answer.armour_words(), "; ".join(details))
 
 
@@ -309,7 +309,7 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Re
     if (limit := threat.ballistic_limit_m_s) is not None and not threat.obliquity_deg:
         rules, measured = areal_density_rules(answer, limit), nearest_measured(answer, limit)
         tested = TESTED if measured else f"No test of a core like that of {answer.impact.projectile} is known."
-        table = validation_view.weight_table(answer.areal_density_kg_m2(whole=True), limit, rules, measured)
+        table = validation_view.weight_table(answer, limit, rules, measured)
         yield ReportSection("Weight", (tested,), tables=(table,), folded=True)
     yield ReportSection("Scenario", code=scenario.to_toml(), language="toml", folded=True)
     yield origin_section(command, _which_armour(contents), contents.scenario)

@@ -19,9 +19,11 @@ NO_EFFECT = "must have an effect: {} does not depend on it"
 def is_read(key: Parts, reads: Collection[str]) -> bool:
     """Return whether a computation depends on a key, given its `reads`.
 
-    It depends on an input of a role, such as "ceramic.flow_stress_GPa", if it reads the key that names the ceramic.
+    It depends on an input of a role, such as "ceramic.flow_stress_GPa", if it reads the key that names the ceramic, and
+    on an empty table if it reads a key of that table.
     """
-    return not {*ALWAYS, *reads}.isdisjoint(upwards(NAMES.get(key[0]) or key_name(key)))
+    name = NAMES.get(key[0]) or key_name(key)
+    return not {*ALWAYS, *reads}.isdisjoint(upwards(name)) or any(read.startswith(f"{name}.") for read in reads)
 
 
 def check_effect(
@@ -96,8 +98,8 @@ def _read_of(scenario: Scenario, reads: Collection[str]) -> set[str]:
         replaced |= {"impact"}
     if "design" in reads and scenario.design is not None:
         replaced |= {f"armour.{layer}" for layer in ("ceramic", "backing") if getattr(scenario.design, layer)}
-        if scenario.design.existing and not scenario.design.backing:
-            reads = {*reads, BACKING}
+        if scenario.design.existing:
+            reads, replaced = {*reads, "armour.backing", BACKING}, replaced - {"armour.backing"}
     return {*reads} - replaced
 
 

@@ -5,6 +5,7 @@ import re
 import tomllib
 import unicodedata
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from math import inf
 from typing import Any
 
 from armour.errors import InputError, Problem, mistake, refuse, suggestion
@@ -23,6 +24,10 @@ _TOKEN = re.compile(
 )
 
 
+class Whole(dict[str, Any]):
+    """A table that replaces an existing one, into which other tables are merged."""
+
+
 def nfc(name: str) -> str:
     """Return a name in the Unicode form in which names are compared; "é" may be typed as one character or as two."""
     return unicodedata.normalize("NFC", name)
@@ -37,7 +42,7 @@ def in_nfc(value: Any, file: str, parts: Parts = ()) -> Any:
     """Return a value with the keys of its tables in the form in which names are compared."""
     if not isinstance(value, Mapping):
         return value
-    table: dict[Any, Any] = {}
+    table: dict[Any, Any] = Whole() if isinstance(value, Whole) else {}
     for key, inner in value.items():
         name = nfc(key) if isinstance(key, str) else key
         if name in table:
@@ -197,12 +202,13 @@ def _keys(value: Any, parts: KeyPath) -> Iterator[KeyPath]:
 def changed(data: Mapping[str, Any], changes: Mapping[str, object], file: str = "scenario") -> dict[str, Any]:
     """Return the data of a scenario with other values by dotted key; a table is merged into an existing one.
 
-    A key that goes below a value, or is given twice, is refused.
+    A table that is `Whole` replaces it, whichever comes first of its key and of keys below.  A key that goes below a
+    value, or is given twice, is refused.
     """
     result = dict(data)
     set_values: dict[Parts, object] = {}
     problems = []
-    for key, value in changes.items():
+    for key, value in sorted(changes.items(), key=lambda item: len(item[0]) if isinstance(item[1], Whole) else inf):
         try:
             parts = parts_of(key)
         except ValueError:
@@ -233,7 +239,7 @@ def _put(table: dict[str, Any], parts: Parts, value: object, above: Parts = ()) 
         table[name] = dict(present)
         return _put(table[name], (*rest,), value, (*above, name))
     if isinstance(value, Mapping) and isinstance(present, dict):
-        table[name] = dict(present)
+        table[name] = {} if isinstance(value, Whole) else dict(present)
         for inner in value:
             _put(table[name], (inner,), value[inner])
     else:
@@ -244,7 +250,8 @@ def _put(table: dict[str, Any], parts: Parts, value: object, above: Parts = ()) 
 def changes_of(assignments: Iterable[str]) -> dict[str, Any]:
     """Return the values that assignments on the command line set, by dotted key.
 
-    An assignment is a line of TOML; a value that is not TOML, or a number in place of a name, is taken as a text.
+    An assignment is a line of TOML; a value that is not TOML, or a number in place of a name, is taken as a text.  A
+    table is `Whole`.
     """
     changes: dict[str, Any] = {}
     problems = []
@@ -259,7 +266,7 @@ def changes_of(assignments: Iterable[str]) -> dict[str, Any]:
         if key in changes and changes[key] != value:
             message = f"must be given once, found {describe(changes[key])} and {describe(value)}"
             problems.append(Problem("command line", f"--set {key}", message))
-        changes[key] = value
+        changes[key] = Whole(value) if isinstance(value, dict) else value
     refuse(problems)
     return changes
 

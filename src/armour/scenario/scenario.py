@@ -221,8 +221,9 @@ class Scenario(Section):
         section = self.design or schema.DesignSection()
         names = ("thickness_mm", "areal_density_kg_m2", "cost_per_m2")
         amounts: dict[str, Any] = {name: getattr(section, f"added_{name}") for name in names}
+        given = {name for name in names if f"added_{name}" in section.model_fields_set}
         unnamed = {"name": "", "place": "", **amounts}
-        added = [schema.InertLayer.model_construct(**unnamed)] if any(amounts.values()) else []
+        added = [schema.InertLayer.model_construct(given, **unnamed)] if any(amounts.values()) else []
         return (*self.armour.layer, *added)
 
     def inert(self, key: str) -> float:
@@ -263,7 +264,7 @@ class Scenario(Section):
 
     def cost_per_m2(self) -> float | None:
         """Return the cost of the armour per m², without a back plate that exists; None unless all layers have costs."""
-        if self.design is None:
+        if self.design is None or not all(layer.has_cost() for layer in self.inert_layers):
             return None
         total, armour, parameters = self.inert("cost_per_m2"), self.armour, self.core_armour()
         for options, name, density, thickness in (
@@ -276,6 +277,16 @@ class Scenario(Section):
             elif thickness > 0.0:
                 return None
         return total
+
+    def unused_densities(self) -> tuple[Note, ...]:
+        """Return a warning for each density that the section ``design`` gives to a material of this armour in vain."""
+        notes, parameters = [], self.core_armour()
+        for role, density in {"ceramic": parameters.rho_c, "backing": parameters.rho_B}.items():
+            for i, layer in enumerate(getattr(self.design, role, ())):
+                if layer.material == self.name_of(role) and layer.density_kg_m3 not in (None, density):
+                    text = f"is not used: {layer.material} has {density:g} kg/m³ in the armour as given"
+                    notes.append(Note(text, f"design.{role}[{i}].density_kg_m3"))
+        return tuple(notes)
 
     def cosine(self) -> float:
         """Return the cosine of the obliquity."""

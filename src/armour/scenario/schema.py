@@ -132,7 +132,11 @@ class InertLayer(Section):
     areal_density_kg_m2: Amount
     """Areal density of the layer."""
     cost_per_m2: Amount = 0.0
-    """Cost per area of the layer."""
+    """Cost per area of the layer; if it is left out, the cost of the armour is not known."""
+
+    def has_cost(self) -> bool:
+        """Return whether a cost is given."""
+        return "cost_per_m2" in self.model_fields_set
 
 
 class ArmourSection(Section):
@@ -454,7 +458,7 @@ class DesignSection(Section):
     added_areal_density_kg_m2: Amount = 0.0
     """Areal density of this layer."""
     added_cost_per_m2: Amount = 0.0
-    """Cost per area of this layer."""
+    """Cost per area of this layer; if it is left out, the cost of the armour is not known."""
     ceramic: Items[CeramicLayer] = ()
     """Ceramics to choose from."""
     backing: Items[BackingLayer] = ()

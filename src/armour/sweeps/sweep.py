@@ -349,11 +349,15 @@ def check(scenario: Scenario, source: Grid | SweepCases, quantities: Sequence[st
 
 
 def general_warnings(scenario: Scenario, quantities: Sequence[str]) -> list[str]:
-    """Return warnings of unused threats and, if the model error is excluded, of quantities that need it."""
+    """Return warnings of unused threats, and of quantities that need an excluded model error or change a hull."""
     without_value = [
         name for name in quantities if "uncertainty.model" in QUANTITIES[name].reads and scenario.excludes_error()
     ]
+    changing = (
+        [] if scenario.counts_backing else [n for n in quantities if QUANTITIES[n].least in ("back plate", "armour")]
+    )
     return [
+        *(f"{name}: changes the back plate, although it exists (design.existing)" for name in changing),
         *(scenario.unused_threats() if {*reads_of(quantities)} - {*OF_WEIGHT} else ()),
         *(f"{name}: has no value if uncertainty.model.included is false" for name in without_value),
     ]

@@ -12,6 +12,7 @@ from armour.reporting.report import Report, ReportSection, origin_section
 from armour.reporting.table import Cell, Column, Table, VerdictLine, deviation_percent, grouped, number
 from armour.reporting.views.analysis import caveat_lines
 from armour.reporting.words import BALLISTIC_LIMIT, WHOLE
+from armour.scenario.scenario import Scenario
 from armour.statistics.measured import LIMIT
 from armour.validation.comparison import Comparison, RuleResult
 from armour.validation.figures import Figure
@@ -366,10 +367,15 @@ def comparison_table(result: Comparison) -> Table:
 
 
 def weight_table(
-    areal_density_kg_m2: float, limit_m_s: float, rules: Sequence[RuleResult], measured: Sequence[MeasuredArmour]
+    scenario: Scenario, limit_m_s: float, rules: Sequence[RuleResult], measured: Sequence[MeasuredArmour]
 ) -> Table:
-    """Tabulate the areal density of an armour, that of the rules, and of tested armours nearest in ballistic limit."""
-    rows = [("this armour, by the model", areal_density_kg_m2, limit_m_s)]
+    """Tabulate the areal density of an armour, that of the rules, and of tested armours nearest in ballistic limit.
+
+    Layers without ballistic effect, which the others lack, are left out.
+    """
+    inert = scenario.inert("areal_density_kg_m2")
+    bare = " without layers that have no ballistic effect" if inert else ""
+    rows = [(f"this armour{bare}, by the model", scenario.areal_density_kg_m2(whole=True) - inert, limit_m_s)]
     rows += [(f"areal density rule, p = {rule.p:.4g}", rule.areal_density_kg_m2, limit_m_s) for rule in rules]
     for each in measured:
         name = f"measured: {each.armour}, {each.projectile}"
@@ -425,7 +431,7 @@ def tables_of_comparison(result: Comparison) -> list[Table | str]:
         *([f"Florence's limit: none, without {', '.join(result.florence_missing)}"] if result.florence_missing else []),
         rule_note(result),
         Table.of_one(result, Column.of("areal_density_kg_m2"), WHOLE),
-        weight_table(result.whole_areal_density_kg_m2, result.limit.ballistic_limit_m_s, result.rules, result.measured),
+        weight_table(result.question["scenario"], result.limit.ballistic_limit_m_s, result.rules, result.measured),
         *([optimum_table(result)] if result.florence else []),
         *error_tables(result.errors),
         fit_table(result),
