@@ -1,8 +1,10 @@
 """Functions of the core that another program replaces."""
 
 import logging
+import tomllib
 from functools import cache, partial, wraps
 from math import inf, nan, sqrt
+from pathlib import Path
 from typing import Any
 from unittest.mock import Mock
 
@@ -94,3 +96,34 @@ def test_each_computation_names_a_replaced_function(
     assert record.getMessage() == (
         "computing in plain Python, about a hundred times slower: armour.core.equations.crack_velocity replaced"
     )
+
+
+def test_results_and_reports_name_a_replaced_function(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+    scenario = armour.load_scenario("wilkins", {"uncertainty.model": {"scale_percent": 7.0}})
+    monkeypatch.setattr(equations, "crack_velocity", lambda _Ec, _rho_c: 1000.0)
+    words = "computed with armour.core.equations.crack_velocity replaced"
+    for function in (armour.simulate, armour.ballistic_limit, armour.confidence, armour.check):
+        assert words in function(scenario).warnings
+    [warning] = armour.sweep(scenario, {"armour.ceramic_thickness_mm": [6.0, 7.0]}).warnings
+    assert warning == f"{words}; this concerns 2 of 2 rows"
+    for name in ("report.md", "report.html"):
+        armour.report(scenario, tmp_path / name)
+        assert "Computed with armour.core" in (tmp_path / name).read_text()
+
+
+def test_a_calibration_by_a_replaced_function_says_so(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+    scenario, library = armour.load_scenario("wilkins"), tmp_path / "lot.toml"
+    rows = [{"armour.ceramic_thickness_mm": mm, "ballistic_limit_m_s": limit} for mm, limit in ((6.0, 690), (8.0, 760))]
+    tests = armour.read_tests(rows, scenario)
+    assert armour.calibrate(tests, scenario).reason == ""
+    original = equations.fragmented_strength
+    with monkeypatch.context() as changed:
+        changed.setattr(equations, "fragmented_strength", lambda *args: 0.8 * original(*args))
+        result = armour.calibrate(tests, scenario)
+    words = "computed with armour.core.equations.fragmented_strength replaced"
+    assert result.evidence is None
+    assert result.reason.endswith(f"model error: their limits were {words}")
+    armour.save_fit(result, tests, scenario, lot="7", library=library)
+    entry = tomllib.loads(library.read_text())["ceramic"]["AD85, 7"]
+    assert entry["evidence"]["reason"] == result.reason
+    assert words in entry["flow_stress_GPa"]["source"]

@@ -38,8 +38,8 @@ class Result:
     ----------
     question : mapping
         What tables and figures show beside the data: ``computed``, what was computed, in words; ``scenario``;
-        ``shots``; ``confidence``, the result that has the probability of an impact; ``every_row``, whether to show all
-        rows.  Each may be missing.
+        ``shots``; ``confidence``, the result that has the probability of an impact; ``changed``, equations that are not
+        those of this program, in words; ``every_row``, whether to show all rows.  Each may be missing.
     """
 
     # Returns the tables of a result as HTML.  Tables belong to a higher layer, so `armour/__init__.py` sets this.
