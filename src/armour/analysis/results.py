@@ -7,6 +7,7 @@ from importlib import import_module
 from math import nan
 from typing import Any, ClassVar, Self
 
+from armour.files import finite
 from armour.scenario.scenario import Scenario, heading
 
 
@@ -62,8 +63,9 @@ class Result:
         return heading(computed, scenario.title if scenario else "") if computed else []
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the result as plain data."""
-        return asdict(self)
+        """Return the result as plain data, with None for NaN and infinity."""
+        plain: dict[str, Any] = finite(asdict(self))
+        return plain
 
     def __repr__(self) -> str:
         return f"<{': '.join([type(self).__name__, *self.heading()[:1], self._words()])}>"
