@@ -132,8 +132,8 @@ def test_another_scenario_or_question_is_another_job():
     ],
 )
 def test_values_that_are_not_allowed_leave_nothing(tmp_path: Path, text: str, message: str):
+    scenario = sweep_scenario().replaced({"solver.arrest_velocity_m_s": 20.0})
     with pytest.raises(InputError, match=message):
-        scenario = sweep_scenario().replaced({"solver.arrest_velocity_m_s": 20.0})
         write_sweep(scenario, sweep_grid(text), ["outcome"], tmp_path / "a.csv", size=1)
     assert list(tmp_path.iterdir()) == []
 

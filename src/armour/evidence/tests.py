@@ -467,7 +467,7 @@ def _tests_of(evidence: Evidence, armours: Armours) -> Evidence:
 def limits_of_model(
     armours: Armours, metals: Iterable[LibraryEntry], *, said: bool = True
 ) -> Iterator[tuple[Note, Any]]:
-    """Yield the `caveats` about n armours, and others: changed equations, ceramics thinner than all that were tested."""
+    """Yield the `caveats` about n armours, one about changed equations, and one about ceramics thinner than tested."""
     p, least = armours.parameters, np.zeros(len(armours.cosines))
     if changed := changed_equations():
         words = f"computed with {changed}"

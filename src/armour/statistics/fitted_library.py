@@ -176,7 +176,8 @@ def _entries(result: CalibrationResult, tests: Tests, lot: str) -> tuple[dict[st
         if name not in entries:
             entries[name] = _base_of(entry, result.law)
             if result.evidence is not None or role != "projectile":
-                entries[name]["evidence"] = {**(result.evidence or {"reason": result.reason or NOTHING_OF_ERROR}), "lot": lot}
+                reason = {"reason": result.reason or NOTHING_OF_ERROR}
+                entries[name]["evidence"] = {**(result.evidence or reason), "lot": lot}
             value["tests"] = [_test_table(tests, i, role) for i in range(len(tests.names))]
         entries[name][key] = value
     return tables, names

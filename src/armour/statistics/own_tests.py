@@ -65,9 +65,10 @@ def repeated(tests: Tests) -> Iterator[str]:
 
 def nothing_of_error(scenario: Scenario) -> str:
     """Return the reason why an entry of a scenario that is calibrated without usable tests has no model error."""
-    settings = other_settings(scenario)
-    reason = "none measured a limit, one is implausible for any lot, or their settings, armours or angles are not"
-    return f"{NOTHING_OF_ERROR}: {f'their limits were computed with {settings}' if settings else f'{reason} those of the shipped tests'}"
+    if settings := other_settings(scenario):
+        return f"{NOTHING_OF_ERROR}: their limits were computed with {settings}"
+    reasons = "none measured a limit, one is implausible for any lot, or their settings, armours or angles are not"
+    return f"{NOTHING_OF_ERROR}: {reasons} those of the shipped tests"
 
 
 def _identity(cells: Mapping[str, float | str], usual: Mapping[str, float]) -> tuple[float, ...]:
