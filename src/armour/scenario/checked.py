@@ -8,7 +8,6 @@ from os import PathLike
 from types import NoneType, UnionType
 from typing import Annotated, Any, ParamSpec, TypeVar, Union, get_args, get_origin, get_type_hints
 
-import numpy as np
 from pydantic import PlainValidator, create_model
 
 from armour.core import equations
@@ -86,6 +85,8 @@ def _watch_replaced() -> None:
 
 def _finite(name: str, function: Callable[..., Any], *values: Any, **named: Any) -> Any:
     """Return the value of a replaced equation; raise an InputError if only the value is not a finite number."""
+    import numpy as np  # slow to import
+
     value = function(*values, **named)
     try:
         is_right = np.isrealobj(value) and (np.isfinite(value).all() or not np.isfinite(values).all())
