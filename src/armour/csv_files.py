@@ -310,8 +310,6 @@ def _of_rows(table: Any) -> Source:
         raise mistake("rows", "", f"{message}, found a {type(table).__name__}") from None
     names = [*dict.fromkeys(name for row in rows for name in row)]
     lines = [(f"row {place}", [_cell(row.get(name)) for name in names]) for place, row in enumerate(rows, 1)]
-    while lines and not any(lines[-1][1]):
-        lines.pop()
     header = [*map(str, names)]
     digest = sha256(json.dumps([header, *(cells for _, cells in lines)]).encode())
     return Source("rows", "header" if header else "", header, iter(lines), digest=digest)
@@ -607,6 +605,12 @@ def targets_of(table: CsvTable, name: str, perforated: Sequence[bool | None]) ->
         blank = [row.place for row, value in zip(table.rows, values, strict=True) if not value]
         refuse(not_filled(table.file, name, blank))
     return [*filter(None, targets)]
+
+
+def wrong_result(text: str) -> str:
+    """Return what is wrong with a result that is neither "stopped" nor "perforated", nor another word for one."""
+    hint = '; such a column needs the name "perforated" or "stopped"' if is_yes(text) is not None else ""
+    return f'{MUST_SAY}, found "{text}"{hint}'
 
 
 def not_filled(file: str, name: str, blank: Sequence[str]) -> Iterator[Problem]:

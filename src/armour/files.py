@@ -10,6 +10,7 @@ import unicodedata
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from functools import cache
+from math import isfinite
 from os import PathLike
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -194,6 +195,15 @@ def csv_cell(text: str) -> str:
 def csv_value(cell: str) -> str:
     """Return the text of a cell, without the apostrophe of `csv_cell`."""
     return cell[1:] if cell.startswith("'") and cell.lstrip("'").startswith(FORMULA) else cell
+
+
+def finite(value: Any) -> Any:
+    """Replace NaN and infinity by None, as JSON has neither, in mappings, lists and tuples too."""
+    if isinstance(value, Mapping):
+        return {key: finite(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return type(value)([finite(inner) for inner in value])
+    return None if isinstance(value, float) and not isfinite(value) else value
 
 
 def wrong_ending(path: Path, endings: Sequence[str]) -> list[Problem]:

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import armour
 from armour.analysis import results
 from armour.analysis.impact import impact_at, simulate
 from armour.analysis.results import data_frame, installed
@@ -120,3 +121,12 @@ def test_versions_of_what_is_installed():
     """Numba may be missing."""
     [(name, version)] = installed(["numpy", "no-such-package"])
     assert (name, version) == ("numpy", np.__version__)
+
+
+def test_plain_data_is_json():
+    untested = armour.load_scenario("wilkins", {"armour.ceramic": "SiC"})
+    [threat] = json.loads(json.dumps(armour.check(untested).to_dict(), allow_nan=False))["threats"]
+    assert threat["outside_tests"]["ceramic"] is None
+    limit = armour.ballistic_limit(untested)
+    assert limit.to_dict()["reason"] == limit.reason == armour.confidence(untested).reason != ""
+    assert armour.ballistic_limit(armour.load_scenario("wilkins")).reason == ""

@@ -1,13 +1,20 @@
 """Functions of the core that another program replaces."""
 
-from functools import wraps
-from math import sqrt
+import logging
+import tomllib
+from functools import cache, partial, wraps
+from math import inf, nan, sqrt
+from pathlib import Path
+from typing import Any
+from unittest.mock import Mock
 
 import pytest
 
 import armour
 from armour.core import equations, search
 from armour.core.replaced import replaced_function
+from armour.errors import InputError
+from armour.scenario import checked
 
 
 @pytest.mark.parametrize(("name", "factor"), [("deceleration", 0.4), ("shear_force_plug", 0.1)])
@@ -42,3 +49,81 @@ def test_a_wrapped_function_is_noticed(monkeypatch: pytest.MonkeyPatch, name: st
 def test_a_function_with_other_code_is_noticed(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(equations.crack_velocity, "__code__", (lambda Ec, rho_c: 0.5 * sqrt(Ec / rho_c)).__code__)
     assert replaced_function() == "armour.core.equations.crack_velocity"
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        min,
+        sqrt,
+        equations.cross_section,
+        partial(equations.sheared_diameter),
+        cache(equations.sheared_diameter),
+        wraps(equations.sheared_diameter)(partial(equations.sheared_diameter)),
+        Mock(side_effect=equations.sheared_diameter),
+    ],
+)
+def test_every_kind_of_function_is_noticed(monkeypatch: pytest.MonkeyPatch, other: Any):
+    monkeypatch.setattr(equations, "sheared_diameter", other)
+    assert replaced_function() == "armour.core.equations.sheared_diameter"
+
+
+@pytest.mark.parametrize("value", [nan, inf, None, "1", 1j])
+@pytest.mark.parametrize("name", ["fragmented_strength", "crack_velocity", "intact_strength"])
+def test_an_equation_without_a_value_is_named(monkeypatch: pytest.MonkeyPatch, name: str, value: Any):
+    scenario = armour.load_scenario("wilkins")
+    monkeypatch.setattr(equations, name, lambda *_: value)
+    message = f"armour.core.equations.{name}: must return a finite number, found "
+    for function in (armour.simulate, armour.ballistic_limit, armour.check):
+        with pytest.raises(InputError, match=message):
+            function(scenario)
+    with pytest.raises(InputError, match=message):
+        armour.sweep(scenario, {"armour.ceramic_thickness_mm": [6.0, 7.0]})
+    assert message in armour.confidence(scenario).reason
+
+
+@pytest.mark.parametrize("function", [armour.simulate, armour.ballistic_limit, armour.confidence])
+def test_each_computation_names_a_replaced_function(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, function: Any
+):
+    scenario = armour.load_scenario("wilkins")
+    monkeypatch.setattr(equations, "crack_velocity", lambda _Ec, _rho_c: 1000.0)
+    monkeypatch.setattr(checked, "_named", set())
+    with caplog.at_level(logging.WARNING):
+        function(scenario)
+        function(scenario)
+    [record] = caplog.records
+    assert record.getMessage() == (
+        "computing in plain Python, about a hundred times slower: armour.core.equations.crack_velocity replaced"
+    )
+
+
+def test_results_and_reports_name_a_replaced_function(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+    scenario = armour.load_scenario("wilkins", {"uncertainty.model": {"scale_percent": 7.0}})
+    monkeypatch.setattr(equations, "crack_velocity", lambda _Ec, _rho_c: 1000.0)
+    words = "computed with armour.core.equations.crack_velocity replaced"
+    for function in (armour.simulate, armour.ballistic_limit, armour.confidence, armour.check):
+        assert words in function(scenario).warnings
+    [warning] = armour.sweep(scenario, {"armour.ceramic_thickness_mm": [6.0, 7.0]}).warnings
+    assert warning == f"{words}; this concerns 2 of 2 rows"
+    for name in ("report.md", "report.html"):
+        armour.report(scenario, tmp_path / name)
+        assert "Computed with armour.core" in (tmp_path / name).read_text()
+
+
+def test_a_calibration_by_a_replaced_function_says_so(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+    scenario, library = armour.load_scenario("wilkins"), tmp_path / "lot.toml"
+    rows = [{"armour.ceramic_thickness_mm": mm, "ballistic_limit_m_s": limit} for mm, limit in ((6.0, 690), (8.0, 760))]
+    tests = armour.read_tests(rows, scenario)
+    assert armour.calibrate(tests, scenario).reason == ""
+    original = equations.fragmented_strength
+    with monkeypatch.context() as changed:
+        changed.setattr(equations, "fragmented_strength", lambda *args: 0.8 * original(*args))
+        result = armour.calibrate(tests, scenario)
+    words = "computed with armour.core.equations.fragmented_strength replaced"
+    assert result.evidence is None
+    assert result.reason.endswith(f"model error: their limits were {words}")
+    armour.save_fit(result, tests, scenario, lot="7", library=library)
+    entry = tomllib.loads(library.read_text())["ceramic"]["AD85, 7"]
+    assert entry["evidence"]["reason"] == result.reason
+    assert words in entry["flow_stress_GPa"]["source"]

@@ -6,7 +6,7 @@ from shutil import copytree
 import pytest
 
 import armour
-from armour.evidence import model_error
+from armour.evidence import core_digest as digests
 from armour.evidence.core_digest import CORE_FOLDER, core_digest
 from armour.evidence.fit import shipped_data
 
@@ -41,7 +41,7 @@ def test_what_changes_the_digest(tmp_path: Path, old: str, new: str, counts: boo
 def test_without_its_equations_no_probability_is_known(monkeypatch: pytest.MonkeyPatch):
     scenario = armour.load_scenario("wilkins")
     assert armour.ballistic_limit(scenario).model_error is not None
-    monkeypatch.setattr(model_error, "core_digest", lambda: "of other equations")
+    monkeypatch.setattr(digests, "core_digest", lambda: "of other equations")
     assert armour.ballistic_limit(scenario).model_error is None
     confidence = armour.confidence(scenario)
     assert confidence.probability_of_stopping is None

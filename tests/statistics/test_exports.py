@@ -3,6 +3,7 @@
 import json
 from hashlib import sha256
 from pathlib import Path
+from typing import Any
 from random import Random
 
 import pytest
@@ -283,9 +284,23 @@ class NotAvailable:
 
 @pytest.mark.parametrize("nothing", [None, float("nan"), NotAvailable()])
 def test_a_row_without_values_is_no_row_that_may_be_left_out(nothing: object):
-    columns = {"armour.ceramic_thickness_mm": [5.0, nothing, 7.0]}
-    with pytest.raises(InputError, match=r"row 2: armour\.ceramic_thickness_mm: must be a number"):
-        armour.sweep(scenario(), cases=columns)
+    for row, values in ((2, [5.0, nothing, 7.0]), (3, [5.0, 7.0, nothing])):
+        with pytest.raises(InputError, match=rf"row {row}: armour\.ceramic_thickness_mm: must be a number"):
+            armour.sweep(scenario(), cases={"armour.ceramic_thickness_mm": values})
+
+
+@pytest.mark.parametrize("key", ["id", "title", "model.shear_perimeter"])
+def test_texts_below_what_is_no_key_of_numbers(key: str):
+    cases: dict[str, Any] = {"armour.ceramic_thickness_mm": [5.0, 6.0], key: ["conoid", "projectile"]}
+    with pytest.raises(InputError, match=f'rows: header: {key}: must be a key of numbers, found "conoid"'):
+        armour.sweep(scenario(), cases=cases)
+
+
+@pytest.mark.parametrize("said", [True, 0])
+def test_a_result_that_may_mean_both_names_its_column(said: object):
+    shots: dict[str, Any] = {"velocity_m_s": [700.0, 720.0], "result": [said, said]}
+    with pytest.raises(InputError, match='such a column needs the name "perforated" or "stopped"'):
+        armour.read_shots(shots)
 
 
 def test_columns_of_different_lengths_are_refused():

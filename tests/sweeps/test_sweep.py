@@ -120,12 +120,15 @@ def test_another_scenario_or_question_is_another_job():
     [
         ("armour.ceramic_thickness_mm=-1,5", "armour.ceramic_thickness_mm: must be at least 0, found -1"),
         ("impact.speed=800", "impact.speed: unknown key"),
+        ("solver.arrest_velocity_m_s=1,9999", "arrest_velocity_m_s: must be below the impact velocity, "),
+        ("impact.velocity_m_s=1000,10", "must be below the impact velocity, 10 m/s, found 20"),
         ("solver.arrest_velocity_m_s=1,2,-1", "solver.arrest_velocity_m_s: must be greater than 0, found -1"),
     ],
 )
 def test_values_that_are_not_allowed_leave_nothing(tmp_path: Path, text: str, message: str):
+    scenario = sweep_scenario().replaced({"solver.arrest_velocity_m_s": 20.0})
     with pytest.raises(InputError, match=message):
-        write_sweep(sweep_scenario(), sweep_grid(text), ["outcome"], tmp_path / "a.csv", size=1)
+        write_sweep(scenario, sweep_grid(text), ["outcome"], tmp_path / "a.csv", size=1)
     assert list(tmp_path.iterdir()) == []
 
 

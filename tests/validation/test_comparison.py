@@ -5,6 +5,7 @@ from typing import Any
 import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit
+from armour.core import equations
 from armour.errors import InputError, NoAnswerError
 from armour.reporting.views.validation import rule_note
 from armour.validation.comparison import Comparison, compare
@@ -118,3 +119,12 @@ def test_the_best_split_may_have_its_limit_outside_the_range():
     assert best < own.limit.ballistic_limit_m_s - 10.0
     between = compare(scenario(ballistic_limit={"velocity_min_m_s": best + 5.0}))
     assert between.florence[0].model_ballistic_limit_m_s is None
+
+
+def test_the_errors_are_those_of_the_equations(monkeypatch: pytest.MonkeyPatch):
+    case, original = scenario(), equations.fragmented_strength
+    for factor in (1.0, 0.8):
+        monkeypatch.setattr(equations, "fragmented_strength", lambda *args, by=factor: by * original(*args))
+        changed = compare(case).errors
+        monkeypatch.undo()
+        assert (changed == compare(case).errors) == (factor == 1.0)

@@ -173,6 +173,8 @@ class LimitResult(Result):
         Interval in which the ballistic limit of the armour lies with a probability of 95 %, given this error, m/s.
     median_m_s : float or None
         Ballistic limit that the armour exceeds with a probability of 50 %, given this error, m/s.
+    reason : str
+        Reason why the error is not known; empty if it is.
     """
 
     ballistic_limit_m_s: float
@@ -188,6 +190,7 @@ class LimitResult(Result):
     interval_m_s: tuple[float, float] | None = None
     median_m_s: float | None = None
     whole_areal_density_kg_m2: float = 0.0
+    reason: str = ""
 
     def _words(self) -> str:
         return f"{self.ballistic_limit_m_s:.2f} m/s{'' if self.monotonic else ', not monotonic'}"
@@ -242,6 +245,7 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
         model_error=error,
         interval_m_s=None if error is None else error.interval(limit),
         median_m_s=None if error is None else error.median(limit),
+        reason="" if error is not None else row.why_error_unknown(),
     ).of(scenario.subject(ANY_VELOCITY), scenario=scenario)
 
 

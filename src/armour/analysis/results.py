@@ -7,6 +7,7 @@ from importlib import import_module
 from math import nan
 from typing import Any, ClassVar, Self
 
+from armour.files import finite
 from armour.scenario.scenario import Scenario, heading
 
 
@@ -38,8 +39,8 @@ class Result:
     ----------
     question : mapping
         What tables and figures show beside the data: ``computed``, what was computed, in words; ``scenario``;
-        ``shots``; ``confidence``, the result that has the probability of an impact; ``every_row``, whether to show all
-        rows.  Each may be missing.
+        ``shots``; ``confidence``, the result that has the probability of an impact; ``changed``, equations that are not
+        those of this program, in words; ``every_row``, whether to show all rows.  Each may be missing.
     """
 
     # Returns the tables of a result as HTML.  Tables belong to a higher layer, so `armour/__init__.py` sets this.
@@ -62,8 +63,9 @@ class Result:
         return heading(computed, scenario.title if scenario else "") if computed else []
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the result as plain data."""
-        return asdict(self)
+        """Return the result as plain data, with None for NaN and infinity."""
+        plain: dict[str, Any] = finite(asdict(self))
+        return plain
 
     def __repr__(self) -> str:
         return f"<{': '.join([type(self).__name__, *self.heading()[:1], self._words()])}>"

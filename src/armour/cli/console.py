@@ -5,11 +5,10 @@ import os
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from math import isfinite
 from typing import IO, Any
 
 from armour.errors import mistake
-from armour.files import reason
+from armour.files import finite, reason
 from armour.reporting.table import Table, printable_lines
 
 
@@ -26,16 +25,7 @@ def show(*items: Table | str, title: str = "", stderr: bool = False) -> None:
 
 def show_json(data: Mapping[str, Any] | Sequence[Mapping[str, Any]]) -> None:
     """Print a JSON object, or an array of objects, in ASCII; NaN and infinity become null."""
-    emit(json.dumps(_finite(data), indent=2, allow_nan=False) + "\n")
-
-
-def _finite(value: Any) -> Any:
-    """Replace NaN and infinity by None, in mappings and lists too."""
-    if isinstance(value, Mapping):
-        return {key: _finite(inner) for key, inner in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(inner) for inner in value]
-    return None if isinstance(value, float) and not isfinite(value) else value
+    emit(json.dumps(finite(data), indent=2, allow_nan=False) + "\n")
 
 
 def say(*lines: str) -> None:

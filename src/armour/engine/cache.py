@@ -22,7 +22,7 @@ from threading import Lock
 
 from platformdirs import user_cache_dir
 
-from armour.core.replaced import replaced_function
+from armour.core.replaced import is_unchanged, replaced_function
 from armour.engine import loops
 from armour.files import exchangeable, is_trusted, reason
 
@@ -115,7 +115,7 @@ def obstacle() -> str:
     if os.environ.get("ARMOUR_COMPILED") == "0":
         return "ARMOUR_COMPILED is 0 in the environment"
     if name := replaced_function():
-        return f"{name} is replaced"
+        return f"{name} replaced"
     return "" if find_spec("numba") else "numba is not installed"
 
 
@@ -162,7 +162,7 @@ def kernel(name: str) -> Kernel:
                 first_line, *_ = f"{error}\n".splitlines()
                 reason = f"numba does not work: {first_line}"
                 _kernels[name] = getattr(loops, name)
-        if reason:
+        if reason and is_unchanged():  # `armour.scenario.checked` names functions that are replaced
             log_once(logging.WARNING, f"computing in plain Python, about a hundred times slower: {reason}")
         loop: Kernel = getattr(loops, name) if reason else _kernels[name]
         return loop

@@ -1,12 +1,21 @@
-"""Digest of the code of the core, which tells whether the equations are those used to compute the tests."""
+"""Whether the equations are those used to compute the tests: replaced functions, and a digest of the core's code."""
 
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
 
 from armour.core import state
+from armour.core.replaced import replaced_function
+from armour.evidence.fit import shipped_data
 
 CORE_FOLDER = Path(state.__file__).parent
+
+
+def changed_equations() -> str:
+    """Describe the equations if they are not those used to compute the tests; "" if they are."""
+    if functions := replaced_function():
+        return f"{functions} replaced"
+    return "" if core_digest() == shipped_data()["core"]["sha256"] else "the equations as they are in armour/core"
 
 
 @cache

@@ -8,12 +8,11 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from armour.core.replaced import replaced_function
 from armour.core.state import Parameters
 from armour.errors import InputError, Problem
 from armour.evidence.caveats import is_no_metal
-from armour.evidence.core_digest import core_digest
-from armour.evidence.fit import Fit, is_same_armour, mixture_of, shipped_data
+from armour.evidence.core_digest import changed_equations
+from armour.evidence.fit import Fit, is_same_armour, mixture_of
 from armour.evidence.mixture import Floats, Mixture
 from armour.evidence.tests import Armours, Evidence, is_outside, is_untested, outside
 from armour.scenario.inputs import cosine_of
@@ -195,11 +194,7 @@ def other_settings(scenario: Scenario) -> str:
     sections = (("model", scenario.model, Model()), ("solver", scenario.solver, Solver()))
     values = ((name, key, value, getattr(usual, key)) for name, section, usual in sections for key, value in section)
     others = [f"{name}.{key} = {value}" for name, key, value, usual in values if value != usual and key != NUMERICAL]
-    if function := replaced_function():
-        others.append(f"{function} replaced")
-    elif core_digest() != shipped_data()["core"]["sha256"]:
-        others.append("the equations as they are in armour/core")
-    return ", ".join(others)
+    return ", ".join(filter(None, [*others, changed_equations()]))
 
 
 def errors_of(scenario: Scenario, armours: Armours) -> ErrorRows:

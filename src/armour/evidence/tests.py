@@ -11,6 +11,7 @@ import numpy as np
 from armour.core.state import Parameters
 from armour.errors import Note, counted, joined
 from armour.evidence.caveats import caveats, too_thin
+from armour.evidence.core_digest import changed_equations
 from armour.evidence.fit import Fit, LotTests, Quantities, fits, law_parameters, quantities, shipped_data
 from armour.scenario.inputs import CERAMIC, OBLIQUITY, VELOCITY, cosine_of
 from armour.scenario.library import IN_COMMON, VARIED, LibraryEntry, OwnTests, strength_notes, tensile_strength
@@ -468,11 +469,14 @@ def _tests_of(evidence: Evidence, armours: Armours) -> Evidence:
 def limits_of_model(
     armours: Armours, metals: Iterable[LibraryEntry], *, said: bool = True
 ) -> Iterator[tuple[Note, Any]]:
-    """Yield the `caveats` about n armours, and one about ceramics that are thinner than all that were tested.
+    """Yield the `caveats` about n armours, one about changed equations, and one about ceramics thinner than tested.
 
     Masks and `said` are as in `caveats`.
     """
     p, least = armours.parameters, np.zeros(len(armours.cosines))
+    if changed := changed_equations():
+        words = f"computed with {changed}"
+        yield Note(words, said="caveat" * said, about=("equations", changed)), np.ones(len(least), dtype=bool)
     yield from caveats(p, metals, said=said)
     for evidence, rows in armours.by_evidence():
         ranges = _tests_of(evidence, armours.at(rows)).measured

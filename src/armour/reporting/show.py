@@ -47,7 +47,8 @@ def plot(
     title : str, optional
         Title in place of the picture's own.
     ax : matplotlib.axes.Axes, optional
-        Axes to draw into, in place of a new figure; only for a picture with one panel.
+        Axes to draw into, in place of a new figure; only for a picture with one panel.  They get no subject and no note
+        below: what is hollow or dashed lies outside the tests.
 
     Returns
     -------

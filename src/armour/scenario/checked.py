@@ -1,7 +1,8 @@
-"""Arguments of the public functions, checked by the types and bounds of their signatures."""
+"""Arguments of the public functions, checked by their signatures, and functions of the core that a program replaces."""
 
+import logging
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import cache, wraps
+from functools import cache, partial, wraps
 from inspect import signature
 from os import PathLike
 from types import NoneType, UnionType
@@ -9,9 +10,15 @@ from typing import Annotated, Any, ParamSpec, TypeVar, Union, get_args, get_orig
 
 from pydantic import PlainValidator, create_model
 
+from armour.core import equations
+from armour.core.replaced import replaced_functions
 from armour.csv_files import Rows
+from armour.errors import mistake
 from armour.scenario.keys import describe
 from armour.scenario.sections import Section, validated
+
+log = logging.getLogger(__name__)
+_named = set[str]()
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -55,6 +62,7 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
         bound.apply_defaults()
         annotated = {name: _plain(value) for name, value in bound.arguments.items() if name in model().model_fields}
         bound.arguments |= dict(validated(model(), annotated, function.__name__))
+        _watch_replaced()
         return function(*bound.args, **bound.kwargs)
 
     # Help shows types without bounds, which the docstring states.  The class of a method does not exist yet.
@@ -62,6 +70,31 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
     shown = [item.replace(annotation=hints.get(name, item.annotation)) for name, item in parameters.parameters.items()]
     call.__dict__["__signature__"] = parameters.replace(parameters=shown)
     return call
+
+
+def _watch_replaced() -> None:
+    """Name functions of the core that another program has replaced, once, and let equations among them be checked."""
+    for module, name in replaced_functions():
+        full_name, function = f"{module.__name__}.{name}", getattr(module, name)
+        if full_name not in _named:
+            log.warning("computing in plain Python, about a hundred times slower: %s replaced", full_name)
+            _named.add(full_name)
+        if module is equations and getattr(function, "func", None) is not _finite:
+            setattr(module, name, partial(_finite, full_name, function))
+
+
+def _finite(name: str, function: Callable[..., Any], *values: Any, **named: Any) -> Any:
+    """Return the value of a replaced equation; raise an InputError if only the value is not a finite number."""
+    import numpy as np  # slow to import
+
+    value = function(*values, **named)
+    try:
+        is_right = np.isrealobj(value) and (np.isfinite(value).all() or not np.isfinite(values).all())
+    except TypeError:
+        is_right = False
+    if not is_right:
+        raise mistake(name, "", f"must return a finite number, found {value!r} for {values}")
+    return value
 
 
 def _plain(value: Any) -> Any:

@@ -385,6 +385,8 @@ class Scenario(Section):
 
         self.check_names(columns, self.file)
         conditions = [(name, _allowed(name, values)) for name, values in columns.items()]
+        if VELOCITY in columns:
+            conditions.append((VELOCITY, columns[VELOCITY] > self.solver.arrest_velocity_m_s))
         if changed_rod := [name for name in ROD if name in columns]:
             with np.errstate(all="ignore"):
                 conditions.append((changed_rod[-1], is_slender({**self.inputs(), **columns})))
@@ -571,6 +573,10 @@ def _parsed(source: _Source) -> Scenario:
             message = f'must be different for each threat, found "{threat.title}" twice'
             problems.append(Problem(source.file, f"threat[{i}].name", message))
         looks.add(look)
+    slowest = min(impact.velocity_m_s for impact in (scenario.impact, *scenario.threat))
+    if slowest <= (arrest := scenario.solver.arrest_velocity_m_s):
+        message = f"must be below the impact velocity, {slowest:g} m/s, found {arrest:g}"
+        problems.append(Problem(source.file, "solver.arrest_velocity_m_s", message))
     refuse(problems)
     scenario._entries = library
     scenario._source = source

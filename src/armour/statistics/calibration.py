@@ -14,6 +14,7 @@ from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.analysis.variants import Bools, Floats, ballistic_limits
 from armour.errors import InputError, joined, mistake
+from armour.evidence.core_digest import changed_equations
 from armour.evidence.fit import LEAST_REST
 from armour.evidence.tests import FALSE_ALARMS, own_evidence
 from armour.scenario.checked import Names, checked
@@ -32,7 +33,7 @@ from armour.statistics.likelihood import (
     without,
 )
 from armour.statistics.measured import LIMIT, ORIGINS, SERIES_COLUMNS, Tests, common_of, subject_of, with_scatter
-from armour.statistics.own_tests import NOTHING_OF_ERROR, OwnTest, own_tests, predicted_tests, repeated
+from armour.statistics.own_tests import OwnTest, nothing_of_error, own_tests, predicted_tests, repeated
 from armour.units import feet_note
 
 Law = Literal["constant", "ceramic", "backing", "product", "linear"]
@@ -193,6 +194,8 @@ class CalibrationResult(TableResult):
         compared with before.
     own_tests : tuple of OwnTest
         The limits and shots that the evidence holds, each with the limit that the others predict for it.
+    reason : str
+        Reason why there is no evidence; empty if there is.
     """
 
     tests: str
@@ -215,6 +218,7 @@ class CalibrationResult(TableResult):
     evidence: Mapping[str, Any] | None = None
     warnings: tuple[str, ...] = ()
     own_tests: tuple[OwnTest, ...] = ()
+    reason: str = ""
 
     def _words(self) -> str:
         fitted = (
@@ -311,7 +315,8 @@ def calibrate(
     identified = (pair for pair in chain([first], results) if all(c.estimate is not None for c in pair[1].coefficients))
     best, result = next(identified, first)
     tests_by_law = tests._replace(groups=best.likelihood.tests.groups)
-    return _with_evidence(result, tests_by_law, fit).of(subject_of(tests), scenario=scenario, tests=tests)
+    question = {"scenario": scenario, "tests": tests, "changed": changed_equations()}
+    return _with_evidence(result, tests_by_law, fit).of(subject_of(tests), **question)
 
 
 def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str]) -> CalibrationResult:
@@ -341,7 +346,8 @@ def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str
         predictions = predicted_tests(entry, stored) if entry is not None else ()
         result = replace(result, evidence=stored.model_dump(exclude_none=True), own_tests=predictions)
     elif {name.partition(".")[0] for name in inputs} != {"projectile"}:
-        notes = [f"of the entry, {NOTHING_OF_ERROR}"]
+        result = replace(result, reason=nothing_of_error(scenario))
+        notes = [f"of the entry, {result.reason}"]
     deviating = (*_out_of_line(tests, result, doubtful), *_split(tests, result.residuals))
     return replace(result, warnings=(*_in_feet(tests), *implausible, *deviating, *result.warnings, *notes))
 

@@ -163,6 +163,8 @@ def _entries(result: CalibrationResult, tests: Tests, lot: str) -> tuple[dict[st
         source = f"armour calibrate, {counted(len(tests.names), 'test')} of {Path(tests.file).name}"
         if coefficient.name == FLOW_STRESS or key in FLOW_STRESS_LAW:
             source += f", {result.law} law"
+        if changed := result.question.get("changed"):
+            source += f", computed with {changed}"
         low, high = coefficient.interval or (None, None)
         if low is not None and high is not None:
             source += f", {100.0 * result.confidence:g} % interval {low:.4g} to {high:.4g}"
@@ -174,7 +176,8 @@ def _entries(result: CalibrationResult, tests: Tests, lot: str) -> tuple[dict[st
         if name not in entries:
             entries[name] = _base_of(entry, result.law)
             if result.evidence is not None or role != "projectile":
-                entries[name]["evidence"] = {**(result.evidence or {"reason": NOTHING_OF_ERROR}), "lot": lot}
+                reason = {"reason": result.reason or NOTHING_OF_ERROR}
+                entries[name]["evidence"] = {**(result.evidence or reason), "lot": lot}
             value["tests"] = [_test_table(tests, i, role) for i in range(len(tests.names))]
         entries[name][key] = value
     return tables, names

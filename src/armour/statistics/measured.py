@@ -12,7 +12,6 @@ import numpy as np
 from armour.analysis.variants import Floats, Ints, Variants, variants_of
 from armour.columns import column_of, perforates
 from armour.csv_files import (
-    MUST_SAY,
     CsvRow,
     Source,
     TableRead,
@@ -21,6 +20,7 @@ from armour.csv_files import (
     not_filled,
     open_table,
     read_rows,
+    wrong_result,
 )
 from armour.errors import InputError, Problem, counted, listed, mistake, refuse
 from armour.scenario.checked import Names, Table, checked
@@ -246,7 +246,7 @@ def _mistakes(row: CsvRow, repeated_names: Container[str]) -> list[tuple[str, st
     if outcome is None and not any(column in row.texts for column in MEASURED):
         mistakes.append(("", f"must have one of {', '.join((*MEASURED, OUTCOME))}; leave out a test that was not made"))
     if outcome is not None and is_perforated is None:
-        mistakes.append((OUTCOME, f'{MUST_SAY}, found "{outcome}"'))
+        mistakes.append((OUTCOME, wrong_result(outcome)))
     if is_perforated is False and RESIDUAL in row.texts:
         mistakes.append((OUTCOME, f"must not be {outcome} if there is a residual velocity"))
     limit, velocity = row.numbers.get(LIMIT), row.numbers.get(VELOCITY)

@@ -18,6 +18,7 @@ from armour.evidence.tests import armours_of, is_outside, own_evidence, shipped_
 from armour.scenario import library
 from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, cosine_of
 from armour.scenario.library import LawTests, LibraryEntry, OwnTests
+from armour.scenario.scenario import Scenario
 from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S
 from armour.statistics.measured import LIMIT, Tests, series_of
 
@@ -31,11 +32,7 @@ UNTESTED_DEVIATION = 0.40
 FACTOR, STEPS, STEP, LEAST_SLOPE = 8.0, 6, 0.05, 0.3
 # Greatest number of own tests that are predicted, each from the others.
 MOST_PREDICTED = 60
-# Reason why calibrated entries without usable tests have no model error.
-NOTHING_OF_ERROR = (
-    "the tests that it was calibrated to do not determine the model error: none measured a limit, one is implausible "
-    "for any lot, or their settings, armours or angles are not those of the shipped tests"
-)
+NOTHING_OF_ERROR = "the tests that it was calibrated to do not determine the model error"
 # What identifies a test: layers, angle, penetrator and measured limit.
 PENETRATOR = ("projectile.penetrator_diameter_mm", "projectile.penetrator_mass_g")
 IDENTITY = (CERAMIC, BACKING, OBLIQUITY, *PENETRATOR, "ballistic_limit_m_s")
@@ -64,6 +61,14 @@ def repeated(tests: Tests) -> Iterator[str]:
             f"{count} of {len(tests.cells)} tests are among those that the model error comes from; written as own "
             "tests, they count twice"
         )
+
+
+def nothing_of_error(scenario: Scenario) -> str:
+    """Return the reason why an entry of a scenario that is calibrated without usable tests has no model error."""
+    if settings := other_settings(scenario):
+        return f"{NOTHING_OF_ERROR}: their limits were computed with {settings}"
+    reasons = "none measured a limit, one is implausible for any lot, or their settings, armours or angles are not"
+    return f"{NOTHING_OF_ERROR}: {reasons} those of the shipped tests"
 
 
 def _identity(cells: Mapping[str, float | str], usual: Mapping[str, float]) -> tuple[float, ...]:

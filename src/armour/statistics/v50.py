@@ -347,7 +347,7 @@ def shots_of(source: Source, *, one_kind: bool = False, where: Mapping[str, str]
             message = f"must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g}, found {written}"
             problems.append(Problem(file, f"{row.place}: velocity_m_s", f"{message}; is it in m/s?"))
         if result is None:
-            problems.append(Problem(file, f"{row.place}: result", f'{csv_files.MUST_SAY}, found "{text}"'))
+            problems.append(Problem(file, f"{row.place}: result", csv_files.wrong_result(text)))
     refuse(csv_files.in_line_order(problems))
     csv_files.check_one_target(table, results, ", or --each for one answer each")
     names = tuple(row.texts.get("shot", "") for row in rows)

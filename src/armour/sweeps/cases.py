@@ -163,7 +163,10 @@ def _read(
     for column, mark, cells in zip(columns, marks, zip(*(cells for _, cells in block), strict=True), strict=True):
         kind = "name" if column.key in NAMING else "number"
         values: list[Any] = [_name(cell) if kind == "name" else csv_files.number_as(cell, mark) for cell in cells]
-        if None in values:
+        texts = [cell for cell in cells if cell]
+        if column.key not in CASE_KEYS and {*values} == {None} and texts:
+            source.wrong(f"{source.place}: {column.key}", f'must be a key of numbers, found "{texts[0][:40]}"')
+        elif None in values:
             for (place, _), cell, value in zip(block, cells, values, strict=True):
                 if value is None:
                     source.wrong(f"{place}: {column.key}", f'must be a {kind}, found "{cell[:40]}"')

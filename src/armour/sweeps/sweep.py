@@ -94,7 +94,7 @@ class SweepResult(TableResult):
     output : Path or None
         File of the table; None if it is kept in memory.
     warnings : tuple of str
-        Rows outside the conditions of the model's tests, quantities without a value, unused threats, and omitted ends
+        Rows unlike what the model was compared with, quantities without a value, unused threats, and omitted ends
         of ranges.
     columns : dict of str to array
         Columns by name, read from the file when they are first used.  A quantity without a value is NaN.

@@ -8,6 +8,7 @@ from typing import Any
 from armour.analysis.ballistic_limit import LimitResult, ballistic_limit, residual_velocity_curve
 from armour.analysis.impact import ImpactResult
 from armour.analysis.results import OnProgress, TableResult, ignore_progress
+from armour.core.replaced import is_unchanged
 from armour.errors import NoAnswerError, refuse
 from armour.scenario.checked import checked
 from armour.scenario.inputs import ROLES
@@ -174,7 +175,7 @@ def compare(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) ->
         curve=curve,
         tests=_tests_in_words(_tests().cases),
         rules=rules,
-        errors=_errors() if rules else (),
+        errors=(_errors if is_unchanged() else _errors.__wrapped__)() if rules else (),
         florence_missing=tuple(problem.key for problem in missing),
     ).of(scenario.subject(ANY_VELOCITY), scenario=scenario)
 
@@ -187,7 +188,7 @@ def _tests() -> Suite:
 
 @cache
 def _errors() -> tuple[Error, ...]:
-    """Return the errors of every method on these tests."""
+    """Return the errors of every method on these tests, by the equations as they are when it is first called."""
     return validate(_tests()).errors
 
 
