@@ -17,7 +17,18 @@ from shlex import quote
 from typing import Any, NamedTuple, Protocol
 from zipfile import ZipFile
 
-from armour.columns import COUNT_KEYS, GROUPS, RESULT_KEYS, Column, columns_of, is_summary, is_unit, is_yes, letters
+from armour.columns import (
+    COUNT_KEYS,
+    GROUPS,
+    RESULT_KEYS,
+    Column,
+    columns_of,
+    is_rejection,
+    is_summary,
+    is_unit,
+    is_yes,
+    letters,
+)
 from armour.errors import CHOOSE, InputError, Problem, counted, joined, listed, mistake, refuse, suggestion
 from armour.files import csv_value, located, named, reason, refuse_pipe, shipped_tests
 from armour.units import key_hint
@@ -99,6 +110,8 @@ class TableRead:
         Columns that were not read.
     sha256 : str
         Hash of the file, or of the rows given.
+    warnings : tuple of str
+        Columns that were not read and probably should be.
     """
 
     words: str
@@ -106,6 +119,7 @@ class TableRead:
     left_out: tuple[str, ...]
     ignored: tuple[str, ...]
     sha256: str
+    warnings: tuple[str, ...] = ()
 
 
 class CsvRow(NamedTuple):
@@ -388,7 +402,18 @@ def read_rows(
     words = [*dict.fromkeys(words)]
     told = ", ".join([*words, counted(len(rows), noun), *notes])
     plain = words in ([], ["commas"]) and not notes
-    read = TableRead(told, plain, left_out, ignored, source.digest.hexdigest())
+    remarks = {
+        name: [place for place, cells in lines if is_rejection(cells[index])]
+        for index, (name, column) in enumerate(zip(header, columns, strict=True))
+        if not column.known
+    }
+    warnings = tuple(
+        f"{name} seems to reject {listed(places)}, which {'counts' if len(places) == 1 else 'count'}; a column counts "
+        "or rejected leaves rows out"
+        for name, places in remarks.items()
+        if places
+    )
+    read = TableRead(told, plain, left_out, ignored, source.digest.hexdigest(), warnings)
     return CsvTable(file, rows, source.problems, read, groups)
 
 

@@ -198,6 +198,8 @@ def test_a_file_has_the_columns_that_calibrate_reads(folder: Path):
     assert (check.case.name, check.status) == ("one", "within")
     assert check.case.expected == pytest.approx(731.52)
     assert len(result(folder, text.replace('where = { lot = "A" }', "")).checks) == 2
+    (folder / "t.csv").write_text("\n".join(lines).replace("Ceramic", "Strike face"))
+    assert ["not read: Strike face" in warning for warning in result(folder, text).warnings] == [True]
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import replace
 from shlex import quote
 from typing import NamedTuple
@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from armour.analysis.variants import Floats, Ints, Variants, variants_of
-from armour.columns import column_of, perforates
+from armour.columns import column_of, perforates, unit_of
 from armour.csv_files import (
     MUST_SAY,
     CsvRow,
@@ -22,7 +22,7 @@ from armour.csv_files import (
     open_table,
     read_rows,
 )
-from armour.errors import InputError, Problem, counted, listed, mistake, refuse
+from armour.errors import InputError, Problem, counted, joined, listed, mistake, refuse
 from armour.scenario.checked import Names, Table, checked
 from armour.scenario.inputs import INPUTS, NAMES, ROLES, VELOCITY
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
@@ -215,7 +215,18 @@ def read_tests(
     cells: list[dict[str, float | str]] = [{**row.texts, **row.numbers} for row in rows]
     places = tuple(row.place for row in rows)
     is_weighted = uncertainties_given == {True}
-    return Tests(file, names, (*groups,), (*measurements,), is_weighted, (*cells,), scenario, places, table.read)
+    read = replace(table.read, warnings=(*_unread(table.read.ignored), *table.read.warnings))
+    return Tests(file, names, (*groups,), (*measurements,), is_weighted, (*cells,), scenario, places, read)
+
+
+def _unread(ignored: Sequence[str]) -> Iterator[str]:
+    """Yield a warning of the columns that were not read and, by their units, may be inputs or uncertainties."""
+    names = [name for name in ignored if unit_of(name) in ("mm", "°", "m/s") and not column_of(name, NUMBERS).known]
+    if names:
+        yield (
+            f"not read: {joined(names)}; the name of an input is its key, such as armour.ceramic_thickness_mm, and "
+            f"that of the uncertainty of a limit {MEASURED[LIMIT]}"
+        )
 
 
 def open_tests(path: Table, notes: Sequence[str] = (), sheet: str | None = None) -> Source:

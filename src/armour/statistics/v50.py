@@ -485,6 +485,7 @@ def v50(
         model_ballistic_limit_m_s=None if model is None else model.ballistic_limit_m_s,
         model_interval_m_s=None if model is None else model.interval_m_s,
         warnings=(
+            *(shots.read.warnings if shots.read else ()),
             *_far_from_others(shots),
             *(() if model is None else (*_far_away(shots, model), *contradictions, *model.warnings)),
         ),

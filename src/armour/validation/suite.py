@@ -59,6 +59,8 @@ class Case:
         Row of the CSV file from which the case is read: its inputs, measurements and notes.
     bound : Measurement or None
         The velocity above or below which the limit lies, if the row says no more.
+    warnings : tuple of str
+        Columns of the CSV file that were not read and probably should be.
     """
 
     suite: SuiteSection
@@ -72,6 +74,7 @@ class Case:
     measured: float | None = None
     cells: Cells = field(default_factory=dict)
     bound: Measurement | None = None
+    warnings: tuple[str, ...] = ()
 
     @property
     def scenarios(self) -> tuple[Scenario, ...]:
@@ -340,6 +343,7 @@ def _cases_of_file(common: Case, table: TableSection, folder: Path) -> list[Case
             expected=expected(place),
             cells=cells,
             bound=bounds.get(place),
+            warnings=tuple(f"{tests.file}: {text}" for text in tests.read.warnings) if tests.read else (),
         )
         for place, (name, cells) in enumerate(zip(tests.names, tests.cells, strict=True))
         if (table.quantity in cells or place in bounds) and meets(cells, table.where)

@@ -160,8 +160,8 @@ class SuiteResult(TableResult):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Warnings, which a suite does not give."""
-        return ()
+        """Columns of files of tests that were not read and probably should be."""
+        return tuple(dict.fromkeys(text for check in self.checks for text in check.case.warnings))
 
     @property
     def passed(self) -> bool:
@@ -178,6 +178,7 @@ class SuiteResult(TableResult):
             "title": self.title,
             "suite": self.file,
             "passed": self.passed,
+            "warnings": self.warnings,
             "cases": [check.to_dict() for check in self.checks],
             "tables": [vars(summary) for summary in self.summaries],
             "errors": [vars(error) for error in self.errors],
