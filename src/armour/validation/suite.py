@@ -312,11 +312,13 @@ def _cases_of_row(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping
     case = Case(suite, section, name, scenario, row.expected, row.place, replacement, row.rivals, row.measured)
     if row.first:
         _check_changes(case, row.inputs)
-    return _cases_of_file(case, section, folder) if isinstance(section, TableSection) and section.file else [case]
+    return (
+        _cases_of_file(case, section, folder, changes) if isinstance(section, TableSection) and section.file else [case]
+    )
 
 
-def _cases_of_file(common: Case, table: TableSection, folder: Path) -> list[Case]:
-    """Return the cases of a table's file of tests; `common` is a case with what they share."""
+def _cases_of_file(common: Case, table: TableSection, folder: Path, changes: Mapping[str, object]) -> list[Case]:
+    """Return the cases of a table's file of tests; `common` is a case with what they share, `changes` among it."""
     path = _named_file(folder, table.file)
     # Each test is compared by itself, whatever its target or lot.
     conditions = [key for part in (table, *table.group) for key in part.where]
@@ -326,6 +328,12 @@ def _cases_of_file(common: Case, table: TableSection, folder: Path) -> list[Case
         # The message does not quote the columns found, since the file may be any file of the user.
         raise mistake(source.file, "", f"must be a table of tests with the column {table.quantity}")
     tests = read_tests(path, common.scenario, notes)
+    refuse(
+        Problem(tests.file, key_name(key), f"must not be a column, as {option}{key_name(key)} sets it")
+        for option, values in (("set.", table.set), ("--set ", changes))
+        for key in values_by_key(values)
+        if any(key_name(key) in cells for cells in tests.cells)
+    )
     bounds = {m.test: m for m in tests.measurements if m.side and m.quantity == table.quantity}
 
     def expected(place: int) -> float | str:
