@@ -12,7 +12,8 @@ from armour.units import words_and_unit
 VELOCITIES = (
     *("velocity", "v", "impact velocity", "striking velocity", "strike velocity", "shot velocity", "speed", "vel"),
     *("impact vel", "striking vel", "strike vel", "V impact", "Geschwindigkeit", "Auftreffgeschwindigkeit", "Geschw."),
-    *("vitesse", "vitesse impact", "vitesse d'impact"),
+    *("vitesse", "vitesse impact", "vitesse d'impact", "V strike", "V imp", "impact speed", "striking speed"),
+    *("Auftreffgeschw.", "Auftreff-v"),
 )
 RESULT_NAMES = (
     *("result", "test result", "outcome", "penetration", "PP/CP", "CP/PP", "P/C", "Ergebnis", "Resultat", "Befund"),
@@ -117,6 +118,9 @@ OUTCOME_WORDS = (
     ("gehalten", "durchschlagen"),
     ("aufgehalten", "durchschlagen"),
     ("Steckschuss", "Durchschuss"),
+    ("Teildurchschlag", "Volldurchschlag"),
+    ("keine Durchdringung", "Durchdringung"),
+    ("not penetrated", "penetrated"),
     ("KD", "D"),
     ("KDS", "DS"),
     ("nein", "ja"),
@@ -124,6 +128,8 @@ OUTCOME_WORDS = (
     ("pas de perforation", "perforation"),
     ("perforation partielle", "perforation complète"),
     ("pénétration partielle", "pénétration complète"),
+    ("PP", "PC"),
+    ("non traversé", "traversé"),
     ("partielle", "complète"),
     ("partiel", "complet"),
     ("arrêté", "perforé"),
@@ -152,7 +158,8 @@ PAIRS = (*YES_OR_NO, *OUTCOME_WORDS, *COUNTED)
 # Names of rows that are not shots or tests but sum these up.
 SUMMARIES = (
     *("mean", "average", "standard deviation", "st. dev.", "std", "V50", "Mittelwert", "Mittel", "Standardabweichung"),
-    *("Stabw.", "moyenne", "écart-type"),
+    *("Stabw.", "moyenne", "écart-type", "std dev", "min", "max", "minimum", "maximum", "median", "range", "count"),
+    *("sum", "total", "Durchschnitt", "Anzahl", "Summe", "Median", "Spannweite", "médiane", "nombre", "somme"),
 )
 # Bounds of the numbers of a column, by key or else by unit; they tell whether 1,234 means 1234 or 1.234.
 BOUNDS = {

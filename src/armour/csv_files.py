@@ -502,14 +502,15 @@ def _wrong_columns(
             several.add(column.key)
             same = [name for name, other in zip(source.header, columns, strict=True) if other.key == column.key]
             key = f"{source.place}: {name}" if name else source.place
-            also = "" if len({*same}) == 1 else f": {joined(same)}"
+            also = "" if len({*same}) == 1 else f": {joined(same)}, with different values"
             yield key, f"must be the name of one column, found several{also}"
         elif not column.known and name:
             like = key_hint(name, missing) or suggestion(name, missing)
             is_key = "." in name and name.partition(".")[0] in sections
             if like or is_key or not known_keys:
                 yield name, f"unknown column{like or CHOOSE + usual}"
-    yield from ((key, "is missing and must be a column") for key in needed if key not in known_keys)
+    found = listed([name for name in source.header if name])
+    yield from ((key, f"is missing and must be a column, found {found}") for key in needed if key not in known_keys)
 
 
 def _chosen(
@@ -523,7 +524,9 @@ def _chosen(
         index = place_of(source, columns, name)
         values = dict.fromkeys(cells[index] for _, cells in lines)
         if value not in values:
-            raise mistake(source.file, f"where {name}", f'must be one of {", ".join(values)}, found "{value}"')
+            raise mistake(
+                source.file, f"where {name}", f'must be one of {", ".join(filter(None, values))}, found "{value}"'
+            )
         if columns[index].key in GROUPS:
             blank = [place for place, cells in lines if not cells[index] and place not in uncounted]
             refuse(not_filled(source.file, source.header[index], blank))
@@ -564,7 +567,9 @@ def _equal(source: Source, naming: str, rows: Sequence[CsvRow], lines: Sequence[
         if first != place and naming not in row.texts and {*RESULT_KEYS} & row.texts.keys():
             equal.append(place)
         elif first != place:
-            source.wrong(place, f"repeats {first}; if both took place, name them in the column {naming}")
+            source.wrong(
+                place, f"repeats {first}; if both took place, give each a name of its own in the column {naming}"
+            )
     return equal
 
 

@@ -213,6 +213,18 @@ def test_no_row_is_left_out_without_a_cross(tmp_path: Path):
 
 
 @pytest.mark.parametrize(
+    ("stopped", "perforated"),
+    [
+        *(("Teildurchschlag", "Volldurchschlag"), ("keine Durchdringung", "Durchdringung"), ("PP", "PC")),
+        *(("non travers\u00e9", "travers\u00e9"), ("not penetrated", "penetrated")),
+    ],
+)
+def test_words_for_results(tmp_path: Path, stopped: str, perforated: str):
+    shots = shots_of(tmp_path, f"V strike (m/s),Result\n700,{stopped}\n720,{perforated}\n")
+    assert shots.complete == (False, True)
+
+
+@pytest.mark.parametrize(
     "remark",
     [
         *("rejected: yaw 8 deg", "INVALID", "disregarded - yaw 7 deg", "not counted", "n.i.O."),
@@ -236,10 +248,10 @@ def test_a_column_that_may_be_an_input_is_not_left_out_silently(tmp_path: Path, 
 
 
 def test_rows_that_sum_up_others_are_left_out(tmp_path: Path):
-    rows = "1;812,4;PP;yes\n2;846,9;CP;yes\nMittelwert;830,95;;\nStabw.;10,3;;\nV50 (1+1);829,7;CP;\n"
+    rows = "1;812,4;PP;yes\n2;846,9;CP;yes\nMittelwert;830,95;;\nStabw.;10,3;;\nV50 (1+1);829,7;CP;\nStd. dev.;9;;\n"
     shots = shots_of(tmp_path, f"Shot;Velocity (m/s);Result;Valid\n{rows}")
     assert (shots.names, shots.velocities_m_s) == (("1", "2"), (812.4, 846.9))
-    assert "without line 4, line 5, line 6, which do not count" in str(shots.read)
+    assert "without line 4, line 5, line 6, line 7, which do not count" in str(shots.read)
 
 
 @pytest.mark.parametrize(
@@ -298,7 +310,7 @@ def test_several_panels_are_not_pooled(tmp_path: Path):
         shots_of(tmp_path, text)
     assert shots_of(tmp_path, text, where={"panel": "B"}).velocities_m_s == (800.0, 820.0)
     with pytest.raises(InputError, match='where panel: must be one of A, B, C, found "D"'):
-        shots_of(tmp_path, text, where={"panel": "D"})
+        shots_of(tmp_path, text + "720,C,\n", where={"panel": "D"})
     with pytest.raises(InputError, match="panel: must be filled in every row that counts, found blank cells in line 7"):
         shots_of(tmp_path, text + "720,C,\n", where={"panel": "A"})
     with pytest.raises(InputError, match='where: must name a column, found "yaw"'):
