@@ -502,7 +502,7 @@ def _wrong_columns(
             several.add(column.key)
             same = [name for name, other in zip(source.header, columns, strict=True) if other.key == column.key]
             key = f"{source.place}: {name}" if name else source.place
-            also = "" if len({*same}) == 1 else f": {joined(same)}, with different values"
+            also = "" if len({*same}) == 1 else f": {joined(same)}"
             yield key, f"must be the name of one column, found several{also}"
         elif not column.known and name:
             like = key_hint(name, missing) or suggestion(name, missing)
@@ -524,9 +524,8 @@ def _chosen(
         index = place_of(source, columns, name)
         values = dict.fromkeys(cells[index] for _, cells in lines)
         if value not in values:
-            raise mistake(
-                source.file, f"where {name}", f'must be one of {", ".join(filter(None, values))}, found "{value}"'
-            )
+            message = f'must be one of {", ".join(filter(None, values))}, found "{value}"'
+            raise mistake(source.file, f"where {name}", message)
         if columns[index].key in GROUPS:
             blank = [place for place, cells in lines if not cells[index] and place not in uncounted]
             refuse(not_filled(source.file, source.header[index], blank))
@@ -567,9 +566,7 @@ def _equal(source: Source, naming: str, rows: Sequence[CsvRow], lines: Sequence[
         if first != place and naming not in row.texts and {*RESULT_KEYS} & row.texts.keys():
             equal.append(place)
         elif first != place:
-            source.wrong(
-                place, f"repeats {first}; if both took place, give each a name of its own in the column {naming}"
-            )
+            source.wrong(place, f"repeats {first}; if both took place, name them apart in the column {naming}")
     return equal
 
 

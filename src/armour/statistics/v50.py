@@ -71,7 +71,8 @@ class Shots:
         Their names, if they have any.
     read : TableRead or None
         How the shots were read from a table: in ``words``, and whether it was ``plain``, with nothing converted or left
-        out; the places of rows ``left_out``, columns ``ignored``, and the ``sha256`` of the file, or of the rows given.
+        out; the places of rows ``left_out``, columns ``ignored``, the ``sha256`` of the file, or of the rows given, and
+        ``warnings`` of columns that probably should be read.
     """
 
     velocities_m_s: Sequence[float]
