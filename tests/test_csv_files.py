@@ -62,7 +62,10 @@ def test_every_mistake_at_once(tmp_path: Path):
             "velocity_m_s,result\n812,4,partial",
             ["line 2: must have 2 cells as the header has, found 3; write decimals with points"],
         ),
-        ("speed;colour", ["speed: must have its unit", "result: is missing and must be a column"]),
+        (
+            "speed;colour",
+            ["speed: must have its unit", "result: is missing and must be a column, found speed, colour"],
+        ),
         (
             "Range report,page 3",
             ["Range report: unknown column; choose from", "page 3: unknown", "velocity_m_s: is missing", "result: is"],

@@ -12,7 +12,8 @@ from armour.units import words_and_unit
 VELOCITIES = (
     *("velocity", "v", "impact velocity", "striking velocity", "strike velocity", "shot velocity", "speed", "vel"),
     *("impact vel", "striking vel", "strike vel", "V impact", "Geschwindigkeit", "Auftreffgeschwindigkeit", "Geschw."),
-    *("vitesse", "vitesse impact", "vitesse d'impact"),
+    *("vitesse", "vitesse impact", "vitesse d'impact", "V strike", "V imp", "impact speed", "striking speed"),
+    *("Auftreffgeschw.", "Auftreff-v"),
 )
 RESULT_NAMES = (
     *("result", "test result", "outcome", "penetration", "PP/CP", "CP/PP", "P/C", "Ergebnis", "Resultat", "Befund"),
@@ -56,7 +57,7 @@ USUAL_NAMES: dict[str, tuple[str, ...]] = {
     "armour.ceramic": ("ceramic", "Keramik", "céramique"),
     "armour.ceramic_thickness_mm": (
         *("ceramic thickness", "thickness of ceramic", "Dicke Keramik", "Keramikdicke"),
-        *("épaisseur céramique", "épaisseur de la céramique"),
+        *("épaisseur céramique", "épaisseur de la céramique", "tile thickness", "Kacheldicke", "Fliesendicke"),
     ),
     "armour.backing": ("backing", "back plate", "Rücken", "Rückplatte", "support"),
     "armour.backing_thickness_mm": (
@@ -64,7 +65,10 @@ USUAL_NAMES: dict[str, tuple[str, ...]] = {
         *("Dicke Stahl", "Dicke Backing", "épaisseur support", "épaisseur du support"),
     ),
     "ballistic_limit_m_s": ("ballistic limit", "V50", "ballistische Grenzgeschwindigkeit", "limite balistique"),
-    "ballistic_limit_uncertainty_m_s": ("ballistic limit uncertainty", "V50 uncertainty", "s", "s V50"),
+    "ballistic_limit_uncertainty_m_s": (
+        *("ballistic limit uncertainty", "V50 uncertainty", "uncertainty of V50", "s", "s V50", "u V50"),
+        *("Unsicherheit V50", "V50 Unsicherheit", "Unsicherheit der V50", "incertitude V50", "incertitude de la V50"),
+    ),
     "residual_velocity_m_s": ("residual velocity", "Restgeschwindigkeit", "vitesse résiduelle"),
     "residual_velocity_uncertainty_m_s": ("residual velocity uncertainty",),
     "residual_mass_g": ("residual mass", "Restmasse", "masse résiduelle"),
@@ -114,6 +118,9 @@ OUTCOME_WORDS = (
     ("gehalten", "durchschlagen"),
     ("aufgehalten", "durchschlagen"),
     ("Steckschuss", "Durchschuss"),
+    ("Teildurchschlag", "Volldurchschlag"),
+    ("keine Durchdringung", "Durchdringung"),
+    ("not penetrated", "penetrated"),
     ("KD", "D"),
     ("KDS", "DS"),
     ("nein", "ja"),
@@ -121,6 +128,8 @@ OUTCOME_WORDS = (
     ("pas de perforation", "perforation"),
     ("perforation partielle", "perforation complète"),
     ("pénétration partielle", "pénétration complète"),
+    ("PP", "PC"),
+    ("non traversé", "traversé"),
     ("partielle", "complète"),
     ("partiel", "complet"),
     ("arrêté", "perforé"),
@@ -139,12 +148,18 @@ COUNTED = (
     *(("n.i.O.", "i.O."), ("non valable", "valable"), ("non valide", "valide"), ("invalide", "valide")),
     *(("écarté", "retenu"), ("rejeté", "accepté")),
 )
+# Words of remarks on a shot that does not count.
+REJECTIONS = (
+    *(*USUAL_NAMES["excluded"], *(no for no, _ in COUNTED), "not counted", "does not count", "discard", "verworfen"),
+    *("nicht gezählt", "zählt nicht", "Fehlschuss", "annulé", "non compté", "ne compte pas"),
+)
 # All pairs of words for no and yes, in some sense.
 PAIRS = (*YES_OR_NO, *OUTCOME_WORDS, *COUNTED)
 # Names of rows that are not shots or tests but sum these up.
 SUMMARIES = (
     *("mean", "average", "standard deviation", "st. dev.", "std", "V50", "Mittelwert", "Mittel", "Standardabweichung"),
-    *("Stabw.", "moyenne", "écart-type"),
+    *("Stabw.", "moyenne", "écart-type", "std dev", "min", "max", "minimum", "maximum", "median", "range", "count"),
+    *("sum", "total", "Durchschnitt", "Anzahl", "Summe", "Median", "Spannweite", "médiane", "nombre", "somme"),
 )
 # Bounds of the numbers of a column, by key or else by unit; they tell whether 1,234 means 1234 or 1.234.
 BOUNDS = {
@@ -214,6 +229,7 @@ def _by_word(pairs: Sequence[tuple[str, str]]) -> dict[str, bool]:
     return {letters(word): place == 1 for pair in pairs for place, word in enumerate(pair)}
 
 
+_REJECTED = re.compile(f"(?<![^_])(?:{'|'.join(map(folded, REJECTIONS))})(?:ed|er?|e?s)?(?![^_])")
 _UNIT_NAMES = {folded(unit): unit for units in UNITS.values() for unit in units}
 PERFORATED, _COUNTED = _by_word(OUTCOME_WORDS), _by_word(COUNTED)
 # Exactly, as "-1" is not 1.
@@ -234,6 +250,22 @@ def is_yes(word: str) -> bool | None:
 def is_summary(name: str) -> bool:
     """Return whether the name of a row says that it sums up others, as "V50 (3 + 3)" does."""
     return not name.isdecimal() and letters(_BRACKETS.sub("", name)) in _SUMMARIES
+
+
+def is_rejection(remark: str) -> bool:
+    """Return whether a remark seems to say that a shot or test does not count."""
+    return _REJECTED.search(folded(remark)) is not None
+
+
+def unit_of(header: str) -> str:
+    """Return the unit at the end of a header, as keys have it, such as "mm" for "Tile (in)"; "" if it has none."""
+    unit = _UNIT_NAMES.get(_ending(folded(header)), "")
+    return next((key_unit for key_unit, units in UNITS.items() if unit in units), "")
+
+
+def _ending(text: str) -> str:
+    """Return the unit, folded, at the end of a folded header; "" if it has none."""
+    return max((unit for unit in _UNIT_NAMES if text.endswith(f"_{unit}")), key=len, default="")
 
 
 def is_unit(text: str) -> bool:
@@ -270,7 +302,7 @@ def column_of(header: str, columns: Sequence[str]) -> Column:
     keys = _keys(tuple(columns))
     name = _BRACKETS.sub(lambda bracket: bracket[0] if is_unit(bracket[1]) else " ", header)
     for text in map(folded, (header, name)):
-        ending = max((unit for unit in _UNIT_NAMES if text.endswith(f"_{unit}")), key=len, default="")
+        ending = _ending(text)
         stem = re.sub("_(in|en)$", "", text.removesuffix(f"_{ending}")) if ending else text
         whole = _key_of(text, keys)
         key = _key_of(stem, keys) or whole

@@ -17,7 +17,18 @@ from shlex import quote
 from typing import Any, NamedTuple, Protocol
 from zipfile import ZipFile
 
-from armour.columns import COUNT_KEYS, GROUPS, RESULT_KEYS, Column, columns_of, is_summary, is_unit, is_yes, letters
+from armour.columns import (
+    COUNT_KEYS,
+    GROUPS,
+    RESULT_KEYS,
+    Column,
+    columns_of,
+    is_rejection,
+    is_summary,
+    is_unit,
+    is_yes,
+    letters,
+)
 from armour.errors import CHOOSE, InputError, Problem, counted, joined, listed, mistake, refuse, suggestion
 from armour.files import csv_value, located, named, reason, refuse_pipe, shipped_tests
 from armour.units import key_hint
@@ -99,6 +110,8 @@ class TableRead:
         Columns that were not read.
     sha256 : str
         Hash of the file, or of the rows given.
+    warnings : tuple of str
+        Columns that were not read and probably should be.
     """
 
     words: str
@@ -106,6 +119,7 @@ class TableRead:
     left_out: tuple[str, ...]
     ignored: tuple[str, ...]
     sha256: str
+    warnings: tuple[str, ...] = ()
 
 
 class CsvRow(NamedTuple):
@@ -386,7 +400,18 @@ def read_rows(
     words = [*dict.fromkeys(words)]
     told = ", ".join([*words, counted(len(rows), noun), *notes])
     plain = words in ([], ["commas"]) and not notes
-    read = TableRead(told, plain, left_out, ignored, source.digest.hexdigest())
+    remarks = {
+        name: [place for place, cells in lines if is_rejection(cells[index])]
+        for index, (name, column) in enumerate(zip(header, columns, strict=True))
+        if not column.known
+    }
+    warnings = tuple(
+        f"{name} seems to reject {listed(places)}, which {'counts' if len(places) == 1 else 'count'}; a column counts "
+        "or rejected leaves rows out"
+        for name, places in remarks.items()
+        if places
+    )
+    read = TableRead(told, plain, left_out, ignored, source.digest.hexdigest(), warnings)
     return CsvTable(file, rows, source.problems, read, groups)
 
 
@@ -482,7 +507,8 @@ def _wrong_columns(
             is_key = "." in name and name.partition(".")[0] in sections
             if like or is_key or not known_keys:
                 yield name, f"unknown column{like or CHOOSE + usual}"
-    yield from ((key, "is missing and must be a column") for key in needed if key not in known_keys)
+    found = listed([name for name in source.header if name])
+    yield from ((key, f"is missing and must be a column, found {found}") for key in needed if key not in known_keys)
 
 
 def _chosen(
@@ -496,7 +522,8 @@ def _chosen(
         index = place_of(source, columns, name)
         values = dict.fromkeys(cells[index] for _, cells in lines)
         if value not in values:
-            raise mistake(source.file, f"where {name}", f'must be one of {", ".join(values)}, found "{value}"')
+            message = f'must be one of {", ".join(filter(None, values))}, found "{value}"'
+            raise mistake(source.file, f"where {name}", message)
         if columns[index].key in GROUPS:
             blank = [place for place, cells in lines if not cells[index] and place not in uncounted]
             refuse(not_filled(source.file, source.header[index], blank))
@@ -537,7 +564,7 @@ def _equal(source: Source, naming: str, rows: Sequence[CsvRow], lines: Sequence[
         if first != place and naming not in row.texts and {*RESULT_KEYS} & row.texts.keys():
             equal.append(place)
         elif first != place:
-            source.wrong(place, f"repeats {first}; if both took place, name them in the column {naming}")
+            source.wrong(place, f"repeats {first}; if both took place, name them apart in the column {naming}")
     return equal
 
 

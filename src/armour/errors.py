@@ -167,6 +167,11 @@ def joined(names: Sequence[str], word: str = "and") -> str:
     return f"{', '.join(first)} {word} {last}" if first else last
 
 
+def point_hint(value: object) -> str:
+    """Return a hint if a value is a text with a decimal comma; otherwise ""."""
+    return "; decimals have a point" if re.fullmatch(r"[+-]?\d+,\d+", str(value)) else ""
+
+
 def counted(number: int, noun: str) -> str:
     """Return a number of things, such as "1 row" or "2 rows"."""
     digits = f"{number:,}" if number >= 10_000 else f"{number}"

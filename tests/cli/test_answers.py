@@ -156,6 +156,18 @@ band = 50.0
     assert [status for status, _ in found[1:]] == ["within", "within"]
 
 
+def test_a_bound_that_was_calibrated_to_is_not_scored(cli, folder: Path):
+    rows = "armour.ceramic_thickness_mm,ballistic_limit_m_s\n6.35,720\n8,above 700\n"
+    (folder / "t.csv").write_text(rows)
+    cli("calibrate", "t.csv", WILKINS, "--write-scenario", "fit.toml", "--lot", "7")
+    (folder / "suite.toml").write_text(
+        '[[table]]\nname = "t"\nscenario = "fit.toml"\nquantity = "ballistic_limit_m_s"\nfile = "t.csv"\nband = 50.0\n'
+    )
+    cases = json.loads(cli("validate", "suite.toml", "--json").stdout)["cases"]
+    assert [case["expected"] for case in cases] == [720.0, "above 700"]
+    assert ["was calibrated to this test" in case["message"] for case in cases] == [True, True]
+
+
 def test_the_form_of_planned_tests_is_the_table_of_the_next(cli, folder: Path):
     """A name that a spreadsheet takes for a formula stays what it is, and a filled form is calibrated to."""
     plan = ("plan", "tests", WILKINS, "--candidates", "armour.ceramic_thickness_mm=6:10:2", "--number", "2")

@@ -69,7 +69,7 @@ def test_completion_offers_the_words_of_a_choice(command: Any):
 def test_words_that_are_numbers_become_numbers():
     """They are those that tables read; a sign of per cent goes with a share, which it divides by 100."""
     assert [number(text) for text in ("5", "-0.5", "95%", "5 m")] == [5, -0.5, "95%", "5 m"]
-    assert [share(text) for text in ("0.95", "95%", "0.95 %", "9_5%")] == [0.95, 0.95, 0.0095, "9_5%"]
+    assert [share(text) for text in ("0.95", "95%", "99.9%", "0.95 %", "9_5%")] == [0.95, 0.95, 0.999, 0.0095, "9_5%"]
 
 
 def parameters(command: Any) -> Iterator[Any]:

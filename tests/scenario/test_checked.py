@@ -43,6 +43,7 @@ def f(
         ({"confidence": 95}, "confidence: must be at most 0.9999, found 95; did you mean 0.95?"),
         ({"law": "backin"}, 'law: must be "backing" or "ceramic", found the text "backin"; did you mean "backing"?'),
         ({"limits": [3.0, "x"]}, 'limits[1]: must be a number, found the text "x"'),
+        ({"limits": [3.0, "3,5"]}, 'limits[1]: must be a number, found the text "3,5"; decimals have a point'),
         ({"prior": 1}, "prior: must be true or false, found 1"),
         ({"call": None}, "call: must be a function, found None"),
     ],

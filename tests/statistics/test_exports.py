@@ -172,11 +172,46 @@ def test_no_row_is_left_out_without_a_cross(tmp_path: Path):
         shots_of(tmp_path, "velocity_m_s,perforated\n700,\n720,\n", one_kind=True)
 
 
+@pytest.mark.parametrize(
+    ("stopped", "perforated"),
+    [
+        *(("Teildurchschlag", "Volldurchschlag"), ("keine Durchdringung", "Durchdringung"), ("PP", "PC")),
+        *(("non travers\u00e9", "travers\u00e9"), ("not penetrated", "penetrated")),
+    ],
+)
+def test_words_for_results(tmp_path: Path, stopped: str, perforated: str):
+    shots = shots_of(tmp_path, f"V strike (m/s),Result\n700,{stopped}\n720,{perforated}\n")
+    assert shots.complete == (False, True)
+
+
+@pytest.mark.parametrize(
+    "remark",
+    [
+        *("rejected: yaw 8 deg", "INVALID", "disregarded - yaw 7 deg", "not counted", "n.i.O."),
+        *("ung\u00fcltig", "Schuss nicht gewertet", "coup rejet\u00e9e", "\u00e9cart\u00e9"),
+    ],
+)
+def test_a_remark_that_rejects_a_shot_that_counts_is_a_warning(tmp_path: Path, remark: str):
+    shots = shots_of(tmp_path, f"velocity_m_s,result,Remarks\n700,P,valid\n710,P,{remark}\n720,C,fair hit\n")
+    told = "Remarks seems to reject line 3, which counts; a column counts or rejected leaves rows out"
+    assert armour.v50(shots).warnings[0] == told
+    assert armour.plan_shots(shots=shots).warnings[0] == told
+
+
+@pytest.mark.parametrize("name", ["Strike face (mm)", "Plate in inches", "Winkel (\u00b0)", "Unsicherheit (m/s)"])
+def test_a_column_that_may_be_an_input_is_not_left_out_silently(tmp_path: Path, name: str):
+    text = f"test;V50 (m/s);Charge (gr);V50 (ft/s);{name}\n1;700;40;2296,6;6\n2;762;45;2500;8\n"
+    (tmp_path / "t.csv").write_text(text)
+    tests = armour.read_tests(tmp_path / "t.csv", scenario())
+    [warning] = armour.calibrate(tests, scenario()).warnings[:1]
+    assert warning.startswith(f"not read: {name}; the name of an input is its key")
+
+
 def test_rows_that_sum_up_others_are_left_out(tmp_path: Path):
-    rows = "1;812,4;PP;yes\n2;846,9;CP;yes\nMittelwert;830,95;;\nStabw.;10,3;;\nV50 (1+1);829,7;CP;\n"
+    rows = "1;812,4;PP;yes\n2;846,9;CP;yes\nMittelwert;830,95;;\nStabw.;10,3;;\nV50 (1+1);829,7;CP;\nStd. dev.;9;;\n"
     shots = shots_of(tmp_path, f"Shot;Velocity (m/s);Result;Valid\n{rows}")
     assert (shots.names, shots.velocities_m_s) == (("1", "2"), (812.4, 846.9))
-    assert "without line 4, line 5, line 6, which do not count" in str(shots.read)
+    assert "without line 4, line 5, line 6, line 7, which do not count" in str(shots.read)
 
 
 @pytest.mark.parametrize(
@@ -234,7 +269,7 @@ def test_several_panels_are_not_pooled(tmp_path: Path):
         shots_of(tmp_path, text)
     assert shots_of(tmp_path, text, where={"panel": "B"}).velocities_m_s == (800.0, 820.0)
     with pytest.raises(InputError, match='where panel: must be one of A, B, C, found "D"'):
-        shots_of(tmp_path, text, where={"panel": "D"})
+        shots_of(tmp_path, text + "720,C,\n", where={"panel": "D"})
     with pytest.raises(InputError, match="panel: must be filled in every row that counts, found blank cells in line 7"):
         shots_of(tmp_path, text + "720,C,\n", where={"panel": "A"})
     with pytest.raises(InputError, match='where: must name a column, found "yaw"'):

@@ -68,6 +68,15 @@ def test_changes_come_last_and_go_into_every_scenario(folder: Path):
         load_suite(folder / "suite.toml", {"library": {"ceramic": {"AD85x": {"based_on": "AD85"}}}})
 
 
+def test_no_change_is_of_a_column_of_a_file(folder: Path):
+    (folder / "t.csv").write_text(CSV)
+    (folder / "suite.toml").write_text(FILE)
+    message = "t.csv: armour.ceramic: must not be a column, as --set armour.ceramic sets it"
+    with pytest.raises(InputError, match=message):
+        load_suite(folder / "suite.toml", {"armour": {"ceramic": "AD85"}})
+    assert "as set.armour.ceramic sets it" in mistakes(folder, FILE + 'set.armour.ceramic = "AD85"')[0]
+
+
 def test_a_replacement(folder: Path):
     grid = "{ min = 1.0, max = 20.0, step = 1.0 }"
     text = CASE.replace("ballistic_limit_m_s", "weight_saved_percent") + (

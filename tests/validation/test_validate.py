@@ -189,6 +189,41 @@ def test_a_row_of_a_file_may_have_a_band_of_its_own_and_no_answer(folder: Path):
     assert (narrow.checks[0].status, narrow.summaries[0].count) == ("no answer", 2)
 
 
+def test_a_file_has_the_columns_that_calibrate_reads(folder: Path):
+    """Other names and units, a title, and conditions on a column of lots that the suite does not list."""
+    lines = ["Range 17,,,", "test,Los,Ceramic thickness (mm),V50 (ft/s)", "one,A,6.35,2400", "two,B,6.35,2500"]
+    (folder / "t.csv").write_text("\n".join(lines))
+    text = FILE.replace('"lot", "kept"', "").replace("kept = 1", 'lot = "A"') + "band = 20.0\n"
+    [check] = result(folder, text).checks
+    assert (check.case.name, check.status) == ("one", "within")
+    assert check.case.expected == pytest.approx(731.52)
+    assert len(result(folder, text.replace('where = { lot = "A" }', "")).checks) == 2
+    (folder / "t.csv").write_text("\n".join(lines).replace("Ceramic", "Strike face"))
+    assert ["not read: Strike face" in warning for warning in result(folder, text).warnings] == [True]
+
+
+@pytest.mark.parametrize(
+    ("bound", "status"),
+    [
+        ("above 700", "within"),
+        ("above 740", "within"),
+        ("above 750", "outside"),
+        ("below 710", "within"),
+        ("<= 700", "outside"),
+    ],
+)
+def test_a_bound_is_compared_on_its_side(folder: Path, bound: str, status: str):
+    (folder / "t.csv").write_text(f"test,V50 (m/s)\none,720\ntwo,{bound}\n")
+    text = FILE.replace("where = { kept = 1 }", "")
+    of_bounds = result(folder, f"{text}band = 20.0\n")
+    check = of_bounds.checks[1]
+    assert (check.status, check.deviation, of_bounds.passed) == (status, None, status == "within")
+    assert str(check.case.expected).split() == [{"<=": "below"}.get(bound.split()[0], bound.split()[0]), bound[-3:]]
+    whole = result(folder, f"{text}rms_band_percent = 20.0\n")
+    assert (whole.checks[1].status, whole.summaries[0].count) == ("not scored", 1)
+    assert "a bound is compared only with a band of its own" in whole.checks[1].message
+
+
 @pytest.mark.parametrize(
     ("condition", "cell", "met"),
     [

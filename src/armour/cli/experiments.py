@@ -33,7 +33,7 @@ from armour.cli.options import (
 )
 from armour.cli.runner import Files, answer, check_options, check_outputs, read_scenario, say_how_read, wrong_option
 from armour.cli.scenario_commands import LIMIT_READS
-from armour.errors import restated
+from armour.errors import point_hint, restated
 from armour.files import shipped_tests
 from armour.reporting.table import csv_text, rows_csv
 from armour.scenario.inputs import NAMES
@@ -137,7 +137,7 @@ def v50(
         else:
             fired = armour.read_shots(table, one_kind=prior, where=chosen(where), sheet=sheet)
             found = estimate(say_how_read(table, fired))
-            results, file = [found], "" if loaded else fired.file
+            results, file = [found], ", ".join([fired.file, *([loaded.file] if loaded else [])])
             files = {csv: lambda _: rows_csv(found), curve: lambda _: rows_csv(found.band())}
     answer(found, loaded, files, plot=plot, file=file, as_json=as_json, verbose=verbose)
     if any(result.decision in ("not met", "not decided") for result in results):
@@ -322,7 +322,11 @@ def plan_shots(
     check_options(
         ("--upper-m-s", upper_m_s is None and lower_m_s is not None, "must be given with the other limit"),
         ("--lower-m-s", lower_m_s is None and upper_m_s is not None, "must be given with the other limit"),
-        ("--velocity-m-s", isinstance(velocity_m_s, str), f"must be a number, found {describe(velocity_m_s)}"),
+        (
+            "--velocity-m-s",
+            isinstance(velocity_m_s, str),
+            f"must be a number, found {describe(velocity_m_s)}{point_hint(velocity_m_s)}",
+        ),
         ("--where", table is None and where, "must be given with SHOTS"),
         ("--each" if each else "--sheet", table is None and is_divided, "must be given with SHOTS"),
         ("--velocity-m-s", velocity_m_s is not None and not is_fired, "must be given with --result"),
@@ -363,7 +367,8 @@ def plan_shots(
                 warnings = planned.warnings
             else:
                 planned, warnings, files = firings.plan_after(plan, stack, table, result, velocity_m_s, chosen(where))
-        answer(planned, loaded, files, warnings, plot=plot, as_json=as_json, verbose=verbose)
+        file = ", ".join([*([str(table)] if table else []), *([loaded.file] if loaded else [])])
+        answer(planned, loaded, files, warnings, plot=plot, file=file, as_json=as_json, verbose=verbose)
 
 
 def plan_tests(

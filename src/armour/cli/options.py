@@ -4,6 +4,7 @@ An option that is not given is None or False; the Python function that a command
 """
 
 from collections.abc import Callable
+from decimal import Decimal
 from typing import Any
 
 import typer
@@ -38,7 +39,9 @@ def number(text: str) -> float | str:
 def share(text: str) -> float | str:
     """Convert a word to a fraction: "0.95" and "95%" give 0.95; return other words as they are, to be refused later."""
     value = number(text.removesuffix("%").rstrip())
-    return text if isinstance(value, str) else value / 100.0 if text.endswith("%") else value
+    if isinstance(value, str):
+        return text
+    return float(Decimal(str(value)) / 100) if text.endswith("%") else value
 
 
 def number_option(description: str, parser: Callable[[str], float | str] = number) -> Any:

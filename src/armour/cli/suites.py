@@ -65,7 +65,8 @@ def validate(
             markdown: lambda _: lazy.markdown_report(lazy.suite_report(result)),
             junit: lambda _: lazy.suite_junit(result, seconds, origin_of()),
             updated: lambda _: _updated(chosen.file, result),
-        }
+        },
+        [f"warning: {text}" for text in result.warnings],
     )
     if not judged.passed:
         raise typer.Exit(CHECK_FAILED)

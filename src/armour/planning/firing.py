@@ -375,6 +375,7 @@ def plan_shots(
         scatter_percent=scatter_percent,
         scatter_factor=scatter_factor,
         warnings=(
+            *(fired.read.warnings if fired.read else ()),
             *_far_shots(shots, expectation, limit),
             *v50.swapped_note(shots),
             *contradictions,

@@ -11,7 +11,7 @@ from typing import Annotated, Any, TypeVar, get_origin
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError, ValidationInfo
 
-from armour.errors import InputError, Problem, choices, suggestion
+from armour.errors import InputError, Problem, choices, point_hint, suggestion
 from armour.scenario.keys import describe, key_name, upwards
 from armour.units import key_hint
 
@@ -154,6 +154,8 @@ def every_problem(
 def _hint(detail: Any) -> str:
     """Return a hint at the word, the form of list or the probability (not per cent) probably meant; "" if none is."""
     value, context = detail["input"], detail.get("ctx", {})
+    if detail["type"] == "float_type":
+        return point_hint(value)
     if detail["type"] == "literal_error":
         return suggestion(str(value), re.findall('"(.*?)"', context["expected"]))
     if detail["type"] in ("list_type", "tuple_type") and isinstance(value, dict):

@@ -349,7 +349,8 @@ def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str
         result = replace(result, reason=nothing_of_error(scenario))
         notes = [f"of the entry, {result.reason}"]
     deviating = (*_out_of_line(tests, result, doubtful), *_split(tests, result.residuals))
-    return replace(result, warnings=(*_in_feet(tests), *implausible, *deviating, *result.warnings, *notes))
+    how_read = tests.read.warnings if tests.read else ()
+    return replace(result, warnings=(*how_read, *_in_feet(tests), *implausible, *deviating, *result.warnings, *notes))
 
 
 def under_law(tests: Tests, inputs: Sequence[str], law: Law | None) -> tuple[Tests, list[str]]:

@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import replace
 from shlex import quote
 from typing import NamedTuple
@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from armour.analysis.variants import Floats, Ints, Variants, variants_of
-from armour.columns import column_of, perforates
+from armour.columns import column_of, perforates, unit_of
 from armour.csv_files import (
     CsvRow,
     Source,
@@ -22,7 +22,7 @@ from armour.csv_files import (
     read_rows,
     wrong_result,
 )
-from armour.errors import InputError, Problem, counted, listed, mistake, refuse
+from armour.errors import InputError, Problem, counted, joined, listed, mistake, refuse
 from armour.scenario.checked import Names, Table, checked
 from armour.scenario.inputs import INPUTS, NAMES, ROLES, VELOCITY
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
@@ -41,6 +41,8 @@ ORIGINS = (*SERIES_COLUMNS, "date")
 BOUND = re.compile(r"(?:(>=?|≥|above|at least)|(<=?|≤|below|at most)) *(.+)")
 # Columns of numbers.
 NUMBERS = (*INPUTS, *MEASURED, *MEASURED.values())
+# Columns of texts, the name of the test first.
+TEXTS = ("test", OUTCOME, *NAMES.values(), *ORIGINS)
 # Columns of most tables, in words.
 USUAL = f"{', '.join((*MEASURED, OUTCOME))}, test, armour.ceramic_thickness_mm and other keys of a scenario"
 # Range of measurements and of uncertainties, in any unit.
@@ -177,10 +179,17 @@ def read_tests(
     <Tests: 1 test of rows, 1 measurement>
     """
     notes = tuple(notes)
-    texts = ("test", OUTCOME, *NAMES.values(), *ORIGINS, *notes)
-    source = with_bounds(open_table(path, lambda name: column_of(name, (*NUMBERS, *texts)).known, sheet))
+    source, bounds = _without_bounds(open_tests(path, notes, sheet))
+    texts = (*TEXTS, *notes)
     table = read_rows(source, numbers=NUMBERS, texts=texts, needed=(), noun="test", usual=USUAL, where=where)
     file, rows, problems = table.file, table.rows, table.problems
+    for row in (row for row in rows if row.place in bounds):
+        if {VELOCITY, OUTCOME} & row.texts.keys():
+            message = "must be a number beside a velocity or an outcome, found a bound"
+            problems.append(Problem(file, f"{row.place}: {LIMIT}", message))
+        row.texts[VELOCITY], row.texts[OUTCOME] = row.texts.pop(LIMIT), bounds[row.place]
+        if LIMIT in row.numbers:
+            row.numbers[VELOCITY] = row.numbers.pop(LIMIT)
     names = tuple(row.texts.get("test", row.place) for row in rows)
     repeated_names = {name for name, count in Counter(names).items() if count > 1}
     # A shot needs its velocity, a limit has none.
@@ -206,29 +215,37 @@ def read_tests(
     cells: list[dict[str, float | str]] = [{**row.texts, **row.numbers} for row in rows]
     places = tuple(row.place for row in rows)
     is_weighted = uncertainties_given == {True}
-    return Tests(file, names, (*groups,), (*measurements,), is_weighted, (*cells,), scenario, places, table.read)
+    read = replace(table.read, warnings=(*_unread(table.read.ignored), *table.read.warnings))
+    return Tests(file, names, (*groups,), (*measurements,), is_weighted, (*cells,), scenario, places, read)
 
 
-def with_bounds(source: Source) -> Source:
-    """Return the table with each limit such as "above 950" replaced by an outcome, here stopped, at that velocity."""
-    header = [*source.header]
-    if LIMIT not in header:
-        return source
-    lines, limit_column = list(source.lines), header.index(LIMIT)
-    bounds = {
-        line: bound
-        for line, cells in lines
-        if len(cells) == len(header) and (bound := BOUND.fullmatch(cells[limit_column].lower()))
-    }
-    columns = [*header, *(name for name in (VELOCITY, OUTCOME) if name not in header)] if bounds else header
-    changed_lines = []
-    for line, cells in lines:
-        row = dict(zip(header, cells, strict=False))
-        if line in bounds and not row.get(VELOCITY) and not row.get(OUTCOME):
-            above, _, velocity = bounds[line].groups()
-            row |= {LIMIT: "", VELOCITY: velocity, OUTCOME: "stopped" if above else "perforated"}
-        changed_lines.append((line, [row.get(name, "") for name in columns] if len(cells) == len(header) else cells))
-    return replace(source, header=columns, lines=iter(changed_lines))
+def _unread(ignored: Sequence[str]) -> Iterator[str]:
+    """Yield a warning of the columns that were not read and, by their units, may be inputs or uncertainties."""
+    names = [name for name in ignored if unit_of(name) in ("mm", "°", "m/s") and not column_of(name, NUMBERS).known]
+    if names:
+        yield (
+            f"not read: {joined(names)}; the name of an input is its key, such as armour.ceramic_thickness_mm, and "
+            f"that of the uncertainty of a limit {MEASURED[LIMIT]}"
+        )
+
+
+def open_tests(path: Table, notes: Sequence[str] = (), sheet: str | None = None) -> Source:
+    """Open a table of tests with further columns, `notes`."""
+    return open_table(path, lambda name: column_of(name, (*NUMBERS, *TEXTS, *notes)).known, sheet)
+
+
+def _without_bounds(source: Source) -> tuple[Source, dict[str, str]]:
+    """Return the table with limits such as "above 950" as numbers, and the outcomes of shots at them, by line."""
+    place = next((place for place, name in enumerate(source.header) if column_of(name, (LIMIT,)).known), None)
+    if place is None:
+        return source, {}
+    lines, outcomes = [], dict[str, str]()
+    for line, cells in source.lines:
+        if len(cells) == len(source.header) and (bound := BOUND.fullmatch(cells[place].lower())):
+            outcomes[line] = "stopped" if bound[1] else "perforated"
+            cells = [*cells[:place], bound[3], *cells[place + 1 :]]
+        lines.append((line, cells))
+    return replace(source, lines=iter(lines)), outcomes
 
 
 def series_of(tests: Tests, test: int) -> tuple[str, ...]:

@@ -71,7 +71,8 @@ class Shots:
         Their names, if they have any.
     read : TableRead or None
         How the shots were read from a table: in ``words``, and whether it was ``plain``, with nothing converted or left
-        out; the places of rows ``left_out``, columns ``ignored``, and the ``sha256`` of the file, or of the rows given.
+        out; the places of rows ``left_out``, columns ``ignored``, the ``sha256`` of the file, or of the rows given, and
+        ``warnings`` of columns that probably should be read.
     """
 
     velocities_m_s: Sequence[float]
@@ -485,6 +486,7 @@ def v50(
         model_ballistic_limit_m_s=None if model is None else model.ballistic_limit_m_s,
         model_interval_m_s=None if model is None else model.interval_m_s,
         warnings=(
+            *(shots.read.warnings if shots.read else ()),
             *_far_from_others(shots),
             *(() if model is None else (*_far_away(shots, model), *contradictions, *model.warnings)),
         ),

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from pydantic import ValidationError
 
 from armour.analysis.quantities import label_and_unit
-from armour.csv_files import open_table
+from armour.columns import GROUPS, column_of
 from armour.errors import InputError, Problem, counted, mistake, refuse
 from armour.files import located, named, read_toml, shipped_files, shipped_tests, suite_file
 from armour.scenario.checked import checked
@@ -19,7 +19,7 @@ from armour.scenario.inputs import ROUND_AND_ARMOUR
 from armour.scenario.keys import KeyPath, canonical, key_name, parts_of, values_by_key
 from armour.scenario.scenario import Scenario, files_of, parse_changed
 from armour.scenario.sections import every_problem
-from armour.statistics.measured import read_tests
+from armour.statistics.measured import Measurement, open_tests, read_tests
 from armour.validation.questions import QUESTIONS, check_answerable
 from armour.validation.suite_sections import (
     EXPECTED,
@@ -57,6 +57,10 @@ class Case:
         If given, the expected value is the magnitude of the relative difference from this, in per cent.
     cells : mapping of str to float or str
         Row of the CSV file from which the case is read: its inputs, measurements and notes.
+    bound : Measurement or None
+        The velocity above or below which the limit lies, if the row says no more.
+    warnings : tuple of str
+        Columns of the CSV file that were not read and probably should be.
     """
 
     suite: SuiteSection
@@ -69,6 +73,8 @@ class Case:
     rivals: Mapping[str, float] = field(default_factory=dict)
     measured: float | None = None
     cells: Cells = field(default_factory=dict)
+    bound: Measurement | None = None
+    warnings: tuple[str, ...] = ()
 
     @property
     def scenarios(self) -> tuple[Scenario, ...]:
@@ -98,10 +104,10 @@ class Case:
     @property
     def band(self) -> float | None:
         """Largest deviation allowed, in the unit of the expected value; None if there is no band."""
-        percent = self.section.band_percent
-        if percent is None or self.expected is None:
+        percent, expected = self.section.band_percent, self.bound.value if self.bound else self.expected
+        if percent is None or expected is None:
             return self.section.band
-        return percent / 100.0 * abs(float(self.expected))
+        return percent / 100.0 * abs(float(expected))
 
     @property
     def reason(self) -> str:
@@ -306,26 +312,53 @@ def _cases_of_row(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping
     case = Case(suite, section, name, scenario, row.expected, row.place, replacement, row.rivals, row.measured)
     if row.first:
         _check_changes(case, row.inputs)
-    return _cases_of_file(case, section, folder) if isinstance(section, TableSection) and section.file else [case]
+    return (
+        _cases_of_file(case, section, folder, changes) if isinstance(section, TableSection) and section.file else [case]
+    )
 
 
-def _cases_of_file(common: Case, table: TableSection, folder: Path) -> list[Case]:
-    """Return the cases of a table's file of tests; `common` is a case with what they share."""
+def _cases_of_file(common: Case, table: TableSection, folder: Path, changes: Mapping[str, object]) -> list[Case]:
+    """Return the cases of a table's file of tests; `common` is a case with what they share, `changes` among it."""
     path = _named_file(folder, table.file)
-    source = open_table(path, lambda name: name == table.quantity)
-    if table.quantity not in source.header:
+    # Each test is compared by itself, whatever its target or lot.
+    conditions = [key for part in (table, *table.group) for key in part.where]
+    notes = [*dict.fromkeys((*common.suite.notes, *GROUPS, *conditions))]
+    source = open_tests(path, notes)
+    if not any(column_of(name, (table.quantity,)).known for name in source.header):
         # The message does not quote the columns found, since the file may be any file of the user.
         raise mistake(source.file, "", f"must be a table of tests with the column {table.quantity}")
-    tests = read_tests(path, common.scenario, common.suite.notes)
+    tests = read_tests(path, common.scenario, notes)
+    refuse(
+        Problem(tests.file, key_name(key), f"must not be a column, as {option}{key_name(key)} sets it")
+        for option, values in (("set.", table.set), ("--set ", changes))
+        for key in values_by_key(values)
+        if any(key_name(key) in cells for cells in tests.cells)
+    )
+    bounds = {m.test: m for m in tests.measurements if m.side and m.quantity == table.quantity}
+
+    def expected(place: int) -> float | str:
+        bound = bounds.get(place)
+        if bound is None:
+            return float(tests.cells[place][table.quantity])
+        return f"{'above' if bound.side > 0 else 'below'} {bound.value:.10g}"
+
     scenarios = {int(place): group.scenario for group in tests.groups for place in group.where}
     cases = [
-        replace(common, name=name, scenario=scenarios[place], expected=float(cells[table.quantity]), cells=cells)
+        replace(
+            common,
+            name=name,
+            scenario=scenarios[place],
+            expected=expected(place),
+            cells=cells,
+            bound=bounds.get(place),
+            warnings=tuple(f"{tests.file}: {text}" for text in tests.read.warnings) if tests.read else (),
+        )
         for place, (name, cells) in enumerate(zip(tests.names, tests.cells, strict=True))
-        if table.quantity in cells and meets(cells, table.where)
+        if (table.quantity in cells or place in bounds) and meets(cells, table.where)
     ]
     if not cases:
-        conditions = " and ".join((table.quantity, *table.where))
-        raise mistake(tests.file, "", f"must have tests with {conditions} as the suite selects them, found none")
+        selected = " and ".join((table.quantity, *table.where))
+        raise mistake(tests.file, "", f"must have tests with {selected} as the suite selects them, found none")
     return cases
 
 

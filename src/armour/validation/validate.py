@@ -17,6 +17,7 @@ from armour.files import named, shipped_suites
 from armour.scenario.checked import checked
 from armour.scenario.inputs import INPUTS, NAMES
 from armour.scenario.sections import TINY
+from armour.statistics.measured import OUTCOME
 from armour.validation.questions import Subject, answer
 from armour.validation.rivals import Error, errors_of
 from armour.validation.suite import Case, Suite, load_suite
@@ -159,8 +160,8 @@ class SuiteResult(TableResult):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Warnings, which a suite does not give."""
-        return ()
+        """Columns of files of tests that were not read and probably should be."""
+        return tuple(dict.fromkeys(text for check in self.checks for text in check.case.warnings))
 
     @property
     def passed(self) -> bool:
@@ -177,6 +178,7 @@ class SuiteResult(TableResult):
             "title": self.title,
             "suite": self.file,
             "passed": self.passed,
+            "warnings": self.warnings,
             "cases": [check.to_dict() for check in self.checks],
             "tables": [vars(summary) for summary in self.summaries],
             "errors": [vars(error) for error in self.errors],
@@ -270,6 +272,10 @@ def _judged(case: Case, computed: float | str | None, message: str = "") -> Chec
             status = "no answer"
         elif case.expected is None:
             return Check(case, computed, "no expected value", "no expected value yet; --update fills it in")
+        elif case.bound and isinstance(computed, float):
+            if case.band is None:
+                return Check(case, computed, status, "not scored: a bound is compared only with a band of its own")
+            status = "within" if case.bound.side * (computed - case.bound.value) >= -case.band else "outside"
         elif isinstance(computed, str) or isinstance(case.expected, str):
             status = "within" if computed == case.expected else "outside"
         elif case.band is not None:
@@ -307,7 +313,8 @@ def _calibrated_to(case: Case) -> str:
             continue
         for key, value in entry.values.items():
             for test in value.tests:
-                if case.quantity in test and all(_equal(cell, values.get(name)) for name, cell in test.items()):
+                measured_so = OUTCOME if case.bound else case.quantity
+                if measured_so in test and all(_equal(cell, values.get(name)) for name, cell in test.items()):
                     return f"not scored: {key} of {entry.name} was calibrated to this test"
     return ""
 

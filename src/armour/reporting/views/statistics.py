@@ -117,14 +117,14 @@ def tables_of_sensitivity(result: SensitivityResult) -> list[Table | str]:
 
 def calibration_table(result: CalibrationResult) -> Table:
     """Tabulate the errors of a fit to tests, its AICc and, if the tests have uncertainties, its chi-squared test."""
-    weighted = result.weights == "uncertainties"
+    weighted, few = result.weights == "uncertainties", _no_error(result)
     return Table.of_one(
         result,
         (Column("tests", spec="d"), len({residual.test for residual in result.residuals})),
         (Column("deviations relative to"), "uncertainties of the tests" if weighted else "measured values"),
         Column.of("law", label="law of the ceramic's flow stress"),
-        _error("mean error", result.mean_error_percent),
-        _error("mean leave-one-out error", result.left_out_error_percent),
+        _error("mean error", result.mean_error_percent, few),
+        _error("mean leave-one-out error", result.left_out_error_percent, few),
         (Column("AICc", spec=".1f"), None if _has_prior(result) else _value_or(result.aicc, "too few tests")),
         Column.of("degrees_of_freedom", ".4g"),
         (Column("chi-squared", spec=".2f"), result.chi_squared if weighted else None),
@@ -134,9 +134,14 @@ def calibration_table(result: CalibrationResult) -> Table:
     )
 
 
-def _error(label: str, value: float | None) -> Source:
-    """Return the column of an error, %, with its value, or with "too few tests" if there is none."""
-    return (Column(label), "too few tests") if value is None else (Column(label, "%", ".1f"), value)
+def _no_error(result: CalibrationResult) -> str:
+    """Return why a fit has no error: outcomes have none, and others need enough tests."""
+    return "outcomes have none" if all(residual.bound for residual in result.residuals) else "too few tests"
+
+
+def _error(label: str, value: float | None, few: str) -> Source:
+    """Return the column of an error, %, with its value, or with why there is none."""
+    return (Column(label), few) if value is None else (Column(label, "%", ".1f"), value)
 
 
 def _has_prior(result: CalibrationResult) -> bool:

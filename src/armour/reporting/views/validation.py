@@ -1,7 +1,7 @@
 """Tables and reports of suites, of the paper's figures, and of comparisons with simpler formulas."""
 
 from collections.abc import Mapping, Sequence
-from math import floor, log10
+from math import ceil, floor, log10
 
 from armour import __version__
 from armour.analysis.quantities import QUANTITIES
@@ -241,9 +241,8 @@ def drawn_checks(result: SuiteResult) -> list[Check]:
 # Fraction of the tests in which the computed limit, lowered by the allowance, does not exceed the measured one.
 COVERED_PART = 0.95
 USABLE = (
-    "A result within its band has not changed since the band was set; it need not be close to the tests. Lowered by "
-    "the allowance, 95 % of the computed limits do not exceed the measured ones. A probability of stopping the "
-    "projectile already includes the model error."
+    "A result within its band need not be close to the tests. Lowered by the allowance, at least 95 % of the computed "
+    "limits do not exceed the measured ones. A probability of stopping the projectile already includes the model error."
 )
 
 
@@ -267,15 +266,15 @@ def usable_table(result: SuiteResult) -> Table:
 
 
 def allowance_percent(checks: Sequence[Check]) -> float | None:
-    """Return by how much to lower computed limits, %, so that 95 % of them do not exceed the measured ones.
+    """Return by how much to lower computed limits, %, so that at least 95 % of them do not exceed the measured ones.
 
-    Return None if no limit was computed.
+    It is a whole number, rounded up; None if no limit was computed.
     """
     errors = sorted((check.deviation_percent for check in checks if check.deviation_percent is not None), reverse=True)
     if not errors:
         return None
     error = errors[int((1.0 - COVERED_PART) * len(errors))]
-    return max(0.0, 100.0 * error / (100.0 + error))
+    return max(0.0, ceil(round(100.0 * error / (100.0 + error), 9)))
 
 
 def suite_report(result: SuiteResult, command: str = "") -> Report:
@@ -299,12 +298,9 @@ def suite_report(result: SuiteResult, command: str = "") -> Report:
             sections.append(ReportSection(heading, notes=tuple(notes), folded=True))
     if command:
         sections.append(origin_section(command))
-    lead = f"{verdict(result)}."
-    if result.passed or result.count("outside", "no answer"):
-        lead = f"{'Unchanged' if result.passed else 'Changed'}: {lead}"
     return Report(
         title=result.title or result.file,
-        lead=lead if is_scored(result) else "No case is scored.",
+        lead=f"{verdict(result)}." if is_scored(result) else "No case is scored.",
         text=result.description,
         byline=(("program version", f"armour {__version__}"),),
         sections=tuple(sections),
