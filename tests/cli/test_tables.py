@@ -86,6 +86,41 @@ def test_an_answer_for_each_panel(cli, folder: Path):
     ]
 
 
+def write_panels(**results: str) -> None:
+    """Write a table of the results of shots at panels, 1 m/s faster each."""
+    rows = [f"{v},{word},{name}\n" for name, words in results.items() for v, word in enumerate(words, 700)]
+    Path("t.csv").write_text("velocity_m_s,result,panel\n" + "".join(rows))
+
+
+def test_a_panel_without_an_answer_stops_no_other(cli, folder: Path):
+    write_panels(A="PPPPCPCPCCCC", B="PP", C="CCPP", D="C")
+    why = {
+        "panel B": "must have at least one partial and one complete penetration, found only partial ones; ",
+        "panel C": "no V50: the complete penetrations were no faster on average (700.5 m/s) than the partial ones",
+        "panel D": "must have at least one partial and one complete penetration, found only complete ones; ",
+    }
+    for code, words in ((1, ()), (3, ("--requirement-m-s", "650"))):
+        shown, in_json = (cli("v50", "t.csv", "--each", *words, *form) for form in ((), ("--json",)))
+        assert (shown.exit_code, in_json.exit_code) == (code, code)
+        found = json.loads(in_json.stdout)
+        assert [*found] == ["panel A", *why, "made_by"]
+        assert found["panel A"]["decision"] == ("met" if words else "")
+        for name, reason in why.items():
+            assert f"\n{name}: {reason}" in shown.stdout
+            assert found[name]["no_answer"].startswith(reason)
+    planned = json.loads(cli("plan", "shots", "wilkins", "t.csv", "--each", "--json").stdout)
+    assert [*planned] == ["panel A", "panel B", "panel C", "panel D", "made_by"]
+    assert cli.fails(2, "v50", "t.csv", "--each", "--pairs", "7")[-1].startswith("command line: --span-m-s: ")
+
+
+def test_a_swapped_panel_stops_no_other_plan(cli, folder: Path):
+    write_panels(A="PPPCCC", B="CCCPPP")
+    shown = cli("plan", "shots", "wilkins", "t.csv", "--each", "--json")
+    assert shown.exit_code == 1
+    found = json.loads(shown.stdout)
+    assert found["panel A"]["fired"] and "are the results swapped?" in found["panel B"]["no_answer"]
+
+
 def test_a_shot_is_added_to_an_export(cli, folder: Path):
     (folder / "t.csv").write_text(EXPORT)
     words = ["plan", "shots", "wilkins", "t.csv", "--where", "panel=A", "--result", "complete", "--velocity-m-s", "715"]
@@ -109,7 +144,6 @@ def test_cases_of_an_export(cli, folder: Path):
 
 def test_options_of_tables_need_one(cli, folder: Path):
     (folder / "t.csv").write_text("velocity_m_s,result,panel\n700,P,A\n710,P,A\n720,P,A\n")
-    assert "shots of both results" in cli.fails(2, "v50", "t.csv", "--each")[-1]
     for option in (["--where", "panel=A"], ["--each"], ["--sheet", "x"]):
         assert cli.fails(2, "plan", "shots", "wilkins", *option) == [
             f"command line: {option[0]}: must be given with SHOTS"

@@ -104,7 +104,7 @@ def v50(
     """Estimate V50 from firing results.
 
     If a scenario with the same armour is given, its ballistic limit by the model is shown too. With a requirement, the
-    exit code is 3 if it is not met or the shots do not decide it.
+    exit code is 3 if it is not met or the shots do not decide it, with --each at any panel.
     """
     from armour.cli.firings import each_result
 
@@ -131,16 +131,18 @@ def v50(
         if each:
             files_of_one = {"--csv": csv, "--curve": curve, "--plot": plot}
             check_options(*((name, file, "must not be given with --each") for name, file in files_of_one.items()))
-            found: Any = each_result(estimate, table, chosen(where), sheet, kinds=1 if prior else 2)
-            results, file = [*found.results.values()], str(table)
+            found: Any = each_result(estimate, table, chosen(where), sheet)
+            results, unanswered, file = [*found.results.values()], found.unanswered, str(table)
         else:
             fired = armour.read_shots(table, one_kind=prior, where=chosen(where), sheet=sheet)
             found = estimate(say_how_read(table, fired))
-            results, file = [found], "" if loaded else fired.file
+            results, unanswered, file = [found], {}, "" if loaded else fired.file
             files = {csv: lambda _: rows_csv(found), curve: lambda _: rows_csv(found.band())}
     answer(found, loaded, files, plot=plot, file=file, as_json=as_json, verbose=verbose)
-    if any(result.decision in ("not met", "not decided") for result in results):
+    if requirement_m_s is not None and (unanswered or any(result.decision != "met" for result in results)):
         raise typer.Exit(runner.CHECK_FAILED)
+    if unanswered:
+        raise typer.Exit(runner.NO_ANSWER)
 
 
 def calibrate(
@@ -359,6 +361,8 @@ def plan_shots(
             else:
                 planned, warnings, files = firings.plan_after(plan, stack, table, result, velocity_m_s, chosen(where))
         answer(planned, loaded, files, warnings, plot=plot, as_json=as_json, verbose=verbose)
+    if each and planned.unanswered:
+        raise typer.Exit(runner.NO_ANSWER)
 
 
 def plan_tests(
