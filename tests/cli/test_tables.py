@@ -86,14 +86,14 @@ def test_an_answer_for_each_panel(cli, folder: Path):
     ]
 
 
-def write_panels(**results: str) -> None:
+def write_panels(folder: Path, **results: str) -> None:
     """Write a table of the results of shots at panels, 1 m/s faster each."""
     rows = [f"{v},{word},{name}\n" for name, words in results.items() for v, word in enumerate(words, 700)]
-    Path("t.csv").write_text("velocity_m_s,result,panel\n" + "".join(rows))
+    (folder / "t.csv").write_text("velocity_m_s,result,panel\n" + "".join(rows))
 
 
 def test_a_panel_without_an_answer_stops_no_other(cli, folder: Path):
-    write_panels(A="PPPPCPCPCCCC", B="PP", C="CCPP", D="C")
+    write_panels(folder, A="PPPPCPCPCCCC", B="PP", C="CCPP", D="C")
     why = {
         "panel B": "must have at least one partial and one complete penetration, found only partial ones; ",
         "panel C": "no V50: the complete penetrations were no faster on average (700.5 m/s) than the partial ones",
@@ -114,11 +114,12 @@ def test_a_panel_without_an_answer_stops_no_other(cli, folder: Path):
 
 
 def test_a_swapped_panel_stops_no_other_plan(cli, folder: Path):
-    write_panels(A="PPPCCC", B="CCCPPP")
+    write_panels(folder, A="PPPCCC", B="CCCPPP")
     shown = cli("plan", "shots", "wilkins", "t.csv", "--each", "--json")
     assert shown.exit_code == 1
     found = json.loads(shown.stdout)
-    assert found["panel A"]["fired"] and "are the results swapped?" in found["panel B"]["no_answer"]
+    assert "fired" in found["panel A"]
+    assert "are the results swapped?" in found["panel B"]["no_answer"]
 
 
 def test_a_shot_is_added_to_an_export(cli, folder: Path):
