@@ -285,7 +285,8 @@ def plan_shots(
     lower_m_s: Any = number_option("Lower limit of V50, m/s, for langlie and neyer, or without a scenario."),
     upper_m_s: Any = number_option("Upper limit of V50, m/s, for langlie and neyer, or without a scenario."),
     earlier: list[Path] | None = option(
-        "CSV file of an earlier firing at similar armour; its scatter is pooled with the expected one; repeatable.",
+        "CSV file of an earlier firing at similar armour, or of one at each of several panels; the scatter is pooled "
+        "with the expected one; repeatable.",
         metavar="SHOTS",
         autocompletion=completion.tables,
     ),
@@ -330,9 +331,6 @@ def plan_shots(
     )
     if is_fired:
         check_outputs(plot=plot, updated=table, force=force)
-    earlier_firings = [armour.read_shots(path) for path in earlier or ()]
-    for path, firing in zip(earlier or (), earlier_firings, strict=True):
-        say_how_read(path, firing)
     options = given(
         procedure=procedure,
         half_width_m_s=half_width_m_s,
@@ -343,7 +341,7 @@ def plan_shots(
         prior=prior,
         scatter_percent=scatter_percent,
         scatter_factor=scatter_factor,
-        earlier=earlier_firings,
+        earlier=firings.earlier_firings(earlier or ()),
         limits_m_s=None if lower_m_s is None else (lower_m_s, upper_m_s),
         simulate=simulate,
         true_v50_m_s=true_v50_m_s,

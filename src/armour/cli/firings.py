@@ -1,6 +1,6 @@
 """Answer questions on tables of shots: for each target separately, for the next shot, and after adding a shot."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from os.path import exists
 from pathlib import Path
@@ -9,9 +9,9 @@ import armour
 from armour.analysis.results import EachResult, Result
 from armour.cli.console import say
 from armour.cli.runner import Files, say_how_read, wrong_option
-from armour.columns import perforates
+from armour.columns import GROUPS, perforates
 from armour.csv_files import MUST_SAY, open_table
-from armour.errors import InputError, NoAnswerError, mistake
+from armour.errors import InputError, NoAnswerError, joined, mistake
 from armour.planning.firing import ShotPlan, far_from
 from armour.planning.shot_file import content_of, locked, with_shot
 from armour.scenario.keys import describe
@@ -30,7 +30,11 @@ def each_result(
     do not stop the others.
     """
     results, unanswered = {}, {}
-    for name, value in firings_of(table, where, sheet):
+    targets = firings_of(table, where, sheet)
+    if not targets:
+        message = f"must have a column {joined(GROUPS, 'or')}, with several shots for each of its values"
+        raise mistake(table, "--each", message)
+    for name, value in targets:
         chosen = {**where, name: value}
         fired = say_how_read(table, armour.read_shots(table, one_kind=True, where=chosen, sheet=sheet))
         try:
@@ -42,6 +46,15 @@ def each_result(
                 raise  # a wrong option
             unanswered[f"{name} {value}"] = "; ".join(problem.message for problem in error.problems)
     return EachResult(results, unanswered)
+
+
+def earlier_firings(tables: Sequence[Path]) -> list[Shots]:
+    """Read earlier firings: each table is one, or several if it has shots at several targets."""
+    return [
+        say_how_read(table, armour.read_shots(table, where=chosen))
+        for table in tables
+        for chosen in [{name: value} for name, value in firings_of(table, {}, None, least=2)] or [{}]
+    ]
 
 
 def next_plan(

@@ -17,7 +17,7 @@ from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.columns import GROUPS, YES_MEANS, column_of, perforates
 from armour.csv_files import Source, TableRead
-from armour.errors import Problem, counted, joined, mistake, refuse
+from armour.errors import Problem, counted, mistake, refuse
 from armour.scenario.checked import Table, checked
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.statistics import curves
@@ -356,10 +356,10 @@ def shots_of(source: Source, *, one_kind: bool = False, where: Mapping[str, str]
     return shots
 
 
-def firings_of(path: Table, where: Mapping[str, str], sheet: str | None) -> list[tuple[str, str]]:
-    """Return the targets in a table of shots, each as the column and its value.
+def firings_of(path: Table, where: Mapping[str, str], sheet: str | None, least: int = 1) -> list[tuple[str, str]]:
+    """Return the targets in a table of shots, each as the column and its value; none if it is not divided by them.
 
-    They are all values of the first column of which at least one is not a serial number.
+    They are all values of the first column of which at least `least` are not serial numbers.
     """
     source = csv_files.open_table(path, is_of_shots, sheet)
     table = csv_files.read_rows(
@@ -368,10 +368,9 @@ def firings_of(path: Table, where: Mapping[str, str], sheet: str | None) -> list
     refuse(csv_files.in_line_order(table.problems))
     results = [perforates(row.texts.get("result", "")) for row in table.rows]
     for name, values in table.groups.items():
-        if csv_files.targets_of(table, name, results):
+        if len(csv_files.targets_of(table, name, results)) >= least:
             return [(name, value) for value in dict.fromkeys(values)]
-    message = f"must have a column {joined(GROUPS, 'or')}, with several shots for each of its values"
-    raise mistake(source.file, "--each", message)
+    return []
 
 
 @checked
