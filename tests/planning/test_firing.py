@@ -106,6 +106,10 @@ def test_a_requirement():
     assert alone.decision == "met"
     assert (alone.evidence_met or 0.0) > 20.0 > (alone.evidence_not_met or 0.0)
     assert plan_shots(scenario(), requirement_m_s=700.0, procedure="up-and-down").next_velocity_m_s == 722.9
+    shots = Shots((700.0, 703.0, 706.0, 709.0, 712.0, 715.0), (False, True) * 3)
+    ended = plan_shots(scenario(), shots, requirement_m_s=700.0, procedure="up-and-down")
+    assert ended.decision == "not decided"
+    assert ended.stopped.endswith("within 27.4 m/s; the requirement is not decided")
 
 
 def test_a_requirement_in_another_unit():

@@ -98,8 +98,9 @@ class ShotPlan(Result):
         Fraction of shots that may perforate at the required velocity.
     probability_met : float or None
         Probability that the requirement is met, by the posterior.
-    decision : {"met", "not met", ""}
-        Whether the requirement is met; empty without a requirement, and while it is undecided.
+    decision : {"met", "not met", "not decided", ""}
+        Whether the requirement is met; "not decided" if the firing has ended without a decision; empty without a
+        requirement, and while it is undecided.
     consumers_risk, producers_risk : float or None
         Greatest probability that armour which does not meet the requirement is accepted, and that armour which meets it
         is rejected: 1 minus the confidence.  None without a requirement, and if the decision uses the prior.
@@ -343,6 +344,11 @@ def plan_shots(
     posterior_of_v50 = posterior_of(expectation, fired.velocities_m_s, fired.complete)
     prior_estimate, estimate, prior_share, contradictions = learned(prior_of_v50, posterior_of_v50, confidence)
     is_bayesian = procedure == "bayesian"
+    requirement = _requirement(
+        fired, settings, posterior_of_v50, end_reason, operates=is_bayesian and not shots.complete
+    )
+    if end_reason and required and not is_bayesian:
+        end_reason += f"; the requirement is {requirement['decision']}"
     further, further_90 = procedures.expected_shots(fired, settings) if is_bayesian and aim else (None, None)
     return ShotPlan(
         procedure=procedure,
@@ -370,7 +376,7 @@ def plan_shots(
         true_scatter_m_s=true_scatter_m_s,
         curve=_curve(prior_of_v50, posterior_of_v50, fired),
         contradicts_prior=bool(contradictions),
-        **_requirement(fired, settings, posterior_of_v50, operates=is_bayesian and not shots.complete),
+        **requirement,
         earlier=len(earlier),
         scatter_percent=scatter_percent,
         scatter_factor=scatter_factor,
@@ -448,9 +454,12 @@ def _aim(rule: Rule, fired: Shots, settings: ShotSettings) -> Aim:
 
 
 def _requirement(
-    fired: Shots, settings: ShotSettings, posterior_of_v50: Posterior, *, operates: bool
+    fired: Shots, settings: ShotSettings, posterior_of_v50: Posterior, end_reason: str, *, operates: bool
 ) -> dict[str, Any]:
-    """Return the attributes of a plan about its requirement; `operates` adds the operating characteristic."""
+    """Return the attributes of a plan about its requirement; `operates` adds the operating characteristic.
+
+    `end_reason` is that of a firing that has ended.
+    """
     if settings.requirement_m_s is None:
         return {"probability_met": None}
     current = procedures.posterior(fired, settings)
@@ -462,7 +471,7 @@ def _requirement(
         evidence = {"evidence_met": met, "evidence_not_met": not_met, "consumers_risk": risk, "producers_risk": risk}
     return {
         "probability_met": posterior_of_v50.probability_above(settings.requirement_m_s, settings.requirement_fraction),
-        "decision": ("", "met", "not met")[decision],
+        "decision": ("not decided" if end_reason else "", "met", "not met")[decision],
         "operating_characteristic": procedures.operating_characteristic(settings) if operates else (),
         **evidence,
     }
