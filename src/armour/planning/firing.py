@@ -355,7 +355,7 @@ def plan_shots(
         fired=fired,
         simulated=len(fired.complete) - len(shots.complete),
         next_velocity_m_s=None if aim is None else aimed(aim.velocity_m_s),
-        reason="" if aim is None else aim.why + _why_outside(aim.velocity_m_s, fired) * (procedure != "up-and-down"),
+        reason="" if aim is None else aim.why + _why_outside(aim.velocity_m_s, fired) * (is_bayesian and not required),
         stopped=end_reason,
         expected_shots=further,
         expected_shots_90=further_90,
