@@ -142,7 +142,8 @@ class ShotPlan(Result):
         Whether the posterior median of V50 or of the scatter lies outside its 99 % interval by the prior.
     warnings : tuple of str
         Shots far from the model's limit or contradicting the prior, limits that shots have reached, a simulation that
-        did not end, and ways in which the scenario differs from what the model was compared with.
+        did not end, a greatest velocity below V50 or the required one, and ways in which the scenario differs from what
+        the model was compared with.
     """
 
     procedure: str
@@ -386,6 +387,7 @@ def plan_shots(
             *contradictions,
             *(procedures.langlie_doubts(fired, settings) if procedure == "langlie" and aim else ()),
             *([NOT_ENDED] if simulate and aim else ()),
+            *(_too_slow(settings, estimate) if aim else ()),
             *(() if limit is None else limit.warnings),
         ),
     ).of(scenario.subject(ANY_VELOCITY) if scenario else f"V50 of {fired.file}", scenario=scenario)
@@ -512,6 +514,14 @@ def _far_shots(shots: Shots, prior: FiringPrior, limit: LimitResult | None) -> I
             f"shots at {', '.join(far[:5])} m/s are far from the {100.0 * FAR_PROBABILITY:g} % interval of V50 by the "
             f"model, {low:.0f} to {high:.0f} m/s; check their velocities and unit"
         )
+
+
+def _too_slow(settings: ShotSettings, estimate: FiringEstimate) -> Iterator[str]:
+    """Yield a warning if the greatest velocity that can be fired is below the required one, or else below V50."""
+    required, greatest = settings.requirement_m_s, settings.velocity_max_m_s
+    sought, name = (estimate.v50_m_s, "V50 expected") if required is None else (required, "required velocity")
+    if greatest < sought:
+        yield f"the greatest velocity, {greatest:g} m/s, is below the {name}, {sought:.0f} m/s: the firing may not end"
 
 
 def limits_of(prior: FiringPrior, probability: float = LIMITS_PROBABILITY) -> tuple[float, float]:
