@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from armour import load_scenario, plan_shots, read_shots
+
 SHOTS = "velocity_m_s,result,shot\n700,partial,1\n715,complete,{}\n710,partial,3\n725,complete,4\n"
 TESTS = "armour.ceramic_thickness_mm,ballistic_limit_m_s,test\n5,660,a\n6,705,{}\n8,790,c\n7,755,d\n"
 CASES = "armour.ceramic_thickness_mm,armour.backing\n5,6061-T6\n6,{}\n8,6061-T6\n"
@@ -88,6 +90,50 @@ def test_an_answer_for_each_panel(cli, folder: Path):
     ]
 
 
+def write_panels(folder: Path, **results: str) -> None:
+    """Write a table of the results of shots at panels, 1 m/s faster each."""
+    rows = [f"{v},{word},{name}\n" for name, words in results.items() for v, word in enumerate(words, 700)]
+    (folder / "t.csv").write_text("velocity_m_s,result,panel\n" + "".join(rows))
+
+
+def test_a_panel_without_an_answer_stops_no_other(cli, folder: Path):
+    write_panels(folder, A="PPPPCPCPCCCC", B="PP", C="CCPP", D="C")
+    why = {
+        "panel B": "must have at least one partial and one complete penetration, found only partial ones; ",
+        "panel C": "no V50: the complete penetrations were no faster on average (700.5 m/s) than the partial ones",
+        "panel D": "must have at least one partial and one complete penetration, found only complete ones; ",
+    }
+    for code, words in ((1, ()), (3, ("--requirement-m-s", "650"))):
+        shown, in_json = (cli("v50", "t.csv", "--each", *words, *form) for form in ((), ("--json",)))
+        assert (shown.exit_code, in_json.exit_code) == (code, code)
+        found = json.loads(in_json.stdout)
+        assert [*found] == ["panel A", *why, "made_by"]
+        assert found["panel A"]["decision"] == ("met" if words else "")
+        for name, reason in why.items():
+            assert f"\n{name}: {reason}" in shown.stdout
+            assert found[name]["no_answer"].startswith(reason)
+    planned = json.loads(cli("plan", "shots", "wilkins", "t.csv", "--each", "--json").stdout)
+    assert [*planned] == ["panel A", "panel B", "panel C", "panel D", "made_by"]
+    assert cli.fails(2, "v50", "t.csv", "--each", "--pairs", "7")[-1].startswith("command line: --span-m-s: ")
+
+
+def test_each_panel_of_an_earlier_table_is_a_firing(cli, folder: Path):
+    write_panels(folder, A="PPCPCC", B="PPPCCC")
+    found = json.loads(cli("plan", "shots", "wilkins", "--earlier", "t.csv", "--json").stdout)
+    parts = [read_shots(folder / "t.csv", where={"panel": name}) for name in "AB"]
+    assert found["earlier"] == 2
+    assert found["scatter_percent"] == plan_shots(load_scenario("wilkins"), earlier=parts).scatter_percent
+
+
+def test_a_swapped_panel_stops_no_other_plan(cli, folder: Path):
+    write_panels(folder, A="PPPCCC", B="CCCPPP")
+    shown = cli("plan", "shots", "wilkins", "t.csv", "--each", "--json")
+    assert shown.exit_code == 1
+    found = json.loads(shown.stdout)
+    assert "fired" in found["panel A"]
+    assert "are the results swapped?" in found["panel B"]["no_answer"]
+
+
 def test_a_shot_is_added_to_an_export(cli, folder: Path):
     (folder / "t.csv").write_text(EXPORT)
     line = "plan shots wilkins t.csv --procedure up-and-down --where panel=A --result complete --velocity-m-s 715"
@@ -111,7 +157,6 @@ def test_cases_of_an_export(cli, folder: Path):
 
 def test_options_of_tables_need_one(cli, folder: Path):
     (folder / "t.csv").write_text("velocity_m_s,result,panel\n700,P,A\n710,P,A\n720,P,A\n")
-    assert "shots of both results" in cli.fails(2, "v50", "t.csv", "--each")[-1]
     for option in (["--where", "panel=A"], ["--each"], ["--sheet", "x"]):
         assert cli.fails(2, "plan", "shots", "wilkins", *option) == [
             f"command line: {option[0]}: must be given with SHOTS"

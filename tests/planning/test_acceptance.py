@@ -7,15 +7,18 @@ from scipy.special import log_ndtr, ndtr, ndtri
 from scipy.stats import norm
 
 from armour.evidence.model_error import ModelError
+from armour.planning.firing import aimed
 from armour.planning.procedures import (
     Demand,
     ShotSettings,
     decisions,
     demand_of,
+    expected_shots,
     next_bayesian,
     posterior,
     stopped_bayesian,
 )
+from armour.planning.shot_file import added
 from armour.statistics.posterior import FiringPrior
 from armour.statistics.v50 import Shots
 from tools.experiments.firings import requirement
@@ -65,6 +68,31 @@ def test_the_likeliest_curve_that_fails_just_meets_the_requirement(fraction: flo
         np.average(np.exp(likelihood), weights=np.exp(demand.log_weights) * (demand.met == 1.0)) / np.exp(-best),
         rel=0.01,
     )
+
+
+def test_shots_as_planned_decide_as_soon_as_expected():
+    """Planned on a finer grid than the continuations are, a velocity once just missed the decision for four shots."""
+    shots = Shots((), ())
+    while not stopped_bayesian(shots, SETTINGS):
+        expected, _ = expected_shots(shots, SETTINGS)
+        assert expected == 6 - len(shots.complete)
+        shots = added(shots, aimed(next_bayesian(shots, SETTINGS).velocity_m_s), complete=False)
+
+
+def test_the_gain_is_the_expected_increase_of_the_logarithm_of_the_ratio():
+    shots = Shots((690.0, 702.0, 707.0), (False, True, False))
+    demand = demand_of(REQUIRED, 0.5, SCATTER, 2.0)
+    known, before = demand.posterior(shots.velocities_m_s, shots.complete), np.log(ratios(demand, shots))
+    expected = []
+    for velocity in (690.0, 705.0):
+        [response] = demand.grid.response(np.array([velocity]))
+        expected.append(0.0)
+        for complete, chance in ((True, response), (False, 1.0 - response)):
+            change = np.log(ratios(demand, added(shots, velocity, complete))) - before
+            sides = [float((known.weights * chance)[demand.met == side].sum()) for side in (1.0, 0.0)]
+            expected[-1] += float(sides @ change)
+    gained = demand.gains(known.weights[None], demand.grid.response(np.array([690.0, 705.0])))[0]
+    assert gained[1] - gained[0] == pytest.approx(expected[1] - expected[0])
 
 
 def test_the_prior_takes_part_only_where_it_is_asked():

@@ -90,6 +90,14 @@ def test_no_shot_is_planned_that_is_faster_than_can_be_fired(procedure: Any):
     assert plan.next_velocity_m_s == 724.0
 
 
+def test_a_greatest_velocity_that_does_not_reach_v50():
+    for greatest, required, name in ((600.0, None, "V50 expected, 715"), (650.0, 700.0, "required velocity, 700")):
+        plan = plan_shots(scenario(), velocity_max_m_s=greatest, requirement_m_s=required)
+        message = f"the greatest velocity, {greatest:g} m/s, is below the {name} m/s: the firing may not end"
+        assert message in plan.warnings
+        assert message not in plan_shots(scenario(), velocity_max_m_s=800.0, requirement_m_s=required).warnings
+
+
 def test_a_requirement():
     plan = plan_shots(scenario(), SHOTS, requirement_m_s=760.0, requirement_fraction=0.05)
     assert 0.05 < known(plan.probability_met) < 0.5
@@ -105,6 +113,16 @@ def test_a_requirement():
     assert alone.decision == "met"
     assert (alone.evidence_met or 0.0) > 20.0 > (alone.evidence_not_met or 0.0)
     assert plan_shots(scenario(), requirement_m_s=700.0, procedure="up-and-down").next_velocity_m_s == 722.9
+    shots = Shots((700.0, 703.0, 706.0, 709.0, 712.0, 715.0), (False, True) * 3)
+    ended = plan_shots(scenario(), shots, requirement_m_s=700.0, procedure="up-and-down")
+    assert ended.decision == "not decided"
+    assert ended.stopped.endswith("within 27.4 m/s; the requirement is not decided")
+
+
+def test_a_rule_is_its_own_reason():
+    shots = Shots((805.2, 871.0, 840.0, 805.4), (False, True, True, True))
+    plan = plan_shots(scenario(), shots, procedure="langlie", limits_m_s=(610.0, 960.0))
+    assert plan.reason == "midway between the last shot and the lower limit, 610.0 m/s"
 
 
 def test_a_requirement_in_another_unit():

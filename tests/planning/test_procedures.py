@@ -218,7 +218,7 @@ def test_the_gain_is_the_expected_reduction_of_the_variance():
     for weights in (known.weights * response[0], known.weights * (1.0 - response[0])):
         after = Posterior(known.grid, weights / weights.sum())
         expected += weights.sum() * after.variance(known.grid.v50_m_s)
-    [[gain]] = gains(known.weights[None], known.grid.v50_m_s, response)
+    [[gain]] = gains(known.weights[None], known.grid, BAYESIAN, response)
     assert known.variance(known.grid.v50_m_s) - gain == pytest.approx(expected)
 
 
@@ -226,7 +226,7 @@ def test_the_velocity_has_the_greatest_gain():
     known = posterior(SHOTS, BAYESIAN)
     aim = next_bayesian(SHOTS, BAYESIAN)
     others = np.linspace(650.0, 850.0, 401)
-    gained = gains(known.weights[None], known.grid.v50_m_s, known.grid.response(others))[0]
+    gained = gains(known.weights[None], known.grid, BAYESIAN, known.grid.response(others))[0]
     assert aim.velocity_m_s == pytest.approx(others[np.argmax(gained)], abs=1.0)
 
 

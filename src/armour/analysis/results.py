@@ -81,9 +81,10 @@ class Result:
 
 @dataclass(frozen=True, repr=False)
 class EachResult(Result):
-    """Results of several tables, or of parts of one, by name."""
+    """Results of several tables, or of parts of one, by name; and, by name, why others have no answer."""
 
     results: Mapping[str, Result]
+    unanswered: Mapping[str, str]
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -92,10 +93,11 @@ class EachResult(Result):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the results as plain data, by name."""
-        return {name: result.to_dict() for name, result in self.results.items()}
+        results = {name: result.to_dict() for name, result in self.results.items()}
+        return {**results, **{name: {"no_answer": reason} for name, reason in self.unanswered.items()}}
 
     def _words(self) -> str:
-        return ", ".join(self.results)
+        return ", ".join((*self.results, *self.unanswered))
 
 
 @dataclass(frozen=True, repr=False)

@@ -105,7 +105,7 @@ def v50(
     """Estimate V50 from firing results.
 
     If a scenario with the same armour is given, its ballistic limit by the model is shown too. With a requirement, the
-    exit code is 3 if it is not met or the shots do not decide it.
+    exit code is 3 if it is not met or the shots do not decide it, with --each at any panel.
     """
     from armour.cli.firings import each_result
 
@@ -132,16 +132,19 @@ def v50(
         if each:
             files_of_one = {"--csv": csv, "--curve": curve, "--plot": plot}
             check_options(*((name, file, "must not be given with --each") for name, file in files_of_one.items()))
-            found: Any = each_result(estimate, table, chosen(where), sheet, kinds=1 if prior else 2)
-            results, file = [*found.results.values()], str(table)
+            found: Any = each_result(estimate, table, chosen(where), sheet)
+            results, unanswered, file = [*found.results.values()], found.unanswered, str(table)
         else:
             fired = armour.read_shots(table, one_kind=prior, where=chosen(where), sheet=sheet)
             found = estimate(say_how_read(table, fired))
-            results, file = [found], ", ".join([fired.file, *([loaded.file] if loaded else [])])
+            results, unanswered = [found], {}
+            file = ", ".join([fired.file, *([loaded.file] if loaded else [])])
             files = {csv: lambda _: rows_csv(found), curve: lambda _: rows_csv(found.band())}
     answer(found, loaded, files, plot=plot, file=file, as_json=as_json, verbose=verbose)
-    if any(result.decision in ("not met", "not decided") for result in results):
+    if requirement_m_s is not None and (unanswered or any(result.decision != "met" for result in results)):
         raise typer.Exit(runner.CHECK_FAILED)
+    if unanswered:
+        raise typer.Exit(runner.NO_ANSWER)
 
 
 def calibrate(
@@ -288,7 +291,8 @@ def plan_shots(
     lower_m_s: Any = number_option("Lower limit of V50, m/s, for langlie and neyer, or without a scenario."),
     upper_m_s: Any = number_option("Upper limit of V50, m/s, for langlie and neyer, or without a scenario."),
     earlier: list[Path] | None = option(
-        "CSV file of an earlier firing at similar armour; its scatter is pooled with the expected one; repeatable.",
+        "CSV file of an earlier firing at similar armour, or of one at each of several panels; the scatter is pooled "
+        "with the expected one; repeatable.",
         metavar="SHOTS",
         autocompletion=completion.tables,
     ),
@@ -337,9 +341,6 @@ def plan_shots(
     )
     if is_fired:
         check_outputs(plot=plot, updated=table, force=force)
-    earlier_firings = [armour.read_shots(path) for path in earlier or ()]
-    for path, firing in zip(earlier or (), earlier_firings, strict=True):
-        say_how_read(path, firing)
     options = given(
         procedure=procedure,
         half_width_m_s=half_width_m_s,
@@ -350,7 +351,7 @@ def plan_shots(
         prior=prior,
         scatter_percent=scatter_percent,
         scatter_factor=scatter_factor,
-        earlier=earlier_firings,
+        earlier=firings.earlier_firings(earlier or ()),
         limits_m_s=None if lower_m_s is None else (lower_m_s, upper_m_s),
         simulate=simulate,
         true_v50_m_s=true_v50_m_s,
@@ -369,6 +370,8 @@ def plan_shots(
                 planned, warnings, files = firings.plan_after(plan, stack, table, result, velocity_m_s, chosen(where))
         file = ", ".join([*([str(table)] if table else []), *([loaded.file] if loaded else [])])
         answer(planned, loaded, files, warnings, plot=plot, file=file, as_json=as_json, verbose=verbose)
+    if each and planned.unanswered:
+        raise typer.Exit(runner.NO_ANSWER)
 
 
 def plan_tests(

@@ -1,6 +1,6 @@
 """Answer questions on tables of shots: for each target separately, for the next shot, and after adding a shot."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from os.path import exists
 from pathlib import Path
@@ -9,9 +9,9 @@ import armour
 from armour.analysis.results import EachResult, Result
 from armour.cli.console import say
 from armour.cli.runner import Files, say_how_read, wrong_option
-from armour.columns import perforates
+from armour.columns import GROUPS, perforates
 from armour.csv_files import MUST_SAY, open_table
-from armour.errors import mistake
+from armour.errors import InputError, NoAnswerError, joined, mistake
 from armour.planning.firing import ShotPlan, far_from
 from armour.planning.shot_file import content_of, locked, with_shot
 from armour.scenario.keys import describe
@@ -22,24 +22,39 @@ FAR_FROM_PLAN = 0.1
 
 
 def each_result(
-    answer: Callable[[Shots], Result], table: Path, where: Mapping[str, str], sheet: str | None, kinds: int
+    answer: Callable[[Shots], Result], table: Path, where: Mapping[str, str], sheet: str | None
 ) -> EachResult:
     """Call `answer` with the shots at each target in a table; name each result by column and value, as "panel A".
 
-    `where` has the values of columns that rows must have, and `sheet` is that of a workbook.  Targets whose shots have
-    fewer than `kinds` different results are left out.
+    `where` has the values of columns that rows must have, and `sheet` is that of a workbook.  Shots that have no answer
+    do not stop the others.
     """
-    results = {}
-    for name, value, kinds_found in firings_of(table, where, sheet):
-        if kinds_found < kinds:
-            say(f"note: {table}: {name} {value}: left out, as its shots have only one result")
-            continue
+    results, unanswered = {}, {}
+    targets = firings_of(table, where, sheet)
+    if not targets:
+        message = f"must have a column {joined(GROUPS, 'or')}, with several shots for each of its values"
+        raise mistake(table, "--each", message)
+    for name, value in targets:
         chosen = {**where, name: value}
-        fired = say_how_read(table, armour.read_shots(table, one_kind=kinds == 1, where=chosen, sheet=sheet))
-        results[f"{name} {value}"] = answer(fired)
-    if not results:
-        raise wrong_option("--each", "must be given with shots of both results for one value at least")
-    return EachResult(results)
+        fired = say_how_read(table, armour.read_shots(table, one_kind=True, where=chosen, sheet=sheet))
+        try:
+            results[f"{name} {value}"] = answer(fired)
+        except NoAnswerError as error:
+            unanswered[f"{name} {value}"] = str(error)
+        except InputError as error:
+            if any(problem.file != fired.file for problem in error.problems):
+                raise  # a wrong option
+            unanswered[f"{name} {value}"] = "; ".join(problem.message for problem in error.problems)
+    return EachResult(results, unanswered)
+
+
+def earlier_firings(tables: Sequence[Path]) -> list[Shots]:
+    """Read earlier firings: each table is one, or several if it has shots at several targets."""
+    return [
+        say_how_read(table, armour.read_shots(table, where=chosen))
+        for table in tables
+        for chosen in [{name: value} for name, value in firings_of(table, {}, None, least=2)] or [{}]
+    ]
 
 
 def next_plan(
@@ -55,7 +70,7 @@ def next_plan(
     if is_new:
         say(f"note: {table}: no such file, so no shot has been fired; --result makes the file")
     if each:
-        return each_result(plan, table, where, sheet, kinds=1)  # a plan follows from shots of one result, too
+        return each_result(plan, table, where, sheet)
     if is_new:
         return plan(None)
     return plan(say_how_read(table, armour.read_shots(table, one_kind=True, where=where, sheet=sheet)))

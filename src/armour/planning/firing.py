@@ -98,8 +98,9 @@ class ShotPlan(Result):
         Fraction of shots that may perforate at the required velocity.
     probability_met : float or None
         Probability that the requirement is met, by the posterior.
-    decision : {"met", "not met", ""}
-        Whether the requirement is met; empty without a requirement, and while it is undecided.
+    decision : {"met", "not met", "not decided", ""}
+        Whether the requirement is met; "not decided" if the firing has ended without a decision; empty without a
+        requirement, and while it is undecided.
     consumers_risk, producers_risk : float or None
         Greatest probability that armour which does not meet the requirement is accepted, and that armour which meets it
         is rejected: 1 minus the confidence.  None without a requirement, and if the decision uses the prior.
@@ -141,7 +142,8 @@ class ShotPlan(Result):
         Whether the posterior median of V50 or of the scatter lies outside its 99 % interval by the prior.
     warnings : tuple of str
         Shots far from the model's limit or contradicting the prior, limits that shots have reached, a simulation that
-        did not end, and ways in which the scenario differs from what the model was compared with.
+        did not end, a greatest velocity below V50 or the required one, and ways in which the scenario differs from what
+        the model was compared with.
     """
 
     procedure: str
@@ -343,13 +345,18 @@ def plan_shots(
     posterior_of_v50 = posterior_of(expectation, fired.velocities_m_s, fired.complete)
     prior_estimate, estimate, prior_share, contradictions = learned(prior_of_v50, posterior_of_v50, confidence)
     is_bayesian = procedure == "bayesian"
+    requirement = _requirement(
+        fired, settings, posterior_of_v50, end_reason, operates=is_bayesian and not shots.complete
+    )
+    if end_reason and required and not is_bayesian:
+        end_reason += f"; the requirement is {requirement['decision']}"
     further, further_90 = procedures.expected_shots(fired, settings) if is_bayesian and aim else (None, None)
     return ShotPlan(
         procedure=procedure,
         fired=fired,
         simulated=len(fired.complete) - len(shots.complete),
         next_velocity_m_s=None if aim is None else aimed(aim.velocity_m_s),
-        reason="" if aim is None else aim.why + _why_outside(aim.velocity_m_s, fired) * (procedure != "up-and-down"),
+        reason="" if aim is None else aim.why + _why_outside(aim.velocity_m_s, fired) * (is_bayesian and not required),
         stopped=end_reason,
         expected_shots=further,
         expected_shots_90=further_90,
@@ -370,7 +377,7 @@ def plan_shots(
         true_scatter_m_s=true_scatter_m_s,
         curve=_curve(prior_of_v50, posterior_of_v50, fired),
         contradicts_prior=bool(contradictions),
-        **_requirement(fired, settings, posterior_of_v50, operates=is_bayesian and not shots.complete),
+        **requirement,
         earlier=len(earlier),
         scatter_percent=scatter_percent,
         scatter_factor=scatter_factor,
@@ -381,6 +388,7 @@ def plan_shots(
             *contradictions,
             *(procedures.langlie_doubts(fired, settings) if procedure == "langlie" and aim else ()),
             *([NOT_ENDED] if simulate and aim else ()),
+            *(_too_slow(settings, estimate) if aim else ()),
             *(() if limit is None else limit.warnings),
         ),
     ).of(scenario.subject(ANY_VELOCITY) if scenario else f"V50 of {fired.file}", scenario=scenario)
@@ -449,9 +457,12 @@ def _aim(rule: Rule, fired: Shots, settings: ShotSettings) -> Aim:
 
 
 def _requirement(
-    fired: Shots, settings: ShotSettings, posterior_of_v50: Posterior, *, operates: bool
+    fired: Shots, settings: ShotSettings, posterior_of_v50: Posterior, end_reason: str, *, operates: bool
 ) -> dict[str, Any]:
-    """Return the attributes of a plan about its requirement; `operates` adds the operating characteristic."""
+    """Return the attributes of a plan about its requirement; `operates` adds the operating characteristic.
+
+    `end_reason` is that of a firing that has ended.
+    """
     if settings.requirement_m_s is None:
         return {"probability_met": None}
     current = procedures.posterior(fired, settings)
@@ -463,7 +474,7 @@ def _requirement(
         evidence = {"evidence_met": met, "evidence_not_met": not_met, "consumers_risk": risk, "producers_risk": risk}
     return {
         "probability_met": posterior_of_v50.probability_above(settings.requirement_m_s, settings.requirement_fraction),
-        "decision": ("", "met", "not met")[decision],
+        "decision": ("not decided" if end_reason else "", "met", "not met")[decision],
         "operating_characteristic": procedures.operating_characteristic(settings) if operates else (),
         **evidence,
     }
@@ -504,6 +515,14 @@ def _far_shots(shots: Shots, prior: FiringPrior, limit: LimitResult | None) -> I
             f"shots at {', '.join(far[:5])} m/s are far from the {100.0 * FAR_PROBABILITY:g} % interval of V50 by the "
             f"model, {low:.0f} to {high:.0f} m/s; check their velocities and unit"
         )
+
+
+def _too_slow(settings: ShotSettings, estimate: FiringEstimate) -> Iterator[str]:
+    """Yield a warning if the greatest velocity that can be fired is below the required one, or else below V50."""
+    required, greatest = settings.requirement_m_s, settings.velocity_max_m_s
+    sought, name = (estimate.v50_m_s, "V50 expected") if required is None else (required, "required velocity")
+    if greatest < sought:
+        yield f"the greatest velocity, {greatest:g} m/s, is below the {name}, {sought:.0f} m/s: the firing may not end"
 
 
 def limits_of(prior: FiringPrior, probability: float = LIMITS_PROBABILITY) -> tuple[float, float]:

@@ -5,7 +5,8 @@ Whether a requirement is met is decided from the shots alone, at stated risks, o
 The Bayesian procedure fires the shot that is expected to say most about a target, given the model's limit and its
 error.  The target is V50 or, with a requirement, whether the requirement is met: whether the velocity at which a given
 fraction of shots perforate exceeds the required velocity.  The gain of a shot is the expected reduction of the variance
-of the target by its result, Cov(target, result)^2 / Var(result) over the posterior.
+of the target by its result, Cov(target, result)^2 / Var(result) over the posterior.  If the shots alone decide on the
+requirement, it is the expected increase of the logarithm of the likelihood ratio that decides.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -67,6 +68,21 @@ class Demand(NamedTuple):
         edge = weights[:, self.met == 0.5].max(axis=1) / EDGE_WEIGHT
         sides = np.column_stack([weights @ (self.met == 1.0), weights @ (self.met == 0.0)])
         return 2.0 * sides / np.maximum(edge, 1e-290)[:, None]
+
+    def gains(self, weights: Floats, response: Floats) -> Floats:
+        """Return the expected increase of the logarithm of the evidence for the true side, up to a constant, (n, m).
+
+        The increase is by a shot at each of m velocities, with `response`, (m, points), the probability of complete
+        penetration there; `weights`, (n, points), are n distributions over curves.
+        """
+        gained = np.zeros((len(weights), len(response)))
+        for chance in (response, 1.0 - response):
+            edge = (weights[:, None, self.met == 0.5] * chance[:, self.met == 0.5]).max(axis=2)
+            for side in (self.met == 1.0, self.met == 0.0):
+                together = np.vecdot(weights[:, None, side], chance[:, side]).clip(1e-290)
+                alone = weights[:, side].sum(axis=1).clip(1e-290)
+                gained += together * np.log(together / alone[:, None] / edge.clip(1e-290))
+        return gained
 
 
 def demand_of(requirement_m_s: float, fraction: float, scatter_m_s: float, scatter_factor: float) -> Demand:
@@ -314,16 +330,15 @@ def posterior(shots: Shots, settings: ShotSettings, nodes: tuple[int, int] = GRI
 def next_bayesian(shots: Shots, settings: ShotSettings) -> Aim:
     """Return the velocity of the next shot by the Bayesian procedure."""
     current = posterior(shots, settings)
-    quantity = target(current.grid, settings)
     velocities = candidates(current, settings, CANDIDATES)
     step = velocities[1] - velocities[0]
     for _ in range(2):
-        velocity_gains = gains(current.weights[None], quantity, current.grid.response(velocities))[0]
+        velocity_gains = gains(current.weights[None], current.grid, settings, current.grid.response(velocities))[0]
         best = float(velocities[np.argmax(velocity_gains)])
         velocities = np.clip(np.linspace(best - step, best + step, 21), MIN_VELOCITY_M_S, settings.velocity_max_m_s)
     if settings.requirement_m_s is not None:
         return Aim(best, "expected to be most informative about whether the requirement is met")
-    variance = current.variance(quantity)
+    variance = current.variance(current.grid.v50_m_s)
     expected_variance = max(variance - float(velocity_gains.max()), 0.0)
     change = f"from {variance**0.5:.1f} to {expected_variance**0.5:.1f} m/s"
     return Aim(best, f"expected to narrow the standard deviation of V50 most, {change}")
@@ -358,21 +373,23 @@ def target(grid: V50Grid, settings: ShotSettings) -> Floats:
     """Return the target at the points of a grid, (points,): V50, m/s, or 1 if the requirement is met and 0 if not."""
     if settings.requirement_m_s is None:
         return grid.v50_m_s
-    if demand := settings.demand():
-        return demand.met
     return is_above(grid, settings.requirement_m_s, settings.requirement_fraction)
 
 
-def gains(weights: Floats, target: Floats, response: Floats) -> Floats:
-    """Return the expected reduction of the variance of a target by a shot at each of m velocities, (n, m).
+def gains(weights: Floats, grid: V50Grid, settings: ShotSettings, response: Floats) -> Floats:
+    """Return what a shot at each of m velocities is expected to say about the target, (n, m).
 
-    `weights`, (n, points), are n distributions over the points, at which the target has values, (points,).
-    `response`, (m, points), is the probability of complete penetration at each velocity.
+    It is the expected reduction of the variance of the target or, if shots alone decide on a requirement, the gain of
+    `Demand.gains`.  `weights`, (n, points), are n distributions over the points of the grid; `response`, (m, points),
+    is the probability of complete penetration at each velocity.
     """
+    if demand := settings.demand():
+        return demand.gains(weights, response)
+    values = target(grid, settings)
     # Unlike matrix products, these do not depend on the number of threads, as no grid has more than 10,000 points.
     probability = np.vecdot(weights[:, None], response).clip(1e-12, 1.0 - 1e-12)
-    mean = expected(target, weights)
-    covariance = np.vecdot((weights * (target - mean[:, None]))[:, None], response)
+    mean = expected(values, weights)
+    covariance = np.vecdot((weights * (values - mean[:, None]))[:, None], response)
     return covariance**2 / (probability * (1.0 - probability))
 
 
@@ -400,11 +417,10 @@ class Firings:
         self.weights = np.tile(current.weights, (count, 1))
         self.velocities = candidates(current, settings, velocities)
         self.response = current.grid.response(self.velocities)
-        self.target = target(current.grid, settings)
 
     def aims(self) -> Floats:
         """Return the next velocity of each firing, m/s, (n,)."""
-        return self.velocities[gains(self.weights, self.target, self.response).argmax(axis=1)]
+        return self.velocities[gains(self.weights, self.grid, self.settings, self.response).argmax(axis=1)]
 
     def add(self, velocities: Floats, complete: Bools) -> None:
         """Add a shot to each firing, given its velocity, m/s, (n,), and whether it was complete, (n,)."""

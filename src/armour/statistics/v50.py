@@ -17,7 +17,7 @@ from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.columns import GROUPS, YES_MEANS, column_of, perforates
 from armour.csv_files import Source, TableRead
-from armour.errors import Problem, counted, joined, mistake, refuse
+from armour.errors import Problem, counted, mistake, refuse
 from armour.scenario.checked import Table, checked
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.statistics import curves
@@ -357,10 +357,10 @@ def shots_of(source: Source, *, one_kind: bool = False, where: Mapping[str, str]
     return shots
 
 
-def firings_of(path: Table, where: Mapping[str, str], sheet: str | None) -> list[tuple[str, str, int]]:
-    """Return the targets in a table of shots: the column, its value, and the number of kinds of results, 1 or 2.
+def firings_of(path: Table, where: Mapping[str, str], sheet: str | None, least: int = 1) -> list[tuple[str, str]]:
+    """Return the targets in a table of shots, each as the column and its value; none if it is not divided by them.
 
-    A value that only one or two shots of one kind have is a serial number, not a target.
+    They are all values of the first column of which at least `least` are not serial numbers.
     """
     source = csv_files.open_table(path, is_of_shots, sheet)
     table = csv_files.read_rows(
@@ -369,11 +369,9 @@ def firings_of(path: Table, where: Mapping[str, str], sheet: str | None) -> list
     refuse(csv_files.in_line_order(table.problems))
     results = [perforates(row.texts.get("result", "")) for row in table.rows]
     for name, values in table.groups.items():
-        if targets := csv_files.targets_of(table, name, results):
-            pairs = {*zip(values, results, strict=True)}
-            return [(name, value, sum(value == other for other, _ in pairs)) for value in targets]
-    message = f"must have a column {joined(GROUPS, 'or')}, with several shots for each of its values"
-    raise mistake(source.file, "--each", message)
+        if len(csv_files.targets_of(table, name, results)) >= least:
+            return [(name, value) for value in dict.fromkeys(values)]
+    return []
 
 
 @checked
@@ -607,7 +605,7 @@ def check_shots(shots: Shots, *, kinds: int = 2) -> None:
         present = f"only {'complete' if shots.complete[0] else 'partial'} ones" if count else "none"
         least = "partial and one complete penetration" if kinds == 2 else "shot"
         message = f"must have at least one {least}, found {present}"
-        message += f"; armour plan shots {shots.file} gives the next velocity, or decides a requirement" * (count > 0)
+        message += "; armour plan shots gives the next velocity, or decides a requirement" * (count > 0)
     if message:
         raise mistake(shots.file, "", message)
 

@@ -33,11 +33,11 @@ STAGES = {
 
 @tables_of.register
 def tables_of_each(result: EachResult) -> list[Table | str]:
-    """Return the tables of several results, those of each below its name."""
+    """Return the tables of several results, those of each below its name, and why there are no others."""
     shown: list[Table | str] = []
     for name, part in result.results.items():
         shown += [f"{name}: {part.heading()[0]}", *by_result(tables_of, part)(part)]
-    return shown
+    return [*shown, *(f"{name}: {reason}" for name, reason in result.unanswered.items())]
 
 
 @tables_of.register
