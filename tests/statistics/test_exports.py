@@ -3,8 +3,8 @@
 import json
 from hashlib import sha256
 from pathlib import Path
-from typing import Any
 from random import Random
+from typing import Any
 
 import pytest
 

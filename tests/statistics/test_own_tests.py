@@ -498,7 +498,7 @@ def test_a_limit_that_is_only_known_to_be_above_or_below_is_an_outcome():
     columns = f"{CERAMIC},ballistic_limit_m_s,{VELOCITY},outcome"
     outcomes = table_of(WILKINS, columns, "6,700,,", "8,,900,stopped", "5,,800,perforated", "7,,650,stopped")
     assert bounds.measurements == outcomes.measurements
-    feet = table_of(case, f"{CERAMIC},V50 (ft/s)", "8,above 2500")
+    feet = table_of(WILKINS, f"{CERAMIC},V50 (ft/s)", "8,above 2500")
     assert feet.measurements == (Measurement(0, "ballistic_limit_m_s", 762.0, None, 1),)
     with pytest.raises(InputError, match="must be a number"):
         table_of(WILKINS, "ballistic_limit_m_s", "above all")
