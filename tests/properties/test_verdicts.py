@@ -50,7 +50,8 @@ def case(seed: int) -> Scenario:
         threat |= {"probability_of_perforation": 0.2} if random.random() < 0.2 else {}
         threats.append(threat)
     design: dict[str, Any] = {"confidence": random.choice([0.6, 0.9])} if random.random() < 0.6 else {}
-    design |= {"added_areal_density_kg_m2": 1.5, "added_thickness_mm": 1.0} if random.random() < 0.3 else {}
+    added = {"added_areal_density_kg_m2": 1.5, "added_thickness_mm": 1.0, "added_cost_per_m2": 0.0}
+    design |= added if random.random() < 0.3 else {}
     for key, most in (("thickness_max_mm", hc + hb), ("areal_density_max_kg_m2", 3.5 * hc + 2.75 * hb)):
         design |= {key: round(most * random.uniform(0.9, 1.3), 1)} if random.random() < 0.3 else {}
     costs = {"cost_per_kg": 20.0} if random.random() < 0.4 else {}

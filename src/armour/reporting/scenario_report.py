@@ -309,7 +309,8 @@ def _sections(contents: Contents, command: str, map_command: str) -> Iterator[Re
     if (limit := threat.ballistic_limit_m_s) is not None and not threat.obliquity_deg:
         rules, measured = areal_density_rules(answer, limit), nearest_measured(answer, limit)
         tested = TESTED if measured else f"No test of a core like that of {answer.impact.projectile} is known."
-        table = validation_view.weight_table(answer, limit, rules, measured)
+        whole = answer.areal_density_kg_m2(whole=True)
+        table = validation_view.weight_table(whole, limit, rules, measured, answer)
         yield ReportSection("Weight", (tested,), tables=(table,), folded=True)
     yield ReportSection("Scenario", code=scenario.to_toml(), language="toml", folded=True)
     yield origin_section(command, _which_armour(contents), contents.scenario)

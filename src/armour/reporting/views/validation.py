@@ -363,15 +363,19 @@ def comparison_table(result: Comparison) -> Table:
 
 
 def weight_table(
-    scenario: Scenario, limit_m_s: float, rules: Sequence[RuleResult], measured: Sequence[MeasuredArmour]
+    whole_kg_m2: float,
+    limit_m_s: float,
+    rules: Sequence[RuleResult],
+    measured: Sequence[MeasuredArmour],
+    scenario: Scenario | None,
 ) -> Table:
     """Tabulate the areal density of an armour, that of the rules, and of tested armours nearest in ballistic limit.
 
     Layers without ballistic effect, which the others lack, are left out.
     """
-    inert = scenario.inert("areal_density_kg_m2")
+    inert = 0.0 if scenario is None else scenario.inert("areal_density_kg_m2")
     bare = " without layers that have no ballistic effect" if inert else ""
-    rows = [(f"this armour{bare}, by the model", scenario.areal_density_kg_m2(whole=True) - inert, limit_m_s)]
+    rows = [(f"this armour{bare}, by the model", whole_kg_m2 - inert, limit_m_s)]
     rows += [(f"areal density rule, p = {rule.p:.4g}", rule.areal_density_kg_m2, limit_m_s) for rule in rules]
     for each in measured:
         name = f"measured: {each.armour}, {each.projectile}"
@@ -427,7 +431,13 @@ def tables_of_comparison(result: Comparison) -> list[Table | str]:
         *([f"Florence's limit: none, without {', '.join(result.florence_missing)}"] if result.florence_missing else []),
         rule_note(result),
         Table.of_one(result, Column.of("areal_density_kg_m2"), WHOLE),
-        weight_table(result.question["scenario"], result.limit.ballistic_limit_m_s, result.rules, result.measured),
+        weight_table(
+            result.whole_areal_density_kg_m2,
+            result.limit.ballistic_limit_m_s,
+            result.rules,
+            result.measured,
+            result.question.get("scenario"),
+        ),
         *([optimum_table(result)] if result.florence else []),
         *error_tables(result.errors),
         fit_table(result),
