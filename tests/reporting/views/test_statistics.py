@@ -13,6 +13,7 @@ from armour.reporting.views.statistics import (
     v50_table,
 )
 from armour.reporting.words import SAMPLED_ALONE, chance, risk
+from armour.scenario.scenario import load_scenario
 from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.likelihood import Coefficient
 from armour.statistics.uncertainty import Influence
@@ -109,6 +110,14 @@ def test_a_v50_that_the_shots_do_not_bound_is_no_answer():
 def test_a_mean_within_another_span_is_not_named_after_the_standard():
     shots = Shots((700, 710, 715, 720, 725, 730, 722, 735), (False, False, True, False, True, True, False, True))
     assert "mean within the span given: 720 m/s" in view.answer(v50(shots, pairs=3, span_m_s=60.0))
+
+
+def test_why_an_interval_is_wider_with_a_prior():
+    velocities = (735.0, 738.0, 740.0, 742.0, 746.0, 747.0, 744.0, 745.0, 748.0, 749.0, 751.0, 752.0)
+    shots = Shots(velocities, (False,) * 6 + (True,) * 6)
+    found = v50(shots, load_scenario("wilkins"), prior=True)
+    assert view.WIDER in view.tables_of_firing(found)
+    assert view.WIDER not in view.tables_of_firing(v50(shots))
 
 
 def test_a_requirement_is_met_at_the_one_sided_bound():

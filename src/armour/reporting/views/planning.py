@@ -16,7 +16,7 @@ from armour.statistics.measured import LIMIT, MEASURED, OUTCOME, Tests
 
 DECISION = (
     "the shots alone decide, as soon as a likelihood ratio is large enough; the model's limit and its error play no "
-    "part"
+    "part; armour v50 decides on shots whose number was fixed beforehand, with approximate risks"
 )
 ONE_SIDE = (
     "all shots lie on one side of the required velocity, which says little as long as the scatter may be large; the "

@@ -296,6 +296,9 @@ def curve_table(result: FiringResult) -> Table:
     )
 
 
+WIDER = (
+    "the posterior is wider than the interval by the shots alone: its prior expects more scatter than the shots show"
+)
 PENALISED = "intervals by penalised likelihood; with few shots those of maximum likelihood are too narrow"
 
 
@@ -413,6 +416,9 @@ def tables_of_firing(result: FiringResult) -> list[Table | str]:
     if result.prior is not None and result.posterior is not None and result.prior_share is not None:
         table = prior_table(result.prior, result.posterior, result.confidence)
         shown += [table, SCATTER_ASSUMED, share_note(result.prior_share)]
+        low, high = (None, None) if result.recommended is None else result.recommended.v50_interval_m_s
+        slowest, fastest = result.posterior.v50_interval_m_s
+        shown += [WIDER] if low is not None and high is not None and high - low < fastest - slowest else []
     shown.append(v50_table(result))
     if result.mean is not None:
         shown.append(MEAN_NOTES[result.mean.rule])
