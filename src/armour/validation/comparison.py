@@ -175,7 +175,7 @@ def compare(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) ->
         curve=curve,
         tests=_tests_in_words(_tests().cases),
         rules=rules,
-        errors=(_errors if is_unchanged() else _errors.__wrapped__)() if rules else (),
+        errors=_errors() if rules and is_unchanged() else (),
         florence_missing=tuple(problem.key for problem in missing),
     ).of(scenario.subject(ANY_VELOCITY), scenario=scenario)
 
@@ -188,7 +188,7 @@ def _tests() -> Suite:
 
 @cache
 def _errors() -> tuple[Error, ...]:
-    """Return the errors of every method on these tests, by the equations as they are when it is first called."""
+    """Return the errors of every method on these tests."""
     return validate(_tests()).errors
 
 
