@@ -28,7 +28,7 @@ from armour.reporting.views.design import (
     tables_of_design,
     thin_designs,
 )
-from armour.reporting.words import flow_stress_notes, needed_words, requirement_parts
+from armour.reporting.words import flow_stress_notes, needed_words, requirement_parts, requirement_words
 from tests.design.results import OTHER, THREAT, best_design, best_of, design, design_result
 from tests.helpers.cases import scenario
 from tests.reporting.tables import headings, quantities
@@ -256,6 +256,12 @@ def test_the_verdict_stands_before_what_is_not_known_and_without_what_is_met():
 def test_a_sampled_probability_lies_within_its_interval_as_shown():
     row = Requirement("probability_of_stopping", THREAT, 0.9106, 0.91053, "not known", (0.91039, 0.91068))
     assert requirement_parts(row)[-1] == "91.0 % (91.0 to 91.1 %, sampled)"
+
+
+def test_a_probability_is_shown_as_exactly_as_it_is_required():
+    row = Requirement("probability_of_stopping", THREAT, 0.913, 0.9141, "passes")
+    assert requirement_words(row) == "probability of stopping the projectile 91.4 %, at least 91.3 % required"
+    assert requirement_parts(replace(row, required=0.9))[-1] == "91 %"
 
 
 def test_a_pair_outside_the_limits_has_its_nearest_design_and_what_it_exceeds():
