@@ -202,7 +202,8 @@ def finite(value: Any) -> Any:
     if isinstance(value, Mapping):
         return {key: finite(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):
-        return type(value)([finite(inner) for inner in value])
+        inner_values = map(finite, value)
+        return list(inner_values) if isinstance(value, list) else tuple(inner_values)
     return None if isinstance(value, float) and not isfinite(value) else value
 
 

@@ -303,7 +303,7 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
 def _wrong_layers(scenario: Scenario, section: DesignSection, *, sampled: bool) -> Iterator[Problem]:
     """Yield a problem for each layer that is listed twice, has no step but is sampled, or lacks a cost needed.
 
-    Another one is a back plate that exists and is not that of the armour.
+    A back plate that exists but is not the armour's own is a problem, too.
     """
     costs = COST_COLUMN in (section.minimise, *(section.pareto or ())) or section.cost_max_per_m2 is not None
     file, armour = scenario.file, scenario.armour

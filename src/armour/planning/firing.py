@@ -345,9 +345,8 @@ def plan_shots(
     posterior_of_v50 = posterior_of(expectation, fired.velocities_m_s, fired.complete)
     prior_estimate, estimate, prior_share, contradictions = learned(prior_of_v50, posterior_of_v50, confidence)
     is_bayesian = procedure == "bayesian"
-    requirement = _requirement(
-        fired, settings, posterior_of_v50, end_reason, operates=is_bayesian and not shots.complete
-    )
+    operates = is_bayesian and not shots.complete
+    requirement = _requirement(fired, settings, posterior_of_v50, ended=bool(end_reason), operates=operates)
     if end_reason and required and not is_bayesian:
         end_reason += f"; the requirement is {requirement['decision']}"
     further, further_90 = procedures.expected_shots(fired, settings) if is_bayesian and aim else (None, None)
@@ -457,11 +456,11 @@ def _aim(rule: Rule, fired: Shots, settings: ShotSettings) -> Aim:
 
 
 def _requirement(
-    fired: Shots, settings: ShotSettings, posterior_of_v50: Posterior, end_reason: str, *, operates: bool
+    fired: Shots, settings: ShotSettings, posterior_of_v50: Posterior, *, ended: bool, operates: bool
 ) -> dict[str, Any]:
     """Return the attributes of a plan about its requirement; `operates` adds the operating characteristic.
 
-    `end_reason` is that of a firing that has ended.
+    `ended` tells whether the firing has ended, so that nothing more will decide.
     """
     if settings.requirement_m_s is None:
         return {"probability_met": None}
@@ -474,7 +473,7 @@ def _requirement(
         evidence = {"evidence_met": met, "evidence_not_met": not_met, "consumers_risk": risk, "producers_risk": risk}
     return {
         "probability_met": posterior_of_v50.probability_above(settings.requirement_m_s, settings.requirement_fraction),
-        "decision": ("not decided" if end_reason else "", "met", "not met")[decision],
+        "decision": ("not decided" if ended else "", "met", "not met")[decision],
         "operating_characteristic": procedures.operating_characteristic(settings) if operates else (),
         **evidence,
     }

@@ -71,11 +71,11 @@ def requirement_parts(row: Requirement) -> tuple[str, str, str]:
         return "margin by the model", f"at least {row.required:+g} m/s", f"{row.found or 0.0:+.0f} m/s"
     if row.quantity == "probability_of_stopping":
         found = chance(row.found)
-        if row.found is not None and round(100.0 * row.required, 9) % 1.0:  # as exact as what is required
-            found = f"{rounded_down(100.0 * row.found, 1):.1f} %"
         if row.found is not None and row.interval is not None:
             value, low, high = sampled_percents(row.found, row.interval)
             found = f"{value:.1f} % ({low:.1f} to {high:.1f} %, sampled)"
+        elif row.found is not None and round(100.0 * row.required, 9) % 1.0:  # as exact as what is required
+            found = f"{rounded_down(100.0 * row.found, 1):.1f} %"
         return STOPPING.label, f"at least {percent(row.required)}", found
     if row.quantity == "flow_stress_sources":
         return "sources of the flow stress", least, found

@@ -25,7 +25,7 @@ _TOKEN = re.compile(
 
 
 class Whole(dict[str, Any]):
-    """A table that replaces an existing one, into which other tables are merged."""
+    """A table that replaces an existing one; any other table is merged into it."""
 
 
 def nfc(name: str) -> str:
