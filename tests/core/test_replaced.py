@@ -3,6 +3,7 @@
 import logging
 import tomllib
 from functools import cache, partial, wraps
+from importlib import reload
 from math import inf, nan, sqrt
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,7 @@ import pytest
 
 import armour
 from armour.core import equations, search
-from armour.core.replaced import replaced_function
+from armour.core.replaced import replaced_in_words
 from armour.errors import InputError
 from armour.reporting.views.design import outcome
 from armour.scenario import checked
@@ -41,15 +42,36 @@ def test_a_limit_below_the_bound_is_found_where_the_change_is_not_noticed(monkey
 
 @pytest.mark.parametrize("name", ["crack_velocity", "sqrt"])
 def test_a_wrapped_function_is_noticed(monkeypatch: pytest.MonkeyPatch, name: str):
-    assert replaced_function() == ""
+    assert replaced_in_words() == ""
     original = getattr(equations, name)
     monkeypatch.setattr(equations, name, wraps(original)(lambda *args: 0.5 * original(*args)))
-    assert replaced_function() == f"armour.core.equations.{name}"
+    assert replaced_in_words() == f"armour.core.equations.{name}"
 
 
 def test_a_function_with_other_code_is_noticed(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(equations.crack_velocity, "__code__", (lambda Ec, rho_c: 0.5 * sqrt(Ec / rho_c)).__code__)
-    assert replaced_function() == "armour.core.equations.crack_velocity"
+    assert replaced_in_words() == "armour.core.equations.crack_velocity"
+
+
+def test_a_constant_is_noticed_and_taken(monkeypatch: pytest.MonkeyPatch):
+    scenario = armour.load_scenario("wilkins")
+    thicknesses = {"armour.ceramic_thickness_mm": [6.0, 8.0]}
+    limits = armour.sweep(scenario, thicknesses)["ballistic_limit_m_s"]
+    monkeypatch.setattr(search, "TOLERANCE", 1e-3)
+    assert replaced_in_words() == "armour.core.search.TOLERANCE"
+    table = armour.sweep(scenario, thicknesses)
+    assert (table["ballistic_limit_m_s"] != limits).all()
+    assert table.warnings == ("computed with armour.core.search.TOLERANCE replaced; this concerns 2 of 2 rows",)
+
+
+def test_a_module_that_is_imported_again_is_noticed(monkeypatch: pytest.MonkeyPatch):
+    """As in a notebook, after a change of its file."""
+    for name, value in vars(equations).items():
+        monkeypatch.setattr(equations, name, value)
+    reload(equations)
+    first, second, third, more = replaced_in_words().split(" and ")
+    assert all(name.startswith("armour.core.equations.") for name in (first, second, third))
+    assert more.endswith(" more")
 
 
 @pytest.mark.parametrize(
@@ -66,7 +88,7 @@ def test_a_function_with_other_code_is_noticed(monkeypatch: pytest.MonkeyPatch):
 )
 def test_every_kind_of_function_is_noticed(monkeypatch: pytest.MonkeyPatch, other: Any):
     monkeypatch.setattr(equations, "sheared_diameter", other)
-    assert replaced_function() == "armour.core.equations.sheared_diameter"
+    assert replaced_in_words() == "armour.core.equations.sheared_diameter"
 
 
 @pytest.mark.parametrize("value", [nan, inf, None, "1", 1j])

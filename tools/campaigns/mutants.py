@@ -25,6 +25,7 @@ import libcst
 import pytest
 from mutmut.mutation.file_mutation import create_mutations
 
+from armour.core.replaced import remember
 from tools.campaigns.trials import exit_code, forked
 from tools.campaigns.verdict import verdict
 
@@ -134,9 +135,9 @@ class Campaign:
         names: dict[str, Any] = {}
         exec(mutant.source, function.__globals__, names)
         changed = names[mutant.function]
-        # By its file, the core tells a function of its own from one that a program has replaced.
-        function.__code__ = changed.__code__.replace(co_filename=function.__code__.co_filename)
-        function.__defaults__ = changed.__defaults__
+        function.__code__, function.__defaults__ = changed.__code__, changed.__defaults__
+        # The core takes the mutant for its own, not for a function that a program has replaced.
+        remember()
         for item in items:
             signal.setitimer(signal.ITIMER_PROF, LONGER * self.usual.seconds[item.nodeid] + AT_LEAST_S)
             item.config.hook.pytest_runtest_protocol(item=item, nextitem=None)

@@ -1,44 +1,39 @@
-"""Functions of the core that another program has replaced."""
+"""Functions and constants of the core that another program has replaced."""
 
 import sys
 from collections.abc import Iterator
-from pathlib import Path
-from typing import Any
+from types import ModuleType
 
-FOLDER = str(Path(__file__).parent)
-
-
-def replaced_functions() -> Iterator[tuple[Any, str]]:
-    """Yield each function of the core that another program has replaced, by its module and name.
-
-    Constants are not compared.
-    """
-    for name, module in list(sys.modules.items()):
-        if name.startswith("armour.core."):
-            for attribute, value in list(vars(module).items()):
-                if callable(value) and not _is_own(attribute, value):
-                    yield module, attribute
+# Each name of each module of the core, with its value, and its code if that is a function.
+_originals: dict[tuple[ModuleType, str], tuple[object, object]] = {}
 
 
-def replaced_function() -> str:
-    """Return the names of the functions of the core that another program has replaced, in words, or ""."""
-    return " and ".join(f"{module.__name__}.{attribute}" for module, attribute in replaced_functions())
+def remember() -> None:
+    """Take the names of the core, as they are now, for its own; the core does so when it is imported."""
+    for module in list(vars(sys.modules[__package__]).values()):
+        if isinstance(module, ModuleType):
+            values = {name: value for name, value in vars(module).items() if not name.startswith("__")}
+            _originals.update({(module, name): (values[name], _code(values[name])) for name in values})
 
 
-def _is_own(attribute: str, value: Any) -> bool:
-    """Return whether a function or class is one of the core, by its code, or is that of the standard library."""
-    if hasattr(value, "__origin__"):  # a type
-        return True
-    name = str(getattr(value, "__module__", ""))
-    if getattr(value, "__name__", "") != attribute:
-        return False
-    if name.startswith("armour.core."):
-        code = getattr(value, "__code__", None)
-        return isinstance(value, type) or str(getattr(code, "co_filename", "")).startswith(FOLDER)
-    is_standard = name.partition(".")[0] in sys.stdlib_module_names
-    return is_standard and getattr(sys.modules[name], attribute, None) is value
+def replaced_names() -> Iterator[tuple[ModuleType, str]]:
+    """Yield each function and constant of the core that another program has replaced, by its module and name."""
+    for (module, name), (original, code) in _originals.items():
+        value = getattr(module, name, None)
+        if value is not original or _code(value) is not code:
+            yield module, name
+
+
+def replaced_in_words() -> str:
+    """Return the names of what another program has replaced in the core, in words, or ""; a reload replaces many."""
+    names = [f"{module.__name__}.{name}" for module, name in replaced_names()]
+    return " and ".join(names if len(names) < 5 else [*names[:3], f"{len(names) - 3} more"])
+
+
+def _code(value: object) -> object:
+    return getattr(value, "__code__", None)
 
 
 def is_unchanged() -> bool:
-    """Return whether no function of the core is replaced; compiled code runs only then."""
-    return next(replaced_functions(), None) is None
+    """Return whether nothing of the core is replaced; compiled code runs only then."""
+    return next(replaced_names(), None) is None

@@ -3,7 +3,7 @@
 Numba would load whatever is in its folder.  The folder is therefore named after a digest of the processor and of all
 code that is compiled.  It is used only if it belongs to this user or to root, and no other user can write to it or
 replace it.  It must not be in a work tree or in the current folder, since these may be somebody else's.  Without numba,
-with ``ARMOUR_COMPILED=0`` in the environment, or if a function of the core has been replaced, Python runs the loops.
+with ``ARMOUR_COMPILED=0`` in the environment, or if something of the core has been replaced, Python runs the loops.
 """
 
 import logging
@@ -22,7 +22,7 @@ from threading import Lock
 
 from platformdirs import user_cache_dir
 
-from armour.core.replaced import is_unchanged, replaced_function
+from armour.core.replaced import is_unchanged, replaced_in_words
 from armour.engine import loops
 from armour.files import exchangeable, is_trusted, reason
 
@@ -114,7 +114,7 @@ def obstacle() -> str:
     """Return the reason why the loops cannot be compiled, or "" if they can."""
     if os.environ.get("ARMOUR_COMPILED") == "0":
         return "ARMOUR_COMPILED is 0 in the environment"
-    if name := replaced_function():
+    if name := replaced_in_words():
         return f"{name} replaced"
     return "" if find_spec("numba") else "numba is not installed"
 
@@ -162,7 +162,7 @@ def kernel(name: str) -> Kernel:
                 first_line, *_ = f"{error}\n".splitlines()
                 reason = f"numba does not work: {first_line}"
                 _kernels[name] = getattr(loops, name)
-        if reason and is_unchanged():  # `armour.scenario.checked` names functions that are replaced
+        if reason and is_unchanged():  # `armour.scenario.checked` names what is replaced
             log_once(logging.WARNING, f"computing in plain Python, about a hundred times slower: {reason}")
         loop: Kernel = getattr(loops, name) if reason else _kernels[name]
         return loop

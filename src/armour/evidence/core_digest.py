@@ -1,11 +1,11 @@
-"""Whether the equations are those used to compute the tests: replaced functions, and a digest of the core's code."""
+"""Whether the equations are those used to compute the tests: what is replaced, and a digest of the core's code."""
 
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
 
 from armour.core import state
-from armour.core.replaced import replaced_function
+from armour.core.replaced import replaced_in_words
 from armour.evidence.fit import shipped_data
 
 CORE_FOLDER = Path(state.__file__).parent
@@ -13,8 +13,8 @@ CORE_FOLDER = Path(state.__file__).parent
 
 def changed_equations() -> str:
     """Describe the equations if they are not those used to compute the tests; "" if they are."""
-    if functions := replaced_function():
-        return f"{functions} replaced"
+    if names := replaced_in_words():
+        return f"{names} replaced"
     return "" if core_digest() == shipped_data()["core"]["sha256"] else "the equations as they are in armour/core"
 
 

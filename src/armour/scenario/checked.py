@@ -1,4 +1,4 @@
-"""Arguments of the public functions, checked by their signatures, and functions of the core that a program replaces."""
+"""Arguments of the public functions, checked by their signatures, and what a program replaces in the core."""
 
 import logging
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -11,14 +11,14 @@ from typing import Annotated, Any, ParamSpec, TypeVar, Union, get_args, get_orig
 from pydantic import PlainValidator, create_model
 
 from armour.core import equations
-from armour.core.replaced import replaced_functions
+from armour.core.replaced import replaced_in_words, replaced_names
 from armour.csv_files import Rows
 from armour.errors import mistake
 from armour.scenario.keys import describe
 from armour.scenario.sections import Section, validated
 
 log = logging.getLogger(__name__)
-_named = set[str]()
+_named = set[object]()
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -73,14 +73,15 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
 
 
 def _watch_replaced() -> None:
-    """Name functions of the core that another program has replaced, once, and let equations among them be checked."""
-    for module, name in replaced_functions():
-        full_name, function = f"{module.__name__}.{name}", getattr(module, name)
-        if full_name not in _named:
-            log.warning("computing in plain Python, about a hundred times slower: %s replaced", full_name)
-            _named.add(full_name)
-        if module is equations and getattr(function, "func", None) is not _finite:
-            setattr(module, name, partial(_finite, full_name, function))
+    """Say what another program has replaced in the core, once, and let equations among it be checked."""
+    names = {*replaced_names()}
+    if not names <= _named:
+        log.warning("computing in plain Python, about a hundred times slower: %s replaced", replaced_in_words())
+        _named.update(names)
+    for module, name in names:
+        value = getattr(module, name)
+        if module is equations and callable(value) and getattr(value, "func", None) is not _finite:
+            setattr(module, name, partial(_finite, f"{module.__name__}.{name}", value))
 
 
 def _finite(name: str, function: Callable[..., Any], *values: Any, **named: Any) -> Any:

@@ -24,7 +24,7 @@ import armour
 from armour.analysis.evaluate import check_keys, check_quantities, evaluate_groups, groups_of, scenarios_of
 from armour.analysis.quantities import OF_WEIGHT, QUANTITIES, reads_of
 from armour.analysis.results import OnProgress, TableResult, ignore_progress, installed, made_by, same_columns
-from armour.core.replaced import replaced_function
+from armour.core.replaced import is_unchanged
 from armour.errors import InputError, choices, counted, duration, mistake
 from armour.files import reason, shipped
 from armour.scenario.checked import Names, Table, checked
@@ -423,8 +423,8 @@ def size(number: float) -> str:
 
 
 def program() -> str:
-    """Return the hash of this program, or a random hash while a function of the core is replaced by unknown code."""
-    return token_hex(32) if replaced_function() else _program()
+    """Return the hash of this program, or a random hash while unknown code replaces something of the core."""
+    return _program() if is_unchanged() else token_hex(32)
 
 
 @cache
