@@ -184,6 +184,9 @@ def test_words_for_results(tmp_path: Path, stopped: str, perforated: str):
     assert shots.complete == (False, True)
 
 
+REJECTS = "Remarks seems to reject line 3, which counts; a column counts or rejected leaves rows out"
+
+
 @pytest.mark.parametrize(
     "remark",
     [
@@ -193,9 +196,13 @@ def test_words_for_results(tmp_path: Path, stopped: str, perforated: str):
 )
 def test_a_remark_that_rejects_a_shot_that_counts_is_a_warning(tmp_path: Path, remark: str):
     shots = shots_of(tmp_path, f"velocity_m_s,result,Remarks\n700,P,valid\n710,P,{remark}\n720,C,fair hit\n")
-    told = "Remarks seems to reject line 3, which counts; a column counts or rejected leaves rows out"
-    assert armour.v50(shots).warnings[0] == told
-    assert armour.plan_shots(shots=shots).warnings[0] == told
+    assert shots.read
+    assert shots.read.warnings == (REJECTS,)
+
+
+def test_answers_tell_of_a_remark_that_rejects_a_shot(tmp_path: Path):
+    shots = shots_of(tmp_path, "velocity_m_s,result,Remarks\n700,P,valid\n710,P,rejected\n720,C,fair hit\n")
+    assert armour.v50(shots).warnings[0] == armour.plan_shots(shots=shots).warnings[0] == REJECTS
 
 
 @pytest.mark.parametrize("name", ["Strike face (mm)", "Plate in inches", "Winkel (\u00b0)", "Unsicherheit (m/s)"])
