@@ -22,6 +22,11 @@ def test_the_version_is_that_of_the_changelog_and_the_citation():
     assert RELEASE["disagreements"]() == []
 
 
+def test_workflows_on_a_page_use_this_version():
+    page = (ROOT / "docs" / "howto" / "ci.md").read_text(encoding="utf-8")
+    assert re.findall(r"(?:armour@|rev: )(\S+)", page) == [RELEASE["TAG"]] * 2
+
+
 def test_another_version_is_told(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
     tmp_path.joinpath("CHANGELOG.md").write_text(
         f"# Changelog\n\n## Unreleased\n\n## {armour.__version__} (2001-02-03)\n"
