@@ -38,6 +38,16 @@ def test_what_changes_the_digest(tmp_path: Path, old: str, new: str, counts: boo
     assert (core_digest(tmp_path / "core") != core_digest()) == counts
 
 
+def test_f_strings_are_the_same_code_in_every_version_of_python(tmp_path: Path):
+    """Since Python 3.12, they are several tokens."""
+    found = set()
+    for number, text in enumerate(('f"{a - 1} b"', 'f"{a-1} b"', 'f"{ a -1 } b"', 'f"{a + 1} b"')):
+        (tmp_path / str(number)).mkdir()
+        (tmp_path / str(number) / "a.py").write_text(f"x = {text}\n")
+        found.add(core_digest(tmp_path / str(number)))
+    assert len(found) == 2
+
+
 def test_without_its_equations_no_probability_is_known(monkeypatch: pytest.MonkeyPatch):
     scenario = armour.load_scenario("wilkins")
     assert armour.ballistic_limit(scenario).model_error is not None

@@ -38,7 +38,8 @@ def core_digest(core: Path = CORE_FOLDER) -> str:
                     statement += [token] * (token.type not in layout)
                 else:
                     if any(part.type != tokenize.STRING for part in statement):
-                        words += [*(part.string for part in statement), "NEWLINE"]
+                        # Since Python 3.12, an f-string is several tokens, and the spaces in its braces are none.
+                        words += ["".join("".join(part.string for part in statement).split()), "NEWLINE"]
                     statement = []
         content.update(sha256("\n".join(words).encode()).digest())
     return content.hexdigest()
