@@ -115,7 +115,7 @@ def test_quotes_blanks_and_line_ends_of_other_programs(tmp_path: Path, end: str)
 
 
 def test_what_cannot_be_opened(tmp_path: Path):
-    for name, message in ((".", "is a directory"), ("none.csv", "no such file"), ("a\0b", "embedded null")):
+    for name, message in ((".", "is a directory"), ("none.csv", "no such file"), ("a\0b", ".*embedded null")):
         with pytest.raises(InputError, match=f"cannot be read: {message}"):
             open_table(tmp_path / name, unknown, own=True)
 

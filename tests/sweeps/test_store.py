@@ -316,7 +316,8 @@ def test_a_journal_does_not_remove_a_file(strange: sqlite3.Connection, output: P
         finished(output)
     assert victim.read_text() == "mine"
     # What it is that is refused.
-    sqlite3.connect(rows_of(output)).execute("select * from job").close()
+    with closing(sqlite3.connect(rows_of(output))) as database:
+        database.execute("select * from job").close()
     assert not victim.exists()
 
 
