@@ -97,7 +97,7 @@ def test_a_greatest_velocity_that_does_not_reach_v50(monkeypatch: pytest.MonkeyP
         assert plan.warnings == (
             f"the greatest velocity, {greatest:g} m/s, is below the {name} m/s: the firing may not end",
         )
-    assert plan_shots(scenario(), velocity_max_m_s=800.0).warnings == ()
+        assert plan_shots(scenario(), velocity_max_m_s=800.0, requirement_m_s=required).warnings == ()
 
 
 def test_a_requirement():

@@ -10,10 +10,16 @@ _originals: dict[tuple[ModuleType, str], tuple[object, object]] = {}
 
 def remember() -> None:
     """Take the names of the core, as they are now, for its own; the core does so when it is imported."""
-    for module in list(vars(sys.modules[__package__]).values()):
-        if isinstance(module, ModuleType):
-            values = {name: value for name, value in vars(module).items() if not name.startswith("__")}
-            _originals.update({(module, name): (values[name], _code(values[name])) for name in values})
+    modules = [value for value in vars(sys.modules[__package__]).values() if isinstance(value, ModuleType)]
+    for module in modules:
+        for name, value in vars(module).items():
+            if not name.startswith("__"):
+                _originals[module, name] = value, _code(value)
+
+
+def _code(value: object) -> object:
+    """Return the code of a function, or None: other code can be put into a function, which then stays the same."""
+    return getattr(value, "__code__", None)
 
 
 def replaced_names() -> Iterator[tuple[ModuleType, str]]:
@@ -28,10 +34,6 @@ def replaced_in_words() -> str:
     """Return the names of what another program has replaced in the core, in words, or ""; a reload replaces many."""
     names = [f"{module.__name__}.{name}" for module, name in replaced_names()]
     return " and ".join(names if len(names) < 5 else [*names[:3], f"{len(names) - 3} more"])
-
-
-def _code(value: object) -> object:
-    return getattr(value, "__code__", None)
 
 
 def is_unchanged() -> bool:

@@ -63,7 +63,7 @@ def compiled_parameters_at(rows: Any, i: Any) -> Any:  # noqa: ARG001 (numba giv
 
 @overload(replaced.is_unchanged, jit_options=OPTIONS)
 def compiled_is_unchanged() -> Any:
-    """Compile `replaced.is_unchanged`: Python runs the loops where a function is replaced."""
+    """Compile `replaced.is_unchanged`: Python runs the loops where something is replaced."""
     return lambda: True
 
 

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache, partial, wraps
 from inspect import signature
 from os import PathLike
-from types import NoneType, UnionType
+from types import ModuleType, NoneType, UnionType
 from typing import Annotated, Any, ParamSpec, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from pydantic import PlainValidator, create_model
@@ -18,7 +18,8 @@ from armour.scenario.keys import describe
 from armour.scenario.sections import Section, validated
 
 log = logging.getLogger(__name__)
-_named = set[object]()
+# What has been said to be replaced, by module and name.
+_named = set[tuple[ModuleType, str]]()
 
 P = ParamSpec("P")
 R = TypeVar("R")
