@@ -1,5 +1,6 @@
 """Shipped data, reading of text and TOML files, escaping of texts for files, and writing of whole files."""
 
+import json
 import os
 import re
 import shutil
@@ -141,6 +142,14 @@ def decoded(stream: BinaryIO, file: str) -> str:
     except UnicodeDecodeError as error:
         message = f"must be UTF-8 text, found the byte {error.object[error.start]:#04x} at {error.start}"
     raise mistake(file, "", message)
+
+
+def read_json(path: str | PathLike[str]) -> Any:
+    """Read a JSON file; raise an InputError if it cannot be read or is not JSON."""
+    try:
+        return json.loads(read_text(path))
+    except (ValueError, RecursionError):
+        raise mistake(path, "", "must be JSON") from None
 
 
 def read_toml(path: str | PathLike[str], *, quoted: bool = True) -> dict[str, Any]:

@@ -3,6 +3,7 @@ from .analysis.results import OnProgress as OnProgress
 from .analysis.results import made_by as made_by
 from .csv_files import WORKBOOKS as WORKBOOKS
 from .csv_files import number as number
+from .design.against import moved as moved
 from .design.optimise import effort as effort
 from .evidence.tests import scenario_warnings as scenario_warnings
 from .planning.plan_tests import of_candidates as of_candidates
@@ -26,7 +27,9 @@ from .reporting.views.design import check_summary as check_summary
 from .reporting.views.design import design_csv as design_csv
 from .reporting.views.design import design_title as design_title
 from .reporting.views.design import design_verdict as design_verdict
+from .reporting.views.design import moved_junit as moved_junit
 from .reporting.views.design import tables_of_check as tables_of_check
+from .reporting.views.design import tables_of_moved as tables_of_moved
 from .reporting.views.library import entry_tables as entry_tables
 from .reporting.views.library import library_table as library_table
 from .reporting.views.library import shipped_tables as shipped_tables
@@ -60,6 +63,7 @@ from .validation.figures import parity as parity
 from .validation.figures import read_figures as read_figures
 from .validation.suite import suite_files as suite_files
 from .validation.tested import tested_with as tested_with
+from .validation.validate import FAILED as FAILED
 from .validation.validate import kept_by_update as kept_by_update
 from .validation.validate import result_of as result_of
 from .validation.validate import updated_file as updated_file

@@ -118,7 +118,7 @@ def test_an_armour_that_every_impact_perforates_has_no_probability():
 
 
 def test_an_armour_that_no_impact_perforates_is_at_least_as_good():
-    given = {"uncertainty": {"model": {"scale_percent": 5.0}}}
+    given = {"uncertainty": {"model": {"scale_percent": 5.0, "degrees_of_freedom": 1e6, "source": "tests"}}}
     thick = {"ceramic": None, "ceramic_mm": 0.0, "backing_mm": 500.0, **given}
     assert confidence(scenario(velocity=9900.0, **thick)).probability_of_stopping is None
     found = confidence(scenario(velocity=450.0, **thick))

@@ -33,7 +33,9 @@ def test_the_error_is_known_where_the_limit_moves_by_a_metre_per_second_at_most(
     reason = armour.confidence(case).reason
     assert f"moves the ballistic limit by {moved[place]:+.3g} m/s" in reason
     assert armour.ballistic_limit(case).interval_m_s is None
-    given = case.replaced({"uncertainty.model": {"mean_percent": 0.0, "scale_percent": 5.0}})
+    given = case.replaced(
+        {"uncertainty.model": {"mean_percent": 0.0, "scale_percent": 5.0, "degrees_of_freedom": 1e6, "source": "tests"}}
+    )
     assert armour.ballistic_limit(given).interval_m_s is not None
 
 

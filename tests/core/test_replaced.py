@@ -122,7 +122,9 @@ def test_each_computation_names_a_replaced_function(
 
 
 def test_results_name_a_replaced_function(monkeypatch: pytest.MonkeyPatch):
-    scenario = armour.load_scenario("wilkins", {"uncertainty.model": {"scale_percent": 7.0}})
+    scenario = armour.load_scenario(
+        "wilkins", {"uncertainty.model": {"scale_percent": 7.0, "degrees_of_freedom": 1e6, "source": "tests"}}
+    )
     monkeypatch.setattr(equations, "crack_velocity", lambda _Ec, _rho_c: 1000.0)
     words = "computed with armour.core.equations.crack_velocity replaced"
     for function in (armour.simulate, armour.ballistic_limit, armour.confidence, armour.check):

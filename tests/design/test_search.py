@@ -20,7 +20,7 @@ from armour.engine import batch
 from armour.errors import InputError
 from armour.scenario.scenario import load_scenario
 from tests.design.results import best_of
-from tests.helpers.cases import CERAMICS, GIVEN, METALS, SCENARIOS, THREATS, catalogue, grid, offer, scenario
+from tests.helpers.cases import CERAMICS, GIVEN, METALS, SCENARIOS, THREATS, catalogue, grid, offer, scenario, sourced
 from tests.helpers.examples import examples
 from tests.helpers.known import known
 
@@ -73,7 +73,7 @@ def test_a_big_catalogue_is_exact():
     thick = {"min": 2.0, "max": 21.0, "step": 1.0}
     library = {
         "ceramic": {
-            f"C{i}": {"based_on": "AD85", "density_kg_m3": 3300.0 + 97.0 * i, "flow_stress_GPa": 4.5 + 0.3 * i}
+            f"C{i}": {"based_on": "AD85", "density_kg_m3": 3300.0 + 97.0 * i, **sourced(4.5 + 0.3 * i)}
             for i in range(4)
         },
         "metal": {

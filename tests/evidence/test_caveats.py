@@ -57,7 +57,11 @@ def _xml(checked: armour.CheckResult, of: Scenario) -> str:
 
 
 def test_a_model_error_that_is_given_does_not_make_it_pass():
-    given = on(980.0, design={"confidence": 0.6}, uncertainty={"model": {"scale_percent": 1.0}})
+    given = on(
+        980.0,
+        design={"confidence": 0.6},
+        uncertainty={"model": {"scale_percent": 1.0, "degrees_of_freedom": 1e6, "source": "tests"}},
+    )
     assert armour.check(given).verdict == "not known"
 
 

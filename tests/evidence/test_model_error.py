@@ -80,7 +80,9 @@ def test_no_error_where_nothing_was_tested(changes: dict[str, Any]):
 
 
 def test_the_scenario_gives_the_error_or_excludes_it():
-    with_error = scenario(ceramic="SiC", uncertainty={"model": {"scale_percent": 9.0, "source": "our tests"}})
+    with_error = scenario(
+        ceramic="SiC", uncertainty={"model": {"scale_percent": 9.0, "degrees_of_freedom": 1e6, "source": "our tests"}}
+    )
     error = error_of(with_error)
     assert error.source == "our tests"
     assert (error.mean_percent, error.scale_percent) == pytest.approx((0.0, 9.0))
@@ -199,7 +201,9 @@ def test_the_error_is_that_of_the_settings_of_the_tests(settings: dict[str, Any]
     untested = scenario(ceramic="AD99.5", velocity=700.0)
     assert confidence(untested).flow_stress is not None
     assert confidence(untested.replaced(settings)).flow_stress is None
-    with_error = scenario(uncertainty={"model": {"scale_percent": 9.0}}).replaced(settings)
+    with_error = scenario(
+        uncertainty={"model": {"scale_percent": 9.0, "degrees_of_freedom": 1e6, "source": "tests"}}
+    ).replaced(settings)
     assert model_error(row_of(with_error), 700.0) is not None
 
 
@@ -209,7 +213,11 @@ def test_the_error_is_that_of_the_equations_of_the_tests(monkeypatch: pytest.Mon
     result = confidence(scenario(velocity=700.0))
     assert result.probability_of_stopping is None
     assert "the tests were not computed with armour.core.equations.crack_velocity replaced" in result.reason
-    given = confidence(scenario(velocity=700.0, uncertainty={"model": {"scale_percent": 9.0}}))
+    given = confidence(
+        scenario(
+            velocity=700.0, uncertainty={"model": {"scale_percent": 9.0, "degrees_of_freedom": 1e6, "source": "tests"}}
+        )
+    )
     assert given.probability_of_stopping is not None
     monkeypatch.undo()
     assert confidence(scenario(velocity=700.0)).probability_of_stopping is not None

@@ -64,7 +64,13 @@ METALS = [
 
 
 # The model error, of armours that were tested and others.
-GIVEN = {"scale_percent": 7.0, "degrees_of_freedom": 12.0}
+GIVEN = {"scale_percent": 7.0, "degrees_of_freedom": 12.0, "source": "13 tests"}
+
+
+def sourced(flow_stress_GPa: float) -> dict[str, Any]:
+    """The flow stress of a ceramic without tests, as two sources give it."""
+    value = {"value": flow_stress_GPa, "source": "two reports"}
+    return {"flow_stress_GPa": value, "flow_stress_sources_GPa": [flow_stress_GPa, flow_stress_GPa]}
 
 
 def catalogue(threats: Any = THREATS, uncertain: Any = None, **design: Any) -> Scenario:
@@ -92,7 +98,7 @@ def library(
     keys = ("penetrator_diameter_mm", "penetrator_mass_g", "density_kg_m3", "flow_stress_GPa")
     return {
         "projectile": {"x": dict(zip(keys, projectile, strict=True))},
-        "ceramic": {"c": dict(zip(("density_kg_m3", "youngs_modulus_GPa", "flow_stress_GPa"), ceramic, strict=True))},
+        "ceramic": {"c": {"density_kg_m3": ceramic[0], "youngs_modulus_GPa": ceramic[1], **sourced(ceramic[2])}},
         "metal": {
             "b": {
                 **dict(zip(("density_kg_m3", "flow_stress_GPa", "shear_strength_MPa"), metal, strict=True)),

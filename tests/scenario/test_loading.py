@@ -212,11 +212,11 @@ def test_a_scenario_made_of_sections_is_validated():
         Scenario(impact=plain.impact, armour=thin)
 
 
-def test_a_value_that_is_set_says_so_in_its_source():
+def test_a_value_without_a_source_names_its_file():
     plain = scenario(library={"ceramic": {"AD85": {"based_on": "AD85", "density_kg_m3": 3500.0}}})
     changed = plain.replaced({"ceramic.flow_stress_GPa": 4.5}).replaced({"title": "x"})
     values = changed.entry("ceramic", "AD85").values
-    assert values["flow_stress_GPa"].source == "a change to scenario"
+    assert values["flow_stress_GPa"].source == "scenario"
     assert values["density_kg_m3"].source == "scenario"
     assert changed.file == "scenario"
 

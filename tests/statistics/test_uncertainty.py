@@ -113,7 +113,7 @@ def test_the_error_of_the_model_is_an_input():
 def test_the_error_of_the_model_adds_to_the_inputs(uncertain: Scenario):
     few = uncertain.replaced({"uncertainty.samples": 512})
     alone = uncertainty(few)
-    error_section = {"scale_percent": 5.0, "degrees_of_freedom": 30.0}
+    error_section = {"scale_percent": 5.0, "degrees_of_freedom": 30.0, "source": "tests"}
     both = uncertainty(few.replaced({"uncertainty.model": {"included": True, **error_section}}))
     expected = np.hypot(alone.standard_deviation_m_s, 0.05 * np.sqrt(30.0 / 28.0) * alone.mean_m_s)
     assert both.standard_deviation_m_s == pytest.approx(expected, rel=0.02)
@@ -123,7 +123,7 @@ def test_the_error_of_the_model_adds_to_the_inputs(uncertain: Scenario):
 def test_the_total_index_of_the_models_error_is_exact():
     """The armour's limit is the model's times a ratio, so that total = first (1 + CV^2), CV of the model's limit."""
     spread = {"distribution": "normal", "standard_deviation_percent": 8.0}
-    error_section = {"scale_percent": 5.0, "degrees_of_freedom": 30.0}
+    error_section = {"scale_percent": 5.0, "degrees_of_freedom": 30.0, "source": "tests"}
     sections = {"samples": 256, "ceramic": {"flow_stress_GPa": spread}, "backing": {"flow_stress_GPa": spread}}
     alone = uncertainty(scenario(uncertainty={**sections, "model": {"included": False}}))
     both = uncertainty(scenario(uncertainty={**sections, "model": error_section}))
@@ -140,7 +140,7 @@ def test_the_index_of_the_models_error_leaves_out_its_tails():
     spread = {"distribution": "normal", "standard_deviation_percent": 8.0}
     sections = {"samples": 512, "ceramic": {"flow_stress_GPa": spread}, "backing": {"flow_stress_GPa": spread}}
     alone = uncertainty(scenario(uncertainty={**sections, "model": {"included": False}}))
-    error_section = {"scale_percent": 2.0, "degrees_of_freedom": 2.0}
+    error_section = {"scale_percent": 2.0, "degrees_of_freedom": 2.0, "source": "tests"}
     both = uncertainty(scenario(uncertainty={**sections, "model": error_section}))
     [first] = [index.first for index in both.inputs if index.input == "model.limit_error_percent"]
     t, end = stats.t(2.0), stats.t(2.0).isf(1e-4)

@@ -62,7 +62,7 @@ WHOLE = data(
         "ceramic": {"flow_stress_GPa": NORMAL, "density_kg_m3": NORMAL},
         "backing": {"density_kg_m3": NORMAL},
         "correlation": [{"between": ["ceramic.flow_stress_GPa", "ceramic.density_kg_m3"], "coefficient": 0.3}],
-        "model": {"scale_percent": 5.0},
+        "model": {"scale_percent": 5.0, "degrees_of_freedom": 1e6, "source": "tests"},
     },
     solver={},
     ballistic_limit={},

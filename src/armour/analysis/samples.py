@@ -248,8 +248,8 @@ def probability_of_perforation(
 
 
 def is_sampled(scenario: Scenario, layers: Mapping[str, float] | None = None) -> bool:
-    """Return whether samples can give the probability of perforation: the model error must be known or excluded."""
-    return scenario.excludes_error() or bool(own_errors(scenario, layers).known.all())
+    """Return whether samples can give the probability of perforation: the model error must be known."""
+    return bool(own_errors(scenario, layers).known.all())
 
 
 def misplaced(distributions: Mapping[str, Distribution], scenario: Scenario, answer: Scenario) -> tuple[Note, ...]:

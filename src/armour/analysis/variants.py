@@ -160,7 +160,7 @@ class Variants(NamedTuple):
         settings = [] if step_us is None else [f"solver.time_step_us = {step_us}"]
         settings += [f"ballistic_limit.tolerance_m_s = {tolerance}"] * (tolerance > MOST_MOVED_M_S)
         moves = f"moves the ballistic limit by {moved:+.3g} m/s, more than {MOST_MOVED_M_S:g} m/s"
-        return f"{' and '.join(settings)} {moves}; [uncertainty.model] can give it"
+        return f"{' and '.join(settings)} {moves}"
 
     def limit_distributions(self, limits: Floats) -> Mixture:
         """Return the distributions of the ballistic limits of n armours, given those of the model, m/s, (n,)."""

@@ -44,9 +44,9 @@ def share(text: str) -> float | str:
     return float(Decimal(str(value)) / 100) if text.endswith("%") else value
 
 
-def number_option(description: str, parser: Callable[[str], float | str] = number) -> Any:
+def number_option(description: str, parser: Callable[[str], float | str] = number, *names: str) -> Any:
     """Make an option whose value is a number or, with `parser=share`, a fraction."""
-    return option(description, metavar="NUMBER", parser=parser)
+    return option(description, *names, metavar="NUMBER", parser=parser)
 
 
 def file_option(description: str, *names: str, metavar: str = "FILE") -> Any:
@@ -75,7 +75,12 @@ OPTIONAL_SCENARIO = argument("SCENARIO", SCENARIO_WORDS, default=None, autocompl
 CHANGES = option(
     "Replace the value of a key; repeatable.", "--set", metavar="KEY=VALUE", autocompletion=completion.assignments
 )
-REQUIRED_PROBABILITY = number_option("Required probability of stopping each threat, such as 0.95.", share)
+REQUIRED_PROBABILITY = number_option(
+    "Least probability of stopping each threat, such as 0.95; a higher one that the scenario requires stays.",
+    share,
+    "--probability",
+    "--confidence",
+)
 PLOT = file_option("Draw the result to a .png, .svg or .pdf file.")
 FORCE = flag("Replace existing files.", "--force")
 AS_JSON = flag("Print one JSON object and nothing else.", "--json")

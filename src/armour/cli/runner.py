@@ -129,12 +129,14 @@ def read_scenario(
     reads: Collection[str],
     settings: Mapping[str, tuple[str, float | None]] = {},
     computed: str = "the answer",
+    probability: Any = None,
 ) -> "armour.Scenario":
     """Read a scenario from a file, from a shipped scenario by its name or, for "-", from standard input.
 
     ``assignments`` are those of ``--set``; they must set keys that the command ``reads``, or keys below these.
     ``settings`` has, for other options, the key that each sets and its value, None if it is not given.  ``computed``
-    names the result of the command in messages.  Errors in a value that an option sets name the option.
+    names the result of the command in messages.  Errors in a value that an option sets name the option.  The scenario
+    requires at least the ``probability`` of stopping each threat, if one is given.
     """
     changes = changes_of(assignments or ())
     options = {key: f"--set {key}" for key in changes}
@@ -156,7 +158,8 @@ def read_scenario(
         say(f"note: --set {VELOCITY}: has no effect: {computed} does not depend on it")
         reads = {*reads, VELOCITY}
     lazy.check_effect(values_by_key(changes), [(loaded, reads)], "command line", computed, "--set ")
-    return loaded
+    with as_options("requiring"):
+        return loaded.requiring(probability)
 
 
 def say_how_read(table: object, content: Content) -> Content:

@@ -30,16 +30,14 @@ from armour.cli.options import (
 )
 from armour.cli.runner import Files, answer, check_outputs, picture, read_scenario, warnings_of, write
 from armour.errors import InputError, Problem, counted, duration, refuse
-from armour.files import read_toml, shipped_suites, wrong_ending
+from armour.files import read_json, read_toml, shipped_suites, wrong_ending
 from armour.reporting.table import rows_csv
 from armour.scenario.inputs import OF_ERROR, ROUND_AND_ARMOUR, VELOCITY
 from armour.scenario.keys import changes_of, describe
 
-# Key of the required probability of stopping, which `--confidence` sets.
-CONFIDENCE_KEY = "design.confidence"
 # Keys of [design] that a check reads: requirements, what is added to the armour, and materials with their costs.
 CHECK = (
-    *("design.confidence", "design.thickness_tolerance_mm"),
+    *("design.probability_of_stopping", "design.confidence", "design.thickness_tolerance_mm"),
     *("design.areal_density_max_kg_m2", "design.thickness_max_mm", "design.cost_max_per_m2"),
     *(*OF_WEIGHT, "design.added_thickness_mm", "design.added_cost_per_m2"),
     *("design.ceramic", "design.backing"),
@@ -120,7 +118,11 @@ def check(
     ),
     junit: Path | None = file_option("Write the results as JUnit XML; such a file is replaced."),
     csv: Path | None = file_option("Write the limits as CSV, as given and with each change."),
-    confidence: Any = REQUIRED_PROBABILITY,
+    probability: Any = REQUIRED_PROBABILITY,
+    against: Path | None = file_option(
+        "Also list what moved since an earlier check of the same scenarios, whose --json this file has; exit code 3 if "
+        "a requirement or threat is weaker or missing, or if [uncertainty], own tests or own materials changed."
+    ),
     plot: Path | None = PLOT,
     yes: bool = flag(f"Read folders even if they have more than {MOST_FILES:,} .toml files.", "--yes"),
     force: bool = FORCE,
@@ -139,8 +141,9 @@ def check(
     if plot is not None and not is_one:
         raise runner.wrong_option("--plot", "must be given with one scenario, not with several or a folder")
     with runner.mistakes_in(junit, paths, force=force):
-        scenarios = _read_each(paths, changes, confidence)
-    inputs = [*paths, *(file for loaded in scenarios for file in lazy.files_of(loaded))]
+        scenarios = _read_each(paths, changes, probability)
+    earlier = None if against is None else read_json(against)
+    inputs = [*paths, against, *(file for loaded in scenarios for file in lazy.files_of(loaded))]
     check_outputs(tables=[csv], junit=junit, inputs=inputs, plot=plot, force=force)
     results: list[armour.CheckResult] = []
     suites, warnings = [], []
@@ -157,36 +160,45 @@ def check(
         suites.append(lazy.check_junit(result, loaded, perf_counter() - start, runner.origin_of(loaded)))
         warnings += warnings_of(loaded, result.warnings, verbose=verbose)
     answers = [*zip(scenarios, results, strict=True)]
-    if as_json and is_one:
-        runner.show_answer(results[0].to_dict(), (), as_json=True, scenario=scenarios[0])
-    elif as_json:
-        show_json(
-            [{"scenario": case.file, **found.to_dict(), "made_by": runner.origin_of(case)} for case, found in answers]
-        )
-    elif not is_one:
-        emit("\n")
-        show(lazy.check_summary({loaded.file: found for loaded, found in answers}))
+    data = [{"scenario": case.file, **found.to_dict(), "made_by": runner.origin_of(case)} for case, found in answers]
+    moves = [] if against is None else [*lazy.moved(earlier, data, str(against))]
+    if against is not None:
+        suites.append(lazy.moved_junit(moves, str(against), runner.origin_of()))
+    if as_json:
+        if against is not None:
+            by_scenario = {
+                move.scenario: [vars(other) for other in moves if other.scenario == move.scenario] for move in moves
+            }
+            data = [{**each, "moved": by_scenario.pop(each["scenario"], [])} for each in data]
+            data += [{"scenario": missing, "moved": found} for missing, found in by_scenario.items()]
+        show_json(data[0] if is_one and len(data) == 1 else data)
+    else:
+        if not is_one:
+            emit("\n")
+            show(lazy.check_summary({loaded.file: found for loaded, found in answers}))
+        if against is not None:
+            emit("\n")
+            show(*lazy.tables_of_moved(moves, str(against)))
     files: Files = {
         junit: lambda _: lazy.junit_xml(suites),
         csv: lambda _: rows_csv({"scenario": loaded.file, **row} for loaded, found in answers for row in found),
         plot: picture(lambda: armour.plot(results[0]), scenarios[0]),
     }
     write(files, warnings)
-    if any(result.verdict != "passes" for result in results):
+    if any(result.verdict != "passes" for result in results) or any(move.weaker for move in moves):
         raise typer.Exit(runner.CHECK_FAILED)
 
 
-def _read_each(paths: Sequence[Path], changes: Sequence[str] | None, confidence: Any) -> list["armour.Scenario"]:
+def _read_each(paths: Sequence[Path], changes: Sequence[str] | None, probability: Any) -> list["armour.Scenario"]:
     """Read the scenarios of a check, and raise one error with the mistakes in all of them.
 
-    `changes` are those of ``--set``, and `confidence` is the value of ``--confidence``.
+    `changes` are those of ``--set``, and `probability` is the value of ``--probability``.
     """
     scenarios: list[armour.Scenario] = []
     problems: list[Problem] = []
     for path in paths:
         try:
-            settings = {"--confidence": (CONFIDENCE_KEY, confidence)}
-            scenarios.append(read_scenario(path, changes, CHECK_READS, settings, "the check"))
+            scenarios.append(read_scenario(path, changes, CHECK_READS, {}, "the check", probability))
         except InputError as error:
             problems += error.problems
     refuse(dict.fromkeys(problems))
@@ -201,7 +213,7 @@ def optimise(
     ),
     page: Path | None = file_option("Write an interactive map of all designs, .html.", "--map"),
     changes: list[str] | None = CHANGES,
-    confidence: Any = REQUIRED_PROBABILITY,
+    probability: Any = REQUIRED_PROBABILITY,
     plot: Path | None = PLOT,
     force: bool = FORCE,
     verbose: bool = VERBOSE,
@@ -212,8 +224,7 @@ def optimise(
     The scenario may define several threats, a catalogue of materials, and a quantity other than weight to minimise.
     Where no design is known to pass, the answer is the nearest one, with what it lacks, and the exit code 1.
     """
-    settings = {"--confidence": (CONFIDENCE_KEY, confidence)}
-    loaded = read_scenario(scenario, changes, DESIGNS, settings, "the design")
+    loaded = read_scenario(scenario, changes, DESIGNS, {}, "the design", probability)
     check_outputs(page, tables=[csv], inputs=[scenario], scenario=loaded, plot=plot, force=force)
     if page is not None:
         refuse(wrong_ending(page, (".html",)))
@@ -257,12 +268,12 @@ def _check_of(scenario: "armour.Scenario", best: "armour.BestDesign", source: st
     `source` is the scenario as a word of a command line, and `changes` are those of ``--set``.
     """
     values = best.changes_to(scenario)
-    replaced = {*values, CONFIDENCE_KEY}
+    replaced = {*values, "design.confidence", "design.probability_of_stopping"}
     kept = [
         change for change in runner.accepted(changes, CHECK_READS) if change.partition("=")[0].strip() not in replaced
     ]
     kept += [f"{key}={str(value).removesuffix('.0')}" for key, value in values.items()]
-    required = scenario.design and scenario.design.confidence
+    required = scenario.design and scenario.design.required_probability
     confidence = ["--confidence", f"{required:g}"] if required else []
     return shlex.join(["armour", "check", source, *confidence, *runner.set_options(kept)])
 
@@ -371,7 +382,7 @@ def report(
         Path("report.html"), "--output", "-o", metavar="FILE", help="File to write, .html or .md."
     ),
     as_is: bool = flag("Report on the scenario's own armour even if the scenario asks for a design.", "--as-is"),
-    confidence: Any = REQUIRED_PROBABILITY,
+    probability: Any = REQUIRED_PROBABILITY,
     force: bool = FORCE,
     changes: list[str] | None = CHANGES,
 ) -> None:
@@ -379,26 +390,25 @@ def report(
 
     The report is one self-contained file with the answer, its uncertainty, charts (HTML) and the sources of all values.
     """
-    confidence_option = [] if confidence is None else ["--confidence", str(confidence)]
+    required = [] if probability is None else ["--probability", str(probability)]
     changes = changes or []
     command = runner.command_line()
     set_words = runner.set_options(runner.accepted(changes, DESIGNS))
-    optimise_words = ["armour", "optimise", runner.source_word(source), *confidence_option, *set_words]
+    optimise_words = ["armour", "optimise", runner.source_word(source), *required, *set_words]
     map_command = shlex.join([*optimise_words, "--map", "map.html"])
     if str(source) != "-":
         source = lazy.scenario_file(source, shipped_suites())
     is_suite = str(source) != "-" and {"case", "table"} & read_toml(source).keys()
     runner.check_options(
         ("--as-is", is_suite and as_is, "must be given with a scenario, found a suite"),
-        ("--confidence", is_suite and confidence_option, "must be given with a scenario, found a suite"),
+        ("--probability", is_suite and required, "must be given with a scenario, found a suite"),
     )
     if is_suite:
         suite = armour.load_suite(source, changes_of(changes))
         inputs = lazy.suite_files(suite)
     else:
         reads = (*BYLINE, "armour", *(AS_IS if as_is else DESIGNS))
-        required = {"--confidence": (CONFIDENCE_KEY, confidence)}
-        scenario = read_scenario(source, changes, reads, required, computed="the report")
+        scenario = read_scenario(source, changes, reads, {}, "the report", probability)
         inputs = [source, *lazy.files_of(scenario)]
     check_outputs(output, inputs=inputs, force=force)
     refuse(wrong_ending(output, lazy.REPORT_ENDINGS))

@@ -14,7 +14,7 @@ from armour.design.requirements import SLACK_ROUNDING
 from armour.engine import batch
 from armour.errors import Problem, refuse
 from armour.evidence.caveats import is_no_metal
-from armour.evidence.tests import Materials, is_untested
+from armour.evidence.tests import Materials, is_untested, lacks_sources
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, OBLIQUITY, VELOCITY, cosine_of, fields_of
 from armour.scenario.library import LibraryEntry, inputs_of_entry
 from armour.scenario.scenario import Scenario
@@ -144,9 +144,9 @@ class Catalogue:
         return np.full_like(self.bounds, 0.5) if placed else (2.0 * self.bounds).clip(max=0.5)
 
     @cached_property
-    def one_source(self) -> Bools:
-        """Whether a single source gives the flow stress of the ceramic of each pair."""
-        return np.array([bool(ceramic and ceramic.has_one_source) for ceramic, _ in self.materials])
+    def lacks_sources(self) -> Bools:
+        """Whether the ceramic of each pair has neither tests nor two sources of its flow stress."""
+        return np.array([ceramic is not None and lacks_sources(ceramic) for ceramic, _ in self.materials])
 
     @cached_property
     def metal(self) -> Bools:

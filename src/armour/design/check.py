@@ -23,7 +23,7 @@ from armour.evidence.tests import armours_of, outside_tests, threat_warnings
 from armour.scenario.checked import checked
 from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, VELOCITY
 from armour.scenario.scenario import Scenario
-from armour.scenario.schema import OBJECTIVES, DesignSection, Threat
+from armour.scenario.schema import OBJECTIVES, DesignSection, RequiredProbability, Threat
 
 # Changes with which every armour is checked: factor of the impact velocity, and angles.
 FASTER, ANGLES_DEG = 1.05, (0.0, 30.0)
@@ -90,6 +90,8 @@ class CheckedThreat:
         required.
     outside_tests : dict of str to float
         Factor by which the armour or the threat lies outside the tests, by quantity, as in `Design`.
+    name : str
+        Name of the threat without its numbers, as it stays if only these change.
     """
 
     threat: str
@@ -111,6 +113,7 @@ class CheckedThreat:
     requirements: tuple[Requirement, ...] = ()
     sampled: Estimate | None = None
     outside_tests: dict[str, float] = field(default_factory=dict, hash=False)
+    name: str = ""
 
     def as_given(self) -> WhatIf:
         """Return the armour without a change; its probability of stopping is that with exact inputs."""
@@ -141,6 +144,9 @@ class CheckResult(TableResult):
         Cost of these layers; None unless the section ``design`` gives the cost of each material and layer.
     whole_areal_density_kg_m2, whole_thickness_mm : float
         The same, including a back plate that exists already.
+    basis : dict of str to str
+        Hash of each part of the scenario beside armour and threats that decides how far the answer is trusted, by its
+        key: own entries of the library with their tests, and settings of the model and its error.
     """
 
     threats: tuple[CheckedThreat, ...]
@@ -152,6 +158,7 @@ class CheckResult(TableResult):
     cost_per_m2: float | None = None
     whole_areal_density_kg_m2: float = 0.0
     whole_thickness_mm: float = 0.0
+    basis: dict[str, str] = field(default_factory=dict, hash=False)
 
     def _columns(self) -> dict[str, list[object]]:
         """Return a row for the armour as given, with what is judged, and one for each change, which has no verdict."""
@@ -169,7 +176,12 @@ class CheckResult(TableResult):
 
 
 @checked
-def check(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> CheckResult:
+def check(
+    scenario: Scenario,
+    *,
+    probability: RequiredProbability | None = None,
+    on_progress: OnProgress = ignore_progress,
+) -> CheckResult:
     """Check the armour of a scenario against every threat, and against small changes of each.
 
     If the scenario lists no threats, its impact is the threat.  The changes are: each layer thinner by the tolerance
@@ -178,7 +190,9 @@ def check(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> C
     Parameters
     ----------
     scenario : Scenario
-        Its section ``design`` may give the probability that is required, ``confidence``.
+        Its section ``design`` may give the probability that is required, ``probability_of_stopping``.
+    probability : float, optional
+        Least probability of stopping each threat; a higher one that the scenario requires stays.
     on_progress : callable, optional
         Called with the number of impacts computed since the last call, and None, as their total is not known.
 
@@ -192,6 +206,7 @@ def check(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> C
     >>> armour.check(armour.load_scenario("wilkins")).verdict
     'fails'
     """
+    scenario = scenario.requiring(probability)
     section = scenario.design or DesignSection()
     threats, distributions = scenario.threats(), scenario.distributions()
     impacts = [scenario.against(threat) for threat in threats]
@@ -205,6 +220,7 @@ def check(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> C
     verdicts = [*(threat.verdict for threat in checked_threats), *(row.verdict for row in rows)]
     requires = any(threat.required_probability is not None for threat in checked_threats)
     warnings = (
+        *scenario.floors,
         *scenario.unused_impact(),
         *scenario.unused_densities(),
         *threat_warnings(scenario, armours_of(*impacts)),
@@ -221,6 +237,7 @@ def check(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> C
         cost_per_m2=cost,
         whole_areal_density_kg_m2=scenario.areal_density_kg_m2(whole=True),
         whole_thickness_mm=scenario.thickness_mm(whole=True),
+        basis=scenario.basis(),
     ).of(title, scenario=scenario)
 
 
@@ -280,6 +297,7 @@ def _checked(against: Scenario, threat: Threat, on_progress: OnProgress, *, samp
         requirements=requirements,
         sampled=sampled,
         outside_tests=outside_tests(row.armours, row.velocities)[0],
+        name=threat.round_name,
     )
 
 

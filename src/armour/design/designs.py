@@ -6,12 +6,11 @@ Verdicts, ballistic limits and sampled probabilities are computed only for the d
 from bisect import bisect_left
 from collections.abc import Iterator
 from functools import lru_cache
-from math import ceil, log, log1p
 from typing import NamedTuple
 
 import numpy as np
 
-from armour.analysis.estimates import INTERVAL_TAIL, Estimate, proportion
+from armour.analysis.estimates import Estimate
 from armour.analysis.results import OnProgress, ignore_progress, portions
 from armour.analysis.samples import is_sampled, points_of, probability_of_perforation, section_of
 from armour.analysis.variants import Bools, Floats, Ints, Variants
@@ -20,7 +19,7 @@ from armour.design.requirements import verdict_of, verdict_of_samples
 from armour.errors import Problem, refuse
 from armour.evidence.tests import outside_tests
 from armour.scenario.inputs import BACKING, CERAMIC
-from armour.scenario.schema import FASTEST_M_S, MAX_SAMPLES, Uncertainty
+from armour.scenario.schema import FASTEST_M_S, Uncertainty
 
 # Verdicts on designs, from the worst; UNJUDGED is none yet.
 UNJUDGED, FAILS, NOT_KNOWN, PASSES = range(-1, 3)
@@ -69,9 +68,7 @@ def required_of(catalogue: Catalogue, rows: Variants) -> Required:
     if catalogue.bounded:
         known &= rows.errors.known
     limits = np.where(known & (margins == 0.0), 0.0, rows.velocities + margins)
-    by_samples = catalogue.sampled and catalogue.scenario.excludes_error()
-    unknown = np.zeros_like(known) if by_samples else bounded & ~known
-    unknown |= catalogue.scenario.interlayers > 0
+    unknown = (bounded & ~known) | (catalogue.scenario.interlayers > 0)
     return Required(limits, np.where(known, bounds, 1.0), unknown)
 
 
@@ -190,7 +187,7 @@ class Reliability:
 
 
 def _check(catalogue: Catalogue, section: Uncertainty) -> None:
-    """Check that the distributions apply to every design, material and threat, and that there are enough samples."""
+    """Check that the distributions apply to every design, material and threat."""
     file = catalogue.scenario.file
     problems = []
     for name, distribution in section.inputs().items():
@@ -200,13 +197,6 @@ def _check(catalogue: Catalogue, section: Uncertainty) -> None:
                 'max, such as { distribution = "normal", standard_deviation_percent = 1.0 }'
             )
             problems.append(Problem(file, f"uncertainty.{name}", message))
-    bound = float(catalogue.bounds.min())
-    if catalogue.scenario.excludes_error() and proportion(0, section.samples).high > bound:
-        # Without a perforation, the upper end of the Clopper-Pearson interval is 1 - (tail)^(1/n).
-        needed = ceil(log(INTERVAL_TAIL) / log1p(-bound))
-        message = f"must be at least {needed} to show a probability of perforation of {bound:g}"
-        too_many = f" (at most {MAX_SAMPLES} are allowed: raise the bound)" if needed > MAX_SAMPLES else ""
-        problems.append(Problem(file, "uncertainty.samples", f"{message}{too_many}, found {section.samples}"))
     refuse(problems)
 
 
@@ -219,8 +209,9 @@ class Designs:
     within, offered : array of int
         Places of the designs within the limits of the section ``design``, and of those of them on back plates that may
         be a metal.
-    one_source : array of bool
-        Whether a single source gives the flow stress of the ceramic of each design; such a design is never the best.
+    unsourced : array of bool
+        Whether the ceramic of each design has neither tests nor two sources of its flow stress; such a design is never
+        the best.
     """
 
     def __init__(
@@ -234,7 +225,7 @@ class Designs:
         self.values = catalogue.objective(self.columns)
         self.within = np.flatnonzero(catalogue.violations(self.columns) <= 0.0)
         self.offered = self.within[catalogue.metal[self.columns.pair[self.within]]]
-        self.one_source = catalogue.one_source[self.columns.pair] & (self.columns.ceramic_mm > 0.0)
+        self.unsourced = catalogue.lacks_sources[self.columns.pair] & (self.columns.ceramic_mm > 0.0)
         count = len(self.values)
         self._verdicts, self._known = np.full(count, UNJUDGED), np.zeros(count, dtype=bool)
         self._limits, self._slack = np.full((2, count, len(catalogue.threats)), np.nan)

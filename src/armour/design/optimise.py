@@ -24,12 +24,12 @@ from armour.evidence.tests import threat_warnings
 from armour.scenario.checked import checked
 from armour.scenario.inputs import BACKING, CERAMIC, NAMES
 from armour.scenario.scenario import Scenario, Varied
-from armour.scenario.schema import OBJECTIVES, DesignSection
+from armour.scenario.schema import OBJECTIVES, DesignSection, RequiredProbability
 from armour.units import MM
 
-# Words that begin the reason of a pair of materials: no test of it is known, but of others; a single source gives its
-# ceramic's flow stress; it is nearly as good as the best.
-NO_TEST_KNOWN, ONE_SOURCE, RUNNER_UP = "no test", "one source of its flow stress", "runner-up: "
+# Words that begin the reason of a pair of materials: no test of it is known, but of others; its ceramic's flow stress
+# has too few sources; it is nearly as good as the best.
+NO_TEST_KNOWN, UNSOURCED, RUNNER_UP = "no test", "fewer than two sources of its flow stress", "runner-up: "
 # Words after the threats that a design stops by the computed limit, while its probability is not known.
 BY_LIMIT = " by the computed limit"
 # Most designs that a result lists, and most pairs for which it has needed flow stresses; most designs to compare in the
@@ -153,7 +153,7 @@ class Pair:
         Reason why its best design is not the best of all pairs, or why it has none.
     ranked : bool
         Whether the pair is ranked with the others: not if the model error is unknown for its best design but known for
-        the best of all pairs, nor if a single source gives the flow stress of its ceramic.
+        the best of all pairs, nor if its ceramic has neither tests nor two sources of its flow stress.
     untested : bool
         Whether no test of the ceramic on metal is known.
     """
@@ -285,7 +285,13 @@ def armour_in_words(design: Design) -> str:
 
 
 @checked
-def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgress = ignore_progress) -> DesignResult:
+def optimise(
+    scenario: Scenario,
+    *,
+    refine: bool = False,
+    probability: RequiredProbability | None = None,
+    on_progress: OnProgress = ignore_progress,
+) -> DesignResult:
     """Find the best design of a scenario that stops its threats.
 
     A design passes if it meets all requirements, as `check` judges them, with its lowest ballistic limits.  The impacts
@@ -298,9 +304,11 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
     scenario : Scenario
         Its sections ``design`` and ``optimise`` give the materials and thicknesses, its list ``threat`` the threats;
         without them, they are the scenario's own pair of materials and impact.  Where there are threats, the impact is
-        not used.  ``scenario.replaced({"design.confidence": 0.95})`` asks for a probability of stopping each threat.
+        not used.
     refine : bool, default False
         Whether to also find the best design with both layers free within their ranges.
+    probability : float, optional
+        Least probability of stopping each threat; a higher one that the scenario requires stays.
     on_progress : callable, optional
         Called with the number of impacts computed since the last call, and None, as their total is not known.
 
@@ -313,6 +321,7 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
     InputError
         If something is missing in the scenario, there is no range to refine, or a run does not end.
     """
+    scenario = scenario.requiring(probability)
     catalogue = catalogue_of(scenario)
     if refine:
         refuse(_not_refinable(catalogue))
@@ -334,7 +343,7 @@ def optimise(scenario: Scenario, *, refine: bool = False, on_progress: OnProgres
         explanation = _why_not_known(designs, place) if reason else ""
     shown = None if place is None else _best(designs, place, named=True)
 
-    warnings = [*scenario.unused_impact(), *catalogue.omissions()]
+    warnings = [*scenario.floors, *scenario.unused_impact(), *catalogue.omissions()]
     if place is not None:
         metals = [catalogue.materials[pair].backing for pair in np.flatnonzero(catalogue.metal)]
         warnings += threat_warnings(scenario, designs.rows_of(place).armours, metals)
@@ -449,7 +458,7 @@ def _table(search: FreeThicknesses, *, refine: bool = False, criteria: Sequence[
 def _best_place(search: FreeThicknesses) -> tuple[Designs, int | None, Reason]:
     """Return the table of designs, the place of the best design, and the reason if it is not known to pass.
 
-    A design with a ceramic whose flow stress has one source, or on a back plate that is not a metal, is never the best.
+    A design with a ceramic that lacks sources, or on a back plate that is not a metal, is never the best.
     """
     designs = _table(search)
     if not search.catalogue.metal.any():
@@ -461,16 +470,16 @@ def _best_place(search: FreeThicknesses) -> tuple[Designs, int | None, Reason]:
         designs = _table(search)
     if (place := _first(designs, designs.offered, NOT_KNOWN)) is not None:
         return designs, place, "not known"
-    passes_by_limit = designs.one_source.all() and designs.first(designs.offered, NOT_KNOWN) is not None
+    passes_by_limit = designs.unsourced.all() and designs.first(designs.offered, NOT_KNOWN) is not None
     return designs, None, "not known" if passes_by_limit else "none passes"
 
 
 def _first(designs: Designs, where: Ints, least: int) -> int | None:
     """Return the place of the best of some designs with at least the verdict `least`; None if there is none.
 
-    Designs whose model error is known come before the others; ceramics with a single source are left out.
+    Designs whose model error is known come before the others; ceramics that lack sources are left out.
     """
-    return designs.first(designs.ranked(where[~designs.one_source[where]]), least)
+    return designs.first(designs.ranked(where[~designs.unsourced[where]]), least)
 
 
 def _unlimited(designs: Designs, search: FreeThicknesses) -> Designs:
@@ -486,10 +495,10 @@ def _failure(designs: Designs, search: FreeThicknesses) -> tuple[str, BestDesign
     """Return why no design passes, and the design that would be the best without the limits, if there is one."""
     catalogue, unlimited = designs.catalogue, _unlimited(designs, search)
     explanation = _why_none(designs, unlimited)
-    of_one_source = designs.offered[designs.one_source[designs.offered]]
-    if (first := designs.first(of_one_source, NOT_KNOWN)) is not None:
+    of_unsourced = designs.offered[designs.unsourced[designs.offered]]
+    if (first := designs.first(of_unsourced, NOT_KNOWN)) is not None:
         ceramic = catalogue.offers[designs.columns.pair[first]].ceramic.material
-        explanation = f"only {ceramic} would, whose flow stress comes from a single source"
+        explanation = f"only {ceramic} would, whose flow stress has fewer than two sources"
     place = _first(unlimited, np.arange(len(unlimited.values)), NOT_KNOWN)
     return explanation, None if place is None else _best(unlimited, place)
 
@@ -497,18 +506,19 @@ def _failure(designs: Designs, search: FreeThicknesses) -> tuple[str, BestDesign
 def _nearest(designs: Designs, most: int = MOST_COMPARED) -> Ints:
     """Return the places of the designs within the constraints, or nearest to them, the smallest shortfall first.
 
-    The shortfall of a design is the greatest of its shortfalls against the threats; ceramics of one source come last.
+    The shortfall of a design is the greatest of its shortfalls against the threats; ceramics that lack sources come
+    last.
     If there are more than `most` designs, only the thickest ceramic of each pair on each back plate is compared.
     """
-    columns, one_source = designs.columns, designs.one_source
+    columns, unsourced = designs.columns, designs.unsourced
     violations = designs.catalogue.violations(columns)
-    where = np.flatnonzero(violations <= max(float(violations[one_source == one_source.min()].min()), 0.0))
+    where = np.flatnonzero(violations <= max(float(violations[unsourced == unsourced.min()].min()), 0.0))
     if len(where) > most:
         where = where[np.lexsort((-columns.ceramic_mm[where], columns.backing_mm[where], columns.pair[where]))]
         layers = np.column_stack([columns.pair[where], columns.backing_mm[where]])
         where = where[np.unique(layers, axis=0, return_index=True)[1]]
     short = -designs.slack_m_s(where).min(axis=1)
-    return where[np.lexsort((designs.values[where], short, one_source[where]))]
+    return where[np.lexsort((designs.values[where], short, unsourced[where]))]
 
 
 def _some_of_range(catalogue: Catalogue, pair: int) -> CandidateDesigns:
@@ -530,9 +540,9 @@ def _short_pairs(designs: Designs, order: Ints) -> tuple[Pair, ...]:
         table = Designs(catalogue, _some_of_range(catalogue, pair), designs.runs)
         nearest.append((table, int(_nearest(table, most=0)[0])))
     for table, place in nearest:
-        best, one_source = _best(table, place), bool(table.one_source[place])
-        reason = ": ".join([ONE_SOURCE] * one_source + [lacking(best)] * any([*best.short_m_s.values(), best.exceeds]))
-        pairs.append(Pair(best.ceramic, best.backing, None, None, reason, not one_source, best.untested))
+        best, unsourced = _best(table, place), bool(table.unsourced[place])
+        reason = ": ".join([UNSOURCED] * unsourced + [lacking(best)] * any([*best.short_m_s.values(), best.exceeds]))
+        pairs.append(Pair(best.ceramic, best.backing, None, None, reason, not unsourced, best.untested))
     return (*pairs, *(_unlike(catalogue, pair) for pair in np.flatnonzero(~catalogue.metal).tolist()))
 
 
@@ -578,7 +588,7 @@ def _why_not_known(designs: Designs, place: int | None) -> str:
     """Return why it is not known whether any design passes.
 
     `place` is that of the best design by the computed limit; None if all designs that stop the threats by this limit
-    have a ceramic with a single source, or if no back plate is a metal.
+    have a ceramic that lacks sources, or if no back plate is a metal.
     """
     catalogue = designs.catalogue
     if not catalogue.metal.any():
@@ -588,8 +598,8 @@ def _why_not_known(designs: Designs, place: int | None) -> str:
         pairs = designs.columns.pair[designs.offered[designs.verdicts(designs.offered) >= NOT_KNOWN]]
         names = dict.fromkeys(catalogue.offers[pair].ceramic.material for pair in pairs)
         return (
-            f"the flow stress of {listed(list(names))} comes from a single source, so no design with it is named best; "
-            "add a second source to its entry, flow_stress_sources_GPa, or own tests (armour calibrate)"
+            f"the flow stress of {listed(list(names))} has fewer than two sources, so no design with it is named best; "
+            "name a source of its value and flow_stress_sources_GPa of another, or add own tests (armour calibrate)"
         )
     rows = designs.rows_of(place)
     unknown = np.flatnonzero(required_of(catalogue, rows).unknown).tolist()
@@ -789,12 +799,12 @@ def _pairs(designs: Designs, search: FreeThicknesses, best: int | None, least: i
         if place is None:
             reason = _why_none(designs, unlimited, index)
         else:
-            one_source = bool(table.one_source[place])
+            unsourced = bool(table.unsourced[place])
             untested = best_is_known and not table.known(np.array([place]))[0]
-            ranked = not (one_source or untested)
-            design = _best(table, place, named=one_source or (few and catalogue.untested[index]))
+            ranked = not (unsourced or untested)
+            design = _best(table, place, named=unsourced or (few and catalogue.untested[index]))
             excess, words = _excess(catalogue.section, float(table.values[place]), least_value, ranked=ranked)
-            reason = ": ".join(filter(None, (ONE_SOURCE if one_source else NO_TEST_KNOWN if untested else "", words)))
+            reason = ": ".join(filter(None, (UNSOURCED if unsourced else NO_TEST_KNOWN if untested else "", words)))
         names = offer.ceramic.material, offer.backing.material
         pairs.append(Pair(*names, design, excess, reason, ranked, catalogue.untested[index]))
     return tuple(sorted(pairs, key=_rank))

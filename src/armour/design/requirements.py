@@ -7,6 +7,7 @@ from typing import Literal
 from armour.analysis.estimates import Estimate
 from armour.core.state import Parameters
 from armour.evidence.caveats import LEAST_METAL_KG_M3, is_limit_too_low, is_no_metal
+from armour.evidence.tests import LEAST_SOURCES, lacks_sources
 from armour.scenario.library import LibraryEntry
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import OBJECTIVES, DesignSection, Threat
@@ -14,8 +15,6 @@ from armour.scenario.schema import OBJECTIVES, DesignSection, Threat
 Verdict = Literal["passes", "fails", "not known"]
 # Largest relative excess that is rounding.
 SLACK_ROUNDING = 1e-12
-# Least number of sources of a flow stress on which a verdict is based.
-LEAST_SOURCES = 2
 
 
 @dataclass(frozen=True)
@@ -85,7 +84,8 @@ def against_threat(
     armour : Parameters
         Armour and projectile.  For some, the limit is known to be too low, see `evidence.caveats`.
     ceramic : LibraryEntry or None
-        If a single source gives its flow stress, it is not known whether the armour stops the threat.
+        Without tests and with fewer than two sources of its flow stress, it is not known whether the armour stops the
+        threat.
     limit_m_s : float
         Ballistic limit by the model, m/s.
     probability : float or None
@@ -106,8 +106,8 @@ def against_threat(
     if threat.margin_m_s > 0.0 or bound is None:
         verdict: Verdict = "passes" if reaches else short
         yield Requirement("margin_m_s", threat.title, threat.margin_m_s, margin_m_s, verdict)
-    if ceramic is not None and armour.Hc0 and ceramic.has_one_source:
-        yield Requirement("flow_stress_sources", threat.title, LEAST_SOURCES, 1.0, "not known")
+    if ceramic is not None and armour.Hc0 and lacks_sources(ceramic):
+        yield Requirement("flow_stress_sources", threat.title, LEAST_SOURCES, ceramic.sources, "not known")
     if scenario.interlayers:
         yield Requirement("interlayers", threat.title, 0.0, scenario.interlayers, "not known")
     if bound is None:

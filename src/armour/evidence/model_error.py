@@ -20,8 +20,6 @@ from armour.scenario.library import PAGE
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Model, Solver
 
-# Degrees of freedom at which Student's t distribution is practically normal.
-NORMAL = 1e6
 # Probabilities of the quantiles that results give.
 ERROR_QUANTILES = (0.025, 0.05, 0.5, 0.95, 0.975)
 # Parameters of the core that a law of the limits may replace.
@@ -34,7 +32,8 @@ NO_TEST = "no test of such an armour is known"
 INTERLAYER = (
     "no shipped test has a layer between tile and back plate, and a compliant one may lower the ballistic limit"
 )
-REMEDY = "own tests (armour calibrate) or [uncertainty.model] can give it"
+REMEDY = "own tests (armour calibrate) can give it"
+BARE = "uncertainty.model gives an error without both its source and degrees_of_freedom"
 
 
 @dataclass(frozen=True)
@@ -181,12 +180,11 @@ class ErrorRows(NamedTuple):
 
 
 def given_error(scenario: Scenario) -> ModelError | None:
-    """Return the error given by the section ``uncertainty.model`` of a scenario; None if it gives none."""
+    """Return the error that the section ``uncertainty.model`` gives; None if it gives none, or a bare one."""
     section = None if scenario.uncertainty is None else scenario.uncertainty.model
-    if section is None or section.scale_percent is None:
+    if section is None or section.scale_percent is None or section.is_bare:
         return None
-    source = section.source or f"uncertainty.model of {scenario.file}"
-    return ModelError(section.mean_percent, section.scale_percent, section.degrees_of_freedom or NORMAL, source)
+    return ModelError(section.mean_percent, section.scale_percent, section.degrees_of_freedom, section.source)
 
 
 def other_settings(scenario: Scenario) -> str:
@@ -197,13 +195,22 @@ def other_settings(scenario: Scenario) -> str:
     return ", ".join(filter(None, [*others, changed_equations()]))
 
 
+def _why_by_settings(scenario: Scenario) -> str:
+    """Return why the error is not known, whatever the armour, by the sections of a scenario; "" if these allow it."""
+    section = None if scenario.uncertainty is None else scenario.uncertainty.model
+    if section is not None and section.is_bare:
+        return BARE
+    settings = other_settings(scenario)
+    return f"the tests were not computed with {settings}" if settings else ""
+
+
 def errors_of(scenario: Scenario, armours: Armours) -> ErrorRows:
     """Return the model errors of n armours under the settings of a scenario.
 
     The errors come from the own tests of the library entries, or else from the shipped tests.
     """
     count, error = len(armours.material_of_row), given_error(scenario)
-    if scenario.excludes_error() or (error is None and (scenario.interlayers or other_settings(scenario))):
+    if scenario.excludes_error() or (error is None and (scenario.interlayers or _why_by_settings(scenario))):
         return ErrorRows.unknown(count)
     if error is not None:
         repeated = error.ratio.mapped(lambda array: np.repeat(array[:, None], count, axis=1))
@@ -324,8 +331,8 @@ def _tests_here(evidence: Evidence, ratio: Mixture, armour: Armours, limit_m_s: 
 
 def why_unknown(scenario: Scenario, armour: Armours) -> str:
     """Return why the model error is not known for a single armour, and what can provide it."""
-    if settings := other_settings(scenario):
-        return f"the tests were not computed with {settings}; [uncertainty.model] can give it"
+    if reason := _why_by_settings(scenario):
+        return reason
     if is_no_metal(np.min(armour.parameters.rho_B)):
         return "the back plate is no metal"
     if scenario.interlayers:

@@ -14,7 +14,16 @@ from armour.evidence.caveats import caveats, too_thin
 from armour.evidence.core_digest import changed_equations
 from armour.evidence.fit import Fit, LotTests, Quantities, fits, law_parameters, quantities, shipped_data
 from armour.scenario.inputs import CERAMIC, OBLIQUITY, VELOCITY, cosine_of
-from armour.scenario.library import IN_COMMON, VARIED, LibraryEntry, OwnTests, strength_notes, tensile_strength
+from armour.scenario.library import (
+    FLOW_STRESS_KEY,
+    FLOW_STRESS_LAW,
+    IN_COMMON,
+    VARIED,
+    LibraryEntry,
+    OwnTests,
+    strength_notes,
+    tensile_strength,
+)
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Threat
 from armour.units import MM
@@ -33,6 +42,8 @@ ALIKE_FACTOR = 1.1
 STRANGE, STRANGE_METAL = 0.10, 0.15
 # Properties that identify a ceramic.
 OF_CERAMIC = ("ceramic_density_kg_m3", "ceramic_modulus_GPa", "ceramic_strength_GPa")
+# Least number of sources of the flow stress of a ceramic without tests on which a verdict is based.
+LEAST_SOURCES = 2
 # Fraction of tables of sound tests in which some test is called out of line.
 FALSE_ALARMS = 0.05
 # Number of standard deviations from the prediction for any lot beyond which an own test is a mistake.
@@ -369,6 +380,32 @@ def is_untested(ceramic: LibraryEntry) -> bool:
     return ceramic.evidence is None and all(
         is_outside((data_range for data_range in kind if data_range.name in q), q) for kind in kinds
     )
+
+
+def lacks_sources(ceramic: LibraryEntry) -> bool:
+    """Return whether neither tests nor enough sources give the flow stress of a ceramic.
+
+    Own tests count for the values that were calibrated to them, and shipped tests for their laws of the flow stress; of
+    a tested ceramic, another flow stress needs a source.
+    """
+    if ceramic.sources >= LEAST_SOURCES:
+        return False
+    strength, in_backing, in_product, *slopes = (
+        ceramic[key] if key in ceramic.values else 0.0 for key in (FLOW_STRESS_KEY, *FLOW_STRESS_LAW)
+    )
+    values = np.array([strength, in_backing, in_product, sum(map(abs, slopes))])
+    q = dict(zip((OF_CERAMIC[2], "backing_exponent", "product_exponent", "slopes"), values, strict=True))
+    if ceramic.evidence is not None:
+        calibrated = ceramic.evidence.calibrated
+        return any(abs(q[name] - calibrated[name]) > ROUNDING * abs(calibrated[name]) for name in {*q} & {*calibrated})
+    if ceramic.sources or is_untested(ceramic):
+        return is_untested(ceramic)
+    tested = (
+        (*law, *(data_range for data_range in evidence.kind if data_range.name in q))
+        for evidence in shipped_evidence()
+        for law in evidence.laws
+    )
+    return all(is_outside(ranges, q) for ranges in tested)
 
 
 def is_unusual(armour: Parameters) -> Any:

@@ -13,7 +13,7 @@ from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
 from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.results import OnProgress, Result, ignore_progress
 from armour.errors import Problem, counted, mistake, refuse
-from armour.evidence.model_error import NORMAL, ModelError
+from armour.evidence.model_error import ModelError
 from armour.planning import procedures
 from armour.planning.procedures import Aim, OperatingPoint, Rule, ShotSettings
 from armour.planning.shot_file import added
@@ -44,8 +44,9 @@ HALF_WIDTH_M_S = 15.0
 LIMITS_PROBABILITY = 0.99
 PLAN_POINTS = 201
 # Without a model error, V50 is expected within the fraction WIDE of the model's limit or of the middle of the shots,
-# with a probability of 95 %; WITHIN is the normal quantile for this probability.
-WIDE, WITHIN = 0.3, 1.96
+# with a probability of 95 %; WITHIN is the normal quantile for this probability, and NORMAL are degrees of
+# freedom at which Student's t distribution is practically normal.
+WIDE, WITHIN, NORMAL = 0.3, 1.96, 1e6
 # Shots outside the interval of V50 with FAR_PROBABILITY, widened by FAR_PART of the limit, give a warning.
 FAR_PROBABILITY, FAR_PART = 0.999, 0.1
 # A shot or a requirement is refused if its velocity differs from the expected V50 by more than this factor.

@@ -80,7 +80,7 @@ def _question(catalogue: Catalogue) -> dict[str, Any]:
         "subject": _subject(catalogue),
         "title": scenario.title,
         "version": __version__,
-        "confidence": section.confidence,
+        "confidence": section.required_probability,
         "most": section.areal_density_max_kg_m2,
         "added": {"areal": scenario.inert("areal_density_kg_m2"), "thickness": scenario.inert("thickness_mm")},
         "layers": [
@@ -205,7 +205,7 @@ def _pair(catalogue: Catalogue, pair: int, grid: tuple[Floats, Floats], on_progr
         "free": [layer.free_range() is not None for layer in offer[:2]],
         "excluded": np.flatnonzero(violations > 0.0).tolist(),
         "untested": catalogue.untested[pair],
-        "single": bool(catalogue.one_source[pair] or not catalogue.metal[pair]),
+        "single": bool(catalogue.lacks_sources[pair] or not catalogue.metal[pair]),
         "unlike": "" if catalogue.metal[pair] else no_metal(offer.backing_density_kg_m3),
         "over": _over_sources(catalogue, designs),
         "tested": [[layers["ceramic"], layers["backing"]] if len(layers) == 2 else None for layers in tested],

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from armour.analysis.results import OnProgress, Result, ignore_progress
-from armour.errors import mistake, refuse
+from armour.errors import mistake, refuse, restated
 from armour.files import unwritable, write_file, wrong_ending
 from armour.reporting.by_result import by_result, draw, drawing_of, tables_of
 from armour.scenario.scenario import Scenario
@@ -107,6 +107,7 @@ def report(
     path: str | PathLike[str],
     *,
     as_is: bool = False,
+    probability: float | None = None,
     confidence: float | None = None,
     on_progress: OnProgress = ignore_progress,
 ) -> None:
@@ -120,8 +121,10 @@ def report(
         File to write: one self-contained .html file with pictures, or .md for Markdown without them.
     as_is : bool, default False
         Whether to report on the scenario's own armour even if the scenario asks for a design.
+    probability : float, optional
+        Least probability of stopping each threat; a higher one that the scenario requires stays.
     confidence : float, optional
-        Required probability of stopping each threat, in place of the scenario's ``design.confidence``.
+        Another name of `probability`.
     on_progress : callable, optional
         Called with the number of armours computed since the last call, and None, as their total is not known.
 
@@ -140,8 +143,10 @@ def report(
     path = Path(path)
     refuse(wrong_ending(path, REPORT_ENDINGS) or unwritable(path))
     if isinstance(subject, Scenario):
-        options = (", as_is=True" if as_is else "") + (f", {confidence=}" if confidence is not None else "")
-        scenario = subject if confidence is None else subject.replaced({"design.confidence": confidence})
+        least = confidence if probability is None else probability
+        options = (", as_is=True" if as_is else "") + (f", probability={least}" if least is not None else "")
+        with restated(lambda problem: problem._replace(file="report") if problem.file == "requiring" else problem):
+            scenario = subject.requiring(least)
         contents = contents_of(scenario, on_progress, as_is=as_is)
         content = scenario_report(contents, f'armour.report(scenario, "{path}"{options})')
     elif isinstance(subject, SuiteResult):

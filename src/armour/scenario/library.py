@@ -274,6 +274,7 @@ FLOW_STRESS_LAW = (
     "flow_stress_backing_slope",
 )
 STATIC, DYNAMIC = "static_yield_strength_MPa", "dynamic_yield_strength_MPa"
+FLOW_STRESS_KEY = "flow_stress_GPa"
 # Keys that an entry may lack.
 SOURCES_KEY = "flow_stress_sources_GPa"
 OPTIONAL = (*UNUSED, *FLOW_STRESS_LAW, STATIC, SOURCES_KEY)
@@ -338,6 +339,8 @@ class LibraryEntry:
         on.
     doubtful : str
         Why its values are doubtful; empty if they are not known to be.
+    unsourced : frozenset of str
+        Keys of values that are given without a source, here or in an entry that it is based on.
     """
 
     kind: Kind
@@ -351,6 +354,7 @@ class LibraryEntry:
     origin: str = ""
     flow_stress_sources_GPa: tuple[float, ...] = ()
     doubtful: str = ""
+    unsourced: frozenset[str] = frozenset()
 
     def __getitem__(self, key: str) -> float:
         """Return the number of a key."""
@@ -362,9 +366,12 @@ class LibraryEntry:
         return DYNAMIC in self.derived
 
     @property
-    def has_one_source(self) -> bool:
-        """Whether a single source gives the flow stress of a ceramic of which there are no own tests."""
-        return self.evidence is None and len(self.flow_stress_sources_GPa) == 1
+    def sources(self) -> int:
+        """Number of sources of the flow stress: those listed if it lies between them, else its own, or none."""
+        if FLOW_STRESS_KEY in self.unsourced:
+            return 0
+        listed_GPa = self.flow_stress_sources_GPa
+        return len(listed_GPa) if listed_GPa and listed_GPa[0] <= self[FLOW_STRESS_KEY] <= listed_GPa[-1] else 1
 
     def content(self) -> dict[str, Any]:
         """Return the content that results depend on, as plain data: numbers, the evidence, and the other names."""
@@ -374,6 +381,7 @@ class LibraryEntry:
             "evidence": self.evidence and self.evidence.model_dump(),
             "aliases": self.aliases,
             SOURCES_KEY: self.flow_stress_sources_GPa,
+            "unsourced": sorted(self.unsourced),
         }
 
     def to_dict(self) -> dict[str, Any]:
@@ -647,8 +655,12 @@ def _completed(kind: Kind, name: str, entry: Entry, base: LibraryEntry | None, f
     """Return an entry with the values of its base and derived ones, in the order of the keys of its kind."""
     base = base or LibraryEntry(kind, name, description="", values={}, origin=name)
     values = {key: value for key, value in base.values.items() if key not in base.derived}
+    unsourced = {*base.unsourced}
     for key, value in entry.values().items():
+        if key in values and value.value == values[key].value and not value.source:
+            continue  # the number of the base, whose source it keeps
         values[key] = value if value.source else value.model_copy(update={"source": file})
+        unsourced = unsourced - {key} if value.source else unsourced | {key}
     derived = []
     if strength := values.get(DYNAMIC, values.get(STATIC)):
         derived = [key for key in DEFAULTS if key not in values]
@@ -667,6 +679,7 @@ def _completed(kind: Kind, name: str, entry: Entry, base: LibraryEntry | None, f
         base.origin,
         getattr(entry, SOURCES_KEY, ()) or base.flow_stress_sources_GPa,
         entry.doubtful or base.doubtful * (not entry.values()),
+        frozenset(unsourced),
     )
 
 

@@ -9,7 +9,7 @@ from functools import cached_property
 from hashlib import sha256
 from importlib import import_module
 from inspect import getsource
-from itertools import chain, pairwise
+from itertools import chain, pairwise, zip_longest
 from os import PathLike
 from os.path import relpath
 from pathlib import Path
@@ -36,11 +36,21 @@ from armour.scenario.inputs import (
     cosine_of,
     fields_of,
 )
-from armour.scenario.keys import Parts, changed, describe, in_nfc, key_name, leaves, look_of, parts_of, values_by_key
+from armour.scenario.keys import (
+    Parts,
+    Whole,
+    changed,
+    describe,
+    in_nfc,
+    key_name,
+    leaves,
+    look_of,
+    parts_of,
+    values_by_key,
+)
 from armour.scenario.library import (
     KINDS,
     THREAT_KEYS,
-    Entry,
     Library,
     LibraryEntry,
     inputs_of_entry,
@@ -117,6 +127,7 @@ class Scenario(Section):
     """Projectiles and materials that the scenario adds to the library."""
 
     _entries: Library = PrivateAttr(default_factory=Library)
+    _floors: tuple[Note, ...] = PrivateAttr(default=())
     _source: _Source = PrivateAttr(default_factory=lambda: _Source({}, "", Path()))
 
     def model_post_init(self, context: Any) -> None:
@@ -331,6 +342,22 @@ class Scenario(Section):
         content = {**self.model_dump(mode="json"), "library": library}
         return sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 
+    def basis(self) -> dict[str, str]:
+        """Return a hash of each part beside armour and threats that decides how far an answer is trusted, by its key.
+
+        These are settings of the model and its error, and own entries of the library, with their own tests.
+        """
+        usual, parts = schema.DesignSection(), dict[str, Any]()
+        for key, section, default in (("model", self.model, schema.Model()), ("uncertainty", self.uncertainty, None)):
+            if section != default:
+                parts[key] = section and section.model_dump(mode="json")
+        as_at_normal = (self.design or usual).angles_as_at_normal_incidence
+        parts |= {"design.angles_as_at_normal_incidence": True} if as_at_normal else {}
+        for kind, name in self.named_entries():
+            if (entry := self.entry(kind, name)).file:
+                parts[key_name(("library", kind, entry.name))] = entry.content()
+        return {key: sha256(json.dumps(part, sort_keys=True).encode()).hexdigest() for key, part in parts.items()}
+
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Scenario) and self.digest(whole_library=True) == other.digest(whole_library=True)
 
@@ -351,6 +378,40 @@ class Scenario(Section):
         data, file, folder = self._source
         with restated(lambda problem: problem._replace(file="replaced") if problem.file == file else problem):
             return parse_changed(data, changes, file=file, folder=folder)
+
+    @checked
+    def requiring(self, probability: schema.RequiredProbability | None) -> "Scenario":
+        """Return the scenario with a least probability of stopping each threat; a higher one that it requires stays.
+
+        The answers for the scenario say where it requires another probability itself.
+        """
+        if probability is None:
+            return self
+        section, most, tables = (
+            self.design or schema.DesignSection(),
+            1.0 - probability,
+            self.to_dict().get("threat", []),
+        )
+        changes: dict[str, object] = {"threat": tables} if tables else {}
+        if (section.required_probability or 0.0) < probability:
+            changes["design.confidence" if section.confidence else "design.probability_of_stopping"] = probability
+        floors = []
+        for threat, table in zip_longest(self.threats(), tables):
+            bound = section.bound(threat)
+            if table and (threat.probability_of_perforation or 0.0) > most:
+                table["probability_of_perforation"] = most
+            if bound not in (None, most):
+                own, relation = f"{100.0 - 100.0 * bound:.6g} %", "less" if bound > most else "more"
+                words = f"the scenario requires {own}, {relation} than the {100.0 * probability:.6g} % asked for"
+                floors.append(Note(words + f", against {threat.title}" * bool(tables), said="caveat"))
+        required = self.replaced(changes)
+        required._floors = tuple(dict.fromkeys(floors))
+        return required
+
+    @property
+    def floors(self) -> tuple[Note, ...]:
+        """Where the scenario itself requires another probability than `requiring` asked for."""
+        return self._floors
 
     def to_toml(self, folder: str | PathLike[str] | None = None) -> str:
         """Return the scenario as the text of a TOML file, in which paths of library files are relative to a folder.
@@ -586,7 +647,7 @@ def _parsed(source: _Source) -> Scenario:
 def parse_changed(data: Mapping[str, Any], *changes: Mapping[str, object], file: str, folder: Path) -> Scenario:
     """Make a scenario from plain data with other values by dotted key or input, one mapping after the other.
 
-    Inputs are set last.  Changed numbers of the section ``library`` get a source that names the changed `file`.
+    Inputs are set last.  Changed numbers of the section ``library`` lose the source of the earlier number.
     """
     groups: list[tuple[Mapping[str, Any], Mapping[Parts, object]]] = []
     data = in_nfc(data, file)
@@ -597,7 +658,7 @@ def parse_changed(data: Mapping[str, Any], *changes: Mapping[str, object], file:
         values = values_by_key(by_key)
         groups.append(({key_name(leaf): value for leaf, value in leaves(changed({}, by_role, file))}, values))
         data = _with_new_threat(data, values)
-        data = changed(data, _bases(data, source, by_key) | _sources(values, file), file)
+        data = changed(data, _bases(data, source, by_key) | _without_sources(values), file)
     scenario = _parsed(_Source(deepcopy(dict(data)), file, folder))
     refuse(problem for group in groups for problem in _contradictions(scenario, *group))
     inputs = {name: value for given, _ in groups for name, value in given.items()}
@@ -626,13 +687,12 @@ def _with_new_threat(data: dict[str, Any], values: Mapping[Parts, object]) -> di
     return {**data, "impact": {key: value for key, value in _table(data, "impact").items() if key not in earlier}}
 
 
-def _sources(values: Mapping[Parts, object], file: str) -> dict[str, object]:
-    """Return the numbers of library entries among changed values, by key, each with the change as its source."""
+def _without_sources(values: Mapping[Parts, object]) -> dict[str, object]:
+    """Return, by key, each number of a library entry that changes alone, without the source of the earlier number."""
     return {
-        key_name(key): {NUMBER: value, "source": f"a change to {file}"}
+        key_name(key[:4]): Whole({NUMBER: value})
         for key, value in values.items()
-        if key[0] == "library" and len(key) == 4 and key[3] not in Entry.model_fields
-        if isinstance(value, int | float)
+        if key[0] == "library" and key[4:] == (NUMBER,) and (*key[:4], "source") not in values
     }
 
 

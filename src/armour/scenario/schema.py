@@ -281,7 +281,7 @@ class Threat(Impact):
     """Required excess of the ballistic limit over the velocity of the threat."""
     probability_of_perforation: Annotated[float, Field(gt=0.0, lt=0.5)] | None = None
     """Greatest allowed probability of perforation, given the uncertain inputs; overrides the one that follows from
-    confidence."""
+    [design]."""
 
     @model_validator(mode="after")
     def _within_reach(self) -> "Threat":
@@ -431,13 +431,19 @@ def _different(names: list[Criterion]) -> list[Criterion]:
     return names
 
 
+# Required probability of stopping a threat.
+RequiredProbability = Annotated[float, Field(gt=0.5, lt=1.0)]
+
+
 class DesignSection(Section):
     """Catalogue of materials, constraints on a design and the objective."""
 
     minimise: Objective = "areal_density_kg_m2"
     """Quantity to minimise."""
-    confidence: Annotated[float, Field(gt=0.5, lt=1.0)] | None = None
+    probability_of_stopping: RequiredProbability | None = None
     """Least probability of stopping each threat."""
+    confidence: RequiredProbability | None = None
+    """Another name of probability_of_stopping."""
     angles_as_at_normal_incidence: bool = False
     """Whether an armour with a ceramic is taken to stop a projectile at an angle as it does at normal incidence, for no
     test of that is known."""
@@ -475,11 +481,22 @@ class DesignSection(Section):
             raise ValueError(f'must be left out if there are several back plates to choose from, found "{existing}"')
         return existing
 
+    @model_validator(mode="after")
+    def _one_probability(self) -> "DesignSection":
+        if None not in (self.confidence, self.probability_of_stopping):
+            raise ValueError("must have probability_of_stopping or confidence, its other name, found both")
+        return self
+
+    @property
+    def required_probability(self) -> float | None:
+        """Least probability of stopping each threat that does not set its own; None if none is required."""
+        return self.confidence if self.probability_of_stopping is None else self.probability_of_stopping
+
     def bound(self, threat: "Threat") -> float | None:
         """Return the greatest probability that a threat perforates; None if no probability is required."""
-        if threat.probability_of_perforation is not None or self.confidence is None:
+        if threat.probability_of_perforation is not None or self.required_probability is None:
             return threat.probability_of_perforation
-        return 1.0 - self.confidence
+        return 1.0 - self.required_probability
 
 
 # Wide bounds that keep the arithmetic from overflowing.
@@ -602,9 +619,9 @@ class ModelSection(Section):
     scale_percent: Annotated[float, Field(ge=1e-3, le=100.0)] | None = None
     """Scale of Student's t distribution of this error."""
     degrees_of_freedom: Annotated[float, Field(ge=1.0, le=1e6)] | None = None
-    """Degrees of freedom of this distribution; by default infinite: a normal distribution."""
+    """Degrees of freedom of this distribution, such as the number of tests less 1."""
     source: str = ""
-    """Source of the error."""
+    """Source of the error; without it and degrees_of_freedom, no probability is known."""
 
     @model_validator(mode="after")
     def _complete(self) -> "ModelSection":
@@ -614,6 +631,11 @@ class ModelSection(Section):
         if other_keys and self.scale_percent is None:
             raise ValueError("must have scale_percent")
         return self
+
+    @property
+    def is_bare(self) -> bool:
+        """Whether an error is given without its source or its degrees of freedom."""
+        return self.scale_percent is not None and not (self.source and self.degrees_of_freedom)
 
 
 class Uncertainty(Section):

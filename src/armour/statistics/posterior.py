@@ -218,7 +218,11 @@ def is_above(grid: V50Grid, velocity_m_s: float, fraction: float) -> Floats:
 
 def no_prior(scenario: Scenario) -> InputError:
     """Return the error to raise if a prior is needed and the model error of the scenario is not known."""
-    return mistake(scenario.file, "uncertainty.model", f"must give scale_percent for a prior: {no_error(scenario)}")
+    return mistake(
+        scenario.file,
+        "uncertainty.model",
+        f"must give scale_percent, degrees_of_freedom and source for a prior: {no_error(scenario)}",
+    )
 
 
 def posterior_of(

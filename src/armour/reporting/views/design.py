@@ -10,6 +10,7 @@ from xml.etree.ElementTree import Element
 
 from armour.analysis.ballistic_limit import NeededFlowStress
 from armour.analysis.variants import outside_words
+from armour.design.against import Moved
 from armour.design.check import CheckedThreat, CheckResult
 from armour.design.optimise import (
     BY_LIMIT,
@@ -432,6 +433,7 @@ PROBABILITY = Column("probability", prose=True)
 INTERVAL = Column("95 % interval", "m/s", prose=True)
 MARGIN = Column.of("margin_m_s", "+.0f")
 # Verdicts as shown; "fails" is in capitals so that nobody overlooks it.
+NONE_REQUIRED = "no probability is required"
 VERDICTS = {"passes": "passes", "fails": "FAILS", "not known": "not known"}
 
 
@@ -595,6 +597,55 @@ def tables_of_check(result: CheckResult) -> list[Table | str]:
     return shown
 
 
+def tables_of_moved(moves: Sequence[Moved], base: str) -> list[Table | str]:
+    """Return what has moved since an earlier check, in the file `base`, and which of it is weaker."""
+    if not moves:
+        return [f"nothing has moved since {base}"]
+    table = Table.of(
+        moves,
+        (Column("scenario", prose=True), lambda move: move.scenario),
+        (Column("threat", prose=True), lambda move: move.threat),
+        (Column("what", prose=True), lambda move: quantity_words(move.quantity)),
+        (Column("before"), lambda move: _moved_value(move.quantity, move.before)),
+        (Column("now"), lambda move: _moved_value(move.quantity, move.now)),
+        (Column("so"), lambda move: "weaker" * move.weaker),
+        title=f"moved since {base}",
+    )
+    weaker = sum(move.weaker for move in moves)
+    verdict = VerdictLine(f"weaker than in {base}: {weaker} of {len(moves)} that moved", good=False)
+    return [table, *[verdict] * bool(weaker)]
+
+
+def moved_junit(moves: Sequence[Moved], base: str, origin: Mapping[str, str]) -> Element:
+    """Return the JUnit element of a comparison with an earlier check: a failure for each part that is weaker."""
+    cases = [
+        TestCase(
+            move.scenario,
+            " ".join(filter(None, (move.threat, quantity_words(move.quantity)))),
+            "failure",
+            f"weaker: {_moved_value(move.quantity, move.before)} before, {_moved_value(move.quantity, move.now)} now",
+            file=move.scenario,
+        )
+        for move in moves
+        if move.weaker
+    ]
+    return junit_suite(f"against {base}", cases or [TestCase(base, "nothing is weaker", "", "")], 0.0, origin)
+
+
+def quantity_words(quantity: str) -> str:
+    """Return a quantity that moved in words; the key of a section, or of an entry of the library, as it is."""
+    return quantity if "." in quantity else Column.of(quantity).heading
+
+
+def _moved_value(quantity: str, value: float | str | None) -> str:
+    """Format a value that moved."""
+    if value is None:
+        return "none" if quantity.startswith("required") else "unknown"
+    if isinstance(value, str):
+        return VERDICTS.get(value, value)
+    return phrases.chance(value) if "probability" in quantity else f"{value:.6g}"
+
+
 def check_summary(results: Mapping[str, CheckResult]) -> VerdictLine:
     """Return a line with how many of several armours pass, and which do not; `results` has their checks by file."""
     words = [f"passes: {sum(result.verdict == 'passes' for result in results.values())} of {len(results)}"]
@@ -607,14 +658,17 @@ def check_summary(results: Mapping[str, CheckResult]) -> VerdictLine:
 def check_junit(result: CheckResult, scenario: Scenario, seconds: float, origin: Mapping[str, str]) -> Element:
     """Return the JUnit element of a check, with a test case for each threat and each limit of [design].
 
+    A threat that holds is skipped if no probability is required, as the model's limit alone does not pass a test.
     Names of cases do not contain thicknesses, velocities or angles.  `seconds` is the time of the whole check.
     """
-    file, threats = scenario.file, zip(result.threats, scenario.threats(), strict=True)
-    parts = [(given.round_name, threat.verdict, finding(threat)) for threat, given in threats]
+    file, parts = scenario.file, list[tuple[str, str, str]]()
+    for threat in result.threats:
+        holds = "passed" if threat.required_probability is not None else "skipped"
+        found = holds if threat.verdict == "passes" else "failure"
+        words = f"{VERDICTS[threat.verdict]}: {finding(threat)}"
+        parts.append((threat.name, found, f"{words}; {NONE_REQUIRED}" if found == "skipped" else words))
     for row in result.requirements:
-        parts.append((Column.of(row.quantity).label, row.verdict, phrases.requirement_words(row)))
-    cases = [
-        TestCase(file, title, "failure" * (found != "passes"), f"{VERDICTS[found]}: {words}", file=file)
-        for title, found, words in parts
-    ]
+        words = f"{VERDICTS[row.verdict]}: {phrases.requirement_words(row)}"
+        parts.append((Column.of(row.quantity).label, "passed" if row.verdict == "passes" else "failure", words))
+    cases = [TestCase(file, title, found.removeprefix("passed"), words, file=file) for title, found, words in parts]
     return junit_suite(file, [cases[0]._replace(seconds=seconds), *cases[1:]], seconds, origin)

@@ -135,13 +135,10 @@ def note_rows(checks: Sequence[Check]) -> list[tuple[str, str]]:
 
 def verdict(result: SuiteResult) -> str:
     """Return the outcome of a suite in a line, such as "9 of 10 within their bands, 1 outside"."""
+    if not result.is_scored:
+        return "no case is scored"
     failed = [f"{count} {status}" for status in FAILED if (count := result.count(status))]
     return ", ".join([f"{result.count('within')} of {result.count('within', *FAILED)} within their bands", *failed])
-
-
-def is_scored(result: SuiteResult) -> bool:
-    """Return whether any case of a suite is scored."""
-    return result.count("within", *FAILED) > 0
 
 
 def suite_tables(result: SuiteResult) -> list[Table]:
@@ -212,7 +209,7 @@ def tables_of_suite(result: SuiteResult) -> list[Table | str]:
         shown += ["", *(f"{name}: {note}" for name, note in notes)]
     if unscored:
         shown.append(f"not scored: {counted(len(unscored), 'case')}; --verbose shows them, and why")
-    return [*shown, VerdictLine(verdict(result), good=result.passed) if is_scored(result) else "no case is scored"]
+    return [*shown, VerdictLine(verdict(result), good=result.passed)]
 
 
 def update_table(updates: Sequence[Check]) -> Table:
@@ -300,11 +297,11 @@ def suite_report(result: SuiteResult, command: str = "") -> Report:
         sections.append(origin_section(command))
     return Report(
         title=result.title or result.file,
-        lead=f"{verdict(result)}." if is_scored(result) else "No case is scored.",
+        lead=f"{verdict(result)[:1].upper()}{verdict(result)[1:]}.",
         text=result.description,
         byline=(("program version", f"armour {__version__}"),),
         sections=tuple(sections),
-        passed=result.passed if is_scored(result) else None,
+        passed=result.passed,
     )
 
 
@@ -331,6 +328,8 @@ def suite_junit(result: SuiteResult, seconds: Sequence[float], origin: Mapping[s
         if summary.status != "not scored":
             kind = kinds.get(summary.status, "")
             cases.append(TestCase(summary.name, summary.group or "RMS", kind, held_to(summary), None, result.file))
+    if not result.is_scored:
+        cases.append(TestCase(CASES, "scored", "failure", verdict(result), None, result.file))
     return junit_xml([junit_suite(result.title or result.file, cases, sum(seconds), origin)])
 
 

@@ -1,0 +1,151 @@
+"""What has moved since an earlier check of the same scenarios, and whether it made a requirement or a threat weaker."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from math import inf, isclose
+from typing import Any
+
+from pydantic import BaseModel, TypeAdapter, ValidationError
+
+from armour.errors import mistake
+
+# Relative difference of two numbers up to which they are equal: machines differ in the last digits.
+LAST_DIGITS = 1e-6
+NO_BASE = "must be what armour check --json printed, with this version or a later one"
+# Words for the parts of a check that are there or not.
+THERE, MISSING = "there", "missing"
+
+
+class _Limit(BaseModel, allow_inf_nan=False):
+    quantity: str
+    required: float
+    found: float | None
+
+
+class _Threat(BaseModel, allow_inf_nan=False):
+    name: str
+    projectile: str
+    velocity_m_s: float
+    obliquity_deg: float
+    required_margin_m_s: float
+    required_probability: float | None
+    ballistic_limit_m_s: float | None
+    probability_of_stopping: float | None
+    verdict: str
+
+
+class _Check(BaseModel, allow_inf_nan=False):
+    scenario: str
+    verdict: str
+    threats: list[_Threat]
+    requirements: list[_Limit]
+    basis: dict[str, str]
+
+
+@dataclass(frozen=True)
+class Moved:
+    """A difference from an earlier check.
+
+    Attributes
+    ----------
+    scenario, threat : str
+        Path of the scenario, and name of the threat; empty if it is about none.
+    quantity : str
+        A key of the check, such as "velocity_m_s".
+    before, now : float, str or None
+        Its values; None for no number.
+    weaker : bool
+        Whether the requirement or the threat is weaker now or missing, or what the answer rests on has changed.
+    """
+
+    scenario: str
+    threat: str
+    quantity: str
+    before: float | str | None
+    now: float | str | None
+    weaker: bool = False
+
+
+def moved(earlier: Any, checks: Sequence[Mapping[str, Any]], file: str) -> Iterator[Moved]:
+    """Yield all differences of checks from earlier ones, both as plain data; `file` holds the earlier ones."""
+    try:
+        base = TypeAdapter(list[_Check]).validate_python(earlier if isinstance(earlier, list) else [earlier])
+    except ValidationError:
+        raise mistake(file, "", NO_BASE) from None
+    before, now = ({each.scenario: each for each in found} for found in (base, map(_Check.model_validate, checks)))
+    for scenario in dict.fromkeys((*before, *now)):
+        old, new = before.get(scenario), now.get(scenario)
+        if old is None or new is None:
+            yield _presence(scenario, "", "scenario", is_new=old is None)
+            continue
+        yield from _of_threats(scenario, old.threats, new.threats)
+        yield from _of_limits(scenario, old.requirements, new.requirements)
+        for part in sorted({*old.basis} | {*new.basis}):
+            if old.basis.get(part) != new.basis.get(part):
+                words = [THERE if part in each.basis else MISSING for each in (old, new)]
+                yield Moved(scenario, "", part, words[0], words[1] if words[0] != words[1] else "changed", weaker=True)
+        if old.verdict != new.verdict:
+            yield Moved(scenario, "", "verdict", old.verdict, new.verdict)
+
+
+def _presence(scenario: str, threat: str, what: str, *, is_new: bool) -> Moved:
+    """Return that a scenario, a threat or a limit is new or missing."""
+    before, now = (MISSING, THERE) if is_new else (THERE, MISSING)
+    return Moved(scenario, threat, what, before, now, weaker=not is_new)
+
+
+def _of_threats(scenario: str, old: Sequence[_Threat], new: Sequence[_Threat]) -> Iterator[Moved]:
+    """Yield what moved of threats; those of one name are matched by velocity and angle, then by their order."""
+    left = list(new)
+    same = {id(threat): _take(left, threat, exactly=True) for threat in old}
+    for threat in old:
+        match = same[id(threat)] or _take(left, threat, exactly=False)
+        if match is None:
+            yield _presence(scenario, threat.name, "threat", is_new=False)
+            continue
+        for quantity in _Threat.model_fields:
+            before, now = getattr(threat, quantity), getattr(match, quantity)
+            if not _equal(before, now):
+                yield Moved(scenario, threat.name, quantity, before, now, _is_weaker(quantity, before, now))
+    for threat in left:
+        yield _presence(scenario, threat.name, "threat", is_new=True)
+
+
+def _take(threats: list[_Threat], threat: _Threat, *, exactly: bool) -> _Threat | None:
+    """Remove from a list the first threat of the name of another and, if `exactly`, of its velocity and angle."""
+    keys = ("name", "velocity_m_s", "obliquity_deg") if exactly else ("name",)
+    for place, other in enumerate(threats):
+        if all(getattr(other, key) == getattr(threat, key) for key in keys):
+            return threats.pop(place)
+    return None
+
+
+def _is_weaker(quantity: str, before: Any, now: Any) -> bool:
+    """Return whether a change of a threat, or of what is required against it, makes it weaker; no round is stronger."""
+    least = (-inf if value is None else value for value in (before, now))
+    if quantity in ("velocity_m_s", "required_margin_m_s", "required_probability"):
+        earlier, later = least
+        return bool(later < earlier)
+    return quantity == "projectile" or (quantity == "obliquity_deg" and bool(now > before))
+
+
+def _of_limits(scenario: str, old: Sequence[_Limit], new: Sequence[_Limit]) -> Iterator[Moved]:
+    """Yield what moved of the greatest areal density, thickness and cost, and of those of the armour."""
+    before, now = ({limit.quantity: limit for limit in limits} for limits in (old, new))
+    for quantity in dict.fromkeys((*before, *now)):
+        if quantity not in now or quantity not in before:
+            yield _presence(scenario, "", f"limit of {quantity}", is_new=quantity in now)
+            continue
+        earlier, later = before[quantity], now[quantity]
+        if not _equal(earlier.required, later.required):
+            is_weaker = later.required > earlier.required
+            yield Moved(scenario, "", f"limit of {quantity}", earlier.required, later.required, is_weaker)
+        if not _equal(earlier.found, later.found):
+            yield Moved(scenario, "", quantity, earlier.found, later.found)
+
+
+def _equal(before: Any, now: Any) -> bool:
+    """Return whether two values are equal; numbers may differ in their last digits."""
+    if isinstance(before, float) and isinstance(now, float):
+        return isclose(before, now, rel_tol=LAST_DIGITS)
+    return bool(before == now)
