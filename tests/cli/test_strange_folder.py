@@ -213,12 +213,21 @@ def test_the_action(here: Path, environment: dict[str, str], tmp_path: Path):
     text = (ROOT / "action.yml").read_text().replace('install "$SOURCE"', "--version")
     lines = [block or line for block, line in re.findall(r" run: (?:\|\n((?: {8}.+\n)+)|(.+))", text)]
     values = {"SOURCE": ROOT, "SCENARIOS": "-* plate.toml", "JUNIT": "results", "SUITE": "own.toml"}
+    values |= {"BASE": "main", "PROBABILITY": "0.9", "RUNNER_TEMP": tmp_path, "AGAINST": tmp_path / "armour-base.json"}
     environment |= {name: str(value) for name, value in values.items()} | {"GITHUB_OUTPUT": str(tmp_path / "output")}
+    # The base branch, in which one scenario requires more than in the checkout, and another is there.
+    base, plate = tmp_path / "origin", (here / "plate.toml").read_text()
+    base.mkdir()
+    (base / "plate.toml").write_text(plate.replace("[armour]", "[design]\nconfidence = 0.99\n\n[armour]"))
+    made = "git init -q -b main && git add . && git -c user.name=a -c user.email=a@b commit -qm a"
+    assert run(made, base, environment).returncode == 0
+    assert run(f"git init -q && git remote add origin {shlex.quote(str(base))}", here, environment).returncode == 0
     codes = [run(line, here, environment).returncode for line in lines]
-    assert codes == [0, 0, 0, 0, 0, 3, 0]
+    assert codes == [0, 0, 0, 0, 0, 0, 3, 0]
     assert (tmp_path / "output").read_text().count("folder=/") == 2
     report = (here / "results" / "check.xml").read_text()
     assert report.count('<failure message="FAILS') == 3
+    assert "weaker: 99 % before, 90 % now" in report
 
 
 def test_the_hook(here: Path, environment: dict[str, str]):
