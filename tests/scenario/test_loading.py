@@ -306,6 +306,19 @@ def test_a_computed_value_cannot_be_set():
         scenario().inert_layers = ()  # type: ignore[misc]
 
 
+def test_a_scenario_made_of_sections_reads_its_library_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    (tmp_path / "own.toml").write_text('[ceramic.AD85]\nbased_on = "AD85"\nflow_stress_GPa = 3.0\n')
+    case = parse_scenario(data(library={"files": ["own.toml"]}), folder=tmp_path)
+    sections: dict[str, Any] = {"impact": case.impact, "armour": case.armour, "library": case.library}
+    with pytest.raises(InputError, match=r'library\.files\[0\]: must name a library file, found "own\.toml"'):
+        Scenario(**sections)
+    monkeypatch.chdir(tmp_path)
+    assert Scenario(**sections).core_armour() == case.core_armour() != scenario().core_armour()
+    monkeypatch.undo()
+    thick = case.model_copy(update={"armour": case.armour.model_copy(update={"ceramic_thickness_mm": 9.0})})
+    assert thick.inputs()["ceramic.flow_stress_GPa"] == 3.0
+
+
 def test_a_value_that_is_set_says_so_in_its_source():
     plain = scenario(library={"ceramic": {"AD85": {"based_on": "AD85", "density_kg_m3": 3500.0}}})
     changed = plain.replaced({"ceramic.flow_stress_GPa": 4.5}).replaced({"title": "x"})
