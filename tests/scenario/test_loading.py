@@ -1,5 +1,7 @@
+import copy
 import pickle
 import re
+import sys
 from collections.abc import Callable
 from copy import deepcopy
 from math import pi
@@ -7,12 +9,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from pydantic import ValidationError
 
 from armour.core.equations import CONOID
 from armour.errors import InputError, Problem
 from armour.scenario.scenario import Scenario, load_scenario, parse_scenario, save_scenario
-from armour.scenario.schema import Range
-from tests.helpers.cases import COMPLETE, SCENARIOS, TEMPLATES, data, scenario, shipped_scenario
+from armour.scenario.schema import Range, Solver
+from tests.helpers.cases import COMPLETE, SCENARIOS, TEMPLATES, THREATS, data, scenario, shipped_scenario
 
 
 def messages(content: dict[str, Any]) -> list[str]:
@@ -185,10 +188,20 @@ def test_scenarios_are_equal_by_content(tmp_path: Path):
     assert case.replaced(error).replaced({"uncertainty.model.included": True}).excludes_error() is False
 
 
-@pytest.mark.parametrize("copy", [deepcopy, lambda case: pickle.loads(pickle.dumps(case))])
-def test_a_copied_scenario_is_the_same(copy: Callable[[Scenario], Scenario]):
+@pytest.mark.parametrize(
+    "copied",
+    [
+        copy.copy,
+        deepcopy,
+        lambda case: pickle.loads(pickle.dumps(case)),
+        Scenario.model_copy,
+        lambda case: case.model_copy(deep=True),
+        Scenario.copy,
+    ],
+)
+def test_a_copied_scenario_is_the_same(copied: Callable[[Scenario], Scenario]):
     case = scenario(library={"ceramic": {"X": {"based_on": "AD85", "density_kg_m3": 3000.0}}}, ceramic="X")
-    again = copy(case)
+    again = copied(case)
     assert (again, repr(again), again.core_armour()) == (case, repr(case), case.core_armour())
     assert again.replaced({"armour.ceramic_thickness_mm": 9.0}).armour.ceramic_thickness_mm == 9.0
 
@@ -210,6 +223,100 @@ def test_a_scenario_made_of_sections_is_validated():
     thin = plain.armour.model_copy(update={"ceramic_thickness_mm": -5.0})
     with pytest.raises(InputError, match=r"armour\.ceramic_thickness_mm: must be at least 0, found -5"):
         Scenario(impact=plain.impact, armour=thin)
+
+
+def test_a_scenario_made_without_validation_is_validated():
+    content = data(projectile=".30 APM2")
+    made = Scenario.model_construct(**content)
+    assert made == parse_scenario(content)
+    assert (made.impact.projectile, made.armour.ceramic) == ("7.62 mm APM2", "AD85")
+    content["armour"]["backing_thickness_mm"] = "6"
+    with pytest.raises(InputError, match=r'armour\.backing_thickness_mm: must be a number, found the text "6"'):
+        Scenario.model_construct(**content)
+
+
+def replacing(case: Scenario, update: dict[str, Any]) -> Scenario:
+    """What Python 3.13 calls `copy.replace`."""
+    return copy.replace(case, **update)  # type: ignore[attr-defined,no-any-return,unused-ignore]
+
+
+# Every way to copy a scenario with other sections.
+CHANGES = [
+    lambda case, update: case.model_copy(update=update),
+    lambda case, update: case.model_copy(update=update, deep=True),
+    lambda case, update: case.copy(update=update),
+    lambda case, update: case.replaced(update),
+    pytest.param(replacing, marks=pytest.mark.skipif(sys.version_info < (3, 13), reason="no copy.replace")),
+]
+
+
+@pytest.mark.parametrize("is_used", [True, False])
+@pytest.mark.parametrize("change", CHANGES)
+def test_a_changed_copy_is_validated_and_keeps_no_number(
+    change: Callable[[Scenario, dict[str, Any]], Scenario], is_used: bool
+):
+    case = scenario(threat=THREATS, solver={"time_step_us": 0.1})
+    if is_used:
+        case.core_armour()
+    armour = case.armour.model_copy(update={"ceramic_thickness_mm": 20.0})
+    threats = (case.threat[1].model_copy(update={"velocity_m_s": 700.0}),)
+    changed = change(case, {"armour": armour, "threat": threats, "solver": Solver()})
+    meant = scenario(ceramic_mm=20.0, threat=[{**THREATS[1], "velocity_m_s": 700.0}])
+    assert changed == meant
+    assert changed.core_armour() == meant.core_armour() != case.core_armour()
+    assert changed.inputs() == meant.inputs()
+    assert parse_scenario(changed.to_dict()) == meant
+    assert changed.replaced({"title": "x"}).core_armour() == meant.core_armour()
+    wrong = {"armour": armour.model_copy(update={"ceramic_thickness_mm": -5.0}), "armor": armour}
+    with pytest.raises(InputError) as error:
+        change(case, wrong)
+    assert [str(problem) for problem in error.value.problems] == [
+        "replaced: armour.ceramic_thickness_mm: must be at least 0, found -5.0",
+        'replaced: armor: unknown key; did you mean "armour"?',
+    ]
+
+
+def test_a_copy_has_other_sections_whole():
+    case = scenario(ballistic_limit={"velocity_min_m_s": 100.0, "tolerance_m_s": 0.5})
+    changed = case.model_copy(update={"ballistic_limit": {"tolerance_m_s": 0.1}})
+    assert changed == scenario(ballistic_limit={"tolerance_m_s": 0.1})
+    with pytest.raises(InputError, match="model_copy: update: must be a mapping, found 5"):
+        case.model_copy(update=5)  # type: ignore[arg-type]
+
+
+def test_sections_in_data_are_validated():
+    case = scenario()
+    thin = {"impact": case.impact, "armour": case.armour.model_copy(update={"ceramic_thickness_mm": -5.0})}
+    for make in (parse_scenario, Scenario.model_validate, lambda changes: load_scenario("wilkins", changes)):
+        with pytest.raises(InputError, match=r"armour\.ceramic_thickness_mm: must be at least 0, found -5"):
+            make(thin)
+
+
+def test_a_scenario_with_nothing_in_place_of_a_section_can_be_saved(tmp_path: Path):
+    case = load_scenario("catalogue")
+    for without in (case.model_copy(update={"design": None}), case.against(case.threats()[0])):
+        save_scenario(without, tmp_path / "saved.toml")
+        assert load_scenario(tmp_path / "saved.toml") == without
+    with pytest.raises(InputError, match=r"solver\.arrest_velocity_m_s: must be a number, found None"):
+        case.replaced({"solver.arrest_velocity_m_s": None})
+
+
+def test_a_computed_value_cannot_be_set():
+    with pytest.raises(ValidationError, match="frozen"):
+        scenario().inert_layers = ()  # type: ignore[misc]
+
+
+def test_a_scenario_made_of_sections_reads_its_library_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    (tmp_path / "own.toml").write_text('[ceramic.AD85]\nbased_on = "AD85"\nflow_stress_GPa = 3.0\n')
+    case = parse_scenario(data(library={"files": ["own.toml"]}), folder=tmp_path)
+    sections: dict[str, Any] = {"impact": case.impact, "armour": case.armour, "library": case.library}
+    with pytest.raises(InputError, match=r'library\.files\[0\]: must name a library file, found "own\.toml"'):
+        Scenario(**sections)
+    monkeypatch.chdir(tmp_path)
+    assert Scenario(**sections).core_armour() == case.core_armour() != scenario().core_armour()
+    monkeypatch.undo()
+    thick = case.model_copy(update={"armour": case.armour.model_copy(update={"ceramic_thickness_mm": 9.0})})
+    assert thick.inputs()["ceramic.flow_stress_GPa"] == 3.0
 
 
 def test_a_value_without_a_source_names_its_file():

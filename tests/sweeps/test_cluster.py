@@ -11,11 +11,13 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pytest
 
 from armour.errors import InputError
 from armour.sweeps.cluster import connected, workers_of
-from armour.sweeps.sweep import write_sweep
+from armour.sweeps.store import Store
+from armour.sweeps.sweep import chunk_of, job_of, write_sweep
 from tests.helpers.cases import sweep_grid, sweep_scenario
 
 if TYPE_CHECKING:
@@ -125,6 +127,25 @@ def test_a_scheduler_is_connected_to_and_a_worker_is_none(client: "Client", tmp_
     [worker] = client.scheduler_info()["workers"]
     with pytest.raises(InputError, match=f'found "{worker}": that is a Worker'), connected(worker):
         pass
+
+
+def test_forged_rows_are_refused_on_a_cluster(client: "Client", tmp_path: Path):
+    """The workers compute a row of each stored chunk again, as they computed the others."""
+    assert client.cluster is not None
+    client.cluster.scale(1)
+    client.wait_for_workers(1)
+    case, source = sweep_scenario(), sweep_grid(VELOCITIES)
+    honest = chunk_of(case, source.rows(np.array([0])), ["outcome"], 1)
+    forged = honest._replace(columns={**honest.columns, "outcome": np.array(["perforated"])})
+    for name, chunk in (("a.csv", forged), ("b.csv", honest)):
+        with Store(tmp_path / name, job_of(case, source, ["outcome"]), print) as store:
+            store.append(chunk)
+    with pytest.raises(
+        InputError, match=r"a\.csv\.parts: .* found outcome = perforated in row 1, but computed stopped"
+    ):
+        sweep_on(client, tmp_path / "a.csv")
+    sweep_on(client, tmp_path / "b.csv")
+    assert (tmp_path / "b.csv").read_text().splitlines()[1] == "700.0,stopped"
 
 
 def test_a_cluster_is_started_on_this_machine(monkeypatch: pytest.MonkeyPatch):

@@ -22,6 +22,7 @@ from armour.scenario.inputs import OBLIQUITY, VELOCITY, YIELD, cosine_of, fields
 from armour.scenario.library import DEFAULTS, strength_notes
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S, BallisticLimitSection, Optimise
+from armour.scenario.sections import Section
 from armour.units import MM
 
 Floats = NDArray[np.float64]
@@ -377,7 +378,8 @@ def moved_m_s(variants: Variants) -> Floats:
         return np.zeros(len(variants.velocities))
     solver = scenario.solver.model_copy(update={"time_step_us": None})
     section = scenario.ballistic_limit.model_copy(update={"tolerance_m_s": usual})
-    default = scenario.model_copy(update={"solver": solver, "ballistic_limit": section})
+    # Not validated again, which would read library files: what is kept of the armour stays true.
+    default = Section.model_copy(scenario, update={"solver": solver, "ballistic_limit": section})
     return variants.limits_anywhere() - variants._replace(scenario=default).limits_anywhere()
 
 

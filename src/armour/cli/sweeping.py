@@ -64,8 +64,6 @@ def write_and_show(
             workers = stack.enter_context(workers_of(stack.enter_context(connected(scheduler))))
 
         def on_chunk(rows: int, stored: bool) -> None:
-            if stored:
-                say(f"resuming after {counted(rows, 'row')}")
             count(rows, stored=stored)
 
         def approve(effort: Effort) -> None:

@@ -8,6 +8,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from math import inf
 from typing import Any
 
+from pydantic import BaseModel
+
 from armour.errors import InputError, Problem, mistake, refuse, suggestion
 from armour.files import parse_toml
 from armour.scenario.inputs import INPUTS, NAMING
@@ -38,8 +40,15 @@ def look_of(name: str) -> str:
     return " ".join(unicodedata.normalize("NFKC", name).split())
 
 
-def in_nfc(value: Any, file: str, parts: Parts = ()) -> Any:
-    """Return a value with the keys of its tables in the form in which names are compared."""
+def in_nfc(value: Any, file: str, parts: KeyPath = ()) -> Any:
+    """Return a copy of a value with the keys of its tables in the form in which names are compared.
+
+    A section becomes a `Whole` table of the values that it was given, which are thus validated again.
+    """
+    if isinstance(value, BaseModel):
+        value = Whole(value.model_dump(exclude_unset=True, warnings=False))
+    if isinstance(value, list | tuple):
+        return [in_nfc(inner, file, (*parts, i)) for i, inner in enumerate(value)]
     if not isinstance(value, Mapping):
         return value
     table: dict[Any, Any] = Whole() if isinstance(value, Whole) else {}
@@ -49,6 +58,15 @@ def in_nfc(value: Any, file: str, parts: Parts = ()) -> Any:
             raise mistake(file, key_name((*parts, name)), "must be given once, found it in two Unicode forms")
         table[name] = in_nfc(inner, file, (*parts, name))
     return table
+
+
+def without_none(value: Any) -> Any:
+    """Return a value without the keys of its tables that are None, which TOML cannot write: they have their default."""
+    if isinstance(value, list):
+        return [without_none(inner) for inner in value]
+    if not isinstance(value, dict):
+        return value
+    return {key: without_none(inner) for key, inner in value.items() if inner is not None}
 
 
 def key_name(parts: Sequence[str | int]) -> str:

@@ -47,6 +47,7 @@ from armour.scenario.keys import (
     look_of,
     parts_of,
     values_by_key,
+    without_none,
 )
 from armour.scenario.library import (
     KINDS,
@@ -133,8 +134,21 @@ class Scenario(Section):
     def model_post_init(self, context: Any) -> None:
         """Validate a scenario that is made of its sections as `parse_scenario` does."""
         if context is None:
-            scenario = parse_scenario(self.model_dump(exclude_unset=True))
+            scenario = parse_scenario(self.model_dump(exclude_unset=True, warnings=False))
+            self.__dict__.update(scenario.__dict__)
             self._entries, self._source = scenario._entries, scenario._source
+
+    @checked
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> "Scenario":
+        """Return a copy, with the sections in `update` in place of its own; it is validated as by `replaced`."""
+        if update is None:
+            return super().model_copy(deep=deep)
+        whole = {key: Whole(value) if isinstance(value, Mapping) else value for key, value in update.items()}
+        return self.replaced(whole)
+
+    def copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> "Scenario":  # type: ignore[override]
+        """Return a copy as `model_copy` does, which has replaced this method in pydantic."""
+        return self.model_copy(update=update, deep=deep)
 
     @property
     def file(self) -> str:
@@ -226,7 +240,7 @@ class Scenario(Section):
         fields: dict[str, Any] = dict.fromkeys(Parameters._fields, 0.0) | fields_of(self._inputs, self.cosine())
         return Parameters(**(fields | self.model.laws()))
 
-    @cached_property
+    @property
     def inert_layers(self) -> tuple[schema.InertLayer, ...]:
         """Layers without ballistic effect; last comes what the section ``design`` adds, without name and place."""
         section = self.design or schema.DesignSection()
@@ -640,7 +654,7 @@ def _parsed(source: _Source) -> Scenario:
         problems.append(Problem(source.file, "solver.arrest_velocity_m_s", message))
     refuse(problems)
     scenario._entries = library
-    scenario._source = source
+    scenario._source = source._replace(data=without_none(source.data))
     return scenario
 
 
@@ -659,7 +673,7 @@ def parse_changed(data: Mapping[str, Any], *changes: Mapping[str, object], file:
         groups.append(({key_name(leaf): value for leaf, value in leaves(changed({}, by_role, file))}, values))
         data = _with_new_threat(data, values)
         data = changed(data, _bases(data, source, by_key) | _without_sources(values), file)
-    scenario = _parsed(_Source(deepcopy(dict(data)), file, folder))
+    scenario = _parsed(_Source(dict(data), file, folder))
     refuse(problem for group in groups for problem in _contradictions(scenario, *group))
     inputs = {name: value for given, _ in groups for name, value in given.items()}
     with restated(lambda problem: problem._replace(file=file)):

@@ -7,7 +7,8 @@ locks, as on some networks, the database is in a second folder, among the tempor
 when the table is written.
 
 Such a folder may come with the files of somebody else.  It is therefore checked like any input: it may contain only
-plain files, the database only two plain tables, and these only rows that the sweep can have.
+plain files, the database only two plain tables, and these only rows that the sweep can have.  A row of each chunk,
+drawn at random, must be computed again before the others are used.
 """
 
 import csv
@@ -25,7 +26,9 @@ from hashlib import sha256
 from io import StringIO
 from itertools import chain
 from pathlib import Path
+from secrets import randbelow
 from tempfile import gettempdir
+from time import time
 from typing import Annotated, Any, BinaryIO, NamedTuple
 
 import numpy as np
@@ -47,6 +50,7 @@ TABLES = (
 # End of a journal that names a further file, which SQLite would delete; the journal of a single database names none.
 NAMES_A_FILE = bytes.fromhex("d9d505f920a163d7")
 START_AGAIN = "remove the folder to start again"
+BEGUN_ELSEWHERE = f"if you began it on another machine, finish it there, otherwise {START_AGAIN}"
 
 Tell = Callable[[str], None]
 
@@ -81,9 +85,11 @@ def parts_of(output: Path) -> Path:
 class Store:
     """Rows of an unfinished table: the first ``done`` rows, and the number of rows that each warning concerns.
 
-    It is open to one process at a time.  ``job`` identifies the sweep.  ``tell`` is called with a line if rows are
-    damaged, or kept elsewhere than beside the output.  With ``replace``, the table replaces an older file.  ``fits`` is
-    called with the index of the first row of a chunk and the chunk, and returns whether the sweep can have it.
+    ``drawn`` has the values of a row of each chunk found, by its index, and ``age_s`` the time since the last chunk was
+    written, s.  The store is open to one process at a time.  ``job`` identifies the sweep.  ``tell`` is called with a
+    line if rows are damaged, or kept elsewhere than beside the output.  With ``replace``, the table replaces an older
+    file.  ``fits`` is called with the index of the first row of a chunk and the chunk, and returns whether the sweep
+    can have it.
     """
 
     def __init__(
@@ -102,6 +108,7 @@ class Store:
         self.job = {**job, "format": "CSV" if self.is_csv else "Parquet"}
         self.path = self.folder / "rows"
         self.done, self.warnings = 0, Counter[str]()
+        self.drawn, self.age_s = dict[int, tuple[Any, ...]](), 0.0
         self._written = False
 
     def __enter__(self) -> "Store":
@@ -135,6 +142,22 @@ class Store:
             for folder in (self.path.parent, self.folder):
                 shutil.rmtree(folder, ignore_errors=True)
 
+    def check_drawn(self, chunks: Iterable[Chunk]) -> None:
+        """Compare the rows drawn with the same rows, computed again; if any value or warning differs, refuse them all.
+
+        They must agree to the last bit, so that the table is the one that a single machine writes.
+        """
+        warnings, drawn = Counter[str](), iter(self.drawn.items())
+        for chunk in chunks:
+            warnings.update(chunk.warnings)
+            for computed, (row, stored) in zip(zip(*chunk.columns.values(), strict=True), drawn, strict=False):
+                for name, value, found in zip(chunk.columns, computed, stored, strict=True):
+                    if value != found and (value == value or found == found):
+                        other = f"{name} = {found} in row {row + 1}, but computed {value}"
+                        raise self._strange(other, BEGUN_ELSEWHERE)
+        if not warnings <= self.warnings:
+            raise self._strange("too few warnings")
+
     def append(self, chunk: Chunk) -> None:
         """Store the next rows."""
         content = packed(chunk)
@@ -160,7 +183,9 @@ class Store:
 
     def _open(self) -> None:
         """Open and lock the database and count its rows; remove the first damaged chunk and all after it."""
-        self.done, self.warnings = 0, Counter()
+        self.done, self.warnings, self.drawn = 0, Counter(), {}
+        with suppress(FileNotFoundError):
+            self.age_s = time() - self.path.stat().st_mtime
         self._database = sqlite3.connect(self.path, timeout=0.0, isolation_level=None)
         try:
             # Damaged text does not raise an error, but its checksum differs.
@@ -182,6 +207,8 @@ class Store:
             intact_chunks = 0
             with suppress(sqlite3.DataError):
                 for chunk in self._chunks():
+                    row = randbelow(chunk.rows)
+                    self.drawn[self.done + row] = tuple(values[row] for values in chunk.columns.values())
                     self._count(chunk)
                     intact_chunks += 1
             removed = self._database.execute("delete from chunk where start >= ?", [self.done]).rowcount
@@ -231,8 +258,8 @@ class Store:
         if done < self.done:
             raise sqlite3.DataError("missing rows")
 
-    def _strange(self, found: str) -> InputError:
-        return mistake(self.path.parent, "", f"must have rows of this sweep, found {found}; {START_AGAIN}")
+    def _strange(self, found: str, way_out: str = START_AGAIN) -> InputError:
+        return mistake(self.path.parent, "", f"must have rows of this sweep, found {found}; {way_out}")
 
     def _checksum(self, start: int, content: bytes) -> str:
         """Return a checksum of the job, of the index of the first row of a chunk, and of its content."""

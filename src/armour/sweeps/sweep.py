@@ -247,8 +247,8 @@ def write_sweep(
     value is an empty field in CSV and NaN in Parquet.  Chunks are computed by ``workers``, each on one thread, or else
     in this process on ``threads``.  ``size`` is the number of rows of a chunk.  Without it, the time of some rows is
     measured to choose it; ``approve`` is then called with the effort of a new sweep, and may raise an error to stop it.
-    ``tell`` is called with each warning, and if kept rows are damaged.  With ``replace``, the output replaces an older
-    file; a Parquet file records the ``command`` that made it.
+    ``tell`` is called with each warning, and if kept rows are used or damaged.  With ``replace``, the output replaces
+    an older file; a Parquet file records the ``command`` that made it.
     """
     check(scenario, source, quantities)
     for line in general_warnings(scenario, quantities):
@@ -267,18 +267,24 @@ def write_sweep(
                 approve(effort)
             size = int(min(max(CHUNK_S / effort.row_s, 1.0), MAX_CHUNK))
         if store.done:
-            on_chunk(store.done, True)
+            age = duration(store.age_s)
+            tell(f"resuming {store.path.parent}, written {age} ago: {store.done:,} of {source.count:,} rows")
         else:
             check_rows(scenario, source)
+        drawn = np.array([*store.drawn], dtype=np.int64)
+        drawn_blocks = (source.rows(drawn[start : start + size]) for start in range(0, len(drawn), size))
         blocks = (rows for _, rows in blocks_of(source, size, store.done))
         try:
-            with (
-                ThreadPoolExecutor(1) as executor,
-                closing(computed(blocks, compute, workers or Workers(executor, 1, ahead=2))) as chunks,
-            ):
-                for chunk in chunks:
-                    store.append(chunk)
-                    on_chunk(chunk.rows, False)
+            with ThreadPoolExecutor(1) as executor:
+                workers = workers or Workers(executor, 1, ahead=2)
+                with closing(computed(drawn_blocks, compute, workers)) as chunks:
+                    store.check_drawn(chunks)
+                if store.done:
+                    on_chunk(store.done, True)
+                with closing(computed(blocks, compute, workers)) as chunks:
+                    for chunk in chunks:
+                        store.append(chunk)
+                        on_chunk(chunk.rows, False)
             store.finish(made_by(scenario, command))
         except KeyboardInterrupt:
             raise KeyboardInterrupt(f"{store.done:,} of {source.count:,} rows are done; {RESUME}") from None
@@ -302,7 +308,7 @@ def chunk_of(scenario: Scenario, rows: Rows, quantities: Sequence[str], threads:
 def is_part_of(source: Grid | SweepCases, quantities: Sequence[str], start: int, chunk: Chunk) -> bool:
     """Return whether a chunk from a file has the rows of a source from `start` on, and possible quantities."""
     names = list(dict.fromkeys([*source.keys, *quantities]))
-    if [*chunk.columns] != names or start + chunk.rows > source.count:
+    if [*chunk.columns] != names or chunk.rows > MAX_CHUNK or start + chunk.rows > source.count:
         return False
     rows = source.rows(np.arange(start, start + chunk.rows))
     return all(
