@@ -43,7 +43,7 @@ def test_json_is_an_object_or_an_array(cli, doors: Path):
     one, two = (json.loads(cli("check", words, "--json").stdout) for words in ("doors/a.toml", "doors"))
     commands = [each["made_by"].pop("command") for each in (one, *two)]
     assert commands == ["armour check doors/a.toml --json", *["armour check doors --json"] * 2]
-    assert two[0] == {"scenario": "doors/a.toml", **one}
+    assert two[0] == one
     assert [each["verdict"] for each in two] == ["passes", "fails"]
     # The form does not depend on how many are in a folder.
     (doors / "b.toml").unlink()
@@ -254,3 +254,54 @@ def test_exit_codes_are_those_of_the_verdict(cli, folder: Path, seed: int):
     (folder / "own.toml").write_text(case(seed).to_toml())
     expected = {"passes": (0, 0), "fails": (3, 1), "not known": (3, 1)}[rule(seed)]
     assert (cli("check", "own.toml").exit_code, cli("optimise", "own.toml").exit_code) == expected
+
+
+def test_a_check_against_an_earlier_one(cli, doors: Path):
+    (doors.parent / "base.json").write_text(cli("check", "doors", "--json").stdout)
+    unmoved = cli("check", "doors/a.toml", "doors/b.toml", "--against", "base.json")
+    assert unmoved.stdout.endswith("\n\nnothing has moved since base.json\n")
+    weaker = PASSES.replace("600.0", "500.0")
+    (doors / "a.toml").write_text(weaker)
+    (doors / "b.toml").write_text(PASSES)
+    result = cli("check", "doors", "--against", "base.json", "--junit", "j.xml")
+    assert result.exit_code == 3
+    assert "passes: 2 of 2" in result.stdout
+    assert result.stdout.splitlines()[-1] == "weaker than in base.json: 2 of 6 that moved"
+    suite = ElementTree.parse(doors.parent / "j.xml").getroot()[-1]
+    assert [case.get("name") for case in suite.findall("testcase")] == ["7.62 mm AP velocity, m/s"] * 2
+    (doors / "b.toml").unlink()
+    answers = json.loads(cli("check", "doors", "--against", "base.json", "--json").stdout)
+    assert [(each["scenario"], each["moved"][0]["quantity"]) for each in answers] == [
+        ("doors/a.toml", "velocity_m_s"),
+        ("doors/b.toml", "scenario"),
+    ]
+
+
+def test_an_earlier_check_that_is_none(cli):
+    Path("bad.json").write_text("[" * 100_000)
+    assert cli.fails(2, "check", "wilkins", "--against", "bad.json") == ["bad.json: must be JSON"]
+
+
+def test_a_threat_that_holds_is_skipped_if_no_probability_is_required(cli, doors: Path):
+    cli("check", "doors", "--junit", "j.xml")
+    holds, fails = ElementTree.parse(doors.parent / "j.xml").getroot()
+    [skipped] = holds.findall("testcase/skipped")
+    assert (skipped.get("message") or "").endswith("; no probability is required")
+    assert (holds.get("skipped"), fails.get("failures"), fails.get("skipped")) == ("1", "1", "0")
+    cli("check", "doors/a.toml", "--probability", "0.6", "--junit", "j.xml", "--force")
+    assert ElementTree.parse(doors.parent / "j.xml").findall(".//skipped") == []
+
+
+def test_a_requirement_on_the_command_line_is_a_floor(cli, folder: Path):
+    (folder / "weak.toml").write_text(f"{PASSES}\n[design]\nprobability_of_stopping = 0.6\n")
+    for option in ("--probability", "--confidence"):
+        result = cli("check", "weak.toml", option, "0.9999")
+        assert result.exit_code == 3
+        assert "at least 99.99 % required" in result.stdout
+        assert "the scenario requires 60 %, less than the 99.99 % asked for" in result.stdout
+    lower = cli("check", "weak.toml", "--probability", "55%")
+    assert lower.exit_code == 0
+    assert "the scenario requires 60 %, more than the 55 % asked for" in lower.stdout
+    assert cli.fails(2, "check", "weak.toml", "--probability", "95") == [
+        "command line: --probability: must be less than 1, found 95; did you mean 0.95?"
+    ]

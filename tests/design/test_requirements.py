@@ -178,8 +178,8 @@ def test_own_tests_give_a_flow_stress_for_which_another_needs_sources():
     tested = read_tests({"armour.ceramic_thickness_mm": [6.0, 8.0], "ballistic_limit_m_s": [900.0, 1000.0]}, of)
     result = calibrate(tested, of, "ceramic.flow_stress_GPa")
     own = known(result.evidence)
-    value = {"value": own.calibrated["ceramic_strength_GPa"], "source": "own tests"}
-    entry = {"based_on": "B4C", "flow_stress_GPa": value, "evidence": own.model_dump()}
+    value = {"value": own["calibrated"]["ceramic_strength_GPa"], "source": "own tests"}
+    entry = {"based_on": "B4C", "flow_stress_GPa": value, "evidence": own}
     fitted = of.replaced({"library.ceramic.own": entry, "armour.ceramic": "own"})
     assert check(fitted).verdict == "passes"
     assert check(fitted.replaced({"ceramic.flow_stress_GPa": 16.0})).verdict == "not known"
@@ -344,3 +344,35 @@ def test_an_armour_with_a_layer_between_tile_and_back_plate_never_passes(design:
     fast = between.replaced({"impact.velocity_m_s": 1500.0})
     assert check(fast).verdict == "fails"
     assert optimise(fast).reason == "none passes"
+
+
+SEVERAL: list[dict[str, Any]] = [
+    {"projectile": "7.62 mm AP", "velocity_m_s": 700.0, "name": "weak", "probability_of_perforation": 0.4},
+    {"projectile": "7.62 mm AP", "velocity_m_s": 500.0, "name": "strong", "probability_of_perforation": 0.01},
+    {"projectile": "7.62 mm AP", "velocity_m_s": 600.0, "name": "usual"},
+]
+
+
+@pytest.mark.parametrize("key", ["confidence", "probability_of_stopping"])
+def test_of_what_is_required_and_asked_for_the_stricter_holds(key: str):
+    of = scenario(threat=SEVERAL, design={**OWN, key: 0.8})
+    for result in (check(of, probability=0.9), check(of.requiring(0.9))):
+        assert [threat.required_probability for threat in result.threats] == pytest.approx([0.9, 0.99, 0.9])
+        assert result.verdict == "fails"
+        assert result.warnings[:3] == (
+            "the scenario requires 60 %, less than the 90 % asked for, against weak",
+            "the scenario requires 99 %, more than the 90 % asked for, against strong",
+            "the scenario requires 80 %, less than the 90 % asked for, against usual",
+        )
+    assert [threat.required_probability for threat in check(of).threats] == pytest.approx([0.6, 0.99, 0.8])
+    assert optimise(of, probability=0.9).to_dict() == optimise(of.requiring(0.9)).to_dict()
+    assert optimise(of, probability=0.9).warnings[:3] == check(of, probability=0.9).warnings[:3]
+
+
+def test_a_required_probability_has_one_key():
+    message = "design: must have probability_of_stopping or confidence, its other name, found both"
+    with pytest.raises(InputError, match=message):
+        scenario(design={"confidence": 0.9, "probability_of_stopping": 0.9})
+    for ask in (check, optimise):
+        with pytest.raises(InputError, match=f"{ask.__name__}: probability: must be less than 1, found 95.0; did you"):
+            ask(scenario(), probability=95.0)

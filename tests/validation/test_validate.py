@@ -19,6 +19,7 @@ from tests.validation.test_suite import CSV, FILE
 LIMIT = ballistic_limit(scenario()).ballistic_limit_m_s
 AS_WRITTEN = f"{LIMIT:.8g}"
 BANDS = """
+reason = "two lots"
 rms_band_percent = 20.0
 mean_percent = 0.5
 mean_band_percent = 5.0
@@ -78,7 +79,7 @@ def test_a_table_of_differences(folder: Path):
 def test_a_status(folder: Path, expected: float | str, quantity: str, rest: str, status: str):
     found = result(folder, case("a", expected, rest).replace("ballistic_limit_m_s", quantity))
     assert found.checks[0].status == status
-    assert found.passed is (status in ("within", "not scored"))
+    assert found.passed is (status == "within")
     if status == "no answer":
         assert "lower ballistic_limit.velocity_min_m_s" in found.checks[0].message
         assert found.checks[0].deviation is None
@@ -288,3 +289,31 @@ def test_an_update_keeps_the_byte_order_mark_and_the_line_ends(folder: Path):
     (folder / "suite.toml").write_bytes(content)
     found = validate(load_suite(folder / "suite.toml"))
     assert updated_file(content, updates_of(found)) == content.replace(b"725.0", AS_WRITTEN.encode())
+
+
+@pytest.mark.parametrize(
+    ("more", "status"),
+    [
+        ("band = 500.0", "no reason"),
+        ("band_percent = 10.1", "no reason"),
+        ("band_percent = 10.0", "within"),
+        ('band = 500.0\nreason = "a slip of the print"', "within"),
+        ("band = 0.01", "outside"),
+    ],
+)
+def test_a_wide_band_needs_a_reason(folder: Path, more: str, status: str):
+    found = result(folder, case("in", 724.0, more))
+    assert (found.checks[0].status, found.passed) == (status, status == "within")
+
+
+def test_a_wide_band_of_a_table_needs_a_reason(folder: Path):
+    wide = f"{FILE}\nrms_band_percent = 40.0\n"
+    (folder / "t.csv").write_text(CSV)
+    for reason, status in (("", "no reason"), ('reason = "few tests"\n', "within")):
+        assert [summary.status for summary in result(folder, wide + reason).summaries] == [status]
+
+
+def test_a_suite_without_a_scored_case_fails(folder: Path):
+    found = result(folder, case("in", 724.0, 'not_scored = "later"'))
+    assert not found.passed
+    assert '<failure message="no case is scored">' in suite_junit(found, [0.0], {}).decode()
