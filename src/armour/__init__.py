@@ -7,12 +7,18 @@ The public names are those in the stub file ``__init__.pyi``; each is imported o
 'perforated'
 """
 
+from collections.abc import Callable
+from functools import cache
+
+from armour.leaving import LEAVING, warn_leaving
+
 __version__ = "2.1.0"
 # First number: the equations and their interpretation. Second number: any change of the computed digits.
 MODEL_VERSION = "1.5"
 
 
-def __getattr__(name: str) -> object:
+@cache
+def _public() -> tuple[Callable[[str], object], Callable[[], list[str]], list[str]]:
     """Attach the public names on the first use of one, which the command line can start without."""
     from importlib import import_module
 
@@ -22,10 +28,15 @@ def __getattr__(name: str) -> object:
 
     # A notebook shows a result as its tables, which belong to a layer above the results: the layers meet here.
     Result._in_html = lambda result: import_module("armour.reporting.show").in_html(result)
-    get, listed, names = lazy_loader.attach_stub(__name__, __file__)
-    globals().update(__getattr__=get, __dir__=listed, __all__=names)
+    return lazy_loader.attach_stub(__name__, __file__)
+
+
+def __getattr__(name: str) -> object:
+    if (full_name := f"{__name__}.{name}") in LEAVING:
+        warn_leaving(full_name, 2)
+    get, _, names = _public()
     return names if name == "__all__" else get(name)
 
 
 def __dir__() -> list[str]:
-    return list(__getattr__("__all__"))
+    return _public()[1]()

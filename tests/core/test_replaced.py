@@ -117,7 +117,8 @@ def test_each_computation_names_a_replaced_function(
         function(scenario)
     [record] = caplog.records
     assert record.getMessage() == (
-        "computing in plain Python, about a hundred times slower: armour.core.equations.crack_velocity replaced"
+        "computing in plain Python, about a hundred times slower: armour.core.equations.crack_velocity replaced; "
+        "replacing equations leaves with version 3: there, with armour.equations(...) takes its place"
     )
 
 

@@ -172,7 +172,7 @@ COMMANDS: dict[str, dict[Callable[..., None], tuple[str, ...]]] = {
     },
     "Design": {
         scenario_commands.optimise: (
-            f"optimise {SUITE}/optimum_7.62mm_AP --refine",
+            f"optimise {SUITE}/optimum_7.62mm_AP --confidence 0.9",
             "optimise catalogue --plot study.svg --csv front.csv",
         ),
         scenario_commands.report: (f"report {SUITE}/optimum_7.62mm_AP -o report.html", "report paper -o suite.html"),
@@ -188,7 +188,7 @@ COMMANDS: dict[str, dict[Callable[..., None], tuple[str, ...]]] = {
         experiments.v50: (f"v50 tests/shots {W} --plot v50.svg",),
         experiments.calibrate: (
             f"calibrate tests/wilkins {W} --write mine.toml --lot 'lot 7' --plot fit.svg",
-            f"calibrate tests/wilkins {W} --law all --write-scenario fitted.toml --lot 'lot 7'",
+            f"calibrate tests/wilkins {W} --law backing --write-scenario fitted.toml --lot 'lot 7'",
         ),
         experiments.plan_shots: (
             f"plan shots {W}",

@@ -203,6 +203,10 @@ def calibrate(
         library: lambda _: lazy.library_text(result, tests, loaded, lot),
         fitted: lambda path: lazy.scenario_text(result, tests, loaded, lot, path),
     }
+    if prior:
+        runner.say_leaving("calibrate --prior")
+    if law == "all":
+        runner.say_leaving("calibrate --law all")
     answer(result, loaded, files, plot=plot, file=tests.file, as_json=as_json, verbose=verbose)
     if fitted is not None:
         for role in dict.fromkeys(each.name.partition(".")[0] for each in result.coefficients):
@@ -447,10 +451,7 @@ def plan_tests(
             prior=prior,
         )
         result = armour.plan_tests(loaded, source, on_progress=count, **options)
-    say(
-        "note: plan tests leaves with version 3: spread tests over the thicknesses that you will use, "
-        "on two back plates at least"
-    )
+    runner.say_leaving("plan tests")
     files: Files = {csv: lambda _: csv_text(lazy.form_table(result))}
     answer(result, loaded, files, plot=plot, as_json=as_json, verbose=verbose)
 

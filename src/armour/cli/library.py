@@ -12,7 +12,7 @@ from armour import __version__
 from armour.cli import completion
 from armour.cli.console import emit, say, show, show_json
 from armour.cli.options import AS_JSON, FORCE, argument, flag, option
-from armour.cli.runner import check_outputs, show_answer, write
+from armour.cli.runner import check_outputs, say_leaving, show_answer, write
 from armour.errors import choices, mistake, refuse
 from armour.files import shipped_files, shipped_notebooks, shipped_suites, shipped_tests, wrong_ending
 from armour.reporting.table import Table
@@ -35,6 +35,7 @@ def section(kind: str) -> Callable[..., None]:
 
     def listed(ctx: typer.Context, tested: bool = ONLY_TESTED, as_json: bool = AS_JSON) -> None:
         options = ctx.parent.params if ctx.parent is not None else {}
+        say_leaving(f"library {kind}s")
         _list((kind,), tested=tested or options["tested"], as_json=as_json or options["as_json"])
 
     listed.__doc__ = f"List {kind}s."
@@ -73,11 +74,11 @@ def show_entry(
         show_answer(
             content, (lazy.threat_table({name: threat}), f"source: {threat.source}"), as_json=as_json, heading=[name]
         )
-        return
-    for entry in lazy.shipped_library().find(name):
-        show_answer(
-            entry.to_dict(), lazy.entry_tables(entry), as_json=as_json, heading=[f"{entry.name} ({entry.kind})"]
-        )
+    else:
+        for entry in lazy.shipped_library().find(name):
+            heading = [f"{entry.name} ({entry.kind})"]
+            show_answer(entry.to_dict(), lazy.entry_tables(entry), as_json=as_json, heading=heading)
+    say_leaving("library show")
 
 
 def init(
@@ -133,6 +134,7 @@ def compile_() -> None:
         cache.kernel(name)
     if not all(map(cache.is_compiled, LOOP_NAMES)):
         raise mistake("compile", "", f"compiled code has not been kept in {path.parent}")
+    say_leaving("compile")
     emit(f"{path.parent}\n")
 
 

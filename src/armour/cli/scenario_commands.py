@@ -236,6 +236,8 @@ def optimise(
         result = armour.optimise(loaded, refine=refine, on_progress=count)
         map_page = "" if page is None else _map(result, loaded, source, changes or (), count)
     files: Files = {csv: lambda _: lazy.design_csv(result), page: lambda _: map_page}
+    if refine:
+        runner.say_leaving("optimise --refine")
     answer(result, loaded, files, plot=plot, as_json=as_json, verbose=verbose)
     if source != "-" and result.shown is not None:
         runner.propose(_check_of(loaded, result.shown, source, changes or ()))
@@ -415,6 +417,8 @@ def report(
     if is_suite:
         with progress("cases", len(suite.cases)) as count:
             content = lazy.suite_report(armour.validate(suite, on_check=lambda _check, _total: count(1)), command)
+        if lazy.has_own_rivals(suite):
+            runner.say_leaving("table.rivals")
     else:
         with progress("armours") as count:
             contents = lazy.contents_of(scenario, count, as_is=as_is)

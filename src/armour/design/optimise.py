@@ -21,6 +21,7 @@ from armour.errors import Note, Problem, joined, listed, refuse
 from armour.evidence.caveats import caveats, no_metal
 from armour.evidence.model_error import INTERLAYER, REMEDY, ModelError, error_of
 from armour.evidence.tests import threat_warnings
+from armour.leaving import warn_leaving
 from armour.scenario.checked import checked
 from armour.scenario.inputs import BACKING, CERAMIC, NAMES
 from armour.scenario.scenario import Scenario, Varied
@@ -324,6 +325,7 @@ def optimise(
     scenario = scenario.requiring(probability)
     catalogue = catalogue_of(scenario)
     if refine:
+        warn_leaving("optimise(refine=True)", 3)
         refuse(_not_refinable(catalogue))
     search = FreeThicknesses(catalogue, Runs(on_progress))
     designs, place, reason = _best_place(search)

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from math import isfinite, nan, sqrt
 from os import PathLike
 from typing import Annotated, Any, Literal, NamedTuple
-from warnings import warn
 
 import numpy as np
 from pydantic import Field, PlainValidator
@@ -17,6 +16,7 @@ from armour.analysis.evaluate import check_keys, scenarios_of
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.analysis.variants import Floats
 from armour.errors import MAX_PROBLEMS, Problem, choices, counted, mistake, refuse, restated
+from armour.leaving import warn_leaving
 from armour.planning import optimal_design
 from armour.planning.optimal_design import Task
 from armour.scenario.checked import Names, checked, instance
@@ -365,7 +365,7 @@ def plan_tests(
         the search, the candidates do not depend on the inputs, or the scatter is not known.
     """
     # The caller is two frames up, as the arguments are checked between.
-    warn("plan_tests leaves with version 3", DeprecationWarning, stacklevel=3)
+    warn_leaving("plan_tests", 3)
     designs = (designs,) if isinstance(designs, Scenario) else tuple(designs) or (scenario,)
     fit = tuple(fit)
     check_fitted(fit, law, "plan_tests")

@@ -14,6 +14,7 @@ from armour.core import equations
 from armour.core.replaced import replaced_in_words, replaced_names
 from armour.csv_files import Rows
 from armour.errors import mistake
+from armour.leaving import leaving
 from armour.scenario.keys import describe
 from armour.scenario.sections import Section, validated
 
@@ -77,7 +78,11 @@ def _watch_replaced() -> None:
     """Say what another program has replaced in the core, once, and let equations among it be checked."""
     names = {*replaced_names()}
     if not names <= _named:
-        log.warning("computing in plain Python, about a hundred times slower: %s replaced", replaced_in_words())
+        log.warning(
+            "computing in plain Python, about a hundred times slower: %s replaced; %s",
+            replaced_in_words(),
+            leaving("replacing equations"),
+        )
         _named.update(names)
     for module, name in names:
         value = getattr(module, name)

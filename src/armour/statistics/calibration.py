@@ -17,6 +17,7 @@ from armour.errors import InputError, joined, mistake
 from armour.evidence.core_digest import changed_equations
 from armour.evidence.fit import LEAST_REST
 from armour.evidence.tests import FALSE_ALARMS, own_evidence
+from armour.leaving import warn_leaving
 from armour.scenario.checked import Names, checked
 from armour.scenario.inputs import FLOW_STRESS, ROLES
 from armour.scenario.keys import key_name
@@ -281,11 +282,14 @@ def calibrate(
         neither normal nor lognormal, or a run does not end.
     """
     fit = tuple(fit)
+    if law == "all":
+        warn_leaving('calibrate(law="all")', 3)
     common = common_of(scenario)
     if different := [name for name, value in common_of(tests.scenario).items() if common[name] != value]:
         message = f"must be the one that the tests were read with, found other {' and '.join(different)}"
         raise mistake("calibrate", "scenario", f"{message}; read_tests reads them with this one")
     if prior:
+        warn_leaving("calibrate(prior=True)", 3)
         check_same_prior(tests, scenario, "calibrate")
     for role in ROLES:
         entry = tests.groups[0].scenario.entry_of(role) if any(name.startswith(f"{role}.") for name in fit) else None

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from armour.analysis.quantities import label_and_unit
 from armour.columns import GROUPS, column_of
 from armour.errors import InputError, Problem, counted, mistake, refuse
-from armour.files import located, named, read_toml, shipped_files, shipped_tests, suite_file
+from armour.files import located, named, read_toml, shipped_files, shipped_suites, shipped_tests, suite_file
 from armour.scenario.checked import checked
 from armour.scenario.effect import check_columns, check_effect
 from armour.scenario.inputs import ROUND_AND_ARMOUR
@@ -390,6 +390,11 @@ def suite_files(suite: Suite) -> list[Path]:
     """Return the files from which a suite is read: its own, those of its scenarios, and its files of tests."""
     scenarios = [file for case in suite.cases for file in files_of(case.scenario)]
     return [suite.file, *dict.fromkeys(scenarios), *(suite.file.parent / table.file for table in suite.tables)]
+
+
+def has_own_rivals(suite: Suite) -> bool:
+    """Return whether a suite that is not shipped has rivals."""
+    return suite.file not in shipped_suites().values() and any(table.rivals for table in suite.tables)
 
 
 def _changed_scenario(file: Path, *changes: Mapping[str, object]) -> Scenario:

@@ -14,13 +14,14 @@ from armour.analysis.evaluate import evaluate_groups, groups_of
 from armour.analysis.results import TableResult, by_column
 from armour.errors import NoAnswerError
 from armour.files import named, shipped_suites
+from armour.leaving import warn_leaving
 from armour.scenario.checked import checked
 from armour.scenario.inputs import INPUTS, NAMES
 from armour.scenario.sections import TINY
 from armour.statistics.measured import OUTCOME
 from armour.validation.questions import Subject, answer
 from armour.validation.rivals import Error, errors_of
-from armour.validation.suite import Case, Suite, load_suite
+from armour.validation.suite import Case, Suite, has_own_rivals, load_suite
 from armour.validation.suite_sections import GroupSection, TableSection, meets
 
 CheckStatus = Literal["within", "outside", "no answer", "no expected value", "no reason", "not scored"]
@@ -230,6 +231,8 @@ def validate(suite: Suite | str | PathLike[str], *, on_check: OnCheck | None = N
     """
     if not isinstance(suite, Suite):
         suite = load_suite(suite)
+    if has_own_rivals(suite):
+        warn_leaving("table.rivals", 3)
     subjects: dict[tuple[str, ...], Subject] = {}
     values_of_tests = _values_of_tests(suite.cases)
     checks = []
