@@ -381,7 +381,7 @@ class LibraryEntry:
             "evidence": self.evidence and self.evidence.model_dump(),
             "aliases": self.aliases,
             SOURCES_KEY: self.flow_stress_sources_GPa,
-            "unsourced": sorted(self.unsourced),
+            **({"unsourced": True} if self.kind == "ceramic" and FLOW_STRESS_KEY in self.unsourced else {}),
         }
 
     def to_dict(self) -> dict[str, Any]:
