@@ -179,7 +179,7 @@ def test_a_stated_error_is_a_prior_and_an_unknown_one_is_wide():
     assert plan.recommended is not None
     # A requirement is decided on by the shots alone.
     assert plan_shots(scenario(**UNKNOWN), SHOTS, requirement_m_s=700.0).next_velocity_m_s is not None
-    with pytest.raises(InputError, match="must give scale_percent for a prior"):
+    with pytest.raises(InputError, match="must give scale_percent, degrees_of_freedom and source for a prior"):
         plan_shots(scenario(**UNKNOWN), SHOTS, requirement_m_s=700.0, prior=True)
     stated = scenario(
         **UNKNOWN, uncertainty={"model": {"scale_percent": 10.0, "degrees_of_freedom": 1e6, "source": "tests"}}

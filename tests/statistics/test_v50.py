@@ -206,7 +206,7 @@ def test_rows_are_read_as_a_file_is(tmp_path: Path):
         (
             APART,
             {"prior": True, "scenario": scenario(uncertainty={"model": {"included": False}})},
-            "must give scale_percent for a prior",
+            "must give scale_percent, degrees_of_freedom and source for a prior",
         ),
         (APART, {"requirement_fraction": 0.1}, "v50: requirement_fraction: must not be given without a requirement"),
         (Shots((700.0,), (True,)), {}, "at least one partial and one complete"),

@@ -95,7 +95,7 @@ def test_pairs_of_materials_with_the_reasons_of_those_that_lose():
 def test_the_note_on_the_error_says_whether_it_is_not_known_or_not_included():
     given: list[tuple[dict[str, Any], str]] = [
         ({}, ", or not included"),
-        ({"scenario": scenario()}, " or [uncertainty.model] can give it"),
+        ({"scenario": scenario()}, "own tests (armour calibrate) can give it"),
         ({"scenario": scenario(uncertainty={"model": {"included": False}})}, "uncertainty.model"),
     ]
     for question, ending in given:
