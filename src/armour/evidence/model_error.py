@@ -327,7 +327,7 @@ def why_unknown(scenario: Scenario, armour: Armours) -> str:
     if settings := other_settings(scenario):
         return f"the tests were not computed with {settings}; [uncertainty.model] can give it"
     if is_no_metal(np.min(armour.parameters.rho_B)):
-        return "the back plate is no metal"
+        return "the back plate may be no metal"
     if scenario.interlayers:
         return INTERLAYER
     [(evidence, _)] = armour.by_evidence()

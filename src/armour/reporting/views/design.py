@@ -24,7 +24,7 @@ from armour.design.optimise import (
 from armour.design.requirements import Requirement
 from armour.errors import counted, joined
 from armour.evidence.caveats import too_thin
-from armour.evidence.tests import THIN
+from armour.evidence.tests import THIN, armours_of, limits_of_model
 from armour.reporting import words as phrases
 from armour.reporting.by_result import tables_of
 from armour.reporting.junit import TestCase, junit_suite
@@ -607,14 +607,18 @@ def check_summary(results: Mapping[str, CheckResult]) -> VerdictLine:
 def check_junit(result: CheckResult, scenario: Scenario, seconds: float, origin: Mapping[str, str]) -> Element:
     """Return the JUnit element of a check, with a test case for each threat and each limit of [design].
 
-    Names of cases do not contain thicknesses, velocities or angles.  `seconds` is the time of the whole check.
+    The output of a threat's case is the caveats of the model about the armour against this threat.  Names of cases do
+    not contain thicknesses, velocities or angles.  `seconds` is the time of the whole check.
     """
-    file, threats = scenario.file, zip(result.threats, scenario.threats(), strict=True)
-    parts = [(given.round_name, threat.verdict, finding(threat)) for threat, given in threats]
+    file, parts = scenario.file, list[tuple[str, str, str, list[str]]]()
+    for threat, given in zip(result.threats, scenario.threats(), strict=True):
+        armours = armours_of(scenario.against(given))
+        notes = (note for note, _ in limits_of_model(armours, [armours.materials[0].backing]))
+        parts.append((given.round_name, threat.verdict, finding(threat), phrases.said_of(notes)))
     for row in result.requirements:
-        parts.append((Column.of(row.quantity).label, row.verdict, phrases.requirement_words(row)))
+        parts.append((Column.of(row.quantity).label, row.verdict, phrases.requirement_words(row), []))
     cases = [
-        TestCase(file, title, "failure" * (found != "passes"), f"{VERDICTS[found]}: {words}", file=file)
-        for title, found, words in parts
+        TestCase(file, title, "failure" * (found != "passes"), f"{VERDICTS[found]}: {words}", file=file, output=said)
+        for title, found, words, said in parts
     ]
     return junit_suite(file, [cases[0]._replace(seconds=seconds), *cases[1:]], seconds, origin)
