@@ -86,7 +86,11 @@ LAW = {"ceramic": {"law": {"based_on": "AD85", "flow_stress_backing_exponent": 0
             ["armour.ceramic_thickness_mm: the model was compared with results for ceramics"],
         ),
         ({"backing_mm": 1.0}, 800.0, ["armour.backing_thickness_mm: the model was compared with results for back"]),
-        ({"projectile": "stub", "ceramic_mm": 9.0, "backing_mm": 9.0, "library": STUB}, 800.0, ["impact.projectile"]),
+        (
+            {"projectile": "stub", "ceramic_mm": 9.0, "backing_mm": 9.0, "library": STUB},
+            800.0,
+            ["impact.projectile: against fragment simulators", "impact.projectile: the model was compared with"],
+        ),
         ({"projectile": "soft", "library": SOFT}, 800.0, ["projectile.flow_stress_GPa"]),
         (
             {"projectile": "heavy", "library": HEAVY},

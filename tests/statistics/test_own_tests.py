@@ -12,7 +12,7 @@ from armour.analysis.ballistic_limit import ConfidenceResult, confidence
 from armour.analysis.evaluate import evaluate
 from armour.design.check import check
 from armour.design.optimise import optimise
-from armour.errors import InputError, NoAnswerError
+from armour.errors import InputError, NoAnswerError, Note
 from armour.evidence.tests import armours_of, scenario_warnings
 from armour.reporting.words import model_error_words
 from armour.scenario.inputs import BACKING, CERAMIC, FLOW_STRESS, OBLIQUITY, VELOCITY
@@ -23,7 +23,7 @@ from armour.statistics.measured import Measurement, read_tests
 from armour.statistics.measured import Tests as Measured
 from armour.statistics.own_tests import predicted_tests, repeated
 from tests.design.results import best_of
-from tests.helpers.cases import TESTS, shipped_scenario
+from tests.helpers.cases import TESTS, scenario, shipped_scenario
 from tests.helpers.fits import table_of, wilkins_fit
 from tests.helpers.known import known
 from tools.campaigns import own_tests as campaign
@@ -240,7 +240,7 @@ def test_an_entry_calibrated_by_version_1_is_recognised():
     result = confidence(case)
     assert result.probability_of_stopping is None
     assert result.reason == "of old, it was calibrated by armour 1: calibrate it again"
-    assert scenario_warnings(case, 600.0) == ()
+    assert [warning.about for warning in scenario_warnings(case, 600.0)] == [("contradicted", "fragments")]
 
 
 def test_one_lot_against_two_rounds_shares_the_effect_of_the_alloy():
@@ -502,3 +502,16 @@ def test_a_limit_that_is_only_known_to_be_above_or_below_is_an_outcome():
     assert feet.measurements == (Measurement(0, "ballistic_limit_m_s", 762.0, None, 1),)
     with pytest.raises(InputError, match="must be a number"):
         table_of(WILKINS, "ballistic_limit_m_s", "above all")
+
+
+def test_what_other_tests_contradict_is_not_said_of_armours_like_the_own_tests():
+    """The limits on bare steel are corrected by own tests with cores, those against fragments are not."""
+    case = scenario("7.62 mm APM2", None, "RHA Class 1", 0.0, 12.0, velocity=600.0)
+    own = scenario_of(table_of(case, f"{BACKING},ballistic_limit_m_s", "12,690", "14,760"), case, STRENGTH)
+
+    def said(of: Scenario) -> list[tuple[str | float, ...]]:
+        return [note.about for note in check(of).warnings if isinstance(note, Note) and note.said]
+
+    assert said(case) == [("contradicted", "normal_steel"), ("contradicted", "lots_of_steel")]
+    assert said(own) == []
+    assert said(own.replaced({"impact.projectile": "12.7 mm FSP"})) == [("contradicted", "fragments")]

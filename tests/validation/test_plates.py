@@ -8,6 +8,7 @@ from functools import cache
 
 import pytest
 
+from armour.evidence.fit import shipped_data
 from armour.reporting.formats import markdown_report
 from armour.reporting.views.validation import suite_report
 from armour.scenario.inputs import INPUTS
@@ -162,3 +163,25 @@ def test_the_library_has_the_plates_and_rounds():
             for key in ("penetrator_diameter_mm", "penetrator_mass_g", "density_kg_m3"):
                 assert core[key] == pytest.approx(float(row[f"projectile.{key}"]), rel=3e-4), (row["round"], key)
             assert core["flow_stress_GPa"] == 2.35
+
+
+def test_the_errors_that_answers_state(result: SuiteResult):
+    """Those of `Note`s about armours whose limits these tests contradict, see configs/evidence.toml."""
+    words = {name: data["words"] for name, data in shipped_data()["caveat"].items()}
+    fragments = [e for metal in ("aluminium", "steel") for e in of(result, metal, ".50 FSP", "20 mm FSP")]
+    dense, cores = of(result, "steel", "30 mm APDS"), sorted(of(result, "steel", ".30 APM2", ".50 APM2"))
+    mean = math.fsum(map(abs, fragments)) / len(fragments)
+    assert f"{mean:.0f} % on average, up to {max(map(abs, fragments)):.0f} %" in words["fragments"]
+    low, least = -math.fsum(dense) / len(dense), -min(dense)
+    assert f"{low:.0f} % too low on average, up to {least:.0f} %" in words["sub_calibre"]
+    *sound, doubtful = cores
+    assert doubtful > 90.0
+    high = math.fsum(cores) / len(cores)
+    assert f"{high:.0f} % too high on average, up to {max(sound):.0f} %" in words["normal_steel"]
+    page = (SCENARIOS.parent / "docs" / "evidence" / "own-tests.md").read_text()
+    [row] = [line.split(" | ") for line in page.splitlines() if line.startswith("| cores on steel | 0 | all |")]
+    assert f"differ by {row[8]} points on average" in words["lots_of_steel"]
+
+
+def of(result: SuiteResult, metal: str, *rounds: str) -> list[float]:
+    return errors(result, metal, rounds, 0.0, 99.0, oblique=False)

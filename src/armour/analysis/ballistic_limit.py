@@ -70,8 +70,8 @@ def needed_flow_stress(
 ) -> NeededFlowStress | None:
     """Return the flow stresses, GPa, by which a ceramic without tests has a required limit, and also a probability.
 
-    Return None if the scenario has no such ceramic, or if tests say nothing about it: with a back plate that is not a
-    metal, an interlayer, a long rod, or settings of the model other than those used to compute the tests.
+    Return None if the scenario has no such ceramic, or if tests say nothing about it: with a back plate that may be
+    no metal, an interlayer, a long rod, or settings of the model other than those used to compute the tests.
 
     Parameters
     ----------

@@ -150,7 +150,7 @@ class Catalogue:
 
     @cached_property
     def metal(self) -> Bools:
-        """Whether the back plate of each pair may be a metal; designs without a metal get no verdict."""
+        """Whether the back plate of each pair counts as a metal; designs without a metal get no verdict."""
         return np.array([not is_no_metal(offer.backing_density_kg_m3) for offer in self.offers])
 
     @cached_property

@@ -20,7 +20,7 @@ from armour.design.search import FreeThicknesses, candidates_of, pareto
 from armour.errors import Note, Problem, joined, listed, refuse
 from armour.evidence.caveats import caveats, no_metal
 from armour.evidence.model_error import INTERLAYER, REMEDY, ModelError, error_of
-from armour.evidence.tests import threat_warnings
+from armour.evidence.tests import contradicted, threat_warnings
 from armour.leaving import warn_leaving
 from armour.scenario.checked import checked
 from armour.scenario.inputs import BACKING, CERAMIC, NAMES
@@ -460,7 +460,7 @@ def _table(search: FreeThicknesses, *, refine: bool = False, criteria: Sequence[
 def _best_place(search: FreeThicknesses) -> tuple[Designs, int | None, Reason]:
     """Return the table of designs, the place of the best design, and the reason if it is not known to pass.
 
-    A design with a ceramic that lacks sources, or on a back plate that is not a metal, is never the best.
+    A design with a ceramic that lacks sources, or on a back plate that may be no metal, is never the best.
     """
     designs = _table(search)
     if not search.catalogue.metal.any():
@@ -554,14 +554,15 @@ def _of_other_pairs(catalogue: Catalogue, warnings: Sequence[str]) -> Iterator[N
     for pair in np.flatnonzero(catalogue.metal).tolist():
         ceramic_mm = np.array([float(bool(catalogue.offers[pair].ceramic.material))])
         rows = catalogue.against_each(catalogue.candidates(pair, ceramic_mm, np.ones(1)))
-        for note, _ in caveats(rows.armours.parameters, [catalogue.materials[pair].backing]):
+        metals = [catalogue.materials[pair].backing]
+        for note, _ in (*caveats(rows.armours.parameters, metals), *contradicted(rows.armours)):
             if note.about not in told:
                 told.add(note.about)
                 yield Note(note.text, note.key, said="pairs")
 
 
 def _unlike(catalogue: Catalogue, pair: int) -> Pair:
-    """Return a pair whose back plate is not a metal: without a design, but with the reason."""
+    """Return a pair whose back plate may be no metal: without a design, but with the reason."""
     offer = catalogue.offers[pair]
     words, names = no_metal(offer.backing_density_kg_m3), (offer.ceramic.material, offer.backing.material)
     return Pair(*names, None, None, f"not known: {words}", untested=catalogue.untested[pair])

@@ -72,8 +72,8 @@ def against_threat(
 
     A margin is required if the threat gives one; if no probability is required, the margin must be at least 0.  A
     probability that is not known fails if the ballistic limit by the model is below the velocity plus the margin.  A
-    limit that is known to be too low never fails: the verdict is "not known" instead.  For a back plate that is not a
-    metal, the only requirement is a metal, with the verdict "not known".
+    limit that is known to be too low never fails: the verdict is "not known" instead.  For a back plate that does
+    not count as a metal, the only requirement is a metal, with the verdict "not known".
 
     Parameters
     ----------

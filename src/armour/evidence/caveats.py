@@ -1,7 +1,7 @@
 """Caveats: sentences on what the model cannot do for an armour, which are shown with its answer."""
 
 from collections.abc import Iterable, Iterator
-from math import sqrt
+from math import floor, sqrt
 from typing import Any
 
 import numpy as np
@@ -11,23 +11,26 @@ from armour.core.state import Parameters
 from armour.errors import Note
 from armour.scenario.library import NOT_MODELLED, LibraryEntry
 
-# A back plate is not a metal below the first density, and surely is one from the second on, kg/m³: magnesium begins at
-# 1,740, glass laminates end at 2,000.
-LEAST_METAL_KG_M3, SURELY_METAL_KG_M3 = 1300.0, 2100.0
+# A back plate does not count as a metal below the first density, where magnesium begins, and surely is one from the
+# second on, kg/m³.  Laminates of aramid and carbon fibre have 1,350 to 1,600, as magnesium-lithium alloys; of glass, up
+# to 2,000.
+LEAST_METAL_KG_M3, SURELY_METAL_KG_M3 = 1740.0, 2100.0
 # Length over diameter from which on a penetrator is a long rod: the cores of bullets have up to 6; and the density from
 # which on rods and plates are at least as dense as steel, kg/m³.
 LONG_ROD, DENSE_KG_M3 = 8.0, 7000.0
-DENSITIES = "glass laminates reach 2,000 kg/m³, magnesium begins at 1,740"
 
 
 def is_no_metal(density_kg_m3: Any) -> Any:
-    """Return whether back plates, given their densities, are not a metal; float or array."""
+    """Return whether back plates, given their densities, do not count as a metal; float or array."""
     return density_kg_m3 < LEAST_METAL_KG_M3
 
 
 def no_metal(density_kg_m3: float) -> str:
-    """Return the caveat that the model does not describe a back plate that is not a metal."""
-    return f"a back plate of {density_kg_m3:,.0f} kg/m³ is no metal: {NOT_MODELLED} ({DENSITIES})"
+    """Return the caveat that a back plate does not count as a metal, so that the model may not describe it."""
+    return (
+        f"a back plate of {floor(density_kg_m3):,} kg/m³ may be no metal: {NOT_MODELLED} (below "
+        f"{LEAST_METAL_KG_M3:,.0f}, the density does not tell a laminate from a magnesium-lithium alloy)"
+    )
 
 
 def is_long_rod(armour: Parameters) -> Any:
@@ -63,7 +66,10 @@ def caveats(armour: Parameters, metals: Iterable[LibraryEntry], *, said: bool = 
     doubted = ~unlike & (density < SURELY_METAL_KG_M3)
     if doubted.any():
         least = float(density[doubted].min())
-        question = f"is a back plate of {least:,.0f} kg/m³ a metal? {NOT_MODELLED} ({DENSITIES})"
+        question = (
+            f"is a back plate of {floor(least):,} kg/m³ a metal? {NOT_MODELLED} (glass laminates reach 2,000 kg/m³, "
+            f"magnesium begins at {LEAST_METAL_KG_M3:,.0f})"
+        )
         yield Note(question, key, said=caveat, about=("doubted metal", least)), doubted
     long, too_low = ~unlike & is_long_rod(armour), np.atleast_1d(is_limit_too_low(armour))
     for rows, more, kind in ((long & too_low, "; the limit is too low", "too low"), (long & ~too_low, "", "caveat")):

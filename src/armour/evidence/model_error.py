@@ -334,7 +334,7 @@ def why_unknown(scenario: Scenario, armour: Armours) -> str:
     if reason := _why_by_settings(scenario):
         return reason
     if is_no_metal(np.min(armour.parameters.rho_B)):
-        return "the back plate is no metal"
+        return "the back plate may be no metal"
     if scenario.interlayers:
         return INTERLAYER
     [(evidence, _)] = armour.by_evidence()

@@ -10,7 +10,7 @@ import numpy as np
 
 from armour.core.state import Parameters
 from armour.errors import Note, counted, joined
-from armour.evidence.caveats import caveats, too_thin
+from armour.evidence.caveats import caveats, is_no_metal, too_thin
 from armour.evidence.core_digest import changed_equations
 from armour.evidence.fit import Fit, LotTests, Quantities, fits, law_parameters, quantities, shipped_data
 from armour.scenario.inputs import CERAMIC, OBLIQUITY, VELOCITY, cosine_of
@@ -503,10 +503,26 @@ def _tests_of(evidence: Evidence, armours: Armours) -> Evidence:
     return next(tests for tests in shipped_evidence() if tests.fits and bool(tests.ceramic) == has_ceramic)
 
 
+def contradicted(armours: Armours, *, said: bool = True) -> Iterator[tuple[Note, Any]]:
+    """Yield what tests contradict of the limits of n armours, or of their probabilities, unless own tests tell.
+
+    Masks and `said` are as in `caveats`.
+    """
+    q = armours.quantities()
+    for name, data in shipped_data()["caveat"].items():
+        rows = ~is_outside(_ranges(data["ranges"]), q) & ~is_no_metal(armours.parameters.rho_B)
+        if rows.any():
+            for evidence, members in armours.by_evidence():
+                if evidence.lot and evidence.fits:
+                    rows[members] &= evidence.differences(armours.at(members).quantities()) > 0
+        if rows.any():
+            yield Note(data["words"], data["key"], said="caveat" * said, about=("contradicted", name)), rows
+
+
 def limits_of_model(
     armours: Armours, metals: Iterable[LibraryEntry], *, said: bool = True
 ) -> Iterator[tuple[Note, Any]]:
-    """Yield the `caveats` about n armours, one about changed equations, and one about ceramics thinner than tested.
+    """Yield the `caveats` and `contradicted` about n armours, and those on changed equations and too thin ceramics.
 
     Masks and `said` are as in `caveats`.
     """
@@ -515,6 +531,7 @@ def limits_of_model(
         words = f"computed with {changed}"
         yield Note(words, said="caveat" * said, about=("equations", changed)), np.ones(len(least), dtype=bool)
     yield from caveats(p, metals, said=said)
+    yield from contradicted(armours, said=said)
     for evidence, rows in armours.by_evidence():
         ranges = _tests_of(evidence, armours.at(rows)).measured
         least[rows] = sum(data_range.low for data_range in ranges if data_range.name == THIN)

@@ -1,7 +1,7 @@
 """Write results as JUnit XML, which continuous-integration services read."""
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
@@ -14,7 +14,7 @@ BEGINNING = b"<?xml version='1.0' encoding='utf-8'?>\n<testsuites name=\"armour\
 
 
 class TestCase(NamedTuple):
-    """A test case: its group and title, its result, a message and the time it took, in seconds.
+    """A test case: its group and title, its result, a message, the time it took, in seconds, and lines of output.
 
     `result` is "failure", "error", "skipped" or, if it passed, "".  `file` is the input file, and `line` the line of a
     mistake in it.
@@ -27,6 +27,7 @@ class TestCase(NamedTuple):
     seconds: float | None = None
     file: str = ""
     line: int | None = None
+    output: Sequence[str] = ()
 
 
 def junit_suite(name: str, cases: Iterable[TestCase], seconds: float, origin: Mapping[str, str]) -> ElementTree.Element:
@@ -55,6 +56,8 @@ def junit_suite(name: str, cases: Iterable[TestCase], seconds: float, origin: Ma
             message = printable(case.message)
             # GitLab shows the text of the element, others its attribute.
             ElementTree.SubElement(element, case.result, message=message).text = message
+        if case.output:
+            ElementTree.SubElement(element, "system-out").text = "\n".join(map(printable, case.output))
     suite.set("tests", str(len(suite.findall("testcase"))))
     for plural, result in {"failures": "failure", "errors": "error", "skipped": "skipped"}.items():
         suite.set(plural, str(len(suite.findall(f"testcase/{result}"))))

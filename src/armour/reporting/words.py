@@ -80,7 +80,7 @@ def requirement_parts(row: Requirement) -> tuple[str, str, str]:
     if row.quantity == "flow_stress_sources":
         return "sources of the flow stress", least, found
     if row.quantity == "backing_density_kg_m3":
-        return "density of the back plate", f"{least} kg/m³", f"{found} kg/m³"
+        return "density of the back plate", f"{least} kg/m³", f"{rounded_down(row.found or 0.0):g} kg/m³"
     if row.quantity == "interlayers":
         return "layers between tile and back plate", "none", found
     unit = OBJECTIVES[row.quantity].unit

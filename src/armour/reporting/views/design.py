@@ -25,7 +25,7 @@ from armour.design.optimise import (
 from armour.design.requirements import Requirement
 from armour.errors import counted, joined
 from armour.evidence.caveats import too_thin
-from armour.evidence.tests import THIN
+from armour.evidence.tests import THIN, armours_of, limits_of_model
 from armour.reporting import words as phrases
 from armour.reporting.by_result import tables_of
 from armour.reporting.junit import TestCase, junit_suite
@@ -658,17 +658,23 @@ def check_summary(results: Mapping[str, CheckResult]) -> VerdictLine:
 def check_junit(result: CheckResult, scenario: Scenario, seconds: float, origin: Mapping[str, str]) -> Element:
     """Return the JUnit element of a check, with a test case for each threat and each limit of [design].
 
-    A threat that holds is skipped if no probability is required, as the model's limit alone does not pass a test.
-    Names of cases do not contain thicknesses, velocities or angles.  `seconds` is the time of the whole check.
+    A threat that holds is skipped if no probability is required, as the model's limit alone does not pass a test.  The
+    output of a case has its numbers and the caveats about the armour against its threat.  Names of cases do not contain
+    thicknesses, velocities or angles.  `seconds` is the time of the whole check.
     """
-    file, parts = scenario.file, list[tuple[str, str, str]]()
-    for threat in result.threats:
+    file, parts = scenario.file, list[tuple[str, str, str, list[str]]]()
+    for threat, given in zip(result.threats, scenario.threats(), strict=True):
+        armours = armours_of(scenario.against(given))
+        notes = [*scenario.floors, *(note for note, _ in limits_of_model(armours, [armours.materials[0].backing]))]
         holds = "passed" if threat.required_probability is not None else "skipped"
         found = holds if threat.verdict == "passes" else "failure"
-        words = f"{VERDICTS[threat.verdict]}: {finding(threat)}"
-        parts.append((threat.name, found, f"{words}; {NONE_REQUIRED}" if found == "skipped" else words))
+        words = f"{VERDICTS[threat.verdict]}: {finding(threat)}" + f"; {NONE_REQUIRED}" * (found == "skipped")
+        parts.append((threat.name, found, words, phrases.said_of(notes)))
     for row in result.requirements:
         words = f"{VERDICTS[row.verdict]}: {phrases.requirement_words(row)}"
-        parts.append((Column.of(row.quantity).label, "passed" if row.verdict == "passes" else "failure", words))
-    cases = [TestCase(file, title, found.removeprefix("passed"), words, file=file) for title, found, words in parts]
+        parts.append((Column.of(row.quantity).label, "passed" if row.verdict == "passes" else "failure", words, []))
+    cases = [
+        TestCase(file, title, found.removeprefix("passed"), words, file=file, output=[words, *caveats])
+        for title, found, words, caveats in parts
+    ]
     return junit_suite(file, [cases[0]._replace(seconds=seconds), *cases[1:]], seconds, origin)
