@@ -23,6 +23,7 @@ from .reporting.scenario_report import contents_of as contents_of
 from .reporting.scenario_report import scenario_report as scenario_report
 from .reporting.views.analysis import history_csv as history_csv
 from .reporting.views.design import check_junit as check_junit
+from .reporting.views.design import check_report as check_report
 from .reporting.views.design import check_summary as check_summary
 from .reporting.views.design import design_csv as design_csv
 from .reporting.views.design import design_title as design_title

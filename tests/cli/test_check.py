@@ -304,3 +304,14 @@ def test_a_requirement_on_the_command_line_is_a_floor(cli, folder: Path):
     assert cli.fails(2, "check", "weak.toml", "--probability", "95") == [
         "command line: --probability: must be less than 1, found 95; did you mean 0.95?"
     ]
+
+
+def test_markdown_for_a_summary(cli, doors: Path):
+    (doors.parent / "base.json").write_text(cli("check", "doors", "--json").stdout)
+    (doors / "a.toml").write_text(PASSES.replace("600.0", "500.0"))
+    cli("check", "doors", "--against", "base.json", "--markdown", "check.md")
+    text = (doors.parent / "check.md").read_text()
+    assert text.startswith("# Check of armour\n\npasses: 1 of 2; FAILS: doors/b.toml\n")
+    assert "| doors/b.toml | 7.62 mm AP at 800 m/s | FAILS |" in text
+    assert "## Since the earlier check" in text
+    assert "weaker than in base.json" in text

@@ -214,7 +214,8 @@ def test_the_action(here: Path, environment: dict[str, str], tmp_path: Path):
     lines = [block or line for block, line in re.findall(r" run: (?:\|\n((?: {8}.+\n)+)|(.+))", text)]
     values = {"SOURCE": ROOT, "SCENARIOS": "-* plate.toml", "JUNIT": "results", "SUITE": "own.toml"}
     values |= {"BASE": "main", "PROBABILITY": "0.9", "RUNNER_TEMP": tmp_path, "AGAINST": tmp_path / "armour-base.json"}
-    environment |= {name: str(value) for name, value in values.items()} | {"GITHUB_OUTPUT": str(tmp_path / "output")}
+    values |= {"GITHUB_OUTPUT": tmp_path / "output", "GITHUB_STEP_SUMMARY": tmp_path / "summary"}
+    environment |= {name: str(value) for name, value in values.items()}
     # The base branch, in which one scenario requires more than in the checkout, and another is there.
     base, plate = tmp_path / "origin", (here / "plate.toml").read_text()
     base.mkdir()
@@ -228,6 +229,7 @@ def test_the_action(here: Path, environment: dict[str, str], tmp_path: Path):
     report = (here / "results" / "check.xml").read_text()
     assert report.count('<failure message="FAILS') == 3
     assert "weaker: 99 % before, 90 % now" in report
+    assert "| plate.toml |" in (tmp_path / "summary").read_text()
 
 
 def test_the_hook(here: Path, environment: dict[str, str]):

@@ -118,6 +118,7 @@ def check(
     ),
     junit: Path | None = file_option("Write the results as JUnit XML; such a file is replaced."),
     csv: Path | None = file_option("Write the limits as CSV, as given and with each change."),
+    markdown: Path | None = file_option("Write the verdicts as Markdown, as for the summary of a CI run."),
     probability: Any = REQUIRED_PROBABILITY,
     against: Path | None = file_option(
         "Also list what moved since an earlier check of the same scenarios, whose --json this file has; exit code 3 if "
@@ -144,7 +145,7 @@ def check(
         scenarios = _read_each(paths, changes, probability)
     earlier = None if against is None else read_json(against)
     inputs = [*paths, against, *(file for loaded in scenarios for file in lazy.files_of(loaded))]
-    check_outputs(tables=[csv], junit=junit, inputs=inputs, plot=plot, force=force)
+    check_outputs(markdown, tables=[csv], junit=junit, inputs=inputs, plot=plot, force=force)
     results: list[armour.CheckResult] = []
     suites, warnings = [], []
     for loaded in scenarios:
@@ -162,6 +163,7 @@ def check(
     answers = [*zip(scenarios, results, strict=True)]
     data = [{"scenario": case.file, **found.to_dict(), "made_by": runner.origin_of(case)} for case, found in answers]
     moves = [] if against is None else [*lazy.moved(earlier, data, str(against))]
+    of_moved = [] if against is None else lazy.tables_of_moved(moves, str(against))
     if against is not None:
         suites.append(lazy.moved_junit(moves, str(against), runner.origin_of()))
     if as_json:
@@ -176,11 +178,12 @@ def check(
         if not is_one:
             emit("\n")
             show(lazy.check_summary({loaded.file: found for loaded, found in answers}))
-        if against is not None:
+        if of_moved:
             emit("\n")
-            show(*lazy.tables_of_moved(moves, str(against)))
+            show(*of_moved)
     files: Files = {
         junit: lambda _: lazy.junit_xml(suites),
+        markdown: lambda _: lazy.markdown_report(lazy.check_report(answers, of_moved)),
         csv: lambda _: rows_csv({"scenario": loaded.file, **row} for loaded, found in answers for row in found),
         plot: picture(lambda: armour.plot(results[0]), scenarios[0]),
     }

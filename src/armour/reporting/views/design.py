@@ -29,6 +29,7 @@ from armour.evidence.tests import THIN, armours_of, limits_of_model
 from armour.reporting import words as phrases
 from armour.reporting.by_result import tables_of
 from armour.reporting.junit import TestCase, junit_suite
+from armour.reporting.report import Report, ReportSection
 from armour.reporting.table import Column, Source, Table, VerdictLine, csv_text, interval, of_part, percent
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import OBJECTIVES, InertLayer
@@ -595,6 +596,28 @@ def tables_of_check(result: CheckResult) -> list[Table | str]:
     if len(explained) < len(result.threats):
         shown.append("changes against the other threats with -v")
     return shown
+
+
+def check_report(answers: Sequence[tuple[Scenario, CheckResult]], moved: Sequence[Table | str]) -> Report:
+    """Return a short report on checked armours, as for the summary of a CI run.
+
+    `moved` has the tables of what moved since an earlier check.
+    """
+    rows, caveats = [], list[tuple[str, str]]()
+    for scenario, result in answers:
+        parts = [(threat.threat, threat.verdict, finding(threat)) for threat in result.threats]
+        parts += [("", row.verdict, phrases.requirement_words(row)) for row in result.requirements]
+        rows += [(scenario.file, threat, VERDICTS[verdict], words) for threat, verdict, words in parts]
+        caveats += [(scenario.file, text) for text in phrases.said_of(result.warnings)]
+    columns = [Column(label, prose=True) for label in ("scenario", "threat", "verdict", "why")]
+    sections = [ReportSection("Armours", tables=(Table.of_rows(columns, rows),), notes=tuple(caveats))]
+    texts, tables = (
+        [text for text in moved if isinstance(text, str)],
+        [each for each in moved if isinstance(each, Table)],
+    )
+    sections += [ReportSection("Since the earlier check", tuple(texts), tables=tuple(tables))] if moved else []
+    summary = check_summary({scenario.file: result for scenario, result in answers})
+    return Report("Check of armour", summary, tuple(sections), passed=summary.good)
 
 
 def tables_of_moved(moves: Sequence[Moved], base: str) -> list[Table | str]:

@@ -6,12 +6,13 @@ from math import ceil, floor, log10
 from armour import __version__
 from armour.analysis.quantities import QUANTITIES
 from armour.errors import counted
+from armour.evidence.tests import armours_of, limits_of_model
 from armour.reporting.by_result import drawing_of, tables_of
 from armour.reporting.junit import TestCase, junit_suite, junit_xml
 from armour.reporting.report import Report, ReportSection, origin_section
 from armour.reporting.table import Cell, Column, Table, VerdictLine, deviation_percent, grouped, number
 from armour.reporting.views.analysis import caveat_lines
-from armour.reporting.words import BALLISTIC_LIMIT, WHOLE
+from armour.reporting.words import BALLISTIC_LIMIT, WHOLE, said_of
 from armour.scenario.scenario import Scenario
 from armour.statistics.measured import LIMIT
 from armour.validation.comparison import Comparison, RuleResult
@@ -57,8 +58,8 @@ def _in_decimals(case: Case, value: float | str | None, sign: str = "") -> str |
     return number(value, f"{sign}.{min(max(value_decimals, band_decimals) + 1, 12)}f")
 
 
-def failure(check: Check) -> str:
-    """Say in a line how a check failed: expected and computed value, deviation and band."""
+def in_numbers(check: Check) -> str:
+    """Return expected and computed value, deviation and band of a check in a line."""
     table = check_table([check])
     cells = zip(table.columns[1:-1], table.texts()[0][1:-1], strict=True)
     return ", ".join(f"{column.label} {text} {column.unit}".rstrip() for column, text in cells if text)
@@ -312,6 +313,14 @@ def _source_and_reason(checks: list[Check]) -> tuple[str, ...]:
     return (f"{text[:1].upper()}{text[1:]}.",) if case.group and text else ()
 
 
+def _caveats(case: Case) -> list[str]:
+    """Return the caveats about the armour of a case that is not a row of a file."""
+    if case.cells:
+        return []
+    armours = armours_of(case.scenario)
+    return said_of(note for note, _ in limits_of_model(armours, [armours.materials[0].backing]))
+
+
 def suite_junit(result: SuiteResult, seconds: Sequence[float], origin: Mapping[str, str]) -> bytes:
     """Format the outcome of a suite as JUnit XML, with a test case for each case and each table that has a band.
 
@@ -320,14 +329,20 @@ def suite_junit(result: SuiteResult, seconds: Sequence[float], origin: Mapping[s
     kinds = {**dict.fromkeys(FAILED, "failure"), "not scored": "skipped"}
     cases = []
     for check, took in zip(result.checks, seconds, strict=True):
-        message = failure(check) if check.status == "outside" else check.message or check.case.not_scored
+        words = in_numbers(check)
+        message = words if check.status == "outside" else check.message or check.case.not_scored
         if not check.in_group:
             group, kind = check.case.group or CASES, kinds.get(check.status, "")
-            cases.append(TestCase(group, check.case.name, kind, message, took, result.file))
+            cases.append(
+                TestCase(
+                    group, check.case.name, kind, message, took, result.file, output=[words, *_caveats(check.case)]
+                )
+            )
     for summary in result.summaries:
         if summary.status != "not scored":
             kind = kinds.get(summary.status, "")
-            cases.append(TestCase(summary.name, summary.group or "RMS", kind, held_to(summary), None, result.file))
+            words = held_to(summary)
+            cases.append(TestCase(summary.name, summary.group or "RMS", kind, words, None, result.file, output=[words]))
     if not result.is_scored:
         cases.append(TestCase(CASES, "scored", "failure", verdict(result), None, result.file))
     return junit_xml([junit_suite(result.title or result.file, cases, sum(seconds), origin)])
