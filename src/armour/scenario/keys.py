@@ -10,6 +10,7 @@ from typing import Any
 
 from armour.errors import InputError, Problem, mistake, refuse, suggestion
 from armour.files import parse_toml
+from armour.foreign import items, plain
 from armour.scenario.inputs import INPUTS, NAMING
 
 Parts = tuple[str, ...]
@@ -38,10 +39,13 @@ def look_of(name: str) -> str:
     return " ".join(unicodedata.normalize("NFKC", name).split())
 
 
-def in_nfc(value: Any, file: str, parts: Parts = ()) -> Any:
-    """Return a value with the keys of its tables in the form in which names are compared."""
+def in_nfc(value: Any, file: str, parts: KeyPath = ()) -> Any:
+    """Return a value as Python's own, with the keys of its tables in the form in which names are compared."""
     if not isinstance(value, Mapping):
-        return value
+        value = plain(value)
+        if isinstance(value, str | bytes) or not hasattr(value, "__len__"):
+            return value
+        return [in_nfc(inner, file, (*parts, i)) for i, inner in enumerate(items(value))]
     table: dict[Any, Any] = Whole() if isinstance(value, Whole) else {}
     for key, inner in value.items():
         name = nfc(key) if isinstance(key, str) else key
