@@ -144,6 +144,12 @@ def test_library_files_are_found_beside_the_scenario(tmp_path: Path):
     assert case.core_armour().Yc0 == 4e9
 
 
+def test_library_files_in_a_tuple_are_read(tmp_path: Path):
+    (tmp_path / "lib.toml").write_text('[ceramic.F]\nbased_on = "AD85"\n')
+    content = data(library={"files": ("lib.toml",)}, armour={**data()["armour"], "ceramic": "F"})
+    assert parse_scenario(content, folder=tmp_path).library.files == ("lib.toml",)
+
+
 def test_library_files_must_not_define_one_name_twice(tmp_path: Path):
     (tmp_path / "a.toml").write_text("[ceramic.mine]\nbased_on = 'AD85'\nflow_stress_GPa = 4.0\n")
     (tmp_path / "b.toml").write_text("[ceramic.mine]\nbased_on = 'AD85'\nflow_stress_GPa = 6.0\n")

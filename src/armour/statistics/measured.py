@@ -95,7 +95,7 @@ class Tests:
     places : tuple of str
         Lines of the tests in the file.
     read : TableRead or None
-        How the file was read.
+        How the file was read, as in Shots.
     """
 
     file: str
