@@ -31,6 +31,7 @@ from armour.columns import (
 )
 from armour.errors import CHOOSE, InputError, Problem, counted, joined, listed, mistake, refuse, suggestion
 from armour.files import csv_value, located, named, reason, refuse_pipe, shipped_tests
+from armour.foreign import items, plain
 from armour.units import key_hint
 
 # Greatest number of rows, more than anyone has tests or shots; a fit to so many takes about a minute.
@@ -71,7 +72,7 @@ class Frame(Protocol):
 
 
 # Rows given in Python: mappings by column, columns by name, or a data frame.
-Rows = Iterable[Mapping[str, Any]] | Mapping[str, Sequence[Any]] | Frame
+Rows = Iterable[Mapping[str, Any]] | Mapping[str, object] | Frame
 # A line: its place, for messages, and its cells.
 Line = tuple[str, list[str]]
 
@@ -317,7 +318,9 @@ def _of_rows(table: Any) -> Source:
     columns = getattr(table, "columns", table if isinstance(table, Mapping) else None)
     try:
         # A data frame gives its columns, and anything else its rows.  If two names are the same, these are too short.
-        records = table if columns is None else zip(*(table[name] for name in dict.fromkeys(columns)), strict=True)
+        records = (
+            table if columns is None else zip(*(items(table[name]) for name in dict.fromkeys(columns)), strict=True)
+        )
         rows = [dict(row) if columns is None else dict(zip(columns, row, strict=True)) for row in records]
     except (TypeError, ValueError):
         message = "must be a path, rows as mappings, columns of equal length, or a data frame with different names"
@@ -647,11 +650,9 @@ def not_filled(file: str, name: str, blank: Sequence[str]) -> Iterator[Problem]:
 
 
 def _cell(value: object) -> str:
-    """Return a value as the text of a cell, which is empty for None, NaN and NA."""
-    try:
-        return "" if value is None or value != value else str(value).strip()
-    except TypeError:  # pandas.NA is neither equal to itself nor not
-        return ""
+    """Return a value as the text of a cell, which is empty for one that is missing."""
+    value = plain(value)
+    return "" if value is None or (not hasattr(value, "__len__") and value != value) else str(value).strip()
 
 
 def in_line_order(problems: Iterable[Problem]) -> list[Problem]:

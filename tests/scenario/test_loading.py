@@ -8,6 +8,7 @@ from math import pi
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from pydantic import ValidationError
 
@@ -16,12 +17,57 @@ from armour.errors import InputError, Problem
 from armour.scenario.scenario import Scenario, load_scenario, parse_scenario, save_scenario
 from armour.scenario.schema import Range, Solver
 from tests.helpers.cases import COMPLETE, SCENARIOS, TEMPLATES, THREATS, data, scenario, shipped_scenario
+from tests.helpers.foreign import NotAvailable, Quantity
 
 
 def messages(content: dict[str, Any]) -> list[str]:
     with pytest.raises(InputError) as caught:
         parse_scenario(content)
     return [f"{problem.key}: {problem.message}" for problem in caught.value.problems]
+
+
+THICKNESS = "armour.ceramic_thickness_mm"
+
+
+@pytest.mark.parametrize("value", [np.float32(4.5), np.array(4.5), np.float64(4.5)])
+def test_numbers_of_numpy_are_those_of_python(value: Any):
+    same = shipped_scenario("wilkins").replaced({THICKNESS: 4.5})
+    content = same.to_dict()
+    content["armour"] = {**content["armour"], "ceramic_thickness_mm": value}
+    for case in (
+        same.replaced({THICKNESS: value}),
+        load_scenario("wilkins", {THICKNESS: value}),
+        parse_scenario(content),
+    ):
+        assert case == same
+        assert case.to_toml() == same.to_toml()
+    threats = [{"projectile": "7.62 mm AP", "velocity_m_s": np.int64(800)}]
+    assert same.replaced({"threat": threats}).threats()[0].velocity_m_s == 800.0
+    library = "library.ceramic.AD85.density_kg_m3"
+    assert same.replaced({library: np.int64(3500)}) == same.replaced({library: 3500})
+
+
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        (np.ma.masked, "must be a finite number, found nan"),
+        (NotAvailable(), "must be a finite number, found nan"),
+        (Quantity(0.25), 'must be a number, found the text "0.25 inch"'),
+        (np.timedelta64(4, "s"), 'must be a number, found the text "4 seconds"'),
+        (np.array([4.5]), "must be a number, found a list"),
+    ],
+)
+def test_what_is_no_number_of_a_scenario(value: Any, message: str):
+    case = shipped_scenario("wilkins")
+    for key in (THICKNESS, "ceramic.flow_stress_GPa"):
+        with pytest.raises(InputError, match=f"replaced: {key}: {message}"):
+            case.replaced({key: value})
+        with pytest.raises(InputError, match=f"{key}: {message}"):
+            load_scenario("wilkins", {key: value})
+    content = case.to_dict()
+    content["armour"] = {**content["armour"], "ceramic_thickness_mm": value}
+    with pytest.raises(InputError, match=f"scenario: {THICKNESS}: {message}"):
+        parse_scenario(content)
 
 
 @pytest.mark.parametrize("path", COMPLETE, ids=lambda path: path.stem)
@@ -99,6 +145,12 @@ def test_library_files_are_found_beside_the_scenario(tmp_path: Path):
     (tmp_path / "mine.toml").write_text("[ceramic.mine]\nbased_on = 'AD85'\nflow_stress_GPa = 4.0\n")
     case = parse_scenario(data(ceramic="mine", library={"files": ["mine.toml"]}), folder=tmp_path)
     assert case.core_armour().Yc0 == 4e9
+
+
+def test_library_files_in_a_tuple_are_read(tmp_path: Path):
+    (tmp_path / "lib.toml").write_text('[ceramic.F]\nbased_on = "AD85"\n')
+    content = data(library={"files": ("lib.toml",)}, armour={**data()["armour"], "ceramic": "F"})
+    assert parse_scenario(content, folder=tmp_path).library.files == ("lib.toml",)
 
 
 def test_library_files_must_not_define_one_name_twice(tmp_path: Path):

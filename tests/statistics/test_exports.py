@@ -1,16 +1,20 @@
 """Tables of shots and tests as spreadsheets and ranges export them."""
 
 import json
+import re
 from hashlib import sha256
 from pathlib import Path
 from random import Random
 from typing import Any
 
+import numpy as np
+import pyarrow as pa
 import pytest
 
 import armour
 from armour.errors import InputError
 from tests.helpers.cases import scenario
+from tests.helpers.foreign import NotAvailable, Quantity
 from tests.helpers.known import known
 from tests.helpers.spreadsheets import export
 
@@ -317,18 +321,34 @@ def test_columns_by_name_and_frames_are_tables_too():
     assert by_columns["armour.ceramic_thickness_mm"].tolist() == [4.0, 6.0]
 
 
-class NotAvailable:
-    """Like pandas.NA, which compares to nothing."""
-
-    def __ne__(self, _other: object) -> bool:
-        raise TypeError
-
-
-@pytest.mark.parametrize("nothing", [None, float("nan"), NotAvailable()])
+@pytest.mark.parametrize("nothing", [None, float("nan"), NotAvailable(), np.ma.masked, pa.scalar(None)])
 def test_a_row_without_values_is_no_row_that_may_be_left_out(nothing: object):
     for row, values in ((2, [5.0, nothing, 7.0]), (3, [5.0, 7.0, nothing])):
         with pytest.raises(InputError, match=rf"row {row}: armour\.ceramic_thickness_mm: must be a number"):
             armour.sweep(scenario(), cases={"armour.ceramic_thickness_mm": values})
+
+
+@pytest.mark.parametrize(
+    ("velocities", "found"),
+    [
+        ([np.array([700.0, 710.0]), 720.0], "[700. 710.]"),
+        (np.ones((2, 2)), "[1.0, 1.0]"),
+        ([Quantity(0.25), 720.0], "0.25 inch"),
+        (Quantity([0.25, 720.0]), "0.25 inch"),
+    ],
+)
+def test_a_cell_that_is_no_number(velocities: Any, found: str):
+    message = re.escape(f'rows: row 1: velocity_m_s: must be a number, found "{found}"')
+    with pytest.raises(InputError, match=message):
+        armour.read_shots({"velocity_m_s": velocities, "result": ["P", "C"]})
+    rows = [{"velocity_m_s": value, "result": "P"} for value in velocities]
+    with pytest.raises(InputError, match=r'rows: row 1: velocity_m_s: must be a number, found "'):
+        armour.read_shots(rows, one_kind=True)
+
+
+def test_a_text_is_no_column():
+    with pytest.raises(InputError, match="rows: must be a path, rows as mappings, columns of equal length"):
+        armour.read_shots({"velocity_m_s": "700", "result": "PPP"})
 
 
 @pytest.mark.parametrize("key", ["id", "title", "model.shear_perimeter"])

@@ -1,4 +1,6 @@
+import sys
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -125,6 +127,19 @@ def test_rows_are_read_as_a_file_is(tmp_path: Path):
     assert read[0].scenario == case
     assert repr(read[0]) == "<Tests: 2 tests of rows, 2 measurements>"
     assert len(read_tests("tests/wilkins", case).names) == 13
+
+
+def test_tests_are_a_table(monkeypatch: pytest.MonkeyPatch):
+    tests = read_tests(ROWS, scenario())
+    rows: list[dict[str, float | str | None]] = list(tests)
+    shot = {"ballistic_limit_m_s": None, "outcome": "stopped", "impact.velocity_m_s": 600.0}
+    same = {"armour.ceramic_thickness_mm": 6.35, "armour.ceramic": "AD85"}
+    assert rows[1] == {"test": "b", **same, **shot}
+    assert [[*row] for row in rows] == [[*rows[0]]] * 2
+    assert tests == read_tests(rows, scenario())
+    monkeypatch.setitem(sys.modules, "pandas", SimpleNamespace(DataFrame=dict))
+    frame = tests.to_dataframe()
+    assert (frame["test"], frame["ballistic_limit_m_s"]) == (["a", "b"], [619.0, None])
 
 
 @pytest.mark.parametrize(

@@ -1,12 +1,16 @@
 """V50 by the rule of MIL-STD-662F, against examples worked out by hand."""
 
+import json
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from armour.errors import InputError
+from armour.planning.firing import plan_shots
 from armour.statistics.curves import Interval, fit_curve
 from armour.statistics.v50 import MeanV50, Shots, mean_v50, read_shots, v50
 from tests.helpers.cases import csv_file, scenario
@@ -142,6 +146,44 @@ def test_the_curve_with_its_band():
         answer(FLAT).band()
 
 
+def test_a_band_at_any_velocities_in_any_order():
+    result = answer(APART)
+    ascending = {row["velocity_m_s"]: row for row in result.band([700.0, 710.0, 720.0])}
+    assert result.band(np.array([720.0, 700.0, 720.0, 710.0])) == [ascending[v] for v in (720.0, 700.0, 720.0, 710.0)]
+    assert result.band([720.0]) == [ascending[720.0]]
+    many = np.linspace(600.0, 800.0, 41)
+    back = result.band(many[::-1])
+    assert back[::-1] == result.band(many)
+    inside = [row["probability_interval"] for row in back if row["velocity_m_s"] == 720.0]
+    assert inside == [pytest.approx(ascending[720.0]["probability_interval"], abs=0.05)]
+
+
+@pytest.mark.parametrize(
+    ("velocities", "found"),
+    [([float("nan")], "nan"), ([700.0, float("inf")], "inf"), ([], "none"), ([-1.0], "-1"), (7, "7")],
+)
+def test_wrong_velocities_of_a_band(velocities: Any, found: str):
+    with pytest.raises(InputError, match=f"band: velocities_m_s: must be a sequence of velocities .*, found {found}"):
+        answer(APART).band(velocities)
+
+
+def test_shots_of_arrays_are_those_of_tuples():
+    velocities, complete = np.array([700.0, 730.0, 715.0]), np.array([False, True, True])
+    shots = Shots(velocities, complete, names=np.array(["a", "b", "c"]))
+    same = Shots((700.0, 730.0, 715.0), (0, 1, 1), names=["a", "b", "c"])  # type: ignore[arg-type]
+    assert shots == same
+    assert hash(shots) == hash(same)
+    assert replace(shots, file="x").velocities_m_s == (700.0, 730.0, 715.0)
+    assert json.loads(json.dumps(v50(shots).to_dict()))["fired"]["complete"] == [False, True, True]
+    assert plan_shots(scenario(), shots).fired == shots
+
+
+@pytest.mark.parametrize("column", [722.0, "700", None, np.array(722.0)])
+def test_shots_of_no_sequence(column: Any):
+    with pytest.raises(InputError, match="shots: velocities_m_s: must be a sequence, found"):
+        Shots(column, (True,))
+
+
 @pytest.mark.parametrize(
     ("pairs", "span_m_s", "rule"),
     [(None, None, "usual span"), (3, 30.5, "given span"), (1, 30.5, "no usual rule"), (4, 40.0, "no usual rule")],
@@ -210,11 +252,12 @@ def test_rows_are_read_as_a_file_is(tmp_path: Path):
         ),
         (APART, {"requirement_fraction": 0.1}, "v50: requirement_fraction: must not be given without a requirement"),
         (Shots((700.0,), (True,)), {}, "at least one partial and one complete"),
-        (Shots(722.0, True), {}, "must be sequences of velocities and of results"),  # type: ignore[arg-type]
         (Shots((700.0, 800.0), (True,)), {}, "as many velocities as results, found 2 and 1"),
         (Shots((700.0, float("nan")), (True, False)), {}, "at most 10000 m/s, found nan"),
-        (Shots(("690", "700"), (True, False)), {}, "must be velocities as numbers, and True for each"),  # type: ignore[arg-type]
+        (Shots(("690", "700"), (True, False)), {}, 'must be velocities as numbers, .*, found the text "690"'),  # type: ignore[arg-type]
         (Shots((690.0, 700.0), ("partial", "complete")), {}, "must be velocities as numbers"),  # type: ignore[arg-type]
+        (Shots(np.ma.array([690.0, 700.0], mask=[False, True]), (True, False)), {}, "must be velocities as numbers"),
+        (Shots((690.0, 700.0), (True, np.array([True, False]))), {}, r"must be velocities as numbers, .*, found \["),  # type: ignore[arg-type]
     ],
 )
 def test_wrong_shots_and_settings(shots: Shots, settings: dict[str, Any], message: str):

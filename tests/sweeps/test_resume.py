@@ -218,7 +218,9 @@ def check_resumed(scenario: Scenario, source: Grid | SweepCases, begun: Path, wh
 
 
 @pytest.mark.slow
-def test_every_key_of_the_scenario(folder: Path):
+def test_every_key_of_the_scenario(folder: Path, monkeypatch: pytest.MonkeyPatch):
+    # A scenario that is made of its sections has its files in the working folder.
+    monkeypatch.chdir(folder)
     two, begun = sweep_grid("armour.ceramic_thickness_mm=5,6"), folder / "a.csv"
     interrupt(parse_scenario(WHOLE, folder=folder), two, begun)
     refused = {what for what, made in changes_of_every_key(folder) if check_resumed(made, two, begun, what)}

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pyarrow as pa
 import pytest
 
 from armour.analysis.quantities import QUANTITIES
@@ -11,6 +12,7 @@ from armour.errors import InputError
 from armour.scenario.scenario import load_scenario
 from armour.sweeps.sweep import sweep
 from tests.helpers.cases import csv_file, scenario
+from tests.helpers.foreign import Column, NotAvailable, Quantity
 
 CERAMIC, BACKING = "armour.ceramic_thickness_mm", "armour.backing_thickness_mm"
 OVER: dict[str, object] = {CERAMIC: {"min": 4.0, "max": 8.0, "step": 2.0}, BACKING: np.array([5.0, 6.0])}
@@ -51,6 +53,59 @@ def test_a_grid_in_a_file(tmp_path: Path, ending: str):
         sweep(scenario(), OVER, "duration_us", output)
 
 
+@pytest.mark.parametrize(
+    "values",
+    [
+        np.array([4, 6]),
+        np.ma.array([4.0, 6.0], mask=[False, False]),
+        pa.array([4.0, 6.0]),
+        Column(4.0, np.int64(6)),
+        range(4, 8, 2),
+    ],
+)
+def test_numbers_in_any_sequence(values: Any):
+    assert sweep(scenario(), {CERAMIC: values}, "areal_density_kg_m2")[CERAMIC].tolist() == [4.0, 6.0]
+    assert sweep(scenario(), cases={CERAMIC: values}, quantities="areal_density_kg_m2")[CERAMIC].tolist() == [4.0, 6.0]
+
+
+def test_columns_beside_each_other():
+    samples = np.array([[4.0, 5.0], [6.0, 7.0], [8.0, 9.0]])
+    found = sweep(
+        scenario(), cases={CERAMIC: samples[:, 0], BACKING: [5.0, 7.0, 9.0]}, quantities="areal_density_kg_m2"
+    )
+    by_column = dict(zip([CERAMIC, BACKING], samples.T, strict=True))
+    assert sweep(scenario(), cases=by_column, quantities="areal_density_kg_m2") == found
+
+
+@pytest.mark.parametrize("values", [np.array(["AD85", "SiC"]), Column("AD85", "SiC"), pa.array(["AD85", "SiC"])])
+def test_names_in_any_sequence(values: Any):
+    quantities = np.array(["areal_density_kg_m2"])
+    found = sweep(scenario(), {"armour.ceramic": values}, quantities)
+    assert found["armour.ceramic"].tolist() == ["AD85", "SiC"]
+    assert sweep(scenario(), cases={"armour.ceramic": values}, quantities=quantities) == found
+
+
+@pytest.mark.parametrize(
+    ("values", "found"),
+    [
+        (np.ma.array([4.0, 500.0], mask=[False, True]), "None in it"),
+        (Column(4.0, NotAvailable()), "nan in it"),
+        (Quantity([0.25, 0.5]), 'the text "0.25 inch" in it'),
+        ([4.0, Quantity(0.25)], 'the text "0.25 inch" in it'),
+        ([[6.0], [8.0, 10.0]], "a list in it"),
+        (np.ones((2, 2)), "a list in it"),
+        ([True, False], "true in it"),
+        ([10**400], "a whole number of more than 64 bits in it"),
+        (np.array(4.0), "a ndarray"),
+    ],
+)
+def test_values_that_are_no_numbers(values: Any, found: str):
+    with pytest.raises(InputError) as error:
+        sweep(scenario(), {CERAMIC: values})
+    must = "must be a sequence of finite numbers, or a range with min, max and step"
+    assert str(error.value) == f"sweep: over {CERAMIC}: {must}, found {found}"
+
+
 @pytest.mark.parametrize("output", [None, "table.csv"])
 def test_names_of_materials(tmp_path: Path, output: str | None):
     over: dict[str, object] = {"armour.backing": ["5083-H3", "6061-T6"], BACKING: [5.0, 7.0]}
@@ -78,9 +133,9 @@ def test_rows_outside_what_the_model_was_compared_with():
 @pytest.mark.parametrize(
     ("values", "found"),
     [
-        ([], "must be a sequence of finite numbers, or a range with min, max and step, found []"),
+        ([], "must be a sequence of finite numbers, or a range with min, max and step, found none"),
         ("4:8:2", "4:8:2"),
-        ([4.0, np.nan], "[4.0, nan]"),
+        ([4.0, np.nan], "found nan in it"),
         ({"min": 8.0, "max": 4.0, "step": 1.0}, "max: must be at least min, which is 8, found 4"),
     ],
 )

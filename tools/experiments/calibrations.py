@@ -7,7 +7,7 @@ Ballistic limits are normal about the model's, with a standard deviation of 15 m
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -117,7 +117,7 @@ class Simulation:
             spread = {"distribution": case.distribution, "standard_deviation_percent": case.prior_percent}
             prior = {"mean": TRUE_GPA, **spread}
             self.scenario = self.scenario.replaced({"uncertainty": {"ceramic": {"flow_stress_GPa": prior}}})
-            self.tests = self.tests._replace(groups=(group._replace(scenario=self.scenario),))
+            self.tests = replace(self.tests, groups=(group._replace(scenario=self.scenario),))
 
     def drawn(self, dice: np.random.Generator) -> Tests:
         """Return simulated tests, of a flow stress drawn from the prior if there is one."""
@@ -134,7 +134,7 @@ class Simulation:
         for i, away in enumerate(case.away, start=first):
             shot = float(limits[i] + away * deviations[i])
             measurements.append(Measurement(i, LIMIT, shot, given, 1 if found[i] > shot else -1))
-        return self.tests._replace(measurements=tuple(measurements))
+        return replace(self.tests, measurements=tuple(measurements))
 
     def held(self, dice: np.random.Generator) -> Iterable[str]:
         """Return the inputs whose intervals hold the true value."""

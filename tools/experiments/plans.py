@@ -9,7 +9,7 @@ value.  In the simulation limits are interpolated between those of a table.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from math import sqrt
 
@@ -76,7 +76,7 @@ class Set:
         for _ in range(samples):
             errors = 1.0 + SCATTER * dice.normal(size=NUMBER)
             measured = [m._replace(value=m.value * error) for m, error in zip(tests.measurements, errors, strict=True)]
-            sample = tests._replace(measurements=tuple(measured))
+            sample = replace(tests, measurements=tuple(measured))
             fit = likelihood_fit.fit_inputs(likelihood_fit.likelihood_of(sample, model.names, ignore_progress))
             low, high = likelihood_fit.intervals(fit)[0].interval or (None, None)
             if low is None or high is None:

@@ -9,12 +9,13 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 
 from armour.core.state import Parameters
-from armour.errors import InputError, Problem
+from armour.errors import mistake
 from armour.evidence.caveats import is_no_metal
 from armour.evidence.core_digest import changed_equations
 from armour.evidence.fit import Fit, is_same_armour, mixture_of
 from armour.evidence.mixture import Floats, Mixture
 from armour.evidence.tests import Armours, Evidence, is_outside, is_untested, outside
+from armour.scenario.checked import FloatOrArray, checked
 from armour.scenario.inputs import cosine_of
 from armour.scenario.library import PAGE
 from armour.scenario.scenario import Scenario
@@ -124,13 +125,14 @@ class ModelError:
         mean, scale, freedom = (np.array([number], dtype=np.float64) for number in numbers)
         return Mixture(np.ones(1), 1.0 + mean / 100.0, scale / 100.0, freedom, logarithmic=False)
 
-    def quantile(self, probability: Any) -> Any:
+    @checked
+    def quantile(self, probability: FloatOrArray) -> Any:
         """Return the quantile, a fraction of at least -0.99, for a probability of 0 to 1; float or array."""
-        chances = np.asarray(probability)
-        if not ((chances >= 0.0) & (chances <= 1.0)).all():
-            raise InputError([Problem("quantile", "probability", f"must be 0 to 1, found {probability}")])
-        return (self.ratio.quantile(chances) - 1.0).clip(min=-0.99)
+        if not ((probability >= 0.0) & (probability <= 1.0)).all():
+            raise mistake("quantile", "probability", f"must be 0 to 1, found {probability}")
+        return (self.ratio.quantile(probability) - 1.0).clip(min=-0.99)
 
+    @checked
     def interval(self, limit_m_s: float, tail: float = 0.025) -> tuple[float, float]:
         """Return the interval of the armour's ballistic limit, given that of the model, m/s.
 
@@ -139,16 +141,19 @@ class ModelError:
         low, high = (limit_m_s * (1.0 + self.quantile((tail, 1.0 - tail)))).tolist()
         return low, high
 
+    @checked
     def median(self, limit_m_s: float) -> float:
         """Return the median of the armour's ballistic limit, given that of the model, m/s."""
         return float(limit_m_s * (1.0 + self.quantile(0.5)))
 
-    def probability_of_stopping(self, limit_m_s: Any, velocity_m_s: Any) -> Any:
+    @checked
+    def probability_of_stopping(self, limit_m_s: FloatOrArray, velocity_m_s: FloatOrArray) -> Any:
         """Return the probability that the ballistic limit of the armour exceeds a velocity.
 
-        `limit_m_s` is the ballistic limit by the model, above 0; both are numbers or arrays, m/s.
+        `limit_m_s` is the ballistic limit by the model, above 0; both are numbers or arrays, m/s.  The probability is
+        NaN where either is missing.
         """
-        return self.ratio.probability_above(np.asarray(velocity_m_s) / limit_m_s)
+        return self.ratio.probability_above(velocity_m_s / limit_m_s)
 
 
 class ErrorRows(NamedTuple):

@@ -1,10 +1,14 @@
 """Arguments of the public functions, checked by their signatures, and what a program replaces in the core."""
 
 import logging
-from collections.abc import Callable, Iterable, Mapping, Sequence
+import sys
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
 from functools import cache, partial, wraps
 from inspect import signature
 from os import PathLike
+from sys import float_info
 from types import ModuleType, NoneType, UnionType
 from typing import Annotated, Any, ParamSpec, TypeVar, Union, get_args, get_origin, get_type_hints
 
@@ -14,6 +18,7 @@ from armour.core import equations
 from armour.core.replaced import replaced_in_words, replaced_names
 from armour.csv_files import Rows
 from armour.errors import mistake
+from armour.foreign import items, plain
 from armour.leaving import leaving
 from armour.scenario.keys import describe
 from armour.scenario.sections import Section, validated
@@ -26,6 +31,11 @@ P = ParamSpec("P")
 R = TypeVar("R")
 Kind = TypeVar("Kind")
 
+# Treatment of floating-point errors that numpy and scipy start with, by module.
+USUAL_ERRORS = {
+    "numpy": {"divide": "warn", "over": "warn", "under": "ignore", "invalid": "warn"},
+    "scipy.special": {"all": "ignore"},
+}
 # Words for classes in messages, and the functions that make objects of this project's classes.
 _WORDS: dict[object, str] = {str: "a text", Mapping: "a mapping", Callable: "a function", PathLike: "a path"}
 _MAKERS = {
@@ -56,22 +66,35 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(function)
     def call(*args: P.args, **kwargs: P.kwargs) -> R:
-        try:
+        bound = None
+        with suppress(TypeError):
             bound = parameters.bind(*args, **kwargs)
-        except TypeError:
+        if bound is None:
             # Python's own message names the function.
             return function(*args, **kwargs)
         bound.apply_defaults()
-        annotated = {name: _plain(value) for name, value in bound.arguments.items() if name in model().model_fields}
+        annotated = {name: plain(value) for name, value in bound.arguments.items() if name in model().model_fields}
         bound.arguments |= dict(validated(model(), annotated, function.__name__))
         _watch_replaced()
-        return function(*bound.args, **bound.kwargs)
+        with usual_errors():
+            return function(*bound.args, **bound.kwargs)
 
     # Help shows types without bounds, which the docstring states.  The class of a method does not exist yet.
     hints = {} if "." in function.__qualname__ else get_type_hints(function)
     shown = [item.replace(annotation=hints.get(name, item.annotation)) for name, item in parameters.parameters.items()]
     call.__dict__["__signature__"] = parameters.replace(parameters=shown)
     return call
+
+
+@contextmanager
+def usual_errors() -> Iterator[None]:
+    """Make a context in which numpy and scipy treat floating-point errors as usual, whatever the caller has set."""
+    with ExitStack() as stack:
+        for name, usual in USUAL_ERRORS.items():
+            # Nothing is imported for this: nothing is set in what is not imported.
+            if module := sys.modules.get(name):
+                stack.enter_context(module.errstate(**usual))
+        yield
 
 
 def _watch_replaced() -> None:
@@ -104,11 +127,6 @@ def _finite(name: str, function: Callable[..., Any], *values: Any, **named: Any)
     return value
 
 
-def _plain(value: Any) -> Any:
-    """Return a number of numpy as one of Python, and anything else as it is."""
-    return value.item() if getattr(value, "shape", None) == () else value
-
-
 def _kind(hint: Any) -> Any:
     """Return the annotation that pydantic checks: `hint` or, for other classes, that a value is an instance."""
     members = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
@@ -134,20 +152,55 @@ def _in_words(value: object) -> str:
     return describe(value) if value is None or isinstance(value, str | int | float) else f"a {type(value).__name__}"
 
 
+def several(argument: object, is_right: Callable[[Any], bool], must: str) -> list[Any]:
+    """Return the items of a sequence, an array or a column, all right; a ValueError says what they `must` be."""
+    try:
+        listed = items(argument)
+    except TypeError:
+        raise ValueError(f"{must}, found {_in_words(argument)}") from None
+    for item in listed:
+        if not is_right(item):
+            raise ValueError(f"{must}, found {describe(item)} in it")
+    return listed
+
+
+def is_name(item: object) -> bool:
+    """Return whether an item is a text."""
+    return isinstance(item, str)
+
+
+def is_number(item: object) -> bool:
+    """Return whether an item is a finite number."""
+    return isinstance(item, int | float) and not isinstance(item, bool) and abs(item) <= float_info.max
+
+
 def _names(argument: object) -> tuple[str, ...]:
     """Return a name, or several different names, as a tuple; raise a ValueError for anything else."""
-    if isinstance(argument, Mapping) or not isinstance(argument, Iterable):
-        raise ValueError(f"must be a name or a sequence of names, found {_in_words(argument)}")
-    names = (argument,) if isinstance(argument, str) else tuple(argument)
-    for name in names:
-        if not isinstance(name, str):
-            raise ValueError(f"must be a sequence of names, found {_in_words(name)} in it")
-        if names.count(name) > 1:
+    must = "must be a name or a sequence of names"
+    listed = [argument] if isinstance(argument, str) else several(argument, is_name, must)
+    for name, count in Counter(listed).items():
+        if count > 1:
             raise ValueError(f"must not name anything twice, found {describe(name)} twice")
-    return names
+    return tuple(listed)
+
+
+def _array(argument: Any) -> Any:
+    """Return a number, or an array of numbers, as an array of floats; raise a ValueError for anything else."""
+    import numpy as np  # slow to import
+
+    def nested(value: Any) -> Any:
+        value = plain(value)
+        is_one = isinstance(value, int | float) and not isinstance(value, bool)
+        return float(value) if is_one else list(map(nested, items(value)))
+
+    with suppress(TypeError, ValueError, OverflowError):
+        return np.array(nested(argument), dtype=np.float64)
+    raise ValueError(f"must be a number or an array of numbers, found {_in_words(argument)}")
 
 
 # A name, or several different names, as a tuple.
-Names = Annotated[str | Sequence[str], PlainValidator(_names)]
+Names = Annotated[str | Iterable[str], PlainValidator(_names)]
+# A number or an array of numbers, as an array of floats; NaN where one is missing.
+FloatOrArray = Annotated[Any, PlainValidator(_array)]
 # A table, which is checked when it is read.
 Table = Annotated[str | PathLike[str] | Rows, PlainValidator(lambda table: table)]

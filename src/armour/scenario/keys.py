@@ -12,6 +12,7 @@ from pydantic import BaseModel
 
 from armour.errors import InputError, Problem, mistake, refuse, suggestion
 from armour.files import parse_toml
+from armour.foreign import items, plain
 from armour.scenario.inputs import INPUTS, NAMING
 
 Parts = tuple[str, ...]
@@ -41,16 +42,17 @@ def look_of(name: str) -> str:
 
 
 def in_nfc(value: Any, file: str, parts: KeyPath = ()) -> Any:
-    """Return a copy of a value with the keys of its tables in the form in which names are compared.
+    """Return a copy of a value as Python's own, with the keys of its tables in the form in which names are compared.
 
     A section becomes a `Whole` table of the values that it was given, which are thus validated again.
     """
     if isinstance(value, BaseModel):
         value = Whole(value.model_dump(exclude_unset=True, warnings=False))
-    if isinstance(value, list | tuple):
-        return [in_nfc(inner, file, (*parts, i)) for i, inner in enumerate(value)]
     if not isinstance(value, Mapping):
-        return value
+        value = plain(value)
+        if isinstance(value, str | bytes) or not hasattr(value, "__len__"):
+            return value
+        return [in_nfc(inner, file, (*parts, i)) for i, inner in enumerate(items(value))]
     table: dict[Any, Any] = Whole() if isinstance(value, Whole) else {}
     for key, inner in value.items():
         name = nfc(key) if isinstance(key, str) else key

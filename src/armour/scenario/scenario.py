@@ -688,7 +688,7 @@ def _contradictions(scenario: Scenario, inputs: Mapping[str, Any], values: Mappi
     for name, value in inputs.items():
         key = scenario.parts_of_input(name) if name in INPUTS else ()
         other = values.get(key, values.get((*key, NUMBER), value))
-        if other != value:
+        if other is not value and other != value:  # NaN differs from itself
             message = f"must not be given with {key_name(key)}, which sets the same input, to {describe(other)}"
             yield Problem(scenario.file, name, message)
 

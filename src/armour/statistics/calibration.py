@@ -318,7 +318,7 @@ def calibrate(
     first = next(results)
     identified = (pair for pair in chain([first], results) if all(c.estimate is not None for c in pair[1].coefficients))
     best, result = next(identified, first)
-    tests_by_law = tests._replace(groups=best.likelihood.tests.groups)
+    tests_by_law = replace(tests, groups=best.likelihood.tests.groups)
     question = {"scenario": scenario, "tests": tests, "changed": changed_equations()}
     return _with_evidence(result, tests_by_law, fit).of(subject_of(tests), **question)
 
@@ -360,7 +360,7 @@ def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str
 def under_law(tests: Tests, inputs: Sequence[str], law: Law | None) -> tuple[Tests, list[str]]:
     """Return the tests with a law of the flow stress, their own if it is None, and the names of all inputs to fit."""
     groups = tuple(group._replace(scenario=with_law(group.scenario, law)) for group in tests.groups)
-    return tests._replace(groups=groups, scenario=with_law(tests.scenario, law)), fitted_names(inputs, law)
+    return replace(tests, groups=groups, scenario=with_law(tests.scenario, law)), fitted_names(inputs, law)
 
 
 def fitted_names(inputs: Sequence[str], law: Law | None) -> list[str]:

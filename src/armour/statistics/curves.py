@@ -23,6 +23,7 @@ from scipy.special import expit, log_expit, log_ndtr, logit, ndtr, ndtri
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.variants import Floats
 from armour.errors import NoAnswerError
+from armour.scenario.checked import checked
 
 Link = Literal["probit", "logit"]
 Velocities = Sequence[float]
@@ -48,6 +49,8 @@ NARROWINGS, NODES = 4, 21
 # in cells that are FINENESS scatters wide near V50, and wider far from it.  The NEAREST shots of each kind to the other
 # kind are kept as they are.
 MANY, FIRST_CELLS, FINENESS, NEAREST = 250, 40, 0.2, 20
+# Number of velocities at which a band is computed.
+BAND_NODES = 13
 # In the penalty, velocities are clipped to the middle range of the shots, which leaves out one in OUTER at either end,
 # and FAR times this range to either side.  Otherwise a nearly flat curve would gain information with the distance of a
 # single far shot.
@@ -98,6 +101,7 @@ class FittedCurve:
     v50_lower_m_s: float | None = None
     v05_lower_m_s: float | None = None
 
+    @checked
     def probability(self, velocity_m_s: float) -> float:
         """Return the probability of complete penetration at a velocity, m/s."""
         if self.scale_m_s == 0.0:
@@ -423,15 +427,18 @@ def penalised_band(
 ) -> tuple[Floats, Floats]:
     """Return the lower and upper ends, (n,), of the pointwise confidence intervals of the probability at n velocities.
 
-    The velocities, m/s, ascend.
+    The velocities are in m/s.  For more than BAND_NODES different ones, the intervals are interpolated.
     """
-    # Slow to import, and only charts need it.
-    from scipy.interpolate import PchipInterpolator
-
     shots = ShotLikelihood(partial, complete, link, penalised=True)
     root = float(ndtri(0.5 + 0.5 * confidence))
     standardised = (np.array(velocities_m_s) - shots.mean) / shots.deviation
-    nodes = np.linspace(standardised[0], standardised[-1], 13)
-    ends = np.array([shots.argument_interval(float(node), root) for node in nodes])
-    low, high = CDFS[link](PchipInterpolator(nodes, ends.clip(-40.0, 40.0))(standardised)).T
+    different, places = np.unique(standardised, return_inverse=True)
+    nodes = np.linspace(different[0], different[-1], BAND_NODES) if len(different) > BAND_NODES else different
+    ends = np.array([shots.argument_interval(float(node), root) for node in nodes]).clip(-40.0, 40.0)
+    if len(different) > BAND_NODES:
+        # Slow to import, and only charts need it.
+        from scipy.interpolate import PchipInterpolator
+
+        ends = PchipInterpolator(nodes, ends)(different)
+    low, high = CDFS[link](ends[places]).T
     return low, high

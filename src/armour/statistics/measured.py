@@ -3,12 +3,13 @@
 import re
 from collections import Counter
 from collections.abc import Container, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from shlex import quote
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from armour.analysis.results import by_column, data_frame
 from armour.analysis.variants import Floats, Ints, Variants, variants_of
 from armour.columns import column_of, perforates, unit_of
 from armour.csv_files import (
@@ -71,8 +72,11 @@ class MaterialGroup(NamedTuple):
         return variants_of(self.scenario, {**self.columns, **(inputs or {})}, len(self.where))
 
 
-class Tests(NamedTuple):
+@dataclass(frozen=True, repr=False)
+class Tests:
     """A table of tests; `read_tests` makes one.
+
+    Iteration gives each test as a dictionary, so that ``pandas.DataFrame(tests)`` works.
 
     Attributes
     ----------
@@ -91,22 +95,31 @@ class Tests(NamedTuple):
     places : tuple of str
         Lines of the tests in the file.
     read : TableRead or None
-        How the file was read.
+        How the file was read, as in Shots.
     """
 
     file: str
     names: tuple[str, ...]
-    groups: tuple[MaterialGroup, ...]
+    groups: tuple[MaterialGroup, ...] = field(compare=False)
     measurements: tuple[Measurement, ...]
     weighted: bool
     cells: tuple[Mapping[str, float | str], ...]
     scenario: Scenario
     places: tuple[str, ...]
-    read: TableRead | None = None
+    read: TableRead | None = field(default=None, compare=False)
 
     def __repr__(self) -> str:
         tests, measurements = counted(len(self.names), "test"), counted(len(self.measurements), "measurement")
         return f"<Tests: {tests} of {self.file}, {measurements}>"
+
+    def __iter__(self) -> Iterator[dict[str, float | str | None]]:
+        columns = dict.fromkeys(column for cells in self.cells for column in cells)
+        for name, cells in zip(self.names, self.cells, strict=True):
+            yield {"test": name, **{column: cells.get(column) for column in columns if column != "test"}}
+
+    def to_dataframe(self) -> Any:
+        """Return the tests as a data frame of pandas, or else of polars: inputs and measurements by column."""
+        return data_frame(by_column(self))
 
 
 def with_scatter(tests: Tests, scatter: float) -> Tests:
@@ -115,7 +128,7 @@ def with_scatter(tests: Tests, scatter: float) -> Tests:
     cells = [dict(cell) for cell in tests.cells]
     for m in measurements:
         cells[m.test][MEASURED[m.quantity]] = scatter * m.value
-    return tests._replace(measurements=measurements, weighted=True, cells=tuple(cells))
+    return replace(tests, measurements=measurements, weighted=True, cells=tuple(cells))
 
 
 def subject_of(tests: Tests) -> str:

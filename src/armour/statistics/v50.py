@@ -1,15 +1,14 @@
 """V50 from firing results: the mean of MIL-STD-662F [DoD1997], maximum likelihood and penalised likelihood."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import comb, inf
-from numbers import Real
 from pathlib import Path
 from statistics import median
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, PlainValidator
 
 from armour import csv_files
 from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
@@ -18,7 +17,9 @@ from armour.analysis.results import OnProgress, TableResult, by_column, ignore_p
 from armour.columns import GROUPS, YES_MEANS, column_of, perforates
 from armour.csv_files import Source, TableRead
 from armour.errors import Problem, counted, mistake, refuse
-from armour.scenario.checked import Table, checked
+from armour.foreign import items
+from armour.scenario.checked import Table, checked, is_number, several
+from armour.scenario.keys import describe
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.statistics import curves
 from armour.statistics.curves import FittedCurve, Interval, ShotLikelihood
@@ -55,19 +56,33 @@ FAR_FACTOR = 2.0
 SWAPPED = 20
 
 
-@dataclass(frozen=True)
+def _is_result(value: object) -> bool:
+    """Return whether a value is true or false, or 1 or 0."""
+    return isinstance(value, int | float) and value in (True, False)
+
+
+def _velocities(argument: object) -> tuple[float, ...]:
+    """Return velocities that a curve is asked for; raise a ValueError if they are wrong."""
+    must = f"must be a sequence of velocities of 0 to {MAX_VELOCITY_M_S:g} m/s"
+    velocities = several(argument, lambda value: is_number(value) and 0.0 <= value <= MAX_VELOCITY_M_S, must)
+    if not velocities:
+        raise ValueError(f"{must}, found none")
+    return tuple(map(float, velocities))
+
+
+@dataclass(frozen=True, init=False)
 class Shots:
-    """Firing results.
+    """Firing results; velocities, results and names may be given as any sequences, arrays or columns.
 
     Attributes
     ----------
-    velocities_m_s : sequence of float
+    velocities_m_s : tuple of float
         Impact velocities, m/s.
-    complete : sequence of bool
+    complete : tuple of bool
         Whether each was a complete penetration.
     file : str
         Name of their file, for messages and titles.
-    names : sequence of str
+    names : tuple of str
         Their names, if they have any.
     read : TableRead or None
         How the shots were read from a table: in ``words``, and whether it was ``plain``, with nothing converted or left
@@ -75,11 +90,30 @@ class Shots:
         ``warnings`` of columns that probably should be read.
     """
 
-    velocities_m_s: Sequence[float]
-    complete: Sequence[bool]
-    file: str = "shots"
-    names: Sequence[str] = ()
-    read: TableRead | None = field(default=None, compare=False)
+    velocities_m_s: tuple[float, ...]
+    complete: tuple[bool, ...]
+    file: str
+    names: tuple[str, ...]
+    read: TableRead | None = field(compare=False)
+
+    def __init__(
+        self,
+        velocities_m_s: Iterable[float],
+        complete: Iterable[bool],
+        file: str = "shots",
+        names: Iterable[str] = (),
+        read: TableRead | None = None,
+    ) -> None:
+        columns = {"velocities_m_s": velocities_m_s, "complete": complete, "names": names}
+        with_items: dict[str, Any] = {}
+        for key, column in columns.items():
+            try:
+                with_items[key] = (*items(column),)
+            except TypeError:
+                raise mistake(file, key, f"must be a sequence, found {describe(column)}") from None
+        results = tuple(bool(value) if _is_result(value) else value for value in with_items["complete"])
+        # What is wrong with a value is told where the shots are used.
+        vars(self).update(with_items, complete=results, file=file, read=read)
 
     def of(self, *, complete: bool) -> list[float]:
         """Return the velocities of the complete or of the partial penetrations, m/s, in ascending order."""
@@ -240,13 +274,16 @@ class FiringResult(TableResult):
     producers_risk: float | None = None
     fired: Shots | None = None
 
-    def band(self, velocities_m_s: Sequence[float] | None = None) -> list[dict[str, Any]]:
+    @checked
+    def band(
+        self, velocities_m_s: Annotated[Iterable[float], PlainValidator(_velocities)] | None = None
+    ) -> list[dict[str, Any]]:
         """Return the recommended curve with its pointwise confidence band, as rows.
 
         Parameters
         ----------
         velocities_m_s : sequence of float, optional
-            In ascending order; by default 201 from the shots and half their range to either side.
+            0 to 10,000 m/s; by default 201 from the shots and half their range to either side.
 
         Returns
         -------
@@ -256,7 +293,7 @@ class FiringResult(TableResult):
         Raises
         ------
         InputError
-            If no curve is recommended.
+            If no curve is recommended, or a velocity is out of range.
         """
         shots: Shots = self.question["shots"]
         if (curve := self.recommended) is None:
@@ -266,11 +303,12 @@ class FiringResult(TableResult):
             margin = 0.5 * (fastest - slowest)
             ends = max(slowest - margin, MIN_VELOCITY_M_S), fastest + margin
             velocities_m_s = np.linspace(*ends, BAND_POINTS).tolist()
+        velocities = [*velocities_m_s]
         partial, complete = shots.of(complete=False), shots.of(complete=True)
-        low, high = curves.penalised_band(partial, complete, curve.curve, velocities_m_s, self.confidence)
+        low, high = curves.penalised_band(partial, complete, curve.curve, velocities, self.confidence)
         return [
             {"velocity_m_s": velocity, "probability": curve.probability(velocity), "probability_interval": ends}
-            for velocity, *ends in zip(velocities_m_s, low.tolist(), high.tolist(), strict=True)
+            for velocity, *ends in zip(velocities, low.tolist(), high.tolist(), strict=True)
         ]
 
     def _words(self) -> str:
@@ -592,13 +630,14 @@ def _far_away(shots: Shots, model: LimitResult) -> Iterator[str]:
 def check_shots(shots: Shots, *, kinds: int = 2) -> None:
     """Check velocities and results of shots, from a file or not; at least `kinds` of the two kinds must be present."""
     velocities = shots.velocities_m_s
-    if not all(hasattr(column, "__len__") for column in (velocities, shots.complete)):
-        raise mistake(shots.file, "", "must be sequences of velocities and of results")
     count, message = len(shots.complete), ""
+    wrong: list[object] = [value for value in velocities if not isinstance(value, int | float)]
+    wrong += [value for value in shots.complete if not _is_result(value)]
     if len(velocities) != count:
         message = f"must have as many velocities as results, found {len(velocities)} and {count}"
-    elif not all(isinstance(v, Real) and c in (True, False) for v, c in zip(velocities, shots.complete, strict=True)):
+    elif wrong:
         message = "must be velocities as numbers, and True for each complete penetration, False for each partial one"
+        message += f", found {describe(wrong[0])}"
     elif outliers := [value for value in velocities if not MIN_VELOCITY_M_S <= value <= MAX_VELOCITY_M_S]:
         message = f"must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g} m/s, found {outliers[0]:g}"
     elif len(set(shots.complete)) < kinds:

@@ -18,8 +18,9 @@ from armour import csv_files
 from armour.columns import Column, column_of
 from armour.errors import Problem, counted, mistake, refuse, restated
 from armour.files import csv_value
+from armour.scenario.checked import is_name, is_number, several
 from armour.scenario.inputs import INPUTS, NAMES, NAMING
-from armour.scenario.keys import describe, key_name, parts_of
+from armour.scenario.keys import key_name, parts_of
 from armour.scenario.schema import ThicknessSteps
 from armour.scenario.sections import validated
 
@@ -222,17 +223,16 @@ def source_of(
 
 def axis(key: str, values: object) -> Axis:
     """Return the axis of a key; `values` are a sequence, or a mapping with min, max and step."""
-    is_name = key in NAMING
-    if isinstance(values, Mapping) and not is_name:
+    of_names = key in NAMING
+    if isinstance(values, Mapping) and not of_names:
         with restated(lambda problem: Problem("sweep", f"over {key}", str(problem))):
             steps = validated(ThicknessSteps, dict(values), "")
         return Axis(key, steps.values(), steps.omission())
-    array = np.asarray(values)
-    if array.ndim == 1 and array.size and array.dtype.kind in ("U" if is_name else "iuf"):
-        if is_name:
-            return Axis(key, tuple(array.tolist()))
-        if np.isfinite(array).all():
-            return Axis(key, tuple(array.astype(np.float64).tolist()))
-    must = f"must be a sequence of {'names' if is_name else 'finite numbers, or a range with min, max and step'}"
-    shown = describe(values) if isinstance(values, str) else repr(values)[:MAX_VALUE_SHOWN]
-    raise mistake("sweep", f"over {key}", f"{must}, found {shown}")
+    must = f"must be a sequence of {'names' if of_names else 'finite numbers, or a range with min, max and step'}"
+    try:
+        listed = several(values, is_name if of_names else is_number, must)
+    except ValueError as error:
+        raise mistake("sweep", f"over {key}", str(error)) from None
+    if not listed:
+        raise mistake("sweep", f"over {key}", f"{must}, found none")
+    return Axis(key, tuple(listed if of_names else map(float, listed)))

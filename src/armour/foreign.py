@@ -1,0 +1,46 @@
+"""Values of numpy, pandas, polars, pyarrow, xarray and pint as Python's own."""
+
+from collections.abc import Mapping
+from math import nan
+from typing import Any
+
+OWN = {str, float, int, bool, type(None)}
+
+
+def plain(value: Any) -> Any:
+    """Return a single value as Python's own, NaN if it is masked or missing; anything else as it is.
+
+    A number with a unit becomes a text, which nothing takes for a number: in another unit it is another one.
+    """
+    if type(value) in OWN:
+        return value
+    shape = getattr(value, "shape", None)
+    if (shape == () or (shape is None and hasattr(value, "__float__"))) and _has_unit(value):
+        return " ".join(str(value).split())
+    if shape == ():
+        # Of a masked value, numpy's `item` is 0; only `tolist` is None.
+        inner = value.tolist() if hasattr(value, "tolist") else value.item()
+        return nan if inner is None else plain(inner)
+    if shape is None and hasattr(value, "as_py"):  # of pyarrow
+        inner = value.as_py()
+        return nan if inner is None else plain(inner)
+    if not hasattr(value, "__len__"):
+        try:
+            bool(value)
+        except TypeError:  # pandas.NA is neither true nor false
+            return nan
+    return value
+
+
+def items(values: Any) -> list[Any]:
+    """Return the values of a sequence, an array or a column, each `plain`; a TypeError if it is none, as a text."""
+    if isinstance(values, str | bytes | Mapping) or getattr(values, "shape", None) == ():
+        raise TypeError
+    listed = values.tolist() if hasattr(values, "tolist") and not _has_unit(values) else values
+    return [plain(value) for value in listed]
+
+
+def _has_unit(value: Any) -> bool:
+    """Return whether a value is a quantity, as of pint or astropy, or has a unit of time."""
+    is_time = getattr(getattr(value, "dtype", None), "kind", "") in ("m", "M")
+    return is_time or hasattr(value, "units") or hasattr(value, "unit")
