@@ -44,6 +44,8 @@ SLOPES, STEEP = np.geomspace(1e-6, 5e3, 81), 2.0**20
 BEYOND, INTERCEPTS = 8.0, 61
 # A search is repeated NARROWINGS times between the neighbours of the likeliest point, each time with NODES points.
 NARROWINGS, NODES = 4, 21
+# Loss of log-likelihood up to which another maximum is nearly as likely; relative difference up to which two are one.
+NEARLY, SAME = 0.5, 1e-3
 # More shots than MANY are condensed in cells of velocity: first in FIRST_CELLS cells with equal numbers of shots, then
 # in cells that are FINENESS scatters wide near V50, and wider far from it.  The NEAREST shots of each kind to the other
 # kind are kept as they are.
@@ -82,6 +84,9 @@ class FittedCurve:
     v50_lower_m_s, v05_lower_m_s : float or None
         One-sided lower confidence bounds of V50 and V05, m/s, at the confidence level of the intervals; None if the
         shots do not bound them, and for curves of maximum likelihood.
+    second_v50_m_s, second_scale_m_s : float or None
+        V50 and scale of a second curve, m/s, if the penalised likelihood has another maximum that is nearly as high:
+        its logarithm is less by at most 0.5.
     """
 
     curve: Link
@@ -97,6 +102,8 @@ class FittedCurve:
     v95_interval_m_s: Interval | None = None
     v50_lower_m_s: float | None = None
     v05_lower_m_s: float | None = None
+    second_v50_m_s: float | None = None
+    second_scale_m_s: float | None = None
 
     def probability(self, velocity_m_s: float) -> float:
         """Return the probability of complete penetration at a velocity, m/s."""
@@ -181,18 +188,19 @@ class ShotLikelihood:
         self.nearby = low - FAR * (high - low), high + FAR * (high - low)
         if len(x) > MANY:
             self._condense(x, signs, np.quantile(x, np.linspace(0.0, 1.0, FIRST_CELLS + 1)[1:-1]))
+        self.second: Curve | None = None
         if self.separated:
             # All V50s in the gap are equally likely.  If both kinds share a velocity in place of a gap, the probability
             # at it is that of its complete penetrations.
             share = (signs[x == lowest] > 0.0).mean() if lowest == highest else 0.5
             self.mode = self._curve(np.array([INVERSE_CDFS[link](share) - STEEP * self.middle, STEEP]))
         else:
-            self.mode = self._likeliest()
+            self.mode, self.second = self._likeliest()
             if len(x) > MANY and self.mode.slope > 0.0:
                 intercept, slope, _ = self.mode
                 first, last = np.arcsinh(intercept + slope * ordered[[0, -1]])
                 self._condense(x, signs, (np.sinh(np.arange(first, last, FINENESS)) - intercept) / slope)
-                self.mode = self._likeliest()
+                self.mode, self.second = self._likeliest()
         self.flat = self.with_slope(0.0)  # the maximum at a constant probability
 
     def _condense(self, x: Floats, signs: Floats, edges: Floats) -> None:
@@ -218,11 +226,23 @@ class ShotLikelihood:
             parts.append((places, np.full(len(places), sign), weights))
         self.x, self.signs, self.counts = (np.concatenate(columns) for columns in zip(*parts, strict=True))
 
-    def _likeliest(self) -> Curve:
-        """Return the likeliest of all curves."""
-        lines = (_points_with_slope(self._intercepts(slope), slope) for slope in SLOPES)
-        bests = ((values.max(), *points[values.argmax()]) for points in lines for values in [self._values(points)])
-        start = np.array(max(bests)[1:])
+    def _likeliest(self) -> tuple[Curve, Curve | None]:
+        """Return the likeliest curve, and the next maximum of the likelihood that is nearly as high, if there is one.
+
+        Each maximum of the grid of slopes is refined: the penalised likelihood can have several.
+        """
+        lines = [_points_with_slope(self._intercepts(slope), slope) for slope in SLOPES]
+        values = [self._values(points) for points in lines]
+        profile = np.array([each.max() for each in values])
+        is_maximum = np.diff(profile, prepend=-inf) >= 0.0
+        is_maximum &= np.diff(profile, append=-inf) <= 0.0
+        maxima = [self._refined(lines[i][values[i].argmax()]) for i in np.flatnonzero(is_maximum)]
+        best, *others = sorted(maxima, key=lambda curve: -curve.value)
+        near = (curve for curve in others if curve.value >= best.value - NEARLY and curve.slope > 0.0)
+        return best, next((curve for curve in near if not np.allclose(curve[:2], best[:2], rtol=SAME, atol=SAME)), None)
+
+    def _refined(self, start: Floats) -> Curve:
+        """Return the curve at the maximum of the likelihood near a point, an intercept and a slope, (2,)."""
         simplex = start + np.array([[0.0, 0.0], [0.1, 0.0], [0.0, 0.1 * max(start[1], 0.1)]])
         options: Any = {"initial_simplex": simplex, "xatol": 1e-9, "fatol": 1e-13}
         return self._curve(minimize(self._loss, start, method="Nelder-Mead", options=options).x)
@@ -396,6 +416,7 @@ def curve_of(shots: ShotLikelihood, confidence: float) -> FittedCurve | None:
         return None
     scale = 0.0 if shots.separated else deviation / b
     narrowest, widest = shots.scale_interval(float(ndtri(0.5 + 0.5 * confidence)))
+    second = shots.second if penalised else None
     return FittedCurve(
         curve=shots.link,
         v50_m_s=v50,
@@ -410,6 +431,8 @@ def curve_of(shots: ShotLikelihood, confidence: float) -> FittedCurve | None:
         v95_interval_m_s=shots.velocity_interval(z95, confidence) if penalised else None,
         v50_lower_m_s=shots.lower_bound(0.0, confidence) if penalised else None,
         v05_lower_m_s=shots.lower_bound(-z95, confidence) if penalised else None,
+        second_v50_m_s=mean - deviation * second.intercept / second.slope if second else None,
+        second_scale_m_s=deviation / second.slope if second else None,
     )
 
 
