@@ -20,7 +20,7 @@ from armour.design.search import FreeThicknesses, candidates_of, pareto
 from armour.errors import Note, Problem, joined, listed, refuse
 from armour.evidence.caveats import caveats, no_metal
 from armour.evidence.model_error import INTERLAYER, REMEDY, ModelError, error_of
-from armour.evidence.tests import threat_warnings
+from armour.evidence.tests import against_each, threat_warnings
 from armour.scenario.checked import checked
 from armour.scenario.inputs import BACKING, CERAMIC, NAMES
 from armour.scenario.scenario import Scenario, Varied
@@ -542,7 +542,9 @@ def _of_other_pairs(catalogue: Catalogue, warnings: Sequence[str]) -> Iterator[N
     for pair in np.flatnonzero(catalogue.metal).tolist():
         ceramic_mm = np.array([float(bool(catalogue.offers[pair].ceramic.material))])
         rows = catalogue.against_each(catalogue.candidates(pair, ceramic_mm, np.ones(1)))
-        for note, _ in caveats(rows.armours.parameters, [catalogue.materials[pair].backing]):
+        parameters = (rows.armours.at([threat]).parameters for threat in range(len(catalogue.threats)))
+        by_threat = (caveats(each, [catalogue.materials[pair].backing]) for each in parameters)
+        for note, _ in against_each(catalogue.titles, by_threat):
             if note.about not in told:
                 told.add(note.about)
                 yield Note(note.text, note.key, said="pairs")
@@ -600,9 +602,9 @@ def _why_not_known(designs: Designs, place: int | None) -> str:
     # The reason is that of the governing threat, if its probability is unknown.
     threat = min(unknown, key=designs.slack_m_s(np.array([place]))[0].__getitem__)
     why = rows.at(np.array([threat])).why_error_unknown()
-    titles = [catalogue.titles[i] for i in unknown]
-    threats = "every threat" if len(titles) == len(catalogue.titles) > 1 else listed(titles)
-    return f"probability of stopping {threats}: unknown, {why}"
+    others = [catalogue.titles[i] for i in unknown if i != threat]
+    more = f"; that of stopping {listed(others)} is unknown too" if others else ""
+    return f"probability of stopping {catalogue.titles[threat]}: unknown, {why}{more}"
 
 
 def _untested(pairs: Sequence[Pair]) -> Iterator[str]:
