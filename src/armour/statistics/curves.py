@@ -40,6 +40,8 @@ LOG_INFORMATION: dict[Link, Callable[[Floats], Floats]] = {
 Z95: dict[Link, float] = {link: float(quantile(0.95)) for link, quantile in INVERSE_CDFS.items()}
 # Slopes to search, and the slope that stands for an infinite one.
 SLOPES, STEEP = np.geomspace(1e-6, 5e3, 81), 2.0**20
+# Slopes to start from in search of all maxima: flatter curves than the first all fit alike.
+STARTS = np.geomspace(1e-2, 5e3, 97)
 # Intercepts to search: from z = -BEYOND at the fastest shot to z = BEYOND at the slowest, and their number.
 BEYOND, INTERCEPTS = 8.0, 61
 # A search is repeated NARROWINGS times between the neighbours of the likeliest point, each time with NODES points.
@@ -229,9 +231,9 @@ class ShotLikelihood:
     def _likeliest(self) -> tuple[Curve, Curve | None]:
         """Return the likeliest curve, and the next maximum of the likelihood that is nearly as high, if there is one.
 
-        Each maximum of the grid of slopes is refined: the penalised likelihood can have several.
+        Each maximum over a grid of slopes is refined: the penalised likelihood can have several.
         """
-        lines = [_points_with_slope(self._intercepts(slope), slope) for slope in SLOPES]
+        lines = [_points_with_slope(self._intercepts(slope), slope) for slope in STARTS]
         values = [self._values(points) for points in lines]
         profile = np.array([each.max() for each in values])
         is_maximum = np.diff(profile, prepend=-inf) >= 0.0
