@@ -14,6 +14,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from math import copysign, exp, inf, log, pi, sqrt
+from operator import attrgetter
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -155,6 +156,9 @@ class Curve(NamedTuple):
     value: float  # log-likelihood, with the penalty if there is one
 
 
+VALUE = attrgetter("value")
+
+
 def has_curve(partial: Velocities, complete: Velocities) -> bool:
     """Return whether there are shots of both kinds, the complete penetrations faster on average."""
     return len(partial) > 0 and len(complete) > 0 and bool(np.mean(complete) > np.mean(partial))
@@ -236,10 +240,8 @@ class ShotLikelihood:
         lines = [_points_with_slope(self._intercepts(slope), slope) for slope in STARTS]
         values = [self._values(points) for points in lines]
         profile = np.array([each.max() for each in values])
-        is_maximum = np.diff(profile, prepend=-inf) >= 0.0
-        is_maximum &= np.diff(profile, append=-inf) <= 0.0
-        maxima = [self._refined(lines[i][values[i].argmax()]) for i in np.flatnonzero(is_maximum)]
-        best, *others = sorted(maxima, key=lambda curve: -curve.value)
+        maxima = [self._refined(lines[i][values[i].argmax()]) for i in _maxima(profile)]
+        best, *others = sorted(maxima, key=VALUE, reverse=True)
         near = (curve for curve in others if curve.value >= best.value - NEARLY and curve.slope > 0.0)
         return best, next((curve for curve in near if not np.allclose(curve[:2], best[:2], rtol=SAME, atol=SAME)), None)
 
@@ -283,16 +285,19 @@ class ShotLikelihood:
         return Curve(float(point[0]), float(point[1]), -self._loss(point))
 
     def _highest(self, line: Callable[[Floats], Floats], places: Floats) -> Curve:
-        """Return the likeliest curve of a family with one parameter, by refining a grid of this parameter.
+        """Return the likeliest curve of a family with one parameter, by refining each maximum on a grid of it.
 
         `line` returns the intercepts and slopes, (m, 2), of the curves with m values of the parameter; `places` are the
         first values, ascending.
         """
-        for _ in range(1 + NARROWINGS):
-            points = line(places)
-            values = self._values(points)
-            best = int(values.argmax())
+        return max((self._narrowed(line, places, place) for place in _maxima(self._values(line(places)))), key=VALUE)
+
+    def _narrowed(self, line: Callable[[Floats], Floats], places: Floats, best: int) -> Curve:
+        """Return the likeliest curve of a family near one of its members, given by its place among the parameters."""
+        for _ in range(NARROWINGS):
             places = np.linspace(places[max(best - 1, 0)], places[min(best + 1, len(places) - 1)], NODES)
+            points = line(places)
+            best = int(self._values(points).argmax())
         return self._curve(points[best])
 
     def with_value(self, z: float, x: float) -> Curve:
@@ -393,6 +398,11 @@ class ShotLikelihood:
         start = self.mode.intercept + self.mode.slope * x
         low, high = (self.bound(lambda z: self.with_value(z, x), start, side, root) for side in (-1.0, 1.0))
         return low, high
+
+
+def _maxima(values: Floats) -> list[int]:
+    """Return the indices of the values that no neighbour exceeds; of neighbours that are equal, the first."""
+    return np.flatnonzero((values > np.append(-inf, values[:-1])) & (values >= np.append(values[1:], -inf))).tolist()
 
 
 def _points_with_slope(intercepts: Floats, slope: float) -> Floats:
