@@ -599,12 +599,14 @@ def _why_not_known(designs: Designs, place: int | None) -> str:
         return "the interval of a sampled probability contains the one required; raise uncertainty.samples"
     if catalogue.scenario.interlayers:
         return INTERLAYER
-    # The reason is that of the governing threat, if its probability is unknown.
-    threat = min(unknown, key=designs.slack_m_s(np.array([place]))[0].__getitem__)
-    why = rows.at(np.array([threat])).why_error_unknown()
-    others = [catalogue.titles[i] for i in unknown if i != threat]
-    more = f"; that of stopping {listed(others)} is unknown too" if others else ""
-    return f"probability of stopping {catalogue.titles[threat]}: unknown, {why}{more}"
+    titles = dict[str, list[str]]()
+    for i in unknown:
+        titles.setdefault(rows.at(np.array([i])).why_error_unknown(), []).append(catalogue.titles[i])
+    is_every = len(titles) == 1 and len(unknown) == len(catalogue.titles) > 1
+    return "; ".join(
+        f"probability of stopping {'every threat' if is_every else listed(names)}: unknown, {why}"
+        for why, names in titles.items()
+    )
 
 
 def _untested(pairs: Sequence[Pair]) -> Iterator[str]:
