@@ -7,7 +7,7 @@ from functools import cache, lru_cache
 from math import inf
 from typing import NamedTuple
 
-from armour.units import words_and_unit
+from armour.units import FT, words_and_unit
 
 VELOCITIES = (
     *("velocity", "v", "impact velocity", "striking velocity", "strike velocity", "shot velocity", "speed", "vel"),
@@ -88,7 +88,7 @@ YES_MEANS = {"perforated": True, "stopped": False, "counts": True, "excluded": F
 UNITS = {
     "m/s": {
         **dict.fromkeys(("m/s", "m/sec", "m s-1", "ms-1", "mps"), 1.0),
-        **dict.fromkeys(("ft/s", "ft/sec", "fps", "f/s"), 0.3048),
+        **dict.fromkeys(("ft/s", "ft/sec", "fps", "f/s"), FT),
     },
     "mm": {"mm": 1.0, "cm": 10.0, "in": 25.4, "inch": 25.4, "inches": 25.4},
     "g": {"g": 1.0, "kg": 1000.0, "grain": 0.06479891, "grains": 0.06479891, "gr": 0.06479891},

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 MM = 1e-3
 G = 1e-3
 US = 1e-6
+FT = 0.3048
 MPA = 1e6
 GPA = 1e9
 KN = 1e3
@@ -25,14 +26,14 @@ ENDINGS = {
 }
 
 
-# Number of ft/s in 1 m/s; factor by which a computed limit and a measured one may differ.
-FEET, UNLIKE = 1.0 / 0.3048, 1.4
+# Factor by which a computed limit and a measured one may differ.
+UNLIKE = 1.4
 
 
 def feet_note(velocity_m_s: float, limit_m_s: float) -> str:
     """Return a note if the ratio of a velocity to a limit suggests that one of them is in ft/s; otherwise ""."""
     ratio = velocity_m_s / limit_m_s
-    for factor, unit in ((FEET, "ft/s"), (1.0 / FEET, "m/s in a column of ft/s")):
+    for factor, unit in ((1.0 / FT, "ft/s"), (FT, "m/s in a column of ft/s")):
         if 1.0 / UNLIKE < ratio / factor < UNLIKE:
             return (
                 f"the velocities, about {velocity_m_s:.0f} m/s, are {ratio:.2g} times the limit by the model, "

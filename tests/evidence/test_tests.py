@@ -14,8 +14,10 @@ from armour.errors import InputError, Note
 from armour.evidence.fit import quantities
 from armour.evidence.model_error import ModelError
 from armour.evidence.tests import (
+    TOO_THIN,
     armours_of,
     is_unusual,
+    limits_of_model,
     outside_tests,
     scenario_warnings,
     shipped_evidence,
@@ -173,8 +175,23 @@ def test_a_warning_names_the_threats_that_it_is_about_unless_it_is_about_all():
     texts = {warning.key: warning.text for warning in threat_warnings(case, armours)}
     assert texts["armour.ceramic"].endswith('found "SiC"')
     assert "no ceramic thinner than 0.89 penetrator diameters, here 11 mm, was tested" in texts[CERAMIC]
+    assert texts[CERAMIC].endswith("with less against 14.5 mm B32 at 850 m/s")
     two = "found 3.08 to 3.28 against 7.62 mm AP at 850 m/s and 7.62 mm B32 at 850 m/s"
     assert texts["armour.backing_thickness_mm"].endswith(two)
+
+
+def test_a_caveat_with_other_numbers_against_another_threat_is_told_for_each():
+    names = ("7.62 mm AP", "7.62 mm APM2", "14.5 mm B32")
+    case = scenario(threat=[{"projectile": name, "velocity_m_s": 850.0} for name in names]).replaced({CERAMIC: 2.0})
+    for threats in (case.threats(), case.threats()[::-1]):
+        ordered = case.replaced({"threat": [threat.model_dump(exclude_none=True) for threat in threats]})
+        armours = armours_of(*(ordered.against(threat) for threat in threats))
+        thin = [note.text for note in threat_warnings(ordered, armours) if note.about[:1] == (TOO_THIN,)]
+        for threat in threats:
+            alone = armours_of(ordered.against(threat))
+            [(words, _)] = [each for each in limits_of_model(alone, []) if each[0].about[:1] == (TOO_THIN,)]
+            [line] = [line for line in thin if threat.title in line]
+            assert line.startswith(f"{words.text} against ")
 
 
 def test_a_given_error_is_that_of_samples():
@@ -274,6 +291,14 @@ def test_the_threat_that_is_farthest_from_the_tests_counts():
     [found] = outside_tests(both, np.full(2, 800.0), threats=2)
     assert alone[0] == {}
     assert found == alone[1] != {}
+    # Too thin for both, the tile counts as against the threat for which it is the thinnest, whatever their order.
+    too_thin = case.replaced({CERAMIC: 2.0})
+    for titles in (too_thin.threats(), too_thin.threats()[::-1]):
+        against = [armours_of(too_thin.against(threat)) for threat in titles]
+        ratios = [outside_tests(armours, np.array([800.0]))[0][RATIOS[0]] for armours in against]
+        [found] = outside_tests(armours_of(*map(too_thin.against, titles)), np.full(2, 800.0), threats=2)
+        assert max(ratios) < 1.0
+        assert found[RATIOS[0]] == min(ratios) < max(ratios)
     oblique = scenario(impact={"projectile": "7.62 mm AP", "velocity_m_s": 800.0, "obliquity_deg": 30.0})
     assert outside_tests(armours_of(oblique), np.array([800.0]))[0]["angle"] == inf
 

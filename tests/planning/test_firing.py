@@ -118,7 +118,7 @@ def test_a_requirement():
     shots = Shots((700.0, 703.0, 706.0, 709.0, 712.0, 715.0), (False, True) * 3)
     ended = plan_shots(scenario(), shots, requirement_m_s=700.0, procedure="up-and-down")
     assert ended.decision == "not decided"
-    assert ended.stopped.endswith("within 27.4 m/s; the requirement is not decided")
+    assert ended.stopped.endswith("within 27.432 m/s; the requirement is not decided")
 
 
 def test_a_rule_is_its_own_reason():

@@ -41,14 +41,27 @@ def fitted(shots: Shots, link: Link, *, penalised: bool = False) -> FittedCurve:
     return known(fit_curve(*shots, link, penalised=penalised))
 
 
-def likelihood(shots: Shots, link: Link, slopes: np.ndarray, intercepts: np.ndarray, *, penalised: bool) -> np.ndarray:
-    """Logarithm of the likelihood, with the Fisher information of the penalty by its definition."""
+def likelihood(
+    shots: Shots,
+    link: Link,
+    slopes: np.ndarray,
+    intercepts: np.ndarray,
+    *,
+    penalised: bool,
+    nearby: tuple[float, float] = (-np.inf, np.inf),
+) -> np.ndarray:
+    """Logarithm of the likelihood, with the Fisher information of the penalty by its definition.
+
+    In the penalty, velocities are clipped to the range `nearby`.
+    """
     partial, complete = shots
     v, sign = np.array([*partial, *complete]) - 720.0, np.repeat([-1.0, 1.0], [len(partial), len(complete)])
     log_f = log_ndtr if link == "probit" else log_expit
     z = intercepts[..., None] + slopes[..., None] * v
     log_likelihoods: np.ndarray = log_f(sign * z).sum(-1)
     if penalised:
+        v = (v + 720.0).clip(*nearby) - 720.0
+        z = intercepts[..., None] + slopes[..., None] * v
         log_density = -0.5 * z**2 - 0.5 * log(2.0 * np.pi) if link == "probit" else log_f(z) + log_f(-z)
         weights = np.exp(2.0 * log_density - log_f(z) - log_f(-z))
         information = np.einsum("...n,in,jn->...ij", weights, *[np.stack([np.ones_like(v), v])] * 2)
@@ -80,6 +93,38 @@ def test_the_maximum_and_the_ends_of_penalised_intervals(case: str, link: Link):
         log_likelihood(np.full(len(places), 1.0 / end), -places / end) for end in fit.scale_interval_m_s if end
     ]
     assert [top - profile.max() for profile in profiles] == pytest.approx([depth] * len(profiles), abs=2e-3)
+
+
+# A far shot gives the penalised likelihood two maxima; of the second shots, the wider curve is the likelier one.
+FAR: Shots = ((338.1, 638.3, 647.0, 648.2, 655.0, 656.3, 661.9), (638.5, 665.0, 668.3, 668.8, 680.7))
+WIDE: Shots = ((514.0, 653.2, 700.9, 703.9, 705.3), (696.4, 710.7, 715.5, 719.4, 737.4))
+
+
+@pytest.mark.parametrize(("shots", "low", "high"), [(FAR, 638.3, 668.8), (WIDE, 653.2, 719.4)])
+def test_the_likelier_of_two_maxima_is_recommended_and_the_other_is_given(shots: Shots, low: float, high: float):
+    """`low` and `high` are the second slowest and the second fastest shot; shots count as at most 2 spans from them."""
+    fit = fitted(shots, "probit", penalised=True)
+    nearby = low - 2.0 * (high - low), high + 2.0 * (high - low)
+
+    def log_likelihood(v50s: np.ndarray, scales: np.ndarray) -> np.ndarray:
+        return likelihood(shots, "probit", 1.0 / scales, (720.0 - v50s) / scales, penalised=True, nearby=nearby)
+
+    best, second = (fit.v50_m_s, fit.scale_m_s), (known(fit.second_v50_m_s), known(fit.second_scale_m_s))
+    top, other = (float(log_likelihood(*map(np.array, curve))) for curve in (best, second))
+    everywhere = np.meshgrid(np.linspace(600.0, 760.0, 321), np.geomspace(0.5, 5000.0, 400))
+    assert log_likelihood(*everywhere).max() == pytest.approx(top, abs=1e-3)
+    assert log_likelihood(*everywhere).max() < top
+    angles = np.linspace(0.0, 2.0 * np.pi, 24)
+    v50, scale = second
+    about = log_likelihood(v50 + 0.02 * scale * np.cos(angles), scale * np.exp(0.02 * np.sin(angles)))
+    assert about.max() < other
+    assert 0.0 < top - other < 0.5
+    assert abs(log(best[1] / second[1])) > 0.5
+
+
+def test_no_second_maximum_is_given_if_there_is_none_or_by_maximum_likelihood():
+    assert fitted(MIXED, "probit", penalised=True).second_v50_m_s is None
+    assert fitted(FAR, "probit").second_v50_m_s is None
 
 
 @links

@@ -69,7 +69,17 @@ EVERY = "uncertainties must be given for every measurement and outcome, or for n
         (f"test,{C},{LIMIT}", "a,6,700 a,6,710", 'row 1: test: must name one test, found "a"'),
         (f"{C},{LIMIT}", "6,700 -1,710", "rows: row 2: armour.ceramic_thickness_mm: must be at least 0, found -1"),
         (f"{C},{LIMIT}", "6,700 6,700", "row 2: repeats row 1"),
-        (f"{C},{LIMIT}", "6,700 ,710", f"{C}: must be filled in every row that counts, found blank cells in row 2"),
+        (f"{B},{LIMIT}", "6,700 ,710", f"{B}: must be filled in every row that counts, found blank cells in row 2"),
+        (
+            f"armour.ceramic,{C},{LIMIT}",
+            "AD85,6,700 AD85,,710",
+            f"{C}: must be filled in every row that counts, found blank cells in row 2",
+        ),
+        (
+            f"armour.ceramic,{C},{LIMIT}",
+            "AD85,6,700 ,7,710",
+            "armour.ceramic: must be filled in every row that counts, found blank cells in row 2",
+        ),
         (f"{C},{LIMIT},{UNCERTAINTY}", "6,700,5 7,710,", EVERY),
         (f"{OUTCOME},{LIMIT},{UNCERTAINTY}", "6,,,700,5 6,750,stopped,,", EVERY),
         (f"{C},{LIMIT}", "6,1e-300 7,700", "row 1: ballistic_limit_m_s: must be at least 0.001"),
@@ -155,3 +165,20 @@ def test_tests_are_a_table(monkeypatch: pytest.MonkeyPatch):
 def test_wrong_rows(rows: Any, message: str):
     with pytest.raises(InputError, match=message):
         read_tests(rows, scenario())
+
+
+@pytest.mark.parametrize(
+    ("header", "rows"),
+    [
+        (f"armour.ceramic,{C},{LIMIT}", "SiC,8,700 ,,300"),
+        (f"armour.ceramic,{C},{LIMIT}", "SiC,8,700 ,0,300"),
+        (f"armour.ceramic,{C},{LIMIT}", "SiC,8,700 AD85,0,300"),
+        (f"armour.ceramic,{LIMIT}", "SiC,700 ,300"),
+        (f"{C},{LIMIT}", "8,700 ,300"),
+        (f"{C},ceramic.flow_stress_GPa,{LIMIT}", "8,5,700 ,,300"),
+    ],
+)
+def test_a_row_without_a_ceramic_is_a_bare_plate(header: str, rows: str):
+    [group] = table_of(scenario(ceramic="SiC", ceramic_mm=8.0), header, *rows.split()).groups
+    assert (group.scenario.armour.ceramic, group.where.tolist()) == ("SiC", [0, 1])
+    assert group.variants().ceramics_mm.tolist() == pytest.approx([8.0, 0.0])

@@ -421,7 +421,41 @@ def test_own_tests_at_an_angle_tell_of_that_angle_alone():
         assert result.probability_of_stopping is None
         assert "paths of 1.4" in result.reason
     mixed = scenario_of(table_of(WILKINS, f"{OBLIQUITY},ballistic_limit_m_s", "0,720", "45,900"), WILKINS, FLOW_STRESS)
-    assert confidence(mixed).probability_of_stopping is None
+    assert confidence(mixed).probability_of_stopping is not None
+    assert confidence(mixed.replaced({OBLIQUITY: 45.0})).probability_of_stopping is None
+
+
+@pytest.mark.parametrize(
+    ("column", "rows", "unused"),
+    [
+        (CERAMIC, ("6.35,720", "8,780", ",240"), "row 3: it is of a bare plate"),
+        (OBLIQUITY, ("0,720", "45,900", "0,725"), "row 2: it is at another angle than most"),
+        (OBLIQUITY, ("45,890", "45,900", "0,725"), "row 3: it is at another angle than most"),
+        ("projectile.penetrator_mass_g", ("8.3,720", "8.5,740", "60,800"), "row 3: it is of a long rod"),
+    ],
+)
+def test_a_test_that_is_not_used_is_named_and_does_not_switch_the_others_off(
+    column: str, rows: tuple[str, ...], unused: str
+):
+    tests = table_of(WILKINS, f"{column},ballistic_limit_m_s", *rows)
+    result = calibrate(tests, WILKINS)
+    assert result.warnings[0].startswith(f"not used for the probability of stopping: {unused}")
+    place = int(unused[4]) - 1
+    others = table_of(WILKINS, f"{column},ballistic_limit_m_s", *rows[:place], *rows[place + 1 :])
+    alone, kept = known(calibrate(others, WILKINS).evidence), known(result.evidence)
+    assert [law["computed_m_s"] for law in kept["law"]] == [law["computed_m_s"] for law in alone["law"]]
+    assert kept["tests"] == alone["tests"]
+    assert kept["source"] == "2 tests of rows"
+
+
+def test_a_test_of_an_armour_with_a_ceramic_is_not_used_for_its_back_plate():
+    case = plate("7.62 mm APM2", 300.0, 20.0).replaced({"armour.ceramic": "AD85", "armour.backing": "AA6082-T651"})
+    rows = ("0,20,600", "0,25,700", "6,20,800")
+    tests = table_of(case, f"{CERAMIC},{BACKING},ballistic_limit_m_s", *rows)
+    result = calibrate(tests, case, "backing.flow_stress_GPa")
+    expected = "not used for the probability of stopping: row 3: it is of an armour with a ceramic"
+    assert result.warnings[0] == expected
+    assert len(known(result.evidence)["tests"]["side"]) == 2
 
 
 @pytest.mark.parametrize("angle", [33.0, 53.0])

@@ -40,13 +40,29 @@ def test_the_mean_of_mil_std_662f_by_hand():
     mean = known(mean_of(MIXED))
     # Highest partial 722, 720, 710; lowest complete 715, 725, 730.
     assert mean.v50_m_s == pytest.approx((722 + 720 + 710 + 715 + 725 + 730) / 6)
-    assert (mean.pairs, mean.span_m_s, mean.span_allowed_m_s) == (3, 20.0, 27.4)
+    assert (mean.pairs, mean.span_m_s, mean.span_allowed_m_s) == (3, 20.0, 27.432)
     two = known(mean_of(MIXED, pairs=2))
     assert (two.v50_m_s, two.span_m_s) == ((722 + 720 + 715 + 725) / 4, 10.0)
     assert mean_of(MIXED, pairs=4, span_m_s=40.0) is not None
     assert mean_of(MIXED, pairs=4, span_m_s=30.0) is None
     assert mean_of(MIXED, pairs=5) is None
     assert mean_of(APART) is None
+
+
+@pytest.mark.parametrize("first", [783.0, 783.3, 798.57, 2620 * 0.3048])
+def test_the_usual_spans_are_those_in_feet_exactly(first: float):
+    """90 ft/s are 27.432 m/s, and 60 ft/s are 18.288 m/s, whatever the rounding errors of differences."""
+    for pairs, span, usual in ((3, 27.432, 27.432), (2, 18.288, 18.288), (5, 38.1, 38.1)):
+        for slowest, fastest, is_within in ((first, first + span, True), (first, first + span + 1e-3, False)):
+            partial = (slowest, *[first + 5.0] * (pairs - 1))
+            complete = (*[first + 6.0] * (pairs - 1), fastest)
+            mean = mean_of(Shots((*partial, *complete), (False,) * pairs + (True,) * pairs), pairs)
+            assert (mean is not None) == is_within
+            if mean is not None:
+                assert (mean.rule, mean.span_allowed_m_s) == ("usual span", usual)
+    velocities = (first, first + 5.0, first + 5.0, first + 6.0, first + 6.0, first + 27.432)
+    typed = Shots([round(velocity, 3) for velocity in velocities], (False,) * 3 + (True,) * 3)
+    assert known(mean_of(typed)).pairs == 3
 
 
 def test_a_prior_adds_the_posterior_and_its_part_and_a_scenario_its_limit():

@@ -300,7 +300,8 @@ def untested(own: int, scatter: float, dice: Any) -> dict[str, Outcome]:
         rows = [
             dict(zip((CERAMIC, BACKING, LIMIT), row, strict=True)) for row in np.column_stack([armours[:own], tested])
         ]
-        kept = own_tests(read_tests(rows, scenario), {FLOW_STRESS: nominal})
+        tests = read_tests(rows, scenario)
+        kept = own_tests(tests, {FLOW_STRESS: nominal}, range(len(tests.measurements)))
         assert kept is not None
         entry = replace(scenario.entry("ceramic", "SiC"), evidence=kept)
         made = variants_of(scenario, columns, len(armours))

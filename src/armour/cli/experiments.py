@@ -75,7 +75,7 @@ def v50(
     ),
     span_m_s: Any = number_option(
         "Greatest span of their velocities, m/s, at most 10,000; by default the usual one for 5, 3 or 2 shots of "
-        "each kind: 38.1, 27.4 or 18.3 (125, 90 or 60 ft/s). Required for other numbers of shots."
+        "each kind: 38.1, 27.432 or 18.288 (125, 90 or 60 ft/s). Required for other numbers of shots."
     ),
     confidence: Any = number_option("Confidence level of the intervals, 0.5 to 0.9999; by default 0.95.", share),
     prior: bool = flag(
@@ -259,7 +259,7 @@ def plan_shots(
     ),
     half_width_m_s: Any = number_option(
         "Half width of the interval of V50 at which the firing ends, 0.1 to 10,000 m/s; by default 15. The "
-        "up-and-down rule ends by default as in MIL-STD-662F, with three shots of each kind within 27.4 m/s."
+        "up-and-down rule ends by default as in MIL-STD-662F, with three shots of each kind within 27.432 m/s."
     ),
     confidence: Any = number_option(
         "Confidence level of the interval, and of the requirement, 0.5 to 0.9999; by default 0.95.", share

@@ -20,7 +20,7 @@ from armour.design.search import FreeThicknesses, candidates_of, pareto
 from armour.errors import Note, Problem, joined, listed, refuse
 from armour.evidence.caveats import caveats, no_metal
 from armour.evidence.model_error import INTERLAYER, REMEDY, ModelError, error_of
-from armour.evidence.tests import contradicted, threat_warnings
+from armour.evidence.tests import against_each, contradicted, threat_warnings
 from armour.leaving import warn_leaving
 from armour.scenario.checked import checked
 from armour.scenario.inputs import BACKING, CERAMIC, NAMES
@@ -554,8 +554,10 @@ def _of_other_pairs(catalogue: Catalogue, warnings: Sequence[str]) -> Iterator[N
     for pair in np.flatnonzero(catalogue.metal).tolist():
         ceramic_mm = np.array([float(bool(catalogue.offers[pair].ceramic.material))])
         rows = catalogue.against_each(catalogue.candidates(pair, ceramic_mm, np.ones(1)))
-        metals = [catalogue.materials[pair].backing]
-        for note, _ in (*caveats(rows.armours.parameters, metals), *contradicted(rows.armours)):
+        metals, armours = [catalogue.materials[pair].backing], rows.armours
+        each_threat = (armours.at([threat]) for threat in range(len(catalogue.threats)))
+        by_threat = ((*caveats(each.parameters, metals), *contradicted(each)) for each in each_threat)
+        for note, _ in against_each(catalogue.titles, by_threat):
             if note.about not in told:
                 told.add(note.about)
                 yield Note(note.text, note.key, said="pairs")
@@ -610,12 +612,14 @@ def _why_not_known(designs: Designs, place: int | None) -> str:
         return "the interval of a sampled probability contains the one required; raise uncertainty.samples"
     if catalogue.scenario.interlayers:
         return INTERLAYER
-    # The reason is that of the governing threat, if its probability is unknown.
-    threat = min(unknown, key=designs.slack_m_s(np.array([place]))[0].__getitem__)
-    why = rows.at(np.array([threat])).why_error_unknown()
-    titles = [catalogue.titles[i] for i in unknown]
-    threats = "every threat" if len(titles) == len(catalogue.titles) > 1 else listed(titles)
-    return f"probability of stopping {threats}: unknown, {why}"
+    titles = dict[str, list[str]]()
+    for i in unknown:
+        titles.setdefault(rows.at(np.array([i])).why_error_unknown(), []).append(catalogue.titles[i])
+    is_every = len(titles) == 1 and len(unknown) == len(catalogue.titles) > 1
+    return "; ".join(
+        f"probability of stopping {'every threat' if is_every else listed(names)}: unknown, {why}"
+        for why, names in titles.items()
+    )
 
 
 def _untested(pairs: Sequence[Pair]) -> Iterator[str]:

@@ -44,10 +44,10 @@ def is_limit_too_low(armour: Parameters) -> Any:
     return is_long_rod(armour) & is_dense & (armour.Hc0 == 0.0)
 
 
-def too_thin(ratio: float, thickness_mm: float) -> str:
+def too_thin(ratio: str, thickness_mm: str) -> str:
     """Return the caveat that no ceramic below a thickness, also given over the penetrator's diameter, was tested."""
     return (
-        f"no ceramic thinner than {ratio:.2g} penetrator diameters, here {thickness_mm:.2g} mm, was tested: "
+        f"no ceramic thinner than {ratio} penetrator diameters, here {thickness_mm} mm, was tested: "
         "do not rely on limits with less"
     )
 
@@ -74,7 +74,7 @@ def caveats(armour: Parameters, metals: Iterable[LibraryEntry], *, said: bool = 
     long, too_low = ~unlike & is_long_rod(armour), np.atleast_1d(is_limit_too_low(armour))
     for rows, more, kind in ((long & too_low, "; the limit is too low", "too low"), (long & ~too_low, "", "caveat")):
         if rows.any():
-            place = int(np.argmax(rows))
+            place = int(np.argmax(np.where(rows, armour.L0 / armour.D0, 0.0)))  # of the longest rod
             numbers = [float(np.atleast_1d(each)[place]) for each in (armour.L0 / armour.D0, density, armour.rho_p)]
             about: tuple[str | float, ...] = (f"long rod{more}", *numbers)
             yield Note(long_rod(*numbers) + more, "projectile", said=kind * said, about=about), rows

@@ -25,11 +25,12 @@ from armour.scenario.library import (
     tensile_strength,
 )
 from armour.scenario.scenario import Scenario
-from armour.scenario.schema import Threat
 from armour.units import MM
 
 # Quantity for which the answer itself says that the armour is below the tests.
 THIN = "ceramic_thickness_ratio"
+# Kind of the caveat on a ceramic that is too thin.
+TOO_THIN = "too thin"
 # Factor by which a quantity of an unusual armour lies outside of all that the model was compared with.
 UNUSUAL_FACTOR = 2.0
 # Factors outside the ranges of the tests beyond which the error is not known: of bare plates and with a ceramic.
@@ -471,8 +472,8 @@ def outside_tests(armours: Armours, velocities: Any, threats: int = 1) -> list[d
     """Return for each armour the factors by which it lies outside the tests, by quantity, the farthest first.
 
     `armours`, and `velocities`, m/s, have successive rows for the threats of each armour.  The threat for which a
-    quantity is the farthest outside counts, or one for which a ceramic is too thin.  A factor is below 1 beneath the
-    tests, and infinite for what no test has, such as a ceramic.
+    quantity is the farthest outside counts; if a ceramic is too thin for some, the one for which it is the thinnest.  A
+    factor is below 1 beneath the tests, and infinite for what no test has, such as a ceramic.
     """
     factors = defaultdict[str, Any](lambda: np.ones(len(velocities)))
     for evidence, rows in armours.by_evidence():
@@ -488,9 +489,9 @@ def outside_tests(armours: Armours, velocities: Any, threats: int = 1) -> list[d
             factors[name][rows] = np.where(is_far, np.inf, 1.0)
     places = np.arange(len(velocities) // threats)
     for name, values in factors.items():
-        by_armour = values.reshape(-1, threats)
-        distances = np.where((name == THIN) & (by_armour < 1.0), np.inf, abs(np.log(by_armour)))
-        factors[name] = by_armour[places, distances.argmax(axis=1)].tolist()
+        by_armour = np.sort(values.reshape(-1, threats))
+        least, farthest = by_armour[:, 0], by_armour[places, abs(np.log(by_armour)).argmax(axis=1)]
+        factors[name] = np.where((name == THIN) & (least < 1.0), least, farthest).tolist()
     outside = ({name: each[place] for name, each in factors.items() if each[place] != 1.0} for place in places)
     return [dict(sorted(each.items(), key=lambda item: -abs(log(item[1])))) for each in outside]
 
@@ -537,9 +538,10 @@ def limits_of_model(
         least[rows] = sum(data_range.low for data_range in ranges if data_range.name == THIN)
     is_thin = p.Hc0 / p.D0 < least
     if is_thin.any():
-        least_mm = is_thin * least * p.D0 * armours.cosines / MM
-        worst = int(least_mm.argmax())
-        yield Note(too_thin(least[worst], least_mm[worst]), CERAMIC, said="caveat" * said), is_thin
+        ratios, thicknesses_mm = least[is_thin], (least * p.D0 * armours.cosines / MM)[is_thin]
+        words = too_thin(_ends(ratios, ".2g"), _ends(thicknesses_mm, ".2g"))
+        ends = (float(end) for values in (ratios, thicknesses_mm) for end in (values.min(), values.max()))
+        yield Note(words, CERAMIC, said="caveat" * said, about=(TOO_THIN, *ends)), is_thin
 
 
 def _check(data_range: DataRange, q: Quantities, rows: Any = True) -> tuple[str, str, Any, str, str]:
@@ -556,10 +558,10 @@ def _check(data_range: DataRange, q: Quantities, rows: Any = True) -> tuple[str,
     return data_range.key, f"results for {data_range}", fails, f", found {ends}", brief
 
 
-def _ends(values: Any) -> str:
+def _ends(values: Any, spec: str = "") -> str:
     """Return the least and the greatest of values in words, such as "30 to 45"; one word if they are equal."""
     ends = values.min(initial=np.inf), values.max(initial=-np.inf)
-    return " to ".join(dict.fromkeys(f"{end:{'.0f' if end >= 100.0 else '.3g'}}" for end in ends))
+    return " to ".join(dict.fromkeys(f"{end:{spec or ('.0f' if end >= 100.0 else '.3g')}}" for end in ends))
 
 
 def scenario_warnings(
@@ -579,9 +581,26 @@ def scenario_warnings(
     return (*cannot, *scenario.unused_threats(), *notes, *strengths)
 
 
-def _named(threats: Sequence[Threat], rows: Any) -> str:
+def _named(titles: Sequence[str], places: Sequence[int]) -> str:
     """Return words, such as " against M2", for the threats at some places; "" for all of them."""
-    return f" against {joined([threats[row].title for row in rows])}" if len(rows) < len(threats) else ""
+    return f" against {joined([titles[place] for place in places])}" if len(places) < len(titles) else ""
+
+
+def against_each(
+    titles: Sequence[str], by_threat: Iterable[Iterable[tuple[Note, Any]]]
+) -> Iterator[tuple[Note, list[Any]]]:
+    """Yield each caveat on armours against threats once, with the masks of the armours that it is about.
+
+    `by_threat` has the caveats, with their masks, against each of the threats.  One that is not about all threats, such
+    as one with other numbers for another threat, names its own.
+    """
+    found: dict[tuple[str | float, ...], list[tuple[int, Note, Any]]] = {}
+    for place, caveats_against in enumerate(by_threat):
+        for note, mask in caveats_against:
+            found.setdefault(note.about, []).append((place, note, mask))
+    for each in found.values():
+        places, notes, masks = zip(*each, strict=True)
+        yield notes[0].against(_named(titles, places)), list(masks)
 
 
 def threat_warnings(
@@ -593,13 +612,14 @@ def threat_warnings(
     default only the armour's own.  A warning that is not about all threats names its threats.
     """
     threats = scenario.threats()
-    backings = [materials.backing for materials in armours.materials]
-    for note, rows in limits_of_model(armours, backings):
-        yield note.against(_named(threats, np.flatnonzero(rows)))
+    titles, backings = [threat.title for threat in threats], [materials.backing for materials in armours.materials]
+    by_threat = (limits_of_model(armours.at([place]), backings) for place in range(len(threats)))
+    for note, _ in against_each(titles, by_threat):
+        yield note
     for outside in limits_outside(armours, np.array([threat.velocity_m_s for threat in threats])):
         section, _, name = outside.key.partition(".")
         is_of_threat = scenario.threat and section in ("impact", "projectile")
         key = f"threat[{outside.rows[0]}].{name if section == 'impact' else 'projectile'}" if is_of_threat else ""
-        yield outside.note(key).against(_named(threats, outside.rows))
+        yield outside.note(key).against(_named(titles, outside.rows))
     own = armours.materials[armours.material_of_row[0]].backing
     yield from strength_notes(metals or [own], bare=bool(np.all(armours.parameters.Hc0 == 0.0)))

@@ -227,7 +227,7 @@ def plan_shots(
         Rule for the next velocity: bayesian, neyer, langlie or up-and-down.
     half_width_m_s : float, optional
         Half width of the interval of V50 at which the firing ends, 0.1 to 10,000 m/s; by default 15.  The up-and-down
-        rule ends by default as in MIL-STD-662F, with three shots of each kind within 27.4 m/s.
+        rule ends by default as in MIL-STD-662F, with three shots of each kind within 27.432 m/s.
     confidence : float, default 0.95
         Confidence level of the interval, and of the requirement, 0.5 to 0.9999.
     requirement_m_s : float, optional

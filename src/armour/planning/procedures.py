@@ -31,6 +31,7 @@ from armour.statistics.posterior import (
     posterior_of,
 )
 from armour.statistics.v50 import MAX_VELOCITY_M_S, MIN_VELOCITY_M_S, SPANS_M_S, MeanV50, Shots, mean_v50
+from armour.units import FT
 
 # The velocity in question is that at which the given fraction of shots perforate.  Numbers of nodes: of its distance
 # from the required velocity, and of the scatter.  The distance, in scatters, is the hyperbolic sine of a normal
@@ -156,8 +157,7 @@ def stopped(shots: Shots, settings: ShotSettings) -> str:
     return "" if fit is None else narrow_enough(fit.v50_interval_m_s, settings)
 
 
-FEET_M = 0.3048
-ABOVE_M_S, FIRST_STEP_M_S, STEP_M_S = 75.0 * FEET_M, 100.0 * FEET_M, 50.0 * FEET_M
+ABOVE_M_S, FIRST_STEP_M_S, STEP_M_S = 75.0 * FT, 100.0 * FT, 50.0 * FT
 # Shots of each kind in the mean that ends the firing.
 OF_EACH_KIND = 3
 

@@ -18,7 +18,7 @@ from armour.design.map import DesignMap, design_map, limits_over_sources, thickn
 from armour.errors import InputError, Problem
 from armour.evidence.caveats import is_limit_too_low, no_metal
 from armour.evidence.model_error import INTERLAYER, given_error
-from armour.evidence.tests import limits_of_model, outside_tests
+from armour.evidence.tests import against_each, limits_of_model, outside_tests
 from armour.reporting.formats import TEMPLATES, rendered
 from armour.reporting.views.design import METALS, in_common
 from armour.scenario.scenario import Scenario
@@ -224,9 +224,12 @@ def _outside(catalogue: Catalogue, designs: DesignMap) -> dict[str, Any]:
     """
     rows, threats = catalogue.against_each(designs.candidates), len(catalogue.threats)
     factors = outside_tests(rows.armours, np.full_like(rows.velocities, np.nan), threats)
-    ceramic_mm, notes = np.repeat(designs.candidates.ceramic_mm, threats), []
-    for note, where in limits_of_model(rows.armours, [rows.materials[0].backing]):
-        notes += [(note.text, float(ceramic_mm[where].max()))] if note.said != "not known" else []
+    ceramic_mm, notes = designs.candidates.ceramic_mm, []
+    against = (rows.armours.at(slice(threat, None, threats)) for threat in range(threats))
+    by_threat = (limits_of_model(armours, [rows.materials[0].backing]) for armours in against)
+    for note, masks in against_each(catalogue.titles, by_threat):
+        most_mm = max(float(ceramic_mm[mask].max()) for mask in masks)
+        notes += [(note.text, most_mm)] if note.said != "not known" else []
     if len({offer.backing.material for offer in catalogue.offers}) > 1 and ceramic_mm.any():
         notes.append((METALS, float(ceramic_mm.max())))
     return {

@@ -13,7 +13,7 @@ from scipy.special import ndtri, stdtrit
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.analysis.variants import Bools, Floats, ballistic_limits
-from armour.errors import InputError, joined, mistake
+from armour.errors import InputError, joined, listed, mistake
 from armour.evidence.core_digest import changed_equations
 from armour.evidence.fit import LEAST_REST
 from armour.evidence.tests import FALSE_ALARMS, own_evidence
@@ -34,7 +34,7 @@ from armour.statistics.likelihood import (
     without,
 )
 from armour.statistics.measured import LIMIT, ORIGINS, SERIES_COLUMNS, Tests, common_of, subject_of, with_scatter
-from armour.statistics.own_tests import OwnTest, nothing_of_error, own_tests, predicted_tests, repeated
+from armour.statistics.own_tests import OwnTest, nothing_of_error, own_tests, predicted_tests, repeated, role_of, unused
 from armour.units import feet_note
 
 Law = Literal["constant", "ceramic", "backing", "product", "linear"]
@@ -335,13 +335,20 @@ def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str
         values = {name: scenario.inputs()[name] for name in inputs}
         notes = [f"{name} stays at {value:g}: the tests do not identify it" for name, value in values.items()]
     entry = scenario.entry_of(inputs[0].partition(".")[0])
-    computed = [r.computed for r in result.residuals if r.quantity == LIMIT]
-    stored = own_tests(tests, values, computed) if len(values) == len(result.coefficients) else None
+    role, stored = role_of(tests, inputs) if len(values) == len(result.coefficients) else "", None
+    reasons = unused(tests, role) if role else [""] * len(result.residuals)
+    used = [place for place, reason in enumerate(reasons) if not reason]
+    if role:
+        stored = own_tests(tests, values, used, [result.residuals[place].computed for place in used])
+    left_out = [
+        f"not used for the probability of stopping: {listed([_line(tests, i) for i in places])}: {reason}"
+        for reason in dict.fromkeys(filter(None, reasons))
+        for places in [[i for i, other in enumerate(reasons) if other == reason]]
+    ]
     implausible, doubtful = list[str](), set[int]()
     if stored is not None and entry is not None:
         evidence = own_evidence(entry, stored)
-        shots = [place for place, m in enumerate(tests.measurements) if m.quantity == LIMIT]
-        doubtful = {shots[place] for place in evidence.doubtful}
+        doubtful = {used[place] for place in evidence.doubtful}
         if not evidence.fits:
             stored, implausible = None, [f"{_line(tests, place)}: {evidence.source}" for place in sorted(doubtful)]
             doubtful = set()
@@ -354,7 +361,8 @@ def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str
         notes = [f"of the entry, {result.reason}"]
     deviating = (*_out_of_line(tests, result, doubtful), *_split(tests, result.residuals))
     how_read = tests.read.warnings if tests.read else ()
-    return replace(result, warnings=(*how_read, *_in_feet(tests), *implausible, *deviating, *result.warnings, *notes))
+    warnings = (*left_out, *how_read, *_in_feet(tests), *implausible, *deviating, *result.warnings, *notes)
+    return replace(result, warnings=warnings)
 
 
 def under_law(tests: Tests, inputs: Sequence[str], law: Law | None) -> tuple[Tests, list[str]]:

@@ -14,6 +14,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from math import copysign, exp, inf, log, pi, sqrt
+from operator import attrgetter
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -41,10 +42,14 @@ LOG_INFORMATION: dict[Link, Callable[[Floats], Floats]] = {
 Z95: dict[Link, float] = {link: float(quantile(0.95)) for link, quantile in INVERSE_CDFS.items()}
 # Slopes to search, and the slope that stands for an infinite one.
 SLOPES, STEEP = np.geomspace(1e-6, 5e3, 81), 2.0**20
+# Slopes to start from in search of all maxima: flatter curves than the first all fit alike.
+STARTS = np.geomspace(1e-2, 5e3, 97)
 # Intercepts to search: from z = -BEYOND at the fastest shot to z = BEYOND at the slowest, and their number.
 BEYOND, INTERCEPTS = 8.0, 61
 # A search is repeated NARROWINGS times between the neighbours of the likeliest point, each time with NODES points.
 NARROWINGS, NODES = 4, 21
+# Loss of log-likelihood up to which another maximum is nearly as likely; relative difference up to which two are one.
+NEARLY, SAME = 0.5, 1e-3
 # More shots than MANY are condensed in cells of velocity: first in FIRST_CELLS cells with equal numbers of shots, then
 # in cells that are FINENESS scatters wide near V50, and wider far from it.  The NEAREST shots of each kind to the other
 # kind are kept as they are.
@@ -85,6 +90,9 @@ class FittedCurve:
     v50_lower_m_s, v05_lower_m_s : float or None
         One-sided lower confidence bounds of V50 and V05, m/s, at the confidence level of the intervals; None if the
         shots do not bound them, and for curves of maximum likelihood.
+    second_v50_m_s, second_scale_m_s : float or None
+        V50 and scale of a second curve, m/s, if the penalised likelihood has another maximum that is nearly as high:
+        its logarithm is less by at most 0.5.
     """
 
     curve: Link
@@ -100,6 +108,8 @@ class FittedCurve:
     v95_interval_m_s: Interval | None = None
     v50_lower_m_s: float | None = None
     v05_lower_m_s: float | None = None
+    second_v50_m_s: float | None = None
+    second_scale_m_s: float | None = None
 
     @checked
     def probability(self, velocity_m_s: float) -> float:
@@ -150,6 +160,9 @@ class Curve(NamedTuple):
     value: float  # log-likelihood, with the penalty if there is one
 
 
+VALUE = attrgetter("value")
+
+
 def has_curve(partial: Velocities, complete: Velocities) -> bool:
     """Return whether there are shots of both kinds, the complete penetrations faster on average."""
     return len(partial) > 0 and len(complete) > 0 and bool(np.mean(complete) > np.mean(partial))
@@ -185,18 +198,19 @@ class ShotLikelihood:
         self.nearby = low - FAR * (high - low), high + FAR * (high - low)
         if len(x) > MANY:
             self._condense(x, signs, np.quantile(x, np.linspace(0.0, 1.0, FIRST_CELLS + 1)[1:-1]))
+        self.second: Curve | None = None
         if self.separated:
             # All V50s in the gap are equally likely.  If both kinds share a velocity in place of a gap, the probability
             # at it is that of its complete penetrations.
             share = (signs[x == lowest] > 0.0).mean() if lowest == highest else 0.5
             self.mode = self._curve(np.array([INVERSE_CDFS[link](share) - STEEP * self.middle, STEEP]))
         else:
-            self.mode = self._likeliest()
+            self.mode, self.second = self._likeliest()
             if len(x) > MANY and self.mode.slope > 0.0:
                 intercept, slope, _ = self.mode
                 first, last = np.arcsinh(intercept + slope * ordered[[0, -1]])
                 self._condense(x, signs, (np.sinh(np.arange(first, last, FINENESS)) - intercept) / slope)
-                self.mode = self._likeliest()
+                self.mode, self.second = self._likeliest()
         self.flat = self.with_slope(0.0)  # the maximum at a constant probability
 
     def _condense(self, x: Floats, signs: Floats, edges: Floats) -> None:
@@ -222,11 +236,21 @@ class ShotLikelihood:
             parts.append((places, np.full(len(places), sign), weights))
         self.x, self.signs, self.counts = (np.concatenate(columns) for columns in zip(*parts, strict=True))
 
-    def _likeliest(self) -> Curve:
-        """Return the likeliest of all curves."""
-        lines = (_points_with_slope(self._intercepts(slope), slope) for slope in SLOPES)
-        bests = ((values.max(), *points[values.argmax()]) for points in lines for values in [self._values(points)])
-        start = np.array(max(bests)[1:])
+    def _likeliest(self) -> tuple[Curve, Curve | None]:
+        """Return the likeliest curve, and the next maximum of the likelihood that is nearly as high, if there is one.
+
+        Each maximum over a grid of slopes is refined: the penalised likelihood can have several.
+        """
+        lines = [_points_with_slope(self._intercepts(slope), slope) for slope in STARTS]
+        values = [self._values(points) for points in lines]
+        profile = np.array([each.max() for each in values])
+        maxima = [self._refined(lines[i][values[i].argmax()]) for i in _maxima(profile)]
+        best, *others = sorted(maxima, key=VALUE, reverse=True)
+        near = (curve for curve in others if curve.value >= best.value - NEARLY and curve.slope > 0.0)
+        return best, next((curve for curve in near if not np.allclose(curve[:2], best[:2], rtol=SAME, atol=SAME)), None)
+
+    def _refined(self, start: Floats) -> Curve:
+        """Return the curve at the maximum of the likelihood near a point, an intercept and a slope, (2,)."""
         simplex = start + np.array([[0.0, 0.0], [0.1, 0.0], [0.0, 0.1 * max(start[1], 0.1)]])
         options: Any = {"initial_simplex": simplex, "xatol": 1e-9, "fatol": 1e-13}
         return self._curve(minimize(self._loss, start, method="Nelder-Mead", options=options).x)
@@ -265,16 +289,19 @@ class ShotLikelihood:
         return Curve(float(point[0]), float(point[1]), -self._loss(point))
 
     def _highest(self, line: Callable[[Floats], Floats], places: Floats) -> Curve:
-        """Return the likeliest curve of a family with one parameter, by refining a grid of this parameter.
+        """Return the likeliest curve of a family with one parameter, by refining each maximum on a grid of it.
 
         `line` returns the intercepts and slopes, (m, 2), of the curves with m values of the parameter; `places` are the
         first values, ascending.
         """
-        for _ in range(1 + NARROWINGS):
-            points = line(places)
-            values = self._values(points)
-            best = int(values.argmax())
+        return max((self._narrowed(line, places, place) for place in _maxima(self._values(line(places)))), key=VALUE)
+
+    def _narrowed(self, line: Callable[[Floats], Floats], places: Floats, best: int) -> Curve:
+        """Return the likeliest curve of a family near one of its members, given by its place among the parameters."""
+        for _ in range(NARROWINGS):
             places = np.linspace(places[max(best - 1, 0)], places[min(best + 1, len(places) - 1)], NODES)
+            points = line(places)
+            best = int(self._values(points).argmax())
         return self._curve(points[best])
 
     def with_value(self, z: float, x: float) -> Curve:
@@ -377,6 +404,11 @@ class ShotLikelihood:
         return low, high
 
 
+def _maxima(values: Floats) -> list[int]:
+    """Return the indices of the values that no neighbour exceeds; of neighbours that are equal, the first."""
+    return np.flatnonzero((values > np.append(-inf, values[:-1])) & (values >= np.append(values[1:], -inf))).tolist()
+
+
 def _points_with_slope(intercepts: Floats, slope: float) -> Floats:
     """Return curves as intercepts and slopes, (m, 2), given m intercepts and one slope."""
     return np.column_stack([intercepts, np.full(len(intercepts), slope)])
@@ -400,6 +432,7 @@ def curve_of(shots: ShotLikelihood, confidence: float) -> FittedCurve | None:
         return None
     scale = 0.0 if shots.separated else deviation / b
     narrowest, widest = shots.scale_interval(float(ndtri(0.5 + 0.5 * confidence)))
+    second = shots.second if penalised else None
     return FittedCurve(
         curve=shots.link,
         v50_m_s=v50,
@@ -414,6 +447,8 @@ def curve_of(shots: ShotLikelihood, confidence: float) -> FittedCurve | None:
         v95_interval_m_s=shots.velocity_interval(z95, confidence) if penalised else None,
         v50_lower_m_s=shots.lower_bound(0.0, confidence) if penalised else None,
         v05_lower_m_s=shots.lower_bound(-z95, confidence) if penalised else None,
+        second_v50_m_s=mean - deviation * second.intercept / second.slope if second else None,
+        second_scale_m_s=deviation / second.slope if second else None,
     )
 
 

@@ -25,7 +25,7 @@ from armour.csv_files import (
 )
 from armour.errors import InputError, Problem, counted, joined, listed, mistake, refuse
 from armour.scenario.checked import Names, Table, checked
-from armour.scenario.inputs import INPUTS, NAMES, ROLES, VELOCITY
+from armour.scenario.inputs import CERAMIC, INPUTS, NAMES, ROLES, VELOCITY
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 
 LIMIT, RESIDUAL, MASS, OUTCOME = "ballistic_limit_m_s", "residual_velocity_m_s", "residual_mass_g", "outcome"
@@ -206,9 +206,11 @@ def read_tests(
     names = tuple(row.texts.get("test", row.place) for row in rows)
     repeated_names = {name for name, count in Counter(names).items() if count > 1}
     # A shot needs its velocity, a limit has none.
-    inputs = {*INPUTS, *NAMES.values()} - {VELOCITY}
+    inputs, bare = {*INPUTS, *NAMES.values()} - {VELOCITY}, _bare_plates(rows)
     for name in dict.fromkeys(name for row in rows for name in row.texts if name in inputs):
-        problems += not_filled(file, name, [row.place for row in rows if name not in row.texts])
+        has_value = bare if "ceramic" in name else set()
+        blank = [row.place for row in rows if name not in row.texts]
+        problems += not_filled(file, name, [place for place in blank if place not in has_value])
     for row in rows:
         for key, message in _mistakes(row, repeated_names):
             problems.append(Problem(file, f"{row.place}: {key}" if key else row.place, message))
@@ -259,6 +261,29 @@ def _without_bounds(source: Source) -> tuple[Source, dict[str, str]]:
             cells = [*cells[:place], bound[3], *cells[place + 1 :]]
         lines.append((line, cells))
     return replace(source, lines=iter(lines)), outcomes
+
+
+def _bare_plates(rows: Sequence[CsvRow]) -> set[str]:
+    """Give tests without a ceramic a thickness of 0, and return their places.
+
+    Their ceramic has no thickness or, where the table names ceramics, no name either; one with only one of them blank
+    may lack it by mistake.  It counts as one of the first ceramic, as it has no effect.
+    """
+    key = NAMES["ceramic"]
+    has_name, has_thickness = (any(name in row.texts for row in rows) for name in (key, CERAMIC))
+    bare = [
+        row
+        for row in rows
+        if row.numbers.get(CERAMIC) == 0.0
+        or (CERAMIC not in row.texts and (key not in row.texts if has_name else has_thickness))
+    ]
+    places = {row.place for row in bare}
+    names = [row.texts[key] for row in rows if key in row.texts and row.place not in places]
+    for row in bare:
+        row.numbers[CERAMIC] = 0.0
+        if names:
+            row.texts[key] = names[0]
+    return places
 
 
 def series_of(tests: Tests, test: int) -> tuple[str, ...]:

@@ -6,21 +6,23 @@ A law is one of the flow stress of a ceramic, or the fit to shipped tests of bar
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from armour.analysis.variants import MOST_MOVED_M_S, Floats, Variants, ballistic_limits, concatenated, moved_m_s
 from armour.csv_files import shipped_rows
 from armour.errors import counted
+from armour.evidence.caveats import is_long_rod
 from armour.evidence.fit import law_parameters, mixture_of, shipped_data
 from armour.evidence.model_error import other_settings
-from armour.evidence.tests import armours_of, is_outside, own_evidence, shipped_evidence, shipped_evidence_of
+from armour.evidence.tests import armours_of, is_outside, own_evidence, shipped_evidence
 from armour.scenario import library
 from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, cosine_of
 from armour.scenario.library import LawTests, LibraryEntry, OwnTests
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S
-from armour.statistics.measured import LIMIT, Tests, series_of
+from armour.statistics.measured import LIMIT, Measurement, Tests, series_of
 
 # Relative standard deviation of the velocity at which shots perforate an armour, if none is given.
 SHOT_SCATTER = 0.02
@@ -78,36 +80,79 @@ def _identity(cells: Mapping[str, float | str], usual: Mapping[str, float]) -> t
     return tuple(float(values.get(key, usual.get(key, 0.0))) for key in IDENTITY)
 
 
-def own_tests(tests: Tests, fitted: Mapping[str, float], computed_m_s: Sequence[float] = ()) -> OwnTests | None:
-    """Return the tests as stored in a calibrated entry; None if they do not determine the model error.
+def role_of(tests: Tests, fitted: Sequence[str]) -> str:
+    """Return the role of the material whose own tests can determine the model error; "" if none can.
 
-    `fitted` has the fitted values by input; `computed_m_s` are the limits by the calibrated model, if they are to be
-    stored.  The tests do not determine the model error if there is no limit or outcome, something else than a strength
-    of ceramic or back plate was fitted, settings differ from those of the shipped tests, there are no shipped tests of
-    such plates, or the tests are at several angles beyond those of the shipped tests.
+    None can if something else than a strength of ceramic or back plate was fitted, or settings differ from those of the
+    shipped tests.  `fitted` are the names of the fitted inputs.
     """
-    shots = [m for m in tests.measurements if m.quantity == LIMIT]
     role, *other_roles = {name.partition(".")[0] for name in fitted}
     keys = {name.partition(".")[2] for name in fitted} - {"dynamic_yield_strength_MPa"}
-    if other_roles or not shots or not keys <= {*FITTED_KEYS.get(role, ())} or other_settings(tests.scenario):
-        return None
-    scenario = tests.groups[0].scenario
+    is_of_strength = not other_roles and keys <= {*FITTED_KEYS.get(role, ())}
+    return role if is_of_strength and not other_settings(tests.scenario) else ""
+
+
+def _variants_of(tests: Tests, measurements: Sequence[Measurement]) -> Variants:
+    """Return the armours of measurements of tests."""
     places = np.argsort(np.concatenate([group.where for group in tests.groups]))
     all_variants = concatenated([group.variants() for group in tests.groups])
-    variants, entry = all_variants.at(places[[shot.test for shot in shots]]), scenario.entry_of(role)
+    return all_variants.at(places[[measurement.test for measurement in measurements]])
+
+
+def unused(tests: Tests, role: str) -> list[str]:
+    """Return for each measurement why it says nothing of the model error of the material in a role; "" if it does.
+
+    Those that are unlike most others, as at another angle beyond those of the shipped tests, are not used.
+    """
+    shots = np.array([place for place, m in enumerate(tests.measurements) if m.quantity == LIMIT], dtype=np.int64)
+    reasons = np.array(["it measured no ballistic limit"] * len(tests.measurements), dtype=object)
+    reasons[shots] = ""
+    if not len(shots):
+        return reasons.tolist()
+    variants = _variants_of(tests, [tests.measurements[place] for place in shots])
+    q = variants.armours.quantities()
+
+    def leave_out(where: Any, reason: str) -> None:
+        reasons[shots[where & (reasons[shots] == "")]] = reason
+
+    is_bare = q["ceramic_thickness_ratio"] == 0.0
+    leave_out(is_bare & (role == "ceramic"), "it is of a bare plate")
+    leave_out(~is_bare & (role == "backing"), "it is of an armour with a ceramic")
+    leave_out(abs(moved_m_s(variants)) > MOST_MOVED_M_S, "settings of the scenario move its limit")
+    evidence = next(evidence for evidence in shipped_evidence() if evidence.ceramic)
+    if role == "backing":
+        held = [(each, rows & each.holds(q)) for each, rows in variants.armours.by_evidence()]
+        evidence, holds = max(held, key=lambda pair: (pair[1] & (reasons[shots] == "")).sum())
+        leave_out(~holds, "no shipped test is of such a plate and penetrator")
+    longest_path = (1.0 + 1e-6) / cosine_of(evidence.obliquity_max_deg)
+    angles = np.where(q["path_ratio"] > longest_path, _rounded(variants.cosines), 1.0)
+    for values, reason in (
+        (1.0 - is_long_rod(variants.armours.parameters), "it is of a long rod, or most are"),
+        (angles, "it is at another angle than most"),
+    ):
+        used = values[reasons[shots] == ""]
+        leave_out(values != max(sorted({*used.tolist()}, reverse=True), key=used.tolist().count, default=1.0), reason)
+    return reasons.tolist()
+
+
+def own_tests(
+    tests: Tests, fitted: Mapping[str, float], used: Sequence[int], computed_m_s: Sequence[float] = ()
+) -> OwnTests | None:
+    """Return the tests as stored in a calibrated entry; None if they do not determine the model error.
+
+    `fitted` has the fitted values by input, of the role that `role_of` returns.  `used` are the places of the
+    measurements that `unused` has no reason against, and `computed_m_s` their limits by the calibrated model, if they
+    are to be stored.
+    """
+    shots = [tests.measurements[place] for place in used]
+    role, scenario = next(iter(fitted)).partition(".")[0], tests.groups[0].scenario
+    entry = scenario.entry_of(role)
+    if not shots or entry is None:
+        return None
+    variants, velocities = _variants_of(tests, shots), np.array([shot.value for shot in shots])
     q, sides = variants.armours.quantities(), np.array([float(shot.side) for shot in shots])
-    velocities = np.array([shot.value for shot in shots])
-    if entry is None or not ((q["ceramic_thickness_ratio"] == 0.0) == (role == "backing")).all():
-        return None
-    if (abs(moved_m_s(variants)) > MOST_MOVED_M_S).any():
-        return None
     measured = np.where(sides == 0.0, velocities, np.nan)
     laws = _laws_of_plates(variants, entry) if role == "backing" else _laws_of_ceramic(variants, entry, measured)
-    if not laws:
-        return None
-    longest_path = (1.0 + 1e-6) / cosine_of(shipped_evidence_of(laws[0].fit).obliquity_max_deg)
-    if len({*_rounded(variants.cosines)}) > 1 and (q["path_ratio"] > longest_path).any():
-        return None
     calibrated = scenario.with_inputs({name: float(f"{value:.6g}") for name, value in fitted.items()})
     values = armours_of(calibrated).quantities()
     scatter = [abs(m.side) * SHOT_SCATTER * m.value if m.uncertainty is None else m.uncertainty for m in shots]
@@ -121,7 +166,7 @@ def own_tests(tests: Tests, fitted: Mapping[str, float], computed_m_s: Sequence[
     )
     q[library.SERIES_KEY] = np.array([float(sorted({*series}).index(name)) for name in series])
     return OwnTests(
-        source=f"{counted(len(tests.names), 'test')} of {Path(tests.file).name}",
+        source=f"{counted(len({shot.test for shot in shots}), 'test')} of {Path(tests.file).name}",
         calibrated={name: float(values[name][0]) for name in QUANTITIES_OF_ROLE[role]},
         tests={name: _rounded(q[name]) for name in stored_keys},
         names=tuple(
@@ -217,13 +262,8 @@ def _limits(variants: Variants, role: str, values: Mapping[str, float]) -> Float
 
 
 def _laws_of_plates(variants: Variants, entry: LibraryEntry) -> tuple[LawTests, ...]:
-    """Return the limits of bare plates by the strengths of their entry, for each fit to shipped tests of such plates.
-
-    Return none if there are no such tests.
-    """
-    (evidence, members), *_ = variants.armours.by_evidence()
-    if not (members & evidence.holds(variants.armours.quantities())).all():
-        return ()
+    """Return the limits of bare plates by the strengths of their entry, for each fit to shipped tests of such."""
+    [(evidence, _)] = variants.armours.by_evidence()
     values = {key: float(f"{entry[key]:.7g}") for key in FITTED_KEYS["backing"]}
     computed = _rounded(_limits(variants, "backing", values))
     return tuple(LawTests(fit=fit.name, values=values, computed_m_s=computed) for fit in evidence.fits)

@@ -28,7 +28,7 @@ from armour.units import feet_note
 
 # Usual span of the velocities in the mean, m/s, by the number of shots of each kind: 125, 90 and 60 ft/s.
 # MIL-STD-662F leaves the span to the specification.
-SPANS_M_S = {5: 38.1, 3: 27.4, 2: 18.3}
+SPANS_M_S = {5: 38.1, 3: 27.432, 2: 18.288}
 SpanRule = Literal["usual span", "given span", "no usual rule"]
 # Lower confidence levels to try if the interval at the requested one is not bounded.
 LOWER_LEVELS = (0.9, 0.8, 0.5)
@@ -440,7 +440,7 @@ def v50(
         span is allowed.
     span_m_s : float, optional
         Greatest span of their velocities, m/s, at most 10,000; by default the usual one for 5, 3 or 2 shots of each
-        kind: 38.1, 27.4 or 18.3 (125, 90 or 60 ft/s).  Required for other numbers of shots.
+        kind: 38.1, 27.432 or 18.288 (125, 90 or 60 ft/s).  Required for other numbers of shots.
     confidence : float, default 0.95
         Confidence level of the intervals, 0.5 to 0.9999.
     prior : bool

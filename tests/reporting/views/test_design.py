@@ -148,13 +148,21 @@ def test_what_all_designs_have_in_common_outside_the_tests_is_told_once():
     assert [row[-1] for row in design_table([others, inside], "designs").texts()][1] == "inside"
     assert "outside the tests in" not in headings(design_table([inside, inside], "designs"))
     assert outside_notes([inside]) == []
-    # 3 mm are half of the least thickness tested, here over a diameter of 6.1 mm.
-    assert thin_designs([inside, others], scenario()) == []
-    [words] = thin_designs([thin, others], scenario())
-    diameter_mm = scenario().inputs()["projectile.penetrator_diameter_mm"]
-    assert words.startswith(
-        f"no ceramic thinner than {6.0 / diameter_mm:.2g} penetrator diameters, here 6 mm, was tested"
-    )
+
+
+def test_the_least_thickness_tested_is_told_for_each_threat_that_a_design_is_too_thin_for():
+    names = ("7.62 mm AP", "14.5 mm B32")
+    threats = [{"projectile": name, "velocity_m_s": 800.0} for name in names]
+    case = scenario(threat=threats)
+    thin = replace(design("AD85", 6.0, 6.0, 30.0), outside_tests={"ceramic_thickness_ratio": 0.5})
+    thinner = replace(design("AD85", 3.0, 6.0, 20.0), outside_tests={"ceramic_thickness_ratio": 0.25})
+    assert thin_designs([design("AD85", 8.0, 6.0, 45.0)], case) == []
+    lines = thin_designs([thin], case)
+    assert [line.partition(" against ")[2] for line in lines] == ["14.5 mm B32 at 800 m/s"]
+    assert "0.89 penetrator diameters, here 11 mm, was tested" in lines[0]
+    lines = thin_designs([thinner], case)
+    assert [line.partition(" against ")[2] for line in lines] == [f"{name} at 800 m/s" for name in names]
+    assert thin_designs([thinner], scenario())[0].endswith("limits with less")
 
 
 def test_the_tiles_on_offer_have_a_margin_against_every_threat():

@@ -24,8 +24,7 @@ from armour.design.optimise import (
 )
 from armour.design.requirements import Requirement
 from armour.errors import counted, joined
-from armour.evidence.caveats import too_thin
-from armour.evidence.tests import THIN, armours_of, limits_of_model
+from armour.evidence.tests import THIN, TOO_THIN, armours_of, limits_of_model, threat_warnings
 from armour.reporting import words as phrases
 from armour.reporting.by_result import tables_of
 from armour.reporting.junit import TestCase, junit_suite
@@ -315,14 +314,16 @@ def outside_notes(items: Sequence[Any]) -> list[str]:
 
 
 def thin_designs(designs: Iterable[Design], scenario: Scenario | None) -> list[str]:
-    """Return a note on the least ceramic thickness tested, if any design is thinner."""
-    ceramics = ((design.ceramic_thickness_mm, design.outside_tests.get(THIN, 1.0)) for design in designs)
-    tested_mm = [mm / factor for mm, factor in ceramics if factor < 1.0]
-    if not tested_mm or scenario is None:
+    """Return notes on the least ceramic thickness tested, if any design is thinner: of the one that lacks the most."""
+    thin = [design for design in designs if design.outside_tests.get(THIN, 1.0) < 1.0]
+    if not thin or scenario is None:
         return []
-    threats = map(scenario.against, scenario.threats())
-    widest_mm = max(threat.inputs()["projectile.penetrator_diameter_mm"] * threat.cosine() for threat in threats)
-    return [too_thin(max(tested_mm) / widest_mm, max(tested_mm))]
+    most = max(thin, key=lambda design: design.ceramic_thickness_mm / design.outside_tests[THIN])
+    layers = {"ceramic": most.ceramic, "backing": most.backing}
+    layers |= {f"{role}_thickness_mm": getattr(most, f"{role}_thickness_mm") for role in layers}
+    armour = scenario.replaced({f"armour.{key}": value for key, value in layers.items()})
+    notes = threat_warnings(armour, armours_of(*map(armour.against, armour.threats())))
+    return [note.text for note in notes if note.about[:1] == (TOO_THIN,)]
 
 
 def _result(result: DesignResult, pair: Pair) -> str:

@@ -9,7 +9,7 @@ from armour.planning.firing import ShotPlan
 from armour.planning.plan_tests import PlannedTests
 from armour.reporting.by_result import tables_of
 from armour.reporting.table import Cell, Column, Table, interval, of_part, percent
-from armour.reporting.views.statistics import SCATTER_ASSUMED, prior_table, share_note
+from armour.reporting.views.statistics import SCATTER_ASSUMED, prior_table, second_note, share_note
 from armour.reporting.words import chance, model_error_words, rounded_down
 from armour.scenario.inputs import INPUTS, VELOCITY
 from armour.statistics.measured import LIMIT, MEASURED, OUTCOME, Tests
@@ -28,7 +28,7 @@ REPORT = "the posterior includes the model's prediction; report V50 from armour 
 @tables_of.register
 def tables_of_shot_plan(plan: ShotPlan) -> list[Table | str]:
     """Return all tables of a plan of shots, with notes on them."""
-    shown: list[Table | str] = [_plan_table(plan)]
+    shown: list[Table | str] = [_plan_table(plan), *second_note(plan.recommended)]
     if plan.stopped and not plan.fired.complete:
         shown.append("by the prior alone: no shot was fired")
     if plan.reason:

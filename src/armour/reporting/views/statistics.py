@@ -354,6 +354,17 @@ def further_note(result: FiringResult) -> list[str]:
     return [f"no single further result bounds V50 at {percent(result.confidence)}; best is {shot}: {found}"]
 
 
+def second_note(fit: FittedCurve | None) -> list[str]:
+    """Return a note on a second curve that fits the shots nearly as well as the recommended one, if there is one."""
+    if fit is None or fit.second_v50_m_s is None:
+        return []
+    return [
+        f"two curves fit these shots nearly equally: V50 {fit.v50_m_s:.1f} m/s with a scatter of {fit.scale_m_s:.1f} "
+        f"m/s, and V50 {fit.second_v50_m_s:.1f} m/s with a scatter of {fit.second_scale_m_s:.1f} m/s; further shots "
+        "decide between them"
+    ]
+
+
 def point_notes(result: FiringResult) -> list[str]:
     """Return notes on the points of the recommended curve that were asked for, with their intervals.
 
@@ -404,7 +415,7 @@ def rounded_risk(risk: float) -> str:
 def tables_of_firing(result: FiringResult) -> list[Table | str]:
     """Return whether a requirement is met, V50, the recommended curve, the posterior, the shots and all curves."""
     shown: list[Table | str] = [*requirement_verdict(result), *filter(None, (answer(result),))]
-    shown += [*further_note(result), *point_notes(result)]
+    shown += [*second_note(result.recommended), *further_note(result), *point_notes(result)]
     if result.recommended is not None:
         shown += [recommended_table(result.recommended, result.confidence), PENALISED]
         if result.recommended.v05_m_s is None:
