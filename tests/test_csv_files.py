@@ -1,7 +1,9 @@
 from pathlib import Path
+from time import process_time
 
 import pytest
 
+import armour
 from armour import csv_files
 from armour.columns import column_of
 from armour.csv_files import in_line_order, number, open_table, read_rows
@@ -130,3 +132,14 @@ def test_numbers(text: str, value: float):
 )
 def test_texts_that_are_no_numbers(text: str):
     assert number(text) is None
+
+
+@pytest.mark.parametrize("text", ["(" * 16_000, "(a" * 16_000, "velocity" + " " * 16_000 + "(m/s)", "(" + "a" * 16_000])
+def test_a_long_heading_or_name_takes_no_time(tmp_path: Path, text: str):
+    start = process_time()
+    (tmp_path / "a.csv").write_text(f"shot,velocity_m_s,result,{text}\n1,700,P,\n2,720,C,\n")
+    with pytest.raises(InputError, match=r"a\.csv: line 1: must have names of at most 500 characters, found a longer"):
+        armour.read_shots(tmp_path / "a.csv")
+    (tmp_path / "b.csv").write_text(f"{text},{text}\nshot,velocity_m_s,result\n1,700,P\n{text},720,C\n")
+    assert armour.read_shots(tmp_path / "b.csv").velocities_m_s == (700.0, 720.0)
+    assert process_time() - start < 2.0

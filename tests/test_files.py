@@ -1,13 +1,28 @@
 import gc
 import os
+import re
+import shutil
+import subprocess
 from collections.abc import Iterator
+from itertools import product
 from pathlib import Path
+from time import process_time
 
 import pytest
 
 from armour.csv_files import open_table
 from armour.errors import InputError
-from armour.files import read_toml, shipped, unwritable, write_file, wrong_ending
+from armour.files import (
+    csv_cell,
+    csv_value,
+    parse_toml,
+    read_toml,
+    shell_word,
+    shipped,
+    unwritable,
+    write_file,
+    wrong_ending,
+)
 
 
 def test_shipped_data_is_found():
@@ -152,3 +167,37 @@ def test_the_ending_of_an_output_is_checked():
     assert wrong_ending(Path("a.CSV"), (".csv", ".parquet")) == []
     [problem] = wrong_ending(Path("a.txt"), (".csv", ".json", ".parquet"))
     assert str(problem) == "a.txt: must end in .csv, .json or .parquet, found .txt"
+
+
+def test_no_text_in_a_table_is_a_formula_whatever_divides_its_cells():
+    assert csv_cell("T;=cmd|' /C calc'!A0") == "T;'=cmd|' /C calc'!A0"
+    assert csv_cell('T;"=1') == "T;'\"=1"
+    for length in range(6):
+        for characters in product("a;'=\"", repeat=length):
+            text = "".join(characters)
+            assert csv_value(csv_cell(text)) == text
+            assert not re.search('(^|;"*)=', csv_cell(text))
+
+
+NAMES = ("a b", "x\n::error::y", "\x1b[31m7", "caf\udce9", "it's\\\r", "\u202ea", "\u00a0", "$'x'\t1", "é\n7")
+
+
+@pytest.mark.parametrize("name", NAMES, ids=ascii)
+def test_a_shell_reads_each_word_again(name: str):
+    word = shell_word(name)
+    assert word.isprintable()
+    shell = shutil.which("bash")
+    if shell is None:
+        pytest.skip("needs bash")
+    done = subprocess.run([shell, "-c", f"printf %s {word}"], capture_output=True, check=True)
+    assert done.stdout == os.fsencode(name)
+
+
+@pytest.mark.parametrize("part", ["a", '"a"', "' a '"])
+@pytest.mark.parametrize("form", ["{} = 1", "[{}]", "a = {{ {} = 1 }}"])
+def test_a_key_of_thousands_of_parts_takes_no_time(part: str, form: str):
+    start = process_time()
+    with pytest.raises(InputError, match="values nested too deeply"):
+        parse_toml(form.format(" . ".join([part] * 20_000)), "a.toml")
+    assert process_time() - start < 1.0
+    assert parse_toml(form.format(".".join([part] * 30)), "a.toml")

@@ -168,7 +168,9 @@ BOUNDS = {
     "mm": (0.0, 1e3),
     "°": (0.0, 60.0),
 }
-_BRACKETS = re.compile(r"[(\[{]([^)\]}]*)[)\]}]")
+# Greatest length of the name of a column; a longer text is none.
+MAX_NAME = 500
+_BRACKETS = re.compile(r"[(\[{]([^()\[\]{}]*)[)\]}]")
 # Parts of a header: meanings of codes, as in "1 = perforated", and words between which cells choose, as in "yes/no".
 _CODES = re.compile(r"([^\W_]+)\s*[=:]\s*([^\W\d_]+(?: [^\W\d_]+)*)")
 _OR = r"(?:/|\bor\b|\boder\b|\bou\b)"
@@ -299,6 +301,8 @@ def column_of(header: str, columns: Sequence[str]) -> Column:
     """
     if header in columns:
         return Column(header, yes=YES_MEANS.get(header))
+    if len(header) > MAX_NAME:
+        return Column(header, known=False)
     keys = _keys(tuple(columns))
     name = _BRACKETS.sub(lambda bracket: bracket[0] if is_unit(bracket[1]) else " ", header)
     for text in map(folded, (header, name)):

@@ -5,7 +5,6 @@ import json
 import re
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import closing
 from dataclasses import dataclass, field
 from hashlib import sha256
 from io import BufferedReader, BytesIO, TextIOWrapper
@@ -13,13 +12,12 @@ from itertools import chain, islice
 from math import isclose, isfinite, nan
 from os import PathLike
 from pathlib import Path
-from shlex import quote
 from typing import Any, NamedTuple, Protocol
-from zipfile import ZipFile
 
 from armour.columns import (
     COUNT_KEYS,
     GROUPS,
+    MAX_NAME,
     RESULT_KEYS,
     Column,
     columns_of,
@@ -30,9 +28,10 @@ from armour.columns import (
     letters,
 )
 from armour.errors import CHOOSE, InputError, Problem, counted, joined, listed, mistake, refuse, suggestion
-from armour.files import csv_value, located, named, reason, refuse_pipe, shipped_tests
+from armour.files import csv_value, located, named, reason, refuse_pipe, shell_word, shipped_tests
 from armour.foreign import items, plain
 from armour.units import key_hint
+from armour.workbooks import MAX_UNPACKED, rows_of, workbook_of
 
 # Greatest number of rows, more than anyone has tests or shots; a fit to so many takes about a minute.
 MAX_TABLE_ROWS = 100_000
@@ -41,8 +40,8 @@ MAX_LINE = 100_000
 # Number of first lines among which the header is; least number of known names in a header that is not the first line.
 HEAD, LEAST_NAMES = 40, 2
 SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
-# Endings of workbooks; greatest size of all parts of one, unpacked, in bytes; greatest number of columns.
-WORKBOOKS, MAX_UNPACKED, MAX_COLUMNS = (".xlsx", ".xlsm"), 100_000_000, 1000
+# Endings of workbooks.
+WORKBOOKS = (".xlsx", ".xlsm")
 # Units that messages suggest.
 USUAL_UNITS = ("m/s", "ft/s", "mm", "in", "g", "grain", "°")
 # Yes, in a column of crosses and blanks.
@@ -205,6 +204,10 @@ def _with_header(source: Source, lines: Iterator[Line], known: Callable[[str], b
         source.form.append(f"{counted(above, 'line')} above the header")
     while header and not header[-1]:
         header.pop()
+    if any(len(name) > MAX_NAME for name in header):
+        raise mistake(
+            source.file, source.place, f"must have names of at most {MAX_NAME} characters, found a longer one"
+        )
     units = head[0][1] if head else []
     if any(map(is_unit, units)) and all(is_unit(unit) or unit in ("", "-", "[-]") for unit in units):
         head = head[1:]
@@ -277,33 +280,25 @@ def _cells(path: Path, texts: Iterator[str], separator: str) -> Iterator[Line]:
 def _sheet_lines(path: Path, source: Source, sheet: str | None) -> Iterator[Line]:
     """Yield the rows of a sheet of a workbook, by default the first, that are not blank."""
     try:
-        from openpyxl import load_workbook
-    except ImportError:
-        message = 'cannot be read without openpyxl: pip install "openpyxl>=3.1", or save the sheet as CSV'
-        raise mistake(path, "", message) from None
-    try:
         refuse_pipe(path)
-        with ZipFile(path) as parts:
-            # Nothing is unpacked before.
-            if sum(part.file_size for part in parts.infolist()) > MAX_UNPACKED:
-                raise mistake(path, "", f"must be at most {MAX_UNPACKED:,} bytes long when it is unpacked")
-        source.digest.update(path.read_bytes())
-        with closing(load_workbook(path, read_only=True, data_only=True)) as workbook:
-            names = [worksheet.title for worksheet in workbook.worksheets]
-            if sheet is not None and sheet not in names:
-                raise mistake(path, "", f"must have the sheet {sheet}, found {', '.join(names)}")
-            name = names[0] if sheet is None else sheet
-            source.sheets = names
-            source.form.append(f"sheet {name}")
-            for number, row in enumerate(workbook[name].iter_rows(max_col=MAX_COLUMNS, values_only=True), 1):
-                cells = [_cell(value) for value in row]
-                if any(cells):
-                    yield f"row {number}", cells
+        with open(path, "rb") as file:
+            content = file.read(MAX_UNPACKED + 1)
+        if len(content) > MAX_UNPACKED:
+            raise mistake(path, "", f"must be at most {MAX_UNPACKED:,} bytes long")
+        source.digest.update(content)
+        workbook = workbook_of(path, content)
+        source.sheets = names = [*workbook.sheets]
+        if sheet is not None and sheet not in names:
+            raise mistake(path, "", f"must have the sheet {sheet}, found {listed(names)}")
+        name = names[0] if sheet is None else sheet
+        source.form.append(f"sheet {name}")
+        for number, cells in rows_of(workbook, name):
+            yield f"row {number}", cells
     except InputError:
         raise
     except OSError as error:
         raise mistake(path, "", f"cannot be read: {reason(error)}") from None
-    except Exception:  # what openpyxl raises for a broken file is not documented
+    except Exception:  # of any kind, depending on what is broken
         raise mistake(path, "", "must be a workbook of a spreadsheet program (.xlsx)") from None
 
 
@@ -361,9 +356,7 @@ def read_rows(
     uncounted = _uncounted(source, columns, whole, texts[0])
     columns = _without_copies(source, columns, [line for line in whole if line[0] not in uncounted])
     if len(source.sheets) > 1 and not any(column.known for column in columns):
-        raise mistake(
-            file, "", f"must have {noun}s in the {source.form[0]}; --sheet chooses: {', '.join(source.sheets)}"
-        )
+        raise mistake(file, "", f"must have {noun}s in the {source.form[0]}; --sheet chooses: {listed(source.sheets)}")
     wrong_columns = _wrong_columns(source, columns, keys, needed, usual or ", ".join(keys))
     refuse(Problem(file, key, message) for key, message in wrong_columns)
     for place, cells in lines:
@@ -616,7 +609,7 @@ def check_one_target(table: CsvTable, perforated: Sequence[bool | None], or_each
     for name, values in table.groups.items():
         if len(targets := targets_of(table, name, perforated)) > 1:
             shots = joined([f"{value} ({counted(values.count(value), 'shot')})" for value in targets])
-            choice = quote(f"{name}={targets[0]}")
+            choice = shell_word(f"{name}={targets[0]}")
             message = f"must be the same for all shots, found {shots}; choose one: --where {choice}{or_each}"
             raise mistake(table.file, name, message)
 

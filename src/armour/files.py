@@ -8,23 +8,27 @@ import stat
 import sys
 import tomllib
 import unicodedata
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from functools import cache
 from math import isfinite
 from os import PathLike
 from pathlib import Path
+from shlex import quote
 from typing import Any, BinaryIO
 
 from armour.errors import Problem, mistake, refuse, suggestion
 
-# Beginnings of a cell that a spreadsheet takes for a formula.
-FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n")
+# Beginnings of formulas: in a cell or, for a spreadsheet whose cells semicolons divide, within one; and the apostrophe
+# that prevents each.
+_FORMULA = re.compile(r"""(^(?='*[=+\-@\t\r\n])|;(?=["']*[=+\-@\t\r\n]))""")
+_PREVENTED = re.compile(r"""(?:(^)'(?='*[=+\-@\t\r\n])|(;)'(?=["']*[=+\-@\t\r\n]))""")
 
 # Greatest length of a file; a device such as /dev/zero has no end.
 MAX_BYTES = 10_000_000
-# Greatest depth of the tables in a file.
+# Greatest depth of the tables in a file, and a key of as many parts, on which the parser would take long.
 MAX_DEPTH = 50
+_DEEP_KEY = re.compile(rf"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){{{MAX_DEPTH}}}""")
 # Greatest number of characters shown of a line with an error.
 MAX_SHOWN = 80
 
@@ -164,8 +168,7 @@ def read_toml(path: str | PathLike[str], *, quoted: bool = True) -> dict[str, An
 def parse_toml(text: str, file: str, *, quoted: bool = True) -> dict[str, Any]:
     """Parse a text in TOML; `file` is its name in messages, which quote the wrong line if `quoted`."""
     try:
-        data = tomllib.loads(text)
-        if _depth(data) > MAX_DEPTH:
+        if _DEEP_KEY.search(text) or _depth(data := tomllib.loads(text)) > MAX_DEPTH:
             raise RecursionError
         return data
     except RecursionError:
@@ -196,14 +199,30 @@ def printable(text: str) -> str:
     )
 
 
+def shell_word(text: str) -> str:
+    """Quote a word of a command line so that a shell reads it again; control characters and other bytes by their codes.
+
+    The quotes are those of POSIX since 2024, and of older shells such as bash and zsh.
+    """
+    if text.isprintable():
+        return quote(text)
+    codes = [c if c.isprintable() and c not in "'\\" else [*os.fsencode(c)] for c in text]
+    return "$'" + "".join(c if isinstance(c, str) else "".join(f"\\{byte:03o}" for byte in c) for c in codes) + "'"
+
+
+def shell_line(words: Iterable[str]) -> str:
+    """Return words as a command line that is one line of printable text."""
+    return " ".join(map(shell_word, words))
+
+
 def csv_cell(text: str) -> str:
     """Return a text as a cell of CSV: an apostrophe precedes what a spreadsheet would take for a formula."""
-    return printable(f"'{text}" if text.lstrip("'").startswith(FORMULA) else text)
+    return printable(_FORMULA.sub(r"\1'", text))
 
 
 def csv_value(cell: str) -> str:
-    """Return the text of a cell, without the apostrophe of `csv_cell`."""
-    return cell[1:] if cell.startswith("'") and cell.lstrip("'").startswith(FORMULA) else cell
+    """Return the text of a cell, without the apostrophes of `csv_cell`."""
+    return _PREVENTED.sub(r"\1\2", cell)
 
 
 def finite(value: Any) -> Any:

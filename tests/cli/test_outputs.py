@@ -3,7 +3,9 @@
 import csv
 import json
 import os
+import re
 import shlex
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -275,8 +277,48 @@ def test_a_file_name_that_is_no_text(cli, folder: Path):
     assert line.endswith(" (line 1)")
     (folder / name).write_text(WILKINS.read_text())
     assert cli("report", name, "-o", "r.md").exit_code == 0
-    assert "w\\udcff.toml" in (folder / "r.md").read_text()
+    assert "armour report $'w\\377.toml' -o r.md" in (folder / "r.md").read_text()
     (folder / "suite.toml").write_text(SUITE.replace("own", "wilkins"))
     (folder / "suite.toml").rename(folder / name.replace("w", "s"))
     (folder / "wilkins.toml").write_text(WILKINS.read_text())
     assert json.loads(cli("validate", name.replace("w", "s"), "--json").stdout)["suite"] == name.replace("w", "s")
+
+
+@pytest.mark.parametrize(
+    "name", ["::error::x", "x\n::error::y", "x\r::e", "##[error]x", "##vso[x]y", "\x1b[31mx", "\u202ex"]
+)
+def test_no_name_of_a_file_is_a_command_of_a_log(cli, folder: Path, name: str):
+    path = f"{name}.toml"
+    (folder / "a.toml").write_text(WILKINS.read_text().replace("title = ", 'title = "::error::z" # '))
+    (folder / "t.csv").write_text("velocity_m_s,result\n700,P\n720,C\n")
+    (folder / f"{name}.csv").write_text((folder / "t.csv").read_text())
+    done = [
+        cli("check", path),
+        cli("init", path),
+        cli("check", path),
+        cli("simulate", "a.toml", "--history", f"h{name}.csv"),
+        cli("validate", path),
+        cli("v50", f"{name}.csv", "--csv", "v.csv"),
+        cli("ballistic-limit", path, "--json"),
+        cli("library", "show", name),
+        cli("check", ".", "--junit", "j.xml"),
+    ]
+    for result in done:
+        for line in (result.stdout + result.stderr).split("\n"):
+            assert not line.lstrip().startswith("::"), line
+            assert not re.search(r"##(\[|vso\[)", line), line
+            assert line.isprintable(), line
+    assert json.loads(done[6].stdout)["made_by"]["command"].startswith("armour ballistic-limit ")
+    told = (folder / "j.xml").read_text()
+    assert not re.search(r"(?m)^\s*::", told)
+
+
+@pytest.mark.parametrize("name", ["x\n::error::y", "\x1b[31mx", "it's", os.fsdecode(b"w\xff"), "-x"])
+def test_a_proposed_command_names_the_file(cli, folder: Path, name: str):  # noqa: ARG001 (the current one)
+    if shutil.which("bash") is None:
+        pytest.skip("needs bash")
+    command = cli("init", "--", f"{name}.toml").stderr.rpartition("next: ")[2]
+    words = subprocess.run(["bash", "-c", f"printf '%s\\0' {command}"], capture_output=True, check=True).stdout
+    armour, check, file, end = words.split(b"\0")
+    assert (armour, check, end) == (b"armour", b"check", b"")
+    assert os.path.normpath(os.fsdecode(file)) == f"{name}.toml"

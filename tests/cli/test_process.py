@@ -5,7 +5,7 @@ import os
 import shlex
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from io import TextIOWrapper
 from pathlib import Path
 
@@ -17,7 +17,7 @@ from armour.cli.main import _plain
 from armour.engine import cache
 from armour.engine.loops import LOOP_NAMES
 from tests.helpers.cases import SCENARIOS
-from tests.helpers.commands import IN_A_ROW
+from tests.helpers.commands import IN_A_ROW, run_in_a_row
 
 pytestmark = pytest.mark.slow
 
@@ -233,6 +233,43 @@ def test_every_encoding_has_characters_for_what_is_printed():
     special = "".join(character for character in {*sessions} - {*"╭╮╰╯│"} if not character.isascii())
     for encoding in ENCODINGS:
         assert not {*"?\\"} & {*special.encode(encoding, "plain").decode(encoding)}, encoding
+
+
+# Variables that libraries read, where an answer is computed, shown or drawn.
+VARIABLES = (
+    *("SOURCE_DATE_EPOCH", "MPLBACKEND", "MATPLOTLIBRC", "MPL_IGNORE_SYSTEM_FONTS", "COLUMNS", "LINES"),
+    *("TERM", "COLORTERM", "NO_COLOR", "TTY_COMPATIBLE", "TTY_INTERACTIVE", "JUPYTER_COLUMNS"),
+    *("JUPYTER_LINES", "UNICODE_VERSION", "DATABRICKS_RUNTIME_VERSION", "TERMINAL_WIDTH"),
+    *("TYPER_USE_RICH", "TYPER_STANDARD_TRACEBACK", "_TYPER_STANDARD_TRACEBACK"),
+    *("_TYPER_FORCE_DISABLE_TERMINAL", "EAGER_IMPORT", "NUMPY_MADVISE_HUGEPAGE", "NPY_PROMOTION_STATE"),
+    *("SCIPY_ARRAY_API", "SCIPY_DEVICE", "PRIMA_DEBUGGING", "PSUTIL_DEBUG", "PYDANTIC_DISABLE_PLUGINS"),
+    *("PYDANTIC_PRIVATE_ALLOW_UNHANDLED_SCHEMA_TYPES", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"),
+    *("OPENBLAS_CORETYPE", "GOTO_NUM_THREADS", "MKL_NUM_THREADS", "LANG", "LC_ALL", "TZ", "TMPDIR"),
+    *("XDG_DATA_DIRS", "XDG_DATA_HOME", "WINDIR", "LLVMLITE_ENABLE_IR_LAYER_TYPED_POINTERS"),
+    *("NUMBA_BOUNDSCHECK", "NUMBA_CACHE_DIR", "NUMBA_CACHE_LOCATOR_CLASSES", "NUMBA_CHROME_TRACE"),
+    *("NUMBA_COLOR_SCHEME", "NUMBA_DEBUG", "NUMBA_DEBUG_CACHE", "NUMBA_DISABLE_JIT"),
+    *("NUMBA_DISABLE_PERFORMANCE_WARNINGS", "NUMBA_DUMP_BYTECODE", "NUMBA_DUMP_IR", "NUMBA_DUMP_LLVM"),
+    *("NUMBA_ENABLE_PROFILING", "NUMBA_LOOP_VECTORIZE", "NUMBA_NUM_THREADS", "NUMBA_OPT"),
+    *("NUMBA_THREADING_LAYER",),
+)
+ENVIRONMENTS = {
+    "empty": ("", VARIABLES),
+    "a word": ("x", VARIABLES[1:]),
+    "huge": ("9" * 25, VARIABLES[1:]),
+    "negative": ("-1", VARIABLES[1:]),
+    "one": ("1", [name for name in VARIABLES if name not in ("COLUMNS", "TTY_COMPATIBLE")]),
+    "no digit": ("²", VARIABLES[1:]),
+}
+
+
+@pytest.mark.parametrize(("value", "names"), ENVIRONMENTS.values(), ids=ENVIRONMENTS)
+def test_what_the_environment_says_to_libraries_changes_nothing(value: str, names: Sequence[str], tmp_path: Path):
+    lines = ("check wilkins", "simulate wilkins --plot run.pdf", "v50 --help", "v50 tests/shots --plot v50.svg")
+    before = run_in_a_row(lines, tmp_path, os.environ)
+    (tmp_path / "run.pdf").unlink()
+    (tmp_path / "v50.svg").unlink()
+    assert run_in_a_row(lines, tmp_path, {**os.environ, **dict.fromkeys(names, value)}) == before
+    assert before[0] == dict(zip(lines, (3, 0, 0, 0), strict=True))
 
 
 @pytest.mark.usefixtures("folder")

@@ -23,6 +23,13 @@ pytestmark = pytest.mark.slow
 CONFIG: Any = numba.config
 
 
+def test_an_installation_in_a_folder_whose_name_is_no_text(tmp_path: Path):
+    package = tmp_path / os.fsdecode(b"caf\xe9")
+    for name in ("core", "engine"):
+        shutil.copytree(cache.PACKAGE_FOLDER / name, package / name)
+    assert cache.digest(package) not in ("", cache.digest())
+
+
 class FakeCompiler:
     """Stands for `armour.engine.kernels.compiled`: leaves a file in the folder, as numba does."""
 

@@ -4,9 +4,11 @@ import asyncio
 import os
 import signal
 import socket
+import subprocess
 import sys
 import threading
 from collections.abc import Iterator
+from concurrent.futures import CancelledError
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -158,6 +160,40 @@ def test_a_cluster_is_started_on_this_machine(monkeypatch: pytest.MonkeyPatch):
         assert found.submit(abs, -1).result() == 1
 
 
+def test_a_cluster_that_cannot_be_started_is_told(monkeypatch: pytest.MonkeyPatch):
+    """As with DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT=x in the environment."""
+
+    def cluster(**_settings: object) -> None:
+        raise KeyError("Invalid time unit: x")
+
+    monkeypatch.setattr("distributed.LocalCluster", cluster)
+    message = "--scheduler: cannot start a cluster on this machine: 'Invalid time unit: x'"
+    with pytest.raises(InputError, match=message), connected("local"):
+        pass
+
+
+def test_a_worker_without_armour_is_told(tmp_path: Path):
+    from distributed import Client, LocalCluster
+
+    (tmp_path / "armour").mkdir()
+    (tmp_path / "armour" / "__init__.py").write_text("raise ImportError('none here')")
+    with (
+        LocalCluster(n_workers=0, dashboard_address="127.0.0.1:0", host="127.0.0.1") as cluster,
+        Client(cluster) as client,
+    ):
+        words = [sys.executable, "-m", "dask", "worker", cluster.scheduler_address, "--nthreads", "1", "--no-nanny"]
+        worker = subprocess.Popen(
+            [*words, "--no-dashboard"], cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(tmp_path)}, stderr=-3
+        )
+        try:
+            client.wait_for_workers(1)
+            with pytest.raises(InputError, match="workers with armour, found one that cannot import it: none here"):
+                sweep_on(client, tmp_path / "a.csv")
+        finally:
+            worker.kill()
+            worker.wait()
+
+
 def test_without_dask_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     with (
@@ -171,6 +207,7 @@ def test_without_dask_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch):
     ("error", "message"),
     [
         (asyncio.CancelledError(), "lost the connection to the scheduler; finished rows are kept, repeat the same"),
+        (CancelledError(), "lost the connection to the scheduler"),
         (OSError("no route"), "failed: no route; finished rows are kept"),
     ],
 )

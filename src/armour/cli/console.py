@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -10,6 +11,9 @@ from typing import IO, Any
 from armour.errors import mistake
 from armour.files import finite, reason
 from armour.reporting.table import Table, printable_lines
+
+# The first mark of what a log of GitHub or Azure takes for a command, as in a name of a file; JSON has the same escape.
+_COMMAND = re.compile(r"(?m)^([^\S\n]*):(?=:)|#(?=#(?:\[|vso\[))")
 
 
 def show(*items: Table | str, title: str = "", stderr: bool = False) -> None:
@@ -45,7 +49,7 @@ def _write(text: str, stream: IO[str]) -> None:
     A pipe that its reader has closed is no error.  On standard error, any text that cannot be written is dropped.
     """
     try:
-        stream.write(text)
+        stream.write(_COMMAND.sub(lambda mark: f"{mark[1] or ''}\\u{ord(mark[0][-1]):04x}", text))
         stream.flush()
     except OSError as error:
         discard(stream)

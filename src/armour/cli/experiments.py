@@ -1,6 +1,5 @@
 """Commands on tests of armours: estimate from them, and plan further ones."""
 
-import shlex
 from contextlib import ExitStack
 from functools import partial
 from os.path import exists
@@ -34,7 +33,7 @@ from armour.cli.options import (
 from armour.cli.runner import Files, answer, check_options, check_outputs, read_scenario, say_how_read, wrong_option
 from armour.cli.scenario_commands import LIMIT_READS
 from armour.errors import point_hint, restated
-from armour.files import shipped_tests
+from armour.files import shell_line, shipped_tests
 from armour.reporting.table import csv_text, rows_csv
 from armour.scenario.inputs import NAMES
 from armour.scenario.keys import describe
@@ -213,7 +212,7 @@ def calibrate(
             own, tested = loaded.name_of(role), tests.groups[0].scenario.name_of(role)
             if own != tested:
                 say(f"note: {fitted}: {NAMES[role]}: is {tested}, {lot}, as tested, in place of {own}")
-        runner.propose(shlex.join(["armour", "check", str(fitted)]))
+        runner.propose(shell_line(["armour", "check", runner.source_word(fitted)]))
     elif result.evidence is not None and library is None:
         runner.propose(f"{runner.command_line()} --write-scenario fitted.toml --lot 'lot 1'")
 

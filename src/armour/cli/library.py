@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from shlex import quote
 from typing import Any
 
 import typer
@@ -10,11 +9,11 @@ import typer
 import armour.lazy as lazy
 from armour import __version__
 from armour.cli import completion
-from armour.cli.console import emit, say, show, show_json
+from armour.cli.console import emit, show, show_json
 from armour.cli.options import AS_JSON, FORCE, argument, flag, option
-from armour.cli.runner import check_outputs, say_leaving, show_answer, write
+from armour.cli.runner import check_outputs, propose, say_leaving, show_answer, source_word, write
 from armour.errors import choices, mistake, refuse
-from armour.files import shipped_files, shipped_notebooks, shipped_suites, shipped_tests, wrong_ending
+from armour.files import shell_line, shipped_files, shipped_notebooks, shipped_suites, shipped_tests, wrong_ending
 from armour.reporting.table import Table
 
 # Kinds of entries; each has a command, its plural, that lists them.
@@ -111,10 +110,10 @@ def init(
     is_scenario = ending == ".toml" and source not in suites
     write({file: lambda _: SCHEMA_LINE * is_scenario + shipped[source].read_bytes()})
     if ending == ".toml":
-        command = "check {}" if is_scenario else "validate {}" + " --update" * (source == "regression")
-        say(f"next: armour {command.format(quote(str(file)))}")
+        command = ["armour", "check" if is_scenario else "validate", source_word(file)]
+        propose(shell_line([*command, *["--update"] * (source == "regression")]))
     elif ending == ".ipynb":
-        say(f"next: jupyter lab {quote(str(file))}")
+        propose(shell_line(["jupyter", "lab", source_word(file)]))
 
 
 def compile_() -> None:

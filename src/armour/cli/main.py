@@ -6,12 +6,16 @@ import gc
 import os
 import signal
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, MutableMapping
 from io import TextIOWrapper
 from typing import Any
 
 # Replacements for characters of rules and units that the encoding of an output lacks.
 REPLACEMENTS = {"\N{MULTIPLICATION SIGN}": "x", "─": "-", "²": "2", "³": "3", "µ": "u", "±": "+-", "°": " deg"}
+# Beginnings of variables of the environment that slow libraries down, or make them print or fail; the processor that
+# numba compiles for may be chosen.
+IGNORED = ("EAGER_IMPORT", "NPY_", "NUMBA_", "NUMPY_", "SCIPY_", "TERMINAL_WIDTH", "TYPER_", "_TYPER_FORCE_")
+KEPT = ("NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES")
 
 
 def main() -> None:
@@ -43,6 +47,7 @@ def _run(interrupt: Callable[[int, object], None]) -> None:
         for stream in (sys.stdout, sys.stderr):
             if isinstance(stream, TextIOWrapper):
                 stream.reconfigure(errors="plain")
+        _settle(os.environ)
         # Pydantic looks for plugins among all installed packages, which takes a while.
         os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
         # Else the processes that --scheduler local starts would import modules from the current folder.
@@ -60,6 +65,17 @@ def _run(interrupt: Callable[[int, object], None]) -> None:
         _give_up(error)
     finally:
         _when_interrupted(_end)
+
+
+def _settle(environment: MutableMapping[str, str]) -> None:
+    """Remove the variables of the environment that libraries, but not this program, would take as settings.
+
+    An empty one, as of an unset variable of CI, counts as not set, and so does a size of the terminal that is none.
+    """
+    for name, value in [*environment.items()]:
+        is_no_size = name in ("COLUMNS", "LINES") and not (value.isascii() and value.isdecimal() and len(value) < 5)
+        if not value or is_no_size or (name.startswith(IGNORED) and name not in KEPT):
+            del environment[name]
 
 
 def _plain(error: UnicodeError) -> tuple[str, int]:

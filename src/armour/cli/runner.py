@@ -2,7 +2,6 @@
 
 import json
 import os
-import shlex
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, chdir, contextmanager, suppress
@@ -15,7 +14,7 @@ import armour
 import armour.lazy as lazy
 from armour.cli.console import emit, say, show, show_json
 from armour.errors import ArmourError, InputError, Problem, in_two_lines, mistake, refuse, restated
-from armour.files import decoded, parse_toml, read_text, unwritable, write_file, wrong_ending
+from armour.files import decoded, parse_toml, read_text, shell_line, unwritable, write_file, wrong_ending
 from armour.leaving import leaving
 from armour.reporting.table import Table
 from armour.scenario.inputs import VELOCITY
@@ -296,7 +295,7 @@ def origin_of(scenario: "armour.Scenario | None" = None) -> dict[str, str]:
 
 def command_line() -> str:
     """Return the command line as it was typed, without the folders of absolute paths."""
-    return shlex.join(["armour", *map(_without_folders, sys.argv[1:])])
+    return shell_line(["armour", *map(_without_folders, sys.argv[1:])])
 
 
 def _without_folders(word: str) -> str:

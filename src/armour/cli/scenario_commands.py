@@ -1,6 +1,5 @@
 """Commands that answer a question about a scenario, or about many armours like it."""
 
-import shlex
 from collections.abc import Sequence
 from pathlib import Path
 from time import perf_counter
@@ -30,7 +29,7 @@ from armour.cli.options import (
 )
 from armour.cli.runner import Files, answer, check_outputs, picture, read_scenario, warnings_of, write
 from armour.errors import InputError, Problem, counted, duration, refuse
-from armour.files import read_json, read_toml, shipped_suites, wrong_ending
+from armour.files import read_json, read_toml, shell_line, shipped_suites, wrong_ending
 from armour.reporting.table import rows_csv
 from armour.scenario.inputs import OF_ERROR, ROUND_AND_ARMOUR, VELOCITY
 from armour.scenario.keys import changes_of, describe
@@ -280,7 +279,7 @@ def _check_of(scenario: "armour.Scenario", best: "armour.BestDesign", source: st
     kept += [f"{key}={str(value).removesuffix('.0')}" for key, value in values.items()]
     required = scenario.design and scenario.design.required_probability
     confidence = ["--confidence", f"{required:g}"] if required else []
-    return shlex.join(["armour", "check", source, *confidence, *runner.set_options(kept)])
+    return shell_line(["armour", "check", source, *confidence, *runner.set_options(kept)])
 
 
 def sensitivity(
@@ -400,7 +399,7 @@ def report(
     command = runner.command_line()
     set_words = runner.set_options(runner.accepted(changes, DESIGNS))
     optimise_words = ["armour", "optimise", runner.source_word(source), *required, *set_words]
-    map_command = shlex.join([*optimise_words, "--map", "map.html"])
+    map_command = shell_line([*optimise_words, "--map", "map.html"])
     if str(source) != "-":
         source = lazy.scenario_file(source, shipped_suites())
     is_suite = str(source) != "-" and {"case", "table"} & read_toml(source).keys()

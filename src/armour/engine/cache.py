@@ -49,7 +49,7 @@ def digest(package: Path = PACKAGE_FOLDER) -> str:
 
     versions = [version(name) for name in ("numba", "llvmlite", "numpy")]
     # numba compiles again for each location: two installations would remove each other's compiled code.
-    content = sha256(f"{package} {versions} {sys.version} {processor()}".encode())
+    content = sha256(os.fsencode(f"{package} {versions} {sys.version} {processor()}"))
     engine = package / "engine"
     for path in [*sorted((package / "core").glob("*.py")), engine / "kernels.py", engine / "loops.py"]:
         content.update(sha256(path.name.encode() + path.read_bytes()).digest())

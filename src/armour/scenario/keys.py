@@ -18,6 +18,8 @@ from armour.scenario.inputs import INPUTS, NAMING
 Parts = tuple[str, ...]
 # More parts than any key of a scenario has; deeper tables exhaust the stack.
 MAX_PARTS = 20
+# Greatest length of a key, longer than any; the parser of TOML would take long on a key of thousands of parts.
+MAX_KEY = 5000
 LISTED = "; a list is given whole, such as threat=[{...}]"
 # Keys, and indices of lists.
 KeyPath = tuple[str | int, ...]
@@ -86,7 +88,7 @@ def key_name(parts: Sequence[str | int]) -> str:
 def parts_of(key: str) -> Parts:
     """Return the parts of a dotted key as TOML reads it; raise a ValueError if it is not one."""
     parts: Parts = ()
-    if not isinstance(key, str):
+    if not isinstance(key, str) or len(key) > MAX_KEY:
         raise ValueError(key)
     key = nfc(key)
     if re.fullmatch(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*", key):

@@ -4,7 +4,6 @@ import re
 from collections import Counter
 from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from shlex import quote
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,6 +23,7 @@ from armour.csv_files import (
     wrong_result,
 )
 from armour.errors import InputError, Problem, counted, joined, listed, mistake, refuse
+from armour.files import shell_word
 from armour.scenario.checked import Names, Table, checked
 from armour.scenario.inputs import CERAMIC, INPUTS, NAMES, ROLES, VELOCITY
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
@@ -225,7 +225,7 @@ def read_tests(
         check_one_target(table, [perforates(row.texts[OUTCOME]) for row in rows])
     for name, lots in table.groups.items():
         if len({*lots}) > 1 and column_of(name, ("lot",)).known:
-            found, choice = listed([lot or "none" for lot in dict.fromkeys(lots)]), quote(f"{name}={lots[0]}")
+            found, choice = listed([lot or "none" for lot in dict.fromkeys(lots)]), shell_word(f"{name}={lots[0]}")
             raise mistake(file, name, f"must be the same for all tests, found {found}; choose one: --where {choice}")
     cells: list[dict[str, float | str]] = [{**row.texts, **row.numbers} for row in rows]
     places = tuple(row.place for row in rows)

@@ -4,8 +4,8 @@ import asyncio
 import logging
 import pickle
 from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, Future
-from contextlib import contextmanager
+from concurrent.futures import CancelledError, Executor, Future
+from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, Any
 
 from armour.errors import ArmourError, InputError, mistake
@@ -32,7 +32,12 @@ def connected(scheduler: str) -> Iterator["Client"]:
     for name in ("distributed", "distributed.client"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
     if scheduler == "local":
-        with LocalCluster(threads_per_worker=1, dashboard_address="127.0.0.1:0") as cluster, Client(cluster) as client:
+        with ExitStack() as started:
+            try:
+                cluster = started.enter_context(LocalCluster(threads_per_worker=1, dashboard_address="127.0.0.1:0"))
+                client = started.enter_context(Client(cluster))
+            except Exception as error:  # of any kind, depending on what is wrong with Dask's settings
+                raise _error(f"cannot start a cluster on this machine: {error}") from None
             yield client
         return
     try:
@@ -77,7 +82,9 @@ def workers_of(client: "Client") -> Iterator[Workers]:
         yield Workers(_SameProgram(client), threads, CHUNKS_AHEAD * threads, check)
     except ArmourError:
         raise
-    except asyncio.CancelledError:
+    except ImportError as error:
+        raise _error(f"must have workers with armour, found one that cannot import it: {error}") from None
+    except (asyncio.CancelledError, CancelledError):
         raise _error(f"lost the connection to the scheduler; finished rows are kept, {RESUME}") from None
     except Exception as error:  # of any kind, depending on what fails
         raise _error(f"failed: {str(error) or type(error).__name__}; finished rows are kept, {RESUME}") from None
@@ -90,8 +97,21 @@ class _SameProgram(Executor):
         self._executor = client.get_executor(pure=False)
 
     def submit(self, function: Callable[..., Any], /, *args: Any) -> Future[Any]:  # type: ignore[override]
-        """Submit a call, pickled here, so that a worker with another version can refuse it before it is unpickled."""
-        return self._executor.submit(_call, program(), pickle.dumps((function, args)))
+        """Submit a call, pickled here, so that a worker with another version can refuse it before it is unpickled.
+
+        A worker without armour would die of a function of it; as `pickle.loads` calls this one, the call fails instead.
+        """
+        return self._executor.submit(pickle.loads, pickle.dumps(_Call(program(), pickle.dumps((function, args)))))
+
+
+class _Call:
+    """A call of `_call`, made where it is unpickled."""
+
+    def __init__(self, *args: Any) -> None:
+        self.args = args
+
+    def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
+        return _call, self.args
 
 
 def _call(expected: str, call: bytes) -> Any:

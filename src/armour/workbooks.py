@@ -1,0 +1,218 @@
+"""Sheets of workbooks (.xlsx), read as streams and within bounds, so that no workbook takes minutes or gigabytes."""
+
+import re
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from datetime import datetime, timedelta
+from functools import lru_cache, partial
+from io import BytesIO
+from pathlib import Path
+from posixpath import dirname, join, normpath, split
+from typing import NamedTuple
+from xml.parsers.expat import ParserCreate
+from zipfile import ZIP_DEFLATED, ZIP_STORED, ZipFile
+
+from armour.errors import mistake
+
+# Greatest length of a workbook and of each part that is read, unpacked, bytes; and number of parts.
+MAX_UNPACKED, MAX_PARTS = 100_000_000, 10_000
+# Greatest number of columns, of cells and of characters in a sheet; a cell counts for each row that it fills or skips.
+MAX_COLUMNS, MAX_CELLS, MAX_CHARACTERS = 1000, 500_000, 5_000_000
+# Greatest number of rows that spreadsheet programs have.
+MAX_ROWS = 1_048_576
+# Greatest number of tags of a part, of their names, how deeply they are nested, and length of one, bytes.
+MAX_TAGS, MAX_NAMES, MAX_DEPTH, MAX_TAG = 2_500_000, 1000, 100, 1_000_000
+# Bytes that are parsed at once, and greatest number of pieces, of 8 kB, in which the parser gives one text.
+CHUNK, MAX_PIECES = 1 << 16, 50
+# Formats of dates and times that have a number only, and what does not count in the code of another format.
+_DATES = {*range(14, 23), *range(27, 37), *range(45, 48), *range(50, 59)}
+_LITERAL = re.compile(r'"[^"]*"|\[[^][]*\]|[\\_*].')
+
+# A tag: "row" begins an element with these attributes, and "/v" ends one with this text.
+Tag = tuple[str, Mapping[str, str], str]
+
+
+class Workbook(NamedTuple):
+    """A workbook: its sheets, and what their cells refer to."""
+
+    path: Path
+    archive: ZipFile
+    sheets: dict[str, str]  # parts of the worksheets by name
+    texts: list[str]  # shared by cells
+    dates: list[bool]  # for each style of cells, whether it shows dates
+    first_day: datetime
+
+
+def workbook_of(path: Path, content: bytes) -> Workbook:
+    """Open the workbook that a file contains; a broken one raises any error."""
+    if content.count(b"PK\1\2") > MAX_PARTS:
+        raise mistake(path, "", f"must be a workbook of at most {MAX_PARTS:,} parts, found more")
+    archive = ZipFile(BytesIO(content))
+    main = next(part for kind, part in _related(path, archive, "").values() if kind == "officeDocument")
+    related = _related(path, archive, main)
+    sheets, first_day = dict[str, str](), datetime(1899, 12, 30)
+    for name, attributes, _ in _tags(path, archive, main):
+        if name == "workbookPr" and attributes.get("date1904") in ("1", "true"):
+            first_day = datetime(1904, 1, 1)
+        elif name == "sheet":
+            kind, part = related[next(value for key, value in attributes.items() if key.endswith(":id"))]
+            if kind == "worksheet":
+                sheets[attributes["name"]] = part
+    parts = {kind: part for kind, part in related.values() if part in archive.NameToInfo}
+    texts = [*_shared_texts(path, archive, parts["sharedStrings"])] if "sharedStrings" in parts else []
+    dates = [*_dates(path, archive, parts["styles"])] if "styles" in parts else []
+    return Workbook(path, archive, sheets, texts, dates, first_day)
+
+
+def rows_of(book: Workbook, sheet: str) -> Iterator[tuple[int, list[str]]]:
+    """Yield the number and the cells of each row of a sheet that is not empty; a row is as wide as those above."""
+    number = column = width = 0
+    cells, cells_left, characters_left = list[str](), MAX_CELLS, MAX_CHARACTERS
+    is_reading, kind, style, value = True, "", 0, ""
+    for name, attributes, text in _tags(book.path, book.archive, book.sheets[sheet]):
+        match name:
+            case "row":
+                earlier, number = number, int(attributes.get("r", number + 1))
+                if not earlier < number <= MAX_ROWS:
+                    message = f"must be numbered from 1 to {MAX_ROWS:,} in increasing order, found {number}"
+                    raise mistake(book.path, f"rows of the sheet {sheet}", message)
+                column, cells = 0, []
+            case "c":
+                place = attributes.get("r")
+                column = _column(place.rstrip("0123456789")) if place else column + 1
+                kind, style, value = attributes.get("t", "n"), int(attributes.get("s", 0)), ""
+            case "rPh" | "/rPh":  # how a text is pronounced
+                is_reading = name == "/rPh"
+            case "/v" | "/t" if is_reading:
+                value += text
+            case "/c" if found := _text(book, kind, style, value):
+                if column > MAX_COLUMNS:
+                    raise mistake(book.path, f"row {number}", f"must have at most {MAX_COLUMNS:,} columns, found more")
+                characters_left -= len(found)
+                cells += [""] * (column - len(cells))
+                cells[column - 1] = found
+            case "/row" if cells:
+                width = max(width, len(cells))
+                cells_left -= width
+                yield number, cells + [""] * (width - len(cells))
+        if min(cells_left, characters_left) < 0:
+            raise mistake(
+                book.path, "", f"must have at most {MAX_CELLS:,} cells and {MAX_CHARACTERS:,} characters in a sheet"
+            )
+
+
+def _tags(path: Path, archive: ZipFile, part: str) -> Iterator[Tag]:
+    """Yield the tags of a part of a workbook, their names without the namespace."""
+    tags: list[Tag] = []
+    pieces: list[str] = []
+    names = dict[str, str]()
+    depth = count = length = 0
+
+    def begin(name: str, attributes: dict[str, str]) -> None:
+        nonlocal depth
+        depth += 1
+        pieces.clear()
+        tags.append((name.rpartition(":")[2], attributes, ""))
+
+    def end(name: str) -> None:
+        nonlocal depth
+        depth -= 1
+        tags.append((f"/{name.rpartition(':')[2]}", {}, "".join(pieces)))
+        pieces.clear()
+
+    def refuse(*_declared: object) -> None:
+        raise ValueError("a document type, whose entities may be of any length")
+
+    parser = ParserCreate(intern=names)
+    parser.buffer_text = True
+    parser.StartElementHandler, parser.EndElementHandler = begin, end
+    parser.CharacterDataHandler, parser.StartDoctypeDeclHandler = pieces.append, refuse
+    if archive.getinfo(part).compress_type not in (ZIP_STORED, ZIP_DEFLATED):
+        raise ValueError("a compression that may need any memory")
+    with archive.open(part) as stream:
+        for chunk in iter(partial(stream.read, CHUNK), b""):
+            parser.Parse(chunk)
+            count, length = count + len(tags), length + len(chunk)
+            if length > MAX_UNPACKED:
+                raise mistake(path, "", f"must be at most {MAX_UNPACKED:,} bytes long when it is unpacked")
+            is_unfinished = length - parser.CurrentByteIndex > MAX_TAG or len(pieces) > MAX_PIECES
+            if count > MAX_TAGS or len(names) > MAX_NAMES or depth > MAX_DEPTH or is_unfinished:
+                raise mistake(path, "", "must be a workbook with fewer or shorter cells; save the sheet as CSV")
+            yield from tags
+            tags.clear()
+    parser.Parse(b"", True)
+    yield from tags
+
+
+def _related(path: Path, archive: ZipFile, part: str) -> dict[str, tuple[str, str]]:
+    """Return the kind and the name of each part that a part, or "" for the whole workbook, refers to, by their ids."""
+    folder, name = split(part)
+    return {
+        attributes["Id"]: (
+            attributes["Type"].rpartition("/")[2],
+            normpath(join("/", dirname(part), attributes["Target"])).lstrip("/"),
+        )
+        for tag, attributes, _ in _tags(path, archive, join(folder, "_rels", f"{name}.rels"))
+        if tag == "Relationship"
+    }
+
+
+def _shared_texts(path: Path, archive: ZipFile, part: str) -> Iterator[str]:
+    """Yield the texts to which cells refer by their places."""
+    is_reading, pieces, left = True, list[str](), MAX_CHARACTERS
+    for name, _, text in _tags(path, archive, part):
+        match name:
+            case "rPh" | "/rPh":
+                is_reading = name == "/rPh"
+            case "/t" if is_reading:
+                pieces.append(text)
+                left -= len(text)
+            case "/si":
+                yield "".join(pieces).strip()
+                pieces = []
+        if left < 0:
+            raise mistake(path, "", f"must have at most {MAX_CHARACTERS:,} characters")
+
+
+def _dates(path: Path, archive: ZipFile, part: str) -> Iterator[bool]:
+    """Yield whether each style of cells shows dates or times."""
+    formats, is_of_cells = {*map(str, _DATES)}, False
+    for name, attributes, _ in _tags(path, archive, part):
+        match name:
+            case "numFmt":
+                code = _LITERAL.sub("", attributes["formatCode"]).partition(";")[0].lower()
+                if {*code} & {*"dmyhs"}:
+                    formats.add(attributes["numFmtId"])
+            case "cellXfs" | "/cellXfs":
+                is_of_cells = name == "cellXfs"
+            case "xf" if is_of_cells:
+                yield attributes.get("numFmtId") in formats
+
+
+@lru_cache(MAX_COLUMNS)
+def _column(letters: str) -> int:
+    """Return the number of a column: 1 for A, 27 for AA."""
+    if not re.fullmatch("[A-Z]{1,3}", letters):
+        raise ValueError("not a cell")
+    number = 0
+    for letter in letters:
+        number = 26 * number + ord(letter) - ord("A") + 1
+    return number
+
+
+def _text(book: Workbook, kind: str, style: int, value: str) -> str:
+    """Return the text of a cell of a kind and style, given its value."""
+    value = value.strip()
+    if kind == "s" and value:
+        if int(value) < 0:
+            raise ValueError("not a place of a text")
+        return book.texts[int(value)]
+    if kind == "b" and value:
+        return str(value == "1")
+    if kind != "n" or not value:
+        return value
+    number = float(value) if {*".eE"} & {*value} else int(value)
+    if 0 <= style < len(book.dates) and book.dates[style]:
+        with suppress(OverflowError, ValueError):
+            return str(book.first_day + timedelta(days=number))
+    return str(number)
