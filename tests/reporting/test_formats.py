@@ -120,7 +120,7 @@ def test_control_characters_are_escaped():
 
 
 def test_a_suite(folder):
-    outcome = result(folder, TABLE + case("own", 700.0, "band = 100.0"))
+    outcome = result(folder, TABLE + case("own", 700.0, "band = 70.0"))
     content = html_report(suite_report(outcome, "armour report s.toml"))
     assert "3 of 4 within their bands" in content
     assert content.count('class="chart"') == 1
