@@ -71,7 +71,7 @@ def test_a_result_within_its_band_may_be_far_from_the_tests(folder: Path):
     )
     assert unfilled.lead == "0 of 1 within their bands, 1 no expected value."
     unscored = view.suite_report(result(folder, case("none", 700.0, 'not_scored = "a slip"')))
-    assert (unscored.lead, unscored.passed) == ("No case is scored.", None)
+    assert (unscored.lead, unscored.passed) == ("No case is scored.", False)
 
 
 def test_an_allowance_leaves_out_one_test_of_twenty(folder: Path):
