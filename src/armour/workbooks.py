@@ -214,5 +214,6 @@ def _text(book: Workbook, kind: str, style: int, value: str) -> str:
     number = float(value) if {*".eE"} & {*value} else int(value)
     if 0 <= style < len(book.dates) and book.dates[style]:
         with suppress(OverflowError, ValueError):
-            return str(book.first_day + timedelta(days=number))
+            moment = book.first_day + timedelta(days=number)
+            return str(moment if number >= 1 else moment.time())  # of a time of day
     return str(number)

@@ -276,8 +276,8 @@ def test_a_check_against_an_earlier_one(cli, doors: Path):
     ]
 
 
-def test_an_earlier_check_that_is_none(cli):
-    Path("bad.json").write_text("[" * 100_000)
+def test_an_earlier_check_that_is_none(cli, folder: Path):
+    (folder / "bad.json").write_text("[" * 100_000)
     assert cli.fails(2, "check", "wilkins", "--against", "bad.json") == ["bad.json: must be JSON"]
 
 
