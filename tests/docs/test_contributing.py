@@ -1,16 +1,13 @@
 """Steps of the recipes in CONTRIBUTING.md of which no other test fails if they are left out."""
 
 import re
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, get_args
+from typing import get_args
 
 import pytest
-import typer
 
 from armour.analysis.evaluate import evaluate
 from armour.analysis.quantities import OF_IMPACT, QUANTITIES
-from armour.cli.app import app
 from armour.files import read_toml, shipped_suites
 from armour.reporting.pictures.sweeps import RESIDUALS
 from armour.scenario.inputs import INPUTS, ROLES
@@ -20,6 +17,7 @@ from armour.units import words_and_unit
 from armour.validation.questions import QUESTIONS
 from armour.validation.suite import load_suite
 from tests.helpers.cases import SCENARIOS, scenario
+from tests.helpers.commands import COMMAND, options_of
 from tests.validation.test_regression import SUITE as REGRESSION
 
 ROOT = Path(__file__).parents[2]
@@ -30,24 +28,17 @@ LAWS: list[tuple[str, str, int]] = [("shear_perimeter", *law) for law in SHEAR_L
 LAWS += [("plate_drive", *law) for law in DRIVE_LAWS.items()]
 
 
-def commands(command: Any, words: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], list[str]]]:
-    """Yield the words of each command, with its options as they may be written, separated by a slash."""
-    yield words, ["/".join(each.opts) for each in command.params if each.param_type_name == "option"]
-    for name, inner in getattr(command, "commands", {}).items():
-        yield from commands(inner, (*words, name))
-
-
-@pytest.mark.parametrize(("words", "options"), [*commands(typer.main.get_command(app))])
-def test_an_option_is_on_the_page_of_its_command(words: tuple[str, ...], options: list[str]):
+@pytest.mark.parametrize(("command", "options"), [*options_of(COMMAND)])
+def test_an_option_is_on_the_page_of_its_command(command: str, options: list[str]):
     """Or, if it is of the program or common to commands, among their conventions."""
     conventions = (
         (GUIDES / "schema.md").read_text().partition("## Conventions of all commands")[2].partition("\n## ")[0]
     )
-    pages = [GUIDES / f"{name}.md" for name in ("-".join(words), *words[:1])]
+    pages = [GUIDES / f"{name}.md" for name in (command.replace(" ", "-"), command.partition(" ")[0])]
     own = "".join(page.read_text() for page in pages if page.exists())
 
     def is_told(option: str) -> bool:
-        text = conventions + own if option in COMMON or not words else own
+        text = conventions + own if option in COMMON or not command else own
         return any(re.search(rf"{name}(?![\w-])", text) for name in option.split("/"))
 
     assert [each for each in options if not is_told(each)] == [], (
