@@ -47,6 +47,20 @@ def not_laid_out(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("armour.reporting.pictures.drawing.NotebookFigure.draw_without_rendering", lambda _: None)
 
 
+# What to do after a change of the core's code, without which no probability is known and many tests fail.
+RENEW = "changed code of armour/core: see whether numbers moved (CONTRIBUTING.md), then run python -m tools.evidence"
+
+
+def pytest_terminal_summary(terminalreporter: Any) -> None:
+    """Say below tests that fail what they need if the core's code is not that which is recorded."""
+    if "failed" in terminalreporter.stats:
+        from armour.evidence.core_digest import core_digest
+        from armour.evidence.fit import shipped_data
+
+        if core_digest() != shipped_data()["core"]["sha256"]:
+            terminalreporter.section(RENEW, red=True)
+
+
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: Any, log: Any) -> Any:
     """Give each file to one process, so that what its tests share is computed once."""

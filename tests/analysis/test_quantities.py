@@ -6,21 +6,13 @@ import pytest
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.evaluate import evaluate
 from armour.analysis.impact import simulate
-from armour.analysis.quantities import QUANTITIES, label_and_unit
+from armour.analysis.quantities import OF_IMPACT, OF_WEIGHT, QUANTITIES, label_and_unit
 from armour.scenario.scenario import Scenario
 from tests.helpers.cases import grid, scenario
 
-IMPACT = [
-    "outcome",
-    "residual_velocity_m_s",
-    "residual_mass_g",
-    "residual_length_mm",
-    "penetration_depth_mm",
-    "bulge_height_mm",
-    "plug_velocity_m_s",
-    "duration_us",
-    "areal_density_kg_m2",
-]
+# An output of an impact is an attribute of ImpactResult; of losses, it has what is left.
+LOSSES = ("velocity_lost_percent", "mass_lost_percent")
+IMPACT = [name for name, each in QUANTITIES.items() if each.reads in (OF_IMPACT, OF_WEIGHT) and name not in LOSSES]
 GRID = grid((0.0, 60.0, 0.5), (1.0, 60.0, 0.5))
 THIN = {layer: {"min": 0.5, "max": 2.0, "step": 0.5} for layer in GRID}
 

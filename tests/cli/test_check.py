@@ -106,7 +106,7 @@ def test_what_is_no_scenario_of_a_folder_is_skipped_and_counted(
 def test_many_files_are_read_on_request(cli, doors: Path):
     for number in range(999):
         (doors / f"{number}.toml").touch()
-    assert cli.fails(2, "check", "doors") == ["check: 1,001 .toml files in folders; --yes to go on"]
+    assert cli.fails(2, "check", "doors") == ["command line: 1,001 .toml files in folders; --yes to go on"]
     assert cli("check", "doors", "--yes").stdout.endswith("passes: 1 of 2; FAILS: doors/b.toml\n")
 
 

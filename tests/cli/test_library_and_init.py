@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from armour import load_scenario
+from armour import load_scenario, load_suite
 from armour.files import shipped, shipped_suites, shipped_tests
 from tests.helpers.cases import SCENARIOS
 
@@ -205,6 +205,39 @@ def test_a_regression_suite_is_filled_by_an_update(cli, folder: Path):
     assert cli("validate", "mine.toml", "--update").exit_code == 0
     result = cli("validate", "mine.toml")
     assert (result.exit_code, result.stdout.splitlines()[-1]) == (0, "5 of 5 within their bands")
+
+
+def test_a_suite_of_scenarios_names_them_from_its_folder(cli, folder: Path):
+    (folder / "doors").mkdir()
+    (folder / "suites").mkdir()
+    for name in ("a.toml", "doors/b.toml"):
+        (folder / name).write_bytes((SCENARIOS / "oblique.toml").read_bytes())
+    given = [word for name in ("a.toml", "doors", "wilkins") for word in ("--from", name)]
+    told = cli("init", "suites/mine.toml", *given).stderr.splitlines()
+    assert told == ["wrote suites/mine.toml", "next: armour validate suites/mine.toml --update"]
+    suite = load_suite("suites/mine.toml")
+    assert [*dict.fromkeys(case.section.scenario for case in suite.cases)] == [
+        "../a.toml",
+        "../doors/b.toml",
+        "wilkins",
+    ]
+    assert cli("validate", "suites/mine.toml", "--update").exit_code == 0
+    assert cli("validate", "suites/mine.toml").exit_code == 0
+    # A name, given alone, still copies; in a folder the suite itself is no scenario.
+    assert cli("init", "copy.toml", "--from", "wilkins").stderr.splitlines()[-1] == "next: armour check copy.toml"
+    assert cli("init", "suites/mine.toml", "--from", ".", "--force").exit_code == 0
+
+
+def test_a_suite_of_scenarios_with_mistakes(cli, folder: Path):
+    for name in ("a.toml", "b.toml"):
+        (folder / name).write_text("[armour]\n")
+    told = cli.fails(2, "init", "s.toml", "--from", "a.toml", "--from", "b.toml", "--from", "paper")
+    assert [line.partition(":")[0] for line in told] == 4 * ["a.toml"] + 4 * ["b.toml"] + ["paper"]
+    assert cli.fails(2, "init", "s.csv", "--from", ".") == ["s.csv: must end in .toml, found .csv"]
+    (folder / "b.toml").write_bytes((SCENARIOS / "wilkins.toml").read_bytes())
+    assert cli.fails(2, "init", "b.toml", "--from", "b.toml", "--force") == [
+        "b.toml: must not be the file that is read; choose another name"
+    ]
 
 
 def test_the_loops_are_compiled_ahead(cli, monkeypatch: pytest.MonkeyPatch):

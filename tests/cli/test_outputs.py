@@ -16,6 +16,7 @@ from armour.errors import InputError, Problem
 from armour.reporting.pictures import drawing
 from armour.validation import figures
 from tests.helpers.cases import SCENARIOS
+from tests.helpers.commands import COMMAND, options_of
 
 pytestmark = pytest.mark.slow
 
@@ -113,25 +114,32 @@ def test_a_file_on_standard_input_is_not_written_over(own: Path):
     assert contents(own) == before
 
 
-@pytest.mark.parametrize(
-    "command",
-    [
-        "simulate own.toml --history {0} --plot {1}",
-        "ballistic-limit own.toml --plot {1}",
-        "compare own.toml --plot {1}",
-        "optimise own.toml --csv {0} --plot {1}",
-        "sensitivity own.toml --plot {1}",
-        "uncertainty own.toml --plot {1}",
-        "calibrate {tests} own.toml --lot 7 --write {0} --write-scenario {1}",
-        "v50 {shots} own.toml --csv {0} --plot {1}",
-        "check own.toml --csv {0} --plot {1}",
-        "report own.toml -o {0}",
-        "validate suite.toml --markdown {0} --junit {1}",
-        "sweep own.toml --over impact.velocity_m_s=800 -o {0} --plot {1}",
-        "figures figs --only fig09",
-        "init {0}",
-    ],
-)
+WRITING = [
+    "simulate own.toml --history {0} --plot {1}",
+    "ballistic-limit own.toml --plot {1}",
+    "compare own.toml --plot {1}",
+    "optimise own.toml --csv {0} --plot {1}",
+    "sensitivity own.toml --plot {1}",
+    "uncertainty own.toml --plot {1}",
+    "calibrate {tests} own.toml --lot 7 --write {0} --write-scenario {1}",
+    "v50 {shots} own.toml --csv {0} --plot {1}",
+    "check own.toml --csv {0} --plot {1}",
+    "report own.toml -o {0}",
+    "validate suite.toml --markdown {0} --junit {1}",
+    "sweep own.toml --over impact.velocity_m_s=800 -o {0} --plot {1}",
+    "figures figs --only fig09",
+    "init {0}",
+    "plan shots own.toml --plot {1}",
+    "plan tests own.toml --candidates armour.ceramic_thickness_mm=5,6 --scatter-percent 3 --csv {0} --plot {1}",
+]
+
+
+def test_every_command_that_writes_files_is_tried():
+    writing = [command for command, options in options_of(COMMAND) if "--force" in options]
+    assert [command for command in writing if not any(line.startswith(command) for line in WRITING)] == []
+
+
+@pytest.mark.parametrize("command", WRITING)
 def test_nothing_is_replaced_unasked(cli, own: Path, command: str, monkeypatch: pytest.MonkeyPatch):
     def writes(*_: object, **_settings: object) -> None:
         raise AssertionError("written though it is there")

@@ -2,8 +2,9 @@
 
 import subprocess
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from typer.main import get_command
 from typer.testing import CliRunner, Result
@@ -11,6 +12,13 @@ from typer.testing import CliRunner, Result
 from armour.cli.app import app
 
 COMMAND = get_command(app)
+
+
+def options_of(command: Any, words: str = "") -> Iterator[tuple[str, list[str]]]:
+    """Yield the words of a command and of those in it, each with its options, such as "--verbose/-v"."""
+    yield words, ["/".join(each.opts) for each in command.params if each.param_type_name == "option"]
+    for name, inner in getattr(command, "commands", {}).items():
+        yield from options_of(inner, f"{words} {name}".strip())
 
 
 def invoke(words: Sequence[str], stdin: str | bytes | None = None, env: Mapping[str, str] | None = None) -> Result:

@@ -8,10 +8,10 @@ from armour.analysis.evaluate import evaluate
 from armour.design.optimise import optimise
 from armour.errors import InputError, NoAnswerError
 from armour.scenario.scenario import Scenario
-from armour.validation.questions import QUESTIONS, Subject, answer
+from armour.validation.questions import BEST, QUESTIONS, Subject, answer
 from armour.validation.suite import load_suite
 from tests.design.results import best_of
-from tests.helpers.cases import SCENARIOS, grid, scenario
+from tests.helpers.cases import SCENARIOS, catalogue, grid, scenario, shipped_scenario
 from tests.helpers.suites import HEAD, TABLE, case, load
 
 CASE = case("a", 724.0, "band = 1.0")
@@ -249,11 +249,31 @@ def wilkins() -> Scenario:
     return scenario(optimise=GRID)
 
 
-def test_the_lightest_design(wilkins: Scenario):
-    best, subject = best_of(optimise(wilkins)), Subject(wilkins)
-    assert answer("optimum_ceramic_thickness_mm", subject) == best.ceramic_thickness_mm
-    assert answer("optimum_backing_thickness_mm", subject) == best.backing_thickness_mm
-    assert answer("optimum_areal_density_kg_m2", subject) == best.areal_density_kg_m2
+@pytest.mark.parametrize("asked", ["wilkins", "catalogue"])
+def test_the_best_design(asked: str, wilkins: Scenario):
+    """Of a grid, and of a catalogue in [design] without one, which has costs."""
+    subject = Subject(wilkins if asked == "wilkins" else catalogue())
+    best = best_of(optimise(subject.scenario))
+    costs = ["optimum_cost_per_m2"] if best.cost_per_m2 is None else []
+    values = {name: answer(name, subject) for name in BEST if name not in costs}
+    assert values == {name: getattr(best, name.removeprefix("optimum_")) for name in values}
+    assert len(costs) == (asked == "wilkins")
+    for name in costs:
+        with pytest.raises(NoAnswerError, match=r"^no cost: "):
+            answer(name, subject)
+
+
+def test_a_suite_watches_a_scenario_with_a_catalogue(folder: Path):
+    (folder / "wilkins.toml").write_text(catalogue().to_toml())
+    quantity = "optimum_areal_density_kg_m2"
+    [found] = load(folder, CASE.replace("ballistic_limit_m_s", quantity) + "set.design.thickness_max_mm = 9.0\n").cases
+    with pytest.raises(NoAnswerError, match=r"^design.thickness_max_mm: .* at most 9 mm is allowed"):
+        answer(quantity, Subject(found.scenario))
+
+
+def test_a_probability_that_is_not_known():
+    with pytest.raises(NoAnswerError, match=r"^not known: no test of My alumina on metal is known"):
+        answer("probability_of_stopping", Subject(shipped_scenario("unknown_ceramic")))
 
 
 @pytest.mark.parametrize(("layer", "material"), [("ceramic", "AD99.5"), ("backing", "7075-T6")])

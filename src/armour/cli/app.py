@@ -201,7 +201,11 @@ COMMANDS: dict[str, dict[Callable[..., None], tuple[str, ...]]] = {
         ),
     },
     "Prepare the input": {
-        init: ("init mine.toml", "init mine.toml --from paper/fig9_4mm --force"),
+        init: (
+            "init mine.toml",
+            "init mine.toml --from paper/fig9_4mm --force",
+            "init suite.toml --from wilkins --from catalogue",
+        ),
         schema: ("schema",),
         compile_: ("compile",),
     },

@@ -1,19 +1,30 @@
 """Commands on shipped data: list the library, copy files to start from, compile, and print the schema."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from os.path import relpath
 from pathlib import Path
 from typing import Any
 
 import typer
 
+import armour
 import armour.lazy as lazy
 from armour import __version__
 from armour.cli import completion
-from armour.cli.console import emit, show, show_json
+from armour.cli.console import emit, progress, show, show_json
+from armour.cli.folders import YES, scenario_paths
 from armour.cli.options import AS_JSON, FORCE, argument, flag, option
 from armour.cli.runner import check_outputs, propose, say_leaving, show_answer, source_word, write
-from armour.errors import choices, mistake, refuse
-from armour.files import shell_line, shipped_files, shipped_notebooks, shipped_suites, shipped_tests, wrong_ending
+from armour.errors import InputError, Problem, mistake, refuse
+from armour.files import (
+    located,
+    shell_line,
+    shipped_files,
+    shipped_notebooks,
+    shipped_suites,
+    shipped_tests,
+    wrong_ending,
+)
 from armour.reporting.table import Table
 
 # Kinds of entries; each has a command, its plural, that lists them.
@@ -82,14 +93,15 @@ def show_entry(
 
 def init(
     file: Path = typer.Argument(Path("scenario.toml"), metavar="FILE", help="File to write to."),
-    source: str = option(
-        "Copy a shipped scenario, suite, table of tests or notebook.",
+    sources: list[str] | None = option(
+        "Copy the shipped scenario, suite, table of tests or notebook of this name. For a file or a folder of "
+        "scenarios, or if repeated, write a suite that watches these scenarios.",
         "--from",
         metavar="NAME",
         autocompletion=completion.shipped_names,
-        default="template",
     ),
     names: bool = flag("List the shipped scenarios, suites, tables of tests and notebooks.", "--list"),
+    yes: bool = YES,
     force: bool = FORCE,
 ) -> None:
     """Write a scenario, a suite, a table of tests or a notebook to start from."""
@@ -98,11 +110,10 @@ def init(
         return
     suites = shipped_suites()
     shipped = {**shipped_files("scenarios", ".toml"), **suites, **shipped_tests(), **shipped_notebooks()}
-    if source not in shipped:
-        message = (
-            f'must name a shipped scenario, suite, table or notebook, found "{source}"{choices(source, list(shipped))}'
-        )
-        raise mistake("init", "--from", message)
+    source, *others = sources or ["template"]
+    if others or source not in shipped:
+        _init_suite(file, [source, *others], shipped, yes=yes, force=force)
+        return
     ending = shipped[source].suffix
     check_outputs(file, force=force)
     hint = f"; to copy the shipped one: --from {file}" * (str(file) in shipped)
@@ -114,6 +125,26 @@ def init(
         propose(shell_line([*command, *["--update"] * (source == "regression")]))
     elif ending == ".ipynb":
         propose(shell_line(["jupyter", "lab", source_word(file)]))
+
+
+def _init_suite(file: Path, sources: Sequence[str], shipped: Mapping[str, Path], *, yes: bool, force: bool) -> None:
+    """Write a suite that watches scenarios; files among them are relative to its folder, and others are `shipped`."""
+    refuse(wrong_ending(file, (".toml",)))
+    scenarios: dict[str, armour.Scenario] = {}
+    problems: list[Problem] = []
+    for path in scenario_paths([*map(Path, sources)], yes=yes):
+        try:
+            located(path, shipped)  # refuses what is missing, and names what is like it
+            name = Path(relpath(path, file.parent)) if path.exists() else path
+            scenarios[name.as_posix()] = armour.load_scenario(path)
+        except InputError as error:
+            problems += error.problems
+    refuse(dict.fromkeys(problems))
+    check_outputs(file, inputs=[path for loaded in scenarios.values() for path in lazy.files_of(loaded)], force=force)
+    with progress("scenarios", len(scenarios)) as count:
+        text = lazy.new_suite(scenarios, count)
+    write({file: lambda _: text})
+    propose(shell_line(["armour", "validate", source_word(file), "--update"]))
 
 
 def compile_() -> None:

@@ -12,7 +12,7 @@ import armour.lazy as lazy
 from armour.analysis.quantities import DESIGNS, OF_WEIGHT, QUANTITIES, reads_of
 from armour.cli import completion, runner
 from armour.cli.console import emit, progress, show, show_json
-from armour.cli.folders import MOST_FILES, scenario_paths
+from armour.cli.folders import YES, scenario_paths
 from armour.cli.options import (
     AS_JSON,
     CHANGES,
@@ -124,7 +124,7 @@ def check(
         "a requirement or threat is weaker or missing, or if [uncertainty], own tests or own materials changed."
     ),
     plot: Path | None = PLOT,
-    yes: bool = flag(f"Read folders even if they have more than {MOST_FILES:,} .toml files.", "--yes"),
+    yes: bool = YES,
     force: bool = FORCE,
     changes: list[str] | None = CHANGES,
     verbose: bool = VERBOSE,

@@ -26,7 +26,7 @@ def validate(
     suite: Path | None = argument(
         "SUITE",
         "Suite file (TOML), or a shipped suite, such as paper (the default) or plates. A [[case]] has name, "
-        "scenario, quantity, expected, and band or band_percent. `armour init FILE.toml --from regression` writes "
+        "scenario, quantity, expected, and band or band_percent. `armour init FILE.toml --from SCENARIO.toml` writes "
         "one.",
         autocompletion=completion.suites,
         default=None,

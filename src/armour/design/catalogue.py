@@ -31,6 +31,8 @@ from armour.scenario.schema import (
 )
 from armour.units import MM
 
+# Keys of [design] that ask for a design; the others apply to any armour.
+ASKING = {"minimise", "pareto", "runners_up_percent", "ceramic", "backing"}
 COST_COLUMN = "cost_per_m2"
 # Bound on the probability of perforation that stands for none.
 NO_BOUND = 1.0
@@ -250,6 +252,12 @@ class Catalogue:
         counted = 1 + self.scenario.counts_backing
         layers = ((offer.ceramic, offer.backing)[:counted] for offer in self.offers)
         return [inert and all(layer.has_cost() for layer in of_pair if layer.material) for of_pair in layers]
+
+
+def asks_for_design(scenario: Scenario) -> bool:
+    """Return whether a scenario asks for a design, and not only about its own armour."""
+    section = scenario.design
+    return scenario.optimise is not None or (section is not None and not section.model_fields_set.isdisjoint(ASKING))
 
 
 def catalogue_of(scenario: Scenario) -> Catalogue:

@@ -10,6 +10,7 @@ from armour.analysis.ballistic_limit import ballistic_limit, not_monotonic
 from armour.analysis.impact import ImpactResult, energy_balance, simulate
 from armour.analysis.results import OnProgress, ignore_progress
 from armour.analysis.samples import is_sampled, misplaced, probability_of_perforation
+from armour.design.catalogue import asks_for_design
 from armour.design.check import CheckedThreat, CheckResult, check
 from armour.design.optimise import DesignResult, optimise
 from armour.errors import NoAnswerError, Note
@@ -33,8 +34,6 @@ from armour.statistics.uncertainty import UncertaintyResult, uncertainty
 from armour.validation.comparison import areal_density_rules
 from armour.validation.tested import nearest_measured
 
-# Keys of [design] that ask for a design; the others apply to any armour.
-ASKING = {"minimise", "pareto", "runners_up_percent", "ceramic", "backing"}
 # Note on the tested armours in the table of weights.
 TESTED = (
     "Measured armours were tested at normal incidence with a core whose diameter, mass and density differ by at most "
@@ -79,12 +78,6 @@ class Contents:
     def threat(self) -> CheckedThreat:
         """The threat most likely to perforate the armour, as far as is known."""
         return min(self.threats, key=design_view.standing)
-
-
-def asks_for_design(scenario: Scenario) -> bool:
-    """Return whether a scenario asks for a design, and not only about its own armour."""
-    section = scenario.design
-    return scenario.optimise is not None or (section is not None and not section.model_fields_set.isdisjoint(ASKING))
 
 
 def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *, as_is: bool = False) -> Contents:

@@ -7,9 +7,11 @@ from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.evaluate import QuantityValues, groups_of
 from armour.analysis.quantities import DESIGNS, OF_GRID, QUANTITIES
 from armour.analysis.variants import Floats, Variants, grid_of
+from armour.design.catalogue import catalogue_of
 from armour.design.optimise import BestDesign, optimise
 from armour.errors import NoAnswerError, mistake
 from armour.scenario.scenario import Scenario
+from armour.scenario.schema import OBJECTIVES
 
 
 class Subject:
@@ -24,8 +26,8 @@ class Subject:
         return QuantityValues(groups_of(self.scenario, {})[0].variants)
 
     @cached_property
-    def lightest(self) -> BestDesign:
-        """The lightest design of the scenario's grid; raise NoAnswerError, with the reason, if there is none."""
+    def best(self) -> BestDesign:
+        """The best design of the scenario; raise NoAnswerError, with the reason, if there is none."""
         result = optimise(self.scenario)
         if result.best is None:
             raise NoAnswerError(result.explanation)
@@ -44,8 +46,9 @@ class Subject:
         return before.with_least_backing, after.with_least_backing
 
 
-# Questions about the lightest design: "optimum_" and an attribute of the design.
-LIGHTEST = ("optimum_ceramic_thickness_mm", "optimum_backing_thickness_mm", "optimum_areal_density_kg_m2")
+# Questions about the best design: "optimum_" and an attribute of the design.
+OPTIMUM = "optimum_"
+BEST = tuple(OPTIMUM + name for name in ("ceramic_thickness_mm", "backing_thickness_mm", *OBJECTIVES))
 # Questions about replacing a material: the reduction of this quantity, in per cent of its value before.
 SAVINGS: dict[str, Callable[[Variants], Floats]] = {
     "thickness_saved_percent": lambda armours: armours.ceramics_mm + armours.backings_mm,
@@ -54,7 +57,7 @@ SAVINGS: dict[str, Callable[[Variants], Floats]] = {
 # All questions that a suite may ask, with the sections and keys that each depends on; see `armour.scenario.effect`.
 QUESTIONS: dict[str, tuple[str, ...]] = {
     **{name: quantity.reads for name, quantity in QUANTITIES.items()},
-    **dict.fromkeys(LIGHTEST, DESIGNS),
+    **dict.fromkeys(BEST, DESIGNS),
     **dict.fromkeys(SAVINGS, OF_GRID),
 }
 
@@ -62,8 +65,10 @@ QUESTIONS: dict[str, tuple[str, ...]] = {
 def answer(name: str, subject: Subject) -> float | str:
     """Answer a question; raise NoAnswerError if it has no answer in the scenario's range."""
     value: float | str
-    if name in LIGHTEST:
-        value = getattr(subject.lightest, name.removeprefix("optimum_"))
+    if name in BEST:
+        value = getattr(subject.best, name.removeprefix(OPTIMUM))
+        if value is None:
+            raise NoAnswerError("no cost: each material and each layer of armour.layer must have one")
     elif name in SAVINGS:
         before, after = (float(SAVINGS[name](armours)[0]) for armours in subject.required)
         value = 100.0 * (1.0 - after / before)
@@ -72,7 +77,8 @@ def answer(name: str, subject: Subject) -> float | str:
     if value == value:  # not NaN
         return value
     if "optimise" not in QUESTIONS[name]:
-        ballistic_limit(subject.scenario)  # raises, with the reason
+        ballistic_limit(subject.scenario)  # raises, with the reason, if there is none
+        raise NoAnswerError(f"not known: {subject.answers.variants.why_error_unknown()}")
     velocity = subject.scenario.impact.velocity_m_s
     raise NoAnswerError(
         f"no design: no thickness of the range stops the projectile at {velocity:g} m/s; "
@@ -81,11 +87,13 @@ def answer(name: str, subject: Subject) -> float | str:
 
 
 def check_answerable(name: str, scenario: Scenario, replacement: Scenario | None) -> None:
-    """Raise an error if a scenario lacks the grid that a question needs, or if not exactly one material is replaced.
+    """Raise an error if a scenario lacks the designs that a question needs, or if not exactly one material is replaced.
 
     `replacement` is the scenario with a material replaced; None for most questions.
     """
-    if "optimise" in QUESTIONS[name]:
+    if name in BEST:
+        catalogue_of(scenario)
+    elif "optimise" in QUESTIONS[name]:
         grid_of(scenario)
     if replacement is not None:
         before, after = scenario.armour, replacement.armour

@@ -1,7 +1,12 @@
+from dataclasses import fields
+
 from armour.analysis.ballistic_limit import Crossing, LimitResult
+from armour.analysis.impact import ImpactResult, simulate
 from armour.core.stages import stage_name
 from armour.core.state import Medium, Stage
-from armour.reporting.views.analysis import STAGES, crossing_table, tables_of_limit
+from armour.reporting.table import Table
+from armour.reporting.views.analysis import STAGES, crossing_table, tables_of_impact, tables_of_limit
+from tests.helpers.cases import scenario
 
 
 def test_every_stage_is_described():
@@ -12,6 +17,15 @@ def test_every_stage_is_described():
         for penetrated in (False, True)
     }
     assert names == set(STAGES)
+
+
+def test_every_number_of_an_impact_is_shown():
+    """In the table or, as the velocities, in the first lines."""
+    numbers = {field.name for field in fields(ImpactResult) if field.type is float}
+    said = {"impact_velocity_m_s", "residual_velocity_m_s"}
+    hull = scenario(design={"existing": "backing"})  # so that the areal densities differ
+    record, _ = (table for table in tables_of_impact(simulate(hull)) if isinstance(table, Table))
+    assert {column.key for column in record.columns} == numbers - said
 
 
 ONE = (Crossing((700.0, 700.01), "perforated"),)

@@ -18,7 +18,7 @@ from armour.sweeps.sweep import SweepResult
 from armour.units import MM
 
 # Quantities that are zero where the projectile is stopped.
-RESIDUALS = ("residual_velocity_m_s", "residual_mass_g")
+RESIDUALS = ("residual_velocity_m_s", "residual_mass_g", "plug_velocity_m_s")
 # Largest number of points of a curve that have marks.
 MAX_MARKERS = 40
 
@@ -53,7 +53,7 @@ def draw_columns(
     named = [key for key in keys if not is_number(table[key])]
     is_map = not named and len(keys) == 2
     if is_map and name in RESIDUALS and (stopped := np.count_nonzero(values == 0.0)):
-        notes.append(f"White: {stopped} cases that are stopped.")
+        notes.append(f"White: {stopped} cases without {answer.label}.")
     is_outside = outside_of(scenario, {key: table[key] for key in keys}, [name])
     if is_outside.any():
         count = f"{np.count_nonzero(is_outside)} of {len(values)} rows are outside the tests"

@@ -1,0 +1,104 @@
+"""Steps of the recipes in CONTRIBUTING.md of which no other test fails if they are left out."""
+
+import re
+from pathlib import Path
+from typing import get_args
+
+import pytest
+
+from armour.analysis.evaluate import evaluate
+from armour.analysis.quantities import OF_IMPACT, QUANTITIES
+from armour.files import read_toml, shipped_suites
+from armour.reporting.pictures.sweeps import RESIDUALS
+from armour.scenario.inputs import INPUTS, ROLES
+from armour.scenario.library import KINDS, SOURCES_KEY, STATIC, UNUSED, Entry
+from armour.scenario.schema import DRIVE_LAWS, SHEAR_LAWS, Model
+from armour.units import words_and_unit
+from armour.validation.questions import QUESTIONS
+from armour.validation.suite import load_suite
+from tests.helpers.cases import SCENARIOS, scenario
+from tests.helpers.commands import COMMAND, options_of
+from tests.validation.test_regression import SUITE as REGRESSION
+
+ROOT = Path(__file__).parents[2]
+GUIDES = ROOT / "docs" / "howto"
+# Options that many commands have.
+COMMON = {"--set", "--json", "--plot", "--force", "--verbose/-v"}
+LAWS: list[tuple[str, str, int]] = [("shear_perimeter", *law) for law in SHEAR_LAWS.items()]
+LAWS += [("plate_drive", *law) for law in DRIVE_LAWS.items()]
+
+
+@pytest.mark.parametrize(("command", "options"), [*options_of(COMMAND)])
+def test_an_option_is_on_the_page_of_its_command(command: str, options: list[str]):
+    """Or, if it is of the program or common to commands, among their conventions."""
+    conventions = (
+        (GUIDES / "schema.md").read_text().partition("## Conventions of all commands")[2].partition("\n## ")[0]
+    )
+    pages = [GUIDES / f"{name}.md" for name in (command.replace(" ", "-"), command.partition(" ")[0])]
+    own = "".join(page.read_text() for page in pages if page.exists())
+
+    def is_told(option: str) -> bool:
+        text = conventions + own if option in COMMON or not command else own
+        return any(re.search(rf"{name}(?![\w-])", text) for name in option.split("/"))
+
+    assert [each for each in options if not is_told(each)] == [], (
+        f"options that are not on {pages[0].relative_to(ROOT)}"
+    )
+
+
+@pytest.mark.parametrize("name", QUANTITIES)
+def test_the_name_of_an_output_ends_in_its_unit(name: str):
+    assert words_and_unit(name)[1] == QUANTITIES[name].unit, f"{name}: ENDINGS of src/armour/units.py"
+
+
+@pytest.mark.parametrize(
+    ("name", "page"), [(name, "sweep" if name in QUANTITIES else "validate") for name in QUESTIONS]
+)
+def test_an_output_is_in_the_table_of_quantities(name: str, page: str):
+    assert f"`{name}`" in (GUIDES / f"{page}.md").read_text(), (
+        f"{name}: the table of quantities of docs/howto/{page}.md"
+    )
+
+
+@pytest.mark.parametrize("name", [name for name, each in QUANTITIES.items() if each.reads == OF_IMPACT and each.unit])
+def test_an_output_that_is_0_where_the_projectile_is_stopped_is_a_residual(name: str):
+    stopped, perforated = (evaluate(scenario(velocity=speed), {}, [name])[name][0] for speed in (500.0, 800.0))
+    assert name in RESIDUALS or stopped != 0.0 or perforated == 0.0, f"{name}: RESIDUALS of pictures/sweeps.py"
+
+
+@pytest.mark.parametrize(("role", "kind"), ROLES.items())
+def test_a_number_of_a_material_is_an_input(role: str, kind: str):
+    keys = KINDS[kind].model_fields.keys() - Entry.model_fields.keys()  # type: ignore[index]
+    missing = {key for key in keys if f"{role}.{key}" not in INPUTS} - {*UNUSED, STATIC, SOURCES_KEY}
+    assert missing == set(), f"keys of a {kind} that are neither in INPUTS of scenario/inputs.py nor UNUSED"
+
+
+@pytest.mark.parametrize(("key", "law", "number"), LAWS)
+def test_a_law_is_everywhere(key: str, law: str, number: int):
+    assert law in get_args(Model.model_fields[key].annotation)
+    [line] = [line for line in (SCENARIOS / "template.toml").read_text().splitlines() if line.startswith(f"# {key} = ")]
+    assert f'"{law}"' in line, f"{law}: the comment of scenarios/template.toml"
+    if number:  # 0 stands for the other branch
+        program = (ROOT / "tools" / "benchmarks" / "reference.c").read_text()
+        assert f"{law.upper()} = {number}.0" in program, f"{law}: its number in tools/benchmarks/reference.c"
+    default = Model.model_fields[key].default
+    asked = [case.get("set", {}).get("model", {}).get(key, default) for case in read_toml(REGRESSION)["case"]]
+    assert law in asked, f"{law}: a case of tests/validation/regression.toml"
+    pages = [(ROOT / "docs" / f"{page}.md").read_text() for page in ("model", "readings")]
+    assert law == default or any(f'{key} = "{law}"' in page for page in pages), f"{law}: docs/readings.md"
+
+
+@pytest.mark.parametrize("name", shipped_suites())
+def test_a_suite_has_a_title_and_each_case_a_source_and_a_reason_for_its_band(name: str):
+    suite = load_suite(name)
+    assert suite.title
+    cases = [case for case in suite.cases if not (case.regression or case.not_scored)]
+    assert [case.full_name for case in cases if not case.source] == [], "cases without source"
+    bands = [case for case in cases if case.band is not None]
+    assert sorted({case.full_name for case in bands if not case.reason}) == [], "cases with a band without reason"
+
+
+def test_a_table_of_tests_has_its_line_on_origin():
+    page = (SCENARIOS / "tests" / "README.md").read_text()
+    files = [path.name for path in (SCENARIOS / "tests").glob("*.csv")]
+    assert [name for name in files if f"`{name}`" not in page] == [], "tables that are not in scenarios/tests/README.md"
