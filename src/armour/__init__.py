@@ -12,9 +12,9 @@ from functools import cache
 
 from armour.leaving import LEAVING, warn_leaving
 
-__version__ = "2.1.0"
+__version__ = "2.2.0"
 # First number: the equations and their interpretation. Second number: any change of the computed digits.
-MODEL_VERSION = "1.5"
+MODEL_VERSION = "1.6"
 
 
 @cache
