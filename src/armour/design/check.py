@@ -192,7 +192,7 @@ def check(
     scenario : Scenario
         Its section ``design`` may give the probability that is required, ``probability_of_stopping``.
     probability : float, optional
-        Least probability of stopping each threat; a higher one that the scenario requires stays.
+        Least probability of stopping each threat, such as 0.95; a higher one that the scenario requires stays.
     on_progress : callable, optional
         Called with the number of impacts computed since the last call, and None, as their total is not known.
 

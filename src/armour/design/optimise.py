@@ -309,7 +309,7 @@ def optimise(
     refine : bool, default False
         Whether to also find the best design with both layers free within their ranges.
     probability : float, optional
-        Least probability of stopping each threat; a higher one that the scenario requires stays.
+        Least probability of stopping each threat, such as 0.95; a higher one that the scenario requires stays.
     on_progress : callable, optional
         Called with the number of impacts computed since the last call, and None, as their total is not known.
 

@@ -126,7 +126,7 @@ def report(
     as_is : bool, default False
         Whether to report on the scenario's own armour even if the scenario asks for a design.
     probability : float, optional
-        Least probability of stopping each threat; a higher one that the scenario requires stays.
+        Least probability of stopping each threat, such as 0.95; a higher one that the scenario requires stays.
     confidence : float, optional
         Another name of `probability`.
     on_progress : callable, optional
