@@ -17,6 +17,7 @@ from contextlib import redirect_stdout
 from difflib import SequenceMatcher
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 from urllib.parse import urlsplit
 
 import pytest
@@ -79,8 +80,13 @@ EXAMPLES = [
 ]
 
 
-def arguments(command: str) -> list[str]:
-    return shlex.split(re.split("  #| > ", command)[0])[1:]
+def run(command: str) -> Any:
+    """Run a command of a page, and write what it prints to the file to which the command redirects it."""
+    words, _, file = command.partition("  #")[0].partition(" > ")
+    result = invoke(shlex.split(words)[1:], env=TERMINAL)
+    if file:
+        Path(file).write_text(result.stdout)
+    return result
 
 
 def drawn(page: Path) -> dict[str, Path]:
@@ -101,7 +107,7 @@ def empty(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_a_session_prints_what_it_shows(page: Path, commands: list[tuple[str, list[str]]]):
     write_files(page)
     for command, lines in commands:
-        result = invoke(arguments(command), env=TERMINAL)
+        result = run(command)
         may_end = {"check": (0, 3), "validate": (0, 3), "v50": (0, 3), "optimise": (0, 1)}
         assert result.exit_code in may_end.get(command.split()[1], (0,)), result.output
         if lines:
@@ -241,7 +247,7 @@ def record(page: Path) -> None:
         line, shown = joined(block[1]), block[2].splitlines()
         if not line.startswith("armour "):
             return block[0]
-        result = invoke(arguments(line), env=TERMINAL)
+        result = run(line)
         printed, messages = result.stdout.splitlines(), result.stderr.splitlines()
         if {*masked(shown)} & {*masked(messages)}:
             printed += messages
