@@ -50,6 +50,8 @@ BEYOND, INTERCEPTS = 8.0, 61
 NARROWINGS, NODES = 4, 21
 # Loss of log-likelihood up to which another maximum is nearly as likely; relative difference up to which two are one.
 NEARLY, SAME = 0.5, 1e-3
+# Decimals of log-likelihoods beyond which they differ by rounding alone.
+EQUAL = 9
 # More shots than MANY are condensed in cells of velocity: first in FIRST_CELLS cells with equal numbers of shots, then
 # in cells that are FINENESS scatters wide near V50, and wider far from it.  The NEAREST shots of each kind to the other
 # kind are kept as they are.
@@ -406,6 +408,7 @@ class ShotLikelihood:
 
 def _maxima(values: Floats) -> list[int]:
     """Return the indices of the values that no neighbour exceeds; of neighbours that are equal, the first."""
+    values = values.round(EQUAL)
     return np.flatnonzero((values > np.append(-inf, values[:-1])) & (values >= np.append(values[1:], -inf))).tolist()
 
 
