@@ -189,7 +189,7 @@ def test_every_command_has_its_page():
     commands = {command.name for command in app.registered_commands} | {group.name for group in app.registered_groups}
     # A page for each command of this group.
     commands = (commands - {"plan"}) | {"plan-shots"}
-    guides = {"change-an-equation", "choose-a-flow-stress", "ci", "confidence", "tables"}
+    guides = {"change-an-equation", "choose-a-flow-stress", "ci", "confidence", "tables", "use-with-other-libraries"}
     # Its commands have pages of their own.
     commands = commands - {"plan"} | {"plan-tests"}
     # The page on CI is also on compiling ahead.

@@ -51,14 +51,14 @@ def test_the_armour_as_it_is(cli, folder: Path):
     assert "--as-is -o r.md --set 'author=A. Smith'" in page
     [line] = cli.fails(2, "report", SCENARIOS.parent / "suites" / "paper.toml", "--as-is")
     assert line == "command line: --as-is: must be given with a scenario, found a suite"
-    [line] = cli.fails(2, "report", "paper", "--confidence", "0.9")
-    assert line == "command line: --confidence: must be given with a scenario, found a suite"
+    [line] = cli.fails(2, "report", "paper", "--probability", "0.9")
+    assert line == "command line: --probability: must be given with a scenario, found a suite"
     [line] = cli.fails(2, "report", OPTIMUM, "--as-is", "--set", "design.minimise=thickness_mm")
     assert "--set design.minimise: " in line
 
 
 def test_a_confidence_and_the_command_of_the_map(cli, folder: Path):
-    few = "--confidence 0.95 --set design.areal_density_max_kg_m2=70 --set optimise.ceramic_thickness_mm.step=0.5"
+    few = "--probability 0.95 --set design.areal_density_max_kg_m2=70 --set optimise.ceramic_thickness_mm.step=0.5"
     options = (*few.split(), "--set", "author=A. Smith")
     assert cli("report", OPTIMUM, "-o", "r.md", *options).exit_code == 0
     page = (folder / "r.md").read_text()

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from armour.design.optimise import Design, DesignResult, optimise
 from armour.scenario.scenario import Scenario
 from tests.design.results import best_of
-from tests.helpers.cases import scenario
+from tests.helpers.cases import scenario, sourced
 from tests.helpers.examples import examples
 from tests.helpers.plain_designs import CRITERIA, designs, passes, posed, stops, withstands_below
 
@@ -80,7 +80,7 @@ def exotic(seed: int) -> Scenario:
     ceramic = {
         "density_kg_m3": wide(500.0, 15000.0),
         "youngs_modulus_GPa": wide(5.0, 500.0),
-        "flow_stress_GPa": wide(0.1, 30.0),
+        **sourced(wide(0.1, 30.0)),
     }
     metal = {
         "density_kg_m3": wide(500.0, 15000.0),

@@ -44,9 +44,9 @@ def share(text: str) -> float | str:
     return float(Decimal(str(value)) / 100) if text.endswith("%") else value
 
 
-def number_option(description: str, parser: Callable[[str], float | str] = number, *names: str) -> Any:
+def number_option(description: str, parser: Callable[[str], float | str] = number) -> Any:
     """Make an option whose value is a number or, with `parser=share`, a fraction."""
-    return option(description, *names, metavar="NUMBER", parser=parser)
+    return option(description, metavar="NUMBER", parser=parser)
 
 
 def file_option(description: str, *names: str, metavar: str = "FILE") -> Any:
@@ -69,6 +69,11 @@ def given(**options: Any) -> dict[str, Any]:
     return {name: value for name, value in options.items() if value is not None}
 
 
+def either(probability: Any, confidence: Any) -> Any:
+    """Return the value of ``--probability``, or else that of its other name."""
+    return confidence if probability is None else probability
+
+
 SCENARIO_WORDS = "Scenario file (TOML), or name of a shipped scenario; - reads standard input."
 SCENARIO = argument("SCENARIO", SCENARIO_WORDS, autocompletion=completion.scenarios)
 OPTIONAL_SCENARIO = argument("SCENARIO", SCENARIO_WORDS, default=None, autocompletion=completion.scenarios)
@@ -78,9 +83,8 @@ CHANGES = option(
 REQUIRED_PROBABILITY = number_option(
     "Least probability of stopping each threat, such as 0.95; a higher one that the scenario requires stays.",
     share,
-    "--probability",
-    "--confidence",
 )
+CONFIDENCE = option("Another name of --probability.", metavar="NUMBER", parser=share, hidden=True)
 PLOT = file_option("Draw the result to a .png, .svg or .pdf file.")
 FORCE = flag("Replace existing files.", "--force")
 AS_JSON = flag("Print one JSON object and nothing else.", "--json")

@@ -16,12 +16,14 @@ from armour.cli.folders import YES, scenario_paths
 from armour.cli.options import (
     AS_JSON,
     CHANGES,
+    CONFIDENCE,
     FORCE,
     PLOT,
     REQUIRED_PROBABILITY,
     SCENARIO,
     VERBOSE,
     argument,
+    either,
     file_option,
     flag,
     number_option,
@@ -119,6 +121,7 @@ def check(
     csv: Path | None = file_option("Write the limits as CSV, as given and with each change."),
     markdown: Path | None = file_option("Write the verdicts as Markdown, as for the summary of a CI run."),
     probability: Any = REQUIRED_PROBABILITY,
+    confidence: Any = CONFIDENCE,
     against: Path | None = file_option(
         "Also list what moved since an earlier check of the same scenarios, whose --json this file has; exit code 3 if "
         "a requirement or threat is weaker or missing, or if [uncertainty], own tests or own materials changed."
@@ -141,7 +144,7 @@ def check(
     if plot is not None and not is_one:
         raise runner.wrong_option("--plot", "must be given with one scenario, not with several or a folder")
     with runner.mistakes_in(junit, paths, force=force):
-        scenarios = _read_each(paths, changes, probability)
+        scenarios = _read_each(paths, changes, either(probability, confidence))
     earlier = None if against is None else read_json(against)
     inputs = [*paths, against, *(file for loaded in scenarios for file in lazy.files_of(loaded))]
     check_outputs(markdown, tables=[csv], junit=junit, inputs=inputs, plot=plot, force=force)
@@ -216,6 +219,7 @@ def optimise(
     page: Path | None = file_option("Write an interactive map of all designs, .html.", "--map"),
     changes: list[str] | None = CHANGES,
     probability: Any = REQUIRED_PROBABILITY,
+    confidence: Any = CONFIDENCE,
     plot: Path | None = PLOT,
     force: bool = FORCE,
     verbose: bool = VERBOSE,
@@ -226,7 +230,7 @@ def optimise(
     The scenario may define several threats, a catalogue of materials, and a quantity other than weight to minimise.
     Where no design is known to pass, the answer is the nearest one, with what it lacks, and the exit code 1.
     """
-    loaded = read_scenario(scenario, changes, DESIGNS, {}, "the design", probability)
+    loaded = read_scenario(scenario, changes, DESIGNS, {}, "the design", either(probability, confidence))
     check_outputs(page, tables=[csv], inputs=[scenario], scenario=loaded, plot=plot, force=force)
     if page is not None:
         refuse(wrong_ending(page, (".html",)))
@@ -387,6 +391,7 @@ def report(
     ),
     as_is: bool = flag("Report on the scenario's own armour even if the scenario asks for a design.", "--as-is"),
     probability: Any = REQUIRED_PROBABILITY,
+    confidence: Any = CONFIDENCE,
     force: bool = FORCE,
     changes: list[str] | None = CHANGES,
 ) -> None:
@@ -394,6 +399,7 @@ def report(
 
     The report is one self-contained file with the answer, its uncertainty, charts (HTML) and the sources of all values.
     """
+    probability = either(probability, confidence)
     required = [] if probability is None else ["--probability", str(probability)]
     changes = changes or []
     command = runner.command_line()

@@ -8,8 +8,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from math import inf
 from typing import Any
 
-from pydantic import BaseModel
-
 from armour.errors import InputError, Problem, mistake, refuse, suggestion
 from armour.files import parse_toml
 from armour.foreign import items, plain
@@ -48,7 +46,7 @@ def in_nfc(value: Any, file: str, parts: KeyPath = ()) -> Any:
 
     A section becomes a `Whole` table of the values that it was given, which are thus validated again.
     """
-    if isinstance(value, BaseModel):
+    if hasattr(value, "model_dump"):  # a section, of pydantic, which is slow to import
         value = Whole(value.model_dump(exclude_unset=True, warnings=False))
     if not isinstance(value, Mapping):
         value = plain(value)
