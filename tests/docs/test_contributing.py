@@ -41,9 +41,8 @@ def test_an_option_is_on_the_page_of_its_command(command: str, options: list[str
         text = conventions + own if option in COMMON or not command else own
         return any(re.search(rf"{name}(?![\w-])", text) for name in option.split("/"))
 
-    assert [each for each in options if not is_told(each)] == [], (
-        f"options that are not on {pages[0].relative_to(ROOT)}"
-    )
+    untold = [each for each in options if not is_told(each)]
+    assert untold == [], f"options that are not on {pages[0].relative_to(ROOT)}"
 
 
 @pytest.mark.parametrize("name", QUANTITIES)
@@ -55,9 +54,8 @@ def test_the_name_of_an_output_ends_in_its_unit(name: str):
     ("name", "page"), [(name, "sweep" if name in QUANTITIES else "validate") for name in QUESTIONS]
 )
 def test_an_output_is_in_the_table_of_quantities(name: str, page: str):
-    assert f"`{name}`" in (GUIDES / f"{page}.md").read_text(), (
-        f"{name}: the table of quantities of docs/howto/{page}.md"
-    )
+    text = (GUIDES / f"{page}.md").read_text()
+    assert f"`{name}`" in text, f"{name}: the table of quantities of docs/howto/{page}.md"
 
 
 @pytest.mark.parametrize("name", [name for name, each in QUANTITIES.items() if each.reads == OF_IMPACT and each.unit])
