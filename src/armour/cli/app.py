@@ -165,7 +165,7 @@ COMMANDS: dict[str, dict[Callable[..., None], tuple[str, ...]]] = {
             f"ballistic-limit {W}",
             f"ballistic-limit {W} --set armour.ceramic_thickness_mm=8 --json",
         ),
-        scenario_commands.check: (f"check {W} --confidence 0.9", "check wilkins bare_plate --junit check.xml"),
+        scenario_commands.check: (f"check {W} --probability 0.9", "check wilkins bare_plate --junit check.xml"),
         scenario_commands.sweep: (
             f"sweep {W} --over armour.ceramic_thickness_mm=4:12:0.1 -o limits.csv --plot limits.svg",
         ),
