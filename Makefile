@@ -9,16 +9,20 @@ LOWEST := $(VENV)/lowest
 # What is imported is compiled then, once: pip would compile all that it installs.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test quick lowest check site format docs bench campaigns coverage mutants release clean
+.PHONY: build demo test quick lowest check site format docs bench campaigns coverage mutants release clean
 
 demo: $(VENV)/installed
 	$(BIN)/armour optimise scenarios/paper/optimum_7.62mm_AP.toml --refine
 
-test: check
+# Compile the numerical code again after a change of it, in half a minute.
+build: $(VENV)/developing
+	$(BIN)/python hatch_build.py
+
+test: check build
 	$(BIN)/pytest -n auto
 
 # The tests of what is computed, without those that take long: for daily work.
-quick: $(VENV)/developing
+quick: build
 	$(BIN)/pytest -n auto -m 'not slow'
 
 # Types are not checked here: they are those of the newest libraries.

@@ -15,21 +15,6 @@ gc.set_threshold(50_000, 20, 20)
 atexit.register(gc.freeze)
 
 
-@pytest.fixture(autouse=True, scope="session")
-def compiled(tmp_path_factory: pytest.TempPathFactory) -> None:
-    """Compile the engine in one of several processes for all of them."""
-    if "PYTEST_XDIST_WORKER" not in os.environ:
-        return
-    from filelock import FileLock
-
-    from armour.engine.cache import kernel
-    from armour.engine.loops import LOOP_NAMES
-
-    with FileLock(tmp_path_factory.getbasetemp().parent / "compiling.lock"):
-        for name in LOOP_NAMES:
-            kernel(name)
-
-
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     """A folder with the Wilkins case as wilkins.toml."""

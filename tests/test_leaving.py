@@ -25,7 +25,6 @@ CERAMICS = "armour.ceramic_thickness_mm"
 # By what leaves, commands that use it.
 COMMANDS = {
     "plan tests": [f"plan tests wilkins --candidates {CERAMICS}=5,7 --number 1 --scatter-percent 3"],
-    "compile": ["compile"],
     "optimise --refine": [f"optimise {OPTIMUM} --refine", f"optimise {OPTIMUM} --refine --json"],
     "calibrate --prior": ["calibrate tests/unknown_ceramic unknown_ceramic --prior"],
     "calibrate --law all": ["calibrate tests/unknown_ceramic unknown_ceramic --law all"],
@@ -96,7 +95,7 @@ def notes(line: str) -> list[str]:
 
 def test_every_use_is_tested():
     # The line on replaced equations is tested in tests/core/test_replaced.py.
-    assert {*COMMANDS, *PROGRAMS, "replacing equations"} == LEAVING.keys()
+    assert {*COMMANDS, *PROGRAMS} == LEAVING.keys()
 
 
 @pytest.mark.parametrize(("what", "line"), [(what, line) for what, lines in COMMANDS.items() for line in lines])

@@ -21,6 +21,7 @@ from .design.optimise import DesignResult as DesignResult
 from .design.optimise import Pair as Pair
 from .design.optimise import optimise as optimise
 from .design.requirements import Requirement as Requirement
+from .engine.changes import equations as equations
 from .errors import ArmourError as ArmourError
 from .errors import InputError as InputError
 from .errors import NoAnswerError as NoAnswerError

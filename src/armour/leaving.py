@@ -11,7 +11,6 @@ _WORDS = "then it is armour library WORDS"
 # Names of commands, options, keys and of Python, with what to use in their place, if anything.
 LEAVING = {
     "plan tests": _TESTS_TO_SPREAD,
-    "compile": "there, armour is compiled when it is built",
     "optimise --refine": _RANGE,
     "calibrate --prior": _TESTS_OF_PRIOR,
     "calibrate --law all": _EACH_LAW,
@@ -25,7 +24,6 @@ LEAVING = {
     "optimise(refine=True)": _RANGE,
     "calibrate(prior=True)": _TESTS_OF_PRIOR,
     'calibrate(law="all")': _EACH_LAW,
-    "replacing equations": "there, with armour.equations(...) takes its place",
     "armour.LawFit": "",
     "armour.PlannedTest": "",
     "armour.PlannedTests": "",

@@ -1,11 +1,10 @@
+import numpy as np
 import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit, confidence
 from armour.analysis.impact import impact_at
 from armour.analysis.variants import ballistic_limits, variants_of
-from armour.core import search
 from armour.errors import InputError, NoLimitError
-from armour.evidence.tests import is_unusual
 from tests.helpers.cases import scenario
 from tests.helpers.exotic import changing_designs
 
@@ -67,7 +66,7 @@ def test_a_range_without_a_limit(low: float, high: float, message: str):
 
 
 def test_a_lowest_velocity_that_perforates_is_no_limit(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(search, "DENSE_SCAN_POINTS", search.SCAN_POINTS)
+    monkeypatch.setattr("armour.analysis.variants.Variants.is_unusual", lambda row: np.zeros(len(row.velocities), bool))
     of = changing_designs()["stopped in between"].replaced({"ballistic_limit": {"velocity_min_m_s": 600.0}})
     with pytest.raises(NoLimitError, match=r"perforates, but some higher velocities do not .*stopped above 670\.9"):
         ballistic_limit(of)
@@ -78,24 +77,6 @@ def test_a_run_that_does_not_end_names_its_velocity(monkeypatch: pytest.MonkeyPa
     with pytest.raises(InputError, match=r"the run at 333\.774 m/s"):
         ballistic_limit(scenario())
     assert "the run at 333.774 m/s" in confidence(scenario()).reason
-
-
-@pytest.mark.parametrize(("changes", "points"), [({}, 33), ({"backing.density_kg_m3": 500.0}, 1025)])
-def test_the_engine_finds_the_same_to_the_last_bit(
-    changes: dict[str, float], points: int, monkeypatch: pytest.MonkeyPatch
-):
-    """It is used where it is loaded and, for a dense scan or given steps, where it is compiled."""
-    case = scenario().with_inputs(changes)
-    assert is_unusual(case.core_armour()) == (points == 1025)
-    found, limits = [], []
-    for loaded, compiled in ((False, False), (False, True), (True, False)):
-        monkeypatch.setattr("armour.engine.cache.is_loaded", lambda _name, answer=loaded: answer)
-        monkeypatch.setattr("armour.engine.cache.is_compiled", lambda _name, answer=compiled: answer)
-        found.append(confidence(case))
-        limits.append([ballistic_limit(each) for each in (case, case.replaced({"solver.time_step_us": 4.0}))])
-    assert found[0].probability_of_stopping is not None or points == 1025
-    assert found[0] == found[1] == found[2]
-    assert limits[0] == limits[1] == limits[2]
 
 
 def test_the_residual_velocity_rises_as_a_square_root():

@@ -118,7 +118,7 @@ def test_portions():
 
 
 def test_versions_of_what_is_installed():
-    """Numba may be missing."""
+    """A package may be missing."""
     [(name, version)] = installed(["numpy", "no-such-package"])
     assert (name, version) == ("numpy", np.__version__)
 

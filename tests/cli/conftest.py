@@ -5,8 +5,6 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from typer.testing import Result
 
-from armour.engine.cache import kernel
-from armour.engine.loops import LOOP_NAMES
 from tests.helpers.commands import invoke
 
 
@@ -30,13 +28,6 @@ class Cli:
         assert "Traceback" not in result.output
         assert not result.stdout
         return result.stderr.splitlines()
-
-
-@pytest.fixture(autouse=True, scope="session")
-def silent(compiled: None) -> None:  # noqa: ARG001 (in this order)
-    """Compile the engine before the first command, which would say so."""
-    for name in LOOP_NAMES:
-        kernel(name)
 
 
 @pytest.fixture

@@ -15,7 +15,6 @@ from pathlib import Path
 
 import pytest
 
-from armour.engine.cache import kernel
 from armour.files import shipped
 from tests.helpers.commands import invoke
 
@@ -58,7 +57,6 @@ def test_a_session(name: str):
 
 
 if __name__ == "__main__":
-    kernel("impacts")  # compiling is said once
     for path in [Path(name).resolve() for name in sys.argv[1:]] or sorted(GOLDEN.glob("*.txt")):
         with tempfile.TemporaryDirectory() as folder:
             os.chdir(folder)

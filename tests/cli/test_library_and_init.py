@@ -238,15 +238,3 @@ def test_a_suite_of_scenarios_with_mistakes(cli, folder: Path):
     assert cli.fails(2, "init", "b.toml", "--from", "b.toml", "--force") == [
         "b.toml: must not be the file that is read; choose another name"
     ]
-
-
-def test_the_loops_are_compiled_ahead(cli, monkeypatch: pytest.MonkeyPatch):
-    compiled = list[str]()
-    monkeypatch.setattr("armour.engine.cache.kernel", compiled.append)
-    kept = Path(cli("compile").stdout.rstrip())
-    assert compiled == ["impacts", "ballistic_limits"]
-    assert any(kept.glob("kernels-*"))
-    monkeypatch.setattr("armour.engine.cache.is_compiled", lambda _name: False)
-    assert cli.fails(2, "compile") == [f"compile: compiled code has not been kept in {kept}"]
-    monkeypatch.setenv("ARMOUR_COMPILED", "0")
-    assert cli.fails(2, "compile") == ["compile: ARMOUR_COMPILED is 0 in the environment"]

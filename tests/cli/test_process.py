@@ -14,8 +14,6 @@ import pytest
 from armour import MODEL_VERSION, __version__
 from armour.cli.app import app
 from armour.cli.main import _plain
-from armour.engine import cache
-from armour.engine.loops import LOOP_NAMES
 from tests.helpers.cases import SCENARIOS
 from tests.helpers.commands import IN_A_ROW, run_in_a_row
 
@@ -51,7 +49,7 @@ OTHERS = [
     ("args", "not_needed"),
     [
         (["--help"], HEAVY + READING),
-        (["simulate", SCENARIOS / "wilkins.toml"], ["matplotlib", "numba", *OTHERS]),
+        (["simulate", SCENARIOS / "wilkins.toml"], ["matplotlib", *OTHERS]),
         (["optimise", SCENARIOS / "catalogue.toml"], ["matplotlib", "scipy.stats"]),
         (["library"], HEAVY + OTHERS),
     ],
@@ -245,12 +243,7 @@ VARIABLES = (
     *("SCIPY_ARRAY_API", "SCIPY_DEVICE", "PRIMA_DEBUGGING", "PSUTIL_DEBUG", "PYDANTIC_DISABLE_PLUGINS"),
     *("PYDANTIC_PRIVATE_ALLOW_UNHANDLED_SCHEMA_TYPES", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"),
     *("OPENBLAS_CORETYPE", "GOTO_NUM_THREADS", "MKL_NUM_THREADS", "LANG", "LC_ALL", "TZ", "TMPDIR"),
-    *("XDG_DATA_DIRS", "XDG_DATA_HOME", "WINDIR", "LLVMLITE_ENABLE_IR_LAYER_TYPED_POINTERS"),
-    *("NUMBA_BOUNDSCHECK", "NUMBA_CACHE_DIR", "NUMBA_CACHE_LOCATOR_CLASSES", "NUMBA_CHROME_TRACE"),
-    *("NUMBA_COLOR_SCHEME", "NUMBA_DEBUG", "NUMBA_DEBUG_CACHE", "NUMBA_DISABLE_JIT"),
-    *("NUMBA_DISABLE_PERFORMANCE_WARNINGS", "NUMBA_DUMP_BYTECODE", "NUMBA_DUMP_IR", "NUMBA_DUMP_LLVM"),
-    *("NUMBA_ENABLE_PROFILING", "NUMBA_LOOP_VECTORIZE", "NUMBA_NUM_THREADS", "NUMBA_OPT"),
-    *("NUMBA_THREADING_LAYER",),
+    *("XDG_DATA_DIRS", "XDG_DATA_HOME", "WINDIR"),
 )
 ENVIRONMENTS = {
     "empty": ("", VARIABLES),
@@ -272,34 +265,8 @@ def test_what_the_environment_says_to_libraries_changes_nothing(value: str, name
     assert before[0] == dict(zip(lines, (3, 0, 0, 0), strict=True))
 
 
-@pytest.mark.usefixtures("folder")
-@pytest.mark.parametrize("kept", [False, True])
-def test_only_a_use_that_compiles_says_so(
-    cli, tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch, kept: bool
-):
-    loops = {name: cache.kernel(name) for name in LOOP_NAMES}
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
-    monkeypatch.setattr("armour.engine.kernels.compiled", lambda name, _folder: loops[name])
-    monkeypatch.setattr(cache, "is_compiled", lambda _name: kept)
-    monkeypatch.setattr(cache, "_kernels", {})
-    monkeypatch.setattr(cache, "_logged", set())
-    result = cli("sweep", "wilkins", "--over", "armour.ceramic_thickness_mm=6,7", "-o", "a.csv")
-    said = [] if kept else ["compiling the numerical code, which takes about ten seconds"]
-    assert result.stderr.splitlines() == [*said, "wrote a.csv: 2 rows"]
-
-
 def test_numbers_do_not_depend_on_the_threads_of_the_linear_algebra(cli, folder: Path, monkeypatch: pytest.MonkeyPatch):
     plan = ("plan", "shots", "wilkins", "--json")
     here = os.environ["OPENBLAS_NUM_THREADS"]
     monkeypatch.setenv("OPENBLAS_NUM_THREADS", "2" if here == "1" else "1")
     assert process("-m", "armour", *plan, cwd=folder).stdout == cli(*plan).stdout != ""
-
-
-def test_what_computes_single_rows_does_not_say_that_it_compiles(cli, folder: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(cache, "is_compiled", lambda _name: False)
-    monkeypatch.setattr(cache, "_kernels", {})
-    case = (
-        '[[case]]\nname = "a"\nscenario = "wilkins"\nquantity = "ballistic_limit_m_s"\nexpected = 700.0\nband = 50.0\n'
-    )
-    (folder / "suite.toml").write_text(case)
-    assert cli("validate", "suite.toml").stderr == ""

@@ -1,22 +1,18 @@
 """A folder of a stranger: whatever lies in it, no command runs, obeys or overwrites anything."""
 
 import os
-import pickle
 import re
 import shlex
 import sqlite3
 import struct
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import closing
-from hashlib import sha256
 from pathlib import Path
 
 import pytest
-from platformdirs import user_cache_dir
 
-from armour.engine import cache
 from tests.helpers.cases import SCENARIOS
 from tests.helpers.commands import run_in_a_row
 
@@ -28,7 +24,7 @@ pytestmark = [
 ]
 
 MODULES = (
-    *("armour", "dask", "matplotlib", "multiprocessing", "numba", "numpy", "pip", "platformdirs", "sitecustomize"),
+    *("armour", "dask", "matplotlib", "multiprocessing", "numpy", "pip", "sitecustomize"),
     *("typing_extensions", "usercustomize", "yaml"),
 )
 SECRET = "user:secret"
@@ -60,16 +56,6 @@ REFUSED = (
     "validate tests.toml",
     "plan shots wilkins firing.csv --result complete",
 )
-
-
-class Payload:
-    """An object that leaves a file where it is unpickled."""
-
-    def __init__(self, path: Path) -> None:
-        self.path = path
-
-    def __reduce__(self) -> tuple[Callable[..., object], tuple[object, ...]]:
-        return open, (str(self.path), "w")
 
 
 @pytest.fixture
@@ -104,7 +90,6 @@ def here(tmp_path: Path, home: Path, ran: Path) -> Path:
     texts = {
         ".env": "PYTHONPATH=.\n",
         ".coveragerc": "[run]\nplugins = pip\n",
-        ".numba_config.yaml": f"chrome_trace: {keys}\nopt: unknown\n",
         "matplotlibrc": "backend: module://pip\n",
         "pyproject.toml": '[tool.coverage.run]\nplugins = ["pip"]\n[build-system]\nrequires = ["pip"]\n',
         "pytest.ini": "[pytest]\naddopts = -p pip\n",
@@ -123,7 +108,6 @@ def here(tmp_path: Path, home: Path, ran: Path) -> Path:
     (here / "link.svg").symlink_to(keys)
     (here / ".firing.csv.lock").symlink_to(keys)
     put_stores(here, home)
-    put_compiled(here / ".cache" / "armour", ran)
     return here
 
 
@@ -141,22 +125,12 @@ def put_stores(here: Path, home: Path) -> None:
     (store / "rows-journal").write_bytes(header.ljust(512, b"\0") + ending)
 
 
-def put_compiled(place: Path, ran: Path) -> None:
-    """Make compiled code that is whole by its seal."""
-    path = place / f"kernels-{cache.digest()}"
-    path.mkdir(parents=True, mode=0o755)
-    for name in ("impacts", "ballistic_limits"):
-        file = path / f"loops.{name}-.py{sys.version_info[0]}{sys.version_info[1]}.nbi"
-        file.write_bytes(pickle.dumps(Payload(ran / "compiled")))
-        cache.seal(path, name).write_text(sha256(file.read_bytes()).hexdigest())
-
-
 @pytest.fixture
 def environment(home: Path) -> dict[str, str]:
-    """Her environment; compiled code is that of the other tests."""
+    """Her environment."""
     kept = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "MPL"))}
     path = f"{COMMANDS}{os.pathsep}{os.environ['PATH']}"
-    return {**kept, "HOME": str(home), "XDG_CACHE_HOME": str(Path(user_cache_dir())), "PATH": path}
+    return {**kept, "HOME": str(home), "PATH": path}
 
 
 @pytest.fixture(autouse=True)
@@ -194,18 +168,10 @@ def test_no_command_runs_or_obeys_what_lies_there(
     assert "secret" not in said
 
 
-@pytest.mark.parametrize(
-    "line", ["compile", "sweep wilkins --over armour.ceramic_thickness_mm=4:8:1 -o cluster.csv --scheduler local"]
-)
-def test_no_process_that_a_command_starts_runs_it_either(line: str, here: Path, environment: dict[str, str]):
-    done = run(f"armour {line}", here, environment)
+def test_no_process_that_a_command_starts_runs_it_either(here: Path, environment: dict[str, str]):
+    over = "armour.ceramic_thickness_mm=4:8:1"
+    done = run(f"armour sweep wilkins --over {over} -o cluster.csv --scheduler local", here, environment)
     assert done.returncode == 0, done.stderr
-
-
-def test_compiled_code_that_lies_there_is_not_loaded(here: Path, environment: dict[str, str]):
-    done = run('XDG_CACHE_HOME="$PWD/.cache" armour compile', here, environment)
-    assert (done.returncode, done.stdout) == (2, "")
-    assert f"in {here / '.cache' / 'armour'}, which is in the current folder" in done.stderr
 
 
 def test_the_action(here: Path, environment: dict[str, str], tmp_path: Path):
@@ -224,8 +190,8 @@ def test_the_action(here: Path, environment: dict[str, str], tmp_path: Path):
     assert run(made, base, environment).returncode == 0
     assert run(f"git init -q && git remote add origin {shlex.quote(str(base))}", here, environment).returncode == 0
     codes = [run(line, here, environment).returncode for line in lines]
-    assert codes == [0, 0, 0, 0, 0, 0, 3, 0]
-    assert (tmp_path / "output").read_text().count("folder=/") == 2
+    assert codes == [0, 0, 0, 0, 3, 0]
+    assert (tmp_path / "output").read_text().count("folder=/") == 1
     report = (here / "results" / "check.xml").read_text()
     assert report.count('<failure message="FAILS') == 3
     assert "weaker: 99 % before, 90 % now" in report

@@ -1,7 +1,6 @@
 """Another user, who exchanges folders while a command runs, has nothing of his run and nothing of hers touched."""
 
 import os
-import pickle
 import signal
 import subprocess
 import sys
@@ -54,42 +53,6 @@ def shared(tmp_path: Path) -> Path:
     folder.mkdir()
     folder.chmod(0o777)
     return folder
-
-
-class Payload:
-    """An object that leaves a file where it is unpickled."""
-
-    def __init__(self, path: Path) -> None:
-        self.path = path
-
-    def __reduce__(self) -> tuple[Callable[..., object], tuple[object, ...]]:
-        return open, (str(self.path), "w")
-
-
-def test_compiled_code_in_a_folder_that_he_can_exchange(shared: Path, tmp_path: Path):
-    own, theirs, aside, run_there = (shared / name for name in ("own", "theirs", "aside", "run"))
-    own.mkdir(mode=0o755)
-    here = tmp_path / "here"
-    here.mkdir()
-    over = "armour.ceramic_thickness_mm=4,5"
-    sweep = ("sweep", "wilkins", "--over", over, "--quantities", "outcome", "--force", "-o", "a.csv")
-    # What a program that trusted the folder would read.
-    from armour.engine import cache
-
-    place = theirs / "armour" / f"kernels-{cache.digest()}" / "loops.impacts-.py311.nbi"
-    place.parent.mkdir(parents=True)
-    place.write_bytes(pickle.dumps(Payload(run_there)))
-    for path in (theirs, *theirs.rglob("*")):
-        os.chown(path, OTHER, OTHER)
-
-    def exchange() -> None:
-        for old, new in ((own, aside), (theirs, own), (own, theirs), (aside, own)):
-            old.rename(new)
-            time.sleep(0.002)
-
-    with other_user(exchange):
-        assert run(*sweep, folder=here, XDG_CACHE_HOME=str(own)).returncode == 0
-    assert not run_there.exists()
 
 
 @pytest.mark.parametrize("mode", [0o777, 0o1777])

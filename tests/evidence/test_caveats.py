@@ -226,11 +226,11 @@ def test_a_ceramic_thinner_than_any_tested_is_named_in_the_line_of_every_answer(
     assert said(thick) == []
 
 
-def test_the_depth_of_a_long_rod_is_by_the_equation_as_it_is(monkeypatch: pytest.MonkeyPatch):
+def test_the_depth_of_a_long_rod_is_by_the_equation_as_it_is():
     original = equations.penetration_velocity
     assert "drive a fast one 3.0 times its length" in long_rod(10.0, 7850.0, 17600.0)
-    monkeypatch.setattr(equations, "penetration_velocity", lambda *args: 0.5 * original(*args))
-    assert "drive a fast one 0.6 times its length" in long_rod(10.0, 7850.0, 17600.0)
+    with armour.equations(penetration_velocity=lambda *args: 0.5 * original(*args)):
+        assert "drive a fast one 0.6 times its length" in long_rod(10.0, 7850.0, 17600.0)
 
 
 SHORT = "against fragment simulators, "

@@ -113,7 +113,7 @@ def test_workers_of_another_version_are_refused(client: "Client", tmp_path: Path
     client.wait_for_workers(1)
     sweep_on(client, tmp_path / "a.csv")
     monkeypatch.setattr("armour.sweeps.cluster.program", lambda: "this" if threading.get_ident() == here else "other")
-    message = "must have workers with this version of armour, numba and numpy, found a worker with others"
+    message = "must have workers with this version of armour and numpy, found a worker with others"
     with pytest.raises(InputError, match=message):
         sweep_on(client, tmp_path / "b.csv")
 

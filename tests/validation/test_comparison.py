@@ -5,7 +5,8 @@ from typing import Any
 import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit
-from armour.core import equations
+from armour.core.equations import fragmented_strength
+from armour.engine.changes import equations
 from armour.errors import InputError, NoAnswerError
 from armour.reporting.views.validation import rule_note
 from armour.validation.comparison import Comparison, compare
@@ -121,9 +122,8 @@ def test_the_best_split_may_have_its_limit_outside_the_range():
     assert between.florence[0].model_ballistic_limit_m_s is None
 
 
-def test_no_errors_of_other_equations_are_shown(monkeypatch: pytest.MonkeyPatch):
-    case, original = scenario(), equations.fragmented_strength
-    with monkeypatch.context() as changed:
-        changed.setattr(equations, "fragmented_strength", lambda *args: 0.8 * original(*args))
+def test_no_errors_of_other_equations_are_shown():
+    case = scenario()
+    with equations(fragmented_strength=lambda *args: 0.8 * fragmented_strength(*args)):
         assert compare(case).errors == ()
     assert compare(case).errors

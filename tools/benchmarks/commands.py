@@ -71,7 +71,6 @@ class Commands(NamedTuple):
     """What was measured; processor times in s."""
 
     waits: dict[str, float]  # by command
-    first: float  # of the first command that compiles the engine
     growth: list[Growth]
 
 
@@ -79,13 +78,12 @@ def measured() -> Commands:
     """Measure the commands."""
     with TemporaryDirectory() as name:
         folder = Path(name)
-        first = used(["optimise", OPTIMUM], folder, XDG_CACHE_HOME=name)
         waits: dict[str, list[float]] = {command: [] for command in WAITED_FOR}
         for _ in range(TURNS):
             for command, times in waits.items():
                 times.append(used(command.split(), folder))
         growth = [grown(command, unit, folder) for command, unit in GROWING]
-    return Commands({command: median(times) for command, times in waits.items()}, first, growth)
+    return Commands({command: median(times) for command, times in waits.items()}, growth)
 
 
 def grown(command: str, unit: str, folder: Path) -> Growth:
@@ -98,11 +96,11 @@ def grown(command: str, unit: str, folder: Path) -> Growth:
     return Growth(command, unit, fixed, each, error, numbers[-1], float(seconds[-1]))
 
 
-def used(arguments: list[str], folder: Path, **environment: str) -> float:
+def used(arguments: list[str], folder: Path) -> float:
     """Return the processor time of a command run in a folder, s."""
     command = [sys.executable, "-m", "armour", *arguments]
     null = subprocess.DEVNULL
-    with subprocess.Popen(command, cwd=folder, env=os.environ | environment, stdout=null, stderr=null) as process:
+    with subprocess.Popen(command, cwd=folder, stdout=null, stderr=null) as process:
         _, status, usage = os.wait4(process.pid, 0)
         code = process.returncode = os.waitstatus_to_exitcode(status)
     if code not in (0, 3):

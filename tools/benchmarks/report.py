@@ -24,9 +24,6 @@ cores together, unless stated otherwise.
 
 {_waits(command)}
 
-The numerical code is compiled when it is first needed and kept in your cache folder: the first `armour optimise` takes
-{command.first:.1f} s. `simulate`, `ballistic-limit` and `check` do not need it.
-
 ## What grows
 
 A sweep of 500,000 ballistic limits takes {_example(command)}. Up to the numbers of the examples, such sums differ by at

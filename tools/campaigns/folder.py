@@ -31,8 +31,7 @@ PROGRAMS = Path(sys.executable).parent
 NAMES = ("armour", "cat", "chromium", "git", "latex", "ldconfig", "less", "python", "python3", "sh", "stty", "uname")
 # Settings by file, all of which would run or change something: {ran} is a file to leave, {keys} one of the user's.
 SETTINGS = {
-    ".env": "PYTHONPATH=.\nARMOUR_COMPILED=0\n",
-    ".numba_config.yaml": "chrome_trace: {keys}\ndisable_jit: 1\n",
+    ".env": "PYTHONPATH=.\n",
     ".pdbrc": "import os; os.system('touch {ran}')\n",
     ".python-version": "2.7\n",
     "dask.yaml": "temporary-directory: {keys}\n",
@@ -53,19 +52,18 @@ SETTINGS = {
 }
 ACTION = (
     "python -P -m pip cache dir",
-    "python -P -c 'from armour.engine.cache import folder; print(folder()[0] or str())'",
     "armour check --junit results.xml -- {scenario}",
     "armour validate paper --only table --junit validate.xml",
 )
 # What depends on the time, the folder or on how often a command ran.
-CHANGING = re.compile(r"compiling the numerical code.*\n|\d+ (?:rows|tests|armours).*\r")
+CHANGING = re.compile(r"\d+ (?:rows|tests|armours).*\r")
 
 
 @cache
 def commands() -> list[str]:
     """Return the examples of the help that need no file of the user, and what runs elsewhere."""
     examples = [example for group in COMMANDS.values() for each in group.values() for example in each]
-    slow = ("figures", "plan tests", "report", "compile", "optimise", "validate", "uncertainty", "--law all", "0.1 -o")
+    slow = ("figures", "plan tests", "report", "optimise", "validate", "uncertainty", "--law all", "0.1 -o")
     quick = [f"armour {example}" for example in examples if not any(part in example for part in slow)]
     sweep = "armour sweep wilkins --over impact.velocity_m_s=700,800 -o x.csv"
     return [*quick, "armour optimise wilkins", sweep, *ACTION]

@@ -13,7 +13,6 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-from armour.engine.cache import kernel
 from armour.sweeps import sweep as sweeps
 from tests.helpers.cases import SCENARIOS
 from tools.campaigns.trials import WRONG, command, exit_code, forked, run
@@ -112,8 +111,6 @@ def full(folder: Path) -> Iterator[str]:
 def main() -> int:
     """Compute the tables of undisturbed sweeps, then disturb others; return the exit code."""
     sweeps.MAX_CHUNK = CHUNK
-    for name in ("impacts", "ballistic_limits"):
-        kernel(name)
     with tempfile.TemporaryDirectory(prefix="sweeps-") as place:
         for ending in ENDINGS:
             for quantities in QUANTITIES:

@@ -12,7 +12,6 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-from armour.engine.cache import kernel
 from armour.errors import InputError
 from armour.statistics.v50 import read_shots
 from tests.helpers.faults import faults
@@ -108,7 +107,6 @@ def saves(folder: Path) -> Iterator[str]:
 
 def main() -> int:
     """Disturb commands that record shots; return the exit code."""
-    kernel("impacts")
     with tempfile.TemporaryDirectory(prefix="tables-") as place:
         for table in tables(Path(place), 2):
             recorded(table, 720.0)

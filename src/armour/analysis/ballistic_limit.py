@@ -5,15 +5,16 @@ the model error is not known; this module then computes the flow stress that the
 """
 
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from armour.analysis.impact import ImpactResult, impact_at, unresolved_error
 from armour.analysis.results import OnProgress, Result, ignore_progress
-from armour.analysis.variants import Variants, ballistic_limits, limit_brackets, outcomes_at, row_of, variants_of
+from armour.analysis.variants import Variants, ballistic_limits, row_of, variants_of
 from armour.core import search
 from armour.core.state import Outcome
+from armour.engine import batch
 from armour.errors import InputError, NoLimitError
 from armour.evidence.caveats import is_long_rod, is_no_metal
 from armour.evidence.fit import fits
@@ -266,6 +267,11 @@ def not_monotonic(limit: LimitResult) -> tuple[str, ...]:
     return () if limit.monotonic else (f"the outcome is not monotonic: {_listed(limit.crossings)}",)
 
 
+def _outcomes(row: Variants, velocities: list[float]) -> Any:
+    """Return the outcome at each velocity, m/s."""
+    return batch.impacts(row.parameters.repeat(len(velocities), axis=0), np.array(velocities), row.settings).outcome
+
+
 def find_crossings(row: Variants, points: int, on_progress: OnProgress) -> tuple[tuple[Crossing, ...], int, bool]:
     """Find the changes of the outcome in a scan of velocities; `points` is the number of velocities.
 
@@ -275,11 +281,11 @@ def find_crossings(row: Variants, points: int, on_progress: OnProgress) -> tuple
     low, high, tolerance = section.velocity_min_m_s, section.velocity_max_m_s, section.tolerance_m_s
     velocities = search.scan(low, high, points)
     scanned = velocities[search.first_scanned(armour, velocities) :]
-    outcomes = outcomes_at(armour, scanned, settings, points)
+    outcomes = _outcomes(row, scanned)
     runs = len(scanned)
     if runs < points and outcomes[0] == Outcome.PERFORATED:  # as in `search.scanned_limit`
         scanned = velocities
-        outcomes = outcomes_at(armour, scanned, settings, points)
+        outcomes = _outcomes(row, scanned)
         runs += points
     on_progress(runs, None)
     unresolved = np.flatnonzero(outcomes == Outcome.UNRESOLVED)
@@ -290,7 +296,7 @@ def find_crossings(row: Variants, points: int, on_progress: OnProgress) -> tuple
     for i in np.flatnonzero(perforated[:-1] != perforated[1:]):
         if not crossings and perforated[i + 1]:
             # The limit equals the engine's to the last bit.
-            brackets = limit_brackets(row.parameters, low, high, tolerance, settings, points)
+            brackets = batch.ballistic_limits(row.parameters, low, high, tolerance, settings, points)
             change = search.SearchResult._make(column.item() for column in brackets)
         else:
             below, above = (search.impact(armour, velocity, settings) for velocity in scanned[i : i + 2])

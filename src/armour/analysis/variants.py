@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 
 from armour.analysis.impact import unresolved_error
 from armour.analysis.results import OnProgress, ignore_progress
-from armour.core.run import run
-from armour.core.search import DENSE_SCAN_POINTS, SCAN_POINTS, RunSettings, find_ballistic_limit, scan
-from armour.core.state import Outcome, Parameters
-from armour.engine import batch, cache
+from armour.core.search import DENSE_SCAN_POINTS, SCAN_POINTS, RunSettings, scan
+from armour.core.state import Outcome
+from armour.engine import batch
 from armour.errors import mistake
 from armour.evidence.fit import shipped_data
 from armour.evidence.mixture import Mixture
@@ -322,47 +321,13 @@ def ballistic_limits(
     for rows, number in ((~dense, points or SCAN_POINTS), (dense, DENSE_SCAN_POINTS)):
         if rows.any():
             settings, threads = variants.settings, variants.threads
-            brackets = limit_brackets(variants.parameters[rows], *range_m_s, tolerance, settings, number, threads)
+            brackets = batch.ballistic_limits(
+                variants.parameters[rows], *range_m_s, tolerance, settings, number, threads
+            )
             check_resolved(brackets.resolved, variants.at(rows)._replace(velocities=brackets.perforated))
             limits[rows] = np.where(np.isneginf(brackets.stopped), -np.inf, brackets.perforated)
             on_progress(int(brackets.runs.sum()), None)
     return limits
-
-
-def limit_brackets(
-    rows: Floats,
-    low: float,
-    high: float,
-    tolerance: float,
-    settings: RunSettings,
-    points: int,
-    threads: int | None = None,
-) -> batch.Brackets:
-    """Return the brackets of the ballistic limits of rows of parameters, (n, fields), from `low` to `high`, m/s.
-
-    The engine computes them or, for a single row, Python if that is quicker; both give the same to the last bit.
-    """
-    if len(rows) > 1 or _engine_is_quicker("ballistic_limits", settings, points):
-        return batch.ballistic_limits(rows, low, high, tolerance, settings, points, threads)
-    result = find_ballistic_limit(Parameters(*rows[0].tolist()), scan(low, high, points), tolerance, *settings[:3])
-    return batch.Brackets(*(np.array([value]) for value in result))
-
-
-def _engine_is_quicker(kernel: str, settings: RunSettings, points: int) -> bool:
-    """Return whether the engine, including its loading, scans `points` velocities for one armour faster than Python."""
-    slow = points == DENSE_SCAN_POINTS or settings.dt > 0.0
-    return cache.is_loaded(kernel) or (slow and cache.is_compiled(kernel))
-
-
-def outcomes_at(armour: Parameters, velocities: Sequence[float], settings: RunSettings, points: int) -> Ints:
-    """Return the outcome of an armour at each velocity, m/s; they are part of a scan of `points` velocities.
-
-    The engine computes the outcomes, or Python if that is quicker for the whole scan; both give the same.
-    """
-    if _engine_is_quicker("impacts", settings, points):
-        return batch.impacts(batch.packed([armour] * len(velocities)), np.array(velocities), settings).outcome
-    V_arrest, dt, max_steps, _ = settings
-    return np.array([run(armour, velocity, dt, V_arrest, max_steps).outcome for velocity in velocities])
 
 
 def moved_m_s(variants: Variants) -> Floats:

@@ -15,7 +15,7 @@ from armour import MODEL_VERSION, __version__
 from armour.analysis.quantities import QUANTITIES, REQUIRED_QUANTITIES
 from armour.cli import experiments, scenario_commands, suites
 from armour.cli.console import emit, say
-from armour.cli.library import LISTED_KINDS, compile_, init, list_library, schema, section, show_entry
+from armour.cli.library import LISTED_KINDS, init, list_library, schema, section, show_entry
 from armour.cli.options import flag
 from armour.cli.runner import NO_ANSWER, with_lines
 from armour.errors import MAX_PROBLEMS, ArmourError, InputError, NoAnswerError, Problem, mistake
@@ -207,7 +207,6 @@ COMMANDS: dict[str, dict[Callable[..., None], tuple[str, ...]]] = {
             "init suite.toml --from wilkins --from catalogue",
         ),
         schema: ("schema",),
-        compile_: ("compile",),
     },
 }
 library = typer.Typer(cls=Reporting, invoke_without_command=True, no_args_is_help=False)

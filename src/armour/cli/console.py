@@ -63,11 +63,11 @@ def discard(stream: IO[str]) -> None:
 
 
 @contextmanager
-def progress(unit: str, total: int | None = None, first: str = "") -> Iterator[Callable[..., None]]:
+def progress(unit: str, total: int | None = None) -> Iterator[Callable[..., None]]:
     """Yield a function to call with the number of units done since the last call; on a terminal, it moves a bar.
 
     The total may also be given, or changed, with each call.  Units that were ``stored`` by an earlier run do not count
-    for the rate.  ``first`` is shown until the first call; by default, that code is compiled.
+    for the rate.
     """
     if not sys.stderr.isatty():
         yield lambda *_count, **_stored: None
@@ -77,7 +77,7 @@ def progress(unit: str, total: int | None = None, first: str = "") -> Iterator[C
 
     columns = (BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]}"), TimeRemainingColumn())
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(unit, total=total, rate=first or "compiling or reading compiled code")
+        task = bar.add_task(unit, total=total, rate="")
 
         def advance(count: int, total: int | None = None, stored: bool = False) -> None:
             if stored:

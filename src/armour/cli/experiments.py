@@ -123,7 +123,7 @@ def v50(
         requirement_fraction=requirement_fraction,
     )
     files: Files = {}
-    with progress("impacts", first="fitting") as count, runner.as_options("v50"):
+    with progress("impacts") as count, runner.as_options("v50"):
 
         def estimate(fired: armour.Shots) -> armour.FiringResult:
             return armour.v50(fired, loaded, on_progress=count, **options)
@@ -363,7 +363,7 @@ def plan_shots(
     )
     # The stack keeps a table to which a shot is added locked until it is written.
     with ExitStack() as stack:
-        with progress("impacts", first="searching") as count, runner.as_options("plan_shots", LIMITS):
+        with progress("impacts") as count, runner.as_options("plan_shots", LIMITS):
             plan = partial(armour.plan_shots, loaded, on_progress=count, **options)
             files: Files = {}
             if result is None or table is None:

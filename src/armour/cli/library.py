@@ -1,4 +1,4 @@
-"""Commands on shipped data: list the library, copy files to start from, compile, and print the schema."""
+"""Commands on shipped data: list the library, copy files to start from, and print the schema."""
 
 from collections.abc import Callable, Mapping, Sequence
 from os.path import relpath
@@ -11,11 +11,11 @@ import armour
 import armour.lazy as lazy
 from armour import __version__
 from armour.cli import completion
-from armour.cli.console import emit, progress, show, show_json
+from armour.cli.console import progress, show, show_json
 from armour.cli.folders import YES, scenario_paths
 from armour.cli.options import AS_JSON, FORCE, argument, flag, option
 from armour.cli.runner import check_outputs, propose, say_leaving, show_answer, source_word, write
-from armour.errors import InputError, Problem, mistake, refuse
+from armour.errors import InputError, Problem, refuse
 from armour.files import (
     located,
     shell_line,
@@ -145,27 +145,6 @@ def _init_suite(file: Path, sources: Sequence[str], shipped: Mapping[str, Path],
         text = lazy.new_suite(scenarios, count)
     write({file: lambda _: text})
     propose(shell_line(["armour", "validate", source_word(file), "--update"]))
-
-
-def compile_() -> None:
-    """Compile the numerical code ahead of its use, and print the folder to keep for it.
-
-    In it, a container image or the next run in CI finds the compiled code.
-    """
-    from armour.engine import cache
-    from armour.engine.loops import LOOP_NAMES
-
-    if reason := cache.obstacle():
-        raise mistake("compile", "", reason)
-    path, hindrance = cache.folder()
-    if path is None or (hindrance and not all(map(cache.is_compiled, LOOP_NAMES))):
-        raise mistake("compile", "", f"compiled code cannot be kept {hindrance}; XDG_CACHE_HOME names another folder")
-    for name in LOOP_NAMES:
-        cache.kernel(name)
-    if not all(map(cache.is_compiled, LOOP_NAMES)):
-        raise mistake("compile", "", f"compiled code has not been kept in {path.parent}")
-    say_leaving("compile")
-    emit(f"{path.parent}\n")
 
 
 def schema() -> None:

@@ -12,10 +12,8 @@ from typing import Any
 
 # Replacements for characters of rules and units that the encoding of an output lacks.
 REPLACEMENTS = {"\N{MULTIPLICATION SIGN}": "x", "─": "-", "²": "2", "³": "3", "µ": "u", "±": "+-", "°": " deg"}
-# Beginnings of variables of the environment that slow libraries down, or make them print or fail; the processor that
-# numba compiles for may be chosen.
-IGNORED = ("EAGER_IMPORT", "NPY_", "NUMBA_", "NUMPY_", "SCIPY_", "TERMINAL_WIDTH", "TYPER_", "_TYPER_FORCE_")
-KEPT = ("NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES")
+# Beginnings of variables of the environment that slow libraries down, or make them print or fail.
+IGNORED = ("EAGER_IMPORT", "NPY_", "NUMPY_", "SCIPY_", "TERMINAL_WIDTH", "TYPER_", "_TYPER_FORCE_")
 
 
 def main() -> None:
@@ -74,7 +72,7 @@ def _settle(environment: MutableMapping[str, str]) -> None:
     """
     for name, value in [*environment.items()]:
         is_no_size = name in ("COLUMNS", "LINES") and not (value.isascii() and value.isdecimal() and len(value) < 5)
-        if not value or is_no_size or (name.startswith(IGNORED) and name not in KEPT):
+        if not value or is_no_size or name.startswith(IGNORED):
             del environment[name]
 
 

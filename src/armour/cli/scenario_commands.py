@@ -63,7 +63,7 @@ def simulate(
     settings = {"--velocity": (VELOCITY, velocity)}
     loaded = read_scenario(scenario, changes, IMPACT_READS, settings, "the simulated impact")
     check_outputs(tables=[history], inputs=[scenario], scenario=loaded, plot=plot, force=force)
-    with progress("impacts", first="computing") as count:
+    with progress("impacts") as count:
         result = armour.simulate(loaded, history=history is not None or plot is not None)
         count(1, None)
         confidence = armour.confidence(loaded, on_progress=count)
@@ -87,7 +87,7 @@ def ballistic_limit(
     """Find the ballistic limit."""
     loaded = read_scenario(scenario, changes, (*LIMIT_READS, *OF_WEIGHT), computed="the ballistic limit")
     check_outputs(inputs=[scenario], scenario=loaded, plot=plot, force=force)
-    with progress("impacts", first="searching") as count:
+    with progress("impacts") as count:
         result = armour.ballistic_limit(loaded, on_progress=count)
     warnings = (*lazy.not_monotonic(result), *result.warnings)
     answer(result, loaded, warnings=warnings, plot=plot, as_json=as_json, verbose=verbose)
@@ -104,7 +104,7 @@ def compare(
     """Compare the model with simpler formulas."""
     loaded = read_scenario(scenario, changes, (*LIMIT_READS, *OF_WEIGHT), computed="the ballistic limit")
     check_outputs(inputs=[scenario], scenario=loaded, plot=plot, force=force)
-    with progress("impacts", first="searching") as count:
+    with progress("impacts") as count:
         result = armour.compare(loaded, on_progress=count)
     warnings = (*lazy.not_monotonic(result.limit), *result.limit.warnings)
     answer(result, loaded, warnings=warnings, plot=plot, as_json=as_json, verbose=verbose)
@@ -152,7 +152,7 @@ def check(
     suites, warnings = [], []
     for loaded in scenarios:
         start = perf_counter()
-        with progress("impacts", first="searching") as count:
+        with progress("impacts") as count:
             result = armour.check(loaded, on_progress=count).of(every_row=verbose)
         if not as_json:
             if results:
@@ -301,7 +301,7 @@ def sensitivity(
     """
     loaded = read_scenario(scenario, changes, ("impact", "armour", "ballistic_limit"))
     check_outputs(inputs=[scenario], scenario=loaded, plot=plot, force=force)
-    with progress("impacts", first="computing") as count:
+    with progress("impacts") as count:
         result = armour.sensitivity(loaded, on_progress=count)
     answer(result, loaded, plot=plot, as_json=as_json, verbose=verbose)
 

@@ -15,7 +15,6 @@ from math import exp, inf, log, sqrt
 from typing import NamedTuple
 
 from armour.core import equations as eq
-from armour.core.replaced import is_unchanged
 from armour.core.roots import MOST_TRIALS, bracket, narrowed, next_point
 from armour.core.run import TOLERANCE, Run, run
 from armour.core.stages import with_intact_strength
@@ -136,11 +135,10 @@ def residual_energy(end: Run, p: Parameters, V: float, V_arrest: float) -> float
 def first_scanned(p: Parameters, velocities: Sequence[float]) -> int:
     """Return the index of the highest velocity of a scan that lacks the energy to perforate, or 0.
 
-    It is 0 where the bound on the energy is not proved: where the interface drives the plate, and if another program
-    has replaced an equation.
+    It is 0 where the bound on the energy is not proved: where the interface drives the plate.
     """
     i = 0
-    if p.drive_law != eq.STRENGTH or not is_unchanged():
+    if p.drive_law != eq.STRENGTH:
         return i
     while i + 1 < len(velocities) and not may_perforate(p, velocities[i + 1]):
         i += 1

@@ -433,7 +433,7 @@ def effort(scenario: Scenario) -> tuple[int, float]:
     pair = max(range(len(layers)), key=lambda pair: len(layers[pair][0]) * len(layers[pair][1]))
     some = [values[:: max(len(values) // SOME_THICKNESSES, 1)] for values in layers[pair]]
     rows = catalogue.against_each(catalogue.combinations(pair, *some))
-    verdicts_of(catalogue, rows.at(np.arange(len(catalogue.threats))), Runs())  # loads the compiled code
+    verdicts_of(catalogue, rows.at(np.arange(len(catalogue.threats))), Runs())  # reads data
     begun = perf_counter()
     verdicts_of(catalogue, rows, Runs())
     return count, (perf_counter() - begun) / (len(some[0]) * len(some[1])) * count

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from armour.core.search import SCAN_POINTS, RunSettings, scan
 from armour.core.state import Parameters
-from armour.engine import cache
+from armour.engine import compiled
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -64,7 +64,7 @@ def impacts(
 
     By default, there is a thread on each core; the results do not depend on the number of threads.
     """
-    counts, ends = _computed("impacts", [rows, velocities], settings[:3], 6, threads)
+    counts, ends = _computed("impacts", [rows, velocities], _solver(settings), 6, threads)
     t, Z, L, V, W, h = ends.T
     return ImpactBatch(counts[:, 0], t, Z, L, V, W, h, counts[:, 1])
 
@@ -84,8 +84,13 @@ def ballistic_limits(
     """
     velocities = np.array(scan(low, high, points), dtype=np.float64)
     velocities.flags.writeable = False
-    counts, ends = _computed("ballistic_limits", [rows], (velocities, tolerance, *settings[:3]), 2, threads)
+    counts, ends = _computed("ballistic_limits", [rows], (velocities, float(tolerance), *_solver(settings)), 2, threads)
     return Brackets(ends[:, 0], ends[:, 1], counts[:, 0], counts[:, 1] != 0)
+
+
+def _solver(settings: RunSettings) -> tuple[float, float, int]:
+    """Return the settings that compiled code takes; it takes a word for what its type says."""
+    return float(settings.V_arrest), float(settings.dt), int(settings.max_steps)
 
 
 def _computed(
@@ -99,13 +104,13 @@ def _computed(
     count = len(rows)
     inputs = [rows, *(np.ascontiguousarray(np.broadcast_to(column, count)) for column in velocities)]
     counts, ends = np.empty((count, 2), np.int64), np.empty((count, width))
-    kernel, size = cache.kernel(name), PORTIONS[name]
+    starts = range(0, count, PORTIONS[name])
+    kernel = compiled.kernel(name, is_long=len(starts) > 1)
 
     def compute(start: int) -> None:
-        part = slice(start, start + size)
+        part = slice(start, start + starts.step)
         kernel(*(array[part] for array in inputs), settings, counts[part], ends[part])
 
-    starts = range(0, count, size)
     if len(starts) > 1:
         with ThreadPoolExecutor(min(threads or available_cores(), len(starts))) as pool:
             list(pool.map(compute, starts))

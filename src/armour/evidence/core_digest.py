@@ -5,7 +5,7 @@ from hashlib import sha256
 from pathlib import Path
 
 from armour.core import state
-from armour.core.replaced import replaced_in_words
+from armour.engine.changes import changed_names
 from armour.evidence.fit import shipped_data
 
 CORE_FOLDER = Path(state.__file__).parent
@@ -13,8 +13,8 @@ CORE_FOLDER = Path(state.__file__).parent
 
 def changed_equations() -> str:
     """Describe the equations if they are not those used to compute the tests; "" if they are."""
-    if names := replaced_in_words():
-        return f"{names} replaced"
+    if names := changed_names():
+        return f"{names} changed"
     return "" if core_digest() == shipped_data()["core"]["sha256"] else "the equations as they are in armour/core"
 
 

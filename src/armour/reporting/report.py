@@ -13,7 +13,7 @@ from armour.reporting.table import Column, Table
 from armour.scenario.scenario import Scenario
 
 # Packages whose versions the results can depend on.
-PACKAGES = ("numpy", "scipy", "numba", "llvmlite")
+PACKAGES = ("numpy", "scipy")
 
 
 class Card(NamedTuple):

@@ -1,31 +1,22 @@
-"""Arguments of the public functions, checked by their signatures, and what a program replaces in the core."""
+"""Arguments of the public functions, checked by their signatures."""
 
-import logging
 import sys
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
-from functools import cache, partial, wraps
+from functools import cache, wraps
 from inspect import signature
 from os import PathLike
 from sys import float_info
-from types import ModuleType, NoneType, UnionType
+from types import NoneType, UnionType
 from typing import Annotated, Any, ParamSpec, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from pydantic import PlainValidator, create_model
 
-from armour.core import equations
-from armour.core.replaced import replaced_in_words, replaced_names
 from armour.csv_files import Rows
-from armour.errors import mistake
 from armour.foreign import items, plain
-from armour.leaving import leaving
 from armour.scenario.keys import describe
 from armour.scenario.sections import Section, validated
-
-log = logging.getLogger(__name__)
-# What has been said to be replaced, by module and name.
-_named = set[tuple[ModuleType, str]]()
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -75,7 +66,6 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
         bound.apply_defaults()
         annotated = {name: plain(value) for name, value in bound.arguments.items() if name in model().model_fields}
         bound.arguments |= dict(validated(model(), annotated, function.__name__))
-        _watch_replaced()
         with usual_errors():
             return function(*bound.args, **bound.kwargs)
 
@@ -95,36 +85,6 @@ def usual_errors() -> Iterator[None]:
             if module := sys.modules.get(name):
                 stack.enter_context(module.errstate(**usual))
         yield
-
-
-def _watch_replaced() -> None:
-    """Say what another program has replaced in the core, once, and let equations among it be checked."""
-    names = {*replaced_names()}
-    if not names <= _named:
-        log.warning(
-            "computing in plain Python, about a hundred times slower: %s replaced; %s",
-            replaced_in_words(),
-            leaving("replacing equations"),
-        )
-        _named.update(names)
-    for module, name in names:
-        value = getattr(module, name)
-        if module is equations and callable(value) and getattr(value, "func", None) is not _finite:
-            setattr(module, name, partial(_finite, f"{module.__name__}.{name}", value))
-
-
-def _finite(name: str, function: Callable[..., Any], *values: Any, **named: Any) -> Any:
-    """Return the value of a replaced equation; raise an InputError if only the value is not a finite number."""
-    import numpy as np  # slow to import
-
-    value = function(*values, **named)
-    try:
-        is_right = np.isrealobj(value) and (np.isfinite(value).all() or not np.isfinite(values).all())
-    except TypeError:
-        is_right = False
-    if not is_right:
-        raise mistake(name, "", f"must return a finite number, found {value!r} for {values}")
-    return value
 
 
 def _kind(hint: Any) -> Any:

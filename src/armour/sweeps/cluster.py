@@ -117,7 +117,7 @@ class _Call:
 def _call(expected: str, call: bytes) -> Any:
     """On a worker, make a call: a pickled function with its arguments; `expected` is the hash of the program."""
     if program() != expected:
-        raise _error("must have workers with this version of armour, numba and numpy, found a worker with others")
+        raise _error("must have workers with this version of armour and numpy, found a worker with others")
     function, args = pickle.loads(call)
     return function(*args)
 

@@ -24,7 +24,7 @@ import armour
 from armour.analysis.evaluate import check_keys, check_quantities, evaluate_groups, groups_of, scenarios_of
 from armour.analysis.quantities import OF_WEIGHT, QUANTITIES, reads_of
 from armour.analysis.results import OnProgress, TableResult, ignore_progress, installed, made_by, same_columns
-from armour.core.replaced import is_unchanged
+from armour.engine.changes import changed_names
 from armour.errors import InputError, choices, counted, duration, mistake
 from armour.files import reason, shipped
 from armour.scenario.checked import Names, Table, checked
@@ -39,8 +39,7 @@ MAX_ROWS = 10_000_000
 # Target time to compute a chunk, short so that an interruption costs little, and greatest number of rows of a chunk.
 CHUNK_S = 1.0
 MAX_CHUNK = 100_000
-# Rows are timed in samples of growing size until one takes this time; the first does not count, as it also loads the
-# compiled code.
+# Rows are timed in samples of growing size until one takes this time; the first does not count, as it also reads data.
 SAMPLE_S = 0.1
 SAMPLES = (4, 4, 32, 256, 2048)
 # A sweep that takes longer or has more rows needs approval.
@@ -53,7 +52,7 @@ GRID_ROUNDING = 1e-9
 OUTCOME_VALUES = ("perforated", "stopped")
 
 CODE_FOLDER = Path(__file__).resolve().parent.parent
-LIBRARIES = ("numba", "numpy")
+LIBRARIES = ("numpy",)
 
 # Columns of values by key.
 Rows = Mapping[str, Any]
@@ -429,8 +428,8 @@ def size(number: float) -> str:
 
 
 def program() -> str:
-    """Return the hash of this program, or a random hash while unknown code replaces something of the core."""
-    return _program() if is_unchanged() else token_hex(32)
+    """Return the hash of this program, or a random hash while equations are changed."""
+    return token_hex(32) if changed_names() else _program()
 
 
 @cache

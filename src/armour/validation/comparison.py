@@ -8,7 +8,7 @@ from typing import Any
 from armour.analysis.ballistic_limit import LimitResult, ballistic_limit, residual_velocity_curve
 from armour.analysis.impact import ImpactResult
 from armour.analysis.results import OnProgress, TableResult, ignore_progress
-from armour.core.replaced import is_unchanged
+from armour.engine.changes import changed_names
 from armour.errors import NoAnswerError, refuse
 from armour.scenario.checked import checked
 from armour.scenario.inputs import ROLES
@@ -175,7 +175,7 @@ def compare(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) ->
         curve=curve,
         tests=_tests_in_words(_tests().cases),
         rules=rules,
-        errors=_errors() if rules and is_unchanged() else (),
+        errors=_errors() if rules and not changed_names() else (),
         florence_missing=tuple(problem.key for problem in missing),
     ).of(scenario.subject(ANY_VELOCITY), scenario=scenario)
 

@@ -1,0 +1,149 @@
+"""Equations that a program changes."""
+
+import logging
+import tomllib
+from functools import cache, partial, wraps
+from importlib import reload
+from math import inf, nan
+from pathlib import Path
+from typing import Any
+from unittest.mock import Mock
+
+import pytest
+
+import armour
+from armour.core import equations, search
+from armour.engine import changes, compiled
+from armour.errors import InputError
+from armour.reporting.views.design import outcome
+
+
+@pytest.mark.parametrize(("name", "factor"), [("deceleration", 0.4), ("shear_force_plug", 0.1)])
+def test_limits_below_the_bound_on_the_energy_are_found(name: str, factor: float):
+    """The bound is derived from the equations as they are."""
+    scenario, original = armour.load_scenario("bare_plate"), getattr(equations, name)
+    with armour.equations(**{name: lambda *args: factor * original(*args)}):
+        limit = armour.ballistic_limit(scenario).ballistic_limit_m_s
+        outcomes = [armour.simulate(scenario.replaced({"impact.velocity_m_s": limit + v})).outcome for v in (-0.02, 0)]
+        limits = armour.sweep(scenario, {"armour.backing_thickness_mm": [20.0, 20.0]})["ballistic_limit_m_s"]
+    assert outcomes == ["stopped", "perforated"]
+    assert limits.tolist() == [limit, limit]
+    assert limit < armour.ballistic_limit(scenario).ballistic_limit_m_s
+
+
+def test_a_limit_below_the_bound_is_found_where_it_is_trusted():
+    """As where the source is edited."""
+    scenario, original, bound = armour.load_scenario("bare_plate"), equations.shear_force_plug, search.may_perforate
+    with armour.equations(shear_force_plug=lambda *args: 0.1 * original(*args)):
+        found = armour.ballistic_limit(scenario).ballistic_limit_m_s
+        changes._set(search, {"may_perforate": bound})
+        assert armour.ballistic_limit(scenario).ballistic_limit_m_s == pytest.approx(found, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    "function",
+    [
+        min,
+        partial(equations.sheared_diameter),
+        cache(equations.sheared_diameter),
+        wraps(equations.sheared_diameter)(partial(equations.sheared_diameter)),
+        Mock(side_effect=equations.sheared_diameter),
+    ],
+)
+def test_a_function_that_is_set_into_the_core_is_refused(monkeypatch: pytest.MonkeyPatch, function: Any):
+    scenario = armour.load_scenario("wilkins")
+    monkeypatch.setattr(equations, "sheared_diameter", function)
+    message = r"armour\.core\.equations\.sheared_diameter: .+ with armour\.equations\(sheared_diameter=\.\.\.\)"
+    for compute in (armour.simulate, armour.ballistic_limit, armour.check, armour.sensitivity):
+        with pytest.raises(InputError, match=message):
+            compute(scenario)
+
+
+def test_a_constant_and_a_module_that_is_imported_again_are_refused(monkeypatch: pytest.MonkeyPatch):
+    with monkeypatch.context() as changed:
+        changed.setattr(search, "TOLERANCE", 1e-3)
+        with pytest.raises(InputError, match=r"armour\.core\.search\.TOLERANCE: "):
+            armour.ballistic_limit(armour.load_scenario("wilkins"))
+    for name, value in vars(equations).items():
+        monkeypatch.setattr(equations, name, value)
+    reload(equations)
+    with pytest.raises(InputError, match=r"armour\.core\.equations\.\w+: "):
+        armour.simulate(armour.load_scenario("wilkins"))
+
+
+def test_wrong_equations_are_all_named():
+    wrong: Any = 1.0
+    with pytest.raises(InputError) as caught, armour.equations(crack_velocty=abs, cross_section=wrong, sqrt=abs):
+        pass
+    names = [problem.key for problem in caught.value.problems]
+    assert names == ["crack_velocty", "cross_section", "sqrt"]
+    assert 'did you mean "crack_velocity"?' in str(caught.value)
+
+
+def test_equations_are_as_before_behind_the_context():
+    scenario, before = armour.load_scenario("wilkins"), dict(vars(equations))
+    limit = armour.ballistic_limit(scenario)
+    with armour.equations(crack_velocity=lambda _Ec, _rho_c: 900.0):
+        with (
+            pytest.raises(ZeroDivisionError),
+            armour.equations(sheared_diameter=equations.sheared_diameter, crack_velocity=lambda _Ec, _rho_c: 1 / 0),
+        ):
+            armour.ballistic_limit(scenario)
+        assert changes.changed_names() == "crack_velocity"
+    assert dict(vars(equations)) == before
+    assert armour.ballistic_limit(scenario) == limit
+
+
+@pytest.mark.parametrize("value", [nan, inf, None, "1", 1j])
+@pytest.mark.parametrize("name", ["fragmented_strength", "crack_velocity", "intact_strength"])
+def test_an_equation_without_a_value_is_named(name: str, value: Any):
+    scenario = armour.load_scenario("wilkins")
+    message = f"equations: {name}: must return a finite number, found "
+    with armour.equations(**{name: lambda *_: value}):
+        for function in (armour.simulate, armour.ballistic_limit, armour.check):
+            with pytest.raises(InputError, match=message):
+                function(scenario)
+        with pytest.raises(InputError, match=message):
+            armour.sweep(scenario, {"armour.ceramic_thickness_mm": [6.0, 7.0]})
+        assert message in armour.confidence(scenario).reason
+
+
+def test_a_long_computation_says_that_python_computes(caplog: pytest.LogCaptureFixture):
+    scenario = armour.load_scenario("wilkins")
+    compiled._warn.cache_clear()
+    with caplog.at_level(logging.WARNING), armour.equations(crack_velocity=lambda _Ec, _rho_c: 1000.0):
+        armour.simulate(scenario)
+        assert not caplog.records
+        for _ in range(2):
+            armour.sweep(scenario, {"armour.ceramic_thickness_mm": [6.0] * 300}, ["outcome"])
+    [record] = caplog.records
+    assert record.getMessage() == "computing in plain Python, about a hundred times slower: crack_velocity changed"
+
+
+def test_results_name_changed_equations():
+    scenario = armour.load_scenario(
+        "wilkins", {"uncertainty.model": {"scale_percent": 7.0, "degrees_of_freedom": 1e6, "source": "tests"}}
+    )
+    words = "computed with crack_velocity changed"
+    with armour.equations(crack_velocity=lambda _Ec, _rho_c: 1000.0):
+        for function in (armour.simulate, armour.ballistic_limit, armour.confidence, armour.check):
+            assert words in function(scenario).warnings
+        [warning] = armour.sweep(scenario, {"armour.ceramic_thickness_mm": [6.0, 7.0]}).warnings
+        assert warning == f"{words}; this concerns 2 of 2 rows"
+        assert words in outcome(armour.check(scenario))
+
+
+def test_a_calibration_by_changed_equations_says_so(tmp_path: Path):
+    scenario, library = armour.load_scenario("wilkins"), tmp_path / "lot.toml"
+    tests = armour.read_tests([{"ballistic_limit_m_s": 700.0}], scenario)
+    assert armour.calibrate(tests, scenario).reason == ""
+    original = equations.fragmented_strength
+    with armour.equations(fragmented_strength=lambda *args: 0.8 * original(*args)):
+        result = armour.calibrate(tests, scenario)
+    words = "computed with fragmented_strength changed"
+    assert result.evidence is None
+    assert result.reason.endswith(f"model error: their limits were {words}")
+    armour.save_fit(result, tests, scenario, lot="7", library=library)
+    entry = tomllib.loads(library.read_text())["ceramic"]["AD85, 7"]
+    assert entry["evidence"]["reason"] == result.reason
+    assert words in entry["flow_stress_GPa"]["source"]
