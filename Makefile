@@ -71,8 +71,9 @@ coverage: $(VENV)/developing
 	$(BIN)/coverage combine --quiet
 	$(BIN)/coverage report --skip-covered
 
-# Build sdist and wheel and check them in a clean environment; dist/ then has them.
+# Build sdist and the wheels of all systems, and check them in a clean environment; dist/ then has them.
 release: $(VENV)/developing
+	$(BIN)/pip install --quiet --disable-pip-version-check ziglang
 	$(BIN)/python tools/release.py
 
 # Run the campaigns, one on each core, and write their results into docs/evidence/campaigns.md: about two hours of one core.

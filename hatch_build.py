@@ -56,13 +56,20 @@ class Hook(BuildHookInterface[Any]):
         return [*NUMBA] if linker() else [*NUMBA, "ziglang"]
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:  # noqa: ARG002
-        """Build the library, and name the wheel after the system that it is for."""
-        if obstacle := build():
-            self.app.display_warning(f"armour will compute in plain Python: {obstacle}")
+        """Add the library of a system, and name the wheel after it: this one, or that of ``ARMOUR_WHEEL_FOR``."""
+        if tag := os.environ.get("ARMOUR_WHEEL_FOR", ""):
+            content = library(SYSTEMS[tag])
+            file = Path(self.directory, compiled.library_name(content))
+            file.write_bytes(content)
+            build_data["force_include"][str(file)] = f"armour/engine/{file.name}"
+        elif obstacle := build():
+            self.app.display_warning(f"armour will compute in plain Python, a hundred times slower: {obstacle}")
             return
+        else:
+            tag = sysconfig.get_platform().replace("-", "_").replace(".", "_")
+            build_data["artifacts"].append("compiled-*.so")
         build_data["pure_python"] = False
-        build_data["tag"] = f"py3-none-{sysconfig.get_platform().replace('-', '_').replace('.', '_')}"
-        build_data["artifacts"].append("compiled-*.so")
+        build_data["tag"] = f"py3-none-{tag}"
 
 
 def build() -> str:

@@ -1,10 +1,11 @@
-"""Build sdist and wheel of this version, check them in a clean environment, and leave them in dist/.
+"""Build sdist and wheels of this version, check them in a clean environment, and leave them in dist/.
 
 ``make release`` runs it. It uploads nothing.
 """
 
 import os
 import re
+import runpy
 import shutil
 import subprocess
 import sys
@@ -61,10 +62,24 @@ def run(*command: object, cwd: Path, env: dict[str, str] | None = None) -> None:
     subprocess.run(list(map(str, command)), cwd=cwd, env=env, check=True)
 
 
+def built(folder: Path) -> tuple[Path, list[Path]]:
+    """Build the sdist, and from it a wheel for each system; return them, the wheel for most Linux machines first."""
+    systems = runpy.run_path(str(ROOT / "hatch_build.py"))["SYSTEMS"]
+    build = [sys.executable, "-m", "build", "--no-isolation", "--outdir", folder]
+    run(*build, "--sdist", cwd=ROOT)
+    [sdist] = folder.glob("*.tar.gz")
+    with tarfile.open(sdist) as archive:
+        archive.extractall(folder / "source", filter="data")
+    [source] = (folder / "source").iterdir()
+    for tag in systems:
+        run(*build, "--wheel", cwd=source, env={**os.environ, "ARMOUR_WHEEL_FOR": tag})
+    wheels = [wheel for tag in systems for wheel in folder.glob(f"*-{tag}.whl")]
+    return sdist, wheels
+
+
 def check(sdist: Path, wheel: Path, folder: Path) -> None:
     """Install the wheel where nothing else is, use it, and run the tests of the sdist with it."""
     environment = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "VIRTUAL_ENV"))}
-    environment["XDG_CACHE_HOME"] = str(folder / "cache")
     run(sys.executable, "-m", "venv", folder / "venv", cwd=folder)
     commands = folder / "venv" / ("Scripts" if os.name == "nt" else "bin")
     pip = [commands / "python", "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
@@ -97,12 +112,11 @@ def main() -> None:
         sys.exit("\n".join(found))
     with tempfile.TemporaryDirectory(prefix="armour-release-", ignore_cleanup_errors=True) as name:
         folder = Path(name).resolve()
-        run(sys.executable, "-m", "build", "--outdir", folder / "dist", cwd=ROOT)
-        [sdist], [wheel] = (folder / "dist").glob("*.tar.gz"), (folder / "dist").glob("*.whl")
-        run(sys.executable, "-m", "twine", "check", "--strict", sdist, wheel, cwd=ROOT)
-        check(sdist, wheel, folder)
+        sdist, wheels = built(folder / "dist")
+        run(sys.executable, "-m", "twine", "check", "--strict", sdist, *wheels, cwd=ROOT)
+        check(sdist, wheels[0], folder)
         (ROOT / "dist").mkdir(exist_ok=True)
-        kept = [Path(shutil.copy(file, ROOT / "dist")) for file in (sdist, wheel)]
+        kept = [Path(shutil.copy(file, ROOT / "dist")) for file in (sdist, *wheels)]
     print(f"\narmour {VERSION}: ready; tag the commit {TAG}")
     print("\n".join(f"{path.relative_to(ROOT)}  {path.stat().st_size / 1e3:.0f} kB" for path in kept))
 

@@ -37,8 +37,9 @@ def test_tests_that_fail_after_a_change_of_the_core_end_with_what_to_do(
         ("    return pi * D0 * D0 / 4.0", "    return pi * D0 * D0 / 4.1", True),
         ("    return pi * D0 * D0 / 4.0", "    if D0:\n        return pi * D0 * D0 / 4.0", True),
         ("    v = V - W\n", "    v = V - W\n    v = V + W\n", True),
-        ("    v = V - W\n", '    """Text."""\n\n    v = V - W  # relative\n', False),
-        ("    v = V - W\n", "    v = (\n        V - W)\n", True),
+        ("    v = V - W\n", "    v = V - W  # relative\n", False),
+        ('"""Equations of the model', '"""The equations of the model', False),
+        ("    v = V - W\n", "    v = (\n        V - W)\n", False),
         ("STRENGTH, INTERFACE = 0, 1\n", "\n\nSTRENGTH,  INTERFACE = 0, 1\r\n", False),
         ("    ", "  ", False),
     ],
@@ -49,16 +50,6 @@ def test_what_changes_the_digest(tmp_path: Path, old: str, new: str, counts: boo
     assert old in text
     changed.write_text(text.replace(old, new), encoding="utf-8", newline="")
     assert (core_digest(tmp_path / "core") != core_digest()) == counts
-
-
-def test_f_strings_are_the_same_code_in_every_version_of_python(tmp_path: Path):
-    """Since Python 3.12, they are several tokens."""
-    found = set()
-    for number, text in enumerate(('f"{a - 1} b"', 'f"{a-1} b"', 'f"{ a -1 } b"', 'f"{a + 1} b"')):
-        (tmp_path / str(number)).mkdir()
-        (tmp_path / str(number) / "a.py").write_text(f"x = {text}\n")
-        found.add(core_digest(tmp_path / str(number)))
-    assert len(found) == 2
 
 
 def test_without_its_equations_no_probability_is_known(monkeypatch: pytest.MonkeyPatch):

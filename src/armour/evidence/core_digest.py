@@ -20,26 +20,17 @@ def changed_equations() -> str:
 
 @cache
 def core_digest(core: Path = CORE_FOLDER) -> str:
-    """Return a hash of the code of the core; comments, docstrings and the layout of the lines do not count.
+    """Return a hash of the code of the core; comments, docstrings and layout do not count.
 
     Without source files, it is the hash of no code, which differs from that stored with the tests.
     """
-    import tokenize  # slow to import
+    import ast  # slow to import
 
-    layout = (tokenize.COMMENT, tokenize.NL, tokenize.ENDMARKER)
     content = sha256()
     for path in sorted(core.glob("*.py")):
-        words, statement = [path.name], []
-        with path.open(encoding="utf-8") as file:
-            for token in tokenize.generate_tokens(file.readline):
-                if token.type in (tokenize.INDENT, tokenize.DEDENT):
-                    words.append(tokenize.tok_name[token.type])
-                elif token.type != tokenize.NEWLINE:
-                    statement += [token] * (token.type not in layout)
-                else:
-                    if any(part.type != tokenize.STRING for part in statement):
-                        # Since Python 3.12, an f-string is several tokens, and the spaces in its braces are none.
-                        words += ["".join("".join(part.string for part in statement).split()), "NEWLINE"]
-                    statement = []
-        content.update(sha256("\n".join(words).encode()).digest())
+        tree = ast.parse(path.read_bytes())
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and ast.get_docstring(node) is not None:
+                del node.body[0]
+        content.update(sha256(f"{path.name}\n{ast.unparse(tree)}".encode()).digest())
     return content.hexdigest()
