@@ -38,7 +38,7 @@ def test_tests_that_fail_after_a_change_of_the_core_end_with_what_to_do(
         ("    return pi * D0 * D0 / 4.0", "    if D0:\n        return pi * D0 * D0 / 4.0", True),
         ("    v = V - W\n", "    v = V - W\n    v = V + W\n", True),
         ("    v = V - W\n", "    v = V - W  # relative\n", False),
-        ('"""Equations of the model', '"""The equations of the model', False),
+        ('"""Equations of the paper', '"""The equations of the paper', False),
         ("    v = V - W\n", "    v = (\n        V - W)\n", False),
         ("STRENGTH, INTERFACE = 0, 1\n", "\n\nSTRENGTH,  INTERFACE = 0, 1\r\n", False),
         ("    ", "  ", False),
