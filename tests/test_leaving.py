@@ -21,10 +21,8 @@ from tests.test_stability import LIST
 
 STABILITY = Path(__file__).parent.parent / "docs" / "stability.md"
 OPTIMUM = "paper/optimum_7.62mm_AP"
-CERAMICS = "armour.ceramic_thickness_mm"
 # By what leaves, commands that use it.
 COMMANDS = {
-    "plan tests": [f"plan tests wilkins --candidates {CERAMICS}=5,7 --number 1 --scatter-percent 3"],
     "compile": ["compile"],
     "optimise --refine": [f"optimise {OPTIMUM} --refine", f"optimise {OPTIMUM} --refine --json"],
     "calibrate --prior": ["calibrate tests/unknown_ceramic unknown_ceramic --prior"],
@@ -47,9 +45,6 @@ def calibrated(**options: Any) -> object:
 
 # By what leaves, programs that use it.
 PROGRAMS: dict[str, Callable[[], object]] = {
-    "plan_tests": lambda: armour.plan_tests(
-        armour.load_scenario("wilkins"), {CERAMICS: [5.0, 7.0]}, number=1, scatter_percent=3.0
-    ),
     "optimise(refine=True)": lambda: armour.optimise(armour.load_scenario(OPTIMUM), refine=True),
     "calibrate(prior=True)": lambda: calibrated(prior=True),
     'calibrate(law="all")': lambda: calibrated(law="all"),

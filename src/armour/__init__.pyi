@@ -30,9 +30,6 @@ from .evidence.model_error import ModelError as ModelError
 from .evidence.model_error import TestsHere as TestsHere
 from .planning.firing import ShotPlan as ShotPlan
 from .planning.firing import plan_shots as plan_shots
-from .planning.plan_tests import PlannedTest as PlannedTest
-from .planning.plan_tests import PlannedTests as PlannedTests
-from .planning.plan_tests import plan_tests as plan_tests
 from .planning.procedures import OperatingPoint as OperatingPoint
 from .reporting.show import plot as plot
 from .reporting.show import report as report

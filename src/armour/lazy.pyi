@@ -6,7 +6,6 @@ from .csv_files import number as number
 from .design.against import moved as moved
 from .design.optimise import effort as effort
 from .evidence.tests import scenario_warnings as scenario_warnings
-from .planning.plan_tests import of_candidates as of_candidates
 from .reporting.by_result import by_result as by_result
 from .reporting.by_result import tables_of as tables_of
 from .reporting.design_page import design_page as design_page
@@ -35,7 +34,6 @@ from .reporting.views.library import entry_tables as entry_tables
 from .reporting.views.library import library_table as library_table
 from .reporting.views.library import shipped_tables as shipped_tables
 from .reporting.views.library import threat_table as threat_table
-from .reporting.views.planning import form_table as form_table
 from .reporting.views.validation import figure_table as figure_table
 from .reporting.views.validation import parity_table as parity_table
 from .reporting.views.validation import suite_junit as suite_junit

@@ -2,7 +2,6 @@
 
 from warnings import warn
 
-_TESTS_TO_SPREAD = "spread tests over the thicknesses that you will use, on two back plates at least"
 _RANGE = "give a range without a step"
 _TESTS_OF_PRIOR = "add the tests behind the prior to the table"
 _EACH_LAW = "fit the laws one by one and compare their leave-one-out errors"
@@ -10,7 +9,6 @@ _WORDS = "then it is armour library WORDS"
 
 # Names of commands, options, keys and of Python, with what to use in their place, if anything.
 LEAVING = {
-    "plan tests": _TESTS_TO_SPREAD,
     "compile": "there, armour is compiled when it is built",
     "optimise --refine": _RANGE,
     "calibrate --prior": _TESTS_OF_PRIOR,
@@ -21,14 +19,11 @@ LEAVING = {
     "library threats": _WORDS,
     "library metals": _WORDS,
     "table.rivals": "compare other predictions with the values of validate --json",
-    "plan_tests": _TESTS_TO_SPREAD,
     "optimise(refine=True)": _RANGE,
     "calibrate(prior=True)": _TESTS_OF_PRIOR,
     'calibrate(law="all")': _EACH_LAW,
     "replacing equations": "there, with armour.equations(...) takes its place",
     "armour.LawFit": "",
-    "armour.PlannedTest": "",
-    "armour.PlannedTests": "",
     "armour.ResidualVelocityFit": "",
 }
 

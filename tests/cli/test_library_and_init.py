@@ -130,7 +130,6 @@ def test_a_folder_of_the_name_of_a_suite_is_none(cli, folder: Path):
     [
         ("v50 shots.csv", "tests/shots is a shipped table"),
         ("calibrate wilkins.csv wilkins", "tests/wilkins is a shipped table"),
-        ("plan tests wilkins --candidates armour.ceramic_thickness_mm=6:8:1 --tests wilkins.csv", "tests/wilkins is"),
         ("simulate wilkins.toml", "wilkins is a shipped scenario"),
         ("validate paper.toml", "paper is a shipped suite"),
         ("report plates.toml", "plates is a shipped suite"),
@@ -175,7 +174,6 @@ TOO_LONG = "a" * 300
         ["calibrate", TOO_LONG, "wilkins"],
         ["plan", "shots", "wilkins", TOO_LONG],
         ["plan", "shots", "wilkins", TOO_LONG, "--result", "partial"],
-        ["plan", "tests", "wilkins", "--candidates", TOO_LONG, "--scatter-percent", "3"],
         ["sweep", "wilkins", "--cases", TOO_LONG, "-o", "a.csv"],
         ["sweep", "wilkins", "--over", "armour.ceramic_thickness_mm=5,6", "-o", f"{TOO_LONG}.csv"],
         ["simulate", "wilkins", "--history", f"{TOO_LONG}.csv"],
@@ -187,7 +185,7 @@ TOO_LONG = "a" * 300
 @pytest.mark.usefixtures("folder")
 def test_a_name_that_no_file_can_have(cli, args: list[str]):
     [message] = cli.fails(2, *args)
-    known = ("file name too long", "must be KEY=VALUES", "no such file", "must be a folder")
+    known = ("file name too long", "no such file", "must be a folder")
     assert any(words in message for words in known)
 
 

@@ -107,12 +107,6 @@ def test_the_scores_are_those_of_the_correlated_distribution(prior: Prior):
     assert prior.rows(x) == pytest.approx(approx_fprime(x, prior.scores, 1e-7), abs=1e-5)
 
 
-def test_the_centre_has_no_score(prior: Prior):
-    centre = prior.centred(np.array([3.0, 9.0, 9.0]))
-    assert prior.scores(centre) == pytest.approx([0.0, 0.0])
-    assert centre[0] == 3.0
-
-
 def test_a_fit_far_from_its_end_takes_no_dense_scans(monkeypatch: pytest.MonkeyPatch):
     """Inputs that the tests do not identify lead far from all tests, where each limit would take 1,025 velocities."""
     scans: list[int] = []

@@ -370,7 +370,7 @@ def sweep(
         ("--plot", plot and names[0] == "outcome", "must be given with a number first in --quantities, found outcome"),
     )
     with runner.as_options("sweep"):
-        source = sweeping.grid_of("--over", over or []) if cases is None else sweeping.cases_of(cases, sheet)
+        source = sweeping.grid_of(over or []) if cases is None else sweeping.cases_of(cases, sheet)
         options: Any = {"scheduler": scheduler, "threads": threads, "replace": force, "yes": yes, "as_json": as_json}
         sweeping.write_and_show(loaded, source, names, output, plot, **options)
 

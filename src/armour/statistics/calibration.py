@@ -290,7 +290,7 @@ def calibrate(
         raise mistake("calibrate", "scenario", f"{message}; read_tests reads them with this one")
     if prior:
         warn_leaving("calibrate(prior=True)", 3)
-        check_same_prior(tests, scenario, "calibrate")
+        _check_same_prior(tests, scenario)
     for role in ROLES:
         entry = tests.groups[0].scenario.entry_of(role) if any(name.startswith(f"{role}.") for name in fit) else None
         if entry is not None and entry.evidence is not None:
@@ -298,7 +298,10 @@ def calibrate(
             raise mistake(tests.file, "", message)
     if (count := sum(m.quantity == LIMIT for m in tests.measurements)) > MOST_TESTS:
         raise mistake(tests.file, "", f"must have at most {MOST_TESTS} limits and outcomes, found {count}")
-    check_fitted(fit, law, "calibrate")
+    if not fit:
+        raise mistake("calibrate", "fit", "must name at least one input")
+    if law is not None and FLOW_STRESS not in fit:
+        raise mistake("calibrate", "law", f'must not be given unless {FLOW_STRESS} is fitted, found "{law}"')
     fits: list[tuple[InputFit, CalibrationResult]] = []
     for fitted_law in LAWS if law == "all" else (law,):
         try:
@@ -368,36 +371,18 @@ def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str
 def under_law(tests: Tests, inputs: Sequence[str], law: Law | None) -> tuple[Tests, list[str]]:
     """Return the tests with a law of the flow stress, their own if it is None, and the names of all inputs to fit."""
     groups = tuple(group._replace(scenario=with_law(group.scenario, law)) for group in tests.groups)
-    return replace(tests, groups=groups, scenario=with_law(tests.scenario, law)), fitted_names(inputs, law)
+    names = dict.fromkeys([*inputs, *(f"ceramic.{key}" for key in (LAWS[law] if law else ()))])
+    return replace(tests, groups=groups, scenario=with_law(tests.scenario, law)), [*names]
 
 
-def fitted_names(inputs: Sequence[str], law: Law | None) -> list[str]:
-    """Return the names of the inputs to fit, followed by the coefficients of a law of the flow stress."""
-    return [*dict.fromkeys([*inputs, *(f"ceramic.{key}" for key in (LAWS[law] if law else ()))])]
-
-
-def check_fitted(fit: Sequence[str], law: str | None, function: str) -> None:
-    """Check that there is an input to fit, and a law only if the flow stress is fitted.
-
-    Messages name `function`, the public function that was called.
-    """
-    if not fit:
-        raise mistake(function, "fit", "must name at least one input")
-    if law is not None and FLOW_STRESS not in fit:
-        raise mistake(function, "law", f'must not be given unless {FLOW_STRESS} is fitted, found "{law}"')
-
-
-def check_same_prior(tests: Tests, scenario: Scenario, function: str) -> None:
-    """Check that `scenario` has the distributions, used as a prior, of the scenario that the tests were read with.
-
-    Messages name `function`, the public function that was called.
-    """
+def _check_same_prior(tests: Tests, scenario: Scenario) -> None:
+    """Check that `scenario` has the distributions, used as a prior, of the scenario that the tests were read with."""
     read_with = tests.scenario
     names = (scenario.uncertainty or Uncertainty()).inputs()
     values, read_values = ([inputs.get(name) for name in names] for inputs in (scenario.inputs(), read_with.inputs()))
     if read_with.uncertainty != scenario.uncertainty or read_values != values:
         message = "must have the distributions of the scenario that the tests were read with, found others"
-        raise mistake(function, "scenario", f"{message}; read_tests reads them with this one")
+        raise mistake("calibrate", "scenario", f"{message}; read_tests reads them with this one")
 
 
 def fit_by_law(

@@ -26,7 +26,7 @@ from armour.scenario.library import FLOW_STRESS_LAW
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Uncertainty, correlation_matrix
 from armour.statistics.curves import profile_end
-from armour.statistics.measured import LIMIT, MASS, RESIDUAL, MaterialGroup, Tests
+from armour.statistics.measured import LIMIT, MASS, RESIDUAL, Tests
 
 
 class Prior(NamedTuple):
@@ -52,12 +52,6 @@ class Prior(NamedTuple):
     def deviations(self, x: Floats) -> Floats:
         """Return the standard deviations of the q inputs near a point, in the units of the inputs, (q,)."""
         return self.widths * np.where(self.logs, x[self.where], 1.0)
-
-    def centred(self, x: Floats) -> Floats:
-        """Return a point with the q inputs moved to the centres of their distributions, (k,)."""
-        centre = x.copy()
-        centre[self.where] = np.where(self.logs, np.exp(self.centres), self.centres)
-        return centre
 
 
 NO_PRIOR = Prior(np.empty(0, dtype=int), np.empty(0, dtype=bool), np.empty(0), np.empty(0), np.empty((0, 0)))
@@ -279,8 +273,8 @@ def fit_inputs(likelihood: Likelihood) -> InputFit:
     solutions = [search(likelihood, start) for start in starts]
     best = min(solutions, key=lambda solution: solution.loss)
     sides, z = likelihood.sides, likelihood.deviations(best.x) / best.scatter
-    weights, rows = rows_at(likelihood, best.x, best.scatter)
-    residuals = np.where(sides == 0, z, -sides * hazard(sides * z) / np.maximum(weights, 1e-150))
+    weights, rows = _rows_at(likelihood, best.x, best.scatter)
+    residuals = np.where(sides == 0, z, -sides * _hazard(sides * z) / np.maximum(weights, 1e-150))
     rows = np.vstack([rows, likelihood.prior.rows(best.x)])
     residuals = np.append(residuals, likelihood.prior.scores(best.x))
     if tests.weighted:
@@ -302,25 +296,15 @@ def fit_inputs(likelihood: Likelihood) -> InputFit:
 
 def likelihood_of(tests: Tests, inputs: Sequence[str], on_progress: OnProgress, *, prior: bool = False) -> Likelihood:
     """Check that inputs can be fitted to tests, and return their likelihood, with or without the scenario's prior."""
-    check_fittable(tests.file, tests.scenario, tests.groups, inputs)
+    _check_fittable(tests, inputs)
     first = tests.groups[0].scenario
-    is_coefficient = np.array([_is_of_law(name) for name in inputs])
-    units = units_of(first, inputs)
+    values, is_coefficient = first.inputs(), np.array([name.partition(".")[2] in FLOW_STRESS_LAW for name in inputs])
+    units = np.where(is_coefficient, 1.0, [values[name] for name in inputs])
     lower = np.where(is_coefficient, -MAX_COEFFICIENT, MIN_RATIO)
     upper = np.where(is_coefficient, MAX_COEFFICIENT, MAX_VALUE_RATIO)
     kept = np.ones(len(tests.measurements), dtype=bool)
     distributions = prior_of(first, inputs, units) if prior else NO_PRIOR
     return Likelihood(tests, tuple(inputs), units, lower, upper, kept, on_progress, distributions)
-
-
-def units_of(scenario: Scenario, inputs: Sequence[str]) -> Floats:
-    """Return the units of inputs: the scenario's values, or 1 for coefficients of a law of the flow stress, (k,)."""
-    values = scenario.inputs()
-    return np.array([1.0 if _is_of_law(name) else values[name] for name in inputs])
-
-
-def _is_of_law(name: str) -> bool:
-    return name.partition(".")[2] in FLOW_STRESS_LAW
 
 
 def search(
@@ -417,7 +401,7 @@ def _by_uncertainties(rows: Floats, residuals: Floats, sides: Floats) -> Precisi
 def _by_scatter(rows: Floats, weights: Floats, z: Floats, sides: Floats, scatter: float) -> Precision:
     """Return the precision if the scatter is estimated with the inputs.
 
-    `rows`, (m + q, k), are those of `InputFit`, and `weights`, (m,), those of `rows_at`; `z`, (m,), are deviations over
+    `rows`, (m + q, k), are those of `InputFit`, `weights`, (m,), those of `_rows_at`; `z`, (m,), are deviations over
     the scatter.  Without outcomes and prior, the intervals are exact for a linear model.  Outcomes count as the number
     of measured values that would determine the scatter as well.
     """
@@ -428,7 +412,7 @@ def _by_scatter(rows: Floats, weights: Floats, z: Floats, sides: Floats, scatter
     joint_rows[:measurements, count] = np.where(exact, 0.0, -weights * z)
     joint_rows[-1, count] = sqrt(2.0 * exact.sum())
     _, leverages = _inverted(joint_rows, count)
-    information = np.where(exact, 2.0, z**2 * hazard(sides * z) * hazard(-sides * z))  # on the scatter's logarithm
+    information = np.where(exact, 2.0, z**2 * _hazard(sides * z) * _hazard(-sides * z))  # on the scatter's logarithm
     equivalent = 0.5 * float(information.sum())  # number of measured values that determine the scatter as well
     # The part that the prior determines takes no degree of freedom from the tests and adds no error to the scatter.
     by_tests = count - float(leverages[measurements:].sum())
@@ -465,7 +449,7 @@ def _prior_shares(prior: Prior, best: Point, precision: Precision) -> tuple[floa
     return tuple(shares)
 
 
-def rows_at(likelihood: Likelihood, x: Floats, scatter: float) -> tuple[Floats, Floats]:
+def _rows_at(likelihood: Likelihood, x: Floats, scatter: float) -> tuple[Floats, Floats]:
     """Return the weights, (m,), and the rows, (m, k), of the m measurements that count, at a point.
 
     A row is a weight times the gradient of the deviation, in standard deviations.  The weight of a measured value is 1.
@@ -474,12 +458,12 @@ def rows_at(likelihood: Likelihood, x: Floats, scatter: float) -> tuple[Floats, 
     sides = likelihood.sides
     jacobian = approx_fprime(x, likelihood.deviations, DIFFERENCE).reshape(len(sides), len(x)) / scatter
     z = sides * likelihood.deviations(x) / scatter
-    hazards = hazard(z)
+    hazards = _hazard(z)
     weights = np.sqrt(np.where(sides == 0, 1.0, hazards * (hazards + z)))
     return weights, weights[:, None] * jacobian
 
 
-def hazard(z: Floats) -> Floats:
+def _hazard(z: Floats) -> Floats:
     """Return the density of the normal distribution divided by its distribution function at `z`."""
     return np.exp(-0.5 * z * z - log_ndtr(z)) / sqrt(2.0 * pi)
 
@@ -553,25 +537,21 @@ def without(fit: InputFit, kept: Bools) -> Floats:
     return search(likelihood, x, scatter=fit.best.scatter, tolerance=COMPARED_TOLERANCE).x
 
 
-def check_fittable(
-    file: str, scenario: Scenario, groups: Sequence[MaterialGroup], inputs: Sequence[str], function: str = "calibrate"
-) -> None:
-    """Check that `inputs` can be fitted to groups of tests with a scenario.
-
-    Messages name `file`, the file of the tests, and `function`, the public function that was called.
-    """
-    scenario.check_names(inputs, function, "fit")
+def _check_fittable(tests: Tests, inputs: Sequence[str]) -> None:
+    """Check that `inputs` can be fitted to tests."""
+    tests.scenario.check_names(inputs, "calibrate", "fit")
     problems = []
     for name in inputs:
-        if any(name in group.columns for group in groups):
-            problems.append(Problem(file, name, "must not be a column if it is fitted"))
+        if any(name in group.columns for group in tests.groups):
+            problems.append(Problem(tests.file, name, "must not be a column if it is fitted"))
         if INPUTS[name].kind is None:
-            problems.append(Problem(function, "fit", f'must be a property of a material or projectile, found "{name}"'))
+            message = f'must be a property of a material or projectile, found "{name}"'
+            problems.append(Problem("calibrate", "fit", message))
     for role, key in NAMES.items():
-        names = {group.scenario.name_of(role) for group in groups}
+        names = {group.scenario.name_of(role) for group in tests.groups}
         if len(names) > 1 and any(name.startswith(role + ".") for name in inputs):
             message = (
                 f"must be the same in all tests if the {role} is fitted, found {', '.join(sorted(map(str, names)))}"
             )
-            problems.append(Problem(file, key, message))
+            problems.append(Problem(tests.file, key, message))
     refuse(problems)
