@@ -60,7 +60,6 @@ KEYS = {
     "check wilkins": ["threats.outside_tests"],
     "uncertainty uncertain --samples 128": [
         *("ballistic_limit_m_s.V05", "ballistic_limit_m_s.V50", "ballistic_limit_m_s.V95"),
-        *("inputs.first", "inputs.total"),
     ],
     "calibrate unknown_ceramic tests/unknown_ceramic": ["aicc", "laws", "coefficients.prior_share"],
     "compare wilkins": [

@@ -23,7 +23,6 @@ from armour.reporting.words import (
     STOPPING,
     chance,
     error_note,
-    estimated,
     risk,
     rounded_up,
     sampled_percents,
@@ -38,9 +37,6 @@ from armour.statistics.v50 import FiringResult
 
 SCATTER_ASSUMED = "the prior for the scatter is assumed; the model does not predict scatter"
 SAMPLING_NOTE = "more samples make the intervals narrower; the spread of the ballistic limit is V05 to V95"
-
-
-INDEX_NOTE = "true indices lie between 0 and 1; sampling error can push estimates and intervals slightly outside"
 
 
 def estimate_table(result: UncertaintyResult) -> Table:
@@ -59,13 +55,11 @@ def estimate_table(result: UncertaintyResult) -> Table:
     return Table(columns, tuple(rows))
 
 
-def index_table(result: UncertaintyResult) -> Table:
-    """Tabulate the Sobol' indices of each input, and the ballistic limits at its 5 and 95 % quantiles."""
+def influence_table(result: UncertaintyResult) -> Table:
+    """Tabulate the ballistic limits with each input in turn at its 5 and 95 % quantiles."""
     return Table.of(
         result.inputs,
         (Column("input", prose=True), lambda item: in_words(item.input)),
-        (Column("first-order index"), lambda item: estimated(item.first, ".2f")),
-        (Column("total index"), lambda item: estimated(item.total, ".2f")),
         (Column("limit at 5 and 95 %", "m/s"), lambda item: interval(item.limits_m_s, ".0f")),
     )
 
@@ -79,15 +73,7 @@ def tables_of_uncertainty(result: UncertaintyResult) -> list[Table | str]:
     method = Column("method"), f"{result.method}, seed {result.seed}"
     of_scenario = Column.of("deterministic_m_s", ".0f", "ballistic limit of the scenario")
     spread = Column.of("standard_deviation_m_s", ".0f")
-    parts += [Table.of_one(result, Column.of("samples", "d"), method, of_scenario, spread), index_table(result)]
-    estimates = [estimate for index in result.inputs for estimate in (index.first, index.total) if estimate]
-    if any(estimate.low < 0.0 or estimate.high > 1.0 for estimate in estimates):
-        parts.append(INDEX_NOTE)
-    if any(index.first and not index.total for index in result.inputs):
-        parts.append(
-            "inputs are correlated: variance that they share is attributed to each of them, so that the first-order "
-            "indices may sum to more than 1; total indices are not given"
-        )
+    parts += [Table.of_one(result, Column.of("samples", "d"), method, of_scenario, spread), influence_table(result)]
     return parts
 
 
